@@ -27,9 +27,9 @@ from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from readers import writers
+from scenes import camera_files as writers
 
-from erlif.readers import FrameFile, open_frames
+from erlif.io.readers import FrameFile, open_frames
 
 Writer = Callable[[Path, np.ndarray], Path]
 

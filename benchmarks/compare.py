@@ -60,8 +60,8 @@ def make(scratch: Path, number: int, factor: float) -> Path:
 def read(out: Path):
     """The record of a run, and its true film statistics by name. [um]"""
     import erlif
-    from erlif.comparison import read_run
-    from erlif.files import region_of
+    from erlif.io.files import region_of
+    from erlif.review.comparison import read_run
 
     with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as opened:
         truth = opened.load()
@@ -77,8 +77,8 @@ def read(out: Path):
 
 def photographed(scratch: Path, runs: int) -> None:
     """Pulls of the differences of all pairs of photographed runs, statistics and cells."""
-    from erlif.comparison import average_difference, difference_map
-    from erlif.comparison.difference import common_angles
+    from erlif.review.comparison import average_difference, difference_map
+    from erlif.review.comparison.difference import common_angles
 
     made = [make(scratch, k, 1.0 if k < runs // 2 else THICKER) for k in range(runs)]
     found = [read(out) for out in made]
@@ -128,8 +128,8 @@ def cell_truth(film, flags, mapped):
 
 def drawn(scratch: Path, count: int) -> None:
     """Coverage and false alarms of three runs drawn from the error model of one of them."""
-    from erlif.comparison import average_difference, correct_for_many
-    from erlif.comparison.difference import common_angles
+    from erlif.review.comparison import average_difference, correct_for_many
+    from erlif.review.comparison.difference import common_angles
 
     _, _, record, _ = read(make(scratch, 0, 1.0))
     rng = np.random.default_rng(1)
@@ -155,7 +155,7 @@ def drawn(scratch: Path, count: int) -> None:
 
 def draw(record, rng, *, true: float, shared: bool):
     """Three runs whose errors follow the model; the second and third are thicker by `true`."""
-    from erlif.comparison.records import REPEATING
+    from erlif.review.comparison.records import REPEATING
 
     spread = np.linalg.cholesky(record.calibration.full_covariance)
     common = spread @ rng.standard_normal(len(spread))

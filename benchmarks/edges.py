@@ -352,7 +352,7 @@ def refine(load: float) -> None:
 
 def draw(load: float) -> None:
     """Profiles, map, search and stress of the joint in one figure."""
-    from erlif import plots
+    from erlif.show import plots
 
     straight = prepare_joint(THESIS)
     cut = prepare_joint(replace(THESIS, undercut=OPTIMUM), pin=straight.pin)

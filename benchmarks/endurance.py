@@ -17,7 +17,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 import xarray as xr
 
-from erlif.endurance import analyse_endurance
+from erlif.joint.endurance import analyse_endurance
 from erlif.rig import EnduranceRig, simulate_endurance
 
 RISE = 0.05

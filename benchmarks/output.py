@@ -19,8 +19,8 @@ import numpy as np
 import xarray as xr
 from numcodecs import blosc
 
-from erlif.files import NetcdfMaps, ZarrMaps, open_film
-from erlif.files.compression import encode_netcdf, encode_zarr, round_map
+from erlif.io.files import NetcdfMaps, ZarrMaps, open_film
+from erlif.io.files.compression import encode_netcdf, encode_zarr, round_map
 from erlif.pipeline.film import MAPS
 
 Codec = Callable[[np.ndarray], bytes]

@@ -19,10 +19,10 @@ import xarray as xr
 
 import erlif
 from erlif.core.flags import Flag
-from erlif.pipeline.plan import design_of, example_plan, film_of, rig_of
+from erlif.io.settings import PlanSettings
 from erlif.planning import measurable_range, thickness_std
+from erlif.planning.plan import design_of, example_plan, film_of, rig_of
 from erlif.rig import simulate
-from erlif.settings import PlanSettings
 
 POINTS: dict[str, tuple[tuple[str, str], ...]] = {
     "thesis, full light": (),

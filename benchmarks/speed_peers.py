@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from erlif.files import PartialFilm, open_film, write_film
-from erlif.ingest import open_run, read_frames
+from erlif.io.files import PartialFilm, open_film, write_film
+from erlif.io.ingest import open_run, read_frames
 from erlif.pipeline.film import MAPS
 from erlif.registration import RegistrationSettings, divide_by_light, register
 

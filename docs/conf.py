@@ -129,36 +129,36 @@ SINGLE_PAGES = (
 html_sidebars = {page: [] for page in SINGLE_PAGES}  # they have no section to navigate
 
 STAGES = (
-    "readers",
-    "ingest",
+    "io.readers",
+    "io.ingest",
     "correction",
     "registration",
     "ratio",
     "calibration",
     "thickness",
     "planning",
-    "sizing",
+    "joint.sizing",
     "kinematics",
     "trend",
     "prediction",
     "pipeline",
-    "audit",
-    "conversion",
-    "comparison",
-    "friction",
-    "endurance",
-    "files",
-    "plots",
-    "report",
-    "notebook",
-    "view",
-    "settings",
+    "review.audit",
+    "io.conversion",
+    "review.comparison",
+    "joint.friction",
+    "joint.endurance",
+    "io.files",
+    "show.plots",
+    "show.report",
+    "show.notebook",
+    "show.view",
+    "io.settings",
     "rig",
 )
 """Stages whose exported names are documented, in the order of the pipeline."""
 
 ELSEWHERE = {
-    "erlif.endurance": (
+    "erlif.joint.endurance": (
         "LogColumns",
         "ReversalSeries",
         "analyse_reversals",

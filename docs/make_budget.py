@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import erlif
-from erlif.report import render_budget
+from erlif.show.report import render_budget
 
 ROOT = Path(__file__).parents[1]
 BEGIN, END = "<!-- budget -->\n", "<!-- end of budget -->"

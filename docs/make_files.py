@@ -1,7 +1,7 @@
 """Write docs/files.md and the JSON schemas in docs/schema: ``python docs/make_files.py``.
 
-The pages of the settings come from the tables of `erlif.settings`; the variables of calibration.nc
-and film.nc stand below, and a test holds them to the files that erlif writes.
+The pages of the settings come from the tables of `erlif.io.settings`; the variables of
+calibration.nc and film.nc stand below, and a test holds them to the files that erlif writes.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from erlif.core.flags import Flag
-from erlif.settings import (
+from erlif.io.settings import (
     DesignSettings,
     EnduranceSettings,
     FixtureSettings,
@@ -25,7 +25,7 @@ from erlif.settings import (
     keys_of,
     tables_of,
 )
-from erlif.settings.toml import toml_value
+from erlif.io.settings.toml import toml_value
 
 DOCS = Path(__file__).parent
 
@@ -1028,7 +1028,7 @@ FRAMES_TEXT = """\
 ## Frames
 
 Frames, darks and flats are grey images of 8 or 16-bit unsigned counts, at least 64 x 64 pixels, all
-of one size and type in a run, in a format that `erlif.readers` recognises. Frame k of
+of one size and type in a run, in a format that `erlif.io.readers` recognises. Frame k of
 camera 1 and frame k of camera 2 show the same laser pulse, and row k of the encoder log belongs to
 them. Single-page files are taken in natural order (frame_2 before frame_10); a multi-page file
 holds its frames in order.

@@ -23,55 +23,56 @@ _FUNCTIONS = {
     "Calibration": "erlif.calibration",
     "ErlifError": "erlif.core.errors",
     "Flag": "erlif.core.flags",
-    "analyse_endurance": "erlif.endurance",
-    "analyse_friction": "erlif.friction",
+    "analyse_endurance": "erlif.joint.endurance",
+    "analyse_friction": "erlif.joint.friction",
     "batch": "erlif.pipeline.batch",
-    "budget": "erlif.pipeline.budget",
+    "budget": "erlif.review.budget",
     "calibrate": "erlif.pipeline.fixture",
-    "check": "erlif.audit",
-    "compare": "erlif.comparison",
-    "compare_designs": "erlif.endurance",
-    "design": "erlif.pipeline.design",
-    "export": "erlif.conversion",
+    "check": "erlif.review.audit",
+    "compare": "erlif.review.comparison",
+    "compare_designs": "erlif.joint.endurance",
+    "design": "erlif.joint.sizing.design",
+    "export": "erlif.io.conversion",
     "find_pin_position": "erlif.trend",
-    "init": "erlif.pipeline.init",
+    "init": "erlif.review.init",
     "open_calibration": "erlif.calibration",
-    "open_film": "erlif.files",
-    "plan": "erlif.pipeline.plan",
-    "predict": "erlif.pipeline.predict",
-    "pressure_from_film": "erlif.pipeline.pressure",
+    "open_film": "erlif.io.files",
+    "plan": "erlif.planning.plan",
+    "predict": "erlif.pipeline.physics.predict",
+    "pressure_from_film": "erlif.pipeline.physics.pressure",
     "process": "erlif.pipeline.run",
-    "read_endurance_log": "erlif.endurance",
+    "read_endurance_log": "erlif.joint.endurance",
     "save_calibration": "erlif.calibration",
     "simulate": "erlif.rig",
-    "summarise": "erlif.report",
+    "summarise": "erlif.show.report",
 }
-_MODULES = (
-    "audit",
-    "calibration",
-    "comparison",
-    "conversion",
-    "correction",
-    "endurance",
-    "files",
-    "friction",
-    "ingest",
-    "kinematics",
-    "models",
-    "notebook",
-    "pipeline",
-    "planning",
-    "plots",
-    "prediction",
-    "ratio",
-    "registration",
-    "report",
-    "rig",
-    "settings",
-    "sizing",
-    "thickness",
-    "trend",
-)
+_MODULES = {
+    "audit": "erlif.review.audit",
+    "calibration": "erlif.calibration",
+    "comparison": "erlif.review.comparison",
+    "conversion": "erlif.io.conversion",
+    "correction": "erlif.correction",
+    "endurance": "erlif.joint.endurance",
+    "files": "erlif.io.files",
+    "friction": "erlif.joint.friction",
+    "ingest": "erlif.io.ingest",
+    "kinematics": "erlif.kinematics",
+    "models": "erlif.models",
+    "notebook": "erlif.show.notebook",
+    "pipeline": "erlif.pipeline",
+    "planning": "erlif.planning",
+    "plots": "erlif.show.plots",
+    "prediction": "erlif.prediction",
+    "ratio": "erlif.ratio",
+    "readers": "erlif.io.readers",
+    "registration": "erlif.registration",
+    "report": "erlif.show.report",
+    "rig": "erlif.rig",
+    "settings": "erlif.io.settings",
+    "sizing": "erlif.joint.sizing",
+    "thickness": "erlif.thickness",
+    "trend": "erlif.trend",
+}
 
 __all__ = [
     "Calibration",
@@ -114,6 +115,7 @@ __all__ = [
     "process",
     "ratio",
     "read_endurance_log",
+    "readers",
     "registration",
     "report",
     "rig",
@@ -128,51 +130,43 @@ __all__ = [
 
 if TYPE_CHECKING:
     from erlif import (
-        audit,
         calibration,
-        comparison,
-        conversion,
         correction,
-        endurance,
-        files,
-        friction,
-        ingest,
         kinematics,
         models,
-        notebook,
         pipeline,
         planning,
-        plots,
         prediction,
         ratio,
         registration,
-        report,
         rig,
-        settings,
-        sizing,
         thickness,
         trend,
     )
-    from erlif.audit import check
     from erlif.calibration import Calibration, open_calibration, save_calibration
-    from erlif.comparison import compare
-    from erlif.conversion import export
     from erlif.core.errors import ErlifError
     from erlif.core.flags import Flag
-    from erlif.endurance import analyse_endurance, compare_designs, read_endurance_log
-    from erlif.files import open_film
-    from erlif.friction import analyse_friction
+    from erlif.io import conversion, files, ingest, readers, settings
+    from erlif.io.conversion import export
+    from erlif.io.files import open_film
+    from erlif.joint import endurance, friction, sizing
+    from erlif.joint.endurance import analyse_endurance, compare_designs, read_endurance_log
+    from erlif.joint.friction import analyse_friction
+    from erlif.joint.sizing.design import design
     from erlif.pipeline.batch import batch
-    from erlif.pipeline.budget import budget
-    from erlif.pipeline.design import design
     from erlif.pipeline.fixture import calibrate
-    from erlif.pipeline.init import init
-    from erlif.pipeline.plan import plan
-    from erlif.pipeline.predict import predict
-    from erlif.pipeline.pressure import pressure_from_film
+    from erlif.pipeline.physics.predict import predict
+    from erlif.pipeline.physics.pressure import pressure_from_film
     from erlif.pipeline.run import process
-    from erlif.report import summarise
+    from erlif.planning.plan import plan
+    from erlif.review import audit, comparison
+    from erlif.review.audit import check
+    from erlif.review.budget import budget
+    from erlif.review.comparison import compare
+    from erlif.review.init import init
     from erlif.rig import simulate
+    from erlif.show import notebook, plots, report
+    from erlif.show.report import summarise
     from erlif.trend import find_pin_position
 
 
@@ -181,7 +175,7 @@ def __getattr__(name: str) -> Any:
     if name in _FUNCTIONS:
         return getattr(import_module(_FUNCTIONS[name]), name)
     if name in _MODULES:
-        return import_module(f"erlif.{name}")
+        return import_module(_MODULES[name])
     raise AttributeError(f"module 'erlif' has no attribute {name!r}")
 
 
@@ -195,10 +189,10 @@ def _add_accessors() -> None:
 
     if not hasattr(xr.Dataset, "erlif"):
         xr.register_dataset_accessor("erlif")(  # type: ignore[no-untyped-call]
-            lambda dataset: import_module("erlif.notebook").FilmAccessor(dataset)
+            lambda dataset: import_module("erlif.show.notebook").FilmAccessor(dataset)
         )
         xr.register_dataarray_accessor("erlif")(  # type: ignore[no-untyped-call]
-            lambda array: import_module("erlif.notebook").MapAccessor(array)
+            lambda array: import_module("erlif.show.notebook").MapAccessor(array)
         )
 
 

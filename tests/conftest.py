@@ -102,7 +102,7 @@ def film(small_rig, tmp_path_factory) -> Path:
 @pytest.fixture
 def coarse_pressure(monkeypatch) -> None:
     """The pressure of a film on few cells, for tests that do not look at its values."""
-    module = importlib.import_module("erlif.pipeline.pressure")
+    module = importlib.import_module("erlif.pipeline.physics.pressure")
     coarse = functools.partial(module.find_pressures, cells=(64, 4))
     monkeypatch.setattr(module, "find_pressures", coarse)
 

@@ -23,7 +23,7 @@ from scenes.stores import FILM, GRID, GROUPS, VARIABLES, contents, maps_of
 
 import erlif
 from erlif.commands.main import main
-from erlif.files import PartialFilm, write_film
+from erlif.io.files import PartialFilm, write_film
 
 pytestmark = pytest.mark.slow
 

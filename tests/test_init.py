@@ -32,8 +32,8 @@ def test_processing_loads_no_library_that_it_does_not_need():
     code = (
         "import sys\n"
         "from erlif import pipeline\n"
-        "from erlif.report import summarise\n"
-        "from erlif.settings import read_run_settings\n"
+        "from erlif.show.report import summarise\n"
+        "from erlif.io.settings import read_run_settings\n"
         "from pathlib import Path\n"
         "read_run_settings(Path('data_samples/straight_bushing'))\n"
         f"loaded = [name for name in {slow} if name in sys.modules]\n"

@@ -18,7 +18,7 @@ ERRORS = (
 )
 
 COMPLETED = {
-    "erlif/readers/": "bare reasons, which erlif.ingest.images.with_advice completes",
+    "erlif/io/readers/": "bare reasons, which erlif.ingest.images.with_advice completes",
     "erlif/models/": "functions of numbers: the condition on the argument is the step",
 }
 """Folders whose messages need no step, with the reason."""

@@ -12,7 +12,7 @@ from dataclasses import replace
 import matplotlib.pyplot as plt
 import numpy as np
 
-from erlif.sizing import Joint, read_materials, walk_guide
+from erlif.joint.sizing import Joint, read_materials, walk_guide
 
 materials = read_materials()
 joint = Joint(

@@ -25,7 +25,7 @@ for name, bit in meanings.items():
 # %%
 # A profile along the sliding direction, averaged over a strip 2 mm high, with the standard error
 # of the mean from the random part. Pixels share some noise after interpolation, so the true
-# error is slightly larger; ``erlif.plots.sliding_profile`` accounts for it.
+# error is slightly larger; ``erlif.show.plots.sliding_profile`` accounts for it.
 
 strip = film.isel(trigger=13).sel(y=slice(6, 8))
 mean = strip.thickness.mean("y")

@@ -464,7 +464,7 @@ def describe_parameters(calibration: Calibration) -> list[tuple[str, str]]:
 
     Examples
     --------
-    >>> from erlif.plots import example_calibration
+    >>> from erlif.show.plots import example_calibration
     >>> describe_parameters(example_calibration())[0]
     ('K, ratio of a vanishing film', '0.66000 ± 0.00100')
     """

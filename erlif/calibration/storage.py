@@ -30,11 +30,18 @@ from erlif.core.errors import (
 )
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
 from erlif.core.version import __version__
-from erlif.files import has_group, open_netcdf, refuse_existing, settings_of, takes, write_dataset
-from erlif.files.kinds import KIND_NAMES, kind_of
+from erlif.io.files import (
+    has_group,
+    open_netcdf,
+    refuse_existing,
+    settings_of,
+    takes,
+    write_dataset,
+)
+from erlif.io.files.kinds import KIND_NAMES, kind_of
+from erlif.io.settings import RunSettings
 from erlif.registration import CameraMap
 from erlif.registration.camera_map import describe_map
-from erlif.settings import RunSettings
 
 _OTHERS = ("film", "prediction", "pressure", "comparison", "budget")
 """Products whose files are no calibrations."""
@@ -68,7 +75,7 @@ def save_calibration(
     Examples
     --------
     >>> from tempfile import TemporaryDirectory
-    >>> from erlif.plots import example_calibration
+    >>> from erlif.show.plots import example_calibration
     >>> with TemporaryDirectory() as directory:
     ...     path = save_calibration(example_calibration(), Path(directory) / "calibration.nc")
     ...     open_calibration(path).parameters

@@ -99,9 +99,9 @@ def batch(
 
 def _describe(outcome: RunOutcome) -> str:
     """One line on a run."""
-    from erlif.files import open_film
+    from erlif.io.files import open_film
     from erlif.pipeline.batch import RunState
-    from erlif.report import summarise_in_a_line
+    from erlif.show.report import summarise_in_a_line
 
     if outcome.failed:
         return f"{outcome.run_dir}: failed, see below"

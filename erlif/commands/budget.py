@@ -38,8 +38,8 @@ def budget(
     Example:
       erlif budget data_samples/straight_bushing --trigger 12
     """
-    from erlif.pipeline.budget import budget as make_budget
-    from erlif.report import render_budget
+    from erlif.review.budget import budget as make_budget
+    from erlif.show.report import render_budget
 
     with announced_compiling(), show_progress() as progress:
         found = make_budget(

@@ -47,9 +47,9 @@ def calibrate(
     with large_imports():
         from erlif import pipeline
         from erlif.calibration import save_calibration
-        from erlif.files import refuse_existing
-        from erlif.plots import write_calibration_figure
-        from erlif.report import describe_calibration
+        from erlif.io.files import refuse_existing
+        from erlif.show.plots import write_calibration_figure
+        from erlif.show.report import describe_calibration
 
     # everything that can be refused is refused before the work starts
     output = output or fixture_dir / "calibration.nc"
@@ -91,7 +91,7 @@ def _open_replaced(output: Path) -> Calibration | None:
 def _open_comparable(against: Path, fixture_dir: Path) -> Calibration:
     """The calibration to compare with; refused where its bands differ from the fixture's."""
     from erlif.calibration import open_calibration, share_bands
-    from erlif.settings import read_fixture_settings
+    from erlif.io.settings import read_fixture_settings
 
     earlier, settings = open_calibration(against), read_fixture_settings(fixture_dir)
     bands = settings.camera1.band, settings.camera2.band

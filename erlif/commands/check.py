@@ -39,8 +39,8 @@ def check(
       erlif check data_samples/straight_bushing
       erlif check data_samples/straight_bushing --html check.html
     """
-    from erlif.audit import audit
-    from erlif.files import refuse_existing
+    from erlif.io.files import refuse_existing
+    from erlif.review.audit import audit
 
     if page is not None:
         expect_suffix(page, ".html", option="--html")
@@ -53,7 +53,7 @@ def check(
         for note in found.notes:
             click.echo(f"{note.level:8s}{note}")
     if page is not None:
-        from erlif.report import write_check_page
+        from erlif.show.report import write_check_page
 
         written = write_check_page(found, page, overwrite=overwrite)
         click.echo(f"written: {written}", err=True)  # the findings stay a table of their own

@@ -56,9 +56,9 @@ def compare(
       erlif compare run_*/film.nc -o comparison
     """
     with large_imports():
-        from erlif.comparison import compare as compare_films
-        from erlif.comparison import describe_comparison, write_pair_table
-        from erlif.files import refuse_existing, replacing_set, write_dataset
+        from erlif.io.files import refuse_existing, replacing_set, write_dataset
+        from erlif.review.comparison import compare as compare_films
+        from erlif.review.comparison import describe_comparison, write_pair_table
 
     # everything that can be refused is refused before the work starts
     if len(films) > 1 and not (pair[0] != pair[1] and all(1 <= k <= len(films) for k in pair)):
@@ -82,7 +82,7 @@ def compare(
     if output is None:
         return
 
-    from erlif.plots import write_comparison_figures
+    from erlif.show.plots import write_comparison_figures
 
     # one file of an earlier comparison beside those of this one would belong to other films
     with replacing_set(output, (*_TABLES, *_FIGURES)) as scratch:

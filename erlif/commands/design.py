@@ -30,16 +30,16 @@ def design(
       erlif design joint.toml -o joint.html
     """
     with large_imports():
-        from erlif.files import refuse_existing
-        from erlif.pipeline.design import design as size
-        from erlif.pipeline.design import example_joint_file
-        from erlif.report import list_materials, summarise_design
+        from erlif.io.files import refuse_existing
+        from erlif.joint.sizing.design import design as size
+        from erlif.joint.sizing.design import example_joint_file
+        from erlif.show.report import list_materials, summarise_design
 
     if example:
         click.echo(example_joint_file(), nl=False)
         return
     if materials:
-        from erlif.sizing import read_materials
+        from erlif.joint.sizing import read_materials
 
         click.echo(list_materials(read_materials()))
         return
@@ -53,6 +53,6 @@ def design(
     designed = size(source)
     click.echo(summarise_design(designed))
     if output is not None:
-        from erlif.report import write_design_page
+        from erlif.show.report import write_design_page
 
         click.echo(f"\nwritten: {write_design_page(designed, output, overwrite=overwrite)}")

@@ -96,7 +96,9 @@ def endurance(
       erlif endurance *.csv --settings endurance.toml --design uncut=uncut_* --design new=new_*
     """
     with large_imports():
-        from erlif.endurance import (
+        from erlif.io.files import refuse_existing
+        from erlif.io.settings import EnduranceSettings, read_endurance_settings
+        from erlif.joint.endurance import (
             analyse_endurance,
             compare_designs,
             describe_designs,
@@ -104,9 +106,7 @@ def endurance(
             read_endurance_log,
             write_test_table,
         )
-        from erlif.files import refuse_existing
-        from erlif.plots import name_overviews, write_designs_figure, write_endurance_figures
-        from erlif.settings import EnduranceSettings, read_endurance_settings
+        from erlif.show.plots import name_overviews, write_designs_figure, write_endurance_figures
 
     # everything that can be refused is refused before anything is written
     given = read_endurance_settings(settings) if settings else EnduranceSettings()

@@ -43,9 +43,9 @@ def export(
       erlif export data_samples/straight_bushing/film.nc --to vtk
     """
     with large_imports():
-        from erlif.conversion import FORMATS, choose_trigger
-        from erlif.conversion import export as export_film
-        from erlif.files import describe_trigger, open_film
+        from erlif.io.conversion import FORMATS, choose_trigger
+        from erlif.io.conversion import export as export_film
+        from erlif.io.files import describe_trigger, open_film
 
     with open_film(film) as opened:
         chosen = choose_trigger(opened, trigger=trigger, angle=angle)

@@ -60,9 +60,9 @@ def figures(
       erlif figures data_samples/straight_bushing/film.nc --only thickness_map --angle 90 \\
           --format svg --style paper -o paper
     """
-    from erlif.conversion import choose_trigger
-    from erlif.files import describe_trigger, open_film
-    from erlif.plots import write_figures
+    from erlif.io.conversion import choose_trigger
+    from erlif.io.files import describe_trigger, open_film
+    from erlif.show.plots import write_figures
 
     output = output or film.parent / "figures"
     if output.is_file():

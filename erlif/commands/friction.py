@@ -85,14 +85,14 @@ def friction(
       erlif friction bushing.csv --radius "5 mm" --vector --load-std 0.01
     """
     with large_imports():
-        from erlif.files import refuse_existing
-        from erlif.friction import (
+        from erlif.io.files import refuse_existing
+        from erlif.joint.friction import (
             analyse_friction,
             describe_friction,
             read_torque_log,
             write_friction_table,
         )
-        from erlif.plots import write_reversal_figure
+        from erlif.show.plots import write_reversal_figure
 
     if radius is None:
         raise click.UsageError('Expected the radius of the shaft. Give it: --radius "5 mm"')

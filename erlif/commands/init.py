@@ -11,7 +11,7 @@ from erlif.commands.options import PATH
 from erlif.core.errors import ConfigError
 
 KINDS = ("crank-rocker", "slider-crank", "rotation", "sinusoidal", "static")
-"""Those of `erlif.pipeline.init`, which takes long to load."""
+"""Those of `erlif.review.init`, which takes long to load."""
 
 DEFAULT_KIND = "crank-rocker"
 
@@ -45,8 +45,8 @@ def init(directory: Path, fixture: bool, kind: str | None, overwrite: bool) -> N
       erlif init rehearsal/fixture --fixture --overwrite
       erlif check rehearsal/run
     """
-    from erlif.pipeline.init import init as write_settings
-    from erlif.settings import read_fixture_settings, read_run_settings
+    from erlif.io.settings import read_fixture_settings, read_run_settings
+    from erlif.review.init import init as write_settings
 
     if fixture and kind is not None:
         raise ConfigError(

@@ -84,11 +84,11 @@ def linkage(
     """
     with large_imports():
         from erlif.models.linkage import synthesise_crank_rocker
-        from erlif.report import summarise_linkages
+        from erlif.show.report import summarise_linkages
 
     # everything that can be refused is refused before the work starts
     if output is not None:
-        from erlif.files import refuse_existing
+        from erlif.io.files import refuse_existing
 
         expect_suffix(output, ".png", ".pdf", ".svg", ".gif")
         refuse_existing(output, overwrite=overwrite)
@@ -116,7 +116,7 @@ def linkage(
         return
 
     with large_imports():
-        from erlif.plots import write_linkage
+        from erlif.show.plots import write_linkage
     best = found.designs[0] if found.designs else found.nearest
     assert best is not None  # without a design there is a nearest one
     click.echo(f"written: {write_linkage(best, output, overwrite=overwrite)}")

@@ -62,7 +62,7 @@ def describe_reading(log: Any) -> list[str]:
 
 def choose_columns(columns: dict[str, tuple[str, ...]], units: dict[str, tuple[str, ...]]) -> Any:
     """The columns as the reader takes them."""
-    from erlif.friction import QUANTITIES, SEVERAL, LogColumns
+    from erlif.joint.friction import QUANTITIES, SEVERAL, LogColumns
 
     for option, given in (("--column", columns), ("--unit", units)):
         for name in given:

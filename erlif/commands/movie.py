@@ -31,7 +31,7 @@ def movie(film: Path, output: Path | None, fps: float, style: str | None, overwr
       erlif movie data_samples/straight_bushing/film.nc -o cycle.gif
     """
     with large_imports():
-        from erlif.plots import cycle_movie
+        from erlif.show.plots import cycle_movie
 
     output = output or film.parent / "cycle.gif"
     expect_suffix(output, ".gif", ".mp4")

@@ -34,9 +34,9 @@ def plan(source: Path | None, output: Path | None, example: bool, overwrite: boo
       erlif simulate rehearsal --plan plan/optimum.toml
     """
     with large_imports():
-        from erlif.pipeline.plan import example_plan
-        from erlif.pipeline.plan import plan as predict
-        from erlif.report import summarise_plan
+        from erlif.planning.plan import example_plan
+        from erlif.planning.plan import plan as predict
+        from erlif.show.report import summarise_plan
 
     if example:
         click.echo(example_plan(), nl=False)
@@ -45,7 +45,7 @@ def plan(source: Path | None, output: Path | None, example: bool, overwrite: boo
         raise click.UsageError(
             "Expected the name of a plan. Make one with: erlif plan --example > plan.toml"
         )
-    from erlif.report import check_plan_output, write_plan
+    from erlif.show.report import check_plan_output, write_plan
 
     # a plan without a suffix has the name that its directory would have
     output = output or (

@@ -39,9 +39,9 @@ def predict(
       erlif predict data_samples/straight_bushing/film.nc -o guess.nc
     """
     with large_imports():
-        from erlif.pipeline.predict import is_film
-        from erlif.pipeline.predict import predict as predict_maps
-        from erlif.report import summarise_prediction
+        from erlif.pipeline.physics.predict import is_film
+        from erlif.pipeline.physics.predict import predict as predict_maps
+        from erlif.show.report import summarise_prediction
 
     place = source.parent if is_film(source) else source
     output = output or place / "prediction.nc"
@@ -58,8 +58,8 @@ def predict(
         click.echo(summarise_prediction(prediction))
     click.echo(f"written: {output}")
     if fitted:
-        from erlif.pipeline.fit import fit_film
-        from erlif.report.fit import summarise_comparison
+        from erlif.pipeline.physics.fit import fit_film
+        from erlif.show.report.fit import summarise_comparison
 
         with announced_compiling(), show_progress() as progress:
             compared = fit_film(source, progress=progress)

@@ -27,9 +27,9 @@ def pressure(film: Path, output: Path | None, overwrite: bool) -> None:
       erlif pressure data_samples/straight_bushing/film.nc
     """
     with large_imports():
-        from erlif.files import refuse_existing, write_dataset
-        from erlif.pipeline.pressure import pressure_from_film
-        from erlif.plots import write_pressure_figure
+        from erlif.io.files import refuse_existing, write_dataset
+        from erlif.pipeline.physics.pressure import pressure_from_film
+        from erlif.show.plots import write_pressure_figure
 
     # everything that can be refused is refused before the work starts
     output = output or film.parent / "pressure.nc"

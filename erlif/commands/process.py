@@ -54,8 +54,8 @@ def process(
     """
     with large_imports():
         from erlif import pipeline
-        from erlif.pipeline.kernels import compile_aside, second_compiler
-        from erlif.report import summarise
+        from erlif.pipeline.engines.kernels import compile_aside, second_compiler
+        from erlif.show.report import summarise
 
     # a name that promises another format is refused before the work starts
     output = output or run_dir / "film.nc"
@@ -92,7 +92,7 @@ def process(
 def _named_calibration(run_dir: Path) -> Path | None:
     """The calibration that run.toml names; None where it cannot be read, which is refused later."""
     from erlif.core.errors import ErlifError
-    from erlif.settings import read_run_settings
+    from erlif.io.settings import read_run_settings
 
     try:
         named = read_run_settings(run_dir).calibration

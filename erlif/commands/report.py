@@ -63,7 +63,7 @@ def report(
       erlif report film.nc --triggers 100-149 -o some.html
       erlif report run_*/film.nc -o runs.html
     """
-    from erlif.report import write_report, write_runs_report
+    from erlif.show.report import write_report, write_runs_report
 
     several = len(films) > 1
     output = output or (Path("report.html") if several else films[0].parent / "report.html")

@@ -313,7 +313,7 @@ def simulate(
 
     rig = _rig_of_options(size, film, options)
     if planned is not None:
-        from erlif.pipeline.plan import rig_of
+        from erlif.planning.plan import rig_of
 
         given = {
             name: getattr(rig, name) for name in _fields_of_options(click.get_current_context())

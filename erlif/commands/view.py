@@ -39,7 +39,7 @@ def view(films: tuple[Path, ...], port: int, run_dirs: tuple[Path, ...], no_brow
       erlif view data_samples/straight_bushing/film.nc
     """
     with large_imports():
-        from erlif.view import serve_films
+        from erlif.show.view import serve_films
 
     with ExitStack() as opened:
 

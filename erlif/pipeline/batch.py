@@ -13,9 +13,9 @@ from pathlib import Path
 from erlif.calibration import Calibration
 from erlif.core.errors import ConfigError, ErlifError, OutputError
 from erlif.core.progress import Progress, ShowProgress, choose_progress
-from erlif.files import take
-from erlif.ingest import RunEntry, read_run_table
-from erlif.pipeline.engines import Engine, open_engine
+from erlif.io.files import take
+from erlif.io.ingest import RunEntry, read_run_table
+from erlif.pipeline.engines.engine import Engine, open_engine
 from erlif.pipeline.run import process_run
 
 _logger = logging.getLogger(__name__)

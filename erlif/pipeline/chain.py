@@ -22,12 +22,12 @@ from erlif.core.errors import RegistrationError
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.pickling import PickledByFields
 from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, References
-from erlif.ingest import FramePairs, read_pair
-from erlif.passes import DriftSearch, PairLight, PairRatio
-from erlif.passes.light import CameraTables, measure_light, tabulate
-from erlif.passes.noise import CameraNoise
-from erlif.passes.ratio import BAND, empty_ratio, measure_ratio
-from erlif.passes.warp import MapTables, PairWarp, Warp, tabulate_map
+from erlif.io.ingest import FramePairs, read_pair
+from erlif.pipeline.passes import DriftSearch, PairLight, PairRatio
+from erlif.pipeline.passes.light import CameraTables, measure_light, tabulate
+from erlif.pipeline.passes.noise import CameraNoise
+from erlif.pipeline.passes.ratio import BAND, empty_ratio, measure_ratio
+from erlif.pipeline.passes.warp import MapTables, PairWarp, Warp, tabulate_map
 from erlif.ratio import BlurDifference, compute_ratio
 from erlif.registration import CameraMap, align_frames, estimate_drift, is_steep
 
@@ -252,7 +252,7 @@ class FrameChain(PickledByFields):
     def ratio(self, frame: int) -> RatioImages:
         """The ratio image of one frame pair, its files hashed as they are read.
 
-        Coordinates are those of `erlif.passes.PairRatio.to_images`.
+        Coordinates are those of `erlif.pipeline.passes.PairRatio.to_images`.
         """
         buffers = _Buffers.empty(self.pairs.shape, self.tables.orientation, with_fixed=True)
         return self._measure(frame, buffers).to_images()

@@ -18,22 +18,22 @@ from erlif.core.notes import Level, Note, join_notes
 from erlif.core.units import count_of
 from erlif.core.version import __version__
 from erlif.correction import CHARACTERISTICS
-from erlif.files import MapVariable, describe_hashes
-from erlif.ingest import FramePairs, Run, format_notes, skipped_notes
-from erlif.pipeline.joint import describe_joint
-from erlif.pipeline.omissions import note_omissions
-from erlif.pipeline.position import choose_view, describe_positions, note_form
-from erlif.pipeline.prediction import (
+from erlif.io.files import MapVariable, describe_hashes
+from erlif.io.ingest import FramePairs, Run, format_notes, skipped_notes
+from erlif.io.settings import RunSettings, stated_keys, to_toml
+from erlif.pipeline.engines.results import TriggerResult
+from erlif.pipeline.physics.joint import describe_joint
+from erlif.pipeline.physics.position import choose_view, describe_positions, note_form
+from erlif.pipeline.physics.prediction import (
     Prediction,
     choose_theory,
     note_correlation,
     note_difference,
 )
-from erlif.pipeline.pulses import read_energies
-from erlif.pipeline.results import TriggerResult
+from erlif.pipeline.recording.omissions import note_omissions
+from erlif.pipeline.recording.pulses import read_energies
 from erlif.ratio import BlurDifference
 from erlif.registration import CameraMap, describe_map
-from erlif.settings import RunSettings, stated_keys, to_toml
 from erlif.trend import (
     Exponent,
     Region,

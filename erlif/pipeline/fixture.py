@@ -20,8 +20,8 @@ from erlif.core.errors import CalibrationError, OutputError
 from erlif.core.products import RatioImages
 from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.core.timing import stage
-from erlif.files import takes
-from erlif.ingest import (
+from erlif.io.files import takes
+from erlif.io.ingest import (
     FramePairs,
     Run,
     format_notes,
@@ -32,14 +32,14 @@ from erlif.ingest import (
     stamp_inputs,
 )
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
-from erlif.pipeline.prepare import prepare_chain
-from erlif.pipeline.pulse_order import check_pulses, refuse_stuck_cameras
-from erlif.pipeline.results import (
+from erlif.pipeline.engines.results import (
     FrameResult,
     describe_frame_notes,
     known_digests,
     mean_drift,
 )
+from erlif.pipeline.recording.prepare import prepare_chain
+from erlif.pipeline.recording.pulse_order import check_pulses, refuse_stuck_cameras
 from erlif.ratio import RatioSum, sample_pulse
 from erlif.registration import move_map
 

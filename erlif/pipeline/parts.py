@@ -13,11 +13,19 @@ from erlif.core.arrays import Array
 from erlif.core.notes import Note
 from erlif.core.progress import Progress
 from erlif.core.timing import stage
-from erlif.files import PartialFilm
-from erlif.ingest import Run
+from erlif.io.files import PartialFilm
+from erlif.io.ingest import Run
+from erlif.io.settings import RunSettings
 from erlif.kinematics import encoder_notes
 from erlif.pipeline.chain import FrameChain
-from erlif.pipeline.engines import Engine
+from erlif.pipeline.engines.engine import Engine
+from erlif.pipeline.engines.results import (
+    TriggerResult,
+    describe_frame_notes,
+    frames_in,
+    mean_drift,
+)
+from erlif.pipeline.engines.triggers import TriggerTask, run_triggers
 from erlif.pipeline.film import (
     choose_region,
     describe_film,
@@ -26,8 +34,8 @@ from erlif.pipeline.film import (
     describe_statistics,
     pixel_positions,
 )
-from erlif.pipeline.fit import state_physics
-from erlif.pipeline.light import (
+from erlif.pipeline.physics.fit import state_physics
+from erlif.pipeline.physics.light import (
     LightFindings,
     choose_frames,
     correct_light,
@@ -38,23 +46,24 @@ from erlif.pipeline.light import (
     run_patch,
     widen_errors,
 )
-from erlif.pipeline.position import choose_view, describe_positions
-from erlif.pipeline.prediction import (
+from erlif.pipeline.physics.position import choose_view, describe_positions
+from erlif.pipeline.physics.prediction import (
     Prediction,
     frames_of_run,
     places_along_sliding,
     try_prediction,
 )
-from erlif.pipeline.prepare import prepare_chain
-from erlif.pipeline.pulse_order import check_first_pulses, check_pulses, refuse_stuck_cameras
-from erlif.pipeline.pulses import read_energies
-from erlif.pipeline.register import stored_map
-from erlif.pipeline.results import TriggerResult, describe_frame_notes, frames_in, mean_drift
-from erlif.pipeline.swap import refuse_swapped_cameras
-from erlif.pipeline.triggers import TriggerTask, run_triggers
+from erlif.pipeline.recording.prepare import prepare_chain
+from erlif.pipeline.recording.pulse_order import (
+    check_first_pulses,
+    check_pulses,
+    refuse_stuck_cameras,
+)
+from erlif.pipeline.recording.pulses import read_energies
+from erlif.pipeline.recording.register import stored_map
+from erlif.pipeline.recording.swap import refuse_swapped_cameras
 from erlif.ratio import PulseSample, sample_pulse
 from erlif.registration import CameraMap, MapNodes, move_map
-from erlif.settings import RunSettings
 
 _logger = logging.getLogger(__name__)
 

@@ -20,7 +20,7 @@ from erlif.core.memory import release_memory
 from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.timing import stage
 from erlif.core.version import __version__
-from erlif.files import (
+from erlif.io.files import (
     PartialFilm,
     describe_hashes,
     has_identity,
@@ -30,7 +30,7 @@ from erlif.files import (
     takes,
     write_film,
 )
-from erlif.ingest import (
+from erlif.io.ingest import (
     InputChangedError,
     Run,
     hash_files_beside_frames,
@@ -40,9 +40,10 @@ from erlif.ingest import (
     sign_inputs,
     stamp_inputs,
 )
-from erlif.ingest.hashes import Digests
-from erlif.pipeline.clock import fit_start
-from erlif.pipeline.engines import Engine, open_engine
+from erlif.io.ingest.hashes import Digests
+from erlif.io.settings import to_toml
+from erlif.pipeline.engines.engine import Engine, open_engine
+from erlif.pipeline.engines.results import frames_in, known_digests
 from erlif.pipeline.film import (
     MAPS,
     describe_cycle,
@@ -51,11 +52,10 @@ from erlif.pipeline.film import (
     group_frames,
 )
 from erlif.pipeline.fixture import find_calibration
-from erlif.pipeline.joint import locate_run
 from erlif.pipeline.parts import KnownMap, complete_film, measure_run, prepare_run
-from erlif.pipeline.pulse_order import PulseError
-from erlif.pipeline.results import frames_in, known_digests
-from erlif.settings import to_toml
+from erlif.pipeline.physics.joint import locate_run
+from erlif.pipeline.recording.clock import fit_start
+from erlif.pipeline.recording.pulse_order import PulseError
 
 _logger = logging.getLogger(__name__)
 

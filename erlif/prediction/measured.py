@@ -12,7 +12,7 @@ from erlif.calibration import calibration_of
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ConfigError
 from erlif.core.products import require
-from erlif.files import settings_of
+from erlif.io.files import settings_of
 
 _MICRO, _MILLI = 1e6, 1e-3
 _PLACES = 96  # places along sliding at which marks count as independent

@@ -2,7 +2,7 @@
 
 The schedule is that of Farzaneh (2002), chapter 4: stages of rising load, between them the machine
 at rest while the bolts are turned and a run without load. Nothing here is shared with
-`erlif.endurance`, which analyses such tests.
+`erlif.joint.endurance`, which analyses such tests.
 """
 
 from __future__ import annotations

@@ -187,7 +187,7 @@ def estimate_background(
     --------
     A run of four frames is too short:
 
-    >>> from erlif.plots import example_calibration
+    >>> from erlif.show.plots import example_calibration
     >>> empty = LightRecord(*np.full((4, 4, 120), np.nan))
     >>> estimate_background(empty, (np.zeros(120), np.zeros(120)), example_calibration()) is None
     True

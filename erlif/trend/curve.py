@@ -109,7 +109,7 @@ class FilmCurve:
 
         Examples
         --------
-        >>> from erlif.plots import example_calibration
+        >>> from erlif.show.plots import example_calibration
         >>> calibration = example_calibration()
         >>> log_ratio, slope = FilmCurve.of(calibration).predict(np.array([2.0, 5.0]))
         >>> bool(np.allclose(log_ratio, calibration.predict_log([2.0, 5.0]), atol=1e-8))
@@ -141,7 +141,7 @@ class FilmCurve:
 
         Examples
         --------
-        >>> from erlif.plots import example_calibration
+        >>> from erlif.show.plots import example_calibration
         >>> curve = FilmCurve.of(example_calibration())
         >>> middle = np.array([0.5 * sum(curve.bins)])
         >>> int(curve.find_bins(middle)[0][0])

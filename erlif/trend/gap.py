@@ -74,7 +74,7 @@ def fit_gap_minimum(
 
     >>> import xarray as xr
     >>> from erlif.core.products import RatioImages
-    >>> from erlif.plots import example_calibration
+    >>> from erlif.show.plots import example_calibration
     >>> from erlif.trend import Region
     >>> calibration, position = example_calibration(), np.linspace(0, 12, 64)
     >>> film = 3 + 0.1 * (position - 6) ** 2 + 0.2 * (position[:, None] / 6 - 1)

@@ -183,7 +183,7 @@ def find_pin_position(
 
     >>> import xarray as xr
     >>> from erlif.core.products import RatioImages
-    >>> from erlif.plots import example_calibration
+    >>> from erlif.show.plots import example_calibration
     >>> from erlif.trend import PinView, Region
     >>> calibration, position = example_calibration(), 0.1 * np.arange(64)
     >>> view = PinView(33.36e-3, 33.59e-3, 0.1, load_line=3.15, axial_origin=3.15)
@@ -235,7 +235,7 @@ def find_pin_in_blocks(
 
     >>> import xarray as xr
     >>> from erlif.core.products import RatioImages
-    >>> from erlif.plots import example_calibration
+    >>> from erlif.show.plots import example_calibration
     >>> dark = RatioImages(xr.Dataset({
     ...     "log_ratio": (("y", "x"), np.zeros((64, 64))),
     ...     "log_ratio_var": (("y", "x"), np.ones((64, 64))),
@@ -338,7 +338,7 @@ def pin_covariance(film: xr.Dataset) -> Array:
 
     Examples
     --------
-    >>> from erlif.plots import example_film
+    >>> from erlif.show.plots import example_film
     >>> film = example_film()
     >>> whole = pin_covariance(film)
     >>> whole.shape

@@ -13,7 +13,7 @@ from erlif.calibration import calibration_of
 from erlif.core.arrays import Array
 from erlif.core.flags import Flag
 from erlif.core.statistics import robust_rms
-from erlif.files import check_trigger, region_of, settings_of
+from erlif.io.files import check_trigger, region_of, settings_of
 from erlif.models.contact import conformal_radius
 
 _RANGE_FLAGS = int(Flag.BELOW_RANGE | Flag.ABOVE_RANGE)
@@ -62,7 +62,7 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
     --------
     The example film is a gap with its minimum in the middle of the image:
 
-    >>> from erlif.plots import example_film
+    >>> from erlif.show.plots import example_film
     >>> profile = average_across_sliding(example_film(), trigger=2)
     >>> minimum = profile.position[np.nanargmin(profile.thickness.values)]
     >>> bool(abs(minimum - profile.position.mean()) < 1)
@@ -179,7 +179,7 @@ def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
     --------
     Pin and bushing of 33.36 mm and 33.59 mm have a conformal radius of 4.872 m:
 
-    >>> from erlif.plots import example_film
+    >>> from erlif.show.plots import example_film
     >>> film = example_film()
     >>> gap = rigid_gap(average_across_sliding(film, trigger=2), film)
     >>> round(gap.radius, 3)

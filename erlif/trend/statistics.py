@@ -111,7 +111,7 @@ def summarise_film(
 
     >>> import xarray as xr
     >>> from erlif.core.products import RatioImages
-    >>> from erlif.plots import example_calibration
+    >>> from erlif.show.plots import example_calibration
     >>> from erlif.thickness import measure_thickness
     >>> from erlif.trend import Region
     >>> calibration = example_calibration()
@@ -164,7 +164,7 @@ def summarise_blocks(
     --------
     >>> import xarray as xr
     >>> from erlif.core.products import RatioImages
-    >>> from erlif.plots import example_calibration
+    >>> from erlif.show.plots import example_calibration
     >>> calibration = example_calibration()
     >>> ratios = RatioImages(xr.Dataset({
     ...     "log_ratio": (("y", "x"), np.full((64, 64), calibration.predict_log(3.0))),

@@ -7,7 +7,7 @@ import numpy.testing as npt
 import pytest
 
 from erlif.calibration import BackgroundError
-from erlif.plots import example_calibration
+from erlif.show.plots import example_calibration
 
 CALIBRATION = example_calibration()
 FILMS = np.array([1.0, 3.0, 6.0, 10.0])

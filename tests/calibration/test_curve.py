@@ -12,7 +12,7 @@ from erlif.calibration import Calibration, check_bands, share_bands
 from erlif.calibration.departure import Departure
 from erlif.core.errors import CalibrationError
 from erlif.core.notes import Level, Note
-from erlif.plots import example_calibration
+from erlif.show.plots import example_calibration
 
 
 @pytest.fixture

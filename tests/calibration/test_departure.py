@@ -24,9 +24,9 @@ from erlif.calibration.departure import Correlation, Departure, find_correlation
 from erlif.calibration.points import Points
 from erlif.calibration.pose import Freedom
 from erlif.calibration.regression import fit_robustly
-from erlif.plots import ratio_residuals
-from erlif.report import describe_calibration
 from erlif.rig import dyes
+from erlif.show.plots import ratio_residuals
+from erlif.show.report import describe_calibration
 
 BACKGROUND = 0.01
 """Light that no dye absorbs, added to camera 2: the ratio departs from the model by up to 0.3 %."""

@@ -18,7 +18,7 @@ from erlif.calibration import (
     save_calibration,
 )
 from erlif.core.errors import CalibrationError, OutputError
-from erlif.files import open_film
+from erlif.io.files import open_film
 
 
 @pytest.fixture(scope="module")

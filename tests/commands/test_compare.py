@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from erlif.files import write_dataset
-from erlif.plots import example_film, example_frames, example_registration, write_example
+from erlif.io.files import write_dataset
+from erlif.show.plots import example_film, example_frames, example_registration, write_example
 
 
 def write_other(path):
@@ -46,7 +46,7 @@ def test_a_comparison_that_fails_leaves_the_earlier_one_whole(
 
     thicker = write_other(tmp_path / "c.nc")
     with monkeypatch.context() as patch:
-        patch.setattr("erlif.plots.write_comparison_figures", fail)
+        patch.setattr("erlif.show.plots.write_comparison_figures", fail)
         refusal = refused("compare", films[1], thicker, "-o", out, "--overwrite")
     assert "No space left" in refusal
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before

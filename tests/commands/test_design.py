@@ -4,8 +4,8 @@ import pytest
 from click.testing import CliRunner
 
 from erlif.commands.main import main
-from erlif.pipeline.design import example_joint_file
-from erlif.report import design_page
+from erlif.joint.sizing.design import example_joint_file
+from erlif.show.report import design_page
 
 
 @pytest.fixture

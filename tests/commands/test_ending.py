@@ -28,7 +28,7 @@ def signalled(small_rig, tmp_path_factory, number):
         shutil.copytree(small_rig.directory / name, lab.directory / name)
     script = f"""
 import os
-from erlif.files import netcdf_maps as store
+from erlif.io.files import netcdf_maps as store
 calls = 0
 write = store.write_record
 def write_and_receive(*arguments):

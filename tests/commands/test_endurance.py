@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-import erlif.plots
+import erlif.show.plots
 from erlif.commands.main import main
 from erlif.rig import EnduranceRig, simulate_endurance, write_endurance_log
 

@@ -6,7 +6,7 @@ import pytest
 from click.testing import CliRunner
 
 from erlif.commands.main import main
-from erlif.settings import RunSettings
+from erlif.io.settings import RunSettings
 
 LINKS = ("--coupler", "44 cm", "--rocker", "260 mm", "--ground", "0.51 m")
 
@@ -18,7 +18,7 @@ def test_the_crank_of_the_thesis_for_26_degrees(command, tmp_path, monkeypatch):
         path.write_text(f"{design.linkage.crank:.6f}", encoding="utf-8")
         return path
 
-    monkeypatch.setattr("erlif.plots.write_linkage", written)
+    monkeypatch.setattr("erlif.show.plots.write_linkage", written)
     speeds = ("--rocker-speed", "24 rpm", "-o", path)
     result = command("linkage", *LINKS, "--swing", "26 deg", *speeds)
     assert "1 crank-rocker meets the targets." in result.stdout

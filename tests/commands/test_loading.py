@@ -39,7 +39,7 @@ def test_xarray_loads_no_array_library_for_a_command():
         "from pathlib import Path\n"
         "from erlif.commands.loading import large_imports\n"
         "with large_imports():\n"
-        "    from erlif.ingest import open_run, read_frames\n"
+        "    from erlif.io.ingest import open_run, read_frames\n"
         "run = open_run(Path('data_samples/straight_bushing'))\n"
         "frames = read_frames(run.pairs, [0]).isel(y=slice(4)).compute()\n"
         "loaded = [name for name in ('dask', 'pint') if name in sys.modules]\n"

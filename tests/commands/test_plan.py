@@ -5,7 +5,7 @@ import xarray as xr
 from click.testing import CliRunner
 
 from erlif.commands.main import main
-from erlif.pipeline.plan import example_plan
+from erlif.planning.plan import example_plan
 
 
 @pytest.fixture

@@ -2,7 +2,7 @@
 
 import pytest
 
-from erlif.files import open_netcdf
+from erlif.io.files import open_netcdf
 
 pytestmark = pytest.mark.usefixtures("coarse_pressure")
 

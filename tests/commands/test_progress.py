@@ -59,9 +59,9 @@ def test_elsewhere_a_line_of_result_goes_to_standard_output(capsys):
 @pytest.mark.parametrize(
     ("name", "work", "step"),
     [
-        ("check", "erlif.audit.audit", "check"),
-        ("pressure", "erlif.pipeline.pressure.pressure_from_film", "pressure"),
-        ("predict", "erlif.pipeline.fit.fit_film", "fit"),
+        ("check", "erlif.review.audit.audit", "check"),
+        ("pressure", "erlif.pipeline.physics.pressure.pressure_from_film", "pressure"),
+        ("predict", "erlif.pipeline.physics.fit.fit_film", "fit"),
     ],
 )
 def test_long_work_shows_its_bar_on_a_terminal(name, work, step, monkeypatch, tmp_path):
@@ -75,8 +75,8 @@ def test_long_work_shows_its_bar_on_a_terminal(name, work, step, monkeypatch, tm
 
     monkeypatch.setattr(work, report)
     if name == "predict":
-        monkeypatch.setattr("erlif.pipeline.predict.predict", lambda *_, **__: xr.Dataset())
-        monkeypatch.setattr("erlif.report.summarise_prediction", lambda _: "")
+        monkeypatch.setattr("erlif.pipeline.physics.predict.predict", lambda *_, **__: xr.Dataset())
+        monkeypatch.setattr("erlif.show.report.summarise_prediction", lambda _: "")
     options = ["--fit"] if name == "predict" else []
     with pytest.raises(ErlifError, match="Expected an end"):
         main.commands[name].main([str(tmp_path), *options], standalone_mode=False)

@@ -9,7 +9,7 @@ from pathlib import Path
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
-from erlif.view import serving
+from erlif.show.view import serving
 
 view = importlib.import_module("erlif.commands.view")  # the package exports the command
 

@@ -5,10 +5,10 @@ import inspect
 import pytest
 
 import erlif
-from erlif.audit.directory import audit
 from erlif.core.errors import ErlifError
 from erlif.core.progress import choose_progress, silent
-from erlif.pipeline.fit import fit_film
+from erlif.pipeline.physics.fit import fit_film
+from erlif.review.audit.directory import audit
 
 
 def test_nothing_is_shown_unless_asked_for(capsys):

@@ -11,17 +11,17 @@ from typing import Any
 import h5py
 import numpy as np
 import xarray as xr
-from readers.mutations import mutate
+from scenes.mutations import mutate
 from scipy.io import savemat
 
 from erlif.calibration import open_calibration, read_profile
-from erlif.files import open_film
-from erlif.ingest.encoder_log import read_log
-from erlif.ingest.logs.columns import ColumnChoice
-from erlif.pipeline.budget import budget
-from erlif.plots import write_example, write_figures
-from erlif.report import render_budget, write_report
-from erlif.settings import read_fixture_settings, read_run_settings, to_toml
+from erlif.io.files import open_film
+from erlif.io.ingest.encoder_log import read_log
+from erlif.io.ingest.logs.columns import ColumnChoice
+from erlif.io.settings import read_fixture_settings, read_run_settings, to_toml
+from erlif.review.budget import budget
+from erlif.show.plots import write_example, write_figures
+from erlif.show.report import render_budget, write_report
 
 NUMBERS = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e300, 1e-300, 1e9, 2.0**31)
 LONGEST = 60_000

@@ -13,8 +13,8 @@ import xarray as xr
 import erlif
 from erlif.calibration import read_profile
 from erlif.calibration.departure import Departure
-from erlif.files import write_dataset
-from erlif.ingest import read_encoder_log
+from erlif.io.files import write_dataset
+from erlif.io.ingest import read_encoder_log
 
 DOCS = Path(__file__).parents[2] / "docs"
 

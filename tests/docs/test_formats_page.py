@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from erlif.core.errors import FrameError
-from erlif.readers import open_frames, registry
-from erlif.settings import CameraSettings
+from erlif.io.readers import open_frames, registry
+from erlif.io.settings import CameraSettings
 
 PAGE = (Path(__file__).parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")
 

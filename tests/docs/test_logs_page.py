@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from erlif.ingest.encoder_log import read_log
-from erlif.ingest.recording import choose_columns
-from erlif.settings import EncoderSettings
+from erlif.io.ingest.encoder_log import read_log
+from erlif.io.ingest.recording import choose_columns
+from erlif.io.settings import EncoderSettings
 
 PAGE = (Path(__file__).parents[2] / "docs" / "logs.md").read_text(encoding="utf-8")
 TABLES = re.findall(r"```toml\n(.*?)```", PAGE, flags=re.S)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from erlif.settings import FixtureSettings, RunSettings
+from erlif.io.settings import FixtureSettings, RunSettings
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "your_data.md").read_text(encoding="utf-8")

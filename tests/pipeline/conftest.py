@@ -5,8 +5,8 @@ import xarray as xr
 
 import erlif
 from erlif.core.progress import silent
-from erlif.ingest import open_run
-from erlif.pipeline.prepare import prepare_chain
+from erlif.io.ingest import open_run
+from erlif.pipeline.recording.prepare import prepare_chain
 
 
 @pytest.fixture(scope="session")

@@ -18,7 +18,7 @@ from scenes.tiff_pages import rewrite
 import erlif
 from erlif.commands.main import main
 from erlif.core.flags import Flag
-from erlif.files import NetcdfMaps, PartialFilm
+from erlif.io.files import NetcdfMaps, PartialFilm
 
 pytestmark = pytest.mark.slow
 
@@ -477,7 +477,7 @@ def process_and_die(lab, *, at, option=()):
     """Run `erlif process` in a process of its own that is killed when it reaches `at`."""
     script = f"""
 import os, signal
-from erlif.files import netcdf_maps as store
+from erlif.io.files import netcdf_maps as store
 calls = 0
 def die(*arguments, **options):
     os.kill(os.getpid(), signal.SIGKILL)

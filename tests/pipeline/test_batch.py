@@ -7,7 +7,7 @@ import pytest
 
 import erlif
 from erlif.core.errors import ConfigError, OutputError
-from erlif.ingest import RunEntry
+from erlif.io.ingest import RunEntry
 from erlif.pipeline.batch import RunState, batch, list_runs
 
 pytestmark = pytest.mark.slow

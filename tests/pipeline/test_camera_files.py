@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import tifffile
 import xarray as xr
-from readers.writers import write_cine, write_genicam, write_im7, write_mraw, write_seq
+from scenes.camera_files import write_cine, write_genicam, write_im7, write_mraw, write_seq
 
 import erlif
-from erlif.ingest import open_run, read_frames, read_reference_pages, select_counts
+from erlif.io.ingest import open_run, read_frames, read_reference_pages, select_counts
 
 
 def read_pages(*paths):

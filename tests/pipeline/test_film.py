@@ -13,8 +13,9 @@ from scenes.results import make_result
 
 from erlif.core.errors import ConfigError
 from erlif.core.notes import Level, Note
-from erlif.ingest import FramePairs, open_run
-from erlif.ingest.images import Page
+from erlif.io.ingest import FramePairs, open_run
+from erlif.io.ingest.images import Page
+from erlif.io.settings import RunSettings
 from erlif.pipeline.film import (
     _mean_column,
     choose_region,
@@ -27,10 +28,9 @@ from erlif.pipeline.film import (
     group_frames,
     pixel_positions,
 )
-from erlif.pipeline.joint import locate_run
-from erlif.pipeline.prediction import NO_PREDICTION
+from erlif.pipeline.physics.joint import locate_run
+from erlif.pipeline.physics.prediction import NO_PREDICTION
 from erlif.ratio import BlurDifference
-from erlif.settings import RunSettings
 from erlif.trend import Region
 
 SETTINGS = RunSettings.model_validate(tomllib.loads(RUN_TOML))

@@ -9,7 +9,7 @@ import pytest
 import erlif
 from erlif.core.errors import CalibrationError
 from erlif.core.progress import silent
-from erlif.ingest import open_run
+from erlif.io.ingest import open_run
 from erlif.pipeline.fixture import calibrate, combine_all, find_calibration
 from erlif.rig.dyes import BANDS, tabulate_signal
 

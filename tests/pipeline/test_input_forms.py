@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 import erlif
 from erlif.core.errors import ErlifError
-from erlif.ingest import open_run
-from erlif.pipeline.joint import locate_run
+from erlif.io.ingest import open_run
+from erlif.pipeline.physics.joint import locate_run
 
 
 def read_pages(path):

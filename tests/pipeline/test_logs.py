@@ -12,8 +12,8 @@ import erlif
 from conftest import SMALL
 from erlif.core.errors import EncoderError
 from erlif.core.notes import Level
-from erlif.ingest import open_run
-from erlif.pipeline.joint import locate_run
+from erlif.io.ingest import open_run
+from erlif.pipeline.physics.joint import locate_run
 from erlif.rig import RigSettings, simulate
 
 FEW = {**vars(SMALL), "fixture_frames": 1, "dark_pages": 2, "flat_pages": 2, "flat_levels": (0.5,)}

@@ -8,12 +8,12 @@ import pytest
 import erlif
 from erlif.calibration import open_calibration
 from erlif.core.progress import silent
-from erlif.files import PartialFilm
-from erlif.ingest import open_run
-from erlif.pipeline.engines import Threads
+from erlif.io.files import PartialFilm
+from erlif.io.ingest import open_run
+from erlif.pipeline.engines.engine import Threads
 from erlif.pipeline.film import MAPS, describe_grid, describe_triggers, group_frames
-from erlif.pipeline.joint import locate_run
 from erlif.pipeline.parts import KnownMap, complete_film, measure_run, prepare_run
+from erlif.pipeline.physics.joint import locate_run
 
 
 @pytest.fixture(scope="module")

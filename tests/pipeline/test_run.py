@@ -13,8 +13,8 @@ import erlif
 from erlif.commands.log import show_log
 from erlif.commands.main import main
 from erlif.core.errors import OutputError
-from erlif.files import describe_hashes
-from erlif.ingest import InputChangedError, hash_files_beside_frames, hash_inputs, open_run
+from erlif.io.files import describe_hashes
+from erlif.io.ingest import InputChangedError, hash_files_beside_frames, hash_inputs, open_run
 from erlif.pipeline.run import identify_start, identify_work
 
 STAGES = ("darks and flats", "registration", "sharpness and noise", "film", "writing")

@@ -14,10 +14,10 @@ from scenes.film import RUN_TOML
 import erlif
 from conftest import SMALL, Laboratory
 from erlif.core.errors import ConfigError
+from erlif.io.settings import RunSettings
 from erlif.pipeline.film import predict_theory
-from erlif.plots.files import missing_figures
 from erlif.rig import simulate
-from erlif.settings import RunSettings
+from erlif.show.plots.files import missing_figures
 
 KINDS = ("rotation", "sinusoidal", "static")
 GAPS = {

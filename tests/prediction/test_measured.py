@@ -21,10 +21,10 @@ from scenes.gap import (
 )
 
 from erlif.core.errors import ConfigError, ErlifError
-from erlif.plots import example_film
 from erlif.prediction import measured_minima, measured_positions
 from erlif.rig import RigSettings
 from erlif.rig.film import draw_marks
+from erlif.show.plots import example_film
 from erlif.trend import PinView, find_pin_position
 
 TRIGGERS = 5

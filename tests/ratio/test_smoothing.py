@@ -12,7 +12,7 @@ from erlif.calibration import Calibration
 from erlif.core.errors import ModelError
 from erlif.core.flags import Flag
 from erlif.core.products import RatioImages
-from erlif.pipeline import triggers
+from erlif.pipeline.engines import triggers
 from erlif.ratio import smooth_ratio
 from erlif.thickness import measure_thickness
 

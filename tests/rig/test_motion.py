@@ -7,10 +7,10 @@ import numpy.testing as npt
 import pytest
 
 from erlif.core.errors import ModelError
+from erlif.io.settings.tables import RotationSettings, SinusoidalSettings
 from erlif.rig import RigSettings
 from erlif.rig.film import list_triggers
 from erlif.rig.motion import cycle_time, list_pictures, mechanism_toml
-from erlif.settings.tables import RotationSettings, SinusoidalSettings
 
 
 def test_a_linkage_has_its_triggers():

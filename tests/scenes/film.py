@@ -11,8 +11,8 @@ import tifffile
 import xarray as xr
 
 from erlif.core.flags import FLAG_ATTRS, Flag
+from erlif.io.settings import RunSettings, read_run_settings, to_toml
 from erlif.registration import CameraMap, MapKind
-from erlif.settings import RunSettings, read_run_settings, to_toml
 
 ROWS, COLUMNS, TRIGGERS = 64, 80, 6
 PITCH = 0.2  # mm

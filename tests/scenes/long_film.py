@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.flags import Flag
-from erlif.files import NetcdfMaps, ZarrMaps
+from erlif.io.files import NetcdfMaps, ZarrMaps
 from erlif.pipeline.film import MAPS
-from erlif.plots.example import example_film, example_frames, example_registration
+from erlif.show.plots.example import example_film, example_frames, example_registration
 
 PHASES = 8
 """Maps that are repeated over the cycle, from the thinnest film to the thickest."""

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from erlif.files import settings_of
-from erlif.plots import example_film
-from erlif.settings import RunSettings, to_toml
+from erlif.io.files import settings_of
+from erlif.io.settings import RunSettings, to_toml
+from erlif.show.plots import example_film
 
 DISC = {"kind": "rotation", "radius": "20 mm", "speed": "60 rpm"}
 SLIDER = {"kind": "sinusoidal", "stroke": "10 mm", "frequency": "5 Hz"}

@@ -8,8 +8,8 @@ import xarray as xr
 
 from erlif.core.flags import FLAG_ATTRS
 from erlif.core.products import CorrectedFrames
-from erlif.passes.light import PairLight
-from erlif.passes.noise import CameraNoise
+from erlif.pipeline.passes.light import PairLight
+from erlif.pipeline.passes.noise import CameraNoise
 from erlif.registration import CameraMap, MapKind, RegistrationSettings
 
 EPS = float(np.finfo(np.float32).eps)

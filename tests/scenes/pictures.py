@@ -1,7 +1,7 @@
 """Figures compared with stored pictures, without texts.
 
-``pytest tests/plots/FILE --mpl-generate-path=tests/plots/baseline`` draws the pictures of a file
-again; look at each before it is stored.
+``pytest tests/show/plots/FILE --mpl-generate-path=tests/show/plots/baseline`` draws the pictures
+of a file again; look at each before it is stored.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from erlif.plots.style import AnyFigure, fix_layout
+from erlif.show.plots.style import AnyFigure, fix_layout
 
 TOLERANCE = 1.5
 """Rms of the differences of two pictures; curves that are 2 % higher give 4.3 and more."""

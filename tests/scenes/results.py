@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from erlif.pipeline.results import FrameResult, TriggerResult
+from erlif.pipeline.engines.results import FrameResult, TriggerResult
 from erlif.trend import FilmStatistics, PinPosition
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from erlif.files import MapVariable, NetcdfMaps, ZarrMaps, open_netcdf
+from erlif.io.files import MapVariable, NetcdfMaps, ZarrMaps, open_netcdf
 
 VARIABLES = (
     MapVariable("thickness", "float32", {"units": "um"}, std="thickness_std"),

@@ -4,8 +4,8 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
-from erlif.plots import example_calibration
 from erlif.ratio import cell_places
+from erlif.show.plots import example_calibration
 from erlif.trend import LightRecord, estimate_background
 
 CALIBRATION = example_calibration()

@@ -23,9 +23,9 @@ from scenes.gap import (
 from erlif.calibration import record_calibration
 from erlif.core.errors import ConfigError
 from erlif.core.products import RatioImages
-from erlif.plots import example_film
 from erlif.rig import RigSettings
 from erlif.rig.film import draw_marks
+from erlif.show.plots import example_film
 from erlif.trend import PinView, Region, find_pin_position, pin_covariance
 
 VIEW = PinView(PIN * 1e-3, BORE * 1e-3, X[1], LOAD_LINE, AXIAL_ORIGIN)

@@ -11,7 +11,7 @@ from scenes.film import CLEARANCE, RADIUS, RUN_TOML, K, P, Q, true_ratio
 
 from erlif.core.errors import ErlifError
 from erlif.core.flags import Flag
-from erlif.settings import RunSettings, to_toml
+from erlif.io.settings import RunSettings, to_toml
 from erlif.trend import RigidGap, average_across_sliding, rigid_gap
 
 ROWS, COLUMNS = 64, 160

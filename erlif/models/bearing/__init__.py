@@ -1,11 +1,8 @@
 """Design of a grease-lubricated pin joint after Strand (2005), chapter 2, in corrected form.
 
-One function for each equation; `erlif.sizing` walks a joint through all of them. Equations 6 to 9
-are in `erlif.models.contact`, 26 to 32 in `erlif.models.wear`. The argument `safety` is the safety
-factor that the source calls eta.
-
-Arguments that are off by orders of magnitude (a strength in MPa, a length in mm) raise
-`erlif.core.errors.UnitWarning`.
+One function for each equation; `erlif.joint.sizing` walks a joint through all of them.
+Equations 6 to 9 are in `erlif.models.contact`, 26 to 32 in `erlif.models.wear`. The argument
+`safety` is the safety factor that the source calls eta.
 """
 
 import warnings
@@ -85,7 +82,7 @@ __all__ = [
 ]
 
 _MOVED = frozenset({"DesignCheck", "DesignReport", "JointDesign", "design_report"})
-"""Names of `erlif.sizing.limits`, which were here."""
+"""Names of `erlif.joint.sizing.limits`, which were here."""
 
 
 def __getattr__(name: str) -> Any:
@@ -98,4 +95,4 @@ def __getattr__(name: str) -> Any:
         DeprecationWarning,
         stacklevel=2,
     )
-    return getattr(import_module("erlif.sizing.limits"), name)
+    return getattr(import_module("erlif.joint.sizing.limits"), name)

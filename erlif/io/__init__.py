@@ -1,0 +1,1 @@
+"""Directories, files and formats: what erlif reads and writes."""

@@ -1,0 +1,232 @@
+"""What of a film is converted: maps, one at a time, and a column for each number of a trigger."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import AnyArray
+from erlif.core.errors import ErlifError
+from erlif.io.files import check_trigger, takes
+from erlif.io.files.soundness import FILM
+
+MAPS = ("thickness", "thickness_std", "thickness_std_shared", "flags")
+"""Maps of a film, in the order in which they are written."""
+
+_FIRST = ("trigger", "frames_used")
+"""Columns that stand first; the start of a table recognises it as one of erlif."""
+
+_FULL_TURN = 360.0  # degree
+_NEAR = 1.0  # degree from the angle of a film of one trigger
+
+
+@dataclass(frozen=True)
+class TriggerColumn:
+    """A number or a text of each trigger.
+
+    Attributes
+    ----------
+    name : str
+        Name of the variable; for one of several numbers, with its label appended.
+    unit : str
+        Its unit; empty where the film states none.
+    values : AnyArray
+        (trigger,)
+    """
+
+    name: str
+    unit: str
+    values: AnyArray
+
+    @property
+    def heading(self) -> str:
+        """Name and unit, as in ``film_min [um]``."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+
+@takes(film="film")
+def trigger_columns(film: xr.Dataset) -> list[TriggerColumn]:
+    """List all numbers and texts that a film has for each trigger.
+
+    A variable with further dims gives one column for each of their entries.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.open_film` returns it.
+
+    Returns
+    -------
+    list of TriggerColumn
+        ``trigger`` and ``frames_used`` first, then those that erlif writes, in one order for all
+        films, then further ones of the log by their names: a zarr store has no order of its own.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> columns = trigger_columns(example_film())
+    >>> [column.heading for column in columns[:3]]
+    ['trigger', 'frames_used [1]', 'film_mean [um]']
+    >>> next(column.name for column in columns if column.name.startswith("pin"))
+    'pin_displacement_load'
+    """
+    columns = []
+    for name in _ordered(film):
+        variable = film[name]
+        if variable.dims[:1] != ("trigger",) or variable.dims[1:3] == ("y", "x"):
+            continue
+        if variable.dtype.kind not in "iufbOUST":
+            continue
+        values, unit = variable.values, str(variable.attrs.get("units", ""))
+        labels = itertools.product(*(_labels(film, str(dim)) for dim in variable.dims[1:]))
+        flat = values.reshape(len(values), -1)
+        for words, column in zip(labels, flat.T, strict=True):
+            columns.append(TriggerColumn("_".join([name, *words]), unit, column))
+    return columns
+
+
+def _ordered(film: xr.Dataset) -> list[str]:
+    """Names of all variables in an order that does not depend on the file."""
+    known = (*_FIRST, *(name for name in FILM if name not in _FIRST))
+    names = {str(name) for name in film.variables}
+    return [*(name for name in known if name in names), *sorted(names.difference(known))]
+
+
+def _labels(film: xr.Dataset, dim: str) -> list[str]:
+    """Words for the entries of a dimension, which complete the name of a column."""
+    if dim == "flag":
+        # the bits have names, which stand at the maps of flags
+        return str(film.flags.attrs["flag_meanings"]).split()
+    named = dim.removesuffix("_other")
+    if named in film.coords and film[named].dtype.kind in "OUST":
+        return [str(label) for label in film[named].values]
+    return [str(k) for k in range(film.sizes[dim])]
+
+
+def maps_of(film: xr.Dataset, trigger: int) -> Iterator[tuple[str, AnyArray]]:
+    """Read the maps of one trigger, one after the other.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+    trigger : int
+        Number of the trigger, from 0.
+
+    Yields
+    ------
+    str, array (y, x)
+        Name of the variable and its values, thickness first.
+
+    Returns
+    -------
+    iterator
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> for name, values in maps_of(example_film(), 0):
+    ...     print(name, values.dtype, values.shape)
+    thickness float32 (24, 64)
+    thickness_std float32 (24, 64)
+    thickness_std_shared float32 (24, 64)
+    flags uint8 (24, 64)
+    """
+    for name in MAPS:
+        yield name, film[name].isel(trigger=trigger).values
+
+
+def choose_trigger(
+    film: xr.Dataset, *, trigger: int | None = None, angle: float | None = None
+) -> int | None:
+    """Find the trigger that a user names by its number or by its angle.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+    trigger : int, optional
+        Number of the trigger, from 0.
+    angle : float, optional
+        Crank angle; encoder angle where the film has no crank angle. The nearest trigger is taken.
+        [degree]
+
+    Returns
+    -------
+    int or None
+        None where neither is given.
+
+    Raises
+    ------
+    ErlifError
+        If both are given, there is no such trigger, or none as near to the angle as neighbouring
+        triggers are to each other.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> film = example_film()
+    >>> film.crank_angle.values.tolist()
+    [250.0, 290.0, 330.0, 70.0, 110.0, 150.0]
+    >>> choose_trigger(film, angle=75.0)
+    3
+    """
+    if trigger is not None and angle is not None:
+        raise ErlifError(
+            f"Expected a trigger or an angle; got trigger {trigger} and angle {angle:g}. Give one "
+            "of them."
+        )
+    if trigger is not None:
+        check_trigger(film, trigger)
+        return trigger
+    return None if angle is None else _nearest(film, angle)
+
+
+def _nearest(film: xr.Dataset, angle: float) -> int:
+    """Trigger nearest to an angle. [degree]"""
+    name = next((each for each in ("crank_angle", "encoder_angle") if each in film), None)
+    if name is None:
+        raise ErlifError(
+            f"Expected a film with angles to find the trigger at {angle:g} degree; this one has "
+            "none. Choose the trigger by its number."
+        )
+    angles = film[name].values.astype(float)
+    distance = np.abs(angles - angle)
+    if name == "crank_angle":  # it starts again after a turn
+        distance = np.abs((angles - angle + _FULL_TURN / 2) % _FULL_TURN - _FULL_TURN / 2)
+
+    nearest = int(np.nanargmin(distance))
+    steps = np.diff(np.unique(angles[np.isfinite(angles)]))
+    if distance[nearest] > (np.median(steps) if steps.size else _NEAR):
+        raise ErlifError(
+            f"Expected the {name.replace('_', ' ')} of a trigger; got {angle:g} degree. Choose an "
+            f"angle near it; of all triggers, that at {angles[nearest]:.2f} degree is the nearest."
+        )
+    return nearest
+
+
+def attributes_of(film: xr.Dataset) -> dict[str, str]:
+    """Text that a converted film keeps: title, settings, calibration, hashes and notes."""
+    return {str(key): value for key, value in film.attrs.items() if isinstance(value, str)}
+
+
+def describe_units(film: xr.Dataset) -> dict[str, str]:
+    """Unit of every variable that is converted, by its name."""
+    return {
+        name: str(film[name].attrs.get("units", ""))
+        for name in _ordered(film)
+        if film[name].dtype.kind in "iufb"
+    }
+
+
+def small_variables(film: xr.Dataset, triggers: list[int]) -> dict[str, Any]:
+    """Numbers and texts that are no maps, of the chosen triggers."""
+    chosen = film.drop_vars(MAPS).isel(trigger=triggers)
+    return {
+        name: chosen[name].values
+        for name in _ordered(chosen)
+        if chosen[name].dtype.kind in "iufbOUST"
+    }

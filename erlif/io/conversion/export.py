@@ -1,0 +1,180 @@
+"""A film written in the format of another program."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import xarray as xr
+
+from erlif.core.errors import OutputError
+from erlif.core.progress import Progress, silent
+from erlif.io.conversion.archive import write_archive
+from erlif.io.conversion.contents import choose_trigger
+from erlif.io.conversion.matlab import write_matlab
+from erlif.io.conversion.stack import write_stack
+from erlif.io.conversion.table import write_map_table, write_trigger_table
+from erlif.io.conversion.vtk_xml import write_series
+from erlif.io.files import open_film, reading_film, refuse_existing, replacing, take
+
+
+@dataclass(frozen=True)
+class Format:
+    """A format to export to.
+
+    Attributes
+    ----------
+    suffixes : tuple[str, ...]
+        Suffixes of its files, the usual one first; of a folder none.
+    ending : str
+        What the default name of the output has in place of the suffix of the film.
+    """
+
+    suffixes: tuple[str, ...]
+    ending: str
+
+
+FORMATS = {
+    "csv": Format((".csv",), ".csv"),
+    "mat": Format((".mat",), ".mat"),
+    "tiff": Format((".tif", ".tiff"), ".tif"),
+    "vtk": Format(("",), "_vtk"),
+    "npz": Format((".npz",), ".npz"),
+}
+"""Formats by the word that chooses them."""
+
+
+def export(
+    film: xr.Dataset | str | Path,
+    output: str | Path,
+    *,
+    to: str | None = None,
+    trigger: int | None = None,
+    angle: float | None = None,
+    overwrite: bool = False,
+    progress: Progress = silent,
+) -> Path:
+    """Write a film in the format of another program.
+
+    Maps are read one at a time, so that memory does not grow with the run. The same film gives the
+    same bytes.
+
+    Parameters
+    ----------
+    film : xarray.Dataset or path
+        As `erlif.process` returns it, or its file.
+    output : path
+        File to write; for VTK a folder.
+    to : str, optional
+        ``"csv"``, ``"mat"``, ``"tiff"``, ``"vtk"`` or ``"npz"``; default: by the suffix of
+        `output`. CSV is a table of the triggers, or of the pixels where one trigger is chosen.
+    trigger : int, optional
+        Write this trigger alone.
+    angle : float, optional
+        The same by its crank angle, or encoder angle where there is no crank angle. [degree]
+    overwrite : bool
+        Replace an earlier output.
+    progress : Progress, optional
+        Called as the work proceeds.
+
+    Returns
+    -------
+    Path
+        `output`.
+
+    Raises
+    ------
+    OutputError
+        If the format is unknown, the output exists or cannot be written, or `film` is no film.
+    ErlifError
+        If there is no such trigger.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from erlif.show.plots import example_film
+    >>> with TemporaryDirectory() as directory:
+    ...     path = export(example_film(), f"{directory}/film.csv")
+    ...     path.read_text().splitlines()[0][:40]
+    'trigger,frames_used [1],film_mean [um],f'
+    """
+    output = Path(output)
+    kind = format_of(output, to)
+    refuse_existing(output, overwrite=overwrite)
+    with _opened(film) as source:
+        chosen = choose_trigger(source, trigger=trigger, angle=angle)
+        triggers = list(range(source.sizes["trigger"])) if chosen is None else [chosen]
+        with replacing(output) as scratch:
+            if kind == "csv" and chosen is not None:
+                write_map_table(source, scratch, trigger=chosen, progress=progress)
+            elif kind == "csv":
+                write_trigger_table(source, scratch)
+            elif kind == "mat":
+                write_matlab(source, scratch, triggers=triggers, progress=progress)
+            elif kind == "tiff":
+                write_stack(source, scratch, triggers=triggers, progress=progress)
+            elif kind == "vtk":
+                name = output.name.removesuffix(FORMATS["vtk"].ending)
+                write_series(source, scratch, name=name, triggers=triggers, progress=progress)
+            else:
+                write_archive(source, scratch, triggers=triggers, progress=progress)
+    return output
+
+
+def format_of(output: Path, to: str | None) -> str:
+    """Find the format of an output.
+
+    Parameters
+    ----------
+    output : Path
+        File or folder to be written.
+    to : str or None
+        Format that the user chose; None: by the suffix.
+
+    Returns
+    -------
+    str
+        A key of `FORMATS`.
+
+    Raises
+    ------
+    OutputError
+        If the format is unknown, or the suffix belongs to another one.
+
+    Examples
+    --------
+    >>> format_of(Path("film.tif"), None)
+    'tiff'
+    """
+    if to is None:
+        found = [kind for kind, form in FORMATS.items() if output.suffix in form.suffixes]
+        if found and output.suffix:
+            return found[0]
+        raise OutputError(
+            f"Expected an output whose suffix names its format; got {output.name}. Give to, one of "
+            f"{', '.join(FORMATS)}."
+        )
+    if to not in FORMATS:
+        raise OutputError(
+            f"Expected a format to export to, one of {', '.join(FORMATS)}; got {to}. Choose one of "
+            "them."
+        )
+    suffixes = FORMATS[to].suffixes
+    if output.suffix not in suffixes:
+        expected = f"a name in {' or '.join(suffixes)}" if suffixes[0] else "a folder's name"
+        raise OutputError(
+            f"Expected {expected} for the format {to}; got {output.name}. Give another name."
+        )
+    return to
+
+
+@contextmanager
+def _opened(film: xr.Dataset | str | Path) -> Iterator[xr.Dataset]:
+    """The film, opened and closed again where it is a file."""
+    if isinstance(film, xr.Dataset):
+        yield take(film, "film", where="film")
+        return
+    with open_film(film) as opened, reading_film(film):
+        yield opened

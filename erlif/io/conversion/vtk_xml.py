@@ -1,0 +1,110 @@
+"""Files of the Visualization Toolkit (VTK) for ParaView: a structured grid for each trigger.
+
+The format is the one that VTK documents as its XML file formats: text, with the arrays as
+base64 of zlib blocks.
+"""
+
+from __future__ import annotations
+
+import base64
+import struct
+import zlib
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import AnyArray
+from erlif.core.progress import Progress
+from erlif.core.version import __version__
+from erlif.io.conversion.contents import maps_of, trigger_columns
+from erlif.io.conversion.surface import find_surface
+
+_TYPES = {"float32": "Float32", "float64": "Float64", "uint8": "UInt8"}
+_HEAD = (
+    '<?xml version="1.0"?>\n<!-- erlif {version} -->\n<VTKFile type="{kind}" version="1.0" '
+    'byte_order="LittleEndian" header_type="UInt64" compressor="vtkZLibDataCompressor">\n'
+)
+_TAIL = "</VTKFile>\n"
+
+
+def write_series(
+    film: xr.Dataset, folder: Path, *, name: str, triggers: list[int], progress: Progress
+) -> None:
+    """Write a folder with a grid for each trigger and a ``.pvd`` file that lists them.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+    folder : Path
+        Folder to make.
+    name : str
+        Name of the ``.pvd`` file and beginning of the names of the grids.
+    triggers : list of int
+        Triggers to write. Their numbers are the time steps.
+    progress : Progress
+        Called after each trigger.
+    """
+    folder.mkdir()
+    points = _data("Points", find_surface(film).reshape(-1, 3).astype(np.float32))
+    columns = trigger_columns(film)
+    digits = max(3, len(str(triggers[-1])))
+    steps = []
+    for k, trigger in enumerate(triggers):
+        file = f"{name}_{trigger:0{digits}d}.vts"
+        numbers = {
+            column.heading: column.values[trigger : trigger + 1].astype(float)
+            for column in columns
+            if column.name != "trigger" and column.values.dtype.kind in "iufb"
+        }
+        text = _grid(film, trigger, points=points, numbers=numbers)
+        (folder / file).write_text(text, encoding="ascii", errors="xmlcharrefreplace")
+        steps.append(f'    <DataSet timestep="{trigger}" file="{file}"/>\n')
+        progress("maps", k + 1, len(triggers))
+
+    head = _HEAD.format(kind="Collection", version=__version__)
+    listed = f"{head}  <Collection>\n{''.join(steps)}  </Collection>\n{_TAIL}"
+    (folder / f"{name}.pvd").write_text(listed, encoding="ascii")
+
+
+def _grid(film: xr.Dataset, trigger: int, *, points: str, numbers: dict[str, AnyArray]) -> str:
+    """The grid of one trigger."""
+    extent = f"0 {film.sizes['x'] - 1} 0 {film.sizes['y'] - 1} 0 0"
+    maps = {
+        f"{name} [{film[name].attrs['units']}]" if name != "flags" else name: values.ravel()
+        for name, values in maps_of(film, trigger)
+    }
+    first = next(iter(maps))
+    parts = [
+        _HEAD.format(kind="StructuredGrid", version=__version__),
+        f'  <StructuredGrid WholeExtent="{extent}">\n    <FieldData>\n',
+        *(_data(label, value, field=True) for label, value in numbers.items()),
+        f'    </FieldData>\n    <Piece Extent="{extent}">\n',
+        f'      <PointData Scalars="{first}">\n',
+        *(_data(label, values) for label, values in maps.items()),
+        f"      </PointData>\n      <Points>\n{points}      </Points>\n",
+        f"    </Piece>\n  </StructuredGrid>\n{_TAIL}",
+    ]
+    return "".join(parts)
+
+
+def _data(name: str, values: AnyArray, *, field: bool = False) -> str:
+    """One array as a single block: its number and sizes, then the compressed bytes."""
+    content = values.astype(values.dtype.newbyteorder("<")).tobytes()
+    packed = zlib.compress(content, 1)
+    header = struct.pack("<QQQQ", 1, len(content), 0, len(packed))
+    text = (base64.b64encode(header) + base64.b64encode(packed)).decode("ascii")
+    components = f' NumberOfComponents="{values.shape[1]}"' if values.ndim > 1 else ""
+    count = f' NumberOfTuples="{len(values)}"' if field else ""
+    kind = _TYPES[str(values.dtype)]
+    return (
+        f'        <DataArray type="{kind}" Name="{_escaped(name)}"{components}{count} '
+        f'format="binary">{text}</DataArray>\n'
+    )
+
+
+def _escaped(text: str) -> str:
+    """Text within the quotation marks of an attribute."""
+    for sign, name in (("&", "amp"), ("<", "lt"), (">", "gt"), ('"', "quot")):
+        text = text.replace(sign, f"&{name};")
+    return text

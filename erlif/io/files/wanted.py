@@ -1,0 +1,212 @@
+"""The product that a function needs, compared with the one it was given.
+
+A film is recognised by its variables, a calibration by its parameters. Paths of films are opened
+where a film is wanted. Everything else is refused with what was given and how to get the right one.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable
+from os import fspath
+from typing import Any, ParamSpec, TypeVar
+
+import xarray as xr
+
+from erlif.core.errors import ArgumentError, ErlifError
+from erlif.io.files.film import open_film
+from erlif.io.files.kinds import KIND_NAMES, kind_of
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+_WAYS = {
+    "film": 'erlif.open_film("film.nc") opens one, erlif.process(RUN_DIR) makes one',
+    "part of a film": 'erlif.open_film("film.nc") opens one, erlif.process(RUN_DIR) makes one',
+    "frames": "film.erlif.frames has it",
+    "registration": "film.erlif.registration has it",
+    "images": 'erlif.pipeline.restore_images("film.nc", RUN_DIR, trigger=3) computes them',
+    "comparison": "erlif.compare(films) makes one",
+    "pressure": "erlif.pressure_from_film(film) finds it",
+    "prediction": "erlif.predict(RUN_DIR) makes one",
+    "calibration": 'erlif.open_calibration("calibration.nc") opens one, '
+    "erlif.calibrate(FIXTURE_DIR) makes one",
+    "run": "Name the directory that holds run.toml",
+    "fixture": "Name the directory that holds fixture.toml",
+    "directory": "Name a directory",
+    "run or film": "Name the directory that holds run.toml, or the file of a film",
+    "film file": 'Write the film with erlif.process(RUN_DIR, output="film.nc") and name its file',
+    "calibration path": 'erlif.open_calibration("calibration.nc") opens one, '
+    "erlif.calibrate(FIXTURE_DIR) makes one",
+    "path": "Name a file",
+}
+"""How to get each kind."""
+
+_PATHS = ("run", "fixture", "directory", "film file", "run or film", "path")
+_OPENED = {"film": None, "part of a film": None, "frames": "frames", "registration": "registration"}
+
+PRODUCTS = {
+    "film": "film",
+    "frames": "frames",
+    "registration": "registration",
+    "images": "images",
+    "found": "pressure",
+    "comparison": "comparison",
+    "calibration": "calibration",
+}
+"""Kind of an argument of a figure by its name."""
+
+
+def take(value: Any, kind: str, *, where: str = "") -> Any:
+    """Give back a product of the kind that is wanted, or refuse it.
+
+    Parameters
+    ----------
+    value : object
+        What the caller gave. Paths are opened where a film or a group of it is wanted.
+    kind : str
+        A kind of `KIND_NAMES`.
+    where : str
+        The argument, for the message.
+
+    Returns
+    -------
+    object
+        `value`, or the opened film.
+
+    Raises
+    ------
+    ErlifError
+        If it is another kind: with what was given and how to get the right one.
+
+    Examples
+    --------
+    >>> take(xr.Dataset({"drift_x": ("frame", [0.1])}), "film", where="film")
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ErlifError: Expected a film as film=, got the group frames of a film. \
+erlif.open_film("film.nc") opens one, erlif.process(RUN_DIR) makes one.
+    """
+    found = kind_of(value)
+    if found == "path" and kind in _OPENED:
+        return open_film(value, group=_OPENED[kind])
+    fits = {kind, *_PATHS} if kind in _PATHS else {kind}
+    if kind == "calibration path":
+        fits = {"calibration", "path"}
+    if kind == "part of a film" and isinstance(value, xr.Dataset):
+        return value
+    # a dataset of an unknown kind may be a part of the right one
+    if found in fits or (found == "dataset" and kind in _DATASETS):
+        return value
+
+    argument = f" as {where}=" if where else ""
+    source = value.encoding.get("source", "") if isinstance(value, xr.Dataset) else ""
+    hint = f"{_WAYS[kind]}."
+    if source and kind in ("film file", "run or film", "path"):
+        hint = f"Name its file: {source}."
+    given = _describe(value, found)
+    raise ErlifError(f"Expected {KIND_NAMES[kind]}{argument}, got {given}. {hint}")
+
+
+_DATASETS = ("film", "frames", "registration", "images", "comparison", "pressure", "prediction")
+
+
+def _describe(value: Any, kind: str) -> str:
+    if kind == "path":
+        return f"the path {fspath(value)}"
+    if kind in KIND_NAMES:
+        return KIND_NAMES[kind]
+    if value is None:
+        return "None"
+    if isinstance(value, xr.DataArray):
+        return f"the single variable {value.name}"
+    if isinstance(value, xr.Dataset):
+        return f"a dataset with {', '.join(str(name) for name in list(value)[:5]) or 'nothing'}"
+    return f"{type(value).__name__} {str(value)[:40]!r}"
+
+
+def takes(**wanted: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Let a function refuse wrong products, and open films that are given by their paths.
+
+    Parameters
+    ----------
+    **wanted : str
+        Kind of each argument by its name, as for `take`; None passes.
+
+    Returns
+    -------
+    callable
+        Decorates a function.
+
+    Examples
+    --------
+    >>> @takes(film="film")
+    ... def count(film):
+    ...     return film.sizes["trigger"]
+    >>> count(xr.Dataset({"film_min": ("trigger", [4.1, 4.3])}))
+    2
+    """
+
+    def decorate(function: Callable[P, R]) -> Callable[P, R]:
+        signature = inspect.signature(function)
+        needed = {
+            name
+            for name, one in signature.parameters.items()
+            if one.default is one.empty and one.kind not in (one.VAR_POSITIONAL, one.VAR_KEYWORD)
+        }
+
+        @functools.wraps(function)
+        def checked(*args: P.args, **kwargs: P.kwargs) -> R:
+            try:
+                bound = signature.bind_partial(*args, **kwargs)
+            except TypeError:  # the call itself names what is too much
+                return function(*args, **kwargs)
+            for name, kind in wanted.items():
+                value = bound.arguments.get(name)
+                if value is not None or name in needed & set(bound.arguments):
+                    bound.arguments[name] = take(value, kind, where=name)
+            for name in signature.parameters:
+                if name in needed - set(bound.arguments):
+                    raise ArgumentError(_missing(function.__name__, name, wanted.get(name)))
+            return function(*bound.args, **bound.kwargs)
+
+        return checked
+
+    return decorate
+
+
+def _missing(function: str, name: str, kind: str | None) -> str:
+    """The message for an argument that is not given."""
+    if kind is not None:
+        return f"Expected {KIND_NAMES[kind]} as {name}= of {function}, got none. {_WAYS[kind]}."
+    hint = (
+        "Name one, counted from 0; erlif.files.fastest_trigger(film) finds the fastest"
+        if name == "trigger"
+        else f"help({function}) describes it"
+    )
+    return f"Expected {name}= of {function}, got none. {hint}."
+
+
+def takes_products(function: Callable[P, R]) -> Callable[P, R]:
+    """The same for a figure, whose arguments have the names of their products.
+
+    Parameters
+    ----------
+    function : callable
+        With some of the arguments film, frames, registration, images, found and calibration.
+
+    Returns
+    -------
+    callable
+
+    Examples
+    --------
+    >>> @takes_products
+    ... def draw(film, *, trigger):
+    ...     return film.film_min.values[trigger]
+    >>> float(draw(xr.Dataset({"film_min": ("trigger", [4.1])}), trigger=0))
+    4.1
+    """
+    names = inspect.signature(function).parameters
+    return takes(**{name: kind for name, kind in PRODUCTS.items() if name in names})(function)

@@ -1,0 +1,282 @@
+"""The encoder log of a run: one row for each frame, or a log in time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from erlif.core.errors import EncoderError
+from erlif.core.notes import Level, Note
+from erlif.core.products import EncoderLog
+from erlif.io.ingest.images import Page, is_one_file
+from erlif.io.ingest.logs.binary import is_binary_log, read_binary_table
+from erlif.io.ingest.logs.checks import check_frame_numbers, check_values
+from erlif.io.ingest.logs.columns import (
+    ColumnChoice,
+    convert_columns,
+    find_columns,
+    missing_column,
+)
+from erlif.io.ingest.logs.resample import FEWEST_SAMPLES, ContinuousLog, unwrap_angle
+from erlif.io.ingest.logs.table import LogTable
+from erlif.io.ingest.logs.text import read_text_table
+from erlif.io.ingest.pairing import frame_numbers
+
+
+class ReadLog(NamedTuple):
+    """What the file of a log holds.
+
+    Attributes
+    ----------
+    log : EncoderLog | ContinuousLog
+        One row for each frame, or a log in time.
+    notes : list[Note]
+        What was taken for what.
+    """
+
+    log: EncoderLog | ContinuousLog
+    notes: list[Note]
+
+
+def read_encoder_log(
+    path: Path, choice: ColumnChoice | None = None, *, needs_angle: bool = True
+) -> EncoderLog:
+    """Read an encoder log with one row for each frame.
+
+    Parameters
+    ----------
+    path : Path
+        Text file of a logger: ``frame,time_s,angle_deg,load_N,temperature_C`` and further columns,
+        of which ``frame`` and ``angle_deg`` are required; or another header with a choice.
+    choice : ColumnChoice, optional
+        Columns and units of a header of another form.
+    needs_angle : bool
+        Whether a log without an angle is refused.
+
+    Returns
+    -------
+    EncoderLog
+        number (frame), angle (frame) [degree], and the other logged columns.
+
+    Raises
+    ------
+    EncoderError
+        If the file or a required column is missing, a value is not a finite number or impossible,
+        or frames are repeated or missing. Each message names row and column; the first row of the
+        file is row 1.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> path = Path(tempfile.mkdtemp()) / "encoder.csv"
+    >>> _ = path.write_text("frame,angle_deg,load_N\\n0,10.5,222\\n1,11.5,221\\n")
+    >>> log = read_encoder_log(path)
+    >>> log.angle.values, log.angle.units
+    (array([10.5, 11.5]), 'degree')
+    """
+    choice = choice or ColumnChoice()
+    table = read_table(path, choice)
+    found, _ = find_columns(table, choice)
+    if "frame" not in found:
+        missing_column("frame", table)
+    return _by_frame(table, choice, needs_angle=needs_angle)[0]
+
+
+def read_log(
+    path: Path,
+    choice: ColumnChoice,
+    *,
+    frames: int,
+    in_time: bool = False,
+    needs_angle: bool = True,
+) -> ReadLog:
+    """Read the log of a run, by frame or in time.
+
+    A log with a column of frame numbers, or with as many rows as there are frames, has one row for
+    each frame. Any other log with a column of times is continuous.
+
+    Parameters
+    ----------
+    path : Path
+    choice : ColumnChoice
+    frames : int
+        Number of frame pairs.
+    in_time : bool
+        Whether the settings state how the frames lie in time, so that the log is continuous.
+    needs_angle : bool
+        Whether a log without an angle is refused.
+
+    Returns
+    -------
+    ReadLog
+
+    Raises
+    ------
+    EncoderError
+        As `read_encoder_log`.
+    """
+    table = read_table(path, choice)
+    found, _ = find_columns(table, choice)
+    in_time = in_time or "pulse" in found
+    by_frame = "frame" in found or len(table.rows) == frames or "time" not in found
+    if by_frame and not in_time:
+        if "frame" not in found and len(table.rows) != frames:
+            _refuse_rows_of_neither(table, frames)
+        log, remarks = _by_frame(table, choice, needs_angle=needs_angle)
+        return ReadLog(log, _describe(table, remarks))
+
+    continuous, remarks = _in_time(table, choice, needs_angle=needs_angle)
+    return ReadLog(continuous, _describe(table, remarks))
+
+
+def _refuse_rows_of_neither(table: LogTable, frames: int) -> None:
+    """Refuse a log that has neither numbers of frames nor a row for each, nor times."""
+    raise EncoderError(
+        f"Expected one row of {table.file} for each frame, or a log in time; it has "
+        f"{len(table.rows)} rows for {frames} frames, and no column is known as frame or time. "
+        f"Choose the column of the times in [encoder] of run.toml, time = "
+        f'"name in the header", or that of frame numbers, frame = "name in the header"; the '
+        f"header is {', '.join(table.names)}."
+    )
+
+
+def read_table(path: Path, choice: ColumnChoice) -> LogTable:
+    """Read the table in the file of a log, of any format.
+
+    Parameters
+    ----------
+    path : Path
+    choice : ColumnChoice
+        Names by which the header is recognised.
+
+    Returns
+    -------
+    LogTable
+
+    Raises
+    ------
+    EncoderError
+        If the file cannot be read or is no table.
+    """
+    if is_binary_log(path):
+        return read_binary_table(path)
+    return read_text_table(path, choice.wanted)
+
+
+def check_rows(log: EncoderLog, pages: Sequence[Page], name: str) -> None:
+    """Refuse a log that does not have one row per frame.
+
+    Parameters
+    ----------
+    log : EncoderLog
+    pages : sequence of Page
+        Frames of camera 1.
+    name : str
+        File name of the log in the message.
+
+    Raises
+    ------
+    EncoderError
+        Names the first row without a frame, or the first frame without a row.
+    """
+    rows, frames = log.sizes["frame"], len(pages)
+    if rows == frames:
+        return
+
+    if rows > frames:
+        extra = _first_without_file(log.number.values.tolist(), frame_numbers(pages), name)
+    else:
+        extra = f"{pages[rows].name} is the first without a row"
+
+    if is_one_file(pages):
+        cure = (
+            "Take the rows without a frame out of the log and number the rows anew; or export from "
+            "both recordings only the frames that have a row"
+        )
+    else:
+        cure = (
+            "To leave a frame out, put an empty file of its name into both camera folders and use "
+            "--skip-bad-frames; or take out row and files and number the rows anew"
+        )
+    raise EncoderError(
+        f"Expected one row of {name} per frame; {name} has {rows} rows, the cameras have {frames} "
+        f"frames each: {extra}. {cure}."
+    )
+
+
+def _first_without_file(logged: list[int], numbers: list[int], name: str) -> str:
+    """The row of a missing frame, where the numbers in the file names show it."""
+    # names may carry the numbers of the log, or count from another first frame
+    shift = logged[0] - numbers[0] if not set(numbers) <= set(logged) else 0
+    shifted = {number + shift for number in numbers}
+    missing = [number for number in logged if number not in shifted]
+    if shifted <= set(logged) and missing:
+        at_end = missing == logged[-len(missing) :]
+        first = f"frame {missing[0]} of {name} is the first without a file"
+        return (
+            f"{first}; the names of the files show no gap, so a frame that was missed earlier "
+            "cannot be excluded"
+            if at_end and shift
+            else first
+        )
+    return (
+        f"frame {logged[len(numbers)]} of {name} is the first without a file, if no frame was "
+        "missed earlier; the numbers in the names of the files do not show it"
+    )
+
+
+def _by_frame(
+    table: LogTable, choice: ColumnChoice, *, needs_angle: bool
+) -> tuple[EncoderLog, list[str]]:
+    """A log with one row for each frame."""
+    found, remarks = find_columns(table, choice)
+    if needs_angle and "angle" not in found:
+        missing_column("angle", table)
+    log, more = convert_columns(table, found, choice, dim="frame")
+    if "frame" in found:
+        check_frame_numbers(log["number"].values.tolist(), found["frame"].name, table)
+    else:
+        log["number"] = ("frame", np.arange(len(table.rows)))
+        remarks.append(f"no column of frame numbers; row k of {len(table.rows)} is frame k")
+    check_values(log, found, table)
+    return EncoderLog(log), [*table.remarks, *remarks, *more]
+
+
+def _in_time(
+    table: LogTable, choice: ColumnChoice, *, needs_angle: bool
+) -> tuple[ContinuousLog, list[str]]:
+    """A log in time."""
+    found, remarks = find_columns(table, choice)
+    for quantity in ("time", "angle") if needs_angle else ("time",):
+        if quantity not in found:
+            missing_column(quantity, table)
+    if len(table.rows) < FEWEST_SAMPLES:
+        raise EncoderError(
+            f"Expected a log over the time of the frames in {table.file}; it has "
+            f"{len(table.rows)} rows. Export the whole log."
+        )
+
+    # a count of frames is no quantity to interpolate
+    found = {quantity: column for quantity, column in found.items() if quantity != "frame"}
+    samples, more = convert_columns(table, found, choice, dim="sample")
+    check_values(samples, found, table)
+    if "angle" in samples:
+        angle = unwrap_angle(samples["angle"].values, table.file)
+        if not np.array_equal(angle, samples["angle"].values):
+            remarks.append("the encoder starts again after a turn; its angle is counted on")
+        samples["angle"] = ("sample", angle, samples["angle"].attrs)
+
+    time = samples["time"].values
+    step = float(np.median(np.diff(time)))
+    remarks.append(
+        f"a log in time, {time.size} rows from {time[0]:.6g} to {time[-1]:.6g} s, "
+        f"{1 / step:.6g} per second"
+    )
+    return ContinuousLog(table.file, samples), [*table.remarks, *remarks, *more]
+
+
+def _describe(table: LogTable, remarks: Sequence[str]) -> list[Note]:
+    return [Note(Level.NOTE, table.file, "; ".join(remarks))] if remarks else []

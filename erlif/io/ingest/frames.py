@@ -1,0 +1,242 @@
+"""Frame pairs: what both cameras recorded of the same laser pulses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import Array, Counts
+from erlif.core.notes import Level, Note
+from erlif.core.products import Frames
+from erlif.io.ingest.images import Page, PageContent, check_depth, name_page, read_content
+
+
+@dataclass(frozen=True)
+class FramePairs:
+    """The frames of two cameras, paired; files are read when frames are asked for.
+
+    Attributes
+    ----------
+    directory : Path
+        The run or fixture directory.
+    pages : tuple[tuple[Page, ...], tuple[Page, ...]]
+        Frame k of camera 1 and frame k of camera 2 belong to the same laser pulse.
+    shape : tuple[int, int]
+        (rows, columns) of every frame. [px]
+    bit_depths : tuple[int, int]
+        Bits per pixel of camera 1 and camera 2.
+    skipped : dict[int, str]
+        Frame pairs left out, with the reason.
+    times : Array | None
+        Time of each frame pair from the first one by the header of camera 1, else of camera 2,
+        (frame,); None where no header has it. [s]
+    companions : tuple[tuple[Path, ...], tuple[Path, ...]]
+        Other files of camera 1 and camera 2 that hold a part of the recording.
+    warnings : tuple[str, str]
+        Why the format of camera 1 and camera 2 is doubtful; empty where it is not.
+    stated_bits : tuple[int | None, int | None]
+        Significant bits of a count after the headers; None where they state none.
+    """
+
+    directory: Path
+    pages: tuple[tuple[Page, ...], tuple[Page, ...]]
+    shape: tuple[int, int]
+    bit_depths: tuple[int, int]
+    skipped: dict[int, str] = field(default_factory=dict)
+    times: Array | None = field(default=None, compare=False)
+    companions: tuple[tuple[Path, ...], tuple[Path, ...]] = ((), ())
+    warnings: tuple[str, str] = ("", "")
+    stated_bits: tuple[int | None, int | None] = (None, None)
+
+    @property
+    def usable(self) -> list[int]:
+        """Numbers of the frame pairs that can be used, counted from 0."""
+        return [k for k in range(len(self.pages[0])) if k not in self.skipped]
+
+    @property
+    def full_scales(self) -> tuple[int, int]:
+        """Largest possible count of camera 1 and camera 2. [DN]"""
+        one, two = self.bit_depths
+        return (1 << one) - 1, (1 << two) - 1
+
+    def spread(self, count: int) -> list[int]:
+        """Numbers of at most `count` usable frame pairs, evenly spaced over the recording."""
+        # rounding may choose a frame twice where there are few
+        usable = self.usable
+        places = np.unique(np.linspace(0, len(usable) - 1, count).round().astype(int))
+        return [usable[place] for place in places]
+
+
+class PairCounts(NamedTuple):
+    """What was read of one frame pair.
+
+    Attributes
+    ----------
+    counts : tuple[Counts, Counts]
+        Camera 1 and camera 2, each (y, x), uint16. [DN]
+    digests : tuple[str, str]
+        SHA-256 of both files, hexadecimal; empty where it is not asked for, or where a file holds
+        more than one frame.
+    """
+
+    counts: tuple[Counts, Counts]
+    digests: tuple[str, str]
+
+
+def read_pair(pairs: FramePairs, frame: int, *, digests: bool = False) -> PairCounts:
+    """Read one frame pair as plain arrays.
+
+    Parameters
+    ----------
+    pairs : FramePairs
+    frame : int
+        Frame number, counted from 0.
+    digests : bool
+        Whether the files are hashed as they are read.
+
+    Returns
+    -------
+    PairCounts
+
+    Raises
+    ------
+    FrameError
+        As `read_frames`.
+
+    Examples
+    --------
+    >>> import tempfile, tifffile
+    >>> directory = Path(tempfile.mkdtemp())
+    >>> tifffile.imwrite(directory / "one.tif", np.full((2, 3), 7, np.uint16))
+    >>> page = Page(directory / "one.tif", 0)
+    >>> pairs = FramePairs(directory, ((page,), (page,)), (2, 3), (12, 12))
+    >>> read_pair(pairs, 0).counts[1][0]
+    array([7, 7, 7], dtype=uint16)
+    """
+    one, two = (_read_page(pairs, camera, frame, digests=digests) for camera in range(2))
+    return PairCounts((one.counts, two.counts), (one.digest, two.digest))
+
+
+def _read_page(pairs: FramePairs, camera: int, frame: int, *, digests: bool) -> PageContent:
+    """One frame of one camera, 0 or 1."""
+    page = pairs.pages[camera][frame]
+    content = read_content(page, pairs.directory, pairs.shape, digest=digests)
+
+    # every page is checked again: the header does not show a wrong bit depth
+    name = name_page(page, pairs.directory, camera + 1)
+    check_depth(content.counts, bit_depth=pairs.bit_depths[camera], name=name)
+    return content._replace(counts=content.counts.astype(np.uint16, copy=False))
+
+
+def read_frames(pairs: FramePairs, frames: Sequence[int], *, digests: bool = False) -> Frames:
+    """Read frame pairs.
+
+    Parameters
+    ----------
+    pairs : FramePairs
+    frames : sequence of int
+        Frame numbers, counted from 0.
+    digests : bool
+        Whether the files are hashed as they are read.
+
+    Returns
+    -------
+    Frames
+        counts (camera, frame, y, x) [DN]. With `digests`, the coordinates digest_camera1 and
+        digest_camera2 (frame): SHA-256 of the file, hexadecimal, empty where a file holds more than
+        one frame.
+
+    Raises
+    ------
+    FrameError
+        If a file cannot be decoded, or counts do not fit the camera's bit depth.
+
+    Examples
+    --------
+    >>> import tempfile, tifffile
+    >>> directory = Path(tempfile.mkdtemp())
+    >>> tifffile.imwrite(directory / "one.tif", np.full((2, 3), 7, np.uint16))
+    >>> page = Page(directory / "one.tif", 0)
+    >>> pairs = FramePairs(directory, ((page,), (page,)), (2, 3), (12, 12))
+    >>> read_frames(pairs, [0]).counts.sizes["y"]
+    2
+    """
+    counts = np.empty((2, len(frames), *pairs.shape), np.uint16)
+    hashes = np.zeros((2, len(frames)), "U64")
+    for n, k in enumerate(frames):
+        pair = read_pair(pairs, k, digests=digests)
+        for camera in range(2):
+            counts[camera, n], hashes[camera, n] = pair.counts[camera], pair.digests[camera]
+
+    attrs = {"units": "DN", "long_name": "raw counts"}
+    coordinates: dict[str, Any] = {"camera": [1, 2], "frame": np.asarray(frames, np.int64)}
+    if digests:
+        coordinates |= {f"digest_camera{n}": ("frame", found) for n, found in enumerate(hashes, 1)}
+    return Frames(
+        xr.Dataset({"counts": (("camera", "frame", "y", "x"), counts, attrs)}, coordinates)
+    )
+
+
+def skipped_notes(pairs: FramePairs) -> list[Note]:
+    """Notes on the frame pairs that were left out, with the reason of each.
+
+    Parameters
+    ----------
+    pairs : FramePairs
+
+    Returns
+    -------
+    list of Note
+
+    Examples
+    --------
+    >>> pairs = FramePairs(Path(), ((), ()), (64, 64), (12, 12), {3: "the file is empty"})
+    >>> print(skipped_notes(pairs)[0])
+    frame pair 3 left out: the file is empty
+    """
+    return [
+        Note(Level.WARNING, f"frame pair {k} left out", reason)
+        for k, reason in sorted(pairs.skipped.items())
+    ]
+
+
+def format_notes(pairs: FramePairs) -> list[Note]:
+    """Warnings of formats in which counts are doubtful, and of headers with fewer bits.
+
+    Parameters
+    ----------
+    pairs : FramePairs
+
+    Returns
+    -------
+    list of Note
+
+    Examples
+    --------
+    >>> pairs = FramePairs(Path(), ((), ()), (64, 64), (8, 8), warnings=("", "AVI stores 8 bits"))
+    >>> print(*format_notes(pairs))
+    camera2: AVI stores 8 bits
+    """
+    notes = [
+        Note(Level.WARNING, f"camera{camera}", warning)
+        for camera, warning in enumerate(pairs.warnings, 1)
+        if warning
+    ]
+
+    # a header may state the bits stored in place of those of a count; the depth is then lower
+    for camera, (stated, declared) in enumerate(
+        zip(pairs.stated_bits, pairs.bit_depths, strict=True), 1
+    ):
+        if stated is not None and stated < declared:
+            text = (
+                f"the headers of the files state {stated} bits, run.toml or fixture.toml has "
+                f"bit_depth = {declared}: counts at {(1 << stated) - 1} would be saturated and not "
+                f"flagged. Set bit_depth = {stated}, if that is the camera's"
+            )
+            notes.append(Note(Level.WARNING, f"camera{camera}", text))
+    return notes

@@ -1,0 +1,449 @@
+"""Image files: their pages, the shape and type in each header, their counts."""
+
+from __future__ import annotations
+
+import glob
+import hashlib
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Array, Counts
+from erlif.core.errors import FrameError
+from erlif.core.notes import Level, Note
+from erlif.io.ingest.counts import STORED_TYPES, align_right, convert_counts
+from erlif.io.ingest.selection import WHOLE, Selection
+from erlif.io.readers import FrameKind, borrow_frames, open_frames
+from erlif.io.readers.base import TRUNCATED, describe_shape
+from erlif.io.readers.plain_tiff import decode_plain_page, read_plain_page
+from erlif.io.readers.tiff import TiffFrames
+
+_FEW_LEVELS = 16
+"""Distinct counts below which a frame is too uniform to judge the alignment of its bits."""
+
+
+_LARGEST_HASHED = 2**28
+"""Size up to which a file with one frame is hashed in memory, as it is read; a larger one is hashed
+later, in pieces. [byte]"""
+
+
+@dataclass(frozen=True)
+class Page:
+    """One image in a file.
+
+    Attributes
+    ----------
+    path : Path
+        File that holds the image.
+    index : int
+        Position in a multi-page file, counted from 0.
+    header : int
+        Where its directory begins in a plain TIFF file; 0 where that is not known. [byte]
+    alone : bool
+        Whether the file is known to hold no other image.
+    selection : Selection
+        Part of the image that belongs to the camera.
+    """
+
+    path: Path
+    index: int
+    header: int = field(default=0, compare=False)
+    alone: bool = field(default=False, compare=False)
+    selection: Selection = WHOLE
+
+    @property
+    def name(self) -> str:
+        """File name in UTF-8, with the index from the second page on."""
+        # a name may hold any bytes, a message and a netCDF file only text
+        name = os.fsencode(self.path.name).decode(errors="replace")
+        return name if self.index == 0 else f"{name}[{self.index}]"
+
+
+def name_page(page: Page, directory: Path, camera: int) -> str:
+    """Name of a page in a message: its place in the directory, and its camera, 1 or 2.
+
+    The folder names the camera where it has the name of its table in the settings.
+    """
+    inside = page.path.is_relative_to(directory)
+    folder = (page.path.relative_to(directory) if inside else page.path).parent
+    place = Path(os.fsencode(folder).decode(errors="replace"), page.name).as_posix()
+    return place if f"camera{camera}" in folder.parts else f"{place} of camera {camera}"
+
+
+def is_one_file(pages: Sequence[Page]) -> bool:
+    """Whether all frames of a camera lie in one file."""
+    return len(pages) > 1 and pages[0].path == pages[-1].path
+
+
+UNREADABLE = FrameKind((0, 0), "unreadable")
+"""Stands for a page whose header or data is damaged."""
+
+
+class PageContent(NamedTuple):
+    """What was read of a page.
+
+    Attributes
+    ----------
+    counts : Counts
+        (y, x), uint8 or uint16. [DN]
+    digest : str
+        SHA-256 of the file, hexadecimal; empty where other pages or readers share the file, and for
+        a file above 256 MiB.
+    """
+
+    counts: Counts
+    digest: str = ""
+
+
+@dataclass
+class CameraFiles:
+    """The pages of one camera in natural order.
+
+    Attributes
+    ----------
+    pages : list[Page]
+        Images of all files, unreadable ones included.
+    kinds : list[FrameKind]
+        Kind of each page; UNREADABLE for damaged ones.
+    faults : dict[int, str]
+        Reasons why pages are unreadable, by position.
+    times : Array | None
+        Time of each page from the first one, (page,); None where no header has it. [s]
+    companions : list[Path]
+        Other files that hold a part of the recording, such as the header beside raw data.
+    bits : int | None
+        Significant bits of a count after the headers; None where they state none, or differ.
+    warning : str
+        Why the counts of a format are doubtful; empty where they are not.
+    """
+
+    pages: list[Page] = field(default_factory=list)
+    kinds: list[FrameKind] = field(default_factory=list)
+    faults: dict[int, str] = field(default_factory=dict)
+    times: Array | None = None
+    companions: list[Path] = field(default_factory=list)
+    bits: int | None = None
+    warning: str = ""
+
+
+def natural_key(path: Path) -> list[tuple[int, int, str]]:
+    """Sort key that puts frame_2 before frame_10.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    list of tuple
+        Numbers in the path compare as numbers, the rest as text.
+
+    Examples
+    --------
+    >>> names = [Path("frame_10.tif"), Path("frame_2.tif")]
+    >>> [path.name for path in sorted(names, key=natural_key)]
+    ['frame_2.tif', 'frame_10.tif']
+    """
+    # split puts the numbers at the odd places, where a number is compared with a number
+    parts = re.split(r"(\d+)", str(path))
+    return [(0, int(part), "") if n % 2 else (1, 0, part) for n, part in enumerate(parts)]
+
+
+def match_files(directory: Path, pattern: str) -> list[Path]:
+    """Files that a pattern of the settings matches, in natural order; hidden files are left out."""
+    names = glob.glob(pattern, root_dir=directory, recursive=True)
+    paths = (directory / name for name in names)
+    return sorted((path for path in paths if not path.is_dir()), key=natural_key)
+
+
+def find_pages(
+    directory: Path, pattern: str, what: str, selection: Selection = WHOLE
+) -> CameraFiles:
+    """Find the pages that match a pattern and read their headers.
+
+    Parameters
+    ----------
+    directory : Path
+    pattern : str
+        File name or glob, relative to `directory`.
+    what : str
+        Name of the pages in messages, such as "camera1 dark".
+    selection : Selection
+        Part of the files that belongs to the camera.
+
+    Returns
+    -------
+    CameraFiles
+        Unreadable pages are listed in its faults and do not raise.
+
+    Raises
+    ------
+    FrameError
+        If no file matches.
+    """
+    paths = match_files(directory, pattern)
+    if not paths:
+        raise FrameError(
+            f"Expected files {pattern} of {what} in {directory}; there is none. "
+            "Put them there, or correct the name in the settings."
+        )
+
+    # an unreadable file is kept as one page, so that the frames after it keep their numbers
+    found = CameraFiles()
+    depths: set[int | None] = set()
+    times: list[Array | None] = []
+    for path in paths:
+        # a pattern may match a file of counts and the header beside it, which are one recording
+        if path in found.companions:
+            continue
+        try:
+            read = _read_headers(path, selection)
+        except FrameError as error:
+            found.faults[len(found.pages)] = str(error)
+            found.pages.append(Page(path, 0, selection=selection))
+            found.kinds.append(UNREADABLE)
+            times.append(None)
+            continue
+
+        for index, kind, header in zip(read.places, read.kinds, read.headers, strict=True):
+            if kind == TRUNCATED:
+                kind = UNREADABLE
+                found.faults.setdefault(len(found.pages), "the file is truncated")
+            found.pages.append(Page(path, index, header, read.alone, selection))
+            found.kinds.append(kind)
+
+        times.append(read.times)
+        found.companions += read.companions
+        depths.add(read.bits)
+        found.warning = found.warning or read.warning
+    found.bits = depths.pop() if len(depths) == 1 else None
+
+    # the clocks of two recordings may have started at different times
+    found.times = times[0] if len(times) == 1 else None
+    return found
+
+
+def read_page(page: Page, directory: Path, shape: tuple[int, ...]) -> Counts:
+    """Decode the counts of one page.
+
+    Parameters
+    ----------
+    page : Page
+    directory : Path
+        The run or fixture directory, for messages.
+    shape : (rows, columns)
+        Shape of all frames of the recording.
+
+    Returns
+    -------
+    array of uint8 or uint16, (y, x)
+        [DN]
+
+    Raises
+    ------
+    FrameError
+        If the file cannot be decoded, or holds another shape or type.
+    """
+    return read_content(page, directory, shape).counts
+
+
+def read_content(
+    page: Page, directory: Path, shape: tuple[int, ...], *, digest: bool = False
+) -> PageContent:
+    """Decode the counts of one page, and hash the file as it is read.
+
+    Parameters
+    ----------
+    page : Page
+    directory : Path
+        The run or fixture directory, for messages.
+    shape : (rows, columns)
+        Shape of all frames of the recording.
+    digest : bool
+        Whether the hash is wanted.
+
+    Returns
+    -------
+    PageContent
+
+    Raises
+    ------
+    FrameError
+        As `read_page`.
+    """
+    name = os.path.relpath(page.path, directory) + (f"[{page.index}]" if page.index else "")
+    try:
+        content = _decode(page, digest=digest)
+    except Exception as error:  # decoders of damaged bytes raise exceptions of many types
+        raise FrameError(
+            f"Expected an image in {name}; it cannot be decoded: {with_advice(str(error))}"
+        ) from error
+
+    image = content.counts
+    if image.shape != shape or image.dtype.name not in STORED_TYPES:
+        raise FrameError(
+            f"Expected grey counts of {describe_shape(shape)} pixels in {name}; it is "
+            f"{image.dtype} of {describe_shape(image.shape)}. Record frames, darks and flats with "
+            "the same region of interest."
+        )
+    try:
+        counts = align_right(convert_counts(image), page.selection.shift)
+    except FrameError as error:
+        raise FrameError(f"Expected counts in {name}; {error}") from error
+    return PageContent(counts, content.digest)
+
+
+def _decode(page: Page, *, digest: bool) -> PageContent:
+    """Image of a page as it is stored; the hash belongs to the bytes that are decoded."""
+    if not digest or not page.alone or page.path.stat().st_size > _LARGEST_HASHED:
+        image = read_plain_page(page.path, page.header) if page.header else None
+        return PageContent(page.selection.crop(_read_frame(page) if image is None else image))
+
+    data = page.path.read_bytes()
+    hashed = hashlib.sha256(data).hexdigest()
+    image = decode_plain_page(data, page.header) if page.header else None
+    if image is None:
+        # this reader opens the file again: it must find the same bytes
+        image = _read_frame(page)
+        if page.path.read_bytes() != data:
+            raise FrameError("the file has changed while it was read")
+    return PageContent(page.selection.crop(image), hashed)
+
+
+def _read_frame(page: Page) -> AnyArray:
+    with borrow_frames(page.path, dataset=page.selection.dataset) as file:
+        return file.read(page.index)
+
+
+_SKIP = "Record it again, or use --skip-bad-frames to leave out this frame pair."
+
+
+def with_advice(reason: str, advice: str = _SKIP) -> str:
+    """Why a page is unreadable and what to do; a reason that ends a sentence contains both."""
+    return reason if reason.endswith(".") else f"{reason}. {advice}"
+
+
+def check_depth(counts: Counts, *, bit_depth: int, name: str) -> None:
+    """Refuse counts that do not fit the bit depth of the camera.
+
+    Parameters
+    ----------
+    counts : array, (y, x)
+        [DN]
+    bit_depth : int
+        Bits per pixel in the settings.
+    name : str
+        Name of the page in messages.
+
+    Raises
+    ------
+    FrameError
+        If counts exceed full scale, or are left-aligned: saturation would then go unnoticed.
+    """
+    # left-aligned counts are reported first: their largest count exceeds full scale as well
+    full_scale = (1 << bit_depth) - 1
+    top = int(counts.max())
+    set_bits = int(np.bitwise_or.reduce(counts, axis=None))
+    unused = (set_bits & -set_bits).bit_length() - 1  # low bits that are 0 in all counts
+
+    if unused >= 2 and np.unique(counts).size > _FEW_LEVELS:
+        container = 16 if top > full_scale else bit_depth
+        depth = container - unused
+        todo = (
+            f'Set alignment = "left" and bit_depth = {depth}.'
+            if container == 16
+            else f"Divide the counts by {1 << unused}, save them again and set bit_depth = {depth}."
+        )
+        raise FrameError(
+            f"Expected counts of {bit_depth} bits; {name} holds multiples of {1 << unused} up to "
+            f"{top}: {depth}-bit counts, left-aligned. {todo}"
+        )
+    if top > full_scale:
+        raise FrameError(
+            f"Expected counts up to {full_scale} (bit_depth = {bit_depth}); {name} reaches {top}: "
+            f"bit_depth = {top.bit_length()} fits. Set the bit depth of the camera."
+        )
+
+
+def depth_warning(highest: int, *, bit_depth: int, camera: int) -> Note | None:
+    """Warn where no count of a run comes near full scale.
+
+    Parameters
+    ----------
+    highest : int
+        Highest count of the run. [DN]
+    bit_depth : int
+        Bits per pixel in the settings.
+    camera : int
+        1 or 2.
+
+    Returns
+    -------
+    Note or None
+        A warning where the highest count is at most a sixteenth of full scale.
+
+    Examples
+    --------
+    >>> depth_warning(4000, bit_depth=12, camera=1) is None
+    True
+    >>> print(depth_warning(200, bit_depth=12, camera=1).text[:29])
+    no count is above 200 of 4095
+    """
+    full_scale = (1 << bit_depth) - 1
+    if highest > full_scale // 16:
+        return None
+    return Note(
+        Level.WARNING,
+        f"camera{camera}",
+        f"no count is above {highest} of {full_scale} (bit_depth = {bit_depth}); "
+        f"bit_depth = {max(8, highest.bit_length())} would fit, or the light is very low.",
+    )
+
+
+class _Headers(NamedTuple):
+    """What the header of a file states about the pages of one camera."""
+
+    places: Sequence[int]
+    kinds: Sequence[FrameKind]
+    headers: Sequence[int]
+    alone: bool
+    times: Array | None
+    companions: Sequence[Path]
+    bits: int | None
+    warning: str
+
+
+def _read_headers(path: Path, selection: Selection) -> _Headers:
+    """Pages of a file that belong to a camera; FrameError with the bare reason."""
+    file = open_frames(path, dataset=selection.dataset)
+    try:
+        places = selection.pages(file)
+        headers = file.headers if isinstance(file, TiffFrames) else []
+        kinds = [file.kinds[k] for k in places]
+        crops = {kind: _crop_kind(kind, selection) for kind in set(kinds)}
+
+        # time stamps with gaps are as good as none
+        times = file.times
+        if times is not None and (len(times) != len(file.kinds) or not np.isfinite(times).all()):
+            times = None
+        return _Headers(
+            places,
+            [crops[kind] for kind in kinds],
+            [headers[k] for k in places] if headers else [0] * len(places),
+            len(file.kinds) == 1 and not file.companions,
+            None if times is None else times[places] - times[places[0]],
+            file.companions,
+            file.bits,
+            file.warning,
+        )
+    finally:
+        file.close()
+
+
+def _crop_kind(kind: FrameKind, selection: Selection) -> FrameKind:
+    return FrameKind(selection.crop_shape(kind.shape), kind.dtype)

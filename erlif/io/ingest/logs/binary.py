@@ -1,0 +1,296 @@
+"""Logs in binary files: NI TDMS, MATLAB 5 and 7.3, HDF5."""
+
+from __future__ import annotations
+
+import logging
+import math
+import stat
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from erlif.core.arrays import AnyArray
+from erlif.core.bounded import read_bounded
+from erlif.core.errors import EncoderError, reason_of
+from erlif.core.hdf5 import SIGNATURE, check_variable_lengths, find_chunks, open_hdf5
+from erlif.io.ingest.logs.matlab import read_matlab
+from erlif.io.ingest.logs.table import (
+    LARGEST_FILE,
+    MOST_CELLS,
+    LogColumn,
+    LogTable,
+    split_unit,
+)
+
+_TDMS = b"TDSm"
+_MATLAB_5 = b"MATLAB 5.0 MAT-file"
+
+_HDF5_PLACES = (0, 512)
+"""Where the signature of HDF5 may stand; MATLAB 7.3 has a header of 512 bytes. [byte]"""
+
+_UNIT_NAMES = ("units", "unit", "Unit", "unit_string", "NI_UnitDescription")
+"""Attributes that hold the unit of a column."""
+
+_LONGEST_UNIT = 80
+"""Length of a unit that is kept; a message shows it. [character]"""
+
+_Found = Iterator[tuple[str, str, AnyArray]]
+"""Name, unit and numbers of each column."""
+
+
+def is_binary_log(path: Path) -> bool:
+    """Whether a file is one of the binary formats of logs, by its first bytes.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    bool
+        False for a file that cannot be read; the reader of text states the reason.
+
+    Examples
+    --------
+    >>> is_binary_log(Path("no such file"))
+    False
+    """
+    return _kind(path) is not None
+
+
+def read_binary_table(path: Path) -> LogTable:
+    """Read a binary file of a data logger.
+
+    A column is a channel of a TDMS file, a vector or the column of a matrix in a MATLAB or HDF5
+    file, by its path. Of columns that differ in length the longest are taken.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    LogTable
+        Rows are counted from 1.
+
+    Raises
+    ------
+    EncoderError
+        If the file cannot be read, holds no columns or too many numbers, or its package is missing.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from scipy.io import savemat
+    >>> path = Path(tempfile.mkdtemp(), "log.mat")
+    >>> savemat(path, {"angle": [1.0, 2.0], "time": [0.0, 0.1]})
+    >>> [(column.name, column.values.tolist()) for column in read_binary_table(path).columns]
+    [('angle', [1.0, 2.0]), ('time', [0.0, 0.1])]
+    """
+    kind = _kind(path)
+    size = path.stat().st_size
+    if size > LARGEST_FILE:
+        raise EncoderError(
+            f"Expected a log of at most {LARGEST_FILE / 1e6:.0f} MB; {path.name} has "
+            f"{size / 1e6:.0f} MB. Export the part that belongs to the run."
+        )
+
+    readers = {"TDMS": _read_tdms, "MATLAB": _read_matlab, "HDF5": _read_hdf5}
+    try:
+        found = list(readers[kind or ""](path))
+    except EncoderError:
+        raise
+    except Exception as error:  # the packages raise errors of many classes for a damaged file
+        raise EncoderError(
+            f"Expected {path.name} to be a {kind} file; it cannot be read: "
+            f"{reason_of(error)}. Export the log again."
+        ) from error
+    return _make_table(path, kind or "", found)
+
+
+def _kind(path: Path) -> str | None:
+    """Format of a file by its signature."""
+    try:
+        if not stat.S_ISREG(path.stat().st_mode):
+            return None
+        with path.open("rb") as file:
+            head = file.read(max(_HDF5_PLACES) + len(SIGNATURE))
+    except OSError:
+        return None
+    if head.startswith(_TDMS):
+        return "TDMS"
+    if any(head[place:].startswith(SIGNATURE) for place in _HDF5_PLACES):
+        return "HDF5"
+    return "MATLAB" if head.startswith(_MATLAB_5) else None
+
+
+def _make_table(path: Path, kind: str, found: list[tuple[str, str, AnyArray]]) -> LogTable:
+    if not found:
+        raise EncoderError(
+            f"Expected columns of numbers in {path.name}; it holds none. Export time and angle as "
+            "vectors of one length."
+        )
+    length = max(values.size for _, _, values in found)
+    kept = [one for one in found if one[2].size == length]
+    remarks = [f"a {kind} file of {length} rows"]
+    if len(kept) < len(found):
+        others = ", ".join(repr(name) for name, _, values in found if values.size != length)
+        remarks.append(f"columns of another length left out: {others}")
+    columns = tuple(
+        LogColumn(name, unit or split_unit(name)[1], *_texts(values)) for name, unit, values in kept
+    )
+    return LogTable(path.name, columns, range(1, length + 1), tuple(remarks))
+
+
+def _texts(values: AnyArray) -> tuple[Any, Mapping[int, str]]:
+    """Numbers, and the places of those that are not finite."""
+    numbers = np.asarray(values, np.float64)
+    off = np.flatnonzero(~np.isfinite(numbers))
+    texts = {int(place): str(numbers[place]) for place in off}
+    numbers = numbers.copy()
+    numbers[off] = np.nan
+    return numbers, texts
+
+
+def _check_size(count: int, path: Path) -> None:
+    """Refuse a file whose headers claim more numbers than are read."""
+    if count > MOST_CELLS:
+        raise EncoderError(
+            f"Expected at most {MOST_CELLS} numbers in {path.name}; its header states {count}. "
+            "Export the part of the log that belongs to the run."
+        )
+
+
+def _vectors(name: str, values: AnyArray, unit: str = "") -> _Found:
+    """A vector, or the columns of a matrix."""
+    if values.dtype.names:
+        for field in values.dtype.names:
+            yield from _vectors(f"{name}/{field}", values[field].ravel(), unit)
+        return
+    if values.dtype.kind not in "fiub" or values.size < 2:
+        return
+    if values.ndim <= 2 and max(values.shape) == values.size:
+        yield name, unit, values.ravel()
+    elif values.ndim == 2:
+        # rows are times: a logger takes more samples than it has channels
+        table = values if values.shape[0] >= values.shape[1] else values.T
+        for place in range(table.shape[1]):
+            yield f"{name}({place + 1})", unit, table[:, place]
+
+
+# formats
+
+
+def _read_tdms(path: Path) -> _Found:
+    """Channels; a waveform without a channel of times gets one from its properties."""
+    try:
+        from nptdms import TdmsFile
+    except ImportError as error:
+        raise EncoderError(
+            f"Expected the package npTDMS, which reads {path.name}; it is not installed. Install "
+            'it with: pip install "erlif[logs]"'
+        ) from error
+
+    # the package logs a truncated or damaged file as a warning and reads what is left
+    faults = _Faults()
+    modules = [name for name in logging.root.manager.loggerDict if name.startswith("nptdms")]
+    loggers = [logging.getLogger(name) for name in modules]
+    kept = [logger.handlers for logger in loggers]
+    try:
+        for logger in loggers:
+            logger.handlers, logger.propagate = [faults], False
+        # the package leaves a file open that it refuses
+        with path.open("rb") as raw, TdmsFile.open(raw) as file:
+            found = list(_list_channels(file, path))
+    finally:
+        for logger, handlers in zip(loggers, kept, strict=True):
+            logger.handlers = handlers
+    if faults.messages:
+        raise ValueError(faults.messages[0])
+    yield from found
+
+
+class _Faults(logging.Handler):
+    """What a package logs about a file."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.messages: list[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.messages.append(record.getMessage()[:200])
+
+
+def _list_channels(file: Any, path: Path) -> _Found:
+    channels = [channel for group in file.groups() for channel in group.channels()]
+    _check_size(sum(len(channel) for channel in channels), path)
+    short = [channel.name for channel in channels]
+    longest = max((len(channel) for channel in channels), default=0)
+    steps = set()
+    for channel in channels:
+        values = np.asarray(channel[:])
+        if values.dtype.kind == "M" and values.size:  # time stamps, from the first one
+            values = (values - values[0]) / np.timedelta64(1, "s")
+        unique = short.count(channel.name) == 1
+        name = channel.name if unique else f"{channel.group_name}/{channel.name}"
+        yield from _vectors(name, values, _unit(channel.properties))
+        if len(channel) == longest and "wf_increment" in channel.properties:
+            properties = channel.properties
+            steps.add((properties["wf_increment"], properties.get("wf_start_offset", 0.0)))
+
+    if len(steps) == 1 and "time" not in short:
+        increment, offset = (float(value) for value in steps.pop())
+        if increment > 0:
+            yield "time", "s", offset + increment * np.arange(longest)
+
+
+def _read_matlab(path: Path) -> _Found:
+    """Vectors, matrices and the fields of structures of a MATLAB 5 file."""
+    content = read_bounded(path, largest=LARGEST_FILE)
+    found = list(read_matlab(content, largest=8 * MOST_CELLS))
+    _check_size(sum(values.size for _, values in found), path)
+    for name, values in found:
+        yield from _vectors(name, values)
+
+
+def _read_hdf5(path: Path) -> _Found:
+    """Datasets of numbers in an HDF5 or MATLAB 7.3 file, by their paths."""
+    import h5py
+
+    with open_hdf5(path) as file:
+        check_variable_lengths(file)
+        datasets: list[Any] = []
+
+        def collect(name: str, item: object) -> None:
+            hidden = any(part.startswith("#") for part in name.split("/"))  # of MATLAB
+            if isinstance(item, h5py.Dataset) and not hidden and 1 <= item.ndim <= 2:
+                datasets.append((name, item))
+
+        file.visititems(collect)
+        _check_size(sum(int(item.size) for _, item in datasets), path)
+        for name, item in datasets:
+            if item.dtype.kind in "fiubV":
+                _check_storage(name, item)
+                if item.size and not find_chunks(item).all():
+                    raise ValueError(f"numbers of {name} are not in the file")
+                yield from _vectors(name, item[()], _unit(item.attrs))
+
+
+def _check_storage(name: str, item: Any) -> None:
+    """Refuse numbers of another file, and a chunk that a memory does not hold."""
+    if item.external or item.is_virtual:
+        raise ValueError(f"numbers of {name} are in another file")
+    chunk = math.prod(item.chunks or (0,)) * item.dtype.itemsize
+    if chunk > LARGEST_FILE:
+        raise ValueError(f"numbers of {name} are in a chunk of {chunk / 1e6:.0f} MB")
+
+
+def _unit(attributes: Mapping[str, Any]) -> str:
+    for name in _UNIT_NAMES:
+        if name in attributes:
+            value = attributes[name]
+            text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+            return text[:_LONGEST_UNIT]
+    return ""

@@ -1,0 +1,474 @@
+"""Which column of a log holds what, and its numbers in the units of erlif."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections import Counter
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import Array
+from erlif.core.errors import EncoderError
+from erlif.io.ingest.logs.table import LogColumn, LogTable, split_unit
+from erlif.io.ingest.logs.units import UNITS, find_scale
+
+CONTRACT = {
+    "frame": ("frame", "1"),
+    "angle_deg": ("angle", "deg"),
+    "time_s": ("time", "s"),
+    "load_N": ("load", "N"),
+    "temperature_C": ("temperature", "degC"),
+    "speed_m_s": ("speed", "m/s"),
+}
+"""Quantity and unit of the columns that erlif itself documents."""
+
+MEANINGS = {
+    "frame": "number of the frame",
+    "time": "time",
+    "angle": "encoder angle",
+    "load": "load",
+    "temperature": "oil temperature",
+    "speed": "speed as logged",
+    "pulse_energy": "pulse energy as logged",
+    "pulse": "trigger of the cameras",
+}
+"""Everything that a column can hold."""
+
+_OBVIOUS = {
+    "frame": ("frame", "frames", "frame number", "frame no", "frame id", "image number"),
+    "time": ("time", "t", "timestamp", "time stamp", "elapsed time", "relative time"),
+    "angle": ("angle", "encoder", "encoder angle", "rocker angle", "crank angle"),
+    "load": ("load", "force", "normal load", "normal force"),
+    "temperature": ("temperature", "temp", "oil temperature"),
+}
+"""Names by which a column is found that no key of [encoder] chooses."""
+
+_WITHOUT_UNIT = ("frame", "angle")
+"""What an obvious name stands for even where no unit is known; the angle is then refused."""
+
+_LARGEST_EXACT = 2**53
+"""Whole numbers above this are not exact in double precision."""
+
+_FURTHER_COLUMN = re.compile(r"[^\W_][^/\x00-\x1f\x7f]*")
+"""Names that netCDF and zarr both accept."""
+
+_RESERVED = frozenset(
+    [
+        "number",
+        "angle",
+        "angle_rate",
+        "time",
+        "load",
+        "temperature",
+        "pulse_energy",
+        "trigger",
+        "x",
+        "y",
+        "thickness",
+        "thickness_std",
+        "thickness_std_shared",
+        "flags",
+        "frames_used",
+        "background",
+        "background_std",
+        "bleaching_ratio",
+        "bleaching_ratio_std",
+        "bleaching_light",
+        "bleaching_light_std",
+        "reference_film",
+        "reference_film_std",
+        "valid_pixels",
+        "flagged_pixels",
+        "flag",
+        "encoder_angle",
+        "stroke",
+        "crank_angle",
+        "rocker_speed",
+        "sliding_speed",
+        "rotation_speed",
+        "position",
+        "film_mean",
+        "film_mean_std",
+        "film_min",
+        "film_min_std",
+        "film_min_x",
+        "film_min_y",
+        "share_beyond_range",
+        "axis",
+        "parameter",
+        "parameter_other",
+        "calibration_parameter",
+        "pin_displacement",
+        "pin_tilt",
+        "pin_position_cov",
+        "pin_position_cov_random",
+        "pin_position_gradient",
+        "film_curvature",
+        "film_curvature_std",
+        "film_curvature_expected",
+        "film_curvature_axial",
+        "film_curvature_axial_std",
+        "film_hamrock_dowson",
+        "film_theory",
+        "film_regime_map",
+        "film_regime",
+        "film_predicted_min",
+        "film_predicted_mean",
+        "eccentricity",
+        "attitude",
+        "film_parameter",
+        "speed_exponent",
+        "speed_exponent_std",
+        "speed_exponent_mean",
+        "speed_exponent_mean_std",
+    ]
+)
+"""Names of the film's own variables, which no further column of the log may have."""
+
+
+@dataclass(frozen=True)
+class ColumnChoice:
+    """What [encoder] states about the columns of the log.
+
+    Attributes
+    ----------
+    names : Mapping[str, str]
+        Column by the quantity that it holds, "angle" or "time".
+    units : Mapping[str, str]
+        Unit by quantity, where the header has none or a wrong one.
+    ticks_per_turn : float | None
+        Ticks of the encoder in one turn.
+    """
+
+    names: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    ticks_per_turn: float | None = None
+
+    @property
+    def wanted(self) -> list[str]:
+        """Names by which the header of a text file is recognised."""
+        return list(self.names.values()) or ["frame", "angle_deg"]
+
+
+def find_columns(table: LogTable, choice: ColumnChoice) -> tuple[dict[str, LogColumn], list[str]]:
+    """Find the column of each quantity.
+
+    Chosen columns come first, then the documented names, then obvious ones.
+
+    Parameters
+    ----------
+    table : LogTable
+    choice : ColumnChoice
+
+    Returns
+    -------
+    columns : dict of str to LogColumn
+        By quantity.
+    remarks : list of str
+        What was taken for what, other than by the documented names.
+
+    Raises
+    ------
+    EncoderError
+        If a chosen column is missing, a name fits several columns, or there is no angle.
+    """
+    by_name = {column.name: column for column in table.columns}
+    found: dict[str, LogColumn] = {}
+    for quantity, name in choice.names.items():
+        found[quantity] = by_name[_choose(quantity, name, table)]
+
+    # names of the documentation, then obvious ones; a column serves one purpose
+    remarks = [f"{quantity} from column {column.name!r}" for quantity, column in found.items()]
+    for name, (quantity, _) in CONTRACT.items():
+        if quantity not in found and name in by_name and by_name[name] not in found.values():
+            if table.names.count(name) > 1:
+                _refuse_twice(name, table)
+            found[quantity] = by_name[name]
+    for quantity, names in _OBVIOUS.items():
+        if quantity in found:
+            continue
+        fitting = [
+            column
+            for column in table.columns
+            if column not in found.values()
+            and plain_name(column.name) in names
+            and (quantity in _WITHOUT_UNIT or _has_unit(column, quantity, choice))
+        ]
+        if len(fitting) > 1:
+            listed = " and ".join(repr(column.name) for column in fitting)
+            raise EncoderError(
+                f"Expected one column of {table.file} for the {quantity}; {listed} may be meant. "
+                f'Choose one in [encoder] of run.toml: {quantity} = "{fitting[0].name}".'
+            )
+        if fitting:
+            found[quantity] = fitting[0]
+            remarks.append(f"{quantity} from column {fitting[0].name!r}")
+    return found, remarks
+
+
+def convert_column(
+    column: LogColumn, quantity: str, table: LogTable, choice: ColumnChoice
+) -> tuple[Array, str]:
+    """Numbers of a column in the unit of erlif.
+
+    Parameters
+    ----------
+    column : LogColumn
+    quantity : str
+        What it holds.
+    table : LogTable
+        For messages.
+    choice : ColumnChoice
+
+    Returns
+    -------
+    values : array, (row,)
+    unit : str
+        As films spell it: degree, s, N, degree_Celsius, rad s-1 or m s-1, mJ; "1" without one.
+
+    Raises
+    ------
+    EncoderError
+        If a cell holds no finite number, with row and column, or if the unit is not known.
+    """
+    for place, text in column.texts.items():
+        comma = ""
+        if re.fullmatch(r"[+-]?\d+,\d+", text):
+            comma = (
+                " A comma within quotes may be decimal or separate thousands: write decimal "
+                "points, or separate the columns with semicolons."
+            )
+        raise EncoderError(
+            f"Expected a finite number in row {table.rows[place]}, column {column.name} of "
+            f"{table.file}; got {text or 'nothing'!r}.{comma} Correct the value, or take the row "
+            "and its frame of both cameras out and number the rows anew."
+        )
+    if quantity not in UNITS:
+        return column.values, "1"
+
+    # the settings come first, then the documented suffix, then the header
+    documented = CONTRACT.get(column.name, ("", ""))
+    unit = choice.units.get(quantity, "")
+    unit = unit or (documented[1] if documented[0] == quantity else "")
+    unit = unit or column.unit or unit_suffix(column.name)
+    if not unit and quantity == "pulse_energy":
+        unit = "1"  # its mean is all that matters
+    scale = find_scale(quantity, unit) if unit else None
+    if scale is None:
+        got, other = "none in its header", ""
+        if unit:
+            got = f"{unit!r}"
+            other = f" Choose another column if this is no {quantity}; or, where it is one,"
+        todo = f' Write units = {{ {quantity} = "{next(iter(UNITS[quantity]))}" }} in [encoder] of '
+        raise EncoderError(
+            f"Expected the unit of column {column.name} of {table.file}, the {quantity}; got {got}."
+            f"{other}{todo.replace('Write', 'write') if other else todo}"
+            f"run.toml; units of {quantity}: {', '.join(UNITS[quantity])}."
+        )
+    if scale.unit != "tick":
+        return column.values * scale.factor + scale.offset, scale.unit
+
+    if choice.ticks_per_turn is None:
+        raise EncoderError(
+            f"Expected the number of ticks in a turn, because column {column.name} of {table.file} "
+            "counts ticks; got none. Write ticks_per_turn = 3600 in [encoder] of run.toml."
+        )
+    return column.values * (360.0 / choice.ticks_per_turn), "degree"
+
+
+def convert_columns(
+    table: LogTable, found: Mapping[str, LogColumn], choice: ColumnChoice, *, dim: str
+) -> tuple[xr.Dataset, list[str]]:
+    """All columns of a log by their names in erlif; further columns keep their own.
+
+    Parameters
+    ----------
+    table : LogTable
+    found : mapping of str to LogColumn
+        From `find_columns`.
+    choice : ColumnChoice
+    dim : str
+        Name of the dimension of the rows.
+
+    Returns
+    -------
+    log : xarray.Dataset
+        number, angle and the others, each with its unit.
+    remarks : list of str
+        Columns that are left out because films cannot hold their names.
+
+    Raises
+    ------
+    EncoderError
+        As `convert_column`; or if a column of a log with the documented names has a name that
+        cannot be used.
+    """
+    log = xr.Dataset()
+    for quantity, column in found.items():
+        values, unit = convert_column(column, quantity, table, choice)
+        name = {"frame": "number"}.get(quantity, quantity)
+        if quantity == "speed":
+            name = "sliding_speed" if unit == "m s-1" else "rotation_speed"
+        if name == "number":
+            _check_whole(values, column, table)
+            log[name] = (dim, values.astype(np.int64))
+        else:
+            log[name] = (dim, values, {"units": unit, "long_name": MEANINGS[quantity]})
+
+    # headers of erlif's own form are checked strictly; those of a logger are as they are
+    strict = {"frame", "angle_deg"} <= set(table.names)
+    counts = Counter(table.names)
+    left_out = []
+    for place, column in enumerate(table.columns, 1):
+        if column in found.values() or not column.name:
+            continue
+        fault = _name_fault(column.name, counts)
+        if fault and strict and not choice.names:
+            _refuse_name(column.name, place, fault, table)
+        if fault:
+            left_out.append(column.name)
+        else:
+            log[column.name] = (dim, column.free())
+    remarks = []
+    if left_out:
+        listed = ", ".join(repr(name) for name in dict.fromkeys(left_out))
+        remarks.append(f"columns left out because of their names: {listed}")
+    return log, remarks
+
+
+# names
+
+
+def _choose(quantity: str, name: str, table: LogTable) -> str:
+    """Full name of a chosen column; the unit in its brackets may be left out."""
+    exact = [one for one in table.names if one == name]
+    near = exact or [one for one in table.names if split_unit(one)[0] == name]
+    near = near or [one for one in table.names if one.rpartition("/")[2] == name]
+    if len(near) == 1:
+        return near[0]
+
+    known = ", ".join(repr(one) for one in table.names[:20] if one)
+    if near:
+        raise EncoderError(
+            f"Expected each column of {table.file} once; {name} comes {len(near)} times. Rename "
+            f"one, or name the other columns in [encoder]: {known}."
+        )
+    guess = difflib.get_close_matches(name, table.names, n=1, cutoff=0.5)
+    hint = f" Did you mean {guess[0]!r}?" if guess else ""
+    raise EncoderError(
+        f"Expected column {name!r} in {table.file}, which [encoder] names as {quantity}; its "
+        f"columns are {known}.{hint} Correct {quantity} in [encoder] of run.toml."
+    )
+
+
+def plain_name(name: str) -> str:
+    """Reduce the name of a column to lower case, without its unit, words apart.
+
+    Parameters
+    ----------
+    name : str
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> plain_name("Encoder_Angle [deg]"), plain_name("time_ms"), plain_name("Log/Force")
+    ('encoder angle', 'time', 'force')
+    """
+    base = split_unit(name.rpartition("/")[2] if " / " not in name else name)[0]
+    suffix = unit_suffix(base)
+    if suffix:
+        base = base[: -len(suffix) - 1]
+    return re.sub(r"[\s_]+", " ", base).strip().lower()
+
+
+def unit_suffix(name: str) -> str:
+    """Find the unit behind the last underscore of a name.
+
+    Parameters
+    ----------
+    name : str
+
+    Returns
+    -------
+    str
+        Empty where there is none.
+
+    Examples
+    --------
+    >>> unit_suffix("time_ms"), unit_suffix("load_cell")
+    ('ms', '')
+    """
+    text = name.rpartition("_")[2] if "_" in name else ""
+    known = text and any(find_scale(quantity, text) for quantity in UNITS)
+    return text if known else ""
+
+
+def _has_unit(column: LogColumn, quantity: str, choice: ColumnChoice) -> bool:
+    unit = choice.units.get(quantity) or column.unit or unit_suffix(column.name)
+    return find_scale(quantity, unit) is not None
+
+
+def _name_fault(name: str, counts: Counter[str]) -> str:
+    if counts[name] > 1:
+        return "twice"
+    if name in _RESERVED:
+        return "which erlif uses itself"
+    return "" if _FURTHER_COLUMN.fullmatch(name) else "which a film file cannot hold"
+
+
+def _refuse_name(name: str, place: int, fault: str, table: LogTable) -> None:
+    if fault == "twice":
+        _refuse_twice(name, table)
+    raise EncoderError(
+        f"Expected a column of {table.file} to be one of {', '.join(CONTRACT)} or to have a name "
+        f"of its own that begins with a letter or digit; column {place} is {name!r}, {fault}. "
+        "Rename it."
+    )
+
+
+def _refuse_twice(name: str, table: LogTable) -> None:
+    raise EncoderError(
+        f"Expected each column of {table.file} once; {name} comes {table.names.count(name)} times. "
+        "Rename one."
+    )
+
+
+def _check_whole(values: Array, column: LogColumn, table: LogTable) -> None:
+    off = np.flatnonzero((values != np.round(values)) | (np.abs(values) > _LARGEST_EXACT))
+    if off.size:
+        raise EncoderError(
+            f"Expected a whole number in row {table.rows[off[0]]}, column {column.name} of "
+            f"{table.file}; got {values[off[0]]:g}. Number the rows 0, 1, 2, ..."
+        )
+
+
+def missing_column(quantity: str, table: LogTable, wanted: Collection[str] = CONTRACT) -> None:
+    """Refuse a log without a column that is needed.
+
+    Parameters
+    ----------
+    quantity : str
+        What the column would hold.
+    table : LogTable
+    wanted : collection of str
+        The names that are known.
+
+    Raises
+    ------
+    EncoderError
+        Always.
+    """
+    documented = next((name for name, (what, _) in CONTRACT.items() if what == quantity), quantity)
+    comma = "" if len(table.names) > 1 else " Separate the columns with commas, semicolons or tabs."
+    raise EncoderError(
+        f"Expected a column {documented} in {table.file}; its header is {', '.join(table.names)}."
+        f"{comma} Choose the column in [encoder] of run.toml, "
+        f'{quantity} = "name in the header"; columns erlif knows: {", ".join(wanted)}.'
+    )

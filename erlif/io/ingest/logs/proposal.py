@@ -1,0 +1,140 @@
+"""The log among the files of a directory, and what its columns probably hold."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.errors import EncoderError
+from erlif.io.ingest.logs.binary import is_binary_log, read_binary_table
+from erlif.io.ingest.logs.columns import (
+    CONTRACT,
+    ColumnChoice,
+    convert_column,
+    find_columns,
+)
+from erlif.io.ingest.logs.table import LogColumn, LogTable
+from erlif.io.ingest.logs.text import read_text_table
+
+LOG_SUFFIXES = frozenset(
+    {".csv", ".txt", ".tsv", ".dat", ".asc", ".tdms", ".mat", ".h5", ".hdf5", ".hdf"}
+)
+"""Endings of the files that loggers write."""
+
+_PROFILE = {"x_mm", "thickness_um"}
+"""Columns of the profile of a fixture, which is no log."""
+
+_TRIGGER = re.compile(r"trigger|pulse|ttl|camera|strobe|q-?switch", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class LogProposal:
+    """A log that was found, and what its columns probably hold.
+
+    Attributes
+    ----------
+    path : Path
+    table : LogTable
+    columns : dict[str, str]
+        Column by quantity, those with documented names left out.
+    without_unit : tuple[str, ...]
+        Quantities whose unit the header does not give.
+    in_time : bool
+        Whether the log has no row for each frame, but times.
+    pulse : str | None
+        Column that rises at the frames of a log in time.
+    values : xr.Dataset
+        time and angle, as far as their units are known, on dim row.
+    known : tuple[str, ...]
+        Quantities whose column is recognised.
+    """
+
+    path: Path
+    table: LogTable
+    columns: dict[str, str]
+    without_unit: tuple[str, ...]
+    in_time: bool
+    pulse: str | None
+    values: xr.Dataset
+    known: tuple[str, ...]
+
+
+def propose_log(paths: Iterable[Path], frames: int, *, unnamed: bool = False) -> LogProposal | None:
+    """Find the log of an encoder among files, by the names of its columns.
+
+    Parameters
+    ----------
+    paths : iterable of Path
+    frames : int
+        Number of frame pairs.
+    unnamed : bool
+        Whether a table with columns of unknown names is a log too.
+
+    Returns
+    -------
+    LogProposal or None
+        The first file with an angle and with one row for each frame or a column of times; with
+        `unnamed`, else the first table of at least one row for each frame.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> path = Path(tempfile.mkdtemp(), "rig.txt")
+    >>> _ = path.write_text("Encoder [deg];Force [N]\\n1,5;20\\n2,5;21\\n")
+    >>> propose_log([path], 2).columns
+    {'angle': 'Encoder [deg]', 'load': 'Force [N]'}
+    """
+    other: LogProposal | None = None
+    for path in paths:
+        try:
+            binary = is_binary_log(path)
+            table = read_binary_table(path) if binary else read_text_table(path, ())
+            found, _ = find_columns(table, ColumnChoice())
+        except EncoderError:
+            continue  # a picture, a report, or columns that may mean two things
+        by_frame = "frame" in found or len(table.rows) == frames
+        if "angle" in found and (by_frame or "time" in found):
+            return _describe(path, table, found, by_frame=by_frame)
+
+        # a log in another language; the profile of a fixture is known by its columns
+        long = len(table.rows) >= frames and not _PROFILE & set(table.names)
+        if unnamed and other is None and long:
+            other = _describe(path, table, found, by_frame=by_frame)
+    return other
+
+
+def _describe(
+    path: Path, table: LogTable, found: dict[str, LogColumn], *, by_frame: bool
+) -> LogProposal:
+    """What the recognised columns of a log hold."""
+    values, without_unit = xr.Dataset(), []
+    for quantity, column in found.items():
+        try:
+            numbers, _ = convert_column(column, quantity, table, ColumnChoice())
+        except EncoderError:
+            without_unit.append(quantity)
+            continue
+        if quantity in ("angle", "time"):
+            values[quantity] = ("row", numbers)
+
+    foreign = {
+        quantity: column.name for quantity, column in found.items() if column.name not in CONTRACT
+    }
+    pulse = None if by_frame else _find_pulse(table)
+    return LogProposal(
+        path, table, foreign, tuple(without_unit), not by_frame, pulse, values, tuple(found)
+    )
+
+
+def _find_pulse(table: LogTable) -> str | None:
+    """A column called after a trigger, with a low level most of the time."""
+    for column in table.columns:
+        values = column.values
+        if _TRIGGER.search(column.name) and not column.texts and np.ptp(values) > 0:
+            return column.name
+    return None

@@ -1,0 +1,423 @@
+"""Text files of data loggers: separators, decimal commas, comments, headers and rows of units."""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import io
+import math
+import re
+from array import array
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+
+from erlif.core.bounded import read_bounded
+from erlif.core.errors import EncoderError
+from erlif.io.ingest.logs.table import (
+    LARGEST_FILE,
+    MOST_CELLS,
+    MOST_TEXTS,
+    LogColumn,
+    LogTable,
+    split_unit,
+)
+from erlif.io.ingest.logs.units import is_unit
+
+SAMPLE = 400
+"""Rows at the head of a file in which separator and header are looked for."""
+
+LONGEST_LINE = 2**20
+"""Characters of a line above which a file is no table."""
+
+LARGE = 2**20
+"""Size from which all rows are read at once, if they hold numbers alone. [byte]"""
+
+_SEPARATORS = {"\t": "tabs", ";": "semicolons", ",": "commas"}
+
+_COMMENT = ("#", "%")
+
+_COMMA_NUMBER = re.compile(r"[+-]?(\d+,\d*|,\d+)([eE][+-]?\d+)?")
+
+_FEWEST_ROWS = 2
+"""A header and one row."""
+
+_Row = tuple[int, list[str]]
+"""Number of a row in the file, from 1, and its cells without spaces around them."""
+
+
+def read_text_table(path: Path, wanted: Collection[str]) -> LogTable:
+    """Read a text file of a data logger.
+
+    Columns are separated by commas, semicolons or tabs. Where commas do not separate, they may be
+    decimal. Rows that begin with # or % are comments, rows above the header a preamble; a row of
+    units may follow the header. The text is UTF-8, UTF-16 with a byte order mark, or Latin-1.
+
+    Parameters
+    ----------
+    path : Path
+    wanted : collection of str
+        Names by which the header is recognised.
+
+    Returns
+    -------
+    LogTable
+
+    Raises
+    ------
+    EncoderError
+        If the file cannot be read or is no table. Rows are counted as in the file, from 1.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> path = Path(tempfile.mkdtemp(), "log.txt")
+    >>> _ = path.write_text("Logger 3\\nZeit;Winkel\\ns;deg\\n0,5;1,25\\n0,6;1,5\\n")
+    >>> table = read_text_table(path, ["Winkel"])
+    >>> [(column.name, column.unit, column.values.tolist()) for column in table.columns]
+    [('Zeit', 's', [0.5, 0.6]), ('Winkel', 'deg', [1.25, 1.5])]
+    """
+    content = _read_content(path)
+    encoding, spoken = _find_encoding(content, path)
+    if b"\0" in content and not encoding.startswith("utf-16"):
+        raise EncoderError(
+            f"Expected {path.name} to be a CSV text file; it holds bytes of zero. Save the log as "
+            "CSV in UTF-8."
+        )
+
+    def text() -> io.TextIOWrapper:
+        return io.TextIOWrapper(io.BytesIO(content), encoding, newline="")
+
+    try:
+        layout = _find_layout(text(), wanted, path)
+        plain = _read_plain(content, encoding, layout)
+        if plain is not None:
+            return _make_table(path, layout, *plain, spoken)
+        builders, rows = _read_rows(text(), layout, path)
+    except (UnicodeError, csv.Error) as error:
+        raise EncoderError(
+            f"Expected {path.name} to be a CSV text file; it is not: {error}. Save the log as CSV "
+            "in UTF-8."
+        ) from error
+
+    decimal = _check_decimals(builders, path)
+    columns = [builder.finish(unit) for builder, unit in zip(builders, layout.units, strict=True)]
+    return _make_table(path, layout, columns, rows, decimal, spoken)
+
+
+def _make_table(
+    path: Path,
+    layout: _Layout,
+    columns: Sequence[LogColumn],
+    rows: Sequence[int],
+    decimal: str,
+    spoken: str,
+) -> LogTable:
+    separator = _SEPARATORS[layout.separator]
+    remarks = [f"columns separated by {separator}"] if layout.separator != "," else []
+    remarks += [remark for remark in (decimal, spoken) if remark]
+    if layout.header_row > 1:
+        remarks.append(f"header in row {layout.header_row}")
+    return LogTable(path.name, tuple(columns), rows, tuple(remarks))
+
+
+# bytes to rows
+
+
+def _read_content(path: Path) -> bytes:
+    try:
+        return read_bounded(path, largest=LARGEST_FILE)
+    except OSError as error:
+        raise EncoderError(
+            f"Expected the encoder log {path.name}; it cannot be read: {error.strerror}. Correct "
+            "file in [encoder] of run.toml."
+        ) from error
+
+
+def _find_encoding(content: bytes, path: Path) -> tuple[str, str]:
+    """Encoding of the text, and a remark where it is not UTF-8."""
+    # "utf-8-sig" also reads the byte order mark that spreadsheets write
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "utf-16", "text in UTF-16"
+    try:
+        content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return "latin-1", "text in Latin-1"
+    return "utf-8-sig", ""
+
+
+def _rows(text: io.TextIOWrapper, separator: str, path: Path) -> Iterator[_Row]:
+    """Rows that are not empty."""
+
+    def lines() -> Iterator[str]:
+        while line := text.readline(LONGEST_LINE + 1):
+            if len(line) > LONGEST_LINE:
+                raise EncoderError(
+                    f"Expected rows of a table in {path.name}; a line has more than "
+                    f"{LONGEST_LINE} characters. Correct file in [encoder] of run.toml."
+                )
+            yield line
+
+    for number, cells in enumerate(csv.reader(lines(), delimiter=separator), 1):
+        stripped = [cell.strip() for cell in cells]
+        if any(stripped):
+            yield number, stripped
+
+
+def _is_comment(cells: Sequence[str]) -> bool:
+    return cells[0].startswith(_COMMENT)
+
+
+# header
+
+
+@dataclass(frozen=True)
+class _Layout:
+    """Separator, header and units of a file."""
+
+    separator: str
+    names: list[str]
+    units: list[str]
+    header_row: int
+    first_row: int
+
+
+def _find_layout(text: io.TextIOWrapper, wanted: Collection[str], path: Path) -> _Layout:
+    """Separator and header from the head of the file."""
+    # the separator that gives the most rows of numbers, of equal width; commas where none does
+    samples: dict[str, list[_Row]] = {}
+    for separator in _SEPARATORS:
+        text.seek(0)
+        try:
+            samples[separator] = list(islice(_rows(text, separator, path), SAMPLE))
+        except csv.Error:
+            samples[separator] = []
+    separator = max(samples, key=lambda one: (_score(samples[one], one, wanted), one == ","))
+    rows = samples[separator]
+    plain = [row for row in rows if not _is_comment(row[1])]
+    if len(plain) < _FEWEST_ROWS and not (plain and len(rows) > len(plain)):
+        raise EncoderError(
+            f"Expected a header and one row per trigger in {path.name}; it has {len(plain)} "
+            "row(s). Export the whole log."
+        )
+
+    first = next((n for n, row in enumerate(plain) if _is_numeric(row[1], separator)), len(plain))
+    header = _choose_header(plain, first, wanted)
+    if header is None:
+        found = _header_in_comment(rows, plain, first)
+        if found is None:
+            number, cells = plain[0]
+            raise EncoderError(
+                f"Expected a header with the names of the columns in {path.name}; row {number} is "
+                f"{separator.join(cells)!r}. Put a row such as frame,angle_deg above the numbers."
+            )
+        number, names = found
+        return _Layout(separator, names, [split_unit(name)[1] for name in names], number, number)
+
+    # rows of units between header and numbers
+    number, names = plain[header]
+    units = [split_unit(name)[1] for name in names]
+    for row, cells in plain[header + 1 : first]:
+        if not _is_unit_row(cells, names):
+            break
+        for place, cell in enumerate(cells[: len(units)]):
+            units[place] = cell.strip("[]()<> ") or units[place]
+        return _Layout(separator, names, units, number, row)
+    return _Layout(separator, names, units, number, number)
+
+
+def _score(rows: Sequence[_Row], separator: str, wanted: Collection[str]) -> int:
+    """Rows of numbers of one width, those without any text twice, and a header that is known."""
+    counts = Counter[int]()
+    for _, cells in rows:
+        if _is_numeric(cells, separator):
+            pure = all(_parse(cell, separator) is not None for cell in cells if cell)
+            counts[len(cells)] += 1 + pure
+    known = any(set(cells) & set(wanted) for _, cells in rows if len(cells) > 1)
+    return max(counts.values(), default=0) + 2 * SAMPLE * known
+
+
+def _is_numeric(cells: Sequence[str], separator: str) -> bool:
+    """Whether a row has several cells, of which half or more are numbers."""
+    filled = [cell for cell in cells if cell]
+    numbers = sum(_parse(cell, separator) is not None for cell in filled)
+    return len(cells) > 1 and bool(filled) and 2 * numbers >= len(filled)
+
+
+def _choose_header(plain: Sequence[_Row], first: int, wanted: Collection[str]) -> int | None:
+    """Place of the header above the first row of numbers, or None."""
+    # a row that holds a name that is looked for, whatever follows
+    for place, (_, cells) in enumerate(plain[: max(first, 1)]):
+        if set(cells) & set(wanted):
+            return place
+
+    # else the row above the numbers, or above their row of units
+    width = len(plain[first][1]) if first < len(plain) else 0
+    above = [n for n in range(first) if len(plain[n][1]) >= width]
+    if above and len(above) > 1 and _is_unit_row(plain[above[-1]][1], plain[above[-2]][1]):
+        return above[-2]
+    return above[-1] if above else None
+
+
+def _header_in_comment(
+    rows: Sequence[_Row], plain: Sequence[_Row], first: int
+) -> tuple[int, list[str]] | None:
+    """The last comment above the numbers that has as many cells as they have."""
+    if first >= len(plain):
+        return None
+    limit, width = plain[first][0], len(plain[first][1])
+    found = None
+    for number, cells in rows:
+        if number < limit and _is_comment(cells) and len(cells) == width:
+            found = number, [cells[0].lstrip("".join(_COMMENT)).strip(), *cells[1:]]
+    return found
+
+
+def _is_unit_row(cells: Sequence[str], names: Sequence[str]) -> bool:
+    """Whether all cells are units, one at least."""
+    filled = [cell.strip("[]()<> ") for cell in cells if cell]
+    return len(cells) <= len(names) and any(filled) and all(is_unit(cell) for cell in filled)
+
+
+# numbers
+
+
+def _read_plain(
+    content: bytes, encoding: str, layout: _Layout
+) -> tuple[list[LogColumn], Sequence[int], str] | None:
+    """Columns of a large file of nothing but finite numbers, read at once; else None."""
+    if len(content) < LARGE or b'"' in content:
+        return None
+    text = content.decode(encoding)
+    has_commas = layout.separator != "," and "," in text
+    if has_commas and "." in text:
+        return None
+
+    # more rows than are read would be found as a wrong number of lines
+    width = len(layout.names)
+    lines = text.count("\n") + (not text.endswith("\n")) - layout.first_row
+    if lines * width > MOST_CELLS:
+        return None
+
+    # line by line: a text as a file in memory takes four bytes for each character
+    del text
+    rows: Iterable[str] = io.TextIOWrapper(io.BytesIO(content), encoding, newline="\n")
+    if has_commas:
+        rows = (row.replace(",", ".") for row in rows)
+    try:
+        numbers = np.loadtxt(
+            rows,
+            delimiter=layout.separator,
+            comments=None,
+            skiprows=layout.first_row,
+            ndmin=2,
+        )
+    except ValueError:
+        return None
+    if numbers.shape != (lines, width) or not np.isfinite(numbers).all():
+        return None
+    columns = [
+        LogColumn(name, unit, numbers[:, place].copy())
+        for place, (name, unit) in enumerate(zip(layout.names, layout.units, strict=True))
+    ]
+    first = layout.first_row + 1
+    return columns, range(first, first + lines), "decimal commas" if has_commas else ""
+
+
+@dataclass
+class _Builder:
+    """A column while it is read: 8 bytes for each number, and the texts that are none."""
+
+    name: str
+    values: array[float] = field(default_factory=lambda: array("d"))
+    texts: dict[int, str] = field(default_factory=dict)
+    commas: int = 0
+    point: int = 0
+
+    def finish(self, unit: str) -> LogColumn:
+        return LogColumn(self.name, unit, np.array(self.values), self.texts)
+
+
+def _parse(cell: str, separator: str) -> float | None:
+    """A number; with a decimal comma where commas do not separate."""
+    try:
+        # float() reads "1_000", which no logger means
+        return float(cell) if "_" not in cell else None
+    except ValueError:
+        if separator != "," and _COMMA_NUMBER.fullmatch(cell):
+            return float(cell.replace(",", "."))
+        return None
+
+
+def _read_rows(
+    text: io.TextIOWrapper, layout: _Layout, path: Path
+) -> tuple[list[_Builder], list[int]]:
+    """All rows below the header."""
+    builders = [_Builder(name) for name in layout.names]
+    separator, width = layout.separator, len(layout.names)
+    rows, texts = array("q"), 0
+    for number, cells in _rows(text, separator, path):
+        if number <= layout.first_row or _is_comment(cells):
+            continue
+        while len(cells) > width and not cells[-1]:  # a separator at the end of the row
+            cells.pop()
+        if len(cells) != width:
+            _refuse_length(number, len(cells), layout, path)
+
+        place = len(rows)
+        rows.append(number)
+        for builder, cell in zip(builders, cells, strict=True):
+            value = _parse(cell, separator)
+            if value is None or not math.isfinite(value):
+                builder.texts[place] = cell
+                builder.values.append(math.nan)
+                texts += 1
+            else:
+                builder.values.append(value)
+                if "," in cell:
+                    builder.commas += 1
+                elif "." in cell and not builder.point:
+                    builder.point = number
+        if len(rows) * width > MOST_CELLS or texts > MOST_TEXTS:
+            raise EncoderError(
+                f"Expected at most {MOST_CELLS:.0f} numbers and {MOST_TEXTS:.0f} texts in "
+                f"{path.name}; it holds more. Export the part of the log that belongs to the run."
+            )
+
+    if not rows:
+        raise EncoderError(
+            f"Expected a header and one row per trigger in {path.name}; it has 1 row(s). Export "
+            "the whole log."
+        )
+    return builders, rows.tolist()
+
+
+def _refuse_length(number: int, length: int, layout: _Layout, path: Path) -> None:
+    width = len(layout.names)
+    comma = ""
+    if length > width and layout.separator == ",":
+        comma = (
+            " A decimal comma makes two values of one: separate the columns with semicolons, or "
+            "write decimal points."
+        )
+    raise EncoderError(
+        f"Expected {width} values in row {number} of {path.name}, as in its header; it has "
+        f"{length}.{comma} Correct the row."
+    )
+
+
+def _check_decimals(builders: Sequence[_Builder], path: Path) -> str:
+    """A remark on decimal commas; refuses a file that has points as well."""
+    commas = [builder for builder in builders if builder.commas]
+    points = [builder for builder in builders if builder.point]
+    if commas and points:
+        raise EncoderError(
+            f"Expected decimal commas or decimal points in {path.name}, not both; column "
+            f"{commas[0].name} has commas, row {points[0].point}, column {points[0].name} a point. "
+            "Export the log with one decimal mark."
+        )
+    return "decimal commas" if commas else ""

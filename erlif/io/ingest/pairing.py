@@ -1,0 +1,259 @@
+"""Frames of two cameras paired by laser pulse, and checked against one another."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+from erlif.core.errors import FrameError
+from erlif.io.ingest.counts import STORED_TYPES
+from erlif.io.ingest.frames import FramePairs
+from erlif.io.ingest.images import (
+    UNREADABLE,
+    CameraFiles,
+    Page,
+    check_depth,
+    find_pages,
+    is_one_file,
+    name_page,
+    read_page,
+    with_advice,
+)
+from erlif.io.ingest.selection import WHOLE, Selection, may_share_files
+from erlif.io.readers import FrameKind
+from erlif.io.readers.base import describe_shape
+
+_SMALLEST = 64
+"""Least width and height of a frame: registration needs several windows along each axis. [px]"""
+
+
+def pair_cameras(
+    directory: Path,
+    patterns: tuple[str, str],
+    *,
+    bit_depths: tuple[int, int],
+    selections: tuple[Selection, Selection] = (WHOLE, WHOLE),
+    skip_bad_frames: bool = False,
+    has_log: bool = False,
+) -> FramePairs:
+    """Find the frames of both cameras and pair them.
+
+    Parameters
+    ----------
+    directory : Path
+        The run or fixture directory.
+    patterns : (str, str)
+        File name or glob of camera 1 and camera 2, relative to `directory`.
+    bit_depths : (int, int)
+        Bits per pixel of camera 1 and camera 2.
+    selections : (Selection, Selection)
+        Part of the files that belongs to camera 1 and camera 2.
+    skip_bad_frames : bool
+        Leave out pairs with an unreadable file instead of refusing the recording.
+    has_log : bool
+        Whether an encoder log belongs to the frames, so that the advice may include its rows.
+
+    Returns
+    -------
+    FramePairs
+
+    Raises
+    ------
+    FrameError
+        If frames are missing, unreadable, of different size or type, or not counts of one channel.
+    """
+    one, two = (
+        find_pages(directory, pattern, f"camera{n}", selection)
+        for n, (pattern, selection) in enumerate(zip(patterns, selections, strict=True), 1)
+    )
+    _check_files_differ(one.pages, two.pages)
+    if skip_bad_frames:
+        _pad_truncated((one, two))
+
+    faults = {
+        k: f"{name_page(files.pages[k], directory, camera)}: {reason}"
+        for camera, files in enumerate((one, two), 1)
+        for k, reason in files.faults.items()
+    }
+    if faults and not skip_bad_frames:
+        raise FrameError(_fault_message(faults))
+
+    # pixels are decoded here only where undecodable frames may be left out: it takes as long as
+    # reading the whole recording
+    _check_pairs(one.pages, two.pages, directory, has_log=has_log)
+    if skip_bad_frames:
+        faults |= _find_undecodable(directory, (one, two), faults)
+
+    good = [k for k in range(len(one.pages)) if k not in faults]
+    if not good:
+        raise FrameError(
+            f"Expected readable frames in {directory}; every pair has an unreadable file: "
+            + with_advice(
+                next(iter(faults.values())), "Record the run again, or copy the files again."
+            )
+        )
+    rows, columns = _check_kinds((one, two), good, directory)
+
+    # the first pair is decoded here, so that a wrong bit depth is reported before any work
+    for camera, (bit_depth, files) in enumerate(zip(bit_depths, (one, two), strict=True), 1):
+        page = files.pages[good[0]]
+        counts = read_page(page, directory, (rows, columns))
+        check_depth(counts, bit_depth=bit_depth, name=name_page(page, directory, camera))
+    # a file that was cut has times of the frames that are left
+    known = (files.times for files in (one, two) if files.times is not None)
+    return FramePairs(
+        directory,
+        (tuple(one.pages), tuple(two.pages)),
+        (rows, columns),
+        bit_depths,
+        faults,
+        times=next((times for times in known if len(times) == len(one.pages)), None),
+        companions=(tuple(one.companions), tuple(two.companions)),
+        warnings=(one.warning, two.warning),
+        stated_bits=(one.bits, two.bits),
+    )
+
+
+def frame_numbers(pages: Sequence[Page]) -> list[int]:
+    """Number of each frame by its file name; its position where names do not distinguish frames."""
+    # the last number counts: "2026-11-22_cam1_0007" is frame 7
+    found = [re.findall(r"\d+", page.path.stem) for page in pages]
+    numbers = [int(digits[-1]) if digits else 0 for digits in found]
+    return numbers if len(set(numbers)) == len(pages) else list(range(len(pages)))
+
+
+def _check_kinds(
+    cameras: Sequence[CameraFiles], good: Sequence[int], directory: Path
+) -> tuple[int, int]:
+    """Shape of all frames; refuses frames of different kinds, and kinds that are not counts."""
+    # the most frequent kind is the usual one, so that the odd file is named and not the others
+    counted = Counter(files.kinds[k] for files in cameras for k in good)
+    usual: FrameKind = counted.most_common(1)[0][0]
+    for camera, files in enumerate(cameras, 1):
+        for k in good:
+            if files.kinds[k] != usual:
+                name = name_page(files.pages[k], directory, camera)
+                raise FrameError(
+                    f"Expected frames of one size and type, {usual}; {name} is {files.kinds[k]}. "
+                    "Set the same region of interest and depth for all frames of both cameras."
+                )
+
+    first = cameras[0].pages[good[0]].name
+    if len(usual.shape) != 2 or usual.dtype not in STORED_TYPES:
+        colour = f" in {usual.shape[2]} colours" if len(usual.shape) == 3 else ""
+        raise FrameError(
+            f"Expected grey frames of whole counts; {first} holds {usual.dtype}{colour}. Save the "
+            "raw counts of the cameras, one channel each."
+        )
+    if min(usual.shape) < _SMALLEST:
+        raise FrameError(
+            f"Expected frames of at least {_SMALLEST} x {_SMALLEST} pixels; {first} is "
+            f"{describe_shape(usual.shape)}. Record a larger region of interest."
+        )
+    rows, columns = usual.shape
+    return rows, columns
+
+
+def _find_undecodable(
+    directory: Path, cameras: Sequence[CameraFiles], known: dict[int, str]
+) -> dict[int, str]:
+    """Frame pairs whose headers are sound and whose pixels cannot be decoded."""
+    faults: dict[int, str] = {}
+    for camera, files in enumerate(cameras, 1):
+        for k, (page, kind) in enumerate(zip(files.pages, files.kinds, strict=True)):
+            if k in known or k in faults:
+                continue
+            try:
+                read_page(page, directory, kind.shape)
+            except FrameError:
+                faults[k] = f"{name_page(page, directory, camera)}: it cannot be decoded"
+    return faults
+
+
+def _check_files_differ(one: Sequence[Page], two: Sequence[Page]) -> None:
+    """Refuse cameras that share files without parts that exclude one another."""
+    shared = {page.path for page in one} & {page.path for page in two}
+    if not shared or may_share_files(one[0].selection, two[0].selection):
+        return
+    name = next(page.path.name for page in one if page.path in shared)
+    raise FrameError(
+        f"Expected frames of two cameras; both [camera1] and [camera2] name {name}. Correct files "
+        "in one of them. Where one file holds both cameras, give both tables their part, for "
+        'example part = "left" and part = "right".'
+    )
+
+
+def _check_pairs(
+    one: Sequence[Page], two: Sequence[Page], directory: Path, *, has_log: bool
+) -> None:
+    """Refuse cameras whose frames do not pair, naming the first frame without a partner."""
+    unmatched = _first_unmatched(one, two)
+    if unmatched is None:
+        return
+
+    camera, page = unmatched
+    if is_one_file(one) or is_one_file(two):
+        cure = (
+            "Export the same frames of both recordings with the camera's software"
+            f"{', and take the rows of frames that are left out from the encoder log' * has_log}."
+        )
+    else:
+        cure = (
+            "To drop it, put an empty file of its name into the other camera's folder and use "
+            "--skip-bad-frames, or take it out of this one"
+            f"{', and its row out of the encoder log' * has_log}."
+        )
+    raise FrameError(
+        "Expected as many frames of camera 2 as of camera 1, pair by pair; camera1 has "
+        f"{len(one)}, camera2 has {len(two)}. The first unmatched one is "
+        f"{name_page(page, directory, camera)}. {cure}"
+    )
+
+
+def _first_unmatched(one: Sequence[Page], two: Sequence[Page]) -> tuple[int, Page] | None:
+    """Camera, 1 or 2, and first frame without a partner; None where all frames pair.
+
+    Frames pair by the numbers in their names where both cameras use the same numbers.
+    """
+    # with equal counts, different numbers are a fault only where most numbers are common
+    a, b = frame_numbers(one), frame_numbers(two)
+    if len(one) == len(two):
+        common = len(set(a) & set(b)) >= len(one) / 2
+        if not common or len({first - second for first, second in zip(a, b, strict=True)}) == 1:
+            return None  # the cameras number frames differently, or from different first numbers
+
+    # the camera with more frames has the unmatched one
+    camera, pages, own, other = (1, one, a, b) if len(one) >= len(two) else (2, two, b, a)
+    if not set(own) & set(other):
+        return camera, pages[len(other)]
+    known = set(other)
+    lone = (page for page, number in zip(pages, own, strict=True) if number not in known)
+
+    # the same numbers in another order: one name of the camera differs in more than its number
+    odd = (page for page, first, second in zip(pages, own, other, strict=False) if first != second)
+    return camera, next(lone, None) or next(odd, pages[-1])
+
+
+def _pad_truncated(cameras: Sequence[CameraFiles]) -> None:
+    """Add the pages that a truncated multi-page file has lost, as unreadable ones."""
+    # the other camera shows how many pages there were
+    most = max(len(files.pages) for files in cameras)
+    for files in cameras:
+        last = files.pages[-1]
+        is_single_file = last.path == files.pages[0].path
+        if len(files.pages) - 1 in files.faults and is_single_file:
+            reason = files.faults[len(files.pages) - 1]
+            for n in range(len(files.pages), most):
+                files.faults[n] = reason
+                files.pages.append(Page(last.path, n, selection=last.selection))
+                files.kinds.append(UNREADABLE)
+
+
+def _fault_message(faults: dict[int, str]) -> str:
+    more = f" ({len(faults) - 1} more are unreadable)" if len(faults) > 1 else ""
+    first = faults[min(faults)]
+    if first.endswith("."):
+        return f"Expected readable frames{more}; {first}"
+    return f"Expected readable frames; {with_advice(first + more)}"

@@ -1,0 +1,326 @@
+"""A run or fixture directory, opened: settings, frame pairs and encoder log."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import Array
+from erlif.core.errors import EncoderError, FrameError
+from erlif.core.notes import Note
+from erlif.core.products import EncoderLog
+from erlif.io.ingest.containment import named_files, refuse_outside
+from erlif.io.ingest.encoder_log import check_rows, read_log
+from erlif.io.ingest.frames import FramePairs
+from erlif.io.ingest.logs.columns import MEANINGS, ColumnChoice
+from erlif.io.ingest.logs.resample import ContinuousLog, find_pulses, sample_log
+from erlif.io.ingest.pairing import pair_cameras
+from erlif.io.ingest.selection import select_counts
+from erlif.io.settings import (
+    CameraSettings,
+    EncoderSettings,
+    FixtureSettings,
+    RunSettings,
+    read_fixture_settings,
+    read_run_settings,
+)
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run: frame pairs of the joint, one for each row of the encoder log.
+
+    Attributes
+    ----------
+    directory : Path
+        Directory with ``run.toml``.
+    settings : RunSettings
+        What ``run.toml`` holds.
+    pairs : FramePairs
+        Frames of camera 1 and camera 2.
+    log : EncoderLog
+        Row k belongs to frame pair k.
+    log_notes : list[Note]
+        What was taken for what in the log.
+    """
+
+    directory: Path
+    settings: RunSettings
+    pairs: FramePairs
+    log: EncoderLog
+    log_notes: list[Note] = field(default_factory=list)
+
+    @property
+    def cameras(self) -> tuple[CameraSettings, CameraSettings]:
+        """Settings of camera 1 and camera 2."""
+        return self.settings.camera1, self.settings.camera2
+
+
+@dataclass(frozen=True)
+class Fixture:
+    """A calibration fixture: frame pairs of a film of known thickness.
+
+    Attributes
+    ----------
+    directory : Path
+        Directory with ``fixture.toml``.
+    settings : FixtureSettings
+        What ``fixture.toml`` holds.
+    pairs : FramePairs
+        Frames of camera 1 and camera 2.
+    """
+
+    directory: Path
+    settings: FixtureSettings
+    pairs: FramePairs
+
+    @property
+    def cameras(self) -> tuple[CameraSettings, CameraSettings]:
+        """Settings of camera 1 and camera 2."""
+        return self.settings.camera1, self.settings.camera2
+
+
+class FoundStart(NamedTuple):
+    """Time of the first frame on the clock of a log in time.
+
+    Attributes
+    ----------
+    value : float
+        [s]
+    std : float
+        Standard deviation. [s]
+    note : Note
+        How it was found.
+    """
+
+    value: float
+    std: float
+    note: Note
+
+
+FindStart = Callable[[RunSettings, FramePairs, ContinuousLog, Array], FoundStart]
+"""Finds the start from a log in time and the times of the frames after the first one [s]."""
+
+
+def open_run(
+    run_dir: Path,
+    *,
+    skip_bad_frames: bool = False,
+    allow_outside: bool = False,
+    find_start: FindStart | None = None,
+) -> Run:
+    """Open a run directory: settings, files of both cameras and encoder log, checked together.
+
+    Parameters
+    ----------
+    run_dir : Path
+        Directory with ``run.toml``.
+    skip_bad_frames : bool
+        Leave out frame pairs with an unreadable file instead of refusing the run.
+    allow_outside : bool
+        Follow links and names that leave the directory.
+    find_start : callable, optional
+        Finds the time of the first frame in a continuous log where the settings ask for it.
+
+    Returns
+    -------
+    Run
+
+    Raises
+    ------
+    ConfigError, FrameError, EncoderError
+        If settings, frames or log cannot be used or do not belong together.
+
+    Examples
+    --------
+    >>> run = open_run(Path("data_samples/straight_bushing"))
+    >>> len(run.pairs.usable), run.log.sizes["frame"]
+    (50, 50)
+    """
+    settings = read_run_settings(run_dir)
+    if not allow_outside:
+        refuse_outside(run_dir, named_files(settings))
+    pairs = _open_pairs(run_dir, settings, skip_bad_frames=skip_bad_frames)
+
+    log, notes = _open_log(run_dir, settings, pairs, find_start)
+    return Run(run_dir, settings, pairs, log, notes)
+
+
+def choose_columns(encoder: EncoderSettings) -> ColumnChoice:
+    """Columns and units of the log, as the settings choose them.
+
+    Parameters
+    ----------
+    encoder : EncoderSettings
+
+    Returns
+    -------
+    ColumnChoice
+
+    Examples
+    --------
+    >>> from erlif.io.settings import EncoderSettings
+    >>> choose_columns(EncoderSettings(file="log.csv", angle="Winkel")).names
+    {'angle': 'Winkel'}
+    """
+    names = {quantity: getattr(encoder, quantity) for quantity in MEANINGS}
+    return ColumnChoice(
+        {quantity: name for quantity, name in names.items() if name is not None},
+        encoder.units.model_dump(exclude_none=True),
+        encoder.ticks_per_turn,
+    )
+
+
+def _open_log(
+    run_dir: Path, settings: RunSettings, pairs: FramePairs, find_start: FindStart | None
+) -> tuple[EncoderLog, list[Note]]:
+    """The log with one row for each frame pair, and what was taken for what in it."""
+    encoder = settings.encoder
+    if encoder is None or encoder.file is None:
+        return number_frames(pairs), []
+
+    # the position of a linkage follows from the angle alone; other motions do without it
+    log, notes = read_log(
+        run_dir / encoder.file,
+        choose_columns(encoder),
+        frames=len(pairs.pages[0]),
+        in_time=encoder.start is not None,
+        needs_angle=settings.linkage is not None,
+    )
+    if not isinstance(log, ContinuousLog):
+        check_rows(log, pairs.pages[0], encoder.file)
+        return log, notes
+
+    if "pulse" in log.samples:
+        times = find_pulses(log, log.samples["pulse"].values, len(pairs.pages[0]))
+        bare = ContinuousLog(log.file, log.samples.drop_vars("pulse"))
+        return sample_log(bare, times), notes
+
+    since = _times_after_first(encoder, pairs, log)
+    if encoder.start == "fit":
+        if find_start is None:
+            raise EncoderError(
+                'Expected the time of the first frame as start = "0.25 s" in [encoder]; "fit" is '
+                "found by the commands alone. Give the time itself."
+            )
+        found = find_start(settings, pairs, log, since)
+        sampled = sample_log(log, since + found.value)
+        sampled["time"].attrs |= {"start": found.value, "start_std": found.std}
+        return sampled, [*notes, found.note]
+    if encoder.start is None:
+        first, last = log.span
+        raise EncoderError(
+            f"Expected the time of the first frame on the clock of {log.file}, which runs from "
+            f'{first:.6g} to {last:.6g} s; got none. Add start = "{first:.6g} s" to [encoder] of '
+            'run.toml, or start = "fit" to find it from the motion.'
+        )
+    return sample_log(log, since + encoder.start), notes
+
+
+def number_frames(pairs: FramePairs) -> EncoderLog:
+    """Make what stands in place of a log: numbers of the frames, and times of the camera files.
+
+    Parameters
+    ----------
+    pairs : FramePairs
+
+    Returns
+    -------
+    EncoderLog
+        number (frame); time (frame) where the headers of the files have it [s].
+
+    Examples
+    --------
+    >>> run = open_run(Path("data_samples/straight_bushing"))
+    >>> number_frames(run.pairs).number.values[:3]
+    array([0, 1, 2])
+    """
+    log = xr.Dataset({"number": ("frame", np.arange(len(pairs.pages[0])))})
+    if pairs.times is not None and np.isfinite(pairs.times).all():
+        attrs = {"units": "s", "long_name": "time after the first frame"}
+        log["time"] = ("frame", pairs.times, attrs)
+    return EncoderLog(log)
+
+
+def _times_after_first(encoder: EncoderSettings, pairs: FramePairs, log: ContinuousLog) -> Array:
+    """Time of each frame pair after the first one. [s]"""
+    if encoder.frame_rate is not None:
+        return np.asarray(np.arange(len(pairs.pages[0])) / encoder.frame_rate)
+    if pairs.times is None:
+        raise EncoderError(
+            f"Expected the times of the frames, because {log.file} is a log in time, "
+            f"{log.samples.sizes['sample']} rows for {len(pairs.pages[0])} frames; the camera "
+            'files have none. Add to [encoder] of run.toml pulse = "column of the trigger", or '
+            'frame_rate = "500 Hz" and start = "0.25 s" (start = "fit" finds it).'
+        )
+    if not (np.isfinite(pairs.times).all() and (np.diff(pairs.times) > 0).all()):
+        k = int(np.argmin(np.append(np.diff(pairs.times), np.inf) > 0))
+        raise EncoderError(
+            f"Expected the times in the headers of the camera files to rise; frame {k + 1} has "
+            f"{pairs.times[min(k + 1, pairs.times.size - 1)]:.9g} s after {pairs.times[k]:.9g} s. "
+            'Give the rate of the frames: frame_rate = "500 Hz" in [encoder] of run.toml.'
+        )
+    return pairs.times
+
+
+def open_fixture(
+    fixture_dir: Path, *, skip_bad_frames: bool = False, allow_outside: bool = False
+) -> Fixture:
+    """Open a fixture directory: settings and files of both cameras, checked together.
+
+    Parameters
+    ----------
+    fixture_dir : Path
+        Directory with ``fixture.toml``.
+    skip_bad_frames : bool
+        Leave out frame pairs with an unreadable file instead of refusing the fixture.
+    allow_outside : bool
+        Follow links and names that leave the directory.
+
+    Returns
+    -------
+    Fixture
+
+    Raises
+    ------
+    ConfigError, FrameError
+        If settings or frames cannot be used or do not belong together.
+
+    Examples
+    --------
+    >>> fixture = open_fixture(Path("calibration/wedge"))
+    >>> fixture.pairs.bit_depths
+    (12, 12)
+    """
+    settings = read_fixture_settings(fixture_dir)
+    if not allow_outside:
+        refuse_outside(fixture_dir, named_files(settings))
+    pairs = _open_pairs(fixture_dir, settings, skip_bad_frames=skip_bad_frames)
+    return Fixture(fixture_dir, settings, pairs)
+
+
+def _open_pairs(
+    directory: Path, settings: RunSettings | FixtureSettings, *, skip_bad_frames: bool
+) -> FramePairs:
+    # the ratio is camera 2 over camera 1: exchanged bands would turn its sign
+    one, two = settings.camera1, settings.camera2
+    if one.band >= two.band:
+        raise FrameError(
+            "Expected the band that dye 2 reabsorbs, the shorter wavelength, on camera 1; got "
+            f"{one.band:g} nm on camera 1 and {two.band:g} nm on camera 2. The cameras look "
+            "swapped: exchange the two tables."
+        )
+    encoder = settings.encoder if isinstance(settings, RunSettings) else None
+    return pair_cameras(
+        directory,
+        (one.files, two.files),
+        bit_depths=(one.bit_depth, two.bit_depth),
+        selections=(select_counts(one), select_counts(two)),
+        skip_bad_frames=skip_bad_frames,
+        has_log=encoder is not None and encoder.file is not None,
+    )

@@ -1,0 +1,325 @@
+"""HDF5 and netCDF-4: an array of frames by its path in the file."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import threading
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Array, Mask
+from erlif.core.errors import FrameError, reason_of
+from erlif.core.hdf5 import (
+    SIGNATURE,
+    check_variable_lengths,
+    chunk_count,
+    filters_of,
+    find_chunks,
+    open_hdf5,
+)
+from erlif.io.readers.base import Format, FrameFile, FrameKind, SameKinds, check_claim
+
+_DENSEST = 1100
+"""Decoded bytes per byte of a file that deflate can reach."""
+
+_MOST_LISTED = 8
+"""Datasets that a message lists."""
+
+_MOST_CHUNKS = 2**24
+"""Chunks of a dataset; each takes a microsecond once."""
+
+_MOST_VISITED = 10_000
+"""Objects of a file that are searched for frames."""
+
+_LARGEST_TIMES = 64 * 2**20
+"""Size of a chunk of times above which they are not read. [byte]"""
+
+_SECONDS = {
+    **dict.fromkeys(("d", "day", "days"), 86400.0),
+    **dict.fromkeys(("h", "hour", "hours"), 3600.0),
+    **dict.fromkeys(("min", "minute", "minutes"), 60.0),
+    **dict.fromkeys(("s", "sec", "second", "seconds"), 1.0),
+    **dict.fromkeys(("ms", "millisecond", "milliseconds"), 1e-3),
+    **dict.fromkeys(("us", "µs", "μs", "microsecond", "microseconds"), 1e-6),
+    **dict.fromkeys(("ns", "nanosecond", "nanoseconds"), 1e-9),
+}
+"""Units of a time axis, as cameras and xarray write them. [s]"""
+
+
+class Hdf5Frames(FrameFile):
+    """The frames of one dataset, (frame, y, x) or (y, x)."""
+
+    def __init__(self, path: Path, dataset: str = "") -> None:
+        self._lock = threading.Lock()
+        self._stored: Mask | None = None
+        try:
+            self._file = open_hdf5(path)
+        except Exception as error:  # h5py raises several types on damaged bytes
+            raise FrameError(f"the file is damaged or not HDF5 ({reason_of(error)})") from error
+        try:
+            self._data = self._find(dataset)
+            self._check(path.stat().st_size)
+        except FrameError:
+            self._file.close()
+            raise
+        except Exception as error:  # as above
+            self._file.close()
+            raise FrameError(f"the file is damaged ({reason_of(error)})") from error
+
+    def read(self, index: int) -> AnyArray:
+        """As `FrameFile.read`."""
+        try:
+            with self._lock:
+                self._check_stored(index)
+                image = self._data[index] if self._data.ndim == 3 else self._data[()]
+        except FrameError:
+            raise
+        except Exception as error:  # as above
+            raise FrameError(f"the dataset is damaged ({reason_of(error)})") from error
+        image = np.asarray(image)
+        return image.astype(image.dtype.newbyteorder("="), copy=False)
+
+    def close(self) -> None:
+        """As `FrameFile.close`."""
+        self._file.close()
+
+    def _check_stored(self, index: int) -> None:
+        """Refuse a frame that the file does not hold; the library would return zeros for it."""
+        if self._stored is None:
+            self._stored = _stored_frames(self._data)
+        if not self._stored[index]:
+            raise FrameError("its counts are not in the file, which is damaged or was not finished")
+
+    def _find(self, name: str) -> Any:
+        """The dataset of that path, or the only one that may hold frames."""
+        import h5py
+
+        if name:
+            found = _follow(self._file, name)
+            if isinstance(found, h5py.Dataset) and found.ndim in (2, 3):
+                return found
+            raise FrameError(f"it has no frames at dataset = {name!r}; {self._list()}")
+
+        candidates = _candidates(self._file, 3) or _candidates(self._file, 2)
+        if len(candidates) == 1:
+            return self._file[candidates[0]]
+        what = "several datasets" if candidates else "no dataset"
+        raise FrameError(f"it has {what} that may be frames; {self._list()}")
+
+    def _list(self) -> str:
+        """The datasets that may hold frames, for a message."""
+        found = _candidates(self._file, 3) + _candidates(self._file, 2)
+        if not found:
+            return "no dataset of two or three dimensions holds numbers. Choose another file."
+        names = []
+        for name in found[:_MOST_LISTED]:
+            data = self._file[name]
+            names.append(f"{name} ({' x '.join(map(str, data.shape))} {data.dtype})")
+        more = f" and {len(found) - _MOST_LISTED} more" if len(found) > _MOST_LISTED else ""
+        return (
+            f"it has {', '.join(names)}{more}. Choose one with dataset, for example dataset = "
+            f'"{found[0]}".'
+        )
+
+    def _check(self, size: int) -> None:
+        """Refuse what are no counts of this file, and headers that claim too much."""
+        data = self._data
+        if data.is_virtual or data.external:
+            raise FrameError("its counts lie in other files. Name these files.")
+        if data.dtype.kind not in "iuf":
+            raise FrameError(f"its dataset {data.name} holds {data.dtype}. Save the raw counts.")
+        scale, offset = _attribute(data, "scale_factor", 1), _attribute(data, "add_offset", 0)
+        if np.any(np.asarray(scale) != 1) or np.any(np.asarray(offset) != 0):
+            raise FrameError(
+                f"its dataset {data.name} is scaled (scale_factor, add_offset) and no longer holds "
+                "counts. Save the raw counts."
+            )
+        _check_filters(data)
+        if _chunk_size(data) > _DENSEST * size:
+            raise FrameError("the file is damaged: a chunk is larger than the file can hold")
+
+        frames = data.shape[0] if data.ndim == 3 else 1
+        kind = FrameKind(tuple(int(n) for n in data.shape[-2:]), data.dtype.newbyteorder("=").name)
+        check_claim(frames, kind, size, packing=_DENSEST)
+        self.kinds = SameKinds(kind, frames)
+        self.times = _times(data) if data.ndim == 3 else None
+
+
+def list_datasets(path: Path) -> list[str]:
+    """Paths of the arrays of an HDF5 file that may hold frames.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    list of str
+        In the order of the file; empty for a file of another format, or a damaged one.
+
+    Examples
+    --------
+    >>> list_datasets(Path("pyproject.toml"))
+    []
+    """
+    with path.open("rb") as file:
+        if file.read(8) != SIGNATURE:
+            return []
+
+    try:
+        with open_hdf5(path) as file:
+            return _candidates(file, 3) or _candidates(file, 2)
+    except Exception:  # h5py raises several types on damaged bytes
+        return []
+
+
+def _candidates(file: Any, ndim: int) -> list[str]:
+    """Paths of the datasets of that many dimensions; links are not followed."""
+    import h5py
+
+    found: list[str] = []
+    visited = 0
+
+    def visit(name: str, item: object) -> bool | None:
+        nonlocal visited
+        visited += 1
+        if isinstance(item, h5py.Dataset) and item.ndim == ndim and item.dtype.kind in "iuf":
+            found.append(f"/{name}")
+        return True if visited > _MOST_VISITED else None
+
+    file.visititems(visit)
+    return found
+
+
+def _follow(file: Any, name: str) -> Any:
+    """The object at a path within this file; None where there is none."""
+    import h5py
+
+    place: Any = file
+    for part in name.strip("/").split("/"):
+        if not isinstance(place, h5py.Group):
+            return None
+        link = place.get(part, getlink=True)
+        if isinstance(link, h5py.ExternalLink):
+            raise FrameError(f"dataset = {name!r} leads to {link.filename}. Name that file.")
+        place = place.get(part)
+    return place
+
+
+def _stored_frames(data: Any) -> Mask:
+    """Whether the file holds all chunks of each frame, (frame,)."""
+    frames = data.shape[0] if data.ndim == 3 else 1
+    if data.chunks is not None and chunk_count(data) > _MOST_CHUNKS:
+        raise FrameError(f"it has {chunk_count(data)} chunks, more than {_MOST_CHUNKS}")
+    found = find_chunks(data)
+    if data.chunks is None or data.ndim == 2:
+        return np.full(frames, found.all())
+    stored: Mask = np.asarray(found.all(axis=(1, 2)))
+    return np.repeat(stored, data.chunks[0])[:frames]
+
+
+def _check_filters(data: Any) -> None:
+    """Refuse a compression for which no decoder is installed."""
+    import h5py
+
+    for code in filters_of(data):
+        if h5py.h5z.filter_avail(code):
+            continue
+        if importlib.util.find_spec("hdf5plugin") is None:
+            raise FrameError(
+                f"its compression, filter {code} of HDF5, needs the Python package hdf5plugin, "
+                "which is not installed. Install it with: pip install 'erlif[formats]'."
+            )
+        importlib.import_module("hdf5plugin")
+        if not h5py.h5z.filter_avail(code):
+            raise FrameError(
+                f"the installed Python package hdf5plugin has no filter {code} of HDF5. Save the "
+                "frames uncompressed, or with gzip."
+            )
+
+
+def _attribute(item: Any, name: str, default: Any) -> Any:
+    """An attribute of fixed length; the default where there is none."""
+    exists = name in item.attrs and not _is_variable(item, name)
+    return item.attrs[name] if exists else default
+
+
+def _is_variable(item: Any, name: str) -> bool:
+    """Whether an attribute has a variable length; its value then lies in a heap."""
+    import h5py
+
+    # the library of HDF5 2.0.0 may search a damaged heap without end; the scales that are attached
+    # to dimensions lie there as well
+    kind = h5py.h5a.open(item.id, name.encode()).get_type()
+    if isinstance(kind, h5py.h5t.TypeVlenID):
+        return True
+    return isinstance(kind, h5py.h5t.TypeStringID) and bool(kind.is_variable_str())
+
+
+def _chunk_size(data: Any) -> int:
+    """Size of a decoded chunk of a dataset; 0 where it has none. [byte]"""
+    return int(np.prod(data.chunks or (0,), dtype=object)) * int(data.dtype.itemsize)
+
+
+def _times(data: Any) -> Array | None:
+    """Time of each frame from the only array of times beside the frames."""
+    found: list[Array] = []
+    for name in data.parent:
+        item = _array_beside(data, name)
+        factor = None if item is None else _SECONDS.get(_read_unit(item))
+        if factor is None:
+            continue
+
+        # nanoseconds since 1970 are whole numbers that floating point does not resolve
+        stamps = np.asarray(item[()])
+        stamps = stamps.astype(np.int64 if stamps.dtype.kind in "iu" else np.float64)
+        found.append(factor * (stamps - stamps[0]))
+    return found[0] if len(found) == 1 else None
+
+
+def _read_unit(item: Any) -> str:
+    """Unit of an array in lower case, without the day from which times count."""
+    if "units" not in item.attrs:
+        return ""
+    if _is_variable(item, "units"):
+        try:
+            check_variable_lengths(item.file)
+        except ValueError:  # times are no reason to refuse the frames
+            return ""
+    unit = item.attrs["units"]
+    text = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
+    return text.split(" since ")[0].strip().lower()
+
+
+def _array_beside(data: Any, name: str) -> Any:
+    """An array of numbers with one for each frame, stored in this file; else None."""
+    import h5py
+
+    # a link may lead to another file
+    if not isinstance(data.parent.get(name, getlink=True), h5py.HardLink):
+        return None
+    item = data.parent[name]
+    if not isinstance(item, h5py.Dataset) or item.shape != data.shape[:1]:
+        return None
+    if item.is_virtual or item.external or item.dtype.kind not in "iuf":
+        return None
+
+    # times are no reason to refuse the frames: what cannot be decoded is left out
+    decodable = all(h5py.h5z.filter_avail(code) for code in filters_of(item))
+    return item if decodable and _chunk_size(item) <= _LARGEST_TIMES else None
+
+
+def _open_dataset(path: Path, dataset: str) -> FrameFile:
+    return Hdf5Frames(path, dataset)
+
+
+HDF5 = Format(
+    "HDF5, netCDF-4",
+    (".h5", ".hdf5", ".he5", ".nc", ".nc4"),
+    lambda path, head: head[:8] == SIGNATURE,
+    Hdf5Frames,
+    open_dataset=_open_dataset,
+)

@@ -1,0 +1,208 @@
+"""NorPix SEQ: sequences that StreamPix records.
+
+A header of 1024 bytes (8192 from version 5 on) is followed by frames at equal steps. The step
+exceeds the counts: a time stamp and padding to a sector follow them. Source: NorPix, Sequence File
+Format; the versions 3 to 5 are read.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Array
+from erlif.core.errors import FrameError
+from erlif.io.readers.base import MOST_FRAMES, TRUNCATED, Format, FrameFile
+from erlif.io.readers.raw import FrameLayout, RawFrames, count_frames, frame_interval
+from erlif.io.readers.source import Source
+
+_MAGIC = b"\xed\xfe\0\0"
+
+_NAME = "Norpix seq".encode("utf-16-le")
+"""What follows the first four bytes."""
+
+
+class _Header(NamedTuple):
+    """The entries from the size of the image to the compression."""
+
+    width: int
+    height: int
+    bits: int
+    significant_bits: int
+    image_bytes: int
+    format: int
+    frames: int
+    origin: int
+    step: int
+    rate: float
+    description: int
+    reference: int
+    fixed: int
+    flags: int
+    bayer: int
+    time_offset: int
+    extended: int
+    compression: int
+
+
+_HEADER, _HEADER_PLACE, _VERSION_PLACE = struct.Struct("<9IdiIIIiiiI"), 548, 28
+
+_OLDEST_PLACE = 656
+"""Place of the number of the oldest frame, which is above 0 for a recording in a loop."""
+
+_LARGER_HEADER = 5
+"""Version from which on the frames begin at 8192 and time stamps have microseconds."""
+
+_TYPES = {
+    100: "<",  # low bits
+    112: "<",  # high bits
+    114: ">",  # high bits, bytes exchanged
+}
+"""Byte order by the number of a format with one grey count for each pixel."""
+
+_HIGH_BITS = (112, 114)
+"""Formats whose counts are at the high end of 16 bits."""
+
+_BAYER = (101, 113, 115, 132, 134)
+"""Formats of colour sensors."""
+
+_STAMP = struct.Struct("<IHH")
+"""Time stamp: seconds, milliseconds, microseconds."""
+
+
+class NorpixFrames(RawFrames):
+    """The frames of a SEQ file."""
+
+    has_microseconds = True
+    rate = 0.0
+
+    # read when they are asked for: they lie between the frames, over the whole file
+    @cached_property
+    def times(self) -> Array | None:  # type: ignore[override]
+        """Time of each frame from the first; after the rate where the stamps are not set. [s]"""
+        stamps = np.array([self._read_stamp(index) for index in range(len(self.kinds))])
+        known = np.isfinite(stamps)
+        if known[0] and (len(stamps) == 1 or np.ptp(stamps[known]) > 0):
+            elapsed: Array = stamps - stamps[0]
+            return elapsed
+        interval = frame_interval(self.rate)
+        return None if interval is None else interval * np.arange(len(stamps), dtype=np.float64)
+
+    def _read_stamp(self, index: int) -> float:
+        """Time of a frame from the start of its epoch; NaN for a truncated frame. [s]"""
+        if self.kinds[index] == TRUNCATED:
+            return float("nan")
+        place = int(self.offsets[index]) + self.layout.size
+        try:
+            seconds, thousandths, millionths = _STAMP.unpack(self._source.read(place, _STAMP.size))
+        except FrameError:  # the file ends right behind the counts
+            return float("nan")
+
+        # before version 5 the last number is padding; seconds are counted from the first frame on,
+        # because 64 bits resolve a time since 1970 to a quarter of a microsecond only
+        micro = millionths * 1e-6 if self.has_microseconds else 0.0
+        return float((seconds - self._epoch) + thousandths * 1e-3 + micro)
+
+    @cached_property
+    def _epoch(self) -> int:
+        """Second of the first frame."""
+        place = int(self.offsets[0]) + self.layout.size
+        return int(struct.unpack("<I", self._source.read(place, 4))[0])
+
+
+def open_norpix(path: Path) -> FrameFile:
+    """Open a SEQ file.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    FrameFile
+
+    Raises
+    ------
+    FrameError
+        With the bare reason, if the file is damaged, compressed or of a colour camera.
+    """
+    with Source(path) as source:
+        if source.read(0, 4) != _MAGIC:
+            raise FrameError("it does not begin as a SEQ file does")
+        version, header_size = struct.unpack("<iI", source.read(_VERSION_PLACE, 8))
+        header = _Header(*_HEADER.unpack(source.read(_HEADER_PLACE, _HEADER.size)))
+        (oldest,) = struct.unpack("<I", source.read(_OLDEST_PLACE, 4))
+        size = source.size
+    layout = _find_layout(header)
+
+    start = 8192 if version >= _LARGER_HEADER else max(header_size, 1024)
+    if not layout.size:
+        raise FrameError("the file holds no image")
+    if header.step < layout.size:
+        raise FrameError(
+            f"the header is damaged: frames of {layout.size} bytes cannot lie {header.step} apart"
+        )
+
+    # a recording that was not closed has no number of frames
+    count = header.frames or count_frames(size, start=start, step=header.step)
+    places = range(start, start + count * header.step, header.step)
+    in_time: Sequence[int] | AnyArray = places
+    if version >= _LARGER_HEADER and 0 < oldest < count <= min(size // layout.size, MOST_FRAMES):
+        # a loop goes on at its first place after the last; a lying number takes no memory
+        in_time = np.roll(np.arange(places.start, places.stop, places.step), -oldest)
+    bits = header.significant_bits if 1 <= header.significant_bits <= header.bits else header.bits
+    file = NorpixFrames(
+        path,
+        layout,
+        in_time,
+        bits=None if header.format in _HIGH_BITS and bits < header.bits else bits,
+    )
+    file.has_microseconds = version >= _LARGER_HEADER
+    file.rate = header.rate
+    return file
+
+
+def _find_layout(header: _Header) -> FrameLayout:
+    """Layout of the counts."""
+    if header.compression:
+        raise FrameError(
+            f"its frames are compressed (method {header.compression}). Export the sequence without "
+            "compression in StreamPix."
+        )
+    if header.format in _BAYER or header.format >= 200:
+        raise FrameError(
+            "the recording is of a colour camera. Film thickness needs counts of one band in each "
+            "pixel: record with a monochrome camera."
+        )
+    if header.format not in _TYPES or header.bits not in (8, 16):
+        raise FrameError(
+            f"its frames have the format {header.format} of NorPix with {header.bits} bits for "
+            "each pixel; unpacked grey counts are read. Export the sequence as 16-bit TIFF in "
+            "StreamPix."
+        )
+
+    shape = (header.height, header.width)
+    layout = FrameLayout(shape, f"{_TYPES[header.format]}u{header.bits // 8}")
+    if header.image_bytes == layout.size or not header.height:
+        return layout
+
+    # rows that are padded make an image larger, by the same in each row
+    row_bytes, rest = divmod(header.image_bytes, header.height)
+    if rest or row_bytes < header.width * header.bits // 8:
+        raise FrameError(
+            f"the header is damaged: {header.image_bytes} bytes are no image of {layout.kind}"
+        )
+    return FrameLayout(shape, layout.dtype, row_bytes=row_bytes)
+
+
+def _is_norpix(path: Path, head: bytes) -> bool:
+    return head[:4] == _MAGIC and head[4 : 4 + len(_NAME)] == _NAME
+
+
+NORPIX = Format("NorPix SEQ", (".seq",), _is_norpix, open_norpix)
+"""Sequences of StreamPix."""

@@ -1,0 +1,268 @@
+"""Phantom CINE: the recordings of Vision Research cameras.
+
+A file has a header, a table of the places of its frames, and before each frame a note of its size.
+Places are 64-bit numbers, so that files may exceed 4 GB. Source: Vision Research, Cine File Format,
+2011.
+
+Which row comes first: uncompressed frames are bitmaps in the sense of Windows, with the lowest row
+first where biHeight is positive and the highest first where it is negative. Packed frames have
+the highest row first whatever the sign: a packed recording of a test chart (public sample of
+pycine, biHeight = 1080) is upright only then.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from erlif.core.arrays import Array, Counts
+from erlif.core.errors import FrameError
+from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile
+from erlif.io.readers.raw import FrameLayout, RawFrames, frame_interval
+from erlif.io.readers.source import Source
+
+
+class _FileHeader(NamedTuple):
+    """CINEFILEHEADER."""
+
+    kind: bytes
+    size: int
+    compression: int
+    version: int
+    first_movie_image: int
+    total_images: int
+    first_image: int
+    images: int
+    bitmap: int
+    setup: int
+    offsets: int
+    trigger_time: int
+
+
+class _Bitmap(NamedTuple):
+    """BITMAPINFOHEADER, up to the size of an image."""
+
+    size: int
+    width: int
+    height: int
+    planes: int
+    bits: int
+    compression: int
+    image_size: int
+
+
+_FILE_HEADER, _BITMAP = struct.Struct("<2sHHHiIiIIIIQ"), struct.Struct("<IiiHHII")
+
+_COMPRESSIONS = {1: "JPEG-compressed", 2: "from a colour sensor"}
+"""Values of the compression that are not read."""
+
+_PACKED_10, _PACKED_12 = 256, 1024
+"""Values of biCompression for packed counts."""
+
+# places in the SETUP structure, whose length depends on the version of the camera's program
+_RATE_16, _MARK, _LENGTH, _RATE, _DEPTH, _DECIMATION = 0, 140, 142, 768, 896, 1556
+
+_TIMES = 1002
+"""Type of the tagged block with a time for each image."""
+
+_FRACTION = 2.0**-32
+"""Unit of a TIME64: its upper half counts seconds, its lower half fractions. [s]"""
+
+_MOST_BLOCKS = 1000
+"""Tagged blocks after which the search for the times ends; cameras write fewer than ten."""
+
+_NUMBER = struct.Struct("<I")
+"""Size of the note before a frame, which stands at its start, and of the frame, at its end."""
+
+_LONGEST_NOTE = 2**20
+"""Size of a note above which it is damaged. [byte]"""
+
+_FIRST_10, _LAST_10, _FULL_SCALE = 2, 1014, 4095
+"""Count of the value 0, the last value below full scale, and the count of all values after it."""
+
+_STEPS_10 = (
+    "311111111111101111111111111111011111111111111101111111111111110111111111111111101111111111"
+    "111110111111111111111101111111111111110111111111111011111111111111111211111111121111112111"
+    "121112111211121121121121121211212121121212121212122121221212212212212212221222122212222212"
+    "222222122222222222222222222222322222223222223222322232223223223223223232322323232323232323"
+    "323232332332332332333233323332333332333333332333333333333333333343333333343333433334333433"
+    "433343343433434334343434343434343443434434434434434443444344443444444344444444444444444444"
+    "444444544444544445444544454454454454454545445454545454554545455455455455455545554555545555"
+    "554555555555555555555555555565555556555565556555655655655656556565656565656565656656656566"
+    "566656665666566665666666665666666666666667666666667666676666766676676676676766767676767676"
+    "767676776767767767776777677767777767777777777767777787777777777787777787777877787787787787"
+    "787878778787878788787878878878878878887888878888878888888888888888888888888988888988889888"
+    "988988988988989898898988"
+)
+"""Differences of neighbouring counts in the table from 10 to 12 bits."""
+
+
+@cache
+def phantom_table() -> Counts:
+    """Counts of 12 bits by the 10-bit values to which the camera compresses them.
+
+    Returns
+    -------
+    array of uint16, (1024,)
+        After the table in Vision Research, Cine File Format, 2011: steps of about one count up to
+        the value 141, of up to nine above, where the noise of the light is larger. [DN]
+
+    Examples
+    --------
+    >>> table = phantom_table()
+    >>> [int(table[value]) for value in (0, 64, 1014, 1023)]
+    [2, 64, 4064, 4095]
+    """
+    table = np.full(1024, _FULL_SCALE, np.uint16)
+    steps = np.array([_FIRST_10, *map(int, _STEPS_10)])
+    table[: _LAST_10 + 1] = np.cumsum(steps)
+    return table
+
+
+class PhantomFrames(RawFrames):
+    """The frames of a CINE file."""
+
+    def find_counts(self, index: int) -> int:
+        """As `RawFrames.find_counts`, behind the note before each frame."""
+        place = int(self.offsets[index])
+        (note,) = _NUMBER.unpack(self._source.read(place, _NUMBER.size))
+        if not 2 * _NUMBER.size <= note <= _LONGEST_NOTE:
+            raise FrameError("the header of the frame is damaged")
+        (size,) = _NUMBER.unpack(self._source.read(place + note - _NUMBER.size, _NUMBER.size))
+        if size != self.layout.size:
+            raise FrameError(f"the frame has {size} bytes, expected {self.layout.size}")
+        return place + int(note)
+
+
+@dataclass(frozen=True)
+class _Setup:
+    """What is needed of the SETUP structure."""
+
+    rate: int
+    step: int
+    depth: int
+    end: int
+
+
+def open_phantom(path: Path) -> FrameFile:
+    """Open a CINE file.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    FrameFile
+
+    Raises
+    ------
+    FrameError
+        With the bare reason, if the file is damaged, compressed or of a colour camera.
+    """
+    with Source(path) as source:
+        header = _FileHeader(*_FILE_HEADER.unpack(source.read(0, _FILE_HEADER.size)))
+        if header.kind != b"CI":
+            raise FrameError("it does not begin as a CINE file does")
+        if header.compression in _COMPRESSIONS:
+            raise FrameError(
+                f"the frames are {_COMPRESSIONS[header.compression]}. Film thickness needs raw "
+                "counts of a monochrome camera: save the recording as raw CINE."
+            )
+        if not 0 < header.images <= MOST_FRAMES:
+            raise FrameError(f"the file is damaged: its header names {header.images} frames")
+
+        bitmap = _Bitmap(*_BITMAP.unpack(source.read(header.bitmap, _BITMAP.size)))
+        layout = _find_layout(bitmap)
+        setup = _read_setup(source, header.setup)
+        times = _read_times(source, setup.end, header)
+        places = np.frombuffer(source.read(header.offsets, 8 * header.images), "<i8")
+
+    # counts of 8 bits may come from a camera of more
+    bits = 12 if layout.packing is not None else min(setup.depth, bitmap.bits) or None
+    interval = frame_interval(setup.rate, step=setup.step) if times is None else None
+    file = PhantomFrames(
+        path, layout, places, before=2 * _NUMBER.size, bits=bits, interval=interval
+    )
+    if times is not None:
+        file.times = times
+    return file
+
+
+def _read_setup(source: Source, start: int) -> _Setup:
+    """Rate, depth and end of the SETUP structure; zero for what an old version lacks."""
+    mark, length = struct.unpack("<2sH", source.read(start + _MARK, 4))
+    if mark != b"ST":
+        raise FrameError("the header is damaged: it has no block of settings")
+    (rate,) = struct.unpack("<H", source.read(start + _RATE_16, 2))
+
+    def number(place: int) -> int:
+        if length < place + 4:
+            return 0
+        return int(struct.unpack("<I", source.read(start + place, 4))[0])
+
+    rate = number(_RATE) or rate
+    return _Setup(rate, max(number(_DECIMATION), 1), number(_DEPTH), start + length)
+
+
+def _read_times(source: Source, start: int, header: _FileHeader) -> Array | None:
+    """Time of each image from the first; None where the camera stored none."""
+    place = start
+    for _ in range(_MOST_BLOCKS):
+        # the blocks fill the space between the settings and the table of places
+        if not 0 <= place <= header.offsets - 8:
+            return None
+        size, kind, more = struct.unpack("<IHH", source.read(place, 8))
+        if kind == _TIMES and size >= 8 + 8 * header.images:
+            stamps = np.frombuffer(source.read(place + 8, 8 * header.images), "<u8")
+            elapsed = (stamps - stamps[0]).astype(np.int64) * _FRACTION
+            return elapsed if header.images == 1 or elapsed.any() else None
+        if size < 8 or not more:
+            return None
+        place += size
+    return None
+
+
+def _find_layout(bitmap: _Bitmap) -> FrameLayout:
+    """Layout of the counts after the bitmap header."""
+    shape = (abs(bitmap.height), bitmap.width)
+    if bitmap.compression in (_PACKED_10, _PACKED_12):
+        from erlif.io.readers.unpack import Packing
+
+        if bitmap.compression == _PACKED_12:
+            return FrameLayout(shape, "<u2", packing=Packing.HIGH_12)
+        return FrameLayout(shape, "<u2", packing=Packing.HIGH_10, table=phantom_table())
+
+    if bitmap.compression != 0:
+        raise FrameError(f"the frames are compressed in an unknown way ({bitmap.compression})")
+    if bitmap.bits not in (8, 16):
+        colours = "colour frames" if bitmap.bits in (24, 48) else "frames"
+        raise FrameError(
+            f"the file holds {colours} of {bitmap.bits} bits for each pixel; 8 and 16 bits of one "
+            "band are read. Record with a monochrome camera."
+        )
+
+    # rows of a bitmap end at multiples of four bytes, those of some versions do not
+    width = bitmap.width * bitmap.bits // 8
+    padded = -(-width // 4) * 4
+    row_bytes = padded if padded != width and bitmap.image_size == shape[0] * padded else 0
+    return FrameLayout(
+        shape,
+        "|u1" if bitmap.bits == 8 else "<u2",
+        row_bytes=row_bytes,
+        bottom_up=bitmap.height > 0,
+    )
+
+
+def _is_phantom(path: Path, head: bytes) -> bool:
+    # two letters are few: the sizes of the two headers come with them
+    return head[:4] == b"CI\x2c\0" and head[6:8] == b"\1\0"
+
+
+PHANTOM = Format("Phantom CINE", (".cine", ".cin"), _is_phantom, open_phantom)
+"""Recordings of Phantom cameras."""

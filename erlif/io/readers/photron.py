@@ -1,0 +1,256 @@
+"""Photron MRAW: counts in a `.mraw` file, described by a `.cihx` or `.cih` file beside it.
+
+The header has the same content in two forms: lines "Key : value" (CIH, PFV 3) and XML behind a
+few bytes of another kind (CIHX, PFV 4). A file of counts and its header share their name.
+
+Counts of 8 bits, of 16 bits in little-endian order, and of 12 bits with the highest bit first are
+read. The shutter speed of a header is its reciprocal in 1/s; only the rate is needed here.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from erlif.core.errors import FrameError
+from erlif.io.readers.base import Format, FrameFile
+from erlif.io.readers.raw import FrameLayout, RawFrames, frame_interval
+from erlif.io.readers.sidecar import find_beside, read_text
+
+_HEADERS = (".cihx", ".cih")
+"""Endings of the headers, the newer form first."""
+
+# what a header names, in a CIH file and as an element within its parent in a CIHX file; keys are
+# compared without blanks, brackets and case, in which versions of the camera's program differ
+_KEYS = {
+    "width": ("Image Width", ("imagedatainfo", "resolution", "width")),
+    "height": ("Image Height", ("imagedatainfo", "resolution", "height")),
+    "frames": ("Total Frame", ("frameinfo", "totalframe")),
+    "stored": ("Color Bit", ("imagedatainfo", "colorinfo", "bit")),
+    "colour": ("Color Type", ("imagedatainfo", "colorinfo", "type")),
+    "depth": ("EffectiveBit Depth", ("imagedatainfo", "effectivebit", "depth")),
+    "side": ("EffectiveBit Side", ("imagedatainfo", "effectivebit", "side")),
+    "rate": ("Record Rate(fps)", ("recordinfo", "recordrate")),
+    "step": ("Save Step", ("frameinfo", "skipframe")),
+    "format": ("File Format", ("imagefileinfo", "fileformat")),
+}
+
+
+@dataclass(frozen=True)
+class PhotronHeader:
+    """What a CIH or CIHX file states about the counts.
+
+    Attributes
+    ----------
+    shape : tuple[int, int]
+        (rows, columns). [px]
+    frames : int
+        Number of frames.
+    stored_bits : int
+        Bits that a count takes in the file: 8, 12 or 16.
+    bits : int | None
+        Significant bits of a count; None where they are at the high end of 16 bits.
+    interval : float | None
+        Time between two saved frames; None where the header has no rate. [s]
+    """
+
+    shape: tuple[int, int]
+    frames: int
+    stored_bits: int
+    bits: int | None
+    interval: float | None
+
+
+def read_photron_header(text: str) -> PhotronHeader:
+    """Interpret the text of a CIH or CIHX file.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    PhotronHeader
+
+    Raises
+    ------
+    FrameError
+        With the bare reason, if an entry is missing, is no number, or describes frames that are
+        not read.
+
+    Examples
+    --------
+    >>> header = read_photron_header('''#Camera Information Header
+    ... Record Rate(fps) : 2000
+    ... Total Frame : 12
+    ... Image Width : 896
+    ... Image Height : 368
+    ... Color Bit : 16
+    ... EffectiveBit Depth : 12
+    ... EffectiveBit Side : Lower
+    ... ''')
+    >>> header.shape, header.frames, header.bits, header.interval
+    ((368, 896), 12, 12, 0.0005)
+    """
+    entries = _find_entries(text)
+    if entries.get("format", "mraw").lower() not in ("mraw", "raw", ""):
+        raise FrameError(
+            f"the Photron header describes {entries['format']} files. Save the recording as MRAW, "
+            "or name the image files themselves."
+        )
+    if entries.get("colour", "mono").lower().startswith(("color", "colour", "bayer", "rgb")):
+        raise FrameError(
+            "the recording is of a colour camera. Film thickness needs counts of one band in each "
+            "pixel: record with a monochrome camera."
+        )
+
+    stored = _whole(entries, "stored")
+    if stored not in (8, 12, 16):
+        raise FrameError(
+            f"the Photron header names {stored} bits for each pixel; 8, 12 and 16 are read. Save "
+            "the recording again with one of them."
+        )
+    depth = _whole(entries, "depth") if entries.get("depth") else stored
+    if not 1 <= depth <= 16:
+        raise FrameError(f"the Photron header is damaged: it names {depth} effective bits")
+
+    # counts at the high end of 16 bits are multiples of 16, and the depth is judged from them
+    high = entries.get("side", "lower").lower().startswith(("high", "upper")) and depth < stored
+    rate = _number(entries, "rate") if entries.get("rate") else 0.0
+    step = _whole(entries, "step") if entries.get("step") else 1
+    return PhotronHeader(
+        shape=(_whole(entries, "height"), _whole(entries, "width")),
+        frames=_whole(entries, "frames"),
+        stored_bits=stored,
+        bits=None if high else min(depth, stored),
+        interval=frame_interval(rate, step=max(step, 1)),
+    )
+
+
+def open_photron(path: Path) -> FrameFile:
+    """Open a recording by its counts or by its header.
+
+    Parameters
+    ----------
+    path : Path
+        The `.mraw`, `.cihx` or `.cih` file.
+
+    Returns
+    -------
+    FrameFile
+
+    Raises
+    ------
+    FrameError
+        With the bare reason, if the other file is missing or the two do not fit.
+    """
+    if path.suffix.lower() in _HEADERS:
+        header_path, counts_path = path, find_beside(path, (".mraw",))
+        if counts_path is None:
+            raise FrameError(
+                f"the counts of this header are missing. Put {path.stem}.mraw beside it."
+            )
+    else:
+        found, counts_path = find_beside(path, _HEADERS), path
+        if found is None:
+            raise FrameError(
+                f"the header of these counts is missing. Put {path.stem}.cihx or {path.stem}.cih, "
+                "which the camera's program saved with them, beside the file."
+            )
+        header_path = found
+
+    header = read_photron_header(read_text(header_path))
+    layout = FrameLayout(header.shape, "|u1" if header.stored_bits == 8 else "<u2")
+    if header.stored_bits == 12:
+        from erlif.io.readers.unpack import Packing
+
+        layout = FrameLayout(header.shape, "<u2", packing=Packing.HIGH_12)
+
+    step = max(layout.size, 1)
+    file = RawFrames(
+        counts_path,
+        layout,
+        range(0, header.frames * step, step),
+        bits=header.bits,
+        interval=header.interval,
+        companions=(counts_path if path == header_path else header_path,),
+    )
+
+    # a header of another recording gives frames of shifted rows, which nothing else reveals
+    size = counts_path.stat().st_size
+    if size > header.frames * step:
+        file.close()
+        raise FrameError(
+            f"the header {header_path.name} describes {header.frames} frames of {step} bytes, and "
+            f"the file of counts has {size} bytes. Put the header of this recording beside it."
+        )
+    return file
+
+
+def _find_entries(text: str) -> dict[str, str]:
+    """Values of the header by the names used here."""
+    start = text.find("<cih")
+    if start < 0:
+        # the first line counts: versions of programs and cameras follow under the same keys
+        lines = [line.partition(":") for line in text.splitlines()]
+        found = {_plain(key): value.strip() for key, _, value in reversed(lines)}
+        return {
+            name: found[_plain(key)] for name, (key, _) in _KEYS.items() if _plain(key) in found
+        }
+    return {
+        name: value
+        for name, (_, elements) in _KEYS.items()
+        if (value := _find_element(text, start, elements)) is not None
+    }
+
+
+def _find_element(text: str, start: int, elements: tuple[str, ...]) -> str | None:
+    """Text of the first element of that path.
+
+    The elements are looked up by their tags: an XML parser would refuse the comments in the code
+    page of the camera's computer, and would follow entities.
+    """
+    low, high = start, len(text)
+    for element in elements:
+        opening = re.compile(rf"<{element}(?:\s[^<>]*)?>", re.IGNORECASE).search(text, low, high)
+        if opening is None:
+            return None
+        closing = re.compile(rf"</{element}\s*>", re.IGNORECASE).search(text, opening.end(), high)
+        if closing is None:
+            return None
+        low, high = opening.end(), closing.start()
+    return text[low:high].strip()
+
+
+def _plain(key: str) -> str:
+    return re.sub(r"[^a-z0-9]", "", key.lower())
+
+
+def _number(entries: dict[str, str], name: str) -> float:
+    """A finite number of the header; FrameError where it is missing or none."""
+    key = _KEYS[name][0]
+    if name not in entries:
+        raise FrameError(f"the Photron header has no entry for {key}; it was cut")
+    try:
+        value = float(entries[name])
+    except ValueError:
+        value = float("nan")
+    if not abs(value) < 1e15:  # beyond any count of frames or pixels, and no whole float
+        raise FrameError(f"the Photron header is damaged: {key} is {entries[name][:40]!r}")
+    return value
+
+
+def _whole(entries: dict[str, str], name: str) -> int:
+    value = _number(entries, name)
+    if value != int(value) or value < 0:
+        raise FrameError(f"the Photron header is damaged: {_KEYS[name][0]} is {entries[name]!r}")
+    return int(value)
+
+
+def _is_photron(path: Path, head: bytes) -> bool:
+    return path.suffix.lower() in (".mraw", *_HEADERS)
+
+
+PHOTRON = Format("Photron MRAW", (".mraw", *_HEADERS), _is_photron, open_photron)
+"""Counts of Photron cameras with their header."""

@@ -1,0 +1,223 @@
+"""PNG, BMP and PGM pictures with grey counts; formats that change the counts are refused."""
+
+from __future__ import annotations
+
+import re
+import struct
+import zlib
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+
+from erlif.core.arrays import AnyArray
+from erlif.core.errors import FrameError, reason_of
+from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim
+from erlif.io.readers.raw import FrameLayout, RawFrames
+from erlif.io.readers.source import Source
+
+_DENSEST = 1100
+"""Decoded bytes per byte of a file that deflate can reach."""
+
+_LARGEST_REST = 2**26
+"""Size of what a PNG may hold beside its image. [byte]"""
+
+_PALETTE = "it is a palette image, whose values are no counts. Save the raw counts as grey TIFF."
+_COLOURS = "it is a colour image. Save the raw counts of the camera, one channel, as grey TIFF."
+
+_PNG_START = b"\x89PNG\r\n\x1a\n"
+
+_BMP_HEADERS = tuple(bytes([size, 0, 0, 0]) for size in (40, 52, 56, 108, 124))
+"""Sizes of the header of a BMP, from version 3 on. [byte]"""
+
+_GREY, _INDEXED = 0, 3
+"""Colour types of PNG."""
+
+
+class PngPicture(FrameFile):
+    """A PNG picture; Pillow undoes its filters."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        with Source(path) as source:
+            head = source.read(0, 33)
+            size = source.size
+        if head[:8] != _PNG_START or head[12:16] != b"IHDR":
+            raise FrameError("the file is damaged or not a PNG")
+        width, height, depth, colour = struct.unpack_from(">IIBB", head, 16)
+        if colour == _INDEXED:
+            raise FrameError(_PALETTE)
+        if colour != _GREY:
+            raise FrameError(_COLOURS)
+        if depth not in (8, 16):
+            raise FrameError(f"it has {depth} bits for each pixel. Save 8 or 16-bit counts.")
+
+        kind = FrameKind((height, width), f"uint{depth}")
+        check_claim(1, kind, size, packing=_DENSEST)
+        if size > _LARGEST_REST + 2 * height * width * depth // 8:
+            raise FrameError(f"the file is damaged: {size} bytes are too many for its {kind}")
+        self.kinds = [kind]
+
+    def read(self, index: int) -> AnyArray:
+        """As `FrameFile.read`."""
+        from PIL.PngImagePlugin import PngImageFile
+
+        data = self.path.read_bytes()
+        _check_chunks(data)
+        try:
+            with PngImageFile(BytesIO(data)) as image:
+                counts = np.asarray(image)
+        except Exception as error:  # Pillow raises several types on damaged bytes
+            raise FrameError(f"the picture is damaged ({reason_of(error)})") from error
+        shape, dtype = self.kinds[index]
+        if counts.shape != shape:
+            raise FrameError("the picture is damaged: it has another size than its header")
+        return counts.astype(dtype, copy=False)
+
+
+def _check_chunks(data: bytes) -> None:
+    """Refuse a chunk that was cut off or changed; Pillow does not compare all checksums."""
+    place, kind = 8, b""
+    while kind != b"IEND":
+        if place + 12 > len(data):
+            raise FrameError("the picture is truncated")
+        (length,) = struct.unpack_from(">I", data, place)
+        kind, end = data[place + 4 : place + 8], place + 8 + length
+        if end + 4 > len(data):
+            raise FrameError("the picture is truncated")
+        if zlib.crc32(memoryview(data)[place + 4 : end]) != struct.unpack_from(">I", data, end)[0]:
+            raise FrameError("the picture is damaged: a checksum does not fit")
+        place = end + 4
+
+
+def open_bmp(path: Path) -> FrameFile:
+    """Open a BMP picture of 8 grey bits.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    FrameFile
+
+    Raises
+    ------
+    FrameError
+        With the bare reason, if it is damaged, compressed, or has colours.
+    """
+    with Source(path) as source:
+        header = struct.unpack("<10xIIiiHHIIiiI", source.read(0, 50))
+        start, size, width, height, _, depth, compression, _, _, _, used = header
+        if size < 40 or depth not in (8, 24, 32):
+            raise FrameError("this kind of BMP is not read. Save the counts as grey TIFF.")
+        if depth != 8:
+            raise FrameError(_COLOURS)
+        if compression:
+            raise FrameError("its rows are compressed (RLE). Save the counts uncompressed.")
+        palette = np.frombuffer(source.read(14 + size, 4 * (used or 256)), np.uint8).reshape(-1, 4)
+        check_claim(1, FrameKind((abs(height), width), "uint8"), source.size)
+
+    check_grey_palette(palette)
+    row = -(-width // 4) * 4  # rows end at a multiple of four bytes
+    layout = FrameLayout((abs(height), width), "|u1", row_bytes=row, bottom_up=height > 0)
+    return RawFrames(path, layout, range(start, start + layout.size, layout.size))
+
+
+def check_grey_palette(palette: AnyArray) -> None:
+    """Refuse a palette that gives any count another value than its own.
+
+    Parameters
+    ----------
+    palette : array of uint8, (entry, 4)
+        Blue, green and red of each count.
+
+    Raises
+    ------
+    FrameError
+        With the bare reason.
+
+    Examples
+    --------
+    >>> check_grey_palette(np.repeat(np.arange(256, dtype=np.uint8)[:, None], 4, axis=1))
+    """
+    ramp = np.arange(len(palette), dtype=np.uint8)[:, None]
+    if len(palette) > 256 or (palette[:, :3] != ramp).any():
+        raise FrameError(_PALETTE)
+
+
+def open_pgm(path: Path) -> FrameFile:
+    """Open a PGM picture, or several that follow each other with the same header.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    FrameFile
+
+    Raises
+    ------
+    FrameError
+        With the bare reason, if it is damaged or written as text.
+    """
+    with Source(path) as source:
+        head = source.read(0, min(1024, source.size))
+        size = source.size
+    if head[:2] == b"P2":
+        raise FrameError("its counts are written as text. Save it as binary PGM (P5) or as TIFF.")
+    gap = rb"(?:\s|#[^\n]*\n)+"  # one blank at a time: a second repetition would need ages to fail
+    match = re.match(rb"P5" + (gap + rb"(\d{1,9})") * 3 + rb"\s", head)
+    if match is None:
+        raise FrameError("the file is damaged or not a PGM")
+    width, height, most = map(int, match.groups())
+    if not 0 < most < 65536:
+        raise FrameError(f"the file is damaged: its highest count is {most}")
+
+    layout = FrameLayout((height, width), "|u1" if most < 256 else ">u2")
+    check_claim(1, layout.kind, size)
+    step = match.end() + layout.size
+    count = -(-size // step)
+    with Source(path) as source:
+        for n in range(1, count):
+            if source.read(n * step, min(match.end(), size - n * step)) != match[0]:
+                raise FrameError("the file is damaged: it goes on behind its last count")
+    offsets = range(match.end(), match.end() + count * step, step)
+    return RawFrames(path, layout, offsets, bits=most.bit_length())
+
+
+def _lossy_name(head: bytes) -> str:
+    """Name of a format that changes counts; empty for other files."""
+    if head[:3] == b"\xff\xd8\xff":
+        return "JPEG"
+    if head[:4] == b"GIF8":
+        return "GIF"
+    if head[:4] == b"RIFF" and head[8:12] == b"WEBP":
+        return "WebP"
+    return "JPEG 2000" if head[4:8] == b"jP  " else ""
+
+
+def _refuse(path: Path) -> FrameFile:
+    with path.open("rb") as file:
+        name = _lossy_name(file.read(12)) or path.suffix
+    raise FrameError(
+        f"it is a {name} image, compressed with losses or with a palette: its values are no "
+        "counts. Save the raw counts as TIFF."
+    )
+
+
+PNG = Format("PNG", (".png",), lambda path, head: head[:8] == _PNG_START, PngPicture)
+BMP = Format(
+    "BMP",
+    (".bmp", ".dib"),
+    lambda path, head: head[:2] == b"BM" and head[14:18] in _BMP_HEADERS,
+    open_bmp,
+)
+PGM = Format("PGM", (".pgm", ".pnm"), lambda path, head: head[:2] in (b"P5", b"P2"), open_pgm)
+LOSSY = Format(
+    "JPEG, GIF, WebP",
+    (".jpg", ".jpeg", ".jpe", ".gif", ".webp", ".jp2"),
+    lambda path, head: bool(_lossy_name(head)),
+    _refuse,
+)

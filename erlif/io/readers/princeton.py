@@ -1,0 +1,216 @@
+"""Princeton Instruments SPE, of WinView (2.x) and of LightField (3.x).
+
+Both have a header of 4100 bytes with the type of the counts. WinView stores the size and number of
+the frames there as well, LightField in an XML text behind the frames. Frames of several regions of
+the sensor are not read.
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from erlif.core.arrays import Array
+from erlif.core.errors import FrameError
+from erlif.io.readers.base import TRUNCATED, Format, FrameFile
+from erlif.io.readers.raw import FrameLayout, RawFrames
+from erlif.io.readers.source import Source
+
+_HEADER_SIZE = 4100
+
+_TYPES = {0: "<f4", 1: "<i4", 2: "<i2", 3: "<u2", 5: "<f8", 6: "|u1", 8: "<u4"}
+"""Type of a count by its number in the header."""
+
+_NAMES = {
+    "MonochromeUnsigned16": "<u2",
+    "MonochromeUnsigned32": "<u4",
+    "MonochromeFloating32": "<f4",
+}
+"""Type of a count by its name in the XML text."""
+
+_LONGEST_TEXT = 64 * 2**20
+"""Size of the XML text above which the header is damaged; a region has a few kB. [byte]"""
+
+
+class _Header(NamedTuple):
+    """What is needed of the header."""
+
+    columns: int
+    type: int
+    resolution: int
+    rows: int
+    text: int
+    frames: int
+    regions: int
+    version: float
+
+
+_PLACES = (
+    ("H", 42),
+    ("h", 108),
+    ("H", 194),
+    ("H", 656),
+    ("Q", 678),
+    ("i", 1446),
+    ("h", 1510),
+    ("f", 1992),
+)
+"""Code and place of the numbers, in their order."""
+
+
+_EVENTS = ("ExposureStarted", "ExposureEnded")
+"""Events of a time stamp, the preferred first."""
+
+
+class LightfieldFrames(RawFrames):
+    """Frames of LightField, with the time stamps behind each of them.
+
+    Attributes
+    ----------
+    stamp : tuple[int, float] | None
+        Place of the stamp from the start of a frame [byte] and its unit [s]; None without stamps.
+    """
+
+    stamp: tuple[int, float] | None = None
+
+    # read when they are asked for: they lie between the frames, over the whole file
+    @cached_property
+    def times(self) -> Array | None:  # type: ignore[override]
+        """Time of each frame from the first; None without stamps or where frames were cut. [s]"""
+        if self.stamp is None or any(kind == TRUNCATED for kind in self.kinds):
+            return None
+        place, unit = self.stamp
+        try:
+            parts = [self._source.read(int(offset) + place, 8) for offset in self.offsets]
+        except FrameError:  # the file ends right behind the counts
+            return None
+        ticks = np.frombuffer(b"".join(parts), "<i8")
+        elapsed: Array = (ticks - ticks[0]) * unit
+        return elapsed
+
+
+def open_princeton(path: Path) -> FrameFile:
+    """Open an SPE file.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    FrameFile
+        Without times for WinView, which stores none, and for LightField where they were not
+        asked for.
+
+    Raises
+    ------
+    FrameError
+        With the bare reason, if the file is damaged or holds several regions.
+    """
+    with Source(path) as source:
+        data = source.read(0, _HEADER_SIZE)
+        numbers = [struct.unpack_from(f"<{code}", data, place)[0] for code, place in _PLACES]
+        header = _Header(*numbers)
+        if header.version >= 3 and header.text:
+            return _open_lightfield(path, source, header.text)
+
+    if header.type not in _TYPES:
+        raise FrameError(f"the header is damaged: it names the type {header.type} of counts")
+    if header.regions > 1:
+        raise FrameError(_one_region(header.regions))
+    layout = FrameLayout((header.rows, header.columns), _TYPES[header.type])
+    step = max(layout.size, 1)
+    places = range(_HEADER_SIZE, _HEADER_SIZE + max(header.frames, 0) * step, step)
+    known = 8 <= header.resolution <= 16 and _TYPES[header.type] in ("<u2", "<i2")
+    return RawFrames(path, layout, places, bits=header.resolution if known else None)
+
+
+def _open_lightfield(path: Path, source: Source, start: int) -> FrameFile:
+    """Frames after the XML text at the end of the file."""
+    length = source.size - start
+    if not 0 < length <= _LONGEST_TEXT:
+        raise FrameError("the file is truncated or damaged: its description is missing")
+    text = source.read(start, length).decode("utf-8", errors="replace")
+
+    # the blocks are found by their tags: a parser of XML would follow entities
+    blocks = [_attributes(tag) for tag in re.findall(r"<DataBlock\b([^<>]*)>", text)]
+    frames = [block for block in blocks if block.get("type") == "Frame"]
+    regions = [block for block in blocks if block.get("type") == "Region"]
+    if len(frames) != 1 or not regions:
+        raise FrameError("the file is damaged: its description has no block of frames")
+    if len(regions) > 1:
+        raise FrameError(_one_region(len(regions)))
+
+    name = frames[0].get("pixelFormat", "")
+    if name not in _NAMES:
+        raise FrameError(f"its pixel format {name[:40]!r} is not read. Export the frames as TIFF.")
+    layout = FrameLayout(
+        (_number(regions[0], "height"), _number(regions[0], "width")), _NAMES[name]
+    )
+    count, step = _number(frames[0], "count"), _number(frames[0], "stride")
+    if step < max(layout.size, 1):
+        raise FrameError(
+            f"the file is damaged: frames of {layout.size} bytes cannot lie {step} apart"
+        )
+    places = range(_HEADER_SIZE, _HEADER_SIZE + count * step, step)
+    file = LightfieldFrames(path, layout, places)
+    file.stamp = _find_stamp(text, layout.size, step)
+    return file
+
+
+def _find_stamp(text: str, start: int, end: int) -> tuple[int, float] | None:
+    """Place of the time stamp within a frame and its unit, by the order of the data behind it.
+
+    Princeton Instruments, SPE 3.0 File Format Specification, issue 4 (2019), chapters 2 and 3.
+    """
+    blocks = re.findall(r"<MetaBlock\b[^<>]*>(.*?)</MetaBlock>", text, re.DOTALL)
+    if len(blocks) != 1:
+        return None
+    found: dict[str, tuple[int, float]] = {}
+    place = start
+    for name, tag in re.findall(r"<([A-Za-z]+)\b([^<>]*)>", blocks[0]):
+        entries = _attributes(tag)
+        bits, rate = (entries.get(key, "") for key in ("bitDepth", "resolution"))
+        if not re.fullmatch(r"[0-9]{1,3}", bits) or "count" in entries:
+            return None
+        whole = entries.get("type") == "Int64" and re.fullmatch(r"[1-9][0-9]{0,11}", rate)
+        if name == "TimeStamp" and whole:
+            found[entries.get("event", "")] = place, 1 / int(rate)
+        place += int(bits) // 8
+
+    # padding may follow
+    stamps = [found[event] for event in _EVENTS if event in found]
+    return stamps[0] if stamps and place <= end else None
+
+
+def _attributes(tag: str) -> dict[str, str]:
+    return dict(re.findall(r'([A-Za-z]+)="([^"]*)"', tag))
+
+
+def _number(block: dict[str, str], key: str) -> int:
+    """A whole number of a block, within what a file can hold."""
+    text = block.get(key, "")
+    if not re.fullmatch(r"[0-9]{1,12}", text):
+        raise FrameError(f"the file is damaged: its description has {key} = {text[:40]!r}")
+    return int(text)
+
+
+def _one_region(regions: int) -> str:
+    return (
+        f"each of its frames holds {regions} regions of the sensor. Record one region, or export "
+        "each of them as TIFF."
+    )
+
+
+def _is_princeton(path: Path, head: bytes) -> bool:
+    # the header has no letters at its start
+    return path.suffix.lower() == ".spe"
+
+
+PRINCETON = Format("Princeton SPE", (".spe",), _is_princeton, open_princeton)
+"""Recordings of WinView and LightField."""

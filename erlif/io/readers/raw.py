@@ -1,0 +1,298 @@
+"""Frames that are stored as they left the camera: at known places, in rows of counts.
+
+Most formats of high-speed cameras are such frames behind a header of their own. Their modules read
+the header; what follows it is read here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Counts
+from erlif.core.errors import FrameError
+from erlif.io.readers.base import (
+    MOST_FRAMES,
+    TRUNCATED,
+    FrameFile,
+    FrameKind,
+    SameKinds,
+    check_claim,
+)
+from erlif.io.readers.source import Source
+
+if TYPE_CHECKING:
+    from erlif.io.readers.unpack import Packing
+
+_MOST_MISSING = 10
+"""Frames in a header for each frame in the file above which the header is taken as damaged. A
+recording that was interrupted or copied in part has fewer."""
+
+_SLOWEST, _FASTEST, _MOST_SKIPPED = 1e-6, 1e9, 10**9
+"""Rates of cameras, from a frame in eleven days on, and frames left out between two. [1/s]"""
+
+_DENSEST = 1.6
+"""Decoded over stored size of 10-bit counts in 16 bits, the most of all packings."""
+
+
+@dataclass(frozen=True)
+class FrameLayout:
+    """How the counts of a frame are stored.
+
+    Attributes
+    ----------
+    shape : tuple[int, int]
+        (rows, columns). [px]
+    dtype : str
+        Type of a count in the file, in the notation of numpy: "<u2" is 16 bits, little-endian.
+        "<u2" as well for packed counts, which are decoded to it.
+    packing : Packing | None
+        Order of the bits of packed counts; None where each count has its own bytes.
+    row_bytes : int
+        Bytes from one row to the next; 0 where there is no gap between rows.
+    bottom_up : bool
+        Whether the lowest row comes first.
+    table : Counts | None
+        Counts by packed value, for values that the camera compressed; None for plain counts.
+    """
+
+    shape: tuple[int, int]
+    dtype: str
+    packing: Packing | None = None
+    row_bytes: int = 0
+    bottom_up: bool = False
+    table: Counts | None = None
+
+    @property
+    def kind(self) -> FrameKind:
+        """Kind of a decoded frame."""
+        return FrameKind(self.shape, np.dtype(self.dtype).newbyteorder("=").name)
+
+    @property
+    def size(self) -> int:
+        """Bytes of a frame in the file."""
+        rows, columns = self.shape
+        if self.packing is not None:
+            return self.packing.size(rows * columns)
+        return rows * (self.row_bytes or columns * np.dtype(self.dtype).itemsize)
+
+
+class RawFrames(FrameFile):
+    """Frames at known places of a file.
+
+    Parameters
+    ----------
+    path : Path
+        File that holds the counts.
+    layout : FrameLayout
+        Layout of every frame.
+    offsets : sequence of int
+        Where each frame begins. [byte]
+    before : int
+        Bytes of a header of the frame between that place and its counts, at least.
+    interval : float or None
+        Time between two frames; None where the file has none. [s]
+    bits, companions
+        As in `FrameFile`.
+
+    Raises
+    ------
+    FrameError
+        With the bare reason, if the file holds none of the frames, or far fewer than the header
+        claims.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> path = Path(tempfile.mkdtemp(), "frames.raw")
+    >>> _ = path.write_bytes(bytes(range(12)))
+    >>> file = RawFrames(path, FrameLayout((2, 3), "|u1"), range(0, 12, 6))
+    >>> file.read(1)
+    array([[ 6,  7,  8],
+           [ 9, 10, 11]], dtype=uint8)
+    >>> file.close()
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        layout: FrameLayout,
+        offsets: Sequence[int] | AnyArray,
+        *,
+        before: int = 0,
+        bits: int | None = None,
+        interval: float | None = None,
+        companions: Sequence[Path] = (),
+    ) -> None:
+        self.layout, self.offsets = layout, offsets
+        self.bits, self.companions = bits, companions
+        self._source = Source(path)
+        try:
+            self.kinds = self._find_kinds(before)
+        except BaseException:
+            self.close()
+            raise
+        if interval is not None:
+            self.times = interval * np.arange(len(self.kinds), dtype=np.float64)
+
+    def _find_kinds(self, before: int) -> Sequence[FrameKind]:
+        """Kind of each frame; those behind the end of the file are truncated."""
+        size = self._source.size
+        check_claim(1, self.layout.kind, size, packing=_DENSEST)
+        try:
+            count = len(self.offsets)
+        except OverflowError as error:  # a range longer than any list
+            raise FrameError("the file is damaged: its header names endless frames") from error
+        if not 0 < count <= MOST_FRAMES:
+            raise FrameError(f"the file is damaged: its header names {count} frames")
+
+        # frames at equal steps are counted without a list of their places, which may be a lie
+        last = size - self.layout.size - before
+        whole: Sequence[bool]
+        if isinstance(self.offsets, range):
+            held = len(
+                range(self.offsets.start, min(self.offsets.stop, last + 1), self.offsets.step)
+            )
+            whole = [True] * held
+        else:
+            places = np.asarray(self.offsets, dtype=np.int64)
+            whole = ((places >= 0) & (places <= last)).tolist()
+            held = sum(whole)
+        if count > _MOST_MISSING * held:
+            raise FrameError(
+                f"the file is damaged: its header names {count} frames of {self.layout.kind}, and "
+                f"its {size} bytes hold {held} of them"
+            )
+        if held == count:
+            return SameKinds(self.layout.kind, count)
+        kinds = [self.layout.kind if inside else TRUNCATED for inside in whole]
+        return kinds + [TRUNCATED] * (count - len(kinds))
+
+    def read(self, index: int) -> AnyArray:
+        """As `FrameFile.read`."""
+        if self.kinds[index] == TRUNCATED:
+            raise FrameError("the file is truncated")
+        return read_counts(self._source, self.layout, self.find_counts(index))
+
+    def find_counts(self, index: int) -> int:
+        """Where the counts of a frame begin; formats with a header before each frame differ.
+
+        Parameters
+        ----------
+        index : int
+            Position in the file, counted from 0.
+
+        Returns
+        -------
+        int
+            [byte]
+        """
+        return int(self.offsets[index])
+
+    def close(self) -> None:
+        """As `FrameFile.close`."""
+        self._source.close()
+
+
+def count_frames(size: int, *, start: int, step: int) -> int:
+    """Number of frames in a file whose header has none, a last incomplete one included.
+
+    Parameters
+    ----------
+    size : int
+        Size of the file. [byte]
+    start : int
+        Where the first frame begins. [byte]
+    step : int
+        From one frame to the next. [byte]
+
+    Returns
+    -------
+    int
+
+    Examples
+    --------
+    The third frame was cut:
+
+    >>> count_frames(18, start=0, step=8)
+    3
+    >>> count_frames(16, start=0, step=8)
+    2
+    """
+    return max(0, -(-(size - start) // step))
+
+
+def frame_interval(rate: float, *, step: int = 1) -> float | None:
+    """Time between two frames.
+
+    Parameters
+    ----------
+    rate : float
+        Frames per second that the camera took, as a header has it. [1/s]
+    step : int
+        Every how many of them one was saved.
+
+    Returns
+    -------
+    float or None
+        None where the header has no rate, or one that no camera has. [s]
+
+    Examples
+    --------
+    >>> frame_interval(50_000, step=2500)
+    0.05
+    >>> frame_interval(0) is None
+    True
+    """
+    if not _SLOWEST <= rate <= _FASTEST or not 0 < step <= _MOST_SKIPPED:
+        return None
+    return step / rate
+
+
+def read_counts(source: Source, layout: FrameLayout, offset: int) -> AnyArray:
+    """Decode one frame.
+
+    Parameters
+    ----------
+    source : Source
+        File that holds the counts.
+    layout : FrameLayout
+        How they are stored.
+    offset : int
+        Where they begin. [byte]
+
+    Returns
+    -------
+    array, (y, x)
+        [DN]
+
+    Raises
+    ------
+    FrameError
+        With the bare reason, if the file ends within the frame.
+    """
+    rows, columns = layout.shape
+    if layout.packing is not None:
+        # imported here because it loads numba, which plain counts do without
+        from erlif.io.readers.unpack import unpack
+
+        packed = np.empty(layout.size, np.uint8)
+        source.fill(packed, offset)
+        flat = unpack(packed, rows * columns, layout.packing, table=layout.table)
+        counts: AnyArray = flat.reshape(rows, columns)
+    elif layout.row_bytes:
+        padded = np.empty((rows, layout.row_bytes), np.uint8)
+        source.fill(padded, offset)
+        width = columns * np.dtype(layout.dtype).itemsize
+        counts = np.ascontiguousarray(padded[:, :width]).view(layout.dtype)
+    else:
+        counts = np.empty((rows, columns), layout.dtype)
+        source.fill(counts, offset)
+
+    if layout.bottom_up:
+        counts = np.ascontiguousarray(counts[::-1])
+    return counts.astype(layout.kind.dtype, copy=False)

@@ -1,0 +1,323 @@
+"""The table of formats, and the one way into every file of frames."""
+
+from __future__ import annotations
+
+import os
+import stat
+import threading
+from collections import OrderedDict
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+
+from erlif.core.errors import FrameError
+from erlif.io.readers.avi import AVI
+from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile
+from erlif.io.readers.fits import FITS
+from erlif.io.readers.genicam import GENICAM
+from erlif.io.readers.hdf5 import HDF5
+from erlif.io.readers.lavision import IM7, SET
+from erlif.io.readers.norpix import NORPIX
+from erlif.io.readers.npy import NPY
+from erlif.io.readers.pco import PCO
+from erlif.io.readers.phantom import PHANTOM
+from erlif.io.readers.photron import PHOTRON
+from erlif.io.readers.pictures import BMP, LOSSY, PGM, PNG
+from erlif.io.readers.princeton import PRINCETON
+from erlif.io.readers.tiff import TIFF
+
+FORMATS: tuple[Format, ...] = (
+    TIFF,
+    PHOTRON,
+    PHANTOM,
+    NORPIX,
+    GENICAM,
+    IM7,
+    SET,
+    PCO,
+    PRINCETON,
+    PNG,
+    BMP,
+    PGM,
+    NPY,
+    FITS,
+    HDF5,
+    AVI,
+    LOSSY,
+)
+"""The formats of erlif, in the order in which a file is compared with them."""
+
+ENTRY_POINTS = "erlif.readers"
+"""Group of entry points in which other packages name a `Format`."""
+
+_HEAD = 512
+"""Bytes by which a format is recognised."""
+
+_MOST_OPEN = 16
+"""Files kept open between two frames."""
+
+
+def open_frames(path: Path, *, dataset: str = "") -> FrameFile:
+    """Open a file of frames with the reader of its format.
+
+    A format is recognised by the content of the file, and by the suffix where no content fits.
+    Formats of other packages are asked last, so that they cannot change how a known file is read.
+
+    Parameters
+    ----------
+    path : Path
+        An ordinary file.
+    dataset : str
+        Path of the array within the file, for formats that hold several.
+
+    Returns
+    -------
+    FrameFile
+        To be closed by the caller.
+
+    Raises
+    ------
+    FrameError
+        With the bare reason, if the file cannot be opened, is of no known format or is damaged.
+
+    Examples
+    --------
+    >>> import tempfile, numpy as np, tifffile
+    >>> path = Path(tempfile.mkdtemp(), "frames.dat")
+    >>> tifffile.imwrite(path, np.zeros((5, 64, 80), np.uint16))
+    >>> file = open_frames(path)
+    >>> len(file.kinds), str(file.kinds[4]), file.read(4).shape
+    (5, '80 x 64 uint16', (64, 80))
+    >>> file.close()
+    """
+    try:
+        head = _read_head(path)
+        found = find_format(path, head)
+        return _open(found, path, dataset)
+    except OSError as error:
+        raise FrameError(f"the file cannot be read: {error.strerror or error}") from error
+
+
+def find_format(path: Path, head: bytes) -> Format:
+    """The format of a file.
+
+    Parameters
+    ----------
+    path : Path
+    head : bytes
+        The first 512 bytes of the file.
+
+    Returns
+    -------
+    Format
+
+    Raises
+    ------
+    FrameError
+        With the bare reason, if no format fits.
+
+    Examples
+    --------
+    >>> find_format(Path("frame.dat"), b"II*\\0").name
+    'TIFF'
+    """
+    for entry in FORMATS:
+        if entry.recognise(path, head):
+            return entry
+    faults: list[str] = []
+    for name, loaded in _foreign_formats():
+        if isinstance(loaded, Format):
+            if _recognised(loaded, path, head):
+                return loaded
+        else:
+            faults.append(f" The reader {name} cannot be loaded ({loaded}).")
+
+    # a damaged start hides the format from all, the suffix still names it
+    suffix = path.suffix.lower()
+    foreign = [entry for _, entry in _foreign_formats() if isinstance(entry, Format)]
+    for entry in (*FORMATS, *foreign):
+        if suffix in entry.suffixes:
+            return entry
+    known = ", ".join(entry.name for entry in (*FORMATS, *foreign) if entry is not LOSSY)
+    raise FrameError(
+        f"its format is none of those that are read: {known}. Convert it to TIFF, or install a "
+        f"package that has a reader for it.{''.join(faults)}"
+    )
+
+
+@contextmanager
+def borrow_frames(path: Path, *, dataset: str = "") -> Iterator[FrameFile]:
+    """A file that stays open for the next frame, shared by the threads of this process.
+
+    Parameters
+    ----------
+    path : Path
+        An ordinary file. One that has changed since it was opened is opened again.
+    dataset : str
+        As in `open_frames`.
+
+    Yields
+    ------
+    FrameFile
+        Not to be closed, and not to be used after the block.
+
+    Raises
+    ------
+    FrameError
+        As `open_frames`.
+
+    Examples
+    --------
+    >>> import tempfile, numpy as np, tifffile
+    >>> path = Path(tempfile.mkdtemp(), "frames.tif")
+    >>> tifffile.imwrite(path, np.zeros((5, 64, 80), np.uint16))
+    >>> with borrow_frames(path) as file:
+    ...     file.read(3).shape
+    (64, 80)
+    """
+    entry = _kept.take(path, dataset)
+    try:
+        yield entry.file
+    finally:
+        _kept.give_back(entry)
+
+
+def close_frames() -> None:
+    """Close the files that were kept open for the next frame."""
+    _kept.clear()
+
+
+_Key = tuple[str, str, int, int, int]
+"""Path and dataset, and size, time of change and place on the disk: a copy that takes the name of a
+file may have its size and time."""
+
+
+@dataclass
+class _Entry:
+    """An open file and the number of blocks that use it."""
+
+    file: FrameFile
+    users: int = 0
+    kept: bool = True
+
+
+class _KeptFiles:
+    """The open files of this process; the one unused for longest is closed first."""
+
+    def __init__(self, most: int) -> None:
+        self.most = most
+        self.forget()
+
+    def forget(self) -> None:
+        """Start anew, without closing: a forked process shares the files of its parent."""
+        self.lock = threading.Lock()
+        self.entries: OrderedDict[_Key, _Entry] = OrderedDict()
+
+    def take(self, path: Path, dataset: str) -> _Entry:
+        """Open a file or find it open."""
+        try:
+            found = path.stat()
+        except OSError as error:
+            raise FrameError(f"the file cannot be read: {error.strerror or error}") from error
+        key = (str(path), dataset, found.st_size, found.st_mtime_ns, found.st_ino)
+
+        # two threads that open the same file at once: the second waits and finds it open
+        with self.lock:
+            entry = self.entries.pop(key, None)
+            if entry is None:
+                entry = _Entry(open_frames(path, dataset=dataset))
+            self.entries[key] = entry
+            entry.users += 1
+            while len(self.entries) > self.most:
+                _, oldest = self.entries.popitem(last=False)
+                self._drop(oldest)
+        return entry
+
+    def give_back(self, entry: _Entry) -> None:
+        """Close a file that was dropped while it was in use."""
+        with self.lock:
+            entry.users -= 1
+            if not entry.users and not entry.kept:
+                entry.file.close()
+
+    def clear(self) -> None:
+        """Close all files that are not in use; the others follow after their use."""
+        with self.lock:
+            while self.entries:
+                self._drop(self.entries.popitem()[1])
+
+    def _drop(self, entry: _Entry) -> None:
+        entry.kept = False
+        if not entry.users:
+            entry.file.close()
+
+
+_kept = _KeptFiles(_MOST_OPEN)
+
+if hasattr(os, "register_at_fork"):  # not on Windows, where no process is forked
+    os.register_at_fork(after_in_child=_kept.forget)
+
+
+def _read_head(path: Path) -> bytes:
+    """First bytes of an ordinary file; a pipe or a device is not opened."""
+    found = path.stat()
+    if not stat.S_ISREG(found.st_mode):
+        raise FrameError("it is not an ordinary file. Put the recording itself in its place.")
+    if not found.st_size:
+        raise FrameError("the file is empty")
+    with path.open("rb", buffering=0) as file:
+        return file.read(_HEAD)
+
+
+def _open(found: Format, path: Path, dataset: str) -> FrameFile:
+    if dataset and found.open_dataset is None:
+        raise FrameError(
+            f"it is a {found.name} file, which has no datasets. Remove the key dataset for it."
+        )
+    try:
+        if dataset and found.open_dataset is not None:
+            file = found.open_dataset(path, dataset)
+        else:
+            file = found.open(path)
+    except ModuleNotFoundError as error:
+        raise FrameError(_missing(found, error.name or "")) from error
+    if not 0 < len(file.kinds) <= MOST_FRAMES:
+        count = len(file.kinds)
+        file.close()
+        raise FrameError(f"the file claims {count} frames" if count else "the file holds no image")
+    return file
+
+
+def _missing(found: Format, package: str) -> str:
+    """The package that a reader lacks, and the command that installs it."""
+    advice = f"'erlif[{found.extra}]'" if found.extra else package
+    return (
+        f"the reader of {found.name} needs the Python package {package}, which is not installed. "
+        f"Install it with: pip install {advice}."
+    )
+
+
+def _recognised(entry: Format, path: Path, head: bytes) -> bool:
+    """Whether the format of another package fits; a fault of that package is none of the file."""
+    try:
+        return entry.recognise(path, head)
+    except Exception:
+        return False
+
+
+@cache
+def _foreign_formats() -> tuple[tuple[str, Format | str], ...]:
+    """Formats of other packages by the names of their entry points, or why they cannot be used."""
+    found: list[tuple[str, Format | str]] = []
+    for point in sorted(metadata.entry_points(group=ENTRY_POINTS), key=lambda point: point.name):
+        try:
+            loaded = point.load()
+        except Exception as error:  # the code of another package may raise anything
+            found.append((point.name, f"{type(error).__name__}: {error}"))
+            continue
+        valid = isinstance(loaded, Format)
+        found.append((point.name, loaded if valid else "it is no erlif.readers.Format"))
+    return tuple(found)

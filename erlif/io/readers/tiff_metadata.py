@@ -1,0 +1,174 @@
+"""What OME and ImageJ write into the description of a TIFF file: frames, channels, times."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from xml.etree import ElementTree
+
+import numpy as np
+
+from erlif.core.arrays import Array
+from erlif.core.errors import FrameError
+from erlif.io.readers.base import MOST_FRAMES
+
+_SECONDS = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "us": 1e-6, "ns": 1e-9, "min": 60.0, "sec": 1.0}
+"""Units of time in OME and ImageJ. [s]"""
+
+
+@dataclass(frozen=True)
+class Description:
+    """What the description of a file states about its frames.
+
+    Attributes
+    ----------
+    frames : int
+        Number of images; 0 where it is that of the directories.
+    channels : Sequence[int] | None
+        Channel of each image, counted from 1; 0 for an image without one.
+    times : Array | None
+        Time of each image from the first one. [s]
+    """
+
+    frames: int = 0
+    channels: Sequence[int] | None = None
+    times: Array | None = None
+
+
+def read_description(text: bytes, *, name: str, pages: int) -> Description:
+    """Interpret the description of the first image of a file.
+
+    Parameters
+    ----------
+    text : bytes
+        Tag ImageDescription.
+    name : str
+        Name of the file: an OME file may describe other files as well.
+    pages : int
+        Number of directories in the file.
+
+    Returns
+    -------
+    Description
+        An empty one where the text is neither from OME nor from ImageJ.
+
+    Raises
+    ------
+    FrameError
+        With the bare reason, if the description claims more images than any file holds.
+
+    Examples
+    --------
+    >>> text = b"ImageJ=1.53t\\nimages=6\\nchannels=2\\nframes=3\\nfinterval=0.01\\n"
+    >>> found = read_description(text, name="a.tif", pages=1)
+    >>> found.frames, found.channels, found.times
+    (6, [1, 2, 1, 2, 1, 2], array([0.  , 0.  , 0.01, 0.01, 0.02, 0.02]))
+    """
+    if text.startswith(b"ImageJ="):
+        return _read_imagej(text.decode("utf-8", "replace"))
+    if b"<OME" in text[:4096] and pages:
+        return _read_ome(text, name, pages)
+    return Description()
+
+
+def _read_imagej(text: str) -> Description:
+    entries = dict(line.split("=", 1) for line in text.splitlines() if "=" in line)
+    sizes = {key: _whole(entries.get(key)) for key in ("images", "channels", "slices", "frames")}
+    images = sizes["images"]
+    if images > MOST_FRAMES:
+        raise FrameError(f"the file is damaged: its description claims {images} images")
+
+    # channels follow each other fastest, then slices, then frames
+    channels = sizes["channels"] if images % sizes["channels"] == 0 else 1
+    steps = channels * sizes["slices"]
+    unit = _SECONDS.get(entries.get("tunit", "s").strip(), 0.0)
+    interval = _number(entries.get("finterval")) * unit
+    times = None
+    if interval > 0 and sizes["frames"] > 1 and steps * sizes["frames"] == images:
+        times = interval * (np.arange(images, dtype=np.float64) // steps)
+    found = [k % channels + 1 for k in range(images)] if channels > 1 else [1] * images
+    return Description(images, found, times)
+
+
+def _read_ome(text: bytes, name: str, pages: int) -> Description:
+    # entities could make a short text endless; OME has none
+    if b"<!DOCTYPE" in text or b"<!ENTITY" in text:
+        return Description()
+    try:
+        root = ElementTree.fromstring(text.rstrip(b"\0"))
+    except (ElementTree.ParseError, ValueError, LookupError):
+        return Description()
+
+    # the elements have a namespace that differs between versions of OME
+    channels, stamps = [0] * pages, np.full(pages, np.nan)
+    for pixels in root.iter():
+        if _plain(pixels.tag) == "Pixels":
+            _read_pixels(pixels, name, channels, stamps)
+    if not any(channels):
+        return Description()
+    times = stamps - stamps[0] if np.isfinite(stamps).all() else None
+    return Description(0, channels, times)
+
+
+def _read_pixels(
+    pixels: ElementTree.Element, name: str, channels: list[int], stamps: Array
+) -> None:
+    """Enter channel and time of the directories that one image of an OME file describes."""
+    order = pixels.get("DimensionOrder", "XYZCT")[2:]
+    sizes = {axis: _whole(pixels.get(f"Size{axis}")) for axis in "ZCT"}
+    if sorted(order) != ["C", "T", "Z"]:
+        return
+    delays = {
+        tuple(element.get(f"The{axis}", "0") for axis in "ZCT"): _number(
+            element.get("DeltaT"), np.nan
+        )
+        * _SECONDS.get(element.get("DeltaTUnit", "s"), np.nan)
+        for element in pixels
+        if _plain(element.tag) == "Plane"
+    }
+
+    blocks = [element for element in pixels if _plain(element.tag) == "TiffData"]
+    for block in blocks:
+        other = [part.get("FileName") for part in block if _plain(part.tag) == "UUID"]
+        if other and other[0] not in (None, name):
+            continue
+        first = _whole(block.get("IFD"), 0)
+        # a block without a count holds all planes where it is the only one, else a single plane
+        rest = len(channels) if len(blocks) == 1 and block.get("IFD") is None else 1
+        place = {axis: _whole(block.get(f"First{axis}"), 0) for axis in "ZCT"}
+        start = place[order[0]] + sizes[order[0]] * (
+            place[order[1]] + sizes[order[1]] * place[order[2]]
+        )
+        for n in range(min(_whole(block.get("PlaneCount"), rest), len(channels) - first)):
+            plane = _divide(start + n, [sizes[axis] for axis in order])
+            found = dict(zip(order, plane, strict=True))
+            channels[first + n] = found["C"] + 1
+            stamps[first + n] = delays.get(tuple(str(found[axis]) for axis in "ZCT"), np.nan)
+
+
+def _divide(number: int, sizes: Sequence[int]) -> list[int]:
+    """Place along each axis of an array, the first axis fastest."""
+    places = []
+    for size in sizes:
+        number, place = divmod(number, size)
+        places.append(place)
+    return places
+
+
+def _plain(tag: str) -> str:
+    """Name of an element without its namespace."""
+    return tag.rpartition("}")[2] if isinstance(tag, str) else ""
+
+
+def _whole(text: str | None, default: int = 1) -> int:
+    """A whole number from `default` up."""
+    match = re.fullmatch(r"\s*(\d{1,12})\s*", text or "")
+    return max(int(match[1]), default) if match else default
+
+
+def _number(text: str | None, default: float = 0.0) -> float:
+    try:
+        return float(text) if text is not None else default
+    except ValueError:
+        return default

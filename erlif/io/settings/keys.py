@@ -1,0 +1,240 @@
+"""The keys of a settings file, described: form, unit, default, bounds and meaning of each.
+
+Messages, the template of `erlif init`, the JSON schema and docs/files.md are made from these.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from types import UnionType
+from typing import Any, Literal, Union, get_args, get_origin
+
+import annotated_types
+from pydantic.fields import FieldInfo
+
+from erlif.core.units import parse_quantity
+from erlif.io.settings.tables import Form, Settings
+from erlif.io.settings.toml import toml_value
+
+_PLAIN_FORMS: dict[Any, str] = {bool: "true or false", int: "integer", float: "number", str: "text"}
+
+
+@dataclass(frozen=True)
+class Key:
+    """One key of a table.
+
+    Attributes
+    ----------
+    name : str
+    form : str
+        Kind of value, "length" or "integer".
+    unit : str
+        Unit in which a quantity is kept; empty for other values.
+    example : Any
+        Value as a user writes it.
+    required : bool
+    default : Any
+        Value where the key is absent, as a user writes it; None where there is none.
+    bounds : str
+        Values allowed, "above 0"; empty where all are.
+    choices : tuple[str, ...]
+        Texts allowed; empty where the form is another one.
+    meaning : str
+    """
+
+    name: str
+    form: str
+    unit: str
+    example: Any
+    required: bool
+    default: Any
+    bounds: str
+    choices: tuple[str, ...]
+    meaning: str
+
+    @property
+    def expected(self) -> str:
+        """Form and example of the value, as one phrase.
+
+        Examples
+        --------
+        >>> from erlif.io.settings import OpticsSettings
+        >>> next(keys_of(OpticsSettings)).expected
+        'length, for example "60 um"'
+        """
+        if self.choices:
+            return "one of " + ", ".join(f'"{choice}"' for choice in self.choices)
+        bounds = f" {self.bounds}" if self.bounds and not self.unit else ""
+        return f"{self.form}{bounds}, for example {toml_value(self.example)}"
+
+
+@dataclass(frozen=True)
+class Table:
+    """One table of a settings file.
+
+    Attributes
+    ----------
+    path : tuple[str, ...]
+        Names from the top, ("joint", "pin"); empty for the keys above the first table.
+    kind : type[Settings]
+    required : bool
+        Whether the table around it, or the file, must hold it.
+    meaning : str
+    """
+
+    path: tuple[str, ...]
+    kind: type[Settings]
+    required: bool
+    meaning: str
+
+    @property
+    def title(self) -> str:
+        """Name as it stands in the file, "joint.pin"."""
+        return ".".join(self.path)
+
+
+def tables_of(kind: type[Settings], path: tuple[str, ...] = ()) -> Iterator[Table]:
+    """Yield the tables of a settings file in the order of the file.
+
+    Parameters
+    ----------
+    kind : type of Settings
+        ``RunSettings`` or ``FixtureSettings``.
+    path : tuple of str
+        Place of `kind` in the file.
+
+    Returns
+    -------
+    iterator of Table
+        `kind` itself first. A table that has several forms, such as [mechanism], comes once for
+        each.
+
+    Examples
+    --------
+    >>> from erlif.io.settings import FixtureSettings
+    >>> [table.title for table in tables_of(FixtureSettings)][:4]
+    ['', 'fixture', 'camera1', 'camera2']
+    """
+    yield Table(path, kind, True, _first_paragraph(kind))
+    for name, field in kind.model_fields.items():
+        for inner in tables_in(field.annotation):
+            for table in tables_of(inner, (*path, name)):
+                own = table.path == (*path, name)
+                required = field.is_required() if own else table.required
+                yield Table(table.path, table.kind, required, table.meaning)
+
+
+def keys_of(kind: type[Settings]) -> Iterator[Key]:
+    """Yield the keys of one table that hold a value; keys that hold a table are left out.
+
+    Parameters
+    ----------
+    kind : type of Settings
+        Class of the table.
+
+    Returns
+    -------
+    iterator of Key
+        In the order of the class.
+
+    Examples
+    --------
+    >>> from erlif.io.settings import OpticsSettings
+    >>> [(key.name, key.form, key.required) for key in keys_of(OpticsSettings)]
+    [('pixel_pitch', 'length', True), ('x_axis', 'text', False)]
+    """
+    for name, field in kind.model_fields.items():
+        if not tables_in(field.annotation):
+            yield _describe(name, field)
+
+
+def tables_in(annotation: Any) -> list[type[Settings]]:
+    """Classes of tables in the type of a field; empty where the field holds a value.
+
+    Parameters
+    ----------
+    annotation : type
+        Type of the field, unions and Annotated included.
+
+    Returns
+    -------
+    list of type
+        One class, or several where a table has several forms.
+
+    Examples
+    --------
+    >>> from erlif.io.settings import VogelSettings
+    >>> tables_in(VogelSettings | None), tables_in(float)
+    ([<class 'erlif.io.settings.tables.VogelSettings'>], [])
+    """
+    if isinstance(annotation, type):
+        return [annotation] if issubclass(annotation, Settings) else []
+    return [found for argument in get_args(annotation) for found in tables_in(argument)]
+
+
+def _describe(name: str, field: FieldInfo) -> Key:
+    """Key of a field."""
+    plain, metadata = _unwrap(field)
+    form = next((item for item in metadata if isinstance(item, Form)), None)
+    choices = get_args(plain) if get_origin(plain) is Literal else ()
+
+    default = None if field.is_required() else field.default
+    if default is not None and form is not None and form.unit and not isinstance(default, str):
+        # "0 deg" as a user writes it, rather than "0 rad" as it is kept
+        same = parse_quantity(form.example, form.unit) == default
+        default = form.example if same else f"{default:g} {form.unit}"
+    elif isinstance(default, tuple):
+        default = list(default)
+
+    # an example of the field itself is closer to its meaning than that of its type
+    examples = [*(field.examples or ()), *([form.example] if form else ()), default, *choices]
+    return Key(
+        name=name,
+        form="text"
+        if choices
+        else form.name
+        if form
+        else _PLAIN_FORMS.get(plain, "pair of numbers"),
+        unit=form.unit if form else "",
+        example=next((example for example in examples if example is not None), None),
+        required=field.is_required(),
+        default=default,
+        bounds=_describe_bounds(metadata),
+        choices=choices,
+        meaning=field.description or "",
+    )
+
+
+def _unwrap(field: FieldInfo) -> tuple[Any, list[Any]]:
+    """Type of a value without None, and all that its annotations hold."""
+    plain: Any = field.annotation
+    metadata = list(field.metadata)
+    if get_origin(plain) in (Union, UnionType):
+        plain = next(part for part in get_args(plain) if part is not type(None))
+    if hasattr(plain, "__metadata__"):
+        metadata += plain.__metadata__
+        plain = plain.__origin__
+
+    # bounds within Annotated stand in a FieldInfo of their own
+    inner = [item for part in metadata if isinstance(part, FieldInfo) for item in part.metadata]
+    return plain, [*metadata, *inner]
+
+
+def _describe_bounds(metadata: list[Any]) -> str:
+    """Bounds of a number in words."""
+    words = []
+    for item in metadata:
+        if isinstance(item, annotated_types.Gt):
+            words.append(f"above {item.gt:g}")
+        elif isinstance(item, annotated_types.Ge):
+            words.append(f"from {item.ge:g}")
+        elif isinstance(item, annotated_types.Lt):
+            words.append(f"below {item.lt:g}")
+        elif isinstance(item, annotated_types.Le):
+            words.append(f"up to {item.le:g}")
+    return " ".join(words)
+
+
+def _first_paragraph(kind: type[Settings]) -> str:
+    return " ".join((kind.__doc__ or "").strip().split("\n\n")[0].split())

@@ -1,0 +1,372 @@
+"""run.toml, fixture.toml, plan.toml, joint.toml, checked: one message has all faults and gaps."""
+
+from __future__ import annotations
+
+import difflib
+import re
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from erlif.core.bounded import read_bounded
+from erlif.core.errors import ConfigError
+from erlif.io.settings.design import DesignSettings
+from erlif.io.settings.endurance import EnduranceSettings
+from erlif.io.settings.keys import Key, keys_of, tables_in
+from erlif.io.settings.planning import PlanSettings
+from erlif.io.settings.tables import (
+    CrankRockerSettings,
+    FixtureSettings,
+    RotationSettings,
+    RunSettings,
+    Settings,
+    SinusoidalSettings,
+    SliderCrankSettings,
+)
+
+_Settings = TypeVar("_Settings", bound="Settings")
+
+_Location = tuple[str, ...]
+"""Names of tables and of the key, from the top of the file."""
+
+_LARGEST_FILE = 2**20
+"""Size of a settings file that is read: 1 MB is a thousand times a usual one. [byte]"""
+
+_GAP = re.compile(r"\?\?( .*)?")
+"""What `erlif init` writes for a value it does not know: "??", or "?? um" with the unit."""
+
+_KINDS: dict[str, type[Settings]] = {
+    "crank-rocker": CrankRockerSettings,
+    "slider-crank": SliderCrankSettings,
+    "rotation": RotationSettings,
+    "sinusoidal": SinusoidalSettings,
+}
+"""Forms of [mechanism]; pydantic puts the kind into the location of a fault."""
+
+
+def read_run_settings(run_dir: Path) -> RunSettings:
+    """Read and check ``run.toml`` of a run directory.
+
+    Parameters
+    ----------
+    run_dir : Path
+        Directory of the run.
+
+    Returns
+    -------
+    RunSettings
+
+    Raises
+    ------
+    ConfigError
+        If the file is missing or is not TOML, if a gap is left in it, or if a key or value cannot
+        be used. The message lists all gaps and faults.
+
+    Examples
+    --------
+    >>> read_run_settings(Path("no such run"))  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ConfigError: Expected a directory with run.toml in it; no such run is not ...
+    """
+    return _read(run_dir, "run.toml", RunSettings)
+
+
+def read_fixture_settings(fixture_dir: Path) -> FixtureSettings:
+    """Read and check ``fixture.toml`` of a fixture directory.
+
+    Parameters
+    ----------
+    fixture_dir : Path
+        Directory of the fixture.
+
+    Returns
+    -------
+    FixtureSettings
+
+    Raises
+    ------
+    ConfigError
+        As for `read_run_settings`.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as empty:
+    ...     read_fixture_settings(Path(empty))  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ConfigError: Expected fixture.toml in ...; there is none. Make one from ...
+    """
+    return _read(fixture_dir, "fixture.toml", FixtureSettings)
+
+
+def read_plan_settings(path: Path) -> PlanSettings:
+    """Read and check a plan, the input of `erlif.plan`.
+
+    Parameters
+    ----------
+    path : Path
+        The file, plan.toml.
+
+    Returns
+    -------
+    PlanSettings
+
+    Raises
+    ------
+    ConfigError
+        As for `read_run_settings`.
+
+    Examples
+    --------
+    >>> read_plan_settings(Path("no plan.toml"))  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ConfigError: Expected a plan in no plan.toml; there is no such file. Make ...
+    """
+    if not path.is_file():
+        what = "it is a directory" if path.is_dir() else "there is no such file"
+        raise ConfigError(
+            f"Expected a plan in {path}; {what}. Make one with: erlif plan --example > plan.toml"
+        )
+    return _check(path, _load(path), PlanSettings)
+
+
+def read_design_settings(path: Path) -> DesignSettings:
+    """Read and check a joint, the input of `erlif.design`.
+
+    Parameters
+    ----------
+    path : Path
+        The file, joint.toml.
+
+    Returns
+    -------
+    DesignSettings
+
+    Raises
+    ------
+    ConfigError
+        As for `read_run_settings`.
+
+    Examples
+    --------
+    >>> read_design_settings(Path("no joint.toml"))  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ConfigError: Expected a joint in no joint.toml; there is no such file. ...
+    """
+    if not path.is_file():
+        what = "it is a directory" if path.is_dir() else "there is no such file"
+        raise ConfigError(
+            f"Expected a joint in {path}; {what}. Make one with: erlif design --example > "
+            "joint.toml"
+        )
+    return _check(path, _load(path), DesignSettings)
+
+
+def read_endurance_settings(path: Path) -> EnduranceSettings:
+    """Read and check the settings of endurance tests.
+
+    Parameters
+    ----------
+    path : Path
+        The file, endurance.toml.
+
+    Returns
+    -------
+    EnduranceSettings
+
+    Raises
+    ------
+    ConfigError
+        As for `read_run_settings`.
+
+    Examples
+    --------
+    >>> read_endurance_settings(Path("no.toml"))
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ConfigError: Expected settings in no.toml; there is no such file. Give a file.
+    """
+    if not path.is_file():
+        what = "it is a directory" if path.is_dir() else "there is no such file"
+        raise ConfigError(f"Expected settings in {path}; {what}. Give a file.")
+    return _check(path, _load(path), EnduranceSettings)
+
+
+def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
+    path = directory / name
+    return _check(path, _read_toml(path), kind)
+
+
+def _check(path: Path, raw: dict[str, Any], kind: type[_Settings]) -> _Settings:
+    """The tables of a file as settings; ConfigError with all gaps and faults."""
+    gaps = list(_find_gaps(raw))
+    try:
+        settings = kind.model_validate(raw)
+    except ValidationError as error:
+        found: list[ErrorDetails] = error.errors()
+        faults = [fault for fault in found if _location(fault) not in gaps]
+    else:
+        if not gaps:
+            return settings
+        faults = []  # a gap in a text or a file name
+
+    if not gaps:
+        listed = "\n".join(f"  {_explain(fault, kind)}" for fault in faults)
+        raise ConfigError(f"Expected settings as documented in {path}; correct these:\n{listed}")
+
+    lines = [f"  {_explain_gap(gap, kind)}" for gap in gaps]
+    if faults:
+        lines += ["and correct these:", *(f"  {_explain(fault, kind)}" for fault in faults)]
+    gap_count = "1 gap is" if len(gaps) == 1 else f"{len(gaps)} gaps are"
+    listed = "\n".join(lines)
+    raise ConfigError(
+        f"Expected a value for every key of {path}; {gap_count} left. Replace each ??:\n{listed}"
+    )
+
+
+def _read_toml(path: Path) -> dict[str, Any]:
+    """The file as TOML has it; ConfigError where it is missing or something else."""
+    directory, name = path.parent, path.name
+    if not directory.is_dir():
+        hint = " Name the directory of the recording."
+        if directory.name == name:
+            hint = f" Name the directory that holds it: {directory.parent}"
+        raise ConfigError(
+            f"Expected a directory with {name} in it; {directory} is not a directory.{hint}"
+        )
+    if not path.exists():
+        other = {"run.toml": "fixture.toml", "fixture.toml": "run.toml"}[name]
+        option = " --fixture" if name == "fixture.toml" else ""
+        hint = f"Make one from the files in it with: erlif init {directory}{option}"
+        if (directory / other).is_file():
+            hint = f"It holds {other}: use the command for that, or name another directory."
+        raise ConfigError(f"Expected {name} in {directory}; there is none. {hint}")
+    return _load(path)
+
+
+def _load(path: Path) -> dict[str, Any]:
+    """The file as TOML has it; ConfigError where it is something else."""
+    try:
+        return tomllib.loads(read_bounded(path, largest=_LARGEST_FILE).decode("utf-8-sig"))
+    except OSError as error:
+        raise ConfigError(
+            f"Expected settings in {path}; it cannot be read: {error.strerror}. Put a "
+            "settings file there, or make one with erlif init."
+        ) from error
+    except (ValueError, RecursionError) as error:
+        raise ConfigError(
+            f"Expected valid TOML in {path}; got {error}. "
+            "Correct that place; text and quantities stand in double quotes."
+        ) from error
+
+
+def _find_gaps(table: dict[str, Any], path: _Location = ()) -> Iterator[_Location]:
+    """Places of the values that are still to be filled in."""
+    for name, value in table.items():
+        if isinstance(value, dict):
+            yield from _find_gaps(value, (*path, name))
+        elif isinstance(value, str) and _GAP.fullmatch(value.strip()):
+            yield (*path, name)
+
+
+def _location(fault: ErrorDetails) -> _Location:
+    return tuple(str(part) for part in fault["loc"] if part not in _KINDS)
+
+
+def _place(location: _Location) -> str:
+    """Table and key as they stand in the file."""
+    table, key = ".".join(location[:-1]), location[-1] if location else ""
+    return f"[{table}] {key}" if table else key
+
+
+def _explain_gap(gap: _Location, kind: type[Settings]) -> str:
+    """One line about one gap: table, key, expected form with its unit, and the meaning."""
+    key = _find_key(gap, kind)
+    if key is None:
+        return f"{_place(gap)}: unknown key"
+    # what happens without the key is no help to whoever has to fill it in
+    meaning = key.meaning.partition(" Default: ")[0]
+    return f"{_place(gap)}: {key.expected}. {meaning}"
+
+
+def _find_key(location: _Location, kind: type[Settings]) -> Key | None:
+    tables = _tables_at(kind, location[:-1])
+    keys = (key for table in tables for key in keys_of(table))
+    return next((key for key in keys if key.name == location[-1]), None)
+
+
+def _explain(fault: ErrorDetails, kind: type[Settings]) -> str:
+    """One line about one fault: table, key, what was expected and what came."""
+    location, where = _location(fault), _place(_location(fault))
+    key, got = location[-1] if location else "", fault["input"]
+    match fault["type"]:
+        # keys and tables
+        case "extra_forbidden":
+            return f"{where}: unknown key; {_suggest(key, kind, fault['loc'][:-1])}"
+        case "missing":
+            is_table = bool(tables_in(_annotation(kind, fault["loc"])))
+            if is_table and len(location) == 1:
+                return f"[{key}]: missing table"
+            return f"{where}: missing {'table' if is_table else 'key'}"
+        case "model_type" | "model_attributes_type":
+            return f"{where}: expected a table, got {got!r}"
+        case "union_tag_not_found" | "union_tag_invalid":
+            got = got.get("kind", "nothing") if isinstance(got, dict) else got
+            kinds = ", ".join(f'"{name}"' for name in _KINDS)
+            return f"[{key}] kind: expected one of {kinds}, got {got!r}"
+
+        # values
+        case "value_error":  # a check of ours, whose message is complete
+            message = fault["msg"].removeprefix("Value error, ")
+            return f"{where}: {message}" if where else message
+        case "string_too_short":
+            return f"{where}: expected a file name, got ''"
+        case "string_pattern_mismatch":
+            return f"{where}: expected text without control characters, got {got!r}"
+        case _:
+            limit = fault["msg"].replace("Input should", "it should")
+            if fault["type"] in _BOUNDS and (known := _find_key(location, kind)) and known.unit:
+                limit += f" {known.unit.removeprefix('delta_')}"
+            return f"{where}: {limit}; got {got!r}"
+
+
+_BOUNDS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
+"""Faults of a number, whose limit is in the unit in which the key is kept."""
+
+
+def _suggest(key: str, kind: type[Settings], location: tuple[int | str, ...]) -> str:
+    """The known key that is nearest to an unknown one, or all of them."""
+    known = [name for table in _tables_at(kind, location) for name in table.model_fields]
+    near = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
+    return f"did you mean {near[0]!r}?" if near else f"known here: {', '.join(known)}"
+
+
+def _annotation(kind: type[Settings], location: tuple[int | str, ...]) -> Any:
+    """Type of the key at `location`."""
+    key = str(location[-1])
+    for table in _tables_at(kind, location[:-1]):
+        if key in table.model_fields:
+            return table.model_fields[key].annotation
+    return None
+
+
+def _tables_at(kind: type[Settings], location: tuple[int | str, ...]) -> list[type[Settings]]:
+    """Tables that may stand at `location`, found by walking the nested settings."""
+    tables: list[type[Settings]] = [kind]
+    for part in location:
+        if part in _KINDS:
+            tables = [_KINDS[str(part)]]
+            continue
+        fields = [table.model_fields.get(str(part)) for table in tables]
+        tables = [
+            found for field in fields if field is not None for found in tables_in(field.annotation)
+        ]
+    return tables

@@ -1,0 +1,178 @@
+"""A commented run.toml or fixture.toml with marked gaps, for `erlif init`."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any, Final
+
+from erlif.io.settings.keys import Key, Table, keys_of, tables_in, tables_of
+from erlif.io.settings.tables import Settings
+from erlif.io.settings.toml import toml_value
+
+WIDTH = 98
+"""Columns of a line of comment."""
+
+_NO_BREAK = "\N{NO-BREAK SPACE}"
+
+
+class _Gap:
+    """A value that is required and not known."""
+
+
+GAP: Final = _Gap()
+"""In place of a value: the key is required and the user has to fill it in."""
+
+_HEAD = """\
+#:schema ./{stem}.schema.json
+# {name}, made by erlif init from the files in this directory.
+# Every "??" is a gap: replace it. `erlif check` lists the gaps that are left.
+# Quantities are text with a unit. A key behind "#" is optional and shown with its default, or with
+# an example where there is no default.
+"""
+
+
+def gap_text(key: Key) -> str:
+    """What stands in a settings file in place of a value that is not known.
+
+    Parameters
+    ----------
+    key : Key
+        Key of the value.
+
+    Returns
+    -------
+    str
+        ``"??"``, with the unit of the example where the value is a quantity.
+
+    Examples
+    --------
+    >>> from erlif.io.settings import OpticsSettings
+    >>> gap_text(next(keys_of(OpticsSettings)))
+    '?? um'
+    """
+    if not key.unit:
+        return "??"
+    unit = str(key.example).partition(" ")[2]
+    return f"?? {unit}"
+
+
+def write_template(
+    kind: type[Settings],
+    values: Mapping[str, Any],
+    remarks: Mapping[str, str],
+    *,
+    forms: Mapping[str, str] | None = None,
+    leave_out: Collection[str] = (),
+    head: str = "",
+) -> str:
+    """Write a commented settings file.
+
+    Parameters
+    ----------
+    kind : type of Settings
+        ``RunSettings`` or ``FixtureSettings``.
+    values : mapping of str to value
+        What is known, by table and key ("camera1.files"); `GAP` for an optional key that this
+        directory needs all the same.
+    remarks : mapping of str to str
+        A sentence on a value or a gap: where the value comes from, or what may be meant.
+    forms : mapping of str to str, optional
+        Kind of a table that has several forms: ``{"mechanism": "rotation"}``. Default: the first.
+    leave_out : collection of str
+        Optional tables that are not written.
+    head : str
+        First lines, comments. Default: those of `erlif init`.
+
+    Returns
+    -------
+    str
+        TOML in which required keys without a value are gaps, and optional ones are comments.
+
+    Examples
+    --------
+    >>> from erlif.io.settings import RunSettings
+    >>> text = write_template(RunSettings, {"run.name": "straight bushing"}, {})
+    >>> [line for line in text.splitlines() if "name =" in line]
+    ['name = "straight bushing"', '# name = "80W-90"']
+    """
+    stem = (kind.__doc__ or "").removesuffix(".toml.")
+    lines = [(head or _HEAD.format(stem=stem, name=f"{stem}.toml")).rstrip("\n")]
+    seen: set[str] = set()
+    left_out = {(name,) for name in leave_out}
+    for table in tables_of(kind):
+        # a table with several forms is written in one of them; optional inner tables are
+        # written in one line with the keys of the table around them
+        if table.title in seen or not _is_written(table) or table.path[:1] in left_out:
+            continue
+        if _form_of(table) != (forms or {}).get(table.title, _form_of(table)):
+            continue
+        seen.add(table.title)
+        lines += ["", *_table_lines(table, values, remarks)]
+    return "\n".join(lines) + "\n"
+
+
+def _is_written(table: Table) -> bool:
+    return table.required or len(table.path) <= 1
+
+
+def _form_of(table: Table) -> str:
+    """Kind of a table that has several forms; empty for any other."""
+    first = next(keys_of(table.kind), None)
+    return first.choices[0] if first is not None and first.name == "kind" else ""
+
+
+def _table_lines(
+    table: Table, values: Mapping[str, Any], remarks: Mapping[str, str]
+) -> Iterator[str]:
+    """Heading of a table, and its keys with their comments."""
+    if table.path:
+        yield from _comment(table.meaning)
+        yield from _comment(_arrow(remarks.get(table.title)))
+        yield f"[{table.title}]"
+
+    for n, key in enumerate(keys_of(table.kind)):
+        place = f"{table.title}.{key.name}".lstrip(".")
+        if n or table.path:
+            yield ""
+        yield from _key_lines(key, values.get(place), remarks.get(place))
+
+    for name, field in table.kind.model_fields.items():
+        if tables_in(field.annotation) and not field.is_required() and table.path:
+            yield ""
+            yield from _comment(field.description or "")
+            yield f"# {name} = {toml_value((field.examples or [{}])[0])}"
+
+
+def _key_lines(key: Key, value: Any, remark: str | None) -> Iterator[str]:
+    """Comment and value of one key."""
+    only = key.choices[0] if len(key.choices) == 1 and key.required else None
+    value = only if value is None else value
+    missing = value is GAP or (value is None and key.required)
+
+    expected = ""
+    if missing or len(key.choices) > 1:
+        expected = f" {key.expected[0].upper()}{key.expected[1:]}."
+    yield from _comment(f"{key.meaning}{expected}")
+    yield from _comment(_arrow(remark))
+
+    if missing:
+        yield f"{key.name} = {toml_value(gap_text(key))}"
+    elif value is not None:
+        yield f"{key.name} = {toml_value(value)}"
+    else:
+        shown = key.default if key.default not in (None, "") else key.example
+        yield f"# {key.name} = {toml_value(shown)}"
+
+
+def _arrow(remark: str | None) -> str:
+    """A remark about this directory, set apart from what holds for all."""
+    return f"-> {remark}" if remark else ""
+
+
+def _comment(text: str) -> list[str]:
+    """Lines of comment; a quoted value stays on one line."""
+    whole = re.sub(r'"[^"]*"', lambda quoted: quoted[0].replace(" ", _NO_BREAK), text)
+    lines = textwrap.wrap(whole, WIDTH, initial_indent="# ", subsequent_indent="# ")
+    return [line.replace(_NO_BREAK, " ") for line in lines]

@@ -1,0 +1,185 @@
+"""A test log to stages, onset of galling and load at failure: the order of the steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.errors import EnduranceError
+from erlif.core.notes import Note
+from erlif.joint.endurance.blocks import StageFriction
+from erlif.joint.endurance.failure import FailureLoad, failure_load
+from erlif.joint.endurance.levels import find_level_rises, first_doubtful, note_level_rises
+from erlif.joint.endurance.onset import OnsetSearch, find_onset
+from erlif.joint.endurance.posterior import Onset
+from erlif.joint.endurance.stages import Stage, find_stages, join_stages, note_stages
+from erlif.joint.endurance.witness import Witness, find_silent, hear_witnesses
+from erlif.joint.friction import measure_friction
+
+
+@dataclass(frozen=True)
+class EnduranceResult:
+    """What an endurance test shows.
+
+    Attributes
+    ----------
+    name : str
+        Name of the test.
+    test : xarray.Dataset
+        Load, torque, friction and witnesses over time.
+    stages : tuple[Stage, ...]
+        Stages and idle runs in the order of time.
+    search : OnsetSearch
+        The search for galling, with its p-value.
+    failure : FailureLoad
+        Load at failure, or the load survived.
+    witnesses : tuple[Witness, ...]
+        What temperature and vibration show at the onset.
+    silent : dict[str, str]
+        Sensors that are no witnesses, by name, with the reason.
+    notes : tuple[Note, ...]
+        What is doubtful about stages and friction.
+    calibration : float
+        Relative standard deviation of the calibration of the load cells. [1]
+    """
+
+    name: str
+    test: xr.Dataset
+    stages: tuple[Stage, ...]
+    search: OnsetSearch
+    failure: FailureLoad
+    witnesses: tuple[Witness, ...] = ()
+    silent: dict[str, str] = field(default_factory=dict)
+    notes: tuple[Note, ...] = ()
+    calibration: float = 0.005
+
+    @property
+    def onset(self) -> Onset | None:
+        """The onset of galling, or None."""
+        return self.search.onset
+
+    @property
+    def loaded(self) -> tuple[Stage, ...]:
+        """The stages under load, in the parts into which pauses of the log divide them."""
+        return tuple(stage for stage in self.stages if not stage.is_idle)
+
+    @property
+    def whole(self) -> tuple[Stage, ...]:
+        """The stages under load, their parts joined; the places in `search` are those in here."""
+        return join_stages(self.loaded)
+
+
+def analyse_endurance(
+    log: xr.Dataset,
+    *,
+    pin_radius: float,
+    arm: float | None = None,
+    torque_ratio: float = 1.0,
+    tare: float = 0.0,
+    calibration: float = 0.005,
+    idle_load: float | None = None,
+    significance: float = 0.01,
+    least_rise: float = 0.02,
+    name: str = "",
+) -> EnduranceResult:
+    """Find stages, onset of galling and load at failure of an endurance test.
+
+    Parameters
+    ----------
+    log : xarray.Dataset
+        From `erlif.read_endurance_log`.
+    pin_radius, arm, torque_ratio, tare
+        As for `erlif.joint.friction.measure_friction`.
+    calibration : float
+        Relative standard deviation of the calibration of the load cells. [1]
+    idle_load : float, optional
+        As for `erlif.joint.endurance.find_stages`. [N]
+    significance : float
+        Largest probability of a false alarm in a test. [1]
+    least_rise : float
+        Smallest rise of friction that is called galling. [1]
+    name : str
+        Name of the test; default: that of its file.
+
+    Returns
+    -------
+    EnduranceResult
+
+    Raises
+    ------
+    EnduranceError
+        If there is no stage, or as `erlif.joint.friction.measure_friction`.
+
+    Examples
+    --------
+    >>> from erlif.rig import simulate_endurance
+    >>> log, truth = simulate_endurance(rng=np.random.default_rng(5))
+    >>> cells = log[["cell_1", "cell_2"]].to_dataarray("cell")
+    >>> log = xr.Dataset({"cells": cells, "arm_force": log.arm})
+    >>> found = analyse_endurance(log, pin_radius=0.03336, arm=0.3)
+    >>> len(found.loaded), found.failure.stage
+    (6, 6)
+    >>> found.onset.earliest < truth.onset < found.onset.latest
+    True
+    """
+    test = measure_friction(
+        log, pin_radius=pin_radius, arm=arm, torque_ratio=torque_ratio, tare=tare
+    )
+    time, friction = test["time"].values, test["friction"].values
+    stages = find_stages(time, test["load"].values, test["torque"].values, idle_load=idle_load)
+    loaded = [stage for stage in stages if not stage.is_idle]
+    if not loaded and "period" in test.attrs:
+        raise EnduranceError(
+            f"Expected a stage of constant load in {name or log.attrs.get('file', 'the log')}; the "
+            f"torque reverses with a period of {test.attrs['period']:.3g} s, and friction is one "
+            f"value for two periods: {test.sizes['time']} values are too few for stages. Take "
+            "erlif friction for a motion that reverses now and then, or log the size of the torque."
+        )
+    if not loaded:
+        raise EnduranceError(
+            f"Expected a stage of constant load in {name or log.attrs.get('file', 'the log')}; "
+            f"there is none among {len(stages)} stretches. Check the columns of the load cells, or "
+            "give the load up to which a run is idle with --idle-load."
+        )
+
+    # the cells may read nothing for a moment even in a stage
+    whole = join_stages(loaded)
+    known = [
+        np.concatenate(
+            [
+                np.flatnonzero(np.isfinite(friction[part.samples])) + part.first
+                for part in loaded
+                if part.number == stage.number
+            ]
+        )
+        for stage in whole
+    ]
+    frictions = [StageFriction(time[places], friction[places]) for places in known]
+    search = find_onset(
+        frictions,
+        significance=significance,
+        least_rise=least_rise,
+    )
+    rises = find_level_rises(frictions, search.onset, least_rise=least_rise)
+    witnesses: tuple[Witness, ...] = ()
+    if search.onset is not None:
+        witnesses = hear_witnesses(test, whole[search.onset.stage], search.onset)
+    return EnduranceResult(
+        name=name or Path(log.attrs.get("file", "")).stem,
+        test=test,
+        stages=stages,
+        search=search,
+        failure=failure_load(
+            test, whole, search.onset, calibration=calibration, doubtful=first_doubtful(rises)
+        ),
+        witnesses=witnesses,
+        silent=find_silent(test, whole, search.onset),
+        notes=(
+            *note_stages(time, test["load"].values, stages, idle_load=idle_load),
+            *note_level_rises(rises, [stage.number for stage in whole]),
+        ),
+        calibration=calibration,
+    )

@@ -1,0 +1,200 @@
+"""Friction of a stage as blocks of samples, with its running-in, drift and restarts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Array
+from erlif.joint.endurance.noise import StageFit
+from erlif.joint.endurance.pauses import LogClock, find_pauses
+
+MOST_BLOCKS = 300
+"""Blocks into which the samples of a stage are averaged; the work grows as the cube of it."""
+
+RUNNING_IN = (1 / 20, 1 / 5)
+"""Time constants of running-in, as shares of the longest stage; two span those between."""
+
+EXPONENTIALS = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.7, 8.0, 11.0, 16.0, 23.0, 32.0, 64.0)
+"""Time constants of the rise in the posterior. [s]"""
+
+RAMPS = (1.0, 1.4, 2.0, 2.8, 4.0, 5.7, 8.0, 11.0, 16.0, 23.0, 32.0, 64.0)
+"""Durations of a straight rise in the posterior. [s]"""
+
+USUAL = (0.05, 0.05, 0.05)
+"""Standard deviations of drift in the longest stage and of both parts of running-in. [1]
+
+In a short stage a rise could else be offset by a huge running-in against a huge drift.
+"""
+
+RESTART = (0.01, 0.05, 0.05)
+"""The same after a pause of the log: of the level, and of running-in that begins again. [1]
+
+The machine may have stood still in the pause. Its level differs then about as from stage to stage.
+"""
+
+_WITHIN = 8  # samples in a block; more are averaged, as the work grows with them
+
+
+@dataclass(frozen=True)
+class StageFriction:
+    """Friction of one stage.
+
+    Attributes
+    ----------
+    time : Array
+        Times, rising. [s]
+    friction : Array
+        Friction coefficient at these times. [1]
+    """
+
+    time: Array
+    friction: Array
+
+
+@dataclass(frozen=True)
+class Record:
+    """A stage whose samples are averaged into blocks.
+
+    Attributes
+    ----------
+    samples : Array
+        Times of the samples that are kept. [s]
+    starts : Array
+        Places of the first samples of the blocks.
+    time : Array
+        Mean times of the blocks. [s]
+    friction : Array
+        Mean friction of the blocks. [1]
+    background : Array
+        Columns (block, n) of level, drift and running-in, and of each restart.
+    usual : Array
+        Standard deviations of these columns but the first, whose level is free. [1]
+    """
+
+    samples: Array
+    starts: AnyArray
+    time: Array
+    friction: Array
+    background: Array
+    usual: Array
+
+    @classmethod
+    def of(cls, stage: StageFriction, longest: float) -> Record:
+        """Average a stage; the longest stage lasts `longest` without its pauses. [s]"""
+        time, friction, parts = _kept(stage)
+        per_block = parts.pop()
+        starts = np.arange(0, time.size, per_block)
+
+        # level, drift, and running-in of any time constant between those two
+        columns = [np.ones_like(time), (LogClock.of(time).logged(time) - time[0]) / longest]
+        for number, first in enumerate(parts):
+            inside = np.arange(time.size) >= first
+            last = parts[number + 1] if number + 1 < len(parts) else time.size
+            inside[last:] = False
+            passed = np.maximum(time - time[first], 0.0)
+            decays = [inside * np.exp(-passed / (share * longest)) for share in RUNNING_IN]
+            columns += ([inside.astype(float)] if number else []) + decays
+        return cls(
+            time,
+            starts,
+            _average(time, starts),
+            _average(friction, starts),
+            _average(np.column_stack(columns), starts),
+            np.array([*USUAL, *RESTART * (len(parts) - 1)]),
+        )
+
+    def average(self, values: Array) -> Array:
+        """Mean of each block of samples."""
+        return _average(values, self.starts)
+
+    def usual_rows(self, deviation: float) -> Array:
+        """Rows of the fit by which the background is of its usual size, in units of the noise."""
+        rows = np.zeros((self.usual.size, self.usual.size + 2))
+        if np.isfinite(deviation):
+            rows[:, 1:-1] = np.diag(deviation / self.usual)
+        return rows
+
+
+def _kept(stage: StageFriction) -> tuple[Array, Array, list[int]]:
+    """Samples in whole blocks, none across a pause; first places of the parts, size of a block."""
+    pauses = find_pauses(stage.time)
+    together = -(-stage.time.size // (_WITHIN * MOST_BLOCKS))
+    size = sum(part.size // together for part in np.split(stage.time, pauses))
+    per_block = -(-size // MOST_BLOCKS)
+
+    times, frictions, firsts, count = [], [], [], 0
+    for time, friction in zip(
+        np.split(stage.time, pauses), np.split(stage.friction, pauses), strict=True
+    ):
+        kept = time.size // (together * per_block) * together * per_block
+        if not kept:
+            continue
+        # averaged where the samples are many more than the blocks
+        inner = np.arange(0, kept, together)
+        times.append(_average(time[:kept], inner))
+        frictions.append(_average(friction[:kept], inner))
+        firsts.append(count)
+        count += inner.size
+    return np.concatenate(times), np.concatenate(frictions), [*firsts, per_block]
+
+
+def _average(values: Array, starts: AnyArray) -> Array:
+    """Mean of each block of samples, all of one size, along the first axis."""
+    return np.asarray(values.reshape(starts.size, -1, *values.shape[1:]).mean(axis=1))
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A rise that may be galling.
+
+    Attributes
+    ----------
+    record : int
+        Place of its stage.
+    onset : float
+        Time at which it begins. [s]
+    rise : float
+        Its time constant. [s]
+    """
+
+    record: int
+    onset: float
+    rise: float
+
+
+def fits(records: Sequence[Record], candidate: Candidate | None) -> list[StageFit]:
+    """Collect what the noise is fitted to: the stages, the candidate as a column of its stage."""
+    found = []
+    for k, record in enumerate(records):
+        columns = record.background
+        if candidate is not None and candidate.record == k:
+            rise = rises(record.samples, np.array([candidate.onset]), candidate.rise)
+            columns = np.column_stack([columns, record.average(rise)])
+        found.append((record.time, columns, record.friction))
+    return found
+
+
+def rises(time: Array, onsets: Array, constant: float) -> Array:
+    """Draw rises of unit height, one column for each onset."""
+    lag = time[:, None] - onsets[None, :]
+    if constant == 0:
+        return (lag >= 0).astype(float)
+    return -np.expm1(-np.maximum(lag, 0) / constant)
+
+
+def forms(time: Array, onsets: Array) -> Iterator[Array]:
+    """Draw the forms of the rise: a step, exponentials, and ramps."""
+    lag = np.maximum(time[:, None] - onsets[None, :], 0.0)
+    yield (time[:, None] >= onsets[None, :]).astype(float)
+    for constant in EXPONENTIALS:
+        yield -np.expm1(-lag / constant)
+    for duration in RAMPS:
+        yield np.minimum(lag / duration, 1.0)
+
+
+def without(basis: Array, values: Array) -> Array:
+    """Compute what is left of values when the columns of an orthonormal basis are fitted."""
+    return np.asarray(values - basis @ (basis.T @ values))

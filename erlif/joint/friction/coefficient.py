@@ -1,0 +1,182 @@
+"""Friction of a test log: load from cells, torque from its arm, one value for each oscillation."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import Array
+from erlif.core.errors import EnduranceError
+from erlif.models.friction import friction_coefficient
+
+_REVERSES = 0.3  # of the larger torque: a smaller one against it is noise about zero
+_ENDS = (5.0, 95.0)  # percentiles of the torque, which single jerks do not shift
+_CYCLES = 2  # oscillations in a bin, so that both directions weigh alike
+_SAMPLES = 8  # samples of an oscillation that separate its two directions
+_UNLOADED = 0.01  # of the highest load: below it a coefficient has no meaning
+
+
+def measure_friction(
+    log: xr.Dataset,
+    *,
+    pin_radius: float,
+    arm: float | None = None,
+    torque_ratio: float = 1.0,
+    tare: float = 0.0,
+) -> xr.Dataset:
+    """Compute load, torque and friction coefficient of a test log.
+
+    Parameters
+    ----------
+    log : xarray.Dataset
+        From `erlif.joint.friction.read_torque_log`: over ``time``, ``cells`` (cell, time) [N], and
+        ``torque`` [N m] or ``arm_force`` [N]; ``temperature`` and ``vibration`` travel along.
+    pin_radius : float
+        Radius of the pin. [m]
+    arm : float, optional
+        Distance of the arm's load cell from the axis; needed where the log has its force. [m]
+    torque_ratio : float
+        T* of the pressure distribution, see `erlif.models.friction.friction_coefficient`. [1]
+    tare : float
+        Reading of the cells together without load. [N]
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``time``: load [N], torque [N m], friction [1] (NaN without load), and the witnesses
+        temperature and vibration. A torque that reverses becomes one value for each two
+        oscillations, half the difference of its directions: an offset of the cell cancels. The
+        attribute ``period`` is that of such a torque. [s] ``pin_radius`` and ``arm`` are the
+        lengths that were used. [m]
+
+    Raises
+    ------
+    EnduranceError
+        If the arm is missing, a length or ratio is not a positive number, the tare exceeds the
+        load, or a torque of both signs is sampled too slowly or does not reverse with the
+        oscillation.
+
+    Examples
+    --------
+    200 N on an arm of 0.5 m, 40 kN on two cells, a pin of 25 mm:
+
+    >>> log = xr.Dataset(
+    ...     {"cells": (("cell", "time"), [[2e4, 2e4], [2e4, 2e4]]),
+    ...      "arm_force": ("time", [200.0, 202.0])},
+    ...     {"time": [0.0, 1.0]},
+    ... )
+    >>> measure_friction(log, pin_radius=0.025, arm=0.5).friction.values
+    array([0.1  , 0.101])
+    """
+    _require(pin_radius=pin_radius, torque_ratio=torque_ratio, arm=1.0 if arm is None else arm)
+    load = log["cells"].sum("cell").values - tare
+    if not np.max(load) > 0:
+        raise EnduranceError(
+            f"Expected a tare below the reading of the cells, at most {np.max(load) + tare:g} N; "
+            f"got {tare:g} N. Correct the tare, or choose other columns for the cells."
+        )
+    if "torque" in log:
+        torque = log["torque"].values
+    elif arm is None:
+        raise EnduranceError(
+            "Expected the arm of the load cell whose force is logged; it is not given. Write "
+            '--arm "30 cm", or arm = "30 cm" under [machine] of the settings.'
+        )
+    else:
+        torque = log["arm_force"].values * arm
+
+    time = log["time"].values
+    witnesses = {name: log[name].values for name in ("temperature", "vibration") if name in log}
+    columns = {"load": load, "torque": torque, **witnesses}
+    if _reverses(torque):
+        time, columns, period = _over_oscillations(time, columns)
+        attributes = {**log.attrs, "period": period}
+    else:
+        attributes = dict(log.attrs)
+        columns["torque"] = np.abs(columns["torque"])
+
+    attributes["pin_radius"] = pin_radius
+    if "torque" not in log:
+        attributes["arm"] = arm
+
+    loaded = columns["load"] > _UNLOADED * np.max(columns["load"])
+    friction = np.full(time.size, np.nan)
+    friction[loaded] = friction_coefficient(
+        columns["torque"][loaded],
+        load=columns["load"][loaded],
+        radius=pin_radius,
+        torque_ratio=torque_ratio,
+    )
+    units = {"load": "N", "torque": "N m", "temperature": "degree_Celsius", "vibration": "1"}
+    if "vibration" in log:
+        units["vibration"] = log["vibration"].attrs.get("units", "1")
+    found = xr.Dataset(
+        {name: ("time", values, {"units": units[name]}) for name, values in columns.items()},
+        {"time": ("time", time, {"units": "s"})},
+        attributes,
+    )
+    found["friction"] = ("time", friction, {"units": "1"})
+    return found
+
+
+def _require(**arguments: float) -> None:
+    for name, value in arguments.items():
+        if not 0 < value < np.inf:
+            raise EnduranceError(
+                f"Expected a positive {name}; got {value:g}. Give its value, with the unit in the "
+                "command and the settings."
+            )
+
+
+def _reverses(torque: Array) -> bool:
+    """Whether the torque has both signs, and not only noise about zero."""
+    low, high = np.percentile(torque, _ENDS)
+    return bool(min(-low, high) > _REVERSES * max(-low, high))
+
+
+def _over_oscillations(
+    time: Array, columns: dict[str, Array]
+) -> tuple[Array, dict[str, Array], float]:
+    """Columns as one value for each two oscillations, and the period of these."""
+    torque = columns["torque"]
+    low, high = np.percentile(torque, _ENDS)
+    positive = torque > 0.5 * (low + high)
+    turns = np.flatnonzero(positive[1:] & ~positive[:-1])
+    if turns.size <= _CYCLES:
+        raise EnduranceError(
+            "Expected a torque of both signs to reverse with each oscillation; it becomes positive "
+            f"{turns.size} times in the whole log. Log the size of the torque, or take erlif "
+            "friction for a motion that reverses now and then."
+        )
+    period = float(np.median(np.diff(time[turns])))
+    interval = float(np.median(np.diff(time)))
+    if period < _SAMPLES * interval:
+        raise EnduranceError(
+            "Expected a torque that reverses to be sampled at least "
+            f"{_SAMPLES} times in an oscillation; it is sampled {period / interval:.1f} times. "
+            "Record faster, or log the size of the torque; take erlif friction for a motion that "
+            "reverses now and then."
+        )
+
+    width = _CYCLES * period
+    number = np.floor((time - time[0]) / width).astype(int)
+    starts = np.flatnonzero(np.diff(number, prepend=-1))
+    counts = np.diff(np.append(starts, time.size))
+    whole = counts >= 0.9 * width / interval  # gaps and the end leave bins that are not full
+    starts, counts = starts[whole], counts[whole]
+
+    means = {
+        name: np.array([values[a : a + n].mean() for a, n in zip(starts, counts, strict=True)])
+        for name, values in columns.items()
+        if name != "torque"
+    }
+    half = []
+    for a, n in zip(starts, counts, strict=True):
+        inside = torque[a : a + n]
+        middle = 0.5 * (inside.max() + inside.min())
+        above = inside > middle
+        half.append(
+            0.5 * (np.median(inside[above]) - np.median(inside[~above])) if above.any() else 0.0
+        )
+    centres = np.array([time[a : a + n].mean() for a, n in zip(starts, counts, strict=True)])
+    return centres, {"load": means.pop("load"), "torque": np.array(half), **means}, period

@@ -1,0 +1,373 @@
+"""Friction of a bushing from a torque log with reversals: pair by pair, with its error by cause."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import Array
+from erlif.core.errors import EnduranceError
+from erlif.io.files import replacing
+from erlif.joint.friction.plausible import doubt_friction
+from erlif.joint.friction.scatter import spread_of_line
+from erlif.joint.friction.stretches import Stretch, find_stretches
+from erlif.models.arguments import require_not_negative, require_positive
+from erlif.models.friction import friction_coefficient
+
+_NORMAL = 1.959964  # standard deviations of 95 %, for the errors that all pairs share
+
+
+@dataclass(frozen=True)
+class ReversalSeries:
+    """Apparent friction coefficient of a torque log with reversals.
+
+    Attributes
+    ----------
+    pairs : xarray.Dataset
+        Over ``time`` [s], the middle of each pair of stretches: friction [1], friction_std [1]
+        (scatter alone), offset [1], load [N], dwell [s] that is left out, and sliding_distance [m]
+        where the speed is known.
+    friction : float
+        Mean over the pairs. [1]
+    friction_std : float
+        Its standard deviation from all causes, half the width of the interval of 68 %. [1]
+    budget : dict[str, float]
+        Standard deviation by cause: scatter, torque, load, shaft radius. [1]
+    trend : float
+        Change of the coefficient from the first to the last pair by a straight line. [1]
+    trend_std : float
+        Standard deviation of `trend`, from the scatter of the pairs about the line. [1]
+    friction_interval : tuple[float, float]
+        Interval of 95 % of `friction`, wider than 1.96 standard deviations where few pairs are
+        independent. [1]
+    trend_interval : tuple[float, float]
+        Interval of 95 % of `trend`. [1]
+    """
+
+    pairs: xr.Dataset
+    friction: float
+    friction_std: float
+    budget: dict[str, float]
+    trend: float
+    trend_std: float
+    friction_interval: tuple[float, float]
+    trend_interval: tuple[float, float]
+
+
+def analyse_friction(
+    log: xr.Dataset,
+    *,
+    shaft_radius: float,
+    arm: float | None = None,
+    vector: bool = False,
+    speed: float | None = None,
+    torque_std: float = 0.0,
+    load_std: float = 0.0,
+    radius_std: float = 0.0,
+) -> ReversalSeries:
+    """Compute the apparent friction coefficient of a log whose motion reverses.
+
+    Half the difference of the torques of two neighbouring stretches of opposite direction is free
+    of an offset of the cell (Colbert et al. 2009, section 2); each stretch belongs to one pair. An
+    offset that drifts would change all pairs alike: its slope between the neighbouring pairs is
+    taken off, so that a linear drift cancels.
+
+    Parameters
+    ----------
+    log : xarray.Dataset
+        From `erlif.joint.friction.read_torque_log`: over ``time``, ``cells`` (cell, time) [N], and
+        ``torque`` [N m] or ``arm_force`` [N], with the sign of the direction.
+    shaft_radius : float
+        Radius of the shaft. [m]
+    arm : float, optional
+        Distance of the cell that carries the torque from the axis, where the log has its force. [m]
+    vector : bool
+        The cells are components across the shaft, and the load is their vector sum; default: the
+        load is their sum.
+    speed : float, optional
+        Sliding speed, for the sliding distance. [m/s]
+    torque_std, load_std, radius_std : float
+        Relative standard deviations of the calibrations of torque and load and of the radius, which
+        all pairs share. [1]
+
+    Returns
+    -------
+    ReversalSeries
+        Coefficient of each pair and of the whole log, with standard deviations.
+
+    Raises
+    ------
+    EnduranceError
+        If the torque does not reverse or is noise, fewer than two pairs are complete, or the arm is
+        missing.
+    ModelError
+        If a radius or speed is not positive.
+
+    Notes
+    -----
+    The coefficient is torque over load and radius, mu'. The true one is smaller by the torque
+    ratio of the contact, see `erlif.models.friction` and `erlif.models.running_in`. The standard
+    deviation of a mean counts the scatter of the pairs about a straight line and its correlation
+    over several pairs, not that of the samples.
+
+    Examples
+    --------
+    A torque of 0.6 N m that reverses each 5 s about an offset of 0.1 N m, at 400 N:
+
+    >>> time = np.arange(0.0, 40.0, 0.1)
+    >>> torque = 0.6 * np.where(time % 10 < 5, 1, -1) + 0.1
+    >>> log = xr.Dataset(
+    ...     {"cells": (("cell", "time"), [np.full(time.size, 400.0)]), "torque": ("time", torque)},
+    ...     {"time": time},
+    ... )
+    >>> found = analyse_friction(log, shaft_radius=0.01, load_std=0.01)
+    >>> print(f"{found.friction:.3f} ± {found.friction_std:.4f}, {found.pairs.offset[0]:.3f}")
+    0.150 ± 0.0015, 0.025
+    """
+    require_positive(shaft_radius=shaft_radius)
+    require_not_negative(torque_std=torque_std, load_std=load_std, radius_std=radius_std)
+    if speed is not None:
+        require_positive(speed=speed)
+    cells = log["cells"].values
+    load = np.sqrt((cells**2).sum(axis=0)) if vector else cells.sum(axis=0)
+    time = log["time"].values
+    torque = _torque(log, arm)
+    pairs = _pairs(time, torque, load, shaft_radius).assign_attrs(
+        file=log.attrs.get("file", ""), shaft_radius=shaft_radius
+    )
+    if "torque" not in log:
+        pairs.attrs["arm"] = arm
+    if speed is not None:
+        # half of a pair's own dwell lies before its middle
+        rest = np.cumsum(pairs["dwell"].values) - 0.5 * pairs["dwell"].values
+        distance = (pairs["time"].values - time[0] - rest) * speed
+        pairs["sliding_distance"] = ("time", distance, {"units": "m"})
+
+    values = pairs["friction"].values
+    mean = float(values.mean())
+    of_mean, of_trend = spread_of_line(pairs["time"].values, values)
+    budget = {
+        "scatter": of_mean.std,
+        "torque": mean * torque_std,
+        "load": mean * load_std,
+        "shaft radius": mean * radius_std,
+    }
+    shared = mean * float(np.linalg.norm([torque_std, load_std, radius_std]))
+    wide = float(np.hypot(of_mean.wide, _NORMAL * shared))
+    trend = _trend(pairs["time"].values, values)
+    return ReversalSeries(
+        pairs,
+        friction=mean,
+        friction_std=float(np.hypot(of_mean.std, shared)),
+        budget=budget,
+        trend=trend,
+        trend_std=of_trend.std,
+        friction_interval=(mean - wide, mean + wide),
+        trend_interval=(trend - of_trend.wide, trend + of_trend.wide),
+    )
+
+
+def _torque(log: xr.Dataset, arm: float | None) -> Array:
+    if "torque" in log:
+        found: Array = log["torque"].values
+        return found
+    if arm is None:
+        raise EnduranceError(
+            "Expected the arm of the load cell whose force is logged; it is not given. Write "
+            '--arm "30 cm".'
+        )
+    require_positive(arm=arm)
+    force: Array = log["arm_force"].values
+    return force * arm
+
+
+def _pairs(time: Array, torque: Array, load: Array, radius: float) -> xr.Dataset:
+    """One value for each two neighbouring stretches of opposite direction."""
+    stretches = [_level(time, torque, load, one, radius) for one in find_stretches(torque)]
+    found = []
+    index = 0
+    while index + 1 < len(stretches):
+        one, other = stretches[index], stretches[index + 1]
+        if one.forward == other.forward:  # what lay between them was too short
+            index += 1
+            continue
+        found.append((one, other))
+        index += 2
+    if len(found) < 2:
+        raise EnduranceError(
+            f"Expected a torque that reverses at least three times; got {len(stretches)} stretches "
+            "of one direction. Log the torque with its sign, over two reversals of the motor and "
+            "back; for a motion of one direction take erlif endurance."
+        )
+    half = np.array([0.5 * abs(a.ratio - b.ratio) for a, b in found])
+    middle = np.array([0.5 * (a.ratio + b.ratio) for a, b in found])
+    scatter = np.array([0.5 * np.hypot(a.std, b.std) for a, b in found])
+    at = np.array([0.5 * (a.time + b.time) for a, b in found])
+    carried = np.array([0.5 * (a.load + b.load) for a, b in found])
+    rested = np.array([a.dwell + b.dwell for a, b in found])
+
+    # a drift of the offset within a pair adds to one direction what it takes from the other
+    apart = np.array([(a.time - b.time) * (1 if a.forward else -1) for a, b in found])
+    half -= 0.5 * apart * np.gradient(middle, at)
+    return xr.Dataset(
+        {
+            "friction": ("time", half, {"units": "1"}),
+            "friction_std": ("time", scatter, {"units": "1"}),
+            "offset": ("time", middle, {"units": "1"}),
+            "load": ("time", carried, {"units": "N"}),
+            "dwell": ("time", rested, {"units": "s"}),
+        },
+        {"time": ("time", at, {"units": "s"})},
+    )
+
+
+@dataclass(frozen=True)
+class _Level:
+    """The torque of a stretch."""
+
+    forward: bool
+    time: float
+    ratio: float  # signed torque over load and radius
+    std: float
+    load: float
+    dwell: float  # s
+
+
+def _level(time: Array, torque: Array, load: Array, stretch: Stretch, radius: float) -> _Level:
+    inside = stretch.samples
+    if np.any(load[inside] <= 0):
+        raise EnduranceError(
+            f"Expected a load above 0 during the motion; it is {load[inside].min():.3g} N after "
+            f"{time[stretch.first]:.1f} s. Cut the log to the loaded time, or check the sign of "
+            "the cells."
+        )
+    ratio = np.asarray(friction_coefficient(torque[inside], load=load[inside], radius=radius))
+    interval = (time[stretch.last] - time[stretch.first]) / (stretch.last - stretch.first)
+    return _Level(
+        stretch.forward,
+        float(time[inside].mean()),
+        float(ratio.mean()),
+        _std_of_mean(ratio),
+        float(load[inside].mean()),
+        float(interval * sum(stretch.dwell)),
+    )
+
+
+def _std_of_mean(values: Array) -> float:
+    """With the correlation of the noise, by Bartlett's window of square-root width."""
+    away = values - values.mean()
+    size = values.size
+    width = int(np.sqrt(size))
+    variance = float(away @ away) / size
+    for lag in range(1, width):
+        variance += 2 * (1 - lag / width) * float(away[lag:] @ away[:-lag]) / size
+    return float(np.sqrt(max(variance, 0.0) / size))
+
+
+def _trend(time: Array, values: Array) -> float:
+    """Change from the first to the last value, by a straight line."""
+    if values.size < 3:
+        return float("nan")
+    away = time - time.mean()
+    return float(away @ values / (away @ away) * (time[-1] - time[0]))
+
+
+def describe_friction(found: ReversalSeries, *, torque_ratio: float = 1.0) -> list[str]:
+    """Describe the friction of a log in lines of text.
+
+    Parameters
+    ----------
+    found : ReversalSeries
+        From `analyse_friction`.
+    torque_ratio : float
+        T* of the contact, by which the true coefficient is smaller. [1]
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> time = np.arange(0.0, 40.0, 0.1)
+    >>> torque = 0.6 * np.where(time % 10 < 5, 1, -1)
+    >>> log = xr.Dataset(
+    ...     {"cells": (("cell", "time"), [np.full(time.size, 400.0)]), "torque": ("time", torque)},
+    ...     {"time": time},
+    ... )
+    >>> found = analyse_friction(log, shaft_radius=0.01, load_std=0.01)
+    >>> print(describe_friction(found)[0])
+    apparent friction coefficient: 0.1500 ± 0.0015 (4 pairs of stretches)
+    """
+    lines = [
+        f"apparent friction coefficient: {found.friction:.4f} ± {found.friction_std:.4f} "
+        f"({found.pairs.sizes['time']} pairs of stretches)",
+        "  interval of 95 %: {:.4f} to {:.4f}".format(*found.friction_interval),
+    ]
+    known = found.pairs.attrs
+    lines += doubt_friction(found.friction, radius=known.get("shaft_radius"), arm=known.get("arm"))
+    # the scatter is measured, even where it is 0
+    missing = [name for name, value in found.budget.items() if value == 0 and name != "scatter"]
+    lines += [
+        f"  {name}: {value:.2g}" for name, value in found.budget.items() if name not in missing
+    ]
+    if missing:
+        lines.append(f"  not stated: {', '.join(missing)}")
+    offset = float(found.pairs["offset"].mean())
+    lines.append(f"offset of the torque: {offset:.4f}")
+    if abs(offset) > found.friction:
+        lines.append(
+            "  The torque has one sign in both directions: the offset is larger than the friction. "
+            "Check that the log has the torque with its sign."
+        )
+    dwell = float(found.pairs["dwell"].median()) / 2
+    if dwell > 0:
+        lines.append(f"dwell left out: {dwell:.3g} s of each stretch")
+    if np.isfinite(found.trend):
+        lines.append(
+            f"change over the log: {found.trend:+.2g} ± {found.trend_std:.2g} "
+            "(95 %: {:+.2g} to {:+.2g})".format(*found.trend_interval)
+        )
+    if torque_ratio > 1:
+        lines.append(
+            f"true friction coefficient, at a torque ratio of {torque_ratio:.4g}: "
+            f"{found.friction / torque_ratio:.4f} ± {found.friction_std / torque_ratio:.4f}"
+        )
+    return lines
+
+
+def write_friction_table(found: ReversalSeries, output: Path) -> Path:
+    """Write one row for each pair of stretches as CSV.
+
+    Parameters
+    ----------
+    found : ReversalSeries
+        From `analyse_friction`.
+    output : Path
+
+    Returns
+    -------
+    Path
+        `output`.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+
+    Examples
+    --------
+    >>> write_friction_table.__name__
+    'write_friction_table'
+    """
+    names = ["time", *found.pairs.data_vars]
+    headings = [f"{name} [{found.pairs[name].attrs.get('units', 's')}]" for name in names]
+    rows = np.stack([found.pairs[name].values for name in names], axis=1)
+    with replacing(output) as scratch, scratch.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(headings)
+        writer.writerows([f"{value:.6g}" for value in row] for row in rows)
+    return output

@@ -1,0 +1,36 @@
+"""A pin joint as the guide designs it: Strand (2005), chapter 2, from load and motion to sizes."""
+
+from erlif.joint.sizing.example import example_joint
+from erlif.joint.sizing.joint import DIMENSIONS, Dimensions, Joint, Lock, dimensions_of
+from erlif.joint.sizing.materials import Material, read_materials
+from erlif.joint.sizing.outcome import BearingDesign
+from erlif.joint.sizing.preferred import round_up
+from erlif.joint.sizing.pressure import contact_of, pressure_over_arc
+from erlif.joint.sizing.sensitivity import Sensitivity, Substitute, sensitivities, substitutes
+from erlif.joint.sizing.size import size_joint
+from erlif.joint.sizing.steps import ROUNDING, Step
+from erlif.joint.sizing.walk import Walk, walk_guide
+
+__all__ = [
+    "DIMENSIONS",
+    "ROUNDING",
+    "BearingDesign",
+    "Dimensions",
+    "Joint",
+    "Lock",
+    "Material",
+    "Sensitivity",
+    "Step",
+    "Substitute",
+    "Walk",
+    "contact_of",
+    "dimensions_of",
+    "example_joint",
+    "pressure_over_arc",
+    "read_materials",
+    "round_up",
+    "sensitivities",
+    "size_joint",
+    "substitutes",
+    "walk_guide",
+]

@@ -1,0 +1,346 @@
+"""From joint.toml to a sized and checked pin joint."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import tomllib
+import warnings
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from erlif.core.errors import ConfigError, UnitWarning
+from erlif.core.units import Quantity
+from erlif.io.settings import (
+    DesignSettings,
+    LockOfJoint,
+    PartOfJoint,
+    read_design_settings,
+    to_toml,
+    write_template,
+)
+from erlif.joint.sizing import (
+    DIMENSIONS,
+    BearingDesign,
+    Joint,
+    Lock,
+    Material,
+    read_materials,
+    size_joint,
+    walk_guide,
+)
+
+_EXAMPLE = {
+    "joint.name": "boom of a loader",
+    "load.force": "150 kN",
+    "load.mean_force": "80 kN",
+    "load.safety": 2.0,
+    "motion.half_swing": "25 deg",
+    "motion.period": "8 s",
+    "life.time": "5000 h",
+    "life.largest_wear": "1 mm",
+    "pin.material": "42CrMo4 hardened",
+    "pin.roughness": "0.4 um",
+    "bushing.material": "CuAl10Ni5Fe4",
+    "bushing.roughness": "0.8 um",
+    "bushing.wear": "5e-8 mm3/N/m",
+    "seat.material": "S355",
+    "housing.material": "S355",
+    "fit.interference": "60 um",
+    "fit.lateral_play": "1 mm",
+    "lock.kind": "open",
+    "lock.material": "S355",
+    "lock.lever": "80 mm",
+    "lock.length": "30 mm",
+    "lock.thickness": "12 mm",
+    "lock.screw_yield": "640 MPa",
+    "sizing.series": "R20",
+}
+"""Values of the example: an invented joint of a wheel loader."""
+
+_HEAD = """\
+# joint.toml: load, motion, life and materials of a pin joint. `erlif design joint.toml` chooses the
+# dimensions that are not given and checks the joint step by step.
+# Quantities are text with a unit. A key behind "#" is optional and shown with its default, or with
+# an example where there is no default. The joint is invented; the wear rate has to be measured."""
+
+
+def example_joint_file() -> str:
+    """Write a commented joint.toml that works as it is.
+
+    Returns
+    -------
+    str
+        TOML.
+
+    Examples
+    --------
+    >>> example_joint_file().count("[pin]")
+    1
+    """
+    return write_template(DesignSettings, _EXAMPLE, {}, head=_HEAD)
+
+
+def design(source: Path | str | DesignSettings, *, folder: Path | None = None) -> BearingDesign:
+    """Size a pin joint and check it step by step, after Strand (2005), chapter 2.
+
+    Parameters
+    ----------
+    source : Path or DesignSettings
+        The file joint.toml, or its tables.
+    folder : Path, optional
+        Directory of the user's table of materials. Default: that of joint.toml.
+
+    Returns
+    -------
+    BearingDesign
+        A joint that exceeds a limit is a result too: its margin is negative.
+
+    Raises
+    ------
+    ConfigError
+        If the settings or the table of materials cannot be used.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as directory:
+    ...     path = Path(directory, "joint.toml")
+    ...     _ = path.write_text(example_joint_file(), encoding="utf-8")
+    ...     designed = design(path)
+    >>> designed.sound, f"{designed.joint.pin_diameter * 1e3:g} mm"
+    (True, '31.5 mm')
+    """
+    settings, folder = _read(source, folder)
+    wanted = joint_of(settings, folder)
+    with warnings.catch_warnings():
+        # quantities of joint.toml have units
+        warnings.simplefilter("ignore", UnitWarning)
+        sized = size_joint(wanted, series=settings.sizing.series)
+        walk = walk_guide(sized)
+    return BearingDesign(
+        name=settings.name,
+        walk=walk,
+        chosen=tuple(name for name in DIMENSIONS if getattr(wanted, name) is None),
+        series=settings.sizing.series,
+        settings=to_toml(sized_settings(settings, sized)),
+        materials=tuple(_materials(settings, folder).values()),
+        assumed=tuple(
+            part for part in ("seat", "housing") if part not in settings.model_fields_set
+        ),
+    )
+
+
+def example_design() -> BearingDesign:
+    """Return the design of the joint that `erlif design --example` prints.
+
+    Returns
+    -------
+    BearingDesign
+
+    Examples
+    --------
+    >>> example_design().name
+    'boom of a loader'
+    """
+    return _example()
+
+
+@cache
+def _example() -> BearingDesign:
+    return design(DesignSettings.model_validate(tomllib.loads(example_joint_file())))
+
+
+def _read(source: Path | str | DesignSettings, folder: Path | None) -> tuple[DesignSettings, Path]:
+    if isinstance(source, DesignSettings):
+        return source, folder or Path()
+    if not isinstance(source, str | os.PathLike):
+        raise ConfigError(
+            f"Expected the file of a joint, or erlif.settings.DesignSettings; got "
+            f"{type(source).__name__}. Name the file."
+        )
+    path = Path(source)
+    return read_design_settings(path), folder or path.parent
+
+
+def joint_of(settings: DesignSettings, folder: Path) -> Joint:
+    """Return the joint of a settings file in SI units.
+
+    Parameters
+    ----------
+    settings : DesignSettings
+    folder : Path
+        Directory of the user's table of materials.
+
+    Returns
+    -------
+    Joint
+        Dimensions that are not given are None.
+
+    Raises
+    ------
+    ConfigError
+        If a material is not in the table, or the table cannot be read.
+
+    Examples
+    --------
+    >>> import tomllib
+    >>> settings = DesignSettings.model_validate(tomllib.loads(example_joint_file()))
+    >>> joint_of(settings, Path()).bushing.name
+    'CuAl10Ni5Fe4'
+    """
+    materials = _materials(settings, folder)
+    load, motion, life, fit = settings.load, settings.motion, settings.life, settings.fit
+    grease = settings.lubrication
+    return Joint(
+        force=float(load.force),
+        safety=load.safety,
+        mean_force=load.mean_force,
+        half_swing=None if motion is None else float(motion.half_swing),
+        period=None if motion is None else float(motion.period),
+        life=None if life is None else float(life.time),
+        largest_wear=None if life is None else life.largest_wear,
+        pin=_material(settings.pin, "pin", materials),
+        bushing=_material(settings.bushing, "bushing", materials),
+        seat=_material(settings.seat, "seat", materials),
+        housing=_material(settings.housing, "housing", materials),
+        friction=grease.friction,
+        outside_temperature=float(grease.outside_temperature),
+        assembly_temperature=float(grease.assembly_temperature),
+        grease_temperature=float(grease.largest_temperature),
+        pin_roughness=settings.pin.roughness,
+        bushing_roughness=settings.bushing.roughness,
+        pin_diameter=settings.pin.diameter,
+        hole_diameter=float(settings.pin.hole),
+        bushing_width=settings.bushing.width,
+        wall=settings.bushing.wall,
+        seat_width=settings.seat.width,
+        housing_diameter=settings.housing.diameter,
+        play=fit.play,
+        interference=float(fit.interference),
+        lateral_play=float(fit.lateral_play),
+        eye_ratio=settings.sizing.eye_ratio,
+        lock=None if settings.lock is None else _lock(settings.lock, materials),
+    )
+
+
+def _materials(settings: DesignSettings, folder: Path) -> Mapping[str, Material]:
+    own = settings.joint.materials
+    return read_materials(None if own is None else folder / own)
+
+
+_FIELDS = {
+    "yield_stress": "yield_stress",
+    "ultimate_stress": "ultimate_stress",
+    "youngs_modulus": "youngs_modulus",
+    "poissons_ratio": "poissons_ratio",
+    "expansion": "expansion",
+    "conductivity": "conductivity",
+    "largest_temperature": "temperature",
+    "largest_pressure": "pressure",
+    "largest_speed": "speed",
+    "pv_limit": "pv",
+    "wear": "wear",
+}
+"""Field of a material by the key that changes it."""
+
+
+def _material(part: PartOfJoint, table: str, materials: Mapping[str, Material]) -> Material:
+    """Material of a part, with the values that joint.toml changes."""
+    if part.material and part.material not in materials:
+        near = difflib.get_close_matches(part.material, materials, n=1, cutoff=0.4)
+        hint = f"did you mean {near[0]!r}?" if near else "erlif design --materials lists them."
+        raise ConfigError(
+            f"Expected a material of the table as [{table}] material; got {part.material!r}: {hint}"
+        )
+    known = materials[part.material] if part.material else Material("", source="joint.toml")
+    changed: dict[str, Any] = {
+        field: float(value)
+        for key, field in _FIELDS.items()
+        if (value := getattr(part, key, None)) is not None
+    }
+    if part.hardness is not None:
+        changed |= {"hardness_low": float(part.hardness), "hardness_high": float(part.hardness)}
+    if not known.name:
+        return replace(known, name="as given", **changed)
+    other = any(getattr(known, field) not in (None, value) for field, value in changed.items())
+    return replace(known, name=f"{known.name}, changed" if other else known.name, **changed)
+
+
+def _lock(lock: LockOfJoint, materials: Mapping[str, Material]) -> Lock:
+    return Lock(
+        kind=lock.kind,
+        plate=_material(lock, "lock", materials),
+        lever=float(lock.lever),
+        length=float(lock.length),
+        thickness=float(lock.thickness),
+        throat=lock.throat,
+        weld=lock.weld,
+        friction_bushing=lock.friction_bushing,
+        friction_seat=lock.friction_seat,
+        height=lock.height,
+        end_width=lock.end_width,
+        weld_diameter=lock.weld_diameter,
+        screw_diameter=lock.screw_diameter,
+        screw_yield=lock.screw_yield,
+    )
+
+
+_PLACES = {
+    "pin_diameter": ("pin", "diameter"),
+    "bushing_width": ("bushing", "width"),
+    "wall": ("bushing", "wall"),
+    "seat_width": ("seat", "width"),
+    "housing_diameter": ("housing", "diameter"),
+    "play": ("fit", "play"),
+}
+"""Table and key of each dimension."""
+
+_LOCK_LENGTHS = ("height", "end_width", "throat", "weld_diameter", "screw_diameter")
+
+
+def sized_settings(settings: DesignSettings, joint: Joint) -> DesignSettings:
+    """Return the settings with the dimensions that were chosen.
+
+    Parameters
+    ----------
+    settings : DesignSettings
+    joint : Joint
+        With all dimensions.
+
+    Returns
+    -------
+    DesignSettings
+
+    Examples
+    --------
+    >>> import tomllib
+    >>> settings = DesignSettings.model_validate(tomllib.loads(example_joint_file()))
+    >>> sized = size_joint(joint_of(settings, Path()), series="R20")
+    >>> sized_settings(settings, sized).pin.diameter.text
+    '31.5 mm'
+    """
+    changed: dict[str, dict[str, Any]] = {}
+    for name, (table, key) in _PLACES.items():
+        if getattr(getattr(settings, table), key) is None:
+            changed.setdefault(table, {})[key] = _millimetres(getattr(joint, name))
+    if settings.lock is not None and joint.lock is not None:
+        lock = changed.setdefault("lock", {})
+        for key in _LOCK_LENGTHS:
+            value = getattr(joint.lock, key)
+            if getattr(settings.lock, key) is None and value is not None:
+                lock[key] = _millimetres(value)
+        lock["weld"] = joint.lock.weld
+    tables = {
+        table: getattr(settings, table).model_copy(update=keys) for table, keys in changed.items()
+    }
+    return settings.model_copy(update=tables)
+
+
+def _millimetres(length: float) -> Quantity:
+    """A length as it is written into joint.toml, with all its digits."""
+    text = f"{length * 1e3:.12g} mm"
+    return Quantity(length, text)

@@ -1,0 +1,292 @@
+"""A pin joint in SI units: load, motion, life, materials, and the dimensions that are known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+from erlif.core.errors import ModelError
+from erlif.joint.sizing.inputs import require_numbers
+from erlif.joint.sizing.materials import Material
+from erlif.models.arguments import require_between
+from erlif.models.bearing import RECOMMENDED_HOUSING
+from erlif.models.wear import mean_sliding_speed
+
+
+@dataclass(frozen=True)
+class Lock:
+    """The lock plate of the pin, its weld and its screw.
+
+    Attributes
+    ----------
+    kind : str
+        ``"open"`` or ``"closed"`` slot.
+    plate : Material
+        Material of the plate and of its weld.
+    lever : float
+        Distance R of the screw from the axis of the pin. [m]
+    length : float
+        Lever L of the lock force on the prongs. [m]
+    thickness : float
+        Thickness t of the plate. [m]
+    throat : float | None
+        Effective throat a of the weld; None to choose it. [m]
+    weld : str | None
+        ``"internal"`` or ``"external"``; None to choose it.
+    friction_bushing : float
+        Friction mu1 between pin and bushing at its worst. [1]
+    friction_seat : float
+        Friction mu2 between pin and seat at its worst. [1]
+    height : float | None
+        Height h of the prongs; None to choose it. [m]
+    end_width : float | None
+        Width c of the closed end; None to choose it. [m]
+    weld_diameter : float | None
+        Inner diameter of the weld; None to choose it. [m]
+    screw_diameter : float | None
+        Diameter of the screw in its shear plane; None to choose it. [m]
+    screw_yield : float | None
+        Yield stress of the screw. [Pa]
+
+    Raises
+    ------
+    ModelError
+        If a number is NaN, infinite or out of its range.
+    """
+
+    kind: Literal["open", "closed"]
+    plate: Material
+    lever: float
+    length: float
+    thickness: float = 10e-3
+    throat: float | None = None
+    weld: Literal["internal", "external"] | None = None
+    friction_bushing: float = 1.0
+    friction_seat: float = 0.0
+    height: float | None = None
+    end_width: float | None = None
+    weld_diameter: float | None = None
+    screw_diameter: float | None = None
+    screw_yield: float | None = None
+
+    def __post_init__(self) -> None:
+        require_numbers(self, may_be_zero=("friction_bushing", "friction_seat"))
+
+
+_MAY_BE_ZERO = frozenset(
+    {
+        *("mean_force", "half_swing", "friction", "pin_roughness", "bushing_roughness"),
+        *("largest_wear", "hole_diameter", "interference", "lateral_play", "wall"),
+    }
+)
+_ANY_SIGN = frozenset({"outside_temperature", "assembly_temperature", "grease_temperature", "play"})
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A pin joint; dimensions that are None are to be chosen by `erlif.joint.sizing.size_joint`.
+
+    Attributes
+    ----------
+    force : float
+        Largest load F. [N]
+    safety : float
+        Safety factor eta. [1]
+    pin : Material
+    bushing : Material
+    seat : Material
+    housing : Material
+    mean_force : float | None
+        Mean load in motion, for heat, pv and wear; None for the largest. [N]
+    half_swing : float | None
+        Half of the angle from end to end, beta; None where the motion is not known. [rad]
+    period : float | None
+        Time of a swing forth and back. [s]
+    life : float | None
+        Time in motion. [s]
+    largest_wear : float | None
+        Depth that may wear away in this time. [m]
+    friction : float
+        Friction coefficient between pin and bushing. [1]
+    outside_temperature : float
+        Temperature on the outside of the bushing. [degC]
+    assembly_temperature : float
+        Temperature at which play is measured. [degC]
+    grease_temperature : float
+        Highest temperature of the grease. [degC]
+    pin_roughness : float | None
+        Ra of the pin. [m]
+    bushing_roughness : float | None
+        Ra of the bushing. [m]
+    pin_diameter : float | None
+        d. [m]
+    hole_diameter : float
+        Lubrication hole across the pin; 0 for none. [m]
+    bushing_width : float | None
+        w. [m]
+    wall : float | None
+        Wall thickness of the bushing. [m]
+    seat_width : float | None
+        Width s of each of the two seats. [m]
+    housing_diameter : float | None
+        Outer diameter of the housing eye. [m]
+    play : float | None
+        Bore of the bushing before it is pressed in less diameter of the pin; negative for an
+        interference. [m]
+    interference : float
+        Outer diameter of the bushing less bore of the housing. [m]
+    lateral_play : float
+        Play between bushing and seats, both sides together. [m]
+    eye_ratio : float
+        Outer over inner diameter, 2 to 4, of a housing eye that is to be chosen: the bushing is
+        wide enough for it. [1]
+    lock : Lock | None
+        Lock plate; None for none.
+
+    Raises
+    ------
+    ModelError
+        If a number is NaN, infinite or out of its range.
+    """
+
+    force: float
+    safety: float
+    pin: Material
+    bushing: Material
+    seat: Material
+    housing: Material
+    mean_force: float | None = None
+    half_swing: float | None = None
+    period: float | None = None
+    life: float | None = None
+    largest_wear: float | None = None
+    friction: float = 0.1
+    outside_temperature: float = 60.0
+    assembly_temperature: float = 20.0
+    grease_temperature: float = 120.0
+    pin_roughness: float | None = None
+    bushing_roughness: float | None = None
+    pin_diameter: float | None = None
+    hole_diameter: float = 0.0
+    bushing_width: float | None = None
+    wall: float | None = None
+    seat_width: float | None = None
+    housing_diameter: float | None = None
+    play: float | None = None
+    interference: float = 0.0
+    lateral_play: float = 0.0
+    eye_ratio: float = 3.0
+    lock: Lock | None = None
+
+    def __post_init__(self) -> None:
+        require_numbers(self, may_be_zero=_MAY_BE_ZERO, any_sign=_ANY_SIGN)
+        require_between(*RECOMMENDED_HOUSING, eye_ratio=self.eye_ratio)
+
+    @property
+    def moving_force(self) -> float:
+        """Load in motion. [N]"""
+        return self.force if self.mean_force is None else self.mean_force
+
+    def speed(self, diameter: float) -> float | None:
+        """Mean sliding speed on a pin of this diameter; None where the motion is not known. [m/s]
+
+        Examples
+        --------
+        >>> from erlif.joint.sizing.materials import read_materials
+        >>> steel = read_materials()["S355"]
+        >>> Joint(1e5, 2.0, steel, steel, steel, steel, half_swing=0.5, period=2.0).speed(0.08)
+        0.04
+        """
+        if self.half_swing is None or self.period is None:
+            return None
+        speed: float = mean_sliding_speed(self.half_swing, diameter=diameter, period=self.period)
+        return speed
+
+    @property
+    def sliding_distance(self) -> float | None:
+        """Distance slid in the life over the pin diameter; None where it is not known. [1]"""
+        per_diameter = self.speed(1.0)
+        return None if per_diameter is None or self.life is None else per_diameter * self.life
+
+
+DIMENSIONS = (
+    "pin_diameter",
+    "bushing_width",
+    "wall",
+    "seat_width",
+    "housing_diameter",
+    "play",
+)
+"""Dimensions of a joint that are chosen where they are None, in the order of the guide."""
+
+
+class Dimensions(NamedTuple):
+    """The dimensions of a joint of which all are known.
+
+    Attributes
+    ----------
+    pin : float
+        Diameter d of the pin. [m]
+    width : float
+        Width w of the bushing. [m]
+    wall : float
+        Wall thickness t of the bushing. [m]
+    seat : float
+        Width s of each seat. [m]
+    housing : float
+        Outer diameter of the housing eye. [m]
+    play : float
+        Play before the bushing is pressed in. [m]
+    """
+
+    pin: float
+    width: float
+    wall: float
+    seat: float
+    housing: float
+    play: float
+
+    @property
+    def fit(self) -> float:
+        """Diameter of the fit between bushing and housing. [m]"""
+        return self.pin + 2 * self.wall
+
+    @property
+    def length(self) -> float:
+        """Length of the pin between the outer faces of the seats, 2 s + w. [m]"""
+        return 2 * self.seat + self.width
+
+
+def dimensions_of(joint: Joint) -> Dimensions:
+    """Return the dimensions of a joint.
+
+    Parameters
+    ----------
+    joint : Joint
+
+    Returns
+    -------
+    Dimensions
+
+    Raises
+    ------
+    ModelError
+        If one is not known yet.
+
+    Examples
+    --------
+    >>> from erlif.joint.sizing.materials import read_materials
+    >>> steel = read_materials()["S355"]
+    >>> dimensions_of(Joint(1e5, 2.0, steel, steel, steel, steel))
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ModelError: pin_diameter must be known; choose it with size_joint.
+    """
+    values: list[float] = []
+    for name in DIMENSIONS:
+        value = getattr(joint, name)
+        if value is None:
+            raise ModelError(f"{name} must be known; choose it with size_joint.")
+        values.append(float(value))
+    pin, width, wall, seat, housing, play = values
+    return Dimensions(pin, width, wall, seat, housing, play)

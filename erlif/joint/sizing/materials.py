@@ -1,0 +1,260 @@
+"""Materials: strength, hardness, limits and sources; a table of the user adds to that of erlif."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from erlif.core.bounded import read_bounded
+from erlif.core.errors import ConfigError
+from erlif.joint.sizing.inputs import require_numbers
+
+BRINELL = 9.80665e6
+"""Pascal of one Brinell: a kilogram-force on a square millimetre. [Pa]"""
+
+USES = ("pin", "bushing", "structure")
+"""What a material of the table is meant for; none is refused elsewhere."""
+
+_LARGEST_FILE = 2**20  # byte
+
+
+@dataclass(frozen=True)
+class Material:
+    """A material in SI units, hardness in Brinell; None where a value is not known.
+
+    Attributes
+    ----------
+    name : str
+        Name in the table.
+    use : str
+        ``"pin"``, ``"bushing"`` or ``"structure"``.
+    yield_stress : float | None
+        Yield stress or 0.2 % proof stress. [Pa]
+    ultimate_stress : float | None
+        Tensile strength. [Pa]
+    hardness_low : float | None
+        Lowest hardness of the surface. [HB]
+    hardness_high : float | None
+        Highest hardness of the surface. [HB]
+    youngs_modulus : float | None
+        Young's modulus. [Pa]
+    poissons_ratio : float | None
+        Poisson's ratio. [1]
+    expansion : float | None
+        Coefficient of linear thermal expansion. [1/K]
+    conductivity : float | None
+        Thermal conductivity. [W/(m K)]
+    temperature : float | None
+        Highest temperature of use. [degC]
+    pressure : float | None
+        Largest projected pressure in motion. [Pa]
+    speed : float | None
+        Largest sliding speed. [m/s]
+    pv : float | None
+        Largest product of pressure and speed. [W/m2]
+    wear : float | None
+        Specific wear rate k of eq. 32. [1/Pa]
+    source : str
+        Where the values come from.
+
+    Raises
+    ------
+    ModelError
+        If a number is NaN, infinite or out of its range.
+    """
+
+    name: str
+    use: str = "bushing"
+    yield_stress: float | None = None
+    ultimate_stress: float | None = None
+    hardness_low: float | None = None
+    hardness_high: float | None = None
+    youngs_modulus: float | None = None
+    poissons_ratio: float | None = None
+    expansion: float | None = None
+    conductivity: float | None = None
+    temperature: float | None = None
+    pressure: float | None = None
+    speed: float | None = None
+    pv: float | None = None
+    wear: float | None = None
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        require_numbers(
+            self,
+            may_be_zero=("poissons_ratio", "expansion", "wear"),
+            any_sign=("temperature",),
+        )
+
+    @property
+    def hardness(self) -> float | None:
+        """Lowest hardness as a pressure; from the tensile strength where it is not known. [Pa]"""
+        if self.hardness_low is not None:
+            return self.hardness_low * BRINELL
+        # eq. 13, Brinell in kgf/mm2 from the strength in MPa
+        return None if self.ultimate_stress is None else 0.3 * self.ultimate_stress / 1e6 * BRINELL
+
+
+@dataclass(frozen=True)
+class _Column:
+    """A column of the table: the field it fills, and the SI unit over that of the column."""
+
+    field: str
+    scale: float
+    low: float
+    high: float
+
+
+_COLUMNS = {
+    "yield_MPa": _Column("yield_stress", 1e6, 0.1, 1e4),
+    "ultimate_MPa": _Column("ultimate_stress", 1e6, 0.1, 1e4),
+    "hardness_low_HB": _Column("hardness_low", 1.0, 0.1, 3000.0),
+    "hardness_high_HB": _Column("hardness_high", 1.0, 0.1, 3000.0),
+    "youngs_modulus_GPa": _Column("youngs_modulus", 1e9, 1e-3, 2000.0),
+    "poissons_ratio": _Column("poissons_ratio", 1.0, 0.0, 0.5),
+    "expansion_1e-6/K": _Column("expansion", 1e-6, 0.0, 1000.0),
+    "conductivity_W/(m K)": _Column("conductivity", 1.0, 1e-3, 1e4),
+    "temperature_degC": _Column("temperature", 1.0, -200.0, 3000.0),
+    "pressure_MPa": _Column("pressure", 1e6, 1e-3, 1e4),
+    "speed_m/s": _Column("speed", 1.0, 1e-4, 1e3),
+    "pv_W/mm2": _Column("pv", 1e6, 1e-6, 1e4),
+    "wear_mm3/(N m)": _Column("wear", 1e-9, 0.0, 1.0),
+}
+"""Columns of numbers, the lowest and the highest that is accepted in the unit of the column."""
+
+
+def read_materials(path: Path | None = None) -> MappingProxyType[str, Material]:
+    """Read the table of materials, with that of the user merged into it.
+
+    A material of the user's table with a known name changes the values that it states and keeps the
+    others; with a new name it joins the table.
+
+    Parameters
+    ----------
+    path : Path, optional
+        CSV file with the columns ``name``, ``source`` and any of the columns of numbers.
+
+    Returns
+    -------
+    mapping of str to Material
+        By name, in the order of the tables.
+
+    Raises
+    ------
+    ConfigError
+        If the file cannot be read or holds what the table does not have.
+
+    Examples
+    --------
+    >>> bronze = read_materials()["CuAl10Ni5Fe4"]
+    >>> bronze.hardness_low, bronze.hardness_high
+    (140.0, 230.0)
+    """
+    known = _own_table()
+    if path is None:
+        return MappingProxyType(known)
+    try:
+        text = read_bounded(path, largest=_LARGEST_FILE).decode("utf-8-sig")
+    except OSError as error:
+        raise ConfigError(
+            f"Expected a table of materials in {path}; it cannot be read: {error.strerror}. Name a "
+            "CSV file beside joint.toml with `materials`."
+        ) from error
+    except ValueError as error:
+        raise ConfigError(
+            f"Expected a table of materials in {path}, CSV; got {error}. Save it as text in UTF-8."
+        ) from error
+    return MappingProxyType(_merge(known, text.splitlines(), str(path)))
+
+
+@cache
+def _own_table() -> dict[str, Material]:
+    text = (
+        resources.files("erlif.joint.sizing").joinpath("materials.csv").read_text(encoding="utf-8")
+    )
+    return _merge({}, text.splitlines(), "materials.csv")
+
+
+def _merge(known: dict[str, Material], lines: Iterable[str], name: str) -> dict[str, Material]:
+    """The known materials with those of a table; ConfigError with the row and the column."""
+    try:
+        rows = list(csv.reader(lines))
+    except csv.Error as error:
+        raise ConfigError(
+            f"Expected a table of materials in {name}, CSV; got {error}. Save it as text in UTF-8."
+        ) from error
+    head = [cell.strip() for cell in rows[0]] if rows else []
+    allowed = ["name", "use", *_COLUMNS, "source"]
+    unknown = [cell for cell in head if cell not in allowed]
+    if "name" not in head or unknown or len(set(head)) < len(head):
+        got = f"the column {unknown[0]!r}" if unknown else ", ".join(head) or "an empty file"
+        raise ConfigError(
+            f"Expected a table of materials in {name} with the columns name and any of "
+            f"{', '.join(allowed[1:])}, each once; got {got}. Correct the first "
+            "row."
+        )
+
+    merged = dict(known)
+    for number, row in enumerate(rows[1:], start=2):
+        if not any(cell.strip() for cell in row):
+            continue
+        where = f"row {number} of {name}"
+        if len(row) != len(head):
+            raise ConfigError(
+                f"Expected {len(head)} cells in {where}; got {len(row)}. Put "
+                "text that holds a comma in quotes."
+            )
+        cells = {key: cell.strip() for key, cell in zip(head, row, strict=True)}
+        material = _read_row(cells, merged, where)
+        merged[material.name] = material
+    return merged
+
+
+def _read_row(cells: dict[str, str], known: dict[str, Material], where: str) -> Material:
+    name = cells.pop("name")
+    if not name:
+        raise ConfigError(
+            f"Expected the name of a material in {where}; got an empty cell. Give it one."
+        )
+    use = cells.pop("use", "")
+    if use not in ("", *USES):
+        raise ConfigError(
+            f"Expected one of {', '.join(USES)} as use in {where}; got {use!r}. Write one of them."
+        )
+
+    changed: dict[str, Any] = {"use": use} if use else {}
+    if source := cells.pop("source", ""):
+        changed["source"] = source
+    for title, cell in cells.items():
+        if cell:
+            changed[_COLUMNS[title].field] = _read_cell(cell, title, where)
+    material = replace(known.get(name, Material(name)), **changed)
+    low, high = material.hardness_low or 0.0, material.hardness_high or math.inf
+    if low > high:
+        raise ConfigError(
+            f"Expected hardness_low_HB up to hardness_high_HB in {where}; got {low:g} above "
+            f"{high:g}. Exchange them."
+        )
+    return material
+
+
+def _read_cell(cell: str, title: str, where: str) -> float:
+    column = _COLUMNS[title]
+    try:
+        value = float(cell)
+    except ValueError:
+        value = math.nan
+    if not column.low <= value <= column.high:
+        raise ConfigError(
+            f"Expected a number from {column.low:g} to {column.high:g} as {title} in {where}; got "
+            f"{cell!r}. Correct the cell, or leave it empty."
+        )
+    return value * column.scale

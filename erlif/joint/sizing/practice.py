@@ -1,0 +1,115 @@
+"""Notes of practice: what no step of the guide checks, and sizes that are unusual."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+
+from erlif.joint.sizing.fit import assembled_play
+from erlif.joint.sizing.joint import DIMENSIONS, Joint, dimensions_of
+
+MANY_SWINGS = 1e5
+"""Swings beyond which the missing check of fatigue is stated. [1]"""
+
+STANDARD_BORES = (6e-3, 200e-3)
+"""Bores of solid bushings of copper alloys, ISO 4379. [m]"""
+
+LARGEST_TOLERANCED = 3.15
+"""Size up to which ISO 286-1 has tolerances. [m]"""
+
+LARGEST_LOAD = 10e6
+"""Load beyond which its weight is stated: that of a thousand tonnes. [N]"""
+
+SMALLEST_MADE = 1e-3
+"""Chosen length below which strength does not decide. [m]"""
+
+_GRAVITY = 9.80665
+_LARGEST_FACTOR = 0.5  # m, size up to which the tolerance factor of ISO 286-1 is stated
+
+
+def practice_notes(joint: Joint, *, chosen: Collection[str] = ()) -> tuple[str, ...]:
+    """State what the guide does not check, and sizes that are unusual in practice.
+
+    Parameters
+    ----------
+    joint : Joint
+        With all dimensions.
+    chosen : collection of str
+        Its dimensions that were chosen.
+
+    Returns
+    -------
+    tuple of str
+        Sentences, each with its reason or source.
+
+    Examples
+    --------
+    >>> from erlif.joint.sizing import example_joint
+    >>> practice_notes(example_joint())
+    ('Fatigue is not checked at 3e+06 swings: the guide has no step for it.',)
+    """
+    return tuple(_notes(joint, chosen))
+
+
+def _notes(joint: Joint, chosen: Collection[str]) -> Iterator[str]:
+    size = dimensions_of(joint)
+    if joint.life is not None and joint.period is not None and joint.half_swing:
+        swings = joint.life / joint.period
+        if swings > MANY_SWINGS:
+            yield f"Fatigue is not checked at {swings:.2g} swings: the guide has no step for it."
+
+    if joint.force > LARGEST_LOAD:
+        weight = joint.force / _GRAVITY / 1e3
+        yield f"The load of {joint.force / 1e6:.3g} MN is the weight of {weight:.4g} t: check it."
+    low, high = STANDARD_BORES
+    if not low <= size.pin <= high:
+        yield (
+            f"A pin of {size.pin * 1e3:.4g} mm is outside of the bores of ISO 4379, {low * 1e3:g} "
+            f"to {high * 1e3:g} mm, copper alloys."
+        )
+    largest = max(size.width, size.housing)
+    if largest > LARGEST_TOLERANCED:
+        yield (
+            f"A part of {largest:.3g} m is larger than any tolerance of ISO 286-1, which ends at "
+            f"{LARGEST_TOLERANCED:g} m."
+        )
+
+    play, tolerance = assembled_play(joint), tolerance_grade_7(size.pin)
+    if 0 < play < tolerance and size.pin <= _LARGEST_FACTOR:
+        yield (
+            f"The play of {play * 1e6:.3g} um is below a tolerance of ISO 286-1, grade 7 "
+            f"({tolerance * 1e6:.2g} um): pair pin and bore."
+        )
+    for name in DIMENSIONS[:-1]:
+        value = getattr(joint, name)
+        if name in chosen and value < SMALLEST_MADE:
+            yield (
+                f"The {name.replace('_', ' ')} of {value * 1e3:.2g} mm is all that strength needs; "
+                "manufacture decides it."
+            )
+
+
+def tolerance_grade_7(diameter: float) -> float:
+    """Return the standard tolerance of grade 7 of ISO 286-1 at a diameter up to 500 mm.
+
+    16 i with i = 0.45 D^(1/3) + 0.001 D in um, D in mm. The standard takes the mean of a range of
+    sizes for D and rounds.
+
+    Parameters
+    ----------
+    diameter : float
+        [m]
+
+    Returns
+    -------
+    float
+        [m]
+
+    Examples
+    --------
+    The table has 25 um from 30 to 50 mm:
+
+    >>> print(f"{tolerance_grade_7(0.0387) * 1e6:.1f} um")
+    25.0 um
+    """
+    millimetres = diameter * 1e3
+    return 16e-6 * (0.45 * float(millimetres ** (1 / 3)) + 0.001 * millimetres)

@@ -1,0 +1,351 @@
+"""The dimensions that are not given: the least that satisfy the steps, or the next preferred ones.
+
+Pin diameter and bushing width depend on each other: a wider bushing bends the pin more, a thicker
+pin needs a narrower bushing. The least diameter at which all limits hold, each with its least
+width, is found by bisection. With a given width or housing a thicker pin need not be enough, as it
+slides faster and leaves less of the eye.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import replace
+
+from erlif.core.errors import ConfigError, UnitWarning
+from erlif.joint.sizing.fit import growth_loss, least_play
+from erlif.joint.sizing.heat import bushing_heat, temperature_limit
+from erlif.joint.sizing.inputs import warn_of_units
+from erlif.joint.sizing.joint import Joint, dimensions_of
+from erlif.joint.sizing.lock import size_lock
+from erlif.joint.sizing.pin import bending_factor
+from erlif.joint.sizing.preferred import Series, round_up
+from erlif.joint.sizing.pressure import combined_modulus
+from erlif.models.bearing import (
+    LARGEST_HOLE_RATIO,
+    RECOMMENDED_HOUSING,
+    RECOMMENDED_PLAY,
+    RECOMMENDED_WIDTH,
+    least_eyebar_diameter,
+)
+from erlif.models.contact import (
+    FULL_CONTACT,
+    persson_group,
+    persson_half_angle,
+    persson_peak_group,
+)
+
+WALL = 0.1
+"""Wall of a bushing over the pin diameter where it is not given; no step of the guide. [1]"""
+
+WIDTH = 1.3
+"""Width over diameter where no width is enough: that of the least leakage, section 2.1.4. [1]"""
+
+_SMALLEST, _LARGEST = 1e-4, 10.0  # m: pins that are looked for
+_HALVINGS = 44  # of the logarithm of the diameter: to 1e-12 of it
+_LADDER = 120  # pins that are tried where the thickest is not enough, 10 % apart
+_CANDIDATES = 40  # preferred diameters that are tried, two decades of R20
+_ROUNDS = 8  # in which the play settles; it only grows, and two are usual
+_CONFORMAL = 8.0  # E Delta / 2q up to which the peak of eq. 9 is below the edge pressure of eq. 10
+_NARROWEST = -14.0  # ln b of the narrowest contact that is looked for, of 2e-6 rad
+
+
+def size_joint(joint: Joint, *, series: Series = "none") -> Joint:
+    """Choose the dimensions of a joint that are not given.
+
+    Parameters
+    ----------
+    joint : Joint
+    series : str
+        Series of preferred numbers, ISO 3, to which lengths are rounded up: ``"R10"``, ``"R20"``,
+        ``"R40"`` or ``"none"``. The play is rounded up to whole micrometres in a series.
+
+    Returns
+    -------
+    Joint
+        With all dimensions. Where no dimension is enough, a usual one is taken and its step fails.
+
+    Raises
+    ------
+    ConfigError
+        If the yield stress of the pin is not known and its diameter is to be chosen.
+
+    Warns
+    -----
+    UnitWarning
+        If a number of the joint is off by orders of magnitude.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from erlif.joint.sizing import example_joint
+    >>> joint = replace(example_joint(), pin_diameter=None, bushing_width=None)
+    >>> sized = size_joint(joint, series="R20")
+    >>> print(f"{sized.pin_diameter * 1e3:g} mm, {sized.bushing_width * 1e3:g} mm")
+    25 mm, 25 mm
+    """
+    if joint.pin_diameter is None and joint.pin.yield_stress is None:
+        raise ConfigError(
+            "Expected the yield stress of the pin, from which its diameter is chosen; got none. "
+            "Give yield_stress or diameter in [pin]."
+        )
+
+    warn_of_units(joint)
+    with warnings.catch_warnings():
+        # unusual joints are reported by their margins
+        warnings.simplefilter("ignore", UnitWarning)
+        return _size(joint, series)
+
+
+def _size(joint: Joint, series: Series) -> Joint:
+    """All dimensions and those of the lock."""
+    # play that growth needs makes a narrower contact, which may need a wider bushing
+    relative = RECOMMENDED_PLAY[0] * 1e-3
+    for _ in range(_ROUNDS):
+        sized = _size_with_play(joint, relative, series)
+        if joint.play is not None:
+            break
+        loss = (growth_loss(sized) or 0.0) / dimensions_of(sized).pin
+        if loss <= relative:
+            sized = replace(sized, play=_round_play(least_play(sized), series))
+            break
+        relative = loss
+    if sized.lock is not None:
+        sized = replace(sized, lock=size_lock(sized, sized.lock, series=series))
+    return sized
+
+
+def _round_play(play: float, series: Series) -> float:
+    return play if series == "none" else math.ceil(play * 1e6 - 1e-6) / 1e6
+
+
+def _size_with_play(joint: Joint, relative: float, series: Series) -> Joint:
+    """All dimensions but the lock, with an assembled play over the diameter where it is open."""
+    d, w = _pin_and_width(joint, relative, series)
+    wall = _wall(joint, d, series)
+    seat = joint.seat_width
+    if seat is None:
+        hardness = joint.seat.hardness
+        least = (
+            w / 2 if hardness is None else 4 * joint.force * joint.safety / math.pi / d / hardness
+        )
+        seat = round_up(least, series)
+
+    housing, bore = joint.housing_diameter, d + 2 * wall
+    if housing is None:
+        low, high = RECOMMENDED_HOUSING
+        strength, least = joint.housing.yield_stress, low * bore
+        if strength is not None:
+            eye = least_eyebar_diameter(
+                joint.force, bore=bore, width=w, yield_stress=strength, safety=joint.safety
+            )
+            least = max(least, eye)
+        housing = round_up(least, series) if math.isfinite(least) else high * bore
+    play = relative * d if joint.play is None else joint.play
+    return replace(
+        joint,
+        pin_diameter=d,
+        bushing_width=w,
+        wall=wall,
+        seat_width=seat,
+        housing_diameter=housing,
+        play=play,
+    )
+
+
+def _wall(joint: Joint, diameter: float, series: Series) -> float:
+    return round_up(WALL * diameter, series) if joint.wall is None else joint.wall
+
+
+def _pin_and_width(joint: Joint, relative: float, series: Series) -> tuple[float, float]:
+    """Diameter of the pin and width of the bushing."""
+    d, w = joint.pin_diameter, joint.bushing_width
+    if d is not None:
+        return d, w if w is not None else _round_width(joint, d, relative, series)
+
+    # the recommended proportion is kept where the limits leave it
+    for keep_ratio in (True, False):
+        least = _least_pin(joint, w, relative, series, keep_ratio)
+        if least is not None:
+            break
+    else:
+        return _fallback(joint, w, series)
+    if series == "none":
+        return least, w if w is not None else _round_width(joint, least, relative, series)
+
+    # a rounded width bends the pin more, so the next diameter may be needed
+    candidate = round_up(least, series)
+    tried = []
+    for _ in range(_CANDIDATES):
+        width = w if w is not None else _round_width(joint, candidate, relative, series)
+        if _is_enough(joint, candidate, width, relative, series, keep_ratio=False):
+            return candidate, width
+        tried.append((candidate, width))
+        candidate = round_up(candidate * 1.001, series)
+    return tried[0]
+
+
+def _least_pin(
+    joint: Joint, width: float | None, relative: float, series: Series, keep_ratio: bool
+) -> float | None:
+    """Least diameter that is enough; None where none is."""
+
+    def enough(log_diameter: float) -> bool:
+        return _is_enough(joint, math.exp(log_diameter), width, relative, series, keep_ratio)
+
+    low, high = math.log(_SMALLEST), math.log(_LARGEST)
+    if not enough(high):
+        # a given width takes up only so much heat, a given housing only so thick a pin
+        if width is None and joint.housing_diameter is None:
+            return None
+        step = (high - low) / _LADDER
+        found = next((n for n in range(1, _LADDER) if enough(low + n * step)), None)
+        if found is None:
+            return None
+        low, high = low + (found - 1) * step, low + found * step
+
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        low, high = (low, middle) if enough(middle) else (middle, high)
+    return math.exp(high)
+
+
+def _round_width(joint: Joint, diameter: float, relative: float, series: Series) -> float:
+    """Least width of the bushing on a pin; a usual one where no width is enough."""
+    wall = _wall(joint, diameter, series)
+    least = max(_least_width(joint, diameter, wall, relative), RECOMMENDED_WIDTH[0] * diameter)
+    return round_up(least if math.isfinite(least) else WIDTH * diameter, series)
+
+
+def _fallback(joint: Joint, width: float | None, series: Series) -> tuple[float, float]:
+    """A pin that is strong enough on a bushing of usual width, where no bushing is enough."""
+    d = _SMALLEST
+    while not _is_strong(joint, d, width or WIDTH * d) and d < _LARGEST:
+        d *= 1.01
+    d = round_up(d, series)
+    return d, width if width is not None else round_up(WIDTH * d, series)
+
+
+def _is_enough(
+    joint: Joint,
+    diameter: float,
+    width: float | None,
+    relative: float,
+    series: Series,
+    keep_ratio: bool,
+) -> bool:
+    """Whether all limits hold on a pin, with the given width or the least one."""
+    wall = _wall(joint, diameter, series)
+    least = _least_width(joint, diameter, wall, relative)
+    if width is not None:
+        if least > width * (1 + 1e-12):
+            return False
+        w = width
+    else:
+        w = max(least, RECOMMENDED_WIDTH[0] * diameter)
+    if not math.isfinite(w) or (keep_ratio and w > RECOMMENDED_WIDTH[1] * diameter):
+        return False
+    return _is_strong(joint, diameter, w)
+
+
+def _is_strong(joint: Joint, diameter: float, width: float) -> bool:
+    """Whether a pin holds in shear and in bending. Eqs. 1, 2 and 4."""
+    strength = joint.pin.yield_stress
+    if strength is None:
+        return True
+    allowed = strength / joint.safety
+    ratio = joint.hole_diameter / diameter
+    if ratio > LARGEST_HOLE_RATIO:
+        return False
+    concentration, remaining = bending_factor(ratio)
+    sheared = 2 * math.sqrt(3) * joint.force / (math.pi * diameter**2)
+    free = width + joint.lateral_play
+    bent = 4 * joint.force * free * concentration / (math.pi * diameter**3 * remaining)
+    return max(sheared, bent) <= allowed
+
+
+def _least_width(joint: Joint, diameter: float, wall: float, relative: float) -> float:
+    """Least width for which the limits of the sliding surface hold; infinite without one."""
+    ring, force, d = joint.bushing, joint.force, diameter
+    widths = [0.0]
+
+    # eqs. 5 and 10, and the pressure that the maker of the bushing allows
+    if ring.yield_stress is not None:
+        softer = min(ring.yield_stress, joint.pin.yield_stress or math.inf)
+        widths.append(2 * force / (softer * d))
+    hardness = ring.hardness
+    if hardness is not None:
+        widths.append(8 * force * joint.safety / (math.pi * d * hardness))
+    if ring.pressure is not None:
+        widths.append(force / (d * ring.pressure))
+
+    # pv, temperature and wear
+    speed = joint.speed(d)
+    if speed is not None and ring.pv is not None:
+        widths.append(joint.moving_force * speed / (d * ring.pv))
+    widths += [_width_for_temperature(joint, d, wall), _width_for_eye(joint, d + 2 * wall)]
+    per_diameter = joint.sliding_distance
+    if per_diameter is not None and ring.wear is not None and joint.largest_wear is not None:
+        worn = 4 / math.pi * ring.wear * joint.moving_force * per_diameter
+        widths.append(worn / joint.largest_wear)
+
+    least = max(widths)
+    modulus = combined_modulus(joint)
+    if hardness is None or modulus is None or math.isinf(least):
+        return least
+    play = relative * d if joint.play is None else joint.play
+    return _width_for_peak(force, hardness / joint.safety, modulus, play, d, least)
+
+
+def _width_for_eye(joint: Joint, bore: float) -> float:
+    """Least width of eq. 14 in the housing, or in one of the wanted proportion."""
+    strength = joint.housing.yield_stress
+    outer = joint.housing_diameter or joint.eye_ratio * bore
+    if outer <= bore:
+        return math.inf
+    if strength is None:
+        return 0.0
+    return joint.force * joint.safety * (bore / outer + outer / bore) / (strength * (outer - bore))
+
+
+def _width_for_temperature(joint: Joint, diameter: float, wall: float) -> float:
+    """Least width of eq. 29; 0 where it is not known or no width helps."""
+    heat = bushing_heat(joint, diameter)
+    room = temperature_limit(joint) - joint.outside_temperature
+    conductivity = joint.bushing.conductivity
+    if heat is None or conductivity is None or room <= 0:
+        return 0.0
+    return heat * math.log(1 + 2 * wall / diameter) / (math.pi * conductivity * room)
+
+
+def _width_for_peak(
+    force: float, allowed: float, modulus: float, play: float, diameter: float, width: float
+) -> float:
+    """Least width of eq. 9, at least that of eq. 10."""
+    group = modulus * play * width / (2 * force)
+    if FULL_CONTACT < group <= _CONFORMAL:
+        return width  # the edge pressure is larger than the peak
+
+    if group <= FULL_CONTACT:
+        # pressed all around: what the interference leaves carries the load as a cosine
+        left = allowed + modulus * play / (2 * diameter)
+        return max(width, 2 * force / (math.pi * diameter * left)) if left > 0 else math.inf
+
+    peak = persson_peak_group(persson_half_angle(group)) * 2 * force / (width * diameter)
+    if peak <= allowed:
+        return width
+
+    from scipy.optimize import brentq  # rarely needed, and slow to load
+
+    # E Delta / (d p) is the ratio of the two groups, which falls with the contact angle
+    wanted = modulus * play / (diameter * allowed)
+
+    def excess(log_b: float) -> float:
+        half_angle = 2 * math.atan(math.exp(log_b))
+        return float(persson_group(half_angle) / persson_peak_group(half_angle)) - wanted
+
+    if excess(_NARROWEST) < 0:
+        return math.inf
+    log_b = brentq(excess, _NARROWEST, 0.0, xtol=1e-15, rtol=1e-14)
+    group = float(persson_group(2 * math.atan(math.exp(log_b))))
+    return max(width, 2 * force * group / (modulus * play))

@@ -1,0 +1,1 @@
+"""Who computes the triggers: threads of this process, or the workers of dask."""

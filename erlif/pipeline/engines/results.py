@@ -1,0 +1,202 @@
+"""What is kept of each trigger besides its maps, saved and loaded by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Array
+from erlif.core.notes import Level, Note
+from erlif.core.products import RatioImages
+from erlif.io.ingest import FramePairs, depth_warning
+from erlif.ratio import NO_CELLS, NO_PULSE, LightCells, PulseSample
+from erlif.thickness import NO_PATCH, PatchMean
+from erlif.trend import FilmStatistics, PinPosition
+
+_COLUMNS = ("frame", "drift", "peaks", "pulse_energy", "digests", "pulse", "cells", "patch")
+"""Arrays of a trigger with one row for each frame pair."""
+
+
+@dataclass(frozen=True)
+class FrameResult:
+    """What is kept of one frame pair.
+
+    Attributes
+    ----------
+    frame : int
+        Number of the frame pair, counted from 0.
+    drift : tuple[float, float]
+        Drift (x, y) of camera 2, NaN where the cameras show no common texture. [px]
+    peaks : tuple[int, int]
+        Highest counts of camera 1 and camera 2. [DN]
+    pulse_energy : float
+        Light of camera 1 over that of the same film at unit energy; NaN without a film. [DN]
+    digests : tuple[str, str]
+        SHA-256 of the files of camera 1 and camera 2 as they were read, hexadecimal; empty where a
+        file holds more than this frame.
+    pulse : PulseSample
+        Means by which the pulse is recognised.
+    cells : LightCells
+        Light and ratio in coarse cells; NaN in frames that are not sampled.
+    patch : PatchMean
+        Light and ratio of the reference patch; NaN without one.
+    """
+
+    frame: int
+    drift: tuple[float, float]
+    peaks: tuple[int, int]
+    pulse_energy: float = float("nan")
+    digests: tuple[str, str] = ("", "")
+    pulse: PulseSample = field(default=NO_PULSE, compare=False)
+    cells: LightCells = field(default=NO_CELLS, compare=False)
+    patch: PatchMean = field(default=NO_PATCH, compare=False)
+
+    @classmethod
+    def of(
+        cls,
+        frame: int,
+        ratios: RatioImages,
+        *,
+        pulse_energy: float = float("nan"),
+        pulse: PulseSample = NO_PULSE,
+    ) -> FrameResult:
+        """Result of one frame pair, from the coordinates of its ratio image."""
+        one, two = (
+            str(ratios[name].values[0]) if name in ratios.coords else ""
+            for name in ("digest_camera1", "digest_camera2")
+        )
+        return cls(
+            frame,
+            (float(ratios.drift_x[0]), float(ratios.drift_y[0])),
+            (int(ratios.peak_camera1[0]), int(ratios.peak_camera2[0])),
+            pulse_energy,
+            (one, two),
+            pulse,
+        )
+
+
+@dataclass(frozen=True)
+class TriggerResult:
+    """What is kept of one trigger besides its maps.
+
+    Attributes
+    ----------
+    statistics : FilmStatistics
+        Mean and minimum film thickness.
+    frames : tuple[FrameResult, ...]
+        What is kept of its frame pairs.
+    pixels : tuple[int, ...]
+        Valid pixels of its map, then those with each flag, as `count_flags` gives them.
+    position : PinPosition | None
+        Position of the pin; None without a joint.
+    """
+
+    statistics: FilmStatistics
+    frames: tuple[FrameResult, ...]
+    pixels: tuple[int, ...]
+    position: PinPosition | None = None
+
+    def to_arrays(self) -> dict[str, AnyArray]:
+        """Arrays by name, for a file."""
+        arrays = {
+            f"film_{one.name}": np.asarray(getattr(self.statistics, one.name))
+            for one in fields(FilmStatistics)
+        }
+        if self.position is not None:
+            arrays |= {
+                f"pin_{one.name}": np.asarray(getattr(self.position, one.name))
+                for one in fields(PinPosition)
+            }
+        return arrays | {
+            "pixels": np.array(self.pixels, np.int64),
+            "frame": np.array([one.frame for one in self.frames], np.int64),
+            "drift": np.array([one.drift for one in self.frames], float).reshape(-1, 2),
+            "peaks": np.array([one.peaks for one in self.frames], np.int64).reshape(-1, 2),
+            "pulse_energy": np.array([one.pulse_energy for one in self.frames], float),
+            "digests": np.array([one.digests for one in self.frames], "S64").reshape(-1, 2),
+            "pulse": np.array([one.pulse for one in self.frames], np.float32).reshape(
+                -1, *np.shape(NO_PULSE)
+            ),
+            "cells": np.array([one.cells for one in self.frames], np.float32).reshape(
+                -1, *np.shape(NO_CELLS)
+            ),
+            "patch": np.array([one.patch for one in self.frames], float).reshape(-1, 3),
+        }
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, AnyArray]) -> TriggerResult:
+        """Read back what `to_arrays` made."""
+        kept: dict[str, Any] = {}
+        for one in fields(FilmStatistics):
+            value = arrays[f"film_{one.name}"]
+            kept[one.name] = value if value.ndim else float(value)
+        statistics = FilmStatistics(**kept)
+        frames = tuple(
+            FrameResult(
+                int(frame),
+                (float(drift[0]), float(drift[1])),
+                (int(peaks[0]), int(peaks[1])),
+                float(energy),
+                (digests[0].decode(), digests[1].decode()),
+                PulseSample(*pulse),
+                LightCells(*cells),
+                PatchMean(*patch.tolist()),
+            )
+            for frame, drift, peaks, energy, digests, pulse, cells, patch in zip(
+                *(arrays[name] for name in _COLUMNS), strict=True
+            )
+        )
+        position = None
+        if "pin_value" in arrays:
+            position = PinPosition(
+                **{one.name: arrays[f"pin_{one.name}"] for one in fields(PinPosition)}
+            )
+        return cls(statistics, frames, tuple(arrays["pixels"].tolist()), position)
+
+
+def frames_in(results: Iterable[TriggerResult]) -> list[FrameResult]:
+    """What is kept of the frame pairs of several triggers."""
+    return [one for result in results for one in result.frames]
+
+
+def mean_drift(frames: Iterable[FrameResult]) -> Array:
+    """Mean drift (x, y) over the frames whose drift is known; zero where there is none. [px]"""
+    known = np.array([one.drift for one in frames if not np.isnan(one.drift[0])])
+    return known.mean(axis=0) if known.size else np.zeros(2)
+
+
+def known_digests(frames: Iterable[FrameResult], pairs: FramePairs) -> dict[Path, str]:
+    """SHA-256 of the frame files that were hashed as they were read, for `hash_inputs`."""
+    return {
+        pages[one.frame].path: digest
+        for one in frames
+        for pages, digest in zip(pairs.pages, one.digests, strict=True)
+        if digest
+    }
+
+
+def describe_frame_notes(frames: Sequence[FrameResult], pairs: FramePairs) -> list[Note]:
+    """Notes on the counts of a recording, on pairs without common texture and on those left out."""
+    notes: list[Note | None] = []
+    if frames:
+        highest = np.max([one.peaks for one in frames], axis=0)
+        notes += [
+            depth_warning(int(top), bit_depth=bit_depth, camera=camera)
+            for camera, (bit_depth, top) in enumerate(
+                zip(pairs.bit_depths, highest, strict=True), 1
+            )
+        ]
+    lost = sorted(one.frame for one in frames if np.isnan(one.drift[0]))
+    if lost:
+        notes.append(
+            Note(
+                Level.WARNING,
+                f"frame pairs {', '.join(str(frame) for frame in lost)}",
+                "no common texture, as after a misfired pulse; flagged poor_registration",
+            )
+        )
+    return [note for note in notes if note is not None]

@@ -1,0 +1,279 @@
+"""The frames of each trigger to its maps and statistics, several triggers at a time."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+from erlif.calibration import Calibration
+from erlif.core.arrays import AnyArray
+from erlif.core.errors import ClusterError
+from erlif.core.flags import Flag, count_flags
+from erlif.core.pickling import PickledByFields
+from erlif.core.products import RatioImages
+from erlif.core.progress import Progress
+from erlif.io.files import MapStore, PartialFilm
+from erlif.pipeline.chain import FrameChain
+from erlif.pipeline.engines.engine import Engine
+from erlif.pipeline.engines.results import FrameResult, TriggerResult
+from erlif.pipeline.film import MAPS
+from erlif.pipeline.passes import FilmTables, PairRatio, PairSum, measure_film, measure_pulse
+from erlif.pipeline.physics.light import FrameLight, sample_light, sample_reference
+from erlif.ratio import NO_CELLS, sample_pulse, smooth_ratio
+from erlif.thickness import measure_pulse_energy, measure_thickness
+from erlif.trend import FilmCurve, PinView, Region, find_pin_in_blocks, summarise_blocks
+
+EARLY = 24
+"""Triggers after which a run is inspected for the first time."""
+
+
+@dataclass(frozen=True)
+class TriggerTask(PickledByFields):
+    """How the frames of one trigger become its maps, independent of every other trigger.
+
+    Attributes
+    ----------
+    chain : FrameChain
+        Counts to ratio, frame by frame.
+    calibration : Calibration
+        Ratio to film thickness.
+    region : Region
+        Region of interest of the statistics.
+    sliding_along_x : bool
+        Whether image x is the sliding direction.
+    smoothing : int | None
+        Resolution of the smoothed ratio behind the maps; None: not smoothed. [px]
+    sampled : frozenset[int]
+        Frame pairs whose light is kept in coarse cells.
+    patch : Region | None
+        Rows and columns of the reference patch.
+    view : PinView | None
+        The joint as the camera sees it; None where no position of the pin is measured.
+    """
+
+    chain: FrameChain
+    calibration: Calibration
+    region: Region
+    sliding_along_x: bool = True
+    smoothing: int | None = None
+    sampled: frozenset[int] = frozenset()
+    patch: Region | None = None
+    view: PinView | None = None
+
+    def __call__(self, frames: Sequence[int]) -> tuple[dict[str, AnyArray], TriggerResult]:
+        """Maps and numbers of a trigger.
+
+        Parameters
+        ----------
+        frames : sequence of int
+            Its frame pairs; a trigger without any is flagged as outside the overlap everywhere.
+
+        Returns
+        -------
+        maps : dict of str to array
+            The variables of `MAPS`, (y, x). The next call in the same thread may fill the same
+            arrays.
+        result : TriggerResult
+        """
+        kept: list[FrameResult] = []
+        attenuation = self.calibration.attenuation_camera1
+        if len(frames) == 1:  # the film of the trigger is that of its only frame
+            ratio = self.chain.measure(frames[0], with_fixed=self.smoothing is not None)
+            pulse = sample_pulse(ratio.light_one, ratio.log_ratio, ratio.flags)
+            light = self._sample(frames[0], ratio)
+            film = measure_film(ratio, self.tables, self.region)
+            energy = measure_pulse_energy(
+                ratio.light_one, film.thickness, film.flags, attenuation=attenuation
+            )
+            kept.append(
+                FrameResult(
+                    frames[0], ratio.drift, ratio.peaks, energy, ratio.digests, pulse, *light
+                )
+            )
+        else:
+            total = PairSum(self.chain.pairs.shape)
+            for frame in frames:
+                pair = self.chain.measure(frame)
+                total.add(pair)
+                pulse = sample_pulse(pair.light_one, pair.log_ratio, pair.flags)
+                light = self._sample(frame, pair)
+                energy = measure_pulse(pair, self.tables, attenuation=attenuation)
+                kept.append(
+                    FrameResult(frame, pair.drift, pair.peaks, energy, pair.digests, pulse, *light)
+                )
+            ratio = total.mean()
+            if not frames:
+                ratio.flags[:] = Flag.OUTSIDE_OVERLAP
+            film = measure_film(ratio, self.tables, self.region)
+        statistics = summarise_blocks(
+            film.sums, self.curve, region=self.region, sliding_along_x=self.sliding_along_x
+        )
+        position = None
+        if self.view is not None:
+            position = find_pin_in_blocks(film.sums, self.curve, region=self.region, view=self.view)
+
+        # the statistics above need pixels with independent noise, so smoothing comes last
+        if self.smoothing is None:
+            maps = {variable.name: getattr(film, variable.name) for variable in MAPS}
+        else:
+            images = RatioImages(ratio.to_images().isel(frame=0))
+            smooth = smooth_ratio(images, resolution=self.smoothing)
+            measured = measure_thickness(smooth, self.calibration)
+            maps = {variable.name: measured[variable.name].values for variable in MAPS}
+        pixels = tuple(count_flags(maps["flags"]))
+        return maps, TriggerResult(statistics, tuple(kept), pixels, position)
+
+    def _sample(self, frame: int, pair: PairRatio) -> FrameLight:
+        """Light of a frame in the cells of the image and in the reference patch."""
+        if frame in self.sampled:
+            return sample_light(pair, self.patch)
+        return FrameLight(NO_CELLS, sample_reference(pair, self.patch))
+
+    @cached_property
+    def tables(self) -> FilmTables:
+        """The calibration in tables for the maps."""
+        return FilmTables.of(self.calibration)
+
+    @cached_property
+    def curve(self) -> FilmCurve:
+        """The calibration in tables for the statistics."""
+        return FilmCurve.of(self.calibration)
+
+
+class FinishedTrigger(NamedTuple):
+    """What a trigger leaves, compressed.
+
+    Attributes
+    ----------
+    chunks : dict[str, bytes]
+        Maps as the file holds them; empty where the store has them already.
+    numbers : dict[str, AnyArray]
+        Everything else, as `TriggerResult.to_arrays` gives it.
+    """
+
+    chunks: dict[str, bytes]
+    numbers: dict[str, AnyArray]
+
+
+@dataclass(frozen=True)
+class TriggerWork:
+    """Computes a trigger and compresses what it leaves.
+
+    A store that takes triggers in any order receives them here, in the thread or process that
+    computed them. With either store this can be sent to other processes.
+
+    Attributes
+    ----------
+    task : Callable[[Sequence[int]], tuple[Mapping[str, AnyArray], TriggerResult]]
+        Frames of one trigger to its maps and numbers.
+    frames_of : Sequence[Sequence[int]]
+        Frame pairs of each trigger.
+    maps : MapStore
+        Where the triggers are kept.
+    places : tuple[Path, ...]
+        Files that every process reads.
+    """
+
+    task: Callable[[Sequence[int]], tuple[Mapping[str, AnyArray], TriggerResult]]
+    frames_of: Sequence[Sequence[int]]
+    maps: MapStore
+    places: tuple[Path, ...] = ()
+
+    def __call__(self, trigger: int) -> FinishedTrigger:
+        """Compute a trigger.
+
+        Parameters
+        ----------
+        trigger : int
+            Number of the trigger, from 0.
+
+        Returns
+        -------
+        FinishedTrigger
+        """
+        maps, result = self.task(self.frames_of[trigger])
+        made = FinishedTrigger(self.maps.encode(maps), result.to_arrays())
+        if not self.maps.any_order:
+            return made
+        self.maps.put(trigger, made.chunks, made.numbers)
+        return made._replace(chunks={})
+
+    def check(self) -> None:
+        """Refuse a process that does not see the files; called once in each.
+
+        Raises
+        ------
+        ClusterError
+            If a file is missing.
+        """
+        output = (self.maps.path,) if self.maps.any_order else ()
+        for path in (*self.places, *output):
+            if not os.access(path, os.R_OK):
+                raise ClusterError(
+                    f"Expected {path} on every machine with workers; {platform.node()} cannot read "
+                    "it. Run directory and output stand on a disk that all machines share, under "
+                    "the same path."
+                )
+
+
+def run_triggers(
+    task: Callable[[Sequence[int]], tuple[Mapping[str, AnyArray], TriggerResult]],
+    frames_of: Sequence[Sequence[int]],
+    unfinished: PartialFilm,
+    *,
+    engine: Engine,
+    progress: Progress,
+    places: Sequence[Path] = (),
+    inspect: Callable[[Sequence[TriggerResult]], object] | None = None,
+) -> list[TriggerResult]:
+    """Compute the triggers that are not finished yet, and return the results of all.
+
+    Parameters
+    ----------
+    task : callable
+        Frames of one trigger to its maps and numbers.
+    frames_of : sequence of sequence of int
+        Frame pairs of each trigger.
+    unfinished : PartialFilm
+        Receives the maps and numbers of each trigger as soon as they are computed.
+    engine : Engine
+        Computes the triggers.
+    progress : callable
+    places : sequence of Path, optional
+        Files that every process of the engine reads.
+    inspect : callable, optional
+        Receives the results of the first triggers as soon as there are `EARLY`; what it raises ends
+        the work. A long run in a wrong order is refused early.
+
+    Returns
+    -------
+    list of TriggerResult
+        In the order of the triggers.
+    """
+    triggers = range(len(frames_of))
+    todo = [trigger for trigger in triggers if not unfinished.has(trigger)]
+    finished = len(frames_of) - len(todo)
+    place = {trigger: finished + n for n, trigger in enumerate(todo, 1)}
+
+    numbers: dict[int, dict[str, AnyArray]] = {}
+
+    def collect(trigger: int, made: FinishedTrigger) -> None:
+        if made.chunks:
+            unfinished.put(trigger, made.chunks, made.numbers)
+        numbers[trigger] = made.numbers
+        progress("film", place[trigger], len(frames_of))
+        if inspect is not None and len(numbers) == EARLY:
+            inspect([TriggerResult.from_arrays(one) for one in numbers.values()])
+
+    engine.compute(TriggerWork(task, frames_of, unfinished.maps, tuple(places)), todo, collect)
+
+    # a shared disk may show a file later than the process that wrote it reports it
+    return [
+        TriggerResult.from_arrays(numbers.get(trigger) or unfinished.numbers(trigger))
+        for trigger in triggers
+    ]

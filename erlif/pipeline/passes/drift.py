@@ -1,0 +1,161 @@
+"""The drift of a frame pair from its binned light.
+
+The reference is `erlif.registration.estimate_drift`, which bins the light of the whole frame. What
+the frames of a run have in common, the displacement at the binned pixels, is prepared once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Image
+from erlif.core.errors import RegistrationError
+from erlif.core.flags import Flag
+from erlif.core.neighbourhood import BLOCK
+from erlif.pipeline.passes.light import PairLight
+from erlif.registration import CameraMap, orient
+from erlif.registration.drift import LARGE, Drift, Matching, binned_field, match_textures
+from erlif.registration.normalise import MOST, REACH, binned, normalise
+from erlif.registration.pairs import LEAST_REACH, Textures
+from erlif.registration.steepness import steep_blocks
+
+_UNUSABLE = np.uint8(Flag.SATURATED | Flag.BAD_PIXEL)
+
+
+@dataclass(frozen=True)
+class DriftSearch:
+    """Finds the drift of frames against one camera map.
+
+    Attributes
+    ----------
+    shape : tuple[int, int]
+        Rows and columns of the frames.
+    orientation : str
+        How camera 2 is turned, one of `erlif.registration.settings.ORIENTATIONS`.
+    binning : int
+        Side of the pixels on which the drift is found: 2 for large frames, otherwise 1. [px]
+    fine : tuple[Image, Image]
+        Displacement (x, y) at these pixels, in their unit.
+    coarse : tuple[Image, Image]
+        The same at pixels of twice the side.
+    """
+
+    shape: tuple[int, int]
+    orientation: str
+    binning: int
+    fine: tuple[Image, Image]
+    coarse: tuple[Image, Image]
+
+    @classmethod
+    def of(cls, camera_map: CameraMap) -> DriftSearch:
+        """Prepare the search.
+
+        Parameters
+        ----------
+        camera_map : CameraMap
+            The fixed map.
+
+        Returns
+        -------
+        DriftSearch
+        """
+        binning = 2 if min(camera_map.shape) >= LARGE else 1
+        fields = camera_map.displacement_x, camera_map.displacement_y
+        fine, coarse = (
+            (binned_field(fields[0], side), binned_field(fields[1], side))
+            for side in (binning, 2 * binning)
+        )
+        return cls(camera_map.shape, camera_map.settings.orientation, binning, fine, coarse)
+
+    def find(self, light: PairLight) -> Drift:
+        """Measure how far camera 2 has moved in this frame since the map was made.
+
+        Parameters
+        ----------
+        light : PairLight
+            Light of the pair; blocks, light and flags, or half and half_weight, are read.
+
+        Returns
+        -------
+        Drift
+            NaN where the cameras have no common texture when they are aligned by the map.
+
+        Raises
+        ------
+        RegistrationError
+            If the frame has another size than the map.
+
+        Examples
+        --------
+        Camera 2 shows the same random texture three columns to the right.
+
+        >>> from scipy.ndimage import gaussian_filter
+        >>> from erlif.registration import MapKind
+        >>> flat = np.zeros((96, 128), np.float32)
+        >>> level = CameraMap(flat, flat, flat, flat == 0, flat > 0, 1.0, MapKind.SURFACE)
+        >>> noise = np.random.default_rng(1).normal(size=(96, 131))
+        >>> wall = (1000 + 300 * gaussian_filter(noise, 1.5)).astype(np.float32)
+        >>> light = PairLight.empty((96, 128))
+        >>> light.light[:] = wall[:, 3:], wall[:, :-3]
+        >>> light.flags[:], light.blocks[:] = 0, 1000
+        >>> drift = DriftSearch.of(level).find(light)
+        >>> abs(drift.dx - 3) < 0.01, abs(drift.dy) < 0.01
+        (True, True)
+        """
+        if light.light.shape[1:] != self.shape:
+            raise RegistrationError(
+                f"The camera map was made for frames of {self.shape}, this frame has "
+                f"{light.light.shape[1:]}; register the cameras again for this region of interest."
+            )
+
+        one, weight_one = self._light(light, 0, "normal")
+        two, weight_two = self._light(light, 1, self.orientation)
+
+        # the window covers the same field of view, but enough binned pixels for a mean
+        reach = max(REACH / self.binning, LEAST_REACH)
+        fine = Textures(
+            *normalise(one, weight_one, reach=reach), *normalise(two, weight_two, reach=reach)
+        )
+        coarse = Textures(*_halve(fine.a, fine.weight), *_halve(fine.b, fine.weight_b))
+        return match_textures(
+            Matching(coarse, *self.coarse), Matching(fine, *self.fine), self.binning
+        )
+
+    def _light(self, light: PairLight, camera: int, turn: str) -> tuple[AnyArray, AnyArray]:
+        """Light of one camera in the pixels of the search, turned, and the weight of the pixels."""
+        # squares of 2 px that begin at the other end of an odd side are other squares
+        odd = any(side % 2 for side in self.shape)
+        whole = self.binning == 1 or (odd and turn != "normal")
+        if whole:
+            image = light.light[camera]
+            weight = (light.flags[camera] & _UNUSABLE == 0).astype(np.float32)
+        else:
+            image, weight = light.half[camera], light.half_weight[camera]
+
+        # where the film itself makes the light steep, the bands differ
+        steep = steep_blocks(np.nan_to_num(light.blocks[camera]))
+        if steep.any():
+            side = BLOCK if whole else BLOCK // 2
+            steep = np.repeat(np.repeat(steep, side, axis=0), side, axis=1)
+            steep = steep[: image.shape[0], : image.shape[1]]
+            weight = np.where(steep, np.float32(0), weight)
+
+        image, weight = orient(image, turn), orient(weight, turn)
+        return binned(image, weight, 2) if whole and self.binning == 2 else (image, weight)
+
+
+def _halve(texture: Image, weight: Image) -> tuple[Image, Image]:
+    """Mean texture over squares of 2 px; weight 1 where more than half of the square counts."""
+    size = texture.shape[1] // 2, texture.shape[0] // 2
+    texture, weight = (image[: 2 * size[1], : 2 * size[0]] for image in (texture, weight))
+    total = cv2.resize(texture, size, interpolation=cv2.INTER_AREA)
+    if weight.min() > MOST:
+        return np.asarray(total), np.ones_like(total)
+    sound = cv2.resize(weight, size, interpolation=cv2.INTER_AREA)
+
+    # the texture is 0 where the weight is
+    ok = sound > MOST
+    return np.where(ok, total / np.where(ok, sound, 1), np.float32(0)), ok.astype(np.float32)

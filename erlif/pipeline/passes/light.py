@@ -1,0 +1,370 @@
+"""Counts of one frame pair to light, with the binned light that a drift needs.
+
+The reference is `erlif.correction.correct_frames`, and `erlif.registration.normalise.binned` for
+the binned light. The variances of a pixel follow from its light, so that later passes compute them
+where they need them, see `erlif.pipeline.passes.noise`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Array, FlagImage, Image
+from erlif.core.detector import QUANTISATION_VAR
+from erlif.core.flags import Flag
+from erlif.core.neighbourhood import BLOCK
+from erlif.core.products import References
+from erlif.correction.frames import fill_from_neighbours
+from erlif.pipeline.passes.noise import CameraNoise, fill_noise
+from erlif.registration.interpolation import FAST
+
+_SATURATED, _DIM, _BAD_PIXEL = (
+    np.uint8(flag) for flag in (Flag.SATURATED, Flag.DIM, Flag.BAD_PIXEL)
+)
+_UNUSABLE = np.uint8(_SATURATED | _BAD_PIXEL)
+_ZERO, _ONE, _NONE = np.float32(0), np.float32(1), np.uint8(0)
+
+
+@dataclass(frozen=True)
+class PairLight:
+    """Light of both cameras in one frame pair; every array is (camera, y, x).
+
+    Attributes
+    ----------
+    light : Image
+        Dark subtracted, divided by the flat, bad pixels filled. [DN]
+    variance : Image
+        New in every frame; of size 0 where it is not asked for. [DN2]
+    variance_fixed : Image
+        Of dark and flat, the same in every frame; of size 0 as well. [DN2]
+    flags : FlagImage
+        Bits of `erlif.core.flags.Flag`.
+    half : Image
+        Mean light of the usable pixels in squares of 2 px, 0 without weight. [DN]
+    half_weight : Image
+        1 where more than half of the square is neither saturated nor bad, else 0.
+    blocks : Image
+        Mean light of squares of 8 px; those at the lower and right edge may be smaller. [DN]
+    peaks : Array
+        Highest count of each camera, (camera). [DN]
+    energy : Array
+        Energy of the pulse over the mean of the run, (1). [1]
+    """
+
+    light: Image
+    variance: Image
+    variance_fixed: Image
+    flags: FlagImage
+    half: Image
+    half_weight: Image
+    blocks: Image
+    peaks: Array
+    energy: Array
+
+    @classmethod
+    def empty(
+        cls, shape: tuple[int, int], *, with_noise: bool = True, binned_in: Image | None = None
+    ) -> PairLight:
+        """Arrays for frames of a shape (y, x), to be filled by `measure_light`.
+
+        Parameters
+        ----------
+        shape : tuple of int
+            Rows and columns.
+        with_noise : bool
+            Whether the variances are filled.
+        binned_in : array, (y, x), optional
+            Contiguous memory for half and half_weight, which only the drift reads.
+
+        Returns
+        -------
+        PairLight
+        """
+        height, width = shape
+        half = (2, height // 2, width // 2)
+        blocks = (2, -(-height // BLOCK), -(-width // BLOCK))
+        noise = (2, *shape) if with_noise else (2, 0, 0)
+
+        size = math.prod(half)
+        binned = np.empty(2 * size, np.float32) if binned_in is None else binned_in.reshape(-1)
+        return cls(
+            np.empty((2, *shape), np.float32),
+            np.empty(noise, np.float32),
+            np.empty(noise, np.float32),
+            np.empty((2, *shape), np.uint8),
+            binned[:size].reshape(half),
+            binned[size : 2 * size].reshape(half),
+            np.empty(blocks, np.float32),
+            np.zeros(2),
+            np.ones(1),
+        )
+
+
+@dataclass(frozen=True)
+class BackgroundTables:
+    """Light of the dry joint in one camera, divided by the flat; images are (y, x).
+
+    Attributes
+    ----------
+    light : Image
+        At the mean pulse energy. [DN]
+    variance : Image
+        Of its mean page. [DN2]
+    least : Image
+        Light that is not dim. [DN]
+    recorded : float
+        1 where pages were recorded above the same dark, else 0.
+    """
+
+    light: Image
+    variance: Image
+    least: Image
+    recorded: float
+
+
+@dataclass(frozen=True)
+class CameraTables:
+    """What the correction of one camera repeats in every frame; images are (y, x).
+
+    Attributes
+    ----------
+    dark : Image
+        [DN]
+    per_flat : Image
+        One over the flat. [1]
+    dark_var : Image
+        Variance of the dark; one row where all rows are alike. [DN2]
+    flat_var : Image
+        Variance of the light by the flat, for light 1. [1]
+    least : AnyArray
+        Smallest count that is not dim. [DN]
+    bad : AnyArray
+        True for bad pixels.
+    rows : AnyArray
+        Rows of the bad pixels. [px]
+    columns : AnyArray
+        Columns of the bad pixels. [px]
+    per_gain : float
+        One over the gain. [DN/electron]
+    read_var : float
+        Variance by reading and rounding. [DN2]
+    full_scale : int
+        Count at saturation. [DN]
+    background : BackgroundTables | None
+        Light of the dry joint; None where none was recorded.
+    """
+
+    dark: Image
+    per_flat: Image
+    dark_var: Image
+    flat_var: Image
+    least: AnyArray
+    bad: AnyArray
+    rows: AnyArray
+    columns: AnyArray
+    per_gain: float
+    read_var: float
+    full_scale: int
+    background: BackgroundTables | None = None
+
+    def noise(self) -> CameraNoise:
+        """What the variances of the light need.
+
+        Returns
+        -------
+        CameraNoise
+        """
+        dry = self.background
+        none = np.zeros((0, 0), np.float32)
+        return CameraNoise(
+            self.per_flat,
+            self.dark_var,
+            self.flat_var,
+            none if dry is None else dry.light,
+            none if dry is None else dry.variance,
+            np.array(
+                [self.per_gain, self.read_var, 0 if dry is None else dry.recorded], np.float32
+            ),
+        )
+
+
+def tabulate(references: References, *, least_signal: float) -> tuple[CameraTables, CameraTables]:
+    """Prepare the correction of both cameras.
+
+    Parameters
+    ----------
+    references : References
+        As `erlif.correction.make_references` returns them.
+    least_signal : float
+        Pixels with less light are flagged dim. [electron]
+
+    Returns
+    -------
+    tuple of two CameraTables
+    """
+    one, two = (_tabulate(References(references.isel(camera=n)), least_signal) for n in range(2))
+    return one, two
+
+
+def _tabulate(reference: References, least_signal: float) -> CameraTables:
+    dark, flat = reference.dark.values, reference.flat.values
+    bad = np.ascontiguousarray(reference.bad.values)
+    rows, columns = np.nonzero(bad)
+    gain = float(reference.gain)
+
+    per_flat = 1 / flat.astype(float)
+    flat_var = (reference.flat_var.values * per_flat**2).astype(np.float32)
+
+    # a camera usually has one number for all pixels, for which a row is enough
+    dark_var = reference.dark_var.values
+    if (dark_var == dark_var[:1]).all():
+        dark_var = dark_var[:1]
+
+    background = None
+    if "background" in reference:
+        background = BackgroundTables(
+            (reference.background.values * per_flat).astype(np.float32),
+            (reference.background_var.values * per_flat**2).astype(np.float32),
+            (least_signal / gain * per_flat).astype(np.float32),
+            float(reference.background_recorded),
+        )
+
+    # counts are whole numbers, so that the comparison with a rounded threshold is exact
+    least = np.ceil(dark.astype(float) + least_signal / gain)
+    return CameraTables(
+        np.ascontiguousarray(dark, np.float32),
+        per_flat.astype(np.float32),
+        np.ascontiguousarray(dark_var, np.float32),
+        flat_var,
+        np.clip(least, 0, np.iinfo(np.uint16).max).astype(np.uint16),
+        bad,
+        rows,
+        columns,
+        1 / gain,
+        (float(reference.read_noise) / gain) ** 2 + QUANTISATION_VAR,
+        int(reference.full_scale),
+        background,
+    )
+
+
+def measure_light(
+    counts: Sequence[AnyArray],
+    tables: tuple[CameraTables, CameraTables],
+    *,
+    out: PairLight | None = None,
+    energy: float = 1.0,
+) -> PairLight:
+    """Light of a frame pair with variance and flags, and the same binned.
+
+    Parameters
+    ----------
+    counts : two arrays, (y, x)
+        Of camera 1 and camera 2. [DN]
+    tables : tuple of two CameraTables
+    out : PairLight, optional
+        Filled and returned.
+    energy : float
+        Energy of the pulse over the mean of the run; it scales a background. [1]
+
+    Returns
+    -------
+    PairLight
+    """
+    out = PairLight.empty(counts[0].shape) if out is None else out
+    for n, table in enumerate(tables):
+        light = out.light[n]
+        out.peaks[n] = _measure(
+            counts[n],
+            table.dark,
+            table.per_flat,
+            table.least,
+            table.bad,
+            table.full_scale,
+            light,
+            out.flags[n],
+        )
+        if table.background is not None:
+            dry = table.background
+            _subtract(light, out.flags[n], dry.light, dry.least, np.float32(energy))
+        fill_from_neighbours(light, table.bad, table.rows, table.columns)
+        _bin(light, out.flags[n], out.half[n], out.half_weight[n], out.blocks[n])
+        if out.variance.size:
+            noise, height = tuple(table.noise()), light.shape[0]
+            variances = out.variance[n], out.variance_fixed[n]
+            fill_noise(light, noise, np.float32(energy), *variances, 0, height)
+    out.energy[0] = energy
+    return out
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def _measure(  # type: ignore[no-untyped-def]
+    counts, dark, per_flat, least, bad, full_scale, light, flags
+):
+    """Fill the last two arguments; return the highest count."""
+    highest = 0
+    height, width = counts.shape
+    for i in range(height):
+        for j in range(width):
+            light[i, j] = (np.float32(counts[i, j]) - dark[i, j]) * per_flat[i, j]
+
+        # bits by comparisons alone: without branches the loop runs in vector registers
+        most = counts[i, 0]
+        for j in range(width):
+            count = counts[i, j]
+            most = max(most, count)
+            flag = _SATURATED if count >= full_scale else _NONE
+            flag |= _DIM if count < least[i, j] else _NONE
+            flags[i, j] = flag | (_BAD_PIXEL if bad[i, j] else _NONE)
+        highest = max(highest, most)
+    return highest
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def _subtract(light, flags, background, least, energy):  # type: ignore[no-untyped-def]
+    """Take the light of the dry joint away; see `correction.frames.subtract_background`."""
+    keep = np.uint8(0xFF) ^ _DIM
+    for i in range(light.shape[0]):
+        for j in range(light.shape[1]):
+            value = light[i, j] - energy * background[i, j]
+            light[i, j] = value
+            flags[i, j] = (flags[i, j] & keep) | (_DIM if value < least[i, j] else _NONE)
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def _bin(light, flags, half, half_weight, blocks):  # type: ignore[no-untyped-def]
+    """Fill the last three arguments."""
+    height, width = light.shape
+    total = np.empty(width, np.float32)
+    count = np.empty(width, np.float32)
+    for i in range(half.shape[0]):
+        # first the sum of two rows, then of two columns
+        for j in range(width):
+            upper = flags[2 * i, j] & _UNUSABLE == 0
+            lower = flags[2 * i + 1, j] & _UNUSABLE == 0
+            count[j] = (_ONE if upper else _ZERO) + (_ONE if lower else _ZERO)
+            total[j] = light[2 * i, j] if upper else _ZERO
+            total[j] += light[2 * i + 1, j] if lower else _ZERO
+        for j in range(half.shape[1]):
+            sound = count[2 * j] + count[2 * j + 1]
+            level = total[2 * j] + total[2 * j + 1]
+            usable = sound > np.float32(2)
+            half[i, j] = level / sound if usable else _ZERO
+            half_weight[i, j] = _ONE if usable else _ZERO
+
+    for k in range(blocks.shape[0]):
+        top, bottom = k * BLOCK, min((k + 1) * BLOCK, height)
+        total[:] = _ZERO
+        for i in range(top, bottom):
+            for j in range(width):
+                total[j] += light[i, j]
+        for m in range(blocks.shape[1]):
+            left, right = m * BLOCK, min((m + 1) * BLOCK, width)
+            level = _ZERO
+            for j in range(left, right):
+                level += total[j]
+            blocks[k, m] = level / np.float32((bottom - top) * (right - left))

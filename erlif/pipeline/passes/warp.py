@@ -1,0 +1,242 @@
+"""Camera 2 of one frame pair on the pixels of camera 1, row by row.
+
+The reference is `erlif.registration.align_frames`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Array, FlagImage, Image
+from erlif.core.flags import Flag
+from erlif.pipeline.passes.light import PairLight
+from erlif.pipeline.passes.noise import CameraNoise, NoiseRows
+from erlif.registration import CameraMap, orient, spline_coefficients
+from erlif.registration.alignment import spread_flags
+from erlif.registration.interpolation import FARTHEST, NOTHING_BAD, sample_rows
+
+
+@dataclass(frozen=True)
+class MapTables:
+    """What the alignment repeats in every frame; images are (y, x).
+
+    Attributes
+    ----------
+    displacement_x : Image
+        [px]
+    displacement_y : Image
+        [px]
+    variance : Image
+        Variance of one component of the displacement. [px2]
+    flags : FlagImage
+        Of the map: outside the overlap, poor registration.
+    orientation : str
+        How camera 2 is turned.
+    rows : Array
+        Lowest row of camera 2 without drift that this row or one below it needs, and the highest
+        that this row or one above it needs, (2, y); infinite where there is none. [px]
+    """
+
+    displacement_x: Image
+    displacement_y: Image
+    variance: Image
+    flags: FlagImage
+    orientation: str
+    rows: Array
+
+    def rows_for(self, drift_y: float, height: int) -> tuple[AnyArray, AnyArray]:
+        """Rows of camera 2 whose noise must be there for each row of camera 1, in their order.
+
+        Neither number falls from row to row. Camera 2 is read as far as camera 1 at least, so that
+        rows above may be used for something else.
+
+        Parameters
+        ----------
+        drift_y : float
+            [px]
+        height : int
+            Rows of camera 2.
+
+        Returns
+        -------
+        tuple of two array, (y)
+            The first one, and the one after the last.
+        """
+        count = self.rows.shape[1]
+        if not np.isfinite(drift_y):
+            return np.zeros(count, int), np.zeros(count, int)
+
+        # a point lies between two rows, and single precision may round it to the next one
+        around = np.floor(self.rows + drift_y) + np.array([[-1.0], [3.0]])
+        below = np.arange(1.0, count + 1)
+        low, high = np.clip([around[0], np.maximum(around[1], below)], 0, height).astype(int)
+        return np.minimum(low, high), high
+
+
+def tabulate_map(camera_map: CameraMap) -> MapTables:
+    """Prepare the alignment by a camera map.
+
+    Parameters
+    ----------
+    camera_map : CameraMap
+
+    Returns
+    -------
+    MapTables
+    """
+    flags = np.where(camera_map.overlap, 0, Flag.OUTSIDE_OVERLAP)
+    flags |= np.where(camera_map.poor, Flag.POOR_REGISTRATION, 0)
+    along_y = np.ascontiguousarray(camera_map.displacement_y, np.float32)
+    known = np.abs(along_y) < FARTHEST
+    lowest = np.min(along_y, axis=1, where=known, initial=np.inf)
+    highest = np.max(along_y, axis=1, where=known, initial=-np.inf)
+    row = np.arange(along_y.shape[0], dtype=float)
+    return MapTables(
+        np.ascontiguousarray(camera_map.displacement_x, np.float32),
+        along_y,
+        np.square(camera_map.displacement_std, dtype=float).astype(np.float32),
+        flags.astype(np.uint8),
+        camera_map.settings.orientation,
+        np.stack(
+            [
+                np.minimum.accumulate((row + lowest)[::-1])[::-1],
+                np.maximum.accumulate(row + highest),
+            ]
+        ),
+    )
+
+
+@dataclass(frozen=True)
+class PairWarp:
+    """Camera 2 of one frame pair on the pixels of camera 1; images are (y, x).
+
+    Attributes
+    ----------
+    light : Image
+        NaN outside camera 2. [DN]
+    variance : Image
+        New in every frame; some rows or all. [DN2]
+    variance_fixed : Image
+        Of dark and flat; as many rows. [DN2]
+    flags : FlagImage
+        Of the pixels from which a point is interpolated; as many rows.
+    coefficients : Image
+        Of the spline through camera 2, with a margin of 2.
+    spread : FlagImage
+        Flags of camera 2, on all points that depend on the flagged pixel.
+    noise : NoiseRows
+        Variances of the rows of camera 2 that are interpolated.
+    """
+
+    light: Image
+    variance: Image
+    variance_fixed: Image
+    flags: FlagImage
+    coefficients: Image
+    spread: FlagImage
+    noise: NoiseRows = field(default_factory=NoiseRows)
+
+    @classmethod
+    def empty(
+        cls, shape: tuple[int, int], orientation: str, *, rows: int | None = None
+    ) -> PairWarp:
+        """Arrays for frames of a shape (y, x).
+
+        Parameters
+        ----------
+        shape : tuple of int
+            Rows and columns of both cameras, as they are read.
+        orientation : str
+            How camera 2 is turned.
+        rows : int, optional
+            Rows of the variances and flags; default: all.
+
+        Returns
+        -------
+        PairWarp
+        """
+        height, width = orient(np.empty(shape, np.uint8), orientation).shape
+        part = (shape[0] if rows is None else rows, shape[1])
+        return cls(
+            np.empty(shape, np.float32),
+            np.empty(part, np.float32),
+            np.empty(part, np.float32),
+            np.empty(part, np.uint8),
+            np.empty((height + 4, width + 4), np.float32),
+            np.empty((height, width), np.uint8),
+        )
+
+
+class Warp:
+    """Camera 2 of one frame, ready to be read at the pixels of camera 1.
+
+    Parameters
+    ----------
+    light : PairLight
+    tables : MapTables
+    noise : CameraNoise
+        Of camera 2, turned as its image is.
+    drift : tuple of float
+        Translation (x, y) on top of the map; NaN leaves no pixel. [px]
+    out : PairWarp
+        Receives the rows.
+    band : int, optional
+        Most rows that are filled in one call; default: all.
+    """
+
+    def __init__(
+        self,
+        light: PairLight,
+        tables: MapTables,
+        noise: CameraNoise,
+        drift: tuple[float, float],
+        out: PairWarp,
+        *,
+        band: int | None = None,
+    ) -> None:
+        def turned(image: AnyArray) -> AnyArray:
+            return np.ascontiguousarray(orient(image, tables.orientation))
+
+        self.tables, self.out = tables, out
+        self.drift = np.float32(drift[0]), np.float32(drift[1])
+        image = turned(light.light[1])
+        spline_coefficients(image, out=out.coefficients)
+        spread_flags(turned(light.flags[1]), out.spread)
+        self.total, self.count = 0.0, 0
+
+        # the noise of as many rows as one band needs at most
+        self._low, self._high = tables.rows_for(float(self.drift[1]), image.shape[0])
+        ahead = min(band or self._low.size, self._low.size) - 1
+        kept = int((self._high[ahead:] - self._low[: self._low.size - ahead]).max())
+        out.noise.begin(image, noise, light.energy, rows=max(kept, 1))
+
+    def fill(self, start: int, stop: int, *, first: int = 0) -> None:
+        """Fill the rows from `start` to `stop`; row `first` of the noise is stored as row 0."""
+        out, tables = self.out, self.tables
+        out.noise.hold(int(self._low[start]), int(self._high[stop - 1]))
+        total, count = sample_rows(
+            out.coefficients,
+            tables.displacement_x,
+            tables.displacement_y,
+            *self.drift,
+            NOTHING_BAD,
+            out.noise.variance,
+            out.noise.fixed,
+            out.spread,
+            out.light,
+            out.variance,
+            out.variance_fixed,
+            out.flags,
+            first,
+            start,
+            stop,
+        )
+        self.total += total
+        self.count += count
+
+    @property
+    def averaging(self) -> float:
+        """Mean factor by which the interpolation lowers the variance, over the rows so far."""
+        return self.total / self.count if self.count else 1.0

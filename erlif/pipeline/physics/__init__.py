@@ -1,0 +1,1 @@
+"""The joint and its film: motion, prediction, pressure, light that is not film."""

@@ -1,0 +1,183 @@
+"""A film to the physics that carries it: viscosity, start and mount fitted to its positions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from erlif.calibration import calibration_of
+from erlif.core.errors import ConfigError, ErlifError
+from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
+from erlif.io.files import open_film, takes
+from erlif.io.settings import RunSettings
+from erlif.models.reynolds import Journal
+from erlif.pipeline.physics.joint import describe_joint
+from erlif.pipeline.physics.predict import is_film, read_film
+from erlif.pipeline.physics.prediction import build_journal, build_motion
+from erlif.prediction import (
+    Comparison,
+    MeasuredMotion,
+    compare_models,
+    film_temperature,
+    measured_minima,
+    measured_positions,
+)
+from erlif.prediction.comparison import ANY_GUIDED, STEADY
+from erlif.prediction.fit import FEWEST_TRIGGERS, LOAD_LINE_STD
+from erlif.trend import VogelLaw
+
+_POSITIONS = (
+    "pin_displacement",
+    "pin_position_cov",
+    "pin_position_cov_random",
+    "pin_position_gradient",
+)
+_STEADY = {"film_hamrock_dowson": "film_hamrock_dowson", "film_regime_map": "film_theory"}
+"""Variables of a film with steady formulas, and their names in the comparison."""
+
+
+@takes(path="run or film")
+def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
+    """Fit the models of what may carry the film of an oscillating joint, and compare them.
+
+    Parameters
+    ----------
+    path : path
+        A film, or a run directory that holds film.nc or film.zarr.
+    progress : "bar", bool or callable, optional
+        As for `erlif.process`.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    ErlifError
+        If there is no film, its settings describe no joint that swings, or nothing can be fitted.
+
+    Examples
+    --------
+    >>> fit_film(Path("data_samples/straight_bushing")).verdict  # doctest: +SKIP
+    'Squeeze carries the film of a pin that is free sideways, and the pin sinks (very strong ...'
+    """
+    report = choose_progress(progress)
+    path = Path(path)
+    place = path if is_film(path) else _film_in(path)
+    source = read_film(place)
+    with open_film(place) as film:
+        found = _compare(film, source.settings, source.frames, ("free", "guided"), progress=report)
+
+    # the temperature of the film belongs to its viscosity where the law of the oil is known
+    joint = describe_joint(source.settings)
+    if found.fit is None or joint is None or not isinstance(joint.viscosity, VogelLaw):
+        return found
+    warm = film_temperature(found.fit.estimates["viscosity"], joint.viscosity)
+    estimates = {**found.fit.estimates, "temperature": warm}
+    return replace(found, fit=replace(found.fit, estimates=estimates))
+
+
+def state_physics(film: xr.Dataset, settings: RunSettings, frames: xr.Dataset) -> str:
+    """Which physics carries a film, and how sure that is, without a film with cavities.
+
+    The film of a free pin, squeeze in closed form and the steady formulas are fitted. A guided pin
+    is represented by the largest likelihood that it can have. Where this is above that of all
+    fitted films, the sentence states this and names the command that fits the guided pin.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        The root group of film.nc.
+    settings : RunSettings
+    frames : xarray.Dataset
+        As `erlif.pipeline.physics.prediction.frames_of_run` returns them.
+
+    Returns
+    -------
+    str
+        One line; empty where nothing is predicted.
+    """
+    if "film_predicted_min" not in film or not all(name in film for name in _POSITIONS):
+        return ""
+    try:
+        found = _compare(film, settings, frames, ("free", "any guided"))
+    # the measured film is complete without this sentence
+    except (ErlifError, ArithmeticError, ValueError, np.linalg.LinAlgError):
+        return ""
+    if found.candidates[0].name == ANY_GUIDED:
+        return (
+            "Not decided: a guided pin may agree better with the positions than the films of a "
+            f"free pin, of squeeze and of steady formulas (best: {_best(found)}). Fit it with "
+            "erlif predict FILM --fit."
+        )
+    return f"{found.verdict} With the fitted viscosity: erlif predict FILM --fit."
+
+
+def _best(found: Comparison) -> str:
+    """The best model that was fitted, with its misfit."""
+    best = next(one for one in found.candidates if one.name != ANY_GUIDED)
+    return f"{best.name}, off by {best.inflation:.3g} times the stated errors"
+
+
+def _compare(
+    film: xr.Dataset,
+    settings: RunSettings,
+    frames: xr.Dataset,
+    sideways: Sequence[str],
+    progress: Progress = silent,
+) -> Comparison:
+    """The models of what may carry a film."""
+    if "load" not in frames:
+        raise ConfigError(
+            'Expected the load for a fit of the film: add load = "50 lbf" to [joint] in run.toml, '
+            "or load_N to the log, and process the run again."
+        )
+    motion = build_motion(settings, frames)
+    journal = build_journal(settings, motion.viscosity)
+    steady = {
+        ours: film[name].values * 1e-6
+        for name, ours in _STEADY.items()
+        if name in film and ours in STEADY
+    }
+    given = settings.prediction.load_line is not None
+    return compare_models(
+        _measured(film, journal),
+        journal,
+        motion.motion,
+        steps=motion.steps,
+        trigger=np.where(frames.used.values, frames.trigger.values, -1),
+        crank=motion.crank,
+        steady=steady,
+        sideways=sideways,
+        load_line_std=0.1 * LOAD_LINE_STD if given else LOAD_LINE_STD,
+        progress=progress,
+    )
+
+
+def _film_in(run_dir: Path) -> Path:
+    """The film of a run directory."""
+    for name in ("film.nc", "film.zarr"):
+        if (run_dir / name).exists():
+            return run_dir / name
+    raise ConfigError(
+        f"Expected film.nc in {run_dir} for a fit; there is none. Run erlif process {run_dir} "
+        "first, or give the film."
+    )
+
+
+def _measured(film: xr.Dataset, journal: Journal) -> MeasuredMotion:
+    """Positions of the pin, else minima where too few positions are known."""
+    if all(name in film for name in _POSITIONS):
+        found = measured_positions(film[list(_POSITIONS)], calibration_of(film).full_covariance)
+        if found.known.sum() >= FEWEST_TRIGGERS:
+            return found
+
+    # the error of a minimum is not split; either part is at most all of it
+    std = film["film_min_std"].values * 1e-6
+    return measured_minima(
+        film["film_min"].values * 1e-6, std, clearance=journal.clearance, std_shared=std
+    )

@@ -1,0 +1,165 @@
+"""Mechanism, encoder and joint of a run, from its settings."""
+
+from __future__ import annotations
+
+import math
+
+import xarray as xr
+
+from erlif.core.errors import ConfigError
+from erlif.io.ingest import Run
+from erlif.io.settings import (
+    CrankRockerSettings,
+    EncoderSettings,
+    MaterialSettings,
+    OilSettings,
+    RotationSettings,
+    RunSettings,
+    SinusoidalSettings,
+    SliderCrankSettings,
+)
+from erlif.kinematics import (
+    Encoder,
+    Mechanism,
+    Rotation,
+    Sinusoid,
+    entrained_stroke,
+    locate_frames,
+    locate_logged,
+    locate_rotation,
+    locate_slider,
+)
+from erlif.models.mechanism import CrankRocker, SliderCrank
+from erlif.trend import Joint, Solid, VogelLaw
+
+
+def build_linkage(links: CrankRockerSettings | SliderCrankSettings) -> Mechanism:
+    """The linkage of [mechanism]; raises ModelError where its crank cannot turn (Grashof)."""
+    if isinstance(links, SliderCrankSettings):
+        return SliderCrank(links.crank, links.coupler)
+    return CrankRocker(links.crank, links.coupler, links.rocker, links.ground)
+
+
+def locate_run(run: Run) -> xr.Dataset:
+    """Trigger, cycle, position and speed of every frame of a run.
+
+    Parameters
+    ----------
+    run : Run
+
+    Returns
+    -------
+    xarray.Dataset
+        As `erlif.kinematics.locate_frames` for a linkage, else as `locate_rotation`,
+        `locate_slider` or `locate_logged`.
+
+    Raises
+    ------
+    EncoderError
+        If the linkage cannot reach a logged angle, the log does not fold into cycles, or lacks
+        what the motion needs.
+    ModelError
+        If the links cannot turn.
+    """
+    settings, log = run.settings, run.log
+    encoder = settings.encoder or EncoderSettings()
+    per_cycle = encoder.triggers_per_cycle
+    match settings.mechanism:
+        case CrankRockerSettings() | SliderCrankSettings() as links:
+            located = locate_frames(
+                log,
+                mechanism=build_linkage(links),
+                crank_speed=links.crank_speed,
+                pin_radius=None if settings.joint is None else settings.joint.pin_radius,
+                encoder=describe_encoder_settings(settings),
+            )
+            # a logged speed stands in place of a computed one, for every kind of motion
+            logged = locate_logged(log)
+            names = [name for name in ("sliding_speed",) if name in logged]
+            return located.assign({name: logged[name].assign_attrs(source="log") for name in names})
+        case RotationSettings() as disc:
+            return locate_rotation(
+                log,
+                rotation=Rotation(disc.radius, disc.speed),
+                zero=encoder.zero or 0.0,
+                triggers_per_cycle=per_cycle,
+                bins=encoder.bins,
+            )
+        case SinusoidalSettings() as slider:
+            return locate_slider(
+                log,
+                slider=Sinusoid(slider.stroke, slider.frequency),
+                zero=encoder.zero,
+                triggers_per_cycle=per_cycle,
+                bins=encoder.bins,
+            )
+        case None:
+            return locate_logged(log, triggers_per_cycle=per_cycle)
+
+
+def describe_encoder_settings(settings: RunSettings, *, folded: bool = True) -> Encoder:
+    """The encoder of the settings; unless `folded`, without the grouping of frames."""
+    encoder = settings.encoder or EncoderSettings()
+    return Encoder(
+        encoder.mounted_on,
+        encoder.zero,
+        encoder.triggers_per_cycle if folded else None,
+        direction=encoder.direction,
+        bins=encoder.bins if folded else None,
+    )
+
+
+def describe_joint(settings: RunSettings) -> Joint | None:
+    """The joint of the settings, as the theory needs it.
+
+    Parameters
+    ----------
+    settings : RunSettings
+
+    Returns
+    -------
+    Joint or None
+        None where [joint] or [oil] is absent.
+    """
+    joint, oil = settings.joint, settings.oil
+    if joint is None or oil is None:
+        return None
+    return Joint(
+        pin_radius=joint.pin_radius,
+        bushing_radius=joint.bushing_radius,
+        length=joint.length,
+        pin=_describe_solid(joint.pin),
+        bushing=_describe_solid(joint.bushing),
+        viscosity=_describe_viscosity(oil),
+        pressure_viscosity=oil.pressure_viscosity,
+        stroke=_entrained_travel(settings, joint.pin_radius),
+    )
+
+
+def _entrained_travel(settings: RunSettings, pin_radius: float) -> float:
+    """Travel of the entrained oil in half a cycle; infinite where the motion never turns back. [m]
+
+    The oil moves at half the speed of the one moving surface.
+    """
+    match settings.mechanism:
+        case CrankRockerSettings() | SliderCrankSettings() as links:
+            return entrained_stroke(build_linkage(links), pin_radius=pin_radius)
+        case SinusoidalSettings(stroke=stroke):
+            return stroke / 2
+        case _:
+            return math.inf
+
+
+def _describe_solid(material: MaterialSettings) -> Solid:
+    return Solid(material.youngs_modulus, material.poissons_ratio, material.roughness)
+
+
+def _describe_viscosity(oil: OilSettings) -> float | VogelLaw:
+    if oil.vogel is not None:
+        return VogelLaw(oil.vogel.a, oil.vogel.b, oil.vogel.c)
+    if oil.viscosity is None:  # the settings refuse an oil with neither
+        raise ConfigError(
+            'Expected viscosity = "0.12 Pa s" or a vogel law in [oil]; got neither. '
+            "Add one of them."
+        )
+    return oil.viscosity

@@ -1,0 +1,516 @@
+"""Light of a run that is not film: found, reported, and subtracted where that is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from erlif.calibration import Calibration
+from erlif.core.arrays import AnyArray, Array
+from erlif.core.notes import Level, Note
+from erlif.core.products import References
+from erlif.io.ingest import FramePairs, Run
+from erlif.io.settings import LightOptions
+from erlif.pipeline.chain import FrameChain
+from erlif.pipeline.engines.engine import Threads
+from erlif.pipeline.engines.results import FrameResult, TriggerResult
+from erlif.pipeline.passes import PairRatio
+from erlif.pipeline.physics.position import AXES
+from erlif.pipeline.recording.reference import describe_reference, find_patch
+from erlif.ratio import LightCells, cell_places, sample_cells
+from erlif.thickness import NO_PATCH, PatchMean, sample_patch
+from erlif.trend import (
+    BackgroundEstimate,
+    LightRecord,
+    Region,
+    Trend,
+    estimate_background,
+    fit_trend,
+)
+
+_MOST_FRAMES = 400
+"""Frames of an estimate, spread over the run: their number bounds memory and time."""
+
+
+def choose_frames(pairs: FramePairs) -> frozenset[int]:
+    """Frames whose light is kept for the estimate of a background.
+
+    Parameters
+    ----------
+    pairs : FramePairs
+
+    Returns
+    -------
+    frozenset of int
+    """
+    return frozenset(pairs.spread(_MOST_FRAMES))
+
+
+class FrameLight(NamedTuple):
+    """Light of a frame pair in the cells of the image and in the reference patch.
+
+    Attributes
+    ----------
+    cells : LightCells
+    patch : PatchMean
+    """
+
+    cells: LightCells
+    patch: PatchMean
+
+
+def sample_light(pair: PairRatio, patch: Region | None) -> FrameLight:
+    """Light of a frame pair.
+
+    Parameters
+    ----------
+    pair : PairRatio
+    patch : Region or None
+        Rows and columns of the reference patch.
+
+    Returns
+    -------
+    FrameLight
+    """
+    cells = sample_cells(pair.light_one, pair.log_ratio, pair.variance, pair.flags)
+    return FrameLight(cells, sample_reference(pair, patch))
+
+
+def sample_reference(pair: PairRatio, patch: Region | None) -> PatchMean:
+    """Light of a frame pair in the reference patch; NaN without one."""
+    if patch is None:
+        return NO_PATCH
+    within = patch.rows, patch.columns
+    return sample_patch(
+        pair.light_one[within],
+        pair.log_ratio[within],
+        pair.variance[within],
+        pair.flags[within],
+        noise_correlation=pair.noise_correlation,
+    )
+
+
+def measure_lights(
+    chain: FrameChain, patch: Region | None, *, workers: int | None = None
+) -> dict[int, FrameLight]:
+    """Light of the frames that `choose_frames` names.
+
+    Parameters
+    ----------
+    chain : FrameChain
+    patch : Region or None
+        Rows and columns of the reference patch.
+    workers : int, optional
+        Threads; default: one per processor.
+
+    Returns
+    -------
+    dict of int to FrameLight
+    """
+    lights: dict[int, FrameLight] = {}
+    Threads(workers).compute(
+        lambda frame: sample_light(chain.measure(frame), patch),
+        sorted(choose_frames(chain.pairs)),
+        lights.__setitem__,
+    )
+    return lights
+
+
+def kept_lights(frames: Sequence[FrameResult], pairs: FramePairs) -> dict[int, FrameLight]:
+    """The same from what was kept while the films were measured."""
+    chosen = choose_frames(pairs)
+    return {one.frame: FrameLight(one.cells, one.patch) for one in frames if one.frame in chosen}
+
+
+def find_background(
+    lights: dict[int, FrameLight], calibration: Calibration, energies: Array | None
+) -> BackgroundEstimate | None:
+    """Estimate the background of a run.
+
+    Parameters
+    ----------
+    lights : dict of int to FrameLight
+        By frame.
+    calibration : Calibration
+    energies : array, (frame,), optional
+        Relative pulse energies of all frames of the run, from the log. [1]
+
+    Returns
+    -------
+    BackgroundEstimate or None
+        None where the run does not determine it.
+    """
+    frames = sorted(lights)
+    if not frames:
+        return None
+    parts = np.array([lights[frame].cells for frame in frames], float).transpose(1, 0, 2)
+    found = estimate_background(
+        LightRecord(*parts),
+        cell_places(),
+        calibration,
+        energies=None if energies is None else energies[frames],
+    )
+    return found if found is not None and found.determined else None
+
+
+def describe_background(
+    estimate: BackgroundEstimate | None, calibration: Calibration, *, corrected: bool
+) -> tuple[dict[str, Any], list[Note]]:
+    """Variables of the film and notes about a background.
+
+    Parameters
+    ----------
+    estimate : BackgroundEstimate or None
+    calibration : Calibration
+    corrected : bool
+        Whether it was to be subtracted.
+
+    Returns
+    -------
+    variables : dict of str to variable
+        background and background_std on dim camera; none where the run does not determine them.
+    notes : list of Note
+    """
+    if estimate is None:
+        level, more = Level.NOTE, ""
+        if corrected:
+            level, more = Level.WARNING, "; nothing was subtracted"
+        text = (
+            "light and films of this run do not determine light that is not film: it needs a dozen "
+            f"frames and films that differ{more}. Frames of the dry joint (background in [camera1] "
+            "and [camera2]) measure it"
+        )
+        return {}, [Note(level, "background", text)]
+
+    attrs = {
+        "units": "1",
+        "long_name": "light that is not film over the median light of the camera",
+        "comment": "even over the image; estimated from light and films of the run",
+        "subtracted": str(corrected).lower(),
+        "chi_square": estimate.chi_square,
+        "detectable": estimate.detectable,
+    }
+    std = {"units": "1", "long_name": "its standard deviation, calibration included"}
+    variables = {
+        "background": ("camera", estimate.share, attrs),
+        "background_std": ("camera", estimate.std, std),
+    }
+    return variables, [_describe(estimate, calibration, corrected=corrected)]
+
+
+def _describe(estimate: BackgroundEstimate, calibration: Calibration, *, corrected: bool) -> Note:
+    """What was found, in one line."""
+    one, two = (
+        f"camera {n} {100 * share:.1f} ± {100 * std:.1f} %"
+        for n, (share, std) in enumerate(zip(estimate.share, estimate.std, strict=True), 1)
+    )
+    shares = f"{one}, {two} of the median light"
+    if corrected:
+        return Note(Level.NOTE, "background", f"light that is not film subtracted: {shares}")
+    if not estimate.significant:
+        return Note(
+            Level.NOTE,
+            "background",
+            f"no light that is not film was found; {100 * estimate.detectable:.1f} % of the median "
+            "light in both cameras would have been significant",
+        )
+
+    film = 0.5 * estimate.film  # thinner than the median, where the joint carries its load
+    low = max(film, calibration.thickness_range[0])
+    shift, std = (
+        1e3 * float(value(np.array(low), calibration))
+        for value in (estimate.film_shift, estimate.film_shift_std)
+    )
+    return Note(
+        Level.WARNING,
+        "background",
+        f"light and films of the run do not agree without light that is not film: {shares}. Films "
+        f"of {low:.1f} um then read {shift:+.0f} ± {std:.0f} nm too thick; film_mean_std and "
+        "film_min_std include this shift, the maps do not. Photograph the dry joint (background in "
+        '[camera1] and [camera2]), or set background = "correct" in [light]',
+    )
+
+
+def subtract(chain: FrameChain, estimate: BackgroundEstimate) -> FrameChain:
+    """The chain with an even background subtracted from every frame.
+
+    Parameters
+    ----------
+    chain : FrameChain
+        With its references.
+    estimate : BackgroundEstimate
+
+    Returns
+    -------
+    FrameChain
+    """
+    references = chain.references
+    level = np.array(estimate.share * np.array(estimate.unit))
+    even = level[:, None, None] * references.flat.values
+    before = references.get("background", xr.zeros_like(references.flat))
+    variance = references.get("background_var", xr.zeros_like(references.flat))
+    recorded = references.get("background_recorded", xr.zeros_like(references.gain, dtype=bool))
+    added = references.assign(
+        background=before.copy(data=(before.values + even).astype(np.float32)),
+        background_var=variance,
+        background_recorded=recorded,
+    )
+    return replace(chain, correct=replace(chain.correct, references=References(added)))
+
+
+def find_bleaching(
+    lights: dict[int, FrameLight], triggers: AnyArray, energies: Array | None
+) -> tuple[Trend | None, str]:
+    """Change of ratio and light with every pulse, at equal film.
+
+    Parameters
+    ----------
+    lights : dict of int to FrameLight
+        By frame.
+    triggers : array of int, (frame,)
+        Trigger of every frame of the run.
+    energies : array, (frame,), optional
+        Relative pulse energies from the log. [1]
+
+    Returns
+    -------
+    trend : Trend or None
+        None where neither a patch nor several cycles determine it.
+    source : str
+        Where the film is the same: the reference patch, or equal triggers.
+    """
+    frames = np.array(sorted(lights), int)
+    if not frames.size:
+        return None, ""
+    # the light of a frame without a logged energy, or of a missed pulse, is not compared
+    energy = np.full(frames.size, np.nan) if energies is None else energies[frames]
+    lowered = np.log(np.where(energy > 0, energy, np.nan))[:, None]
+    patch = np.array([lights[frame].patch for frame in frames])
+    if np.isfinite(patch[:, 1]).any():
+        group = np.zeros(frames.size, int)
+        found = fit_trend(frames.astype(float), group, patch[:, 1:2], patch[:, :1] - lowered)
+        return found, "on the patch"
+
+    light = np.array([lights[frame].cells.light for frame in frames], float)
+    ratio = np.array([lights[frame].cells.log_ratio for frame in frames], float)
+    found = fit_trend(frames.astype(float), triggers[frames], ratio, light - lowered)
+    return found, "at equal triggers"
+
+
+def describe_bleaching(
+    trend: Trend | None, source: str, *, frames: int, corrected: bool
+) -> tuple[dict[str, Any], list[Note]]:
+    """Variables of the film and notes about bleaching dyes.
+
+    Parameters
+    ----------
+    trend : Trend or None
+    source : str
+        As `find_bleaching` returns it.
+    frames : int
+        Frames of the run.
+    corrected : bool
+        Whether it was to be taken out.
+
+    Returns
+    -------
+    variables : dict of str to variable
+    notes : list of Note
+    """
+    if trend is None:
+        if not corrected:
+            return {}, []
+        text = (
+            "bleaching cannot be separated from a change of the film: this takes several cycles "
+            "or a reference patch. Nothing was taken out of the ratio"
+        )
+        return {}, [Note(Level.WARNING, "bleaching", text)]
+    attrs = {"units": "1", "long_name": f"change of ln(ratio) per frame, {source}"}
+    of_light = {"units": "1", "long_name": f"change of ln(light of camera 1) per frame, {source}"}
+    std = {"units": "1", "long_name": "its standard deviation"}
+    variables: dict[str, Any] = {
+        "bleaching_ratio": ((), trend.log_ratio, attrs | {"corrected": str(corrected).lower()}),
+        "bleaching_ratio_std": ((), trend.log_ratio_std, std),
+    }
+    if np.isfinite(trend.light):
+        variables |= {
+            "bleaching_light": ((), trend.light, of_light),
+            "bleaching_light_std": ((), trend.light_std, std),
+        }
+    if not trend.significant() and not corrected:
+        return variables, []
+    light = ""
+    if np.isfinite(trend.light):
+        light = f", the light of camera 1 by {_per_cent(trend.light, trend.light_std, frames)}"
+    text = (
+        f"{source}, the ratio changes by {_per_cent(trend.log_ratio, trend.log_ratio_std, frames)}"
+        f"{light} over the run, as with dyes that bleach"
+    )
+    if source == "at equal triggers":
+        text += " or films that change from cycle to cycle"
+    if corrected:
+        return variables, [Note(Level.NOTE, "bleaching", f"{text}; taken out of the ratio")]
+    text += '; bleaching = "correct" in [light] takes the change out of the ratio'
+    return variables, [Note(Level.WARNING, "bleaching", text)]
+
+
+def _per_cent(slope: float, std: float, frames: int) -> str:
+    return f"{100 * frames * slope:+.2f} ± {100 * frames * std:.2f} %"
+
+
+@dataclass(frozen=True)
+class LightFindings:
+    """What light and films of a run show beside the films.
+
+    Attributes
+    ----------
+    background : BackgroundEstimate | None
+        None where it is not determined.
+    bleaching : Trend | None
+        None where it is not determined.
+    source : str
+        Where the film is the same, for bleaching.
+    """
+
+    background: BackgroundEstimate | None = None
+    bleaching: Trend | None = None
+    source: str = ""
+
+    def complete(self, remaining: LightFindings, options: LightOptions) -> LightFindings:
+        """What was corrected as it was found before, and the rest from the finished films."""
+        return LightFindings(
+            self.background if options.background == "correct" else remaining.background,
+            self.bleaching if options.bleaching == "correct" else remaining.bleaching,
+            self.source if options.bleaching == "correct" else remaining.source,
+        )
+
+
+def run_patch(run: Run) -> Region | None:
+    """Rows and columns of the reference patch of a run; None without one."""
+    settings = run.settings
+    return find_patch(
+        settings.reference, pitch=1e3 * settings.optics.pixel_pitch, shape=run.pairs.shape
+    )
+
+
+def find_light(
+    lights: dict[int, FrameLight],
+    calibration: Calibration,
+    triggers: AnyArray,
+    energies: Array | None,
+) -> LightFindings:
+    """Background and bleaching of a run; parameters as for both."""
+    return LightFindings(
+        find_background(lights, calibration, energies),
+        *find_bleaching(lights, triggers, energies),
+    )
+
+
+def correct_light(
+    chain: FrameChain, calibration: Calibration, found: LightFindings, options: LightOptions
+) -> tuple[FrameChain, Calibration]:
+    """Chain and calibration with which the films are measured, where corrections are asked for."""
+    if options.background == "correct" and found.background is not None:
+        chain = subtract(chain, found.background)
+        calibration = replace(calibration, background=found.background.error)
+    if options.bleaching == "correct" and found.bleaching is not None:
+        chain = replace(chain, ratio_drift=found.bleaching.log_ratio)
+    return chain, calibration
+
+
+def describe_light(
+    found: LightFindings, results: Sequence[TriggerResult], run: Run, calibration: Calibration
+) -> tuple[dict[str, Any], list[Note]]:
+    """Variables and notes about background, bleaching and reference patch."""
+    options = run.settings.light
+    parts = [
+        describe_background(
+            found.background, calibration, corrected=options.background == "correct"
+        ),
+        describe_bleaching(
+            found.bleaching,
+            found.source,
+            frames=len(run.pairs.usable),
+            corrected=options.bleaching == "correct",
+        ),
+        describe_reference(results, run.settings.reference, calibration),
+    ]
+    variables: dict[str, Any] = {}
+    notes: list[Note] = []
+    for more, also in parts:
+        variables |= more
+        notes += also
+    return variables, notes
+
+
+def remaining_errors(
+    found: LightFindings,
+    options: LightOptions,
+    film: Array,
+    pulses: Array,
+    calibration: Calibration,
+) -> dict[str, Array]:
+    """Errors that background and bleaching leave in films, beyond those of the calibration.
+
+    Parameters
+    ----------
+    found : LightFindings
+    options : LightOptions
+    film : array, (film,)
+        [um]
+    pulses : array, (film,)
+        Number of the pulse at which each was measured.
+    calibration : Calibration
+
+    Returns
+    -------
+    dict of str to array
+        By source: what is significant and not corrected, and the uncertainty of a drift that was
+        taken out. The uncertainty of a background that was subtracted is part of the calibration
+        with which the films were measured. [um]
+    """
+    low, high = calibration.thickness_range
+    values = np.clip(np.nan_to_num(film, nan=high), low, high)
+    errors = {}
+    background = found.background
+    if options.background != "correct" and background is not None and background.significant:
+        errors["background"] = np.abs(background.film_shift(values, calibration))
+
+    trend = found.bleaching
+    if trend is not None and (options.bleaching == "correct" or trend.significant()):
+        corrected = options.bleaching == "correct"
+        change = trend.log_ratio_std if corrected else abs(trend.log_ratio)
+        errors["bleaching"] = np.nan_to_num(pulses) * change / calibration.slope(values)
+    return errors
+
+
+def widen_errors(
+    film: xr.Dataset,
+    found: LightFindings,
+    results: Sequence[TriggerResult],
+    options: LightOptions,
+    calibration: Calibration,
+) -> xr.Dataset:
+    """Add `remaining_errors` to the errors of mean and minimum film and of the pin.
+
+    They move the pin towards the load by as much as they move the film at the load line.
+    """
+    pulses = np.array([np.mean([one.frame for one in result.frames] or [0]) for result in results])
+    for name in ("film_mean", "film_min"):
+        std = film[f"{name}_std"]
+        errors = remaining_errors(found, options, film[name].values, pulses, calibration)
+        for error in errors.values():
+            std = std.copy(data=np.hypot(std.values, error))
+        film[f"{name}_std"] = std
+
+    if "pin_position_cov" in film:
+        place, whole = film.pin_displacement, film.pin_position_cov.copy()
+        at_line = place.attrs["clearance"] - place.values[:, AXES.index("load")]
+        for error in remaining_errors(found, options, at_line, pulses, calibration).values():
+            whole.values[:, 0, 0] += error**2
+        film["pin_position_cov"] = whole
+    return film

@@ -1,0 +1,298 @@
+"""A run or its film to maps of the film that theory predicts, on the grid of the camera."""
+
+from __future__ import annotations
+
+import hashlib
+import tempfile
+from collections.abc import Mapping
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import Array, Image
+from erlif.core.errors import ConfigError, EncoderError, OutputError
+from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
+from erlif.core.progress import Progress, ShowProgress, choose_progress
+from erlif.core.version import __version__
+from erlif.io.files import (
+    MapVariable,
+    PartialFilm,
+    describe_hashes,
+    open_film,
+    open_netcdf,
+    refuse_existing,
+    remove_remains,
+    settings_of,
+    takes,
+    write_film,
+)
+from erlif.io.ingest import hash_files_beside_frames, open_run
+from erlif.io.settings import RunSettings, to_toml
+from erlif.pipeline.film import choose_region, describe_grid, pixel_positions
+from erlif.pipeline.physics.joint import locate_run
+from erlif.pipeline.physics.prediction import (
+    Prediction,
+    describe_sideways,
+    film_along_sliding,
+    frames_of_run,
+    places_along_sliding,
+    predict_run,
+    refuse_steady,
+)
+from erlif.pipeline.recording.clock import fit_start
+from erlif.prediction.triggers import CELLS
+
+MAP = MapVariable(
+    "film_predicted",
+    "float32",
+    {"units": "um", "long_name": "film thickness predicted by the transient Reynolds equation"},
+    bits=14,  # at most 0.003 %: far below the error of the solution
+)
+"""The map of prediction.nc."""
+
+_MEASURED = ("film_min", "film_min_std", "film_mean", "film_mean_std")
+_OF_FILM = (
+    *_MEASURED,
+    "pin_displacement",
+    "encoder_angle",
+    "crank_angle",
+    "stroke",
+    "time",
+    "rocker_speed",
+    "load",
+)
+"""Variables of a film that prediction.nc repeats, so that both are compared without it."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """What a prediction is made from.
+
+    Attributes
+    ----------
+    settings : RunSettings
+        Those of run.toml, or those that the film holds.
+    film : xr.Dataset
+        What is measured and logged at each trigger.
+    frames : xr.Dataset
+        As `erlif.pipeline.physics.prediction.frames_of_run` returns them.
+    shape : tuple[int, int]
+        Rows and columns of the image.
+    hashes : Mapping[str, str]
+        Of the inputs.
+    """
+
+    settings: RunSettings
+    film: xr.Dataset
+    frames: xr.Dataset
+    shape: tuple[int, int]
+    hashes: Mapping[str, str]
+
+    @property
+    def triggers(self) -> int:
+        """Number of triggers."""
+        return int(self.frames.trigger.max()) + 1
+
+
+@takes(path="run or film", output="path")
+def predict(
+    path: str | Path,
+    *,
+    output: str | Path | None = None,
+    overwrite: bool = False,
+    allow_outside: bool = False,
+    progress: ShowProgress = None,
+) -> xr.Dataset:
+    """Predict the film of an oscillating joint over the cycle, as its camera would see it.
+
+    Parameters
+    ----------
+    path : path
+        A run directory: its settings and log, and film.nc or film.zarr in it for the start film.
+        Or a film, with the settings that it holds.
+    output : path, optional
+        Where to write the prediction, netCDF. Default: nowhere, it is only returned.
+    overwrite : bool
+        Replace an existing output.
+    allow_outside : bool
+        Follow links and names of files that leave the run directory.
+    progress : "bar", bool or callable, optional
+        As for `erlif.process`.
+
+    Returns
+    -------
+    xarray.Dataset
+        The prediction, as docs/files.md describes it; with `output`, maps are read from it when
+        used.
+
+    Raises
+    ------
+    ErlifError
+        If an input cannot be used, the film cannot be predicted, or the output exists.
+
+    Examples
+    --------
+    >>> prediction = predict("data_samples/straight_bushing")  # doctest: +SKIP
+    >>> prediction.film_predicted.dims  # doctest: +SKIP
+    ('trigger', 'y', 'x')
+    """
+    progress = choose_progress(progress)
+    if output is not None:
+        _write_prediction(Path(path), Path(output), overwrite, allow_outside, progress)
+        return open_netcdf(Path(output))
+    with tempfile.TemporaryDirectory(prefix="erlif-") as scratch:
+        place = Path(scratch) / "prediction.nc"
+        _write_prediction(Path(path), place, True, allow_outside, progress)
+        with open_netcdf(place) as found:
+            return found.load()
+
+
+def is_film(path: Path) -> bool:
+    """Whether a path is that of a film, and not that of a run directory."""
+    return path.suffix in (".nc", ".zarr") or path.is_file()
+
+
+def _write_prediction(
+    path: Path, output: Path, overwrite: bool, allow_outside: bool, progress: Progress
+) -> None:
+    """Predict and write trigger by trigger; parameters as for `predict`."""
+    remove_remains(output)
+    refuse_existing(output, overwrite=overwrite, holds=MAP.name)
+    source = read_film(path) if is_film(path) else _read_run(path, allow_outside)
+    settings = source.settings
+    x, y = pixel_positions(settings, source.shape)
+    place = places_along_sliding(settings, x, y, choose_region(settings, source.shape))
+    prediction = predict_run(settings, source.film, source.frames, place)
+
+    grid = describe_grid(settings, source.shape, source.triggers)
+    with PartialFilm(output, _identify(source), grid, [MAP]) as unfinished:
+        gaps = film_along_sliding(settings, prediction.triggers, place[0])
+        for trigger, gap in enumerate(gaps):
+            if not unfinished.has(trigger):
+                chunks = unfinished.maps.encode(
+                    {MAP.name: spread_over_image(gap, settings, source.shape)}
+                )
+                unfinished.put(trigger, chunks, {})
+            progress("prediction", trigger + 1, len(gaps))
+        described = _describe(source, prediction).assign_coords(grid.coords)
+        write_film(unfinished, described, {"frames": _describe_frames(source, prediction)})
+
+
+def spread_over_image(gap: Array, settings: RunSettings, shape: tuple[int, int]) -> Image:
+    """The film of one trigger over the image: pin and bushing are parallel.
+
+    Parameters
+    ----------
+    gap : array, (pixel,)
+        Film along sliding. [um]
+    settings : RunSettings
+    shape : tuple of int
+        Rows and columns of the image.
+
+    Returns
+    -------
+    array of float32, (y, x)
+    """
+    across = gap[np.newaxis, :] if settings.optics.x_axis == "sliding" else gap[:, np.newaxis]
+    return np.ascontiguousarray(np.broadcast_to(across, shape), np.float32)
+
+
+def read_film(path: Path) -> Source:
+    """The settings, statistics and frames that a film holds."""
+    with open_film(path) as film, closing(open_film(path, group="frames")) as group:
+        settings = settings_of(film)
+        refuse_steady(settings, "the prediction")
+        kept = film[[name for name in _OF_FILM if name in film]].load()
+        trigger = group.trigger.values
+        frames = xr.Dataset(
+            {
+                "trigger": ("frame", trigger),
+                "cycle": ("frame", group["cycle"].values),
+                "used": ("frame", np.ones(trigger.size, bool)),
+            }
+        )
+        # the film has the means of its triggers; with one cycle they are those of the frames
+        for name in ("crank_angle", "load", "temperature"):
+            if name in film:
+                frames[name] = ("frame", film[name].values[trigger])
+        if "time" in group and np.isfinite(group["time"].values).all():
+            frames["time"] = ("frame", group["time"].values)
+        shape = film.sizes["y"], film.sizes["x"]
+        hashes = {path.name: str(film.attrs.get("identity", ""))}
+    return Source(settings, kept, frames, shape, hashes)
+
+
+def _read_run(run_dir: Path, allow_outside: bool) -> Source:
+    """The source of a run directory, with its film where that was made."""
+    run = open_run(run_dir, find_start=fit_start, allow_outside=allow_outside)
+    refuse_steady(run.settings, "the prediction")
+    cycle = locate_run(run)
+    frames = frames_of_run(run, cycle)
+    if "load" not in frames:
+        raise ConfigError(
+            "Expected the load: the encoder log has no load_N and [joint] no load. Add load = "
+            '"50 lbf" to [joint] in run.toml.'
+        )
+    logged = hash_files_beside_frames(run)
+    hashes = {path.name: digest for path, digest in logged.items() if path.suffix != ".tif"}
+
+    paths = [run_dir / name for name in ("film.nc", "film.zarr") if (run_dir / name).exists()]
+    if not paths:
+        if run.settings.prediction.start_film == "fit":
+            raise OutputError(
+                f"Expected film.nc in {run_dir}, from which the film at the first frame is found; "
+                'there is none. Make it with erlif process, or give start_film = "20 um" in '
+                "[prediction] of run.toml."
+            )
+        return Source(run.settings, xr.Dataset(), frames, run.pairs.shape, hashes)
+    with open_film(paths[0]) as film:
+        if film.sizes["trigger"] != int(frames.trigger.max()) + 1:
+            raise EncoderError(
+                f"Expected {paths[0]} to have the triggers of the log, "
+                f"{int(frames.trigger.max()) + 1}; it has {film.sizes['trigger']}. Make it again "
+                "with erlif process --overwrite."
+            )
+        kept = film[[name for name in _OF_FILM if name in film]].load()
+        hashes[paths[0].name] = str(film.attrs.get("identity", ""))
+    return Source(run.settings, kept, frames, run.pairs.shape, hashes)
+
+
+def _identify(source: Source) -> str:
+    """Identity of the work, by which an interrupted one is resumed."""
+    parts = [__version__, to_toml(source.settings), describe_hashes(source.hashes)]
+    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+
+
+def _describe(source: Source, prediction: Prediction) -> xr.Dataset:
+    """Everything of the triggers, and the record of how it was made."""
+    settings = source.settings
+    start = prediction.triggers.film_predicted_min.attrs
+    # coordinates of the film are those of the grid already; the position gave the load line
+    apart = [*source.film.xindexes, "pin_displacement"]
+    kept = source.film.drop_vars(apart, errors="ignore")
+    kept = kept.drop_attrs(deep=False)
+    return kept.assign(prediction.triggers).assign_attrs(
+        Conventions="CF-1.11",
+        title=f"predicted oil-film thickness, {settings.name}",
+        history=f"erlif {__version__}: predict {settings.name}",
+        erlif_version=__version__,
+        **{ATTRIBUTE: FORMAT_VERSION},
+        settings=to_toml(settings),
+        input_hashes=describe_hashes(source.hashes),
+        model=f"transient Reynolds, {describe_sideways(settings.prediction)}",
+        cells=list(CELLS),
+        start_film=start["start_film"],
+        start_film_fitted=start["start_film_fitted"],
+    )
+
+
+def _describe_frames(source: Source, prediction: Prediction) -> xr.Dataset:
+    """The positions of the frames: those averaged in a trigger each have their own film."""
+    belong = source.frames[["trigger", "cycle"]].copy()
+    belong["trigger"].attrs = {"units": "1", "long_name": "trigger within the cycle"}
+    belong["cycle"].attrs = {"units": "1", "long_name": "turn of the crank"}
+    number = np.arange(belong.sizes["frame"])
+    return belong.assign(prediction.frames).assign_coords(frame=number)

@@ -1,0 +1,496 @@
+"""The transient prediction of a run: its journal, its motion, and its place in the film."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import Array
+from erlif.core.errors import ConfigError, ErlifError
+from erlif.core.notes import Level, Note
+from erlif.io.ingest import Run
+from erlif.io.settings import CrankRockerSettings, PredictionOptions, RunSettings
+from erlif.models.mechanism import CrankRocker
+from erlif.models.reynolds import Journal
+from erlif.pipeline.physics.joint import build_linkage, describe_joint
+from erlif.prediction import (
+    FrameMotion,
+    View,
+    follow_motion,
+    gap_in_view,
+    predict_triggers,
+    speed_correlation,
+)
+from erlif.prediction.triggers import CELLS
+from erlif.trend import Region, viscosity_at
+
+_RIGID = "isoviscous-rigid"
+"""Regime whose surfaces keep their shape, as the transient prediction takes them."""
+
+_ERRORS = 5.0
+"""Standard deviations of the minimum beyond which a difference from the prediction is no chance:
+the film varies in more ways than one error describes, so that three are not enough."""
+
+_SHARE = 0.03
+"""Of the film; a smaller difference is within what marks and waviness of surfaces do."""
+
+_FEWEST = 4
+"""Triggers; of three, a start film and a chance make any course."""
+
+
+class Prediction(NamedTuple):
+    """The transient prediction of a run.
+
+    Attributes
+    ----------
+    triggers : xarray.Dataset
+        film_predicted_min and film_predicted_mean [um], eccentricity [1] and attitude [degree], on
+        dim trigger; empty without a prediction.
+    frames : xarray.Dataset
+        The same and elapsed_cycles [1], on dim frame; empty without a prediction.
+    notes : list of Note
+        Why there is none, or what limits it.
+    """
+
+    triggers: xr.Dataset
+    frames: xr.Dataset
+    notes: list[Note]
+
+
+NO_PREDICTION = Prediction(xr.Dataset(), xr.Dataset(), [])
+
+
+def swings(settings: RunSettings) -> bool:
+    """Whether the tables describe a joint whose film can be predicted over the cycle."""
+    tables = settings.joint, settings.oil
+    return isinstance(settings.mechanism, CrankRockerSettings) and None not in tables
+
+
+def refuse_steady(settings: RunSettings, what: str) -> None:
+    """Refuse a run whose tables describe no joint that swings, and name what it lacks.
+
+    Parameters
+    ----------
+    settings : RunSettings
+    what : str
+        What needs such a joint, for the message.
+
+    Raises
+    ------
+    ConfigError
+    """
+    if swings(settings):
+        return
+    links = settings.mechanism
+    if links is not None and not isinstance(links, CrankRockerSettings):
+        raise ConfigError(
+            f'Expected [mechanism] of kind "crank-rocker" for {what} of an oscillating joint; this '
+            f'run has kind "{links.kind}", of which erlif has none. Use the measured film alone, '
+            "or the shapes of erlif.models.reynolds."
+        )
+    needed = {"mechanism": links, "joint": settings.joint, "oil": settings.oil}
+    missing = " and ".join(f"[{name}]" for name, table in needed.items() if table is None)
+    raise ConfigError(
+        f"Expected [mechanism], [joint] and [oil] for {what} of an oscillating joint; run.toml has "
+        f"no {missing}. Add what is missing."
+    )
+
+
+def frames_of_run(run: Run, cycle: xr.Dataset) -> xr.Dataset:
+    """What the prediction needs of every frame.
+
+    Parameters
+    ----------
+    run : Run
+    cycle : xarray.Dataset
+        As `locate_run` returns it.
+
+    Returns
+    -------
+    xarray.Dataset
+        On dim frame: trigger, cycle, crank_angle [degree], load [N], used (whether the frame was
+        measured), and where they are logged time [s] and temperature [degree_Celsius].
+    """
+    names = [name for name in ("trigger", "cycle", "crank_angle") if name in cycle]
+    frames = cycle[names].reset_coords(drop=True)
+    for name in ("time", "temperature", "load"):
+        if name in run.log:
+            frames[name] = ("frame", run.log[name].values)
+    if "load" not in frames and run.settings.load is not None:
+        frames["load"] = xr.full_like(cycle.trigger, run.settings.load, float)
+    used = np.zeros(cycle.sizes["frame"], bool)
+    used[list(run.pairs.usable)] = True
+    return frames.assign(used=("frame", used))
+
+
+def build_journal(settings: RunSettings, viscosity: float) -> Journal:
+    """The joint of the settings with a viscosity [Pa s], as the solver needs it.
+
+    Raises
+    ------
+    ConfigError
+        If [joint] or [oil] is absent.
+    """
+    joint, options = settings.joint, settings.prediction
+    if joint is None or settings.oil is None:
+        raise ConfigError("Expected [joint] and [oil] in run.toml for the prediction; add them.")
+    return Journal(
+        pin_radius=joint.pin_radius,
+        bushing_radius=joint.bushing_radius,
+        length=joint.length,
+        viscosity=viscosity,
+        pressure_viscosity=settings.oil.pressure_viscosity,
+        cavitation_pressure=options.cavitation_pressure,
+        long=options.long,
+    )
+
+
+def build_motion(settings: RunSettings, frames: xr.Dataset) -> FrameMotion:
+    """The motion of the joint through its frames; `frames` as `frames_of_run` returns them.
+
+    Raises
+    ------
+    ConfigError
+        If the settings describe no joint that swings.
+    EncoderError
+        As `erlif.prediction.follow_motion`.
+    """
+    refuse_steady(settings, "the prediction")
+    links, joint = settings.mechanism, describe_joint(settings)
+    assert isinstance(links, CrankRockerSettings)
+    assert joint is not None
+    linkage = build_linkage(links)
+    assert isinstance(linkage, CrankRocker)
+    return follow_motion(
+        frames,
+        linkage,
+        crank_speed=links.crank_speed,
+        viscosity=viscosity_at(frames, joint.viscosity),
+        direction=1 if settings.prediction.direction == "along" else -1,
+    )
+
+
+def places_along_sliding(
+    settings: RunSettings, x: Array, y: Array, region: Region
+) -> tuple[Array, slice]:
+    """Positions of the image along sliding [mm], and which of them are in the region of interest.
+
+    Parameters
+    ----------
+    settings : RunSettings
+    x, y : array
+        Positions of columns and rows. [mm]
+    region : Region
+
+    Returns
+    -------
+    position : array, (pixel,)
+    within : slice
+    """
+    if settings.optics.x_axis == "sliding":
+        return x, region.columns
+    return y, region.rows
+
+
+def film_along_sliding(settings: RunSettings, predicted: xr.Dataset, position: Array) -> Array:
+    """Predicted film at the places of the image along sliding.
+
+    Parameters
+    ----------
+    settings : RunSettings
+    predicted : xarray.Dataset
+        eccentricity [1] and attitude [degree], of triggers, frames, or one of them; the attribute
+        load_line [mm] of attitude is where the angles begin.
+    position : array, (pixel,)
+        Positions of the image along sliding. [mm]
+
+    Returns
+    -------
+    array, (..., pixel)
+        The gap of the radii in [joint]. [um]
+
+    Raises
+    ------
+    ConfigError
+        If [joint] or [oil] is absent.
+    """
+    joint = build_journal(settings, 1.0)  # of any viscosity: the gap is that of the radii
+    eccentric = predicted["eccentricity"].values * joint.clearance
+    angle = np.radians(predicted["attitude"].values)
+    place = 1e-3 * (position - float(predicted["attitude"].attrs["load_line"]))
+    gap = gap_in_view(eccentric * np.cos(angle), eccentric * np.sin(angle), joint, place)
+    return 1e6 * gap
+
+
+def find_load_line(
+    settings: RunSettings, film: xr.Dataset, motion: FrameMotion, position: Array
+) -> float:
+    """The load line of the settings, else that about which the measured pin swings.
+
+    A free pin keeps its place in the frame that turns with half the bushing angle; one that is held
+    stays on the load line. The mean of the measured directions is that of these, less the line.
+
+    Parameters
+    ----------
+    settings : RunSettings
+    film : xarray.Dataset
+        pin_displacement (trigger, axis) [um], counted from the middle of the image; without it,
+        that middle is the load line.
+    motion : FrameMotion
+    position : array, (pixel,)
+        Positions of the image along sliding. [mm]
+
+    Returns
+    -------
+    float
+        [mm]
+    """
+    given = settings.prediction.load_line
+    if given is not None:
+        return 1e3 * float(given)
+    middle = float(position.mean())
+    if "pin_displacement" not in film:
+        return middle
+    load, side = film["pin_displacement"].values.T
+    measured = np.arctan2(side, load)
+    measured = measured[np.isfinite(measured)]
+    if not measured.size:
+        return middle
+
+    # of the median, so that a trigger without a sound fit does not count
+    free = settings.prediction.sideways == "free"
+    expected = float(np.median(motion.motion.angle[motion.steps])) / 2 if free else 0.0
+    radius = build_journal(settings, motion.viscosity).radius
+    return middle + 1e3 * radius * (float(np.median(measured)) - expected)
+
+
+def predict_run(
+    settings: RunSettings,
+    film: xr.Dataset,
+    frames: xr.Dataset,
+    place: tuple[Array, slice],
+    *,
+    cells: tuple[int, int] = CELLS,
+) -> Prediction:
+    """Predict the film of a run.
+
+    Parameters
+    ----------
+    settings : RunSettings
+    film : xarray.Dataset
+        film_min and film_min_std (trigger) [um], from which the start film is found unless the
+        settings give it, and pin_displacement (trigger, axis) [um] for the load line.
+    frames : xarray.Dataset
+        As `frames_of_run` returns them.
+    place : array and slice
+        From `places_along_sliding`.
+    cells : (int, int)
+        As for `erlif.prediction.predict_frames`.
+
+    Returns
+    -------
+    Prediction
+
+    Raises
+    ------
+    ErlifError
+        If the film cannot be predicted.
+    """
+    options, (position, within) = settings.prediction, place
+    motion = build_motion(settings, frames)
+    line = find_load_line(settings, film, motion, position)
+    found = predict_triggers(
+        film,
+        build_journal(settings, motion.viscosity),
+        motion,
+        trigger=frames.trigger.values,
+        used=frames.used.values,
+        view=View(1e-3 * (position - line), within),
+        sideways=options.sideways if isinstance(options.sideways, str) else float(options.sideways),
+        start_film=None if options.start_film == "fit" else float(options.start_film),
+        cells=cells,
+    )
+    names = ["film_predicted_min", "film_predicted_mean", "eccentricity", "attitude"]
+    by_frame = found[[f"{name}_frame" for name in names]]
+    by_frame = by_frame.rename({f"{name}_frame": name for name in names})
+    for one in (found, by_frame):
+        one["attitude"].attrs["load_line"] = line
+    return Prediction(found[names], by_frame.assign(elapsed_cycles=found.elapsed_cycles), [])
+
+
+def try_prediction(
+    settings: RunSettings, film: xr.Dataset, frames: xr.Dataset, place: tuple[Array, slice]
+) -> Prediction:
+    """Predict the film of a run where its tables allow it; a failure becomes a note.
+
+    Parameters
+    ----------
+    settings, film, frames, place
+        As for `predict_run`.
+
+    Returns
+    -------
+    Prediction
+        Without variables where the joint does not swing, or the prediction failed.
+    """
+    if not swings(settings) or "load" not in frames or "crank_angle" not in frames:
+        return NO_PREDICTION
+    try:
+        return predict_run(settings, film, frames, place)
+    # a measured film is worth more than its prediction, whatever went wrong in the latter
+    except (ErlifError, ArithmeticError, ValueError, IndexError) as error:
+        text = f"the film over the cycle is not predicted: {error}"
+        return NO_PREDICTION._replace(notes=[Note(Level.WARNING, "[prediction]", text)])
+
+
+def choose_theory(settings: RunSettings, steady: xr.Dataset, predicted: xr.Dataset) -> xr.Dataset:
+    """The films by theory: the transient one in place of the regime map where there is one.
+
+    Parameters
+    ----------
+    settings : RunSettings
+    steady : xarray.Dataset
+        As `erlif.trend.predict_film` returns it.
+    predicted : xarray.Dataset
+        The triggers of a `Prediction`.
+
+    Returns
+    -------
+    xarray.Dataset
+        film_theory, film_regime_map and the rest of `steady`, and `predicted`; the steady films
+        alone without a prediction.
+    """
+    if "film_theory" not in steady:
+        return steady
+    regime_map = steady["film_theory"]
+    both = steady.assign(film_regime_map=regime_map)
+    if not predicted:
+        return both
+
+    reason = _why_transient(settings)
+    both = both.merge(predicted, combine_attrs="drop_conflicts")
+    both["film_theory"] = (
+        "trigger",
+        predicted["film_predicted_min"].values,
+        {
+            "units": "um",
+            "long_name": "transient film over the cycle, minimum in the region of interest",
+            "regime": f"transient Reynolds, {describe_sideways(settings.prediction)}",
+            "reason": reason,
+            "notes": _describe_assumptions(settings, predicted, regime_map.attrs["regime"]),
+        },
+    )
+    for name in ("film_regime_map", "film_hamrock_dowson"):
+        both[name].attrs["comment"] = f"steady formula, for reference: {reason}"
+    return both
+
+
+def note_correlation(film: xr.Dataset) -> list[Note]:
+    """Correlation of the film with the size of the speed, measured and by theory.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        With film_min, film_predicted_min, film_regime_map and rocker_speed (trigger).
+
+    Returns
+    -------
+    list of Note
+        Empty without a prediction, or where the measured film has no correlation.
+    """
+    if "film_predicted_min" not in film or "rocker_speed" not in film:
+        return []
+    names = ("film_min", "film_predicted_min", "film_regime_map")
+    speed = film["rocker_speed"].values
+    measured, predicted, steady = (speed_correlation(film[name].values, speed) for name in names)
+    if not np.isfinite([measured, predicted, steady]).all():
+        return []
+    text = (
+        f"minimum film and |speed| have a correlation of {measured:+.2f}; the transient prediction "
+        f"gives {predicted:+.2f}, the steady regime map {steady:+.2f}"
+    )
+    return [Note(Level.NOTE, "theory", text)]
+
+
+def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:
+    """A warning where the measured minimum leaves the predicted one beyond its error.
+
+    The mean difference is left out: the calibration shifts all triggers alike, and the start film
+    may be given.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        With film_min, film_min_std and film_predicted_min (trigger). [um]
+    options : PredictionOptions
+        How the pin was taken to be held.
+
+    Returns
+    -------
+    list of Note
+        Empty without a prediction, and where the difference is within the error.
+    """
+    if not {"film_min", "film_min_std", "film_predicted_min"} <= set(film):
+        return []
+    measured, std, predicted = (
+        film[name].values for name in ("film_min", "film_min_std", "film_predicted_min")
+    )
+    known = np.isfinite(measured) & np.isfinite(std) & np.isfinite(predicted)
+    if known.sum() < _FEWEST:
+        return []
+    off = (measured - predicted)[known]
+    spread, error = float(off.std()), float(np.sqrt(np.mean(std[known] ** 2)))
+    if spread < max(_ERRORS * error, _SHARE * float(np.mean(measured[known]))):
+        return []
+
+    other = "free" if options.sideways == "guided" else "guided"
+    text = (
+        f"the course of the minimum film over the run is not that of a "
+        f"{describe_sideways(options)}: measured less predicted varies by {spread:.3g} um (rms "
+        f"about its mean), where film_min is known to {error:.2g} um. Run erlif predict RUN_DIR "
+        "--fit, which compares a free with a guided pin and fits the viscosity; try sideways = "
+        f'"{other}" in [prediction]; check the load and its unit'
+    )
+    return [Note(Level.WARNING, "theory", text)]
+
+
+def describe_sideways(options: PredictionOptions) -> str:
+    """How the pin is held, in words."""
+    if isinstance(options.sideways, str):
+        return f"pin {options.sideways}" + (" sideways" if options.sideways == "free" else "")
+    return f"pin held sideways by {options.sideways * 1e-3:.4g} N/mm"
+
+
+def _why_transient(settings: RunSettings) -> str:
+    """Why a steady formula does not describe this joint."""
+    links, joint = settings.mechanism, describe_joint(settings)
+    assert isinstance(links, CrankRockerSettings)
+    assert joint is not None
+    low, high = build_linkage(links).limits()
+    half = np.pi / links.crank_speed
+    return (
+        f"the joint swings by {np.degrees(high - low):.1f} deg in {half:.3g} s and carries oil "
+        f"{joint.stroke * 1e3:.3g} mm to and fro; a steady formula describes a surface that moves "
+        "one way for long"
+    )
+
+
+def _describe_assumptions(settings: RunSettings, predicted: xr.Dataset, regime: str) -> str:
+    """What the transient prediction rests on, one a line."""
+    start, fitted = (
+        predicted["film_predicted_min"].attrs[name] for name in ("start_film", "start_film_fitted")
+    )
+    source = "fitted to the measured minima" if fitted else "as given"
+    lines = [
+        f"minimum film of {start:.3g} um at the first frame, {source}",
+        "round rigid bodies with parallel axes, flooded at the unloaded side and at the ends; the "
+        f"film ruptures at {settings.prediction.cavitation_pressure * 1e-3:.3g} kPa",
+    ]
+    if regime != _RIGID:
+        lines.append(
+            f"the regime map finds the {regime} regime, in which the surfaces deflect or the oil "
+            "thickens: the prediction takes the surfaces as rigid"
+        )
+    return "\n".join(lines)

@@ -1,0 +1,583 @@
+"""The pressure of the film of a run, from the measured positions of its pin."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from erlif.calibration import calibration_of
+from erlif.core.arrays import Array, Mask
+from erlif.core.errors import ConfigError, ModelError
+from erlif.core.progress import Progress, ShowProgress, choose_progress
+from erlif.core.version import __version__
+from erlif.io.files import open_film, set_coordinates, settings_of, take
+from erlif.io.settings import CrankRockerSettings, RunSettings
+from erlif.models.contact import conformal_radius
+from erlif.models.mechanism import CrankRocker
+from erlif.pipeline.physics.joint import build_linkage, describe_joint
+from erlif.pipeline.physics.position import choose_view
+from erlif.pipeline.physics.prediction import build_journal, describe_sideways, refuse_steady
+from erlif.prediction.motion import follow_motion
+from erlif.prediction.pin_motion import PinMotion, find_pin_motion
+from erlif.prediction.pressure import CHANGING, CLEAR, find_pressures
+from erlif.prediction.smoothing import FEWEST
+from erlif.trend import PinView, viscosity_at
+
+GRID = (48, 12)
+"""Places along sliding and along the axis at which the pressure is given."""
+
+FALSE_ALARM = 0.05
+"""Share of recordings whose load counts as not balanced by chance. It is divided between three
+tests: the median, the sum over all triggers, and the single trigger."""
+
+_MICRO, _MILLI, _KILO = 1e6, 1e3, 1e-3
+_NUMBER_UNITS = np.array([1e-6, 1e-6, 1e-3, 1e-3])  # of a position in SI: um, and um/mm
+
+
+def pressure_from_film(
+    film: xr.Dataset | str | Path, *, progress: ShowProgress = None
+) -> xr.Dataset:
+    """Find the pressure in the film of an oscillating joint from the measured film and its rate.
+
+    The position of the pin is measured at each trigger, its rate by a smooth path through the
+    positions. The Reynolds equation gives the pressure of this film. No load is put in: the load
+    that the pressure makes is compared with the logged one.
+
+    Parameters
+    ----------
+    film : xarray.Dataset or path
+        As `erlif.process` returns it, of a crank-rocker with [joint] and [oil].
+    progress : "bar", bool or callable, optional
+        As for `erlif.process`.
+
+    Returns
+    -------
+    xarray.Dataset
+        pressure and pressure_std (trigger, y, x) and pressure_profile and pressure_profile_std
+        (trigger, place) [kPa]; by trigger peak_pressure [kPa], its place peak_place [mm] along
+        sliding, load_from_pressure and side_from_pressure [N], each with its _std;
+        peak_std_random, peak_std_shared and peak_std_settings [kPa], by noise, by errors that all
+        triggers share, and by viscosity and clearance; peak_by_viscosity and peak_by_clearance [1];
+        load_cov (trigger, trigger_other) [N2]; pressure_measured, 1 or 0; film_rate and
+        film_rate_std [um s-1] at the load line; cavity and cavity_change [1]; load [N]. NaN where
+        the noise forbids the pressure. Attributes: statement, what the pressure is good for and
+        what would make it better; balance, the load in comparison; given, whether errors of
+        viscosity and clearance are part of the stated ones.
+
+    Raises
+    ------
+    ErlifError
+        If the film is of another joint or too few triggers have a position.
+
+    Examples
+    --------
+    >>> found = pressure_from_film("film.nc")  # doctest: +SKIP
+    >>> found.attrs["statement"]  # doctest: +SKIP
+    """
+    report = choose_progress(progress)
+    if isinstance(film, str | Path):
+        with open_film(film) as source:
+            return _find(source, report)
+    return _find(take(film, "film", where="film"), report)
+
+
+def _find(film: xr.Dataset, progress: Progress) -> xr.Dataset:
+    """The pressure of an open film."""
+    settings = settings_of(film)
+    view = _view(film, settings)
+    known = _known(film)
+    motion, order = _follow(film, settings, view, known)
+    joint = describe_joint(settings)
+    assert joint is not None  # `_view` refuses a film without one
+    conditions = film[[name for name in ("temperature", "load") if name in film]].load()
+    viscosity = viscosity_at(conditions, joint.viscosity)[order]
+    x, y = _grid(film)
+    line = settings.prediction.load_line_std
+    along, across = (x, y) if view.sliding_along_x else (y, x)
+    found = find_pressures(
+        build_journal(settings, 1.0),
+        motion,
+        viscosity=viscosity,
+        place=(along - view.load_line) / _MILLI,
+        axial=(across - view.axial_origin) / _MILLI,
+        settings_std=_settings_std(settings, viscosity),
+        load_line_std=0.0 if line is None else float(line),
+        progress=progress,
+    )
+    return _describe(film, settings, view, found, motion, order, (x, y))
+
+
+def _settings_std(settings: RunSettings, viscosity: Array) -> tuple[float, float]:
+    """Standard deviations of viscosity and clearance over their values; 0 where none is stated."""
+    joint, oil = settings.joint, settings.oil
+    assert joint is not None  # `_view` refuses a film without them
+    assert oil is not None
+    clearance = joint.bushing_radius - joint.pin_radius
+    return (
+        float(oil.viscosity_std or 0.0) / float(np.mean(viscosity)),
+        float(joint.clearance_std or 0.0) / clearance,
+    )
+
+
+def _view(film: xr.Dataset, settings: RunSettings) -> PinView:
+    """The joint as the camera sees it; a film of another kind of joint is refused."""
+    refuse_steady(settings, "the pressure")
+    view = choose_view(settings, (film.sizes["y"], film.sizes["x"]))
+    if view is None or "pin_displacement" not in film:
+        raise ConfigError(
+            "Expected the position of the pin in the film; there is none, because the image is "
+            "wider than half a turn of the pin or the film is of an earlier version. Make the "
+            "film again with: erlif process RUN_DIR"
+        )
+    return view
+
+
+def _known(film: xr.Dataset) -> Mask:
+    """Triggers with a position; too few are refused."""
+    cov = film.pin_position_cov.values
+    known = np.isfinite(film.pin_displacement.values).all(axis=1)
+    known = np.asarray(known & np.isfinite(cov).all(axis=(1, 2)))
+    if known.sum() < FEWEST:
+        raise ModelError(
+            f"Expected {FEWEST} or more triggers with a position of the pin, got {known.sum()} of "
+            f"{known.size}: the rate of the film, which makes the pressure, is not known from "
+            "fewer. Record the joint over its cycle."
+        )
+    return known
+
+
+def _follow(
+    film: xr.Dataset, settings: RunSettings, view: PinView, known: Mask
+) -> tuple[PinMotion, npt.NDArray[np.intp]]:
+    """Motion of the pin, and the triggers that it holds in the order of their times."""
+    links = settings.mechanism
+    assert isinstance(links, CrankRockerSettings)  # `refuse_steady` has seen to it
+    linkage = build_linkage(links)
+    assert isinstance(linkage, CrankRocker)
+    frames = xr.Dataset(
+        {
+            "crank_angle": ("frame", film.crank_angle.values),
+            "cycle": ("frame", np.zeros(known.size, np.int64)),
+            "load": ("frame", np.ones(known.size)),  # moves nothing here
+        }
+    )
+    if "time" in film:
+        frames["time"] = ("frame", film["time"].values)
+    direction = 1 if settings.prediction.direction == "along" else -1
+    moved = follow_motion(
+        frames,
+        linkage,
+        crank_speed=links.crank_speed,
+        viscosity=1.0,
+        direction=direction,
+    )
+    time, angle = moved.motion.time[moved.steps], np.asarray(moved.motion.angle)[moved.steps]
+    crank_speed = np.gradient(moved.crank, moved.motion.time)[moved.steps]
+    turning = direction * np.asarray(
+        linkage.rocker_speed(moved.crank[moved.steps], crank_speed=crank_speed)
+    )
+
+    order = np.flatnonzero(known)
+    order = order[np.argsort(time[order], kind="stable")]
+    random, surface, gradient = _covariances(film, order)
+    position = np.concatenate([film.pin_displacement.values, film.pin_tilt.values], axis=1)
+    motion = find_pin_motion(
+        time[order],
+        angle[order],
+        turning[order],
+        position[order] * _NUMBER_UNITS,
+        random_cov=random,
+        surface_cov=surface,
+        gradient=gradient,
+        calibration_cov=calibration_of(film).full_covariance,
+    )
+    return motion, order
+
+
+def _covariances(film: xr.Dataset, order: npt.NDArray[np.intp]) -> tuple[Array, Array, Array]:
+    """Covariance by noise and by surfaces, and change with the calibration, in SI."""
+    units = _NUMBER_UNITS * _NUMBER_UNITS[:, None]
+    whole, random = (
+        film[name].values[order] * units for name in ("pin_position_cov", "pin_position_cov_random")
+    )
+    gradient = film.pin_position_gradient.values[order] * _NUMBER_UNITS[:, None]
+    shared = gradient @ calibration_of(film).full_covariance @ np.swapaxes(gradient, 1, 2)
+    return random, whole - random - shared, gradient
+
+
+def _grid(film: xr.Dataset) -> tuple[Array, Array]:
+    """Places of the image at which the pressure is given, x and y. [mm]"""
+    along_x = settings_of(film).optics.x_axis == "sliding"
+    counts = GRID if along_x else GRID[::-1]
+    x, y = (
+        np.linspace(float(film[name][0]), float(film[name][-1]), min(count, film.sizes[name]))
+        for name, count in zip(("x", "y"), counts, strict=True)
+    )
+    return x, y
+
+
+def _describe(
+    film: xr.Dataset,
+    settings: RunSettings,
+    view: PinView,
+    found: xr.Dataset,
+    motion: PinMotion,
+    order: npt.NDArray[np.intp],
+    grid: tuple[Array, Array],
+) -> xr.Dataset:
+    """The pressure in the units of the laboratory, by all triggers of the film."""
+    total = film.sizes["trigger"]
+
+    def spread(values: Array) -> Array:
+        filled = np.full((total, *values.shape[1:]), np.nan)
+        filled[order] = values
+        return filled
+
+    columns: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {}
+    for name, (unit, scale, meaning) in _MEANINGS.items():
+        values = spread(found[name].values.astype(float)) * scale
+        dims: tuple[str, ...] = ("trigger",)
+        if values.ndim == 3:
+            dims = ("trigger", "y", "x")
+            values = values if view.sliding_along_x else np.swapaxes(values, 1, 2)
+        elif values.ndim == 2:
+            dims = ("trigger", "place")
+        if name == "peak_place":
+            values = values + view.load_line
+        columns[name] = (dims, values, {"units": unit, "long_name": meaning})
+    load_cov = np.full((total, total), np.nan)
+    load_cov[np.ix_(order, order)] = found["load_cov"].values
+    columns["load_cov"] = (
+        ("trigger", "trigger_other"),
+        load_cov,
+        {"units": "N2", "long_name": "covariance of load_from_pressure"},
+    )
+    columns["pressure_measured"][1][np.isnan(columns["pressure_measured"][1])] = 0
+
+    rate = -motion.rate[:, 0] * _MICRO
+    rate_std = np.sqrt((motion.random_cov + motion.shared_cov)[:, 4, 4]) * _MICRO
+    along = "rate of the film at the load line, in the axial middle of the image"
+    columns["film_rate"] = (("trigger",), spread(rate), {"units": "um s-1", "long_name": along})
+    columns["film_rate_std"] = (
+        ("trigger",),
+        spread(rate_std),
+        {"units": "um s-1", "long_name": "its standard deviation"},
+    )
+    for name in ("encoder_angle", "crank_angle", "stroke"):
+        columns[name] = (("trigger",), film[name].values, dict(film[name].attrs))
+    load = film["load"].values if "load" in film else np.full(total, settings.load or np.nan)
+    radius = float(conformal_radius(view.pin_radius, bushing_radius=view.bushing_radius))
+    thinnest = spread(view.clearance - np.hypot(*motion.position[:, :2].T) * _MICRO) / _MICRO
+    reach = np.sqrt(2 * radius * np.maximum(thinnest, 0.0))
+    assert settings.joint is not None  # as above
+    columns["peak_of_load"] = (
+        ("trigger",),
+        _KILO * load / (settings.joint.length * 0.5 * np.pi * reach),
+        {"units": "kPa", "long_name": "peak of pure squeeze of a long joint under the load"},
+    )
+    columns["load"] = (("trigger",), load, {"units": "N", "long_name": "load, logged or set"})
+
+    x, y = grid
+    millimetre = {"units": "mm", "long_name": "position in the image"}
+    result = xr.Dataset(
+        columns,
+        {
+            "trigger": film["trigger"].values,
+            "x": ("x", x, millimetre),
+            "y": ("y", y, millimetre),
+            "place": ("place", x if view.sliding_along_x else y, millimetre),
+        },
+    )
+    result = set_coordinates(result)
+    for name in ("settings", "settings_stated"):  # name the mount
+        if name in film.attrs:
+            result.attrs[name] = film.attrs[name]
+    return result.assign_attrs(
+        title=f"pressure from the film, {settings.name}",
+        history=f"erlif {__version__}: pressure {settings.name}",
+        erlif_version=__version__,
+        film_identity=str(film.attrs.get("identity", "")),
+        statement=state_limits(result),
+        balance=state_balance(result),
+        given=state_given(result),
+    )
+
+
+def state_given(found: xr.Dataset) -> str:
+    """Which errors of viscosity and clearance the pressure has, in words; as `state_limits`."""
+    settings = settings_of(found)
+    assert settings.joint is not None  # the pressure of another film is refused
+    assert settings.oil is not None
+    viscosity, clearance = settings.oil.viscosity_std, settings.joint.clearance_std
+    parts = [
+        f"viscosity ± {float(viscosity):.2g} Pa s ([oil])" if viscosity else "",
+        f"clearance ± {_MICRO * float(clearance):.2g} um ([joint])" if clearance else "",
+    ]
+    lines = []
+    if any(parts):
+        lines.append(f"The errors hold those of {' and '.join(part for part in parts if part)}.")
+    absent = [
+        name
+        for name, stated in (
+            ("viscosity_std in [oil]", viscosity),
+            ("clearance_std in [joint]", clearance),
+        )
+        if not stated
+    ]
+    if absent:
+        given = ["viscosity"] * (not viscosity) + ["clearance"] * (not clearance)
+        lines.append(
+            f"The pressure is that of the given {' and '.join(given)}, without an error of "
+            f"{'it' if len(given) == 1 else 'them'}; {' and '.join(absent)} would be part of it."
+        )
+
+    # the peak moves with both, whether or not an error is stated
+    changes = [
+        float(np.nanmedian(found[f"peak_by_{name}"].values))
+        for name in ("viscosity", "clearance")
+        if np.isfinite(found[f"peak_by_{name}"].values).any()
+    ]
+    if len(changes) == 2:
+        lines.append(
+            f"One per cent more viscosity changes the peak by {changes[0]:+.2g} %, one per cent "
+            f"more clearance by {changes[1]:+.2g} % (medians)."
+        )
+    return " ".join(lines)
+
+
+def state_limits(found: xr.Dataset) -> str:
+    """What the noise allows, in words.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        From `pressure_from_film`.
+
+    Returns
+    -------
+    str
+    """
+    measured = found.pressure_measured.values > 0
+    count, total = int(measured.sum()), measured.size
+    std, peak = found.peak_pressure_std.values, found.peak_pressure.values
+    lines = []
+    if count:
+        share = 100 * np.median(std[measured] / peak[measured])
+        lines.append(
+            f"The pressure is measured at {count} of {total} triggers, its peak to {share:.1f} % "
+            "(median standard deviation)."
+        )
+    quick = found.cavity_change.values > CHANGING
+    closing = ~measured & (quick | np.roll(quick, 1) | np.roll(quick, -1))
+    if closing.any():
+        lines.append(
+            f"Cavities close or open at {int(closing.sum())} triggers or beside them "
+            f"({_list_triggers(closing)}), where the film "
+            "changes more quickly than a smooth path can follow: no pressure there. "
+            "More triggers in a cycle would help."
+        )
+    history = found.cavity_history.values
+    if np.isinf(history).any():
+        return (
+            "The film has cavities, whose extent depends on the motion before, and the recording "
+            "does not cover a turn of the crank: no pressure. Record the joint over its cycle."
+        )
+    old = ~measured & ~closing & (history > CLEAR)
+    if old.any():
+        lines.append(
+            f"Cavities at {int(old.sum())} triggers ({_list_triggers(old)}) are older than the "
+            "recording, and the pin sinks in it: no pressure there. Record a later turn, or the "
+            "turn before as well."
+        )
+    refused = ~measured & ~closing & ~old
+    if refused.any():
+        lines.append(_state_refusal(found, refused))
+    return " ".join(lines)
+
+
+def _list_triggers(which: Mask) -> str:
+    """The first eight triggers of a kind."""
+    names = [str(k) for k in np.flatnonzero(which)]
+    return ", ".join(names[:8] + ["..."] * (len(names) > 8))
+
+
+def _state_refusal(found: xr.Dataset, refused: Mask) -> str:
+    """Why the pressure is not known at some triggers, and what would help."""
+    start = (
+        f"The noise forbids the pressure at {refused.sum()} triggers ({_list_triggers(refused)}): "
+    )
+    random, shared = found.peak_std_random.values[refused], found.peak_std_shared.values[refused]
+    if not np.isfinite(random).any():
+        return (
+            start + "the gap that continues the image closes within the error of its tilt, or no "
+            "position was measured. A wider image along the axis or more light would help."
+        )
+    rate, rate_std = (found[name].values[refused] for name in ("film_rate", "film_rate_std"))
+    reason = (
+        f"the film changes by {np.nanmedian(np.abs(rate)):.2g} um/s there, known to ± "
+        f"{np.nanmedian(rate_std):.2g} um/s, and the standard deviation of the peak is above "
+        f"{100 * CLEAR:.0f} % of it. "
+    )
+
+    # the peak that the load makes is what has to be resolved
+    settings = found.peak_std_settings.values[refused]
+    goal = (CLEAR * found.peak_of_load.values[refused]) ** 2 - shared**2 - settings**2
+    if not (goal > 0).any():
+        if np.nanmedian(settings) > np.nanmedian(shared):
+            helps = "viscosity and clearance that are known better do"
+        else:
+            helps = "a better calibration does"
+        return (
+            start + reason + "Errors that all triggers share, those of calibration, surfaces, "
+            "viscosity and clearance, are too large by themselves: more light or cycles do not "
+            f"help, {helps}."
+        )
+    factor = float(np.nanmedian((random**2 / goal)[goal > 0]))
+    return (
+        start
+        + reason
+        + f"It needs at least {factor:.2g} times the light, or as many times the cycles "
+        "or the triggers in a cycle; the path through the positions is as smooth already as they "
+        "allow."
+    )
+
+
+def state_balance(found: xr.Dataset) -> str:
+    """The load that the pressure makes beside the logged one, in words; as `state_limits`."""
+    measured = found.pressure_measured.values > 0
+    load, std = (found[name].values for name in ("load_from_pressure", "load_from_pressure_std"))
+    logged = found["load"].values
+    measured &= np.isfinite(logged) & np.isfinite(load) & np.isfinite(std)
+    if not measured.any():
+        return "No load to compare with."
+
+    logged = logged[measured]
+    ratio = load[measured] / logged
+    cov = found.load_cov.values[np.ix_(measured, measured)] / np.outer(logged, logged)
+    tests = weigh_loads(ratio, cov)
+    text = (
+        f"The pressure carries {100 * tests.ratio:.1f} ± {100 * tests.std:.1f} % of the load "
+        f"(median of the {tests.used} triggers where it is known best; one standard deviation)"
+    )
+    if not tests.shifted and not tests.differs and not tests.off.any():
+        return (
+            f"{text}: the load is balanced (all triggers with their correlations: p = "
+            f"{tests.chance:.2g})."
+        )
+    off = np.zeros(measured.size, bool)
+    off[measured] = tests.off
+    if tests.off.any():
+        text += (
+            f"; it differs from the load by more than {tests.limit:.1f} standard deviations at "
+            f"{off.sum()} of {measured.sum()} triggers ({_list_triggers(off)})"
+        )
+    elif tests.differs and not tests.shifted:
+        text += (
+            "; over all triggers it differs from the load by more than its correlated errors allow "
+            f"(p = {tests.chance:.1g})"
+        )
+    causes = _name_causes(found, tests.ratio, shifted=tests.shifted)
+    return f"{text}. What fits: {'; '.join(causes)}."
+
+
+class _Balance(NamedTuple):
+    """Tests of the load of all triggers against the logged one."""
+
+    ratio: float  # median of the better known half, over the logged load
+    std: float  # its standard deviation
+    used: int  # triggers of that half
+    shifted: bool  # whether the median differs
+    chance: float  # of a larger sum of squares over all triggers
+    differs: bool  # whether that is too small
+    off: Mask  # single triggers that differ, (trigger,)
+    limit: float  # standard deviations from which they do
+
+
+def weigh_loads(ratio: Array, cov: Array) -> _Balance:
+    """Test loads over the logged ones, with their covariance, against 1.
+
+    The sum of squared deviations over their variances is a weighted sum of chi-squares, whose mean
+    and variance follow from the correlations (Satterthwaite 1946). It is not the chi-square of the
+    inverse covariance: that is made of differences which the smooth path leaves almost without an
+    error.
+    """
+    from scipy.special import chdtrc, ndtri
+
+    error = np.sqrt(np.diag(cov))
+    one = float(-ndtri(FALSE_ALARM / 6))  # a third of the alarms, two sides
+    good = error <= np.median(error)
+    middle = float(np.median(ratio[good]))
+
+    # a median of independent values is known worse than their mean, but no worse than a single one
+    mean_std = float(np.sqrt(cov[np.ix_(good, good)].mean() * np.pi / 2))
+    std = min(mean_std, float(np.median(error[good])))
+
+    count = ratio.size
+    pull = (ratio - 1) / error
+    correlation = cov / np.outer(error, error)
+    freedom = count**2 / float((correlation**2).sum())
+    chance = float(chdtrc(freedom, freedom / count * float(pull @ pull)))
+    limit = float(-ndtri(FALSE_ALARM / (6 * count)))
+    return _Balance(
+        ratio=middle,
+        std=std,
+        used=int(good.sum()),
+        shifted=abs(middle - 1) > one * std,
+        chance=chance,
+        differs=chance < FALSE_ALARM / 3,
+        off=np.abs(pull) > limit,
+        limit=limit,
+    )
+
+
+def _name_causes(found: xr.Dataset, ratio: float, *, shifted: bool) -> list[str]:
+    """Everything that makes a load differ by this ratio, or at single triggers alone."""
+    settings = settings_of(found)
+    mount = f"the mount: {describe_sideways(settings.prediction)} in [prediction]"
+    if "prediction.sideways" not in str(found.attrs.get("settings_stated", "")).split(", "):
+        mount = "the mount: free sideways is assumed, as [prediction] states no mount"
+        if "settings_stated" not in found.attrs:  # a film of an earlier version
+            mount = f"the mount: {describe_sideways(settings.prediction)}, stated or by default"
+    causes = [
+        mount + " (free and guided pins have different load lines and cavities)",
+        "load line or direction of the motion in [prediction]",
+        "clearance and length in [joint]",
+    ]
+    # a scale moves all triggers alike, and none makes a load negative
+    if shifted and ratio > 0:
+        causes = [
+            f"the load or its unit, which would have to be {ratio:.2g} times the stated one",
+            "the viscosity of the oil in the gap, which would have to be "
+            f"{1 / ratio:.2g} times the stated one",
+            *causes,
+        ]
+    return causes
+
+
+_MEANINGS: dict[str, tuple[str, float, str]] = {
+    "pressure": ("kPa", _KILO, "pressure above ambient"),
+    "pressure_std": ("kPa", _KILO, "its standard deviation"),
+    "pressure_profile": ("kPa", _KILO, "pressure in the axial middle of the image"),
+    "pressure_profile_std": ("kPa", _KILO, "its standard deviation"),
+    "peak_pressure": ("kPa", _KILO, "highest pressure in the axial middle of the image"),
+    "peak_pressure_std": ("kPa", _KILO, "its standard deviation"),
+    "peak_std_random": ("kPa", _KILO, "part of it by noise"),
+    "peak_std_shared": ("kPa", _KILO, "part of it by errors that all triggers share"),
+    "peak_place": ("mm", _MILLI, "place of the highest pressure along sliding"),
+    "peak_place_std": ("mm", _MILLI, "its standard deviation"),
+    "load_from_pressure": ("N", 1.0, "force of the pressure along the load line"),
+    "load_from_pressure_std": ("N", 1.0, "its standard deviation"),
+    "side_from_pressure": ("N", 1.0, "force of the pressure sideways, positive along sliding"),
+    "side_from_pressure_std": ("N", 1.0, "its standard deviation"),
+    "peak_std_settings": ("kPa", _KILO, "part of it by viscosity and clearance"),
+    "peak_by_viscosity": ("1", 1.0, "relative change of the peak over that of the viscosity"),
+    "peak_by_clearance": ("1", 1.0, "relative change of the peak over that of the clearance"),
+    "pressure_measured": ("1", 1.0, "1 where the peak is known to half of itself, else 0"),
+    "cavity": ("1", 1.0, "share of the image without a full film"),
+    "cavity_change": ("1", 1.0, "change of the cavities about the trigger, over their sum"),
+    "cavity_history": ("1", 1.0, "relative change of the peak by another turn before the first"),
+}

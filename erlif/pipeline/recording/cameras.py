@@ -1,0 +1,139 @@
+"""Both cameras of a recording, characterised: darks and flats are read once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from erlif.core.arrays import Counts
+from erlif.correction import (
+    CameraMeasurement,
+    Cameras,
+    DeclaredNoise,
+    count_pixels,
+    find_reference_faults,
+    make_references,
+    measure_camera,
+)
+from erlif.correction.saturation import Histogram
+from erlif.correction.view import FrameView, ViewSum
+from erlif.io.ingest import (
+    Fixture,
+    FramePairs,
+    Run,
+    read_pair,
+    read_reference_pages,
+    select_counts,
+)
+from erlif.io.ingest.selection import Purpose
+
+_FRAMES_SEARCHED = 8
+"""Frame pairs searched for saturation below full scale."""
+
+
+def measure_cameras(recording: Run | Fixture) -> tuple[CameraMeasurement, CameraMeasurement]:
+    """Read darks and flats of both cameras, and a few frames for the count at which they saturate.
+
+    Parameters
+    ----------
+    recording : Run or Fixture
+
+    Returns
+    -------
+    (CameraMeasurement, CameraMeasurement)
+
+    Raises
+    ------
+    FrameError
+        If darks or flats are missing, unreadable, or do not fit the frames.
+    """
+    one, two = look_at_frames(recording.pairs)
+    return _measure(recording, 1, one), _measure(recording, 2, two)
+
+
+def declared_noise(recording: Run | Fixture) -> tuple[DeclaredNoise, DeclaredNoise]:
+    """Gain and read noise of both cameras as the settings give them."""
+    one, two = recording.cameras
+    return DeclaredNoise(one.gain, one.read_noise), DeclaredNoise(two.gain, two.read_noise)
+
+
+def characterise_cameras(recording: Run | Fixture) -> Cameras:
+    """References of both cameras from settings, darks and flats.
+
+    Parameters
+    ----------
+    recording : Run or Fixture
+
+    Returns
+    -------
+    Cameras
+        Gain and read noise that neither settings nor darks and flats determine are assumptions
+        (gain_known, read_noise_known); `erlif.pipeline.recording.noise` estimates them from the
+        frames.
+
+    Raises
+    ------
+    FrameError
+        As `measure_cameras`.
+    """
+    measured = measure_cameras(recording)
+    cameras = make_references(measured, declared=declared_noise(recording))
+    faults = find_reference_faults(measured, cameras.references)
+    return replace(cameras, notes=(*cameras.notes, *faults))
+
+
+class FrameLook(NamedTuple):
+    """What a few frames of a camera show before they are corrected.
+
+    Attributes
+    ----------
+    histogram : Histogram
+        Pixels by count, (full scale + 1,).
+    view : FrameView
+        Their mean.
+    """
+
+    histogram: Histogram
+    view: FrameView
+
+
+def look_at_frames(pairs: FramePairs) -> tuple[FrameLook, FrameLook]:
+    """Read a few frames of each camera, evenly spread over the recording."""
+    counted = [np.zeros(full_scale + 1, np.int64) for full_scale in pairs.full_scales]
+    totals = [ViewSum(pairs.shape) for _ in counted]
+    for frame in pairs.spread(_FRAMES_SEARCHED):
+        for camera, counts in enumerate(read_pair(pairs, frame).counts):
+            counted[camera] += count_pixels(counts, counted[camera].size - 1)
+            totals[camera].add(counts)
+    one, two = (FrameLook(*both) for both in zip(counted, (t.mean() for t in totals), strict=True))
+    return one, two
+
+
+def _measure(recording: Run | Fixture, number: int, look: FrameLook) -> CameraMeasurement:
+    settings = recording.cameras[number - 1]
+    camera, shape = f"camera{number}", recording.pairs.shape
+
+    def read(pattern: str, kind: Purpose) -> Iterator[Counts]:
+        return read_reference_pages(
+            recording.directory,
+            pattern,
+            what=f"{camera} {kind}",
+            bit_depth=settings.bit_depth,
+            shape=shape,
+            selection=select_counts(settings, kind),
+        )
+
+    # the settings hold either a file of darks or a level
+    level = settings.offset if settings.offset is not None else 0.0
+    measured = measure_camera(
+        darks=level if settings.dark is None else read(settings.dark, "dark"),
+        flats=() if settings.flat is None else read(settings.flat, "flat"),
+        histogram=look.histogram,
+        shape=shape,
+        camera=camera,
+        background=() if settings.background is None else read(settings.background, "background"),
+    )
+    return replace(measured, view=look.view)

@@ -1,0 +1,197 @@
+"""Gain and read noise of cameras from their frames, where nothing else determines them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from erlif.core.notes import Level, Note
+from erlif.core.products import CorrectedFrames, References
+from erlif.correction import CameraMeasurement, Cameras, DeclaredNoise, make_references
+from erlif.pipeline.chain import FrameChain, one_thread_per_frame
+from erlif.pipeline.recording.sample import FrameSample, compare_sharpness, sample_frames
+from erlif.ratio import NoiseEstimate, NoiseUnknowns, NoiseView, estimate_camera_noise
+from erlif.ratio.camera_noise import cell_size
+
+_LARGE = 500_000
+"""Pixels from which fewer frames hold enough cells. [px]"""
+
+_FRAMES_LARGE, _FRAMES_SMALL = 6, 24
+"""Frames whose differences are compared."""
+
+_ROUNDS = 5
+_SETTLED = 5e-3
+"""Relative change of a gain, far below its standard deviation, at which the rounds end."""
+
+
+@dataclass(frozen=True)
+class NoiseCompletion:
+    """A chain whose noise is known, and the notes on both cameras.
+
+    Attributes
+    ----------
+    chain : FrameChain
+        Counts to ratio, frame by frame.
+    notes : tuple[Note, ...]
+        What was measured, estimated and assumed.
+    sample : tuple[FrameSample, ...]
+        Parts of a few frame pairs, corrected and aligned by the chain.
+    """
+
+    chain: FrameChain
+    notes: tuple[Note, ...]
+    sample: tuple[FrameSample, ...] = ()
+
+
+def complete_noise(
+    chain: FrameChain,
+    cameras: Cameras,
+    *,
+    measured: Sequence[CameraMeasurement],
+    declared: Sequence[DeclaredNoise],
+    sample: tuple[FrameSample, ...] = (),
+) -> NoiseCompletion:
+    """Estimate gain and noise from the frames, where settings, darks and flats leave them open.
+
+    The noise of a ratio image depends on the gain: the estimate starts from an assumption and is
+    repeated until it settles. Without a flat the unequal response of the pixels remains in the
+    ratio. The spread of the response of camera 2, taken for camera 1 as well, becomes part of the
+    variance. It shows only where camera 2 drifts; between cameras at rest it is left out, with a
+    note. Two unknown gains are taken as equal with a probability that follows from the data. Where
+    both read noises are unknown, one dark variance is fitted to both cameras.
+
+    Parameters
+    ----------
+    chain : FrameChain
+    cameras : Cameras
+        References of the chain, and the notes so far.
+    measured, declared : sequence of two
+        What darks and flats determined, and what the settings give.
+    sample : tuple of FrameSample
+        Parts of a few frame pairs, corrected and aligned by the chain.
+
+    Returns
+    -------
+    NoiseCompletion
+        The chain itself where everything is known; otherwise with references and difference of
+        sharpness that agree with the estimate. The notes state what was estimated and assumed.
+
+    Raises
+    ------
+    FrameError
+        If the frames do not determine gain or read noise either.
+    """
+    unknown = find_unknowns(chain.references)
+    if not unknown.any:
+        return NoiseCompletion(chain, cameras.notes, sample)
+
+    before = np.zeros((2, 2))
+    for _ in range(_ROUNDS):
+        found = _estimate(chain, unknown)
+        if found is None:
+            return NoiseCompletion(chain, cameras.notes, sample)
+        estimate = found
+
+        cameras = make_references(measured, declared=declared, estimated=estimate.cameras)
+        chain = replace(chain, correct=replace(chain.correct, references=cameras.references))
+        sample = sample_frames(chain)
+        chain = replace(chain, blur=compare_sharpness(sample))
+        now = np.nan_to_num([[noise.gain, noise.response_spread] for noise in estimate.cameras])
+        if np.all(np.abs(now - before) <= _SETTLED * now):
+            break
+        before = now
+    return NoiseCompletion(chain, (*cameras.notes, *_describe(estimate, unknown)), sample)
+
+
+def find_unknowns(references: References) -> NoiseUnknowns:
+    """What settings, darks and flats leave open."""
+    return NoiseUnknowns(
+        ~references.gain_known.values,
+        ~references.read_noise_known.values,
+        ~references.has_flat.values,
+    )
+
+
+def _estimate(chain: FrameChain, unknown: NoiseUnknowns) -> NoiseEstimate | None:
+    """What is unknown; None where only the response is, and the frames do not determine it."""
+    rows, columns = chain.pairs.shape
+    frames = chain.pairs.spread(_FRAMES_LARGE if rows * columns > _LARGE else _FRAMES_SMALL)
+    with one_thread_per_frame():
+        return estimate_camera_noise(
+            _views(chain, frames),
+            unknown,
+            references=chain.references,
+            blur=chain.blur,
+            shape=chain.pairs.shape,
+            frames=len(frames),
+        )
+
+
+def _views(chain: FrameChain, frames: Sequence[int]) -> Iterator[NoiseView]:
+    """The ratio of each frame, and what shot noise and dark variance of unit size give in it."""
+    size = cell_size(chain.pairs.shape)
+    flat = chain.references.flat.values[:, None]
+    for frame in frames:
+        corrected = chain.correct(frame)
+        aligned = chain.align(corrected)
+        ratio = chain.compute_ratio(aligned)
+
+        # variances of unit noise go through the alignment in place of the true ones
+        dims, signal = corrected.signal.dims, corrected.signal.values
+        units = corrected.assign(
+            signal_var=(dims, np.maximum(signal, 0) / flat),
+            signal_var_fixed=(dims, np.broadcast_to(flat**-2.0, signal.shape)),
+        )
+        unit = chain.align_like(CorrectedFrames(units), aligned)
+        yield NoiseView.of(ratio, unit, chain.camera_map, size=size)
+
+
+def _describe(estimate: NoiseEstimate, unknown: NoiseUnknowns) -> list[Note]:
+    """What was estimated of each camera, and what was assumed."""
+    notes = []
+    for n, noise in enumerate(estimate.cameras):
+        if not unknown.noise[n]:
+            continue
+        what = ["gain"] * int(unknown.gain[n]) + ["read noise"] * int(unknown.read_noise[n])
+        relative = 100 * noise.gain_std / noise.gain
+        precision = f", the gain to {relative:.0f} %" if unknown.gain[n] else ""
+
+        assumed = ["shot noise"]
+        if unknown.gain[n] and not np.isnan(estimate.alike):
+            assumed.append(
+                f"equal gains of both cameras with a probability of {estimate.alike:.2f}"
+            )
+        if unknown.read_noise.all():
+            assumed.append("one read noise [DN] for both")
+        notes.append(
+            Note(
+                Level.WARNING,
+                f"camera{n + 1}",
+                f"{' and '.join(what)} estimated from the noise that the two cameras do not share "
+                f"in {estimate.frames} frames{precision}, assuming {' and '.join(assumed)}; "
+                "declare them, or record darks and flats, for a better estimate",
+            )
+        )
+    if unknown.response[1]:
+        notes.append(_describe_response(estimate, unknown))
+    return notes
+
+
+def _describe_response(estimate: NoiseEstimate, unknown: NoiseUnknowns) -> Note:
+    """What is known of the response of the pixels without a flat."""
+    cameras = "both cameras" if unknown.response[0] else "camera 2"
+    spread = estimate.cameras[1].response_spread
+    if np.isnan(spread):
+        text = (
+            f"the spread of the pixel response of {cameras} is not known, because the cameras "
+            "hardly moved against each other; without a flat, pixel response is neither corrected "
+            "nor part of the uncertainty"
+        )
+    else:
+        text = (
+            f"the pixel response of {cameras} varies by {100 * spread:.1f} %, as the drift of "
+            "camera 2 shows; without a flat this counts as noise"
+        )
+    return Note(Level.WARNING, "flats", text)

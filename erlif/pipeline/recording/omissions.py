@@ -1,0 +1,82 @@
+"""What a film lacks because a table of run.toml, or a column of the log, is absent."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import xarray as xr
+
+from erlif.core.notes import Level, Note
+from erlif.io.settings import RotationSettings, RunSettings, SinusoidalSettings
+
+_THEORY = ("film_hamrock_dowson", "film_theory", "film_regime_map")
+_POSITION = ("pin_displacement", "pin_tilt", "film_curvature", "film_curvature_axial")
+_EXPONENTS = ("speed_exponent", "speed_exponent_mean")
+
+
+def note_omissions(settings: RunSettings, triggers: xr.Dataset) -> list[Note]:
+    """Name what is left out of a film for each table that run.toml lacks, and what to add.
+
+    Parameters
+    ----------
+    settings : RunSettings
+    triggers : xarray.Dataset
+        The film, or its triggers as `erlif.pipeline.film.describe_triggers` returns them.
+
+    Returns
+    -------
+    list of Note
+        One for each missing table; empty for a run with all of them.
+    """
+    found = [
+        (table, [name for name in names if name not in triggers], cure)
+        for table, names, cure in _lacking(settings, triggers)
+    ]
+    return [
+        Note(Level.NOTE, table, f"{_absent(table, settings)}; left out: {', '.join(names)}. {cure}")
+        for table, names, cure in found
+        if names
+    ]
+
+
+def _absent(table: str, settings: RunSettings) -> str:
+    if not table.startswith("column"):
+        return "run.toml has no such table"
+    logged = settings.encoder is not None and settings.encoder.file is not None
+    return "the log has none" if logged else "there is no log"
+
+
+def _lacking(
+    settings: RunSettings, triggers: xr.Dataset
+) -> Iterator[tuple[str, tuple[str, ...], str]]:
+    """Missing table, the variables that need it, and what to add."""
+    moving = "sliding_speed" in triggers or "rocker_speed" in triggers
+    if settings.mechanism is None and not moving:
+        theory = _THEORY if settings.joint is not None else ()
+        motion = ("stroke", "crank_angle", "sliding_speed", *theory, *_EXPONENTS)
+        cure = (
+            "A static film needs none; for a film in motion add [mechanism], or a column of the "
+            "sliding speed to the log."
+        )
+        yield "[mechanism]", motion, cure
+    elif settings.linkage is None and "encoder_angle" not in triggers:
+        cure = "Add it where the angle is to be known."
+        yield "column angle_deg", ("encoder_angle", "crank_angle"), cure
+
+    if "load" not in triggers and moving:
+        tables = "[mechanism]" if _carries_load(settings) else "[joint]"
+        cure = f'Add the column to the log, or load = "20 N" to {tables}.'
+        yield "column load_N", ("load", *_EXPONENTS), cure
+
+    if settings.joint is None:
+        speed = ("sliding_speed",) if settings.linkage is not None else ()
+        theory = _THEORY if moving else ()
+        cure = "Add [joint] for a pin in a bushing; its line contact describes no other one."
+        yield "[joint]", (*speed, *theory, "film_parameter", *_POSITION), cure
+    elif settings.oil is None and moving:
+        yield "[oil]", _THEORY, "Add [oil] for the theory."
+
+
+def _carries_load(settings: RunSettings) -> bool:
+    """Whether [mechanism] can hold the load."""
+    return isinstance(settings.mechanism, RotationSettings | SinusoidalSettings)

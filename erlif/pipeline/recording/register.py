@@ -1,0 +1,157 @@
+"""The fixed map of the cameras of a recording, from several frames or from a calibration."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from erlif.core.arrays import FlagImage, Image
+from erlif.core.errors import CalibrationError, RegistrationError
+from erlif.core.flags import Flag
+from erlif.core.neighbourhood import BLOCK
+from erlif.core.progress import Progress
+from erlif.io.settings import RegistrationOptions
+from erlif.pipeline.chain import FrameCorrection
+from erlif.pipeline.passes import PairLight
+from erlif.registration import (
+    CameraMap,
+    RegistrationSettings,
+    check_map,
+    divide_by_light,
+    register_frames,
+)
+from erlif.registration.steepness import steep_blocks
+
+_LARGE = 500_000
+"""Pixels from which four frames give the map as well as twelve small ones do. [px]"""
+
+_FRAMES_LARGE, _FRAMES_SMALL = 4, 12
+
+
+def register_cameras(
+    correct: FrameCorrection,
+    options: RegistrationOptions,
+    *,
+    stored: CameraMap | None,
+    progress: Progress,
+) -> CameraMap:
+    """Find the fixed map from camera 1 to camera 2.
+
+    Parameters
+    ----------
+    correct : FrameCorrection
+    options : RegistrationOptions
+        The table [registration] of the settings.
+    stored : CameraMap, optional
+        A map found before, to be used instead of a new one once it is checked.
+    progress : callable
+
+    Returns
+    -------
+    CameraMap
+
+    Raises
+    ------
+    RegistrationError
+        If the cameras cannot be registered, or the stored map no longer fits.
+    """
+    rows, columns = correct.pairs.shape
+    large = rows * columns > _LARGE
+    wanted = options.frames or (_FRAMES_LARGE if large else _FRAMES_SMALL)
+    lit = LitPairs(correct, correct.pairs.spread(wanted), progress)
+    if stored is not None:
+        return _check_stored(stored, lit)
+
+    settings = RegistrationSettings(
+        window=options.window,
+        step=options.step,
+        model=options.model,
+        orientation=options.orientation,
+        frames_for_map=len(lit),
+        threads=2 if large else 1,
+    )
+    camera_map, _ = register_frames(lit, settings=settings)
+    return camera_map
+
+
+def stored_map(camera_map: CameraMap | None, options: RegistrationOptions) -> CameraMap | None:
+    """The map stored with a calibration, where the settings ask for it.
+
+    Raises
+    ------
+    CalibrationError
+        If they ask for it and the calibration has none.
+    """
+    if not options.reuse:
+        return None
+    if camera_map is None:
+        raise CalibrationError(
+            "Expected a camera map in the calibration, because [registration] has reuse = true; "
+            "there is none. Calibrate again, or set reuse = false."
+        )
+    return camera_map
+
+
+class LitPairs(Sequence[tuple[Image, Image, Image, Image]]):
+    """Light of frame pairs, divided by its slow variation, with the weights of the pixels.
+
+    The film shapes the slow variation, the common texture of both cameras remains. Pairs are read
+    when they are used.
+    """
+
+    def __init__(self, correct: FrameCorrection, frames: list[int], progress: Progress) -> None:
+        self.correct, self.frames, self.progress = correct, frames, progress
+        self._light: PairLight | None = None
+
+    def __len__(self) -> int:
+        return len(self.frames)
+
+    def __getitem__(self, index: Any) -> Any:
+        # one set of arrays serves all frames, whose light is divided out into new ones; the frame
+        # that is read last usually ends the reading
+        out = self._light or PairLight.empty(self.correct.pairs.shape, with_noise=False)
+        pair = self.correct.light(self.frames[index], out=out)
+        self._light = pair if index < len(self) - 1 else None
+        self.progress("registration", index + 1, len(self))
+        one, two = (
+            divide_by_light(light, usable_pixels(flags, blocks))
+            for light, flags, blocks in zip(pair.light, pair.flags, pair.blocks, strict=True)
+        )
+        return one[0], two[0], one[1], two[1]
+
+
+def usable_pixels(flags: FlagImage, blocks: Image) -> Image:
+    """Pixels of one camera on which a registration can rely.
+
+    Parameters
+    ----------
+    flags : array, (y, x)
+        Bits of `erlif.core.flags.Flag`.
+    blocks : array, (row, column)
+        Mean light of blocks of 8 px. [DN]
+
+    Returns
+    -------
+    array, (y, x), float32
+        0 for saturated and bad pixels and where the light is too steep, otherwise 1.
+    """
+    steep = np.repeat(np.repeat(steep_blocks(blocks), BLOCK, axis=0), BLOCK, axis=1)
+    usable = (flags & np.uint8(Flag.SATURATED | Flag.BAD_PIXEL)) == 0
+    usable &= ~steep[: flags.shape[0], : flags.shape[1]]
+    return np.asarray(usable, np.float32)
+
+
+def _check_stored(stored: CameraMap, lit: LitPairs) -> CameraMap:
+    """A stored map, if it fits the recording."""
+    shape = lit.correct.pairs.shape
+    if stored.shape != shape:
+        raise RegistrationError(
+            f"Expected a stored camera map for frames of {shape}; the calibration's is for "
+            f"{stored.shape}. Calibrate with the region of interest of the run, or set "
+            "reuse = false in [registration]."
+        )
+    check_map(stored, lit)
+    return replace(stored, stored=True)

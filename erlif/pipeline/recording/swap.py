@@ -1,0 +1,147 @@
+"""Cameras exchanged in run.toml, recognised by their ratio and by their map."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from erlif.calibration import Calibration
+from erlif.core.arrays import Image
+from erlif.core.errors import CalibrationError
+from erlif.pipeline.chain import FrameChain
+from erlif.pipeline.recording.sample import FrameSample
+from erlif.registration import MapNodes, compare_with_inverse
+
+_logger = logging.getLogger(__name__)
+
+_MARGIN = 0.1
+"""Widening of the calibrated range on both sides, for noise. [share of the log ratio's range]"""
+
+_MOST = 0.6
+"""Share of inverse ratios above which most of the image speaks for exchanged cameras."""
+
+_FEW = 0.2
+"""Share of regular ratios below which hardly any of the image speaks against it."""
+
+_IMPOSSIBLE = 0.15
+"""Share of ratios that no film has from which the cameras cannot be in order."""
+
+_SIGMAS = 2
+"""Standard deviations by which a ratio must exceed the highest possible one."""
+
+
+@dataclass(frozen=True)
+class RatioShares:
+    """Shares of the valid pixels of one frame.
+
+    Attributes
+    ----------
+    regular : float
+        Ratio within the calibrated range. [1]
+    inverted : float
+        Inverse of the ratio within the calibrated range. [1]
+    impossible : float
+        Ratio above that of any film. [1]
+    """
+
+    regular: float
+    inverted: float
+    impossible: float
+
+
+def refuse_swapped_cameras(
+    chain: FrameChain,
+    calibration: Calibration,
+    sample: Sequence[FrameSample],
+    *,
+    stored: MapNodes | None = None,
+) -> None:
+    """Refuse a run whose cameras are exchanged against its calibration.
+
+    Exchanged cameras show the inverse of the ratio. Where that could be a ratio as well (films of
+    about 10 um have a ratio near 1), the map decides: exchanged cameras have the inverse of the map
+    that is stored with the calibration.
+
+    Parameters
+    ----------
+    chain : FrameChain
+    calibration : Calibration
+    sample : sequence of FrameSample
+        Parts of the frames whose ratios are compared.
+    stored : MapNodes, optional
+        The map that is stored with the calibration.
+
+    Raises
+    ------
+    CalibrationError
+        If the cameras are exchanged.
+    """
+    if stored is not None and not chain.camera_map.stored:
+        _check_map(chain, stored)
+    _check_ratio(chain, calibration, sample)
+
+
+def _check_map(chain: FrameChain, stored: MapNodes) -> None:
+    comparison = compare_with_inverse(stored, chain.camera_map)
+    _logger.info(
+        "map of the run: %.2f px from the calibration's, %.2f px from its inverse",
+        comparison.misfit,
+        comparison.misfit_inverse,
+    )
+    if comparison.inverted:
+        raise CalibrationError(
+            "Expected the cameras in the order of the calibration; magnification, rotation and "
+            "distortion between them are the inverse of the calibration's: rms deviation "
+            f"{comparison.misfit_inverse:.2f} px, against {comparison.misfit:.2f} px from the "
+            "calibration's own. The cameras look swapped: exchange the files of [camera1] and "
+            "[camera2] in run.toml."
+        )
+
+
+def _check_ratio(
+    chain: FrameChain, calibration: Calibration, sample: Sequence[FrameSample]
+) -> None:
+    low, high = calibration.predict_log(calibration.thickness_range)
+    shares = []
+    for one in sample:
+        found: list[Image] = []
+        noise: list[Image] = []
+        for band in one.bands:
+            ratios = chain.compute_ratio(band)
+            good = ratios.flags.values == 0
+            found.append(ratios.log_ratio.values[good])
+            noise.append(np.sqrt(ratios.log_ratio_var.values[good]))
+        if any(ratio.size for ratio in found):
+            shares.append(_share_ratios(np.concatenate(found), np.concatenate(noise), calibration))
+    if not shares:
+        return
+
+    regular = float(np.median([one.regular for one in shares]))
+    inverted = float(np.median([one.inverted for one in shares]))
+    impossible = float(np.median([one.impossible for one in shares]))
+    if inverted > _MOST and (regular < _FEW or impossible > _IMPOSSIBLE):
+        raise CalibrationError(
+            f"Expected ratios camera2/camera1 between {np.exp(low):.3f} and {np.exp(high):.3f} as "
+            f"calibrated; {inverted:.0%} of the pixels have the inverse of such a ratio, and "
+            f"{impossible:.0%} one that no film has. The cameras look swapped: exchange the files "
+            "of [camera1] and [camera2] in run.toml."
+        )
+
+
+def _share_ratios(log_ratio: Image, std: Image, calibration: Calibration) -> RatioShares:
+    low, high = calibration.predict_log(calibration.thickness_range)
+    margin = _MARGIN * (high - low)
+
+    # no film, however thick, has a ratio above K p/q
+    K, p, q = calibration.parameters
+    gradient = np.array([1 / K, 1 / p, -1 / q])
+    ceiling_std = np.sqrt(gradient @ calibration.covariance @ gradient)
+    ceiling = np.log(K * p / q) + _SIGMAS * ceiling_std
+    return RatioShares(
+        float(((log_ratio > low - margin) & (log_ratio < high + margin)).mean()),
+        float(((-log_ratio > low - margin) & (-log_ratio < high + margin)).mean()),
+        float((log_ratio - _SIGMAS * std > ceiling).mean()),
+    )

@@ -1,0 +1,687 @@
+"""From plan.toml to what a rig would measure: light, ratio, uncertainty, range, optimum."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.errors import ConfigError
+from erlif.core.units import Quantity
+from erlif.io.settings import DyeSettings, PlanSettings, read_plan_settings, to_toml, write_template
+from erlif.planning import (
+    Aim,
+    Camera,
+    Design,
+    Dye,
+    Film,
+    Optimum,
+    References,
+    Spectrum,
+    band_of,
+    calibrated_range,
+    find_optimum,
+    frames_needed,
+    largest_error,
+    log_ratio,
+    log_ratio_slope,
+    mean_attenuation,
+    measurable_range,
+    normalise_emission,
+    optical_thickness,
+    read_spectrum,
+    saturation_fluence,
+    scale_of_optics,
+    scaled_to,
+    signal,
+    synthetic_spectra,
+    thickness_std,
+    vary_tolerances,
+)
+from erlif.rig import DyeSpectra, RigSettings
+from erlif.rig.settings import LIMITS
+
+FILMS = 161
+"""Films at which a plan is tabulated."""
+
+_BEYOND = (0.4, 1.6)  # of the thinnest and the thickest wanted film: ends of the table
+_DIGITS = 3  # significant digits of a proposed concentration
+_RIG_STEP = 0.25  # nm: spectra that the virtual rig is given
+
+_EXAMPLE = {
+    "plan.name": "example rig",
+    "dye1.name": "like Pyrromethene 605",
+    "dye1.concentration": "0.008 mol/L",
+    "dye1.quantum_yield": 0.7,
+    "dye1.spectra": "synthetic 605",
+    "dye2.name": "like Pyrromethene 650",
+    "dye2.concentration": "0.024 mol/L",
+    "dye2.quantum_yield": 0.7,
+    "dye2.spectra": "synthetic 650",
+    "laser.wavelength": "532 nm",
+    "laser.pulse_energy": "50 mJ",
+    "camera1.band": "580 nm",
+    "camera1.gain": "4.4 electron/DN",
+    "camera1.read_noise": "9 electron",
+    "camera1.thick_film": "11000 electron",
+    "camera2.band": "610 nm",
+    "camera2.gain": "4.4 electron/DN",
+    "camera2.read_noise": "9 electron",
+    "camera2.thick_film": "11500 electron",
+    "film.thinnest": "2 um",
+    "film.thickest": "10 um",
+    "fixture.thinnest": "0.1 um",
+    "fixture.thickest": "18 um",
+}
+"""Values of the example: the rig of Farzaneh (2002), with invented spectra and light."""
+
+_HEAD = """\
+# plan.toml: what a rig is to be. `erlif plan plan.toml` predicts what it would measure.
+# Quantities are text with a unit. A key behind "#" is optional and shown with its default, or with
+# an example where there is no default.
+# The concentrations, the laser and the filters are those of Farzaneh (2002). The spectra and the
+# light are invented: replace them by your own."""
+
+
+def example_plan() -> str:
+    """Write a commented plan.toml that works as it is.
+
+    Returns
+    -------
+    str
+        TOML.
+
+    Examples
+    --------
+    >>> example_plan().count("[dye1]")
+    1
+    """
+    return write_template(PlanSettings, _EXAMPLE, {}, leave_out=["optics"], head=_HEAD)
+
+
+def plan(source: Path | str | PlanSettings, *, folder: Path | None = None) -> xr.Dataset:
+    """Predict what a rig would measure.
+
+    Parameters
+    ----------
+    source : Path or PlanSettings
+        The file plan.toml, or its tables.
+    folder : Path, optional
+        Directory of the files of spectra. Default: that of plan.toml.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``thickness``: ratio, signal of each ``camera``, standard deviation of a pixel for one
+        frame and for the frames of the plan, frames needed. Over ``dye``: concentrations as
+        planned and the best ones, whose variables begin with ``optimum``. Over ``bound``: ranges.
+        Over ``tolerance``: the effect of each tolerance, the largest first.
+
+    Raises
+    ------
+    ConfigError
+        If the plan or a spectrum cannot be used.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as directory:
+    ...     path = Path(directory, "plan.toml")
+    ...     _ = path.write_text(example_plan(), encoding="utf-8")
+    ...     planned = plan(path)
+    >>> planned.measurable_range.values.round(1)
+    array([ 0.8, 12.7])
+    """
+    settings, folder = _read(source, folder)
+    design, film = design_of(settings, folder), film_of(settings)
+    aim = Aim(float(settings.optimum.largest_concentration), settings.optimum.fill)
+    best = find_optimum(design, film, aim)
+
+    low, high = film.thinnest * _BEYOND[0], film.thickest * _BEYOND[1]
+    films = np.geomspace(low, high, FILMS)
+    planned = _describe_design(design, film, films, settings.film.uncertainty)
+    for name, variable in _describe_design(
+        best.design, film, films, settings.film.uncertainty
+    ).items():
+        planned[f"optimum_{name}"] = variable.assign_attrs(
+            long_name=f"{variable.attrs['long_name']}, best concentrations"
+        )
+    planned = planned.merge(_describe_tolerances(design, film, settings))
+    planned.attrs = {
+        "title": settings.name,
+        "uncertainty": settings.film.uncertainty,
+        "frames": film.frames,
+        "average": film.average,
+        "synthetic": int(any(dye.spectra for dye in (settings.dye1, settings.dye2))),
+        "optimum_limited_by_solubility": [int(limit) for limit in best.at_limit],
+        "settings": to_toml(settings),
+        "optimum_settings": to_toml(best_settings(settings, best)),
+        **_describe_pulse(settings, design),
+    }
+    return planned
+
+
+def _read(source: Path | str | PlanSettings, folder: Path | None) -> tuple[PlanSettings, Path]:
+    if isinstance(source, PlanSettings):
+        return source, folder or Path()
+    if not isinstance(source, str | os.PathLike):
+        raise ConfigError(
+            f"Expected the file of a plan, or erlif.settings.PlanSettings; got "
+            f"{type(source).__name__}. Name the file."
+        )
+    path = Path(source)
+    return read_plan_settings(path), folder or path.parent
+
+
+# settings to design
+
+
+def design_of(settings: PlanSettings, folder: Path) -> Design:
+    """Read the spectra of a plan and bring its light to one scale.
+
+    Parameters
+    ----------
+    settings : PlanSettings
+    folder : Path
+        Directory of the files of spectra.
+
+    Returns
+    -------
+    Design
+
+    Raises
+    ------
+    ConfigError
+        If a spectrum cannot be read or does not cover laser and filters, or if the ratio of the
+        design does not rise with thickness.
+
+    Examples
+    --------
+    >>> import tomllib
+    >>> settings = PlanSettings.model_validate(tomllib.loads(example_plan()))
+    >>> design_of(settings, Path()).concentrations
+    array([0.008, 0.024])
+    """
+    bands = (float(settings.camera1.band), float(settings.camera2.band))
+    wavelengths = (float(settings.laser.wavelength), *bands)
+    cameras = [
+        Camera(
+            band=float(camera.band),
+            bandwidth=float(camera.bandwidth),
+            gain=float(camera.gain),
+            read_noise=float(camera.read_noise),
+            full_well=float(camera.full_well or math.inf),
+            counts=(1 << camera.bit_depth) - 1 - float(camera.offset),
+        )
+        for camera in (settings.camera1, settings.camera2)
+    ]
+    pages = settings.references
+    design = Design(
+        dyes=(
+            _dye_of(settings.dye1, 1, folder, wavelengths),
+            _dye_of(settings.dye2, 2, folder, wavelengths),
+        ),
+        cameras=(cameras[0], cameras[1]),
+        laser=wavelengths[0],
+        references=References(pages.dark_pages, pages.flat_pages, pages.flat_level),
+    )
+    _refuse_useless(design)
+    return _with_light(design, settings)
+
+
+def _dye_of(
+    dye: DyeSettings, number: int, folder: Path, wavelengths: tuple[float, float, float]
+) -> Dye:
+    """Spectra of one dye, from wherever the plan has them."""
+    which = f"dye {number}"
+    if dye.spectra is not None:
+        absorption, emission = synthetic_spectra(dye.spectra)
+    elif dye.coefficients is not None:
+        given = dye.coefficients
+        absorption = Spectrum(
+            np.array(wavelengths),
+            np.array([given.laser, given.camera1, given.camera2], float),
+            f"absorption of {which}",
+            narrow=True,
+        )
+        emission = Spectrum(
+            np.array(wavelengths[1:]),
+            np.array([given.emission1, given.emission2], float),
+            f"emission of {which}",
+            narrow=True,
+        )
+    else:
+        assert dye.absorption is not None
+        assert dye.emission is not None
+        absorption = read_spectrum(folder / dye.absorption, f"absorption of {which}")
+        emission = normalise_emission(read_spectrum(folder / dye.emission, f"emission of {which}"))
+    return Dye(float(dye.concentration), dye.quantum_yield, absorption, emission)
+
+
+def _refuse_useless(design: Design) -> None:
+    """Refuse dyes without light or reabsorption, and exchanged cameras."""
+    for number in (1, 2):
+        if band_of(design, number).weight.sum() <= 0:
+            raise ConfigError(
+                f"Expected light of the dyes in the band of camera {number}, "
+                f"{design.cameras[number - 1].band:g} nm; there is none. Choose another filter, "
+                "or correct the emission of the dyes."
+            )
+    p, q = (mean_attenuation(design, number) for number in (1, 2))
+    if p <= q:
+        raise ConfigError(
+            "Expected the light of camera 1 to be reabsorbed more than that of camera 2; their "
+            f"attenuations are {p:.4g} and {q:.4g} 1/um, so that the ratio would not rise with "
+            "thickness. Exchange the filters, or choose others."
+        )
+
+
+def _with_light(design: Design, settings: PlanSettings) -> Design:
+    """The design with the scale of each camera, measured or from optics."""
+    known = scaled_to(
+        design,
+        (float(settings.camera1.thick_film or 1.0), float(settings.camera2.thick_film or 1.0)),
+    )
+    cameras = list(known.cameras)
+    for n, camera in enumerate((settings.camera1, settings.camera2)):
+        if camera.thick_film is None:
+            assert settings.optics is not None
+            assert settings.laser.beam_diameter is not None
+            assert camera.efficiency is not None
+            scale = scale_of_optics(
+                pulse_energy=float(settings.laser.pulse_energy),
+                wavelength=float(settings.laser.wavelength),
+                beam_diameter=float(settings.laser.beam_diameter),
+                pixel_pitch=float(settings.optics.pixel_pitch),
+                numerical_aperture=settings.optics.numerical_aperture,
+                refractive_index=settings.optics.refractive_index,
+                efficiency=camera.efficiency,
+            )
+            cameras[n] = replace(cameras[n], scale=scale)
+    return replace(known, cameras=(cameras[0], cameras[1]))
+
+
+def film_of(settings: PlanSettings) -> Film:
+    """Return the films of a plan in um.
+
+    Parameters
+    ----------
+    settings : PlanSettings
+
+    Returns
+    -------
+    Film
+
+    Examples
+    --------
+    >>> import tomllib
+    >>> film_of(PlanSettings.model_validate(tomllib.loads(example_plan()))).covered
+    (0.1, 18.0)
+    """
+    film = settings.film
+    low, high = settings.covered
+    return Film(
+        _um(film.thinnest), _um(film.thickest), (_um(low), _um(high)), film.frames, film.average
+    )
+
+
+def _um(length: float) -> float:
+    """A length in um without the rounding of the conversion."""
+    return round(float(length) * 1e6, 9)
+
+
+def best_settings(settings: PlanSettings, best: Optimum) -> PlanSettings:
+    """Return a plan with the best concentrations, rounded, and the light that belongs to them.
+
+    Parameters
+    ----------
+    settings : PlanSettings
+    best : Optimum
+
+    Returns
+    -------
+    PlanSettings
+
+    Examples
+    --------
+    >>> import tomllib
+    >>> settings = PlanSettings.model_validate(tomllib.loads(example_plan()))
+    >>> design = design_of(settings, Path()).with_concentrations((0.00517, 0.0476))
+    >>> better = best_settings(settings, Optimum(design, 0.10, at_limit=(False, False)))
+    >>> better.dye2.concentration.text
+    '0.0476 mol/L'
+    """
+    design = best.design
+
+    def quantity(value: float, unit: str, digits: int = _DIGITS) -> Quantity:
+        text = f"{value:.{digits}g}"
+        return Quantity(float(text), f"{text} {unit}")
+
+    changed: dict[str, Any] = {
+        "laser": settings.laser.model_copy(
+            update={
+                "pulse_energy": quantity(
+                    1e3 * float(settings.laser.pulse_energy) * design.energy, "mJ", 4
+                )
+            }
+        )
+    }
+    energy = float(changed["laser"].pulse_energy) / 1e3
+    changed["laser"] = settings.laser.model_copy(
+        update={"pulse_energy": Quantity(energy, changed["laser"].pulse_energy.text)}
+    )
+    for number, dye in enumerate((settings.dye1, settings.dye2), start=1):
+        value = float(design.concentrations[number - 1])
+        changed[f"dye{number}"] = dye.model_copy(update={"concentration": quantity(value, "mol/L")})
+    for number, camera in enumerate((settings.camera1, settings.camera2), start=1):
+        if camera.thick_film is not None:
+            thick = _thick_film(design, number)
+            changed[f"camera{number}"] = camera.model_copy(
+                update={"thick_film": quantity(thick, "electron", 5)}
+            )
+    return settings.model_copy(update=changed)
+
+
+def _thick_film(design: Design, number: int) -> float:
+    """Signal of a very thick film. [electron]"""
+    return float(signal(design, number, _very_thick(design, number)))
+
+
+def _very_thick(design: Design, number: int) -> float:
+    """A film whose light in the band of a camera no longer changes. [um]"""
+    return 50 / float(band_of(design, number).attenuation.min())
+
+
+# design to dataset
+
+
+def _describe_design(
+    design: Design, film: Film, films: np.ndarray[Any, Any], uncertainty: float
+) -> xr.Dataset:
+    """Curves over the thickness, ranges and numbers of one design."""
+    one_frame = replace(film, frames=1)
+    reabsorption, absorption = optical_thickness(design)
+    t, c, b = ("thickness",), ("camera",), ("bound",)
+    curves: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
+        "ratio": (t, np.exp(log_ratio(design, films)), "1", "ratio camera 2 / camera 1"),
+        "log_ratio_slope": (t, log_ratio_slope(design, films), "um-1", "slope of ln ratio"),
+        "signal": (
+            (*c, *t),
+            np.stack([signal(design, number, films) for number in (1, 2)]),
+            "electron",
+            "mean signal of a pixel in mid-beam",
+        ),
+        "full_scale": (
+            c,
+            [camera.full_scale for camera in design.cameras],
+            "electron",
+            "largest signal of a pixel",
+        ),
+        "thickness_std": (
+            t,
+            thickness_std(design, films),
+            "um",
+            "standard deviation of one pixel of one frame",
+        ),
+        "thickness_std_frames": (
+            t,
+            thickness_std(design, films, frames=film.frames, average=film.average),
+            "um",
+            "standard deviation with the frames and the averaging of the plan",
+        ),
+        "frames_needed": (
+            t,
+            frames_needed(design, films, uncertainty * films, average=film.average),
+            "1",
+            "frame pairs for the wanted standard deviation",
+        ),
+        "measurable_range": (
+            b,
+            list(measurable_range(design, one_frame)),
+            "um",
+            "measurable range of one pixel of one frame",
+        ),
+        "measurable_range_frames": (
+            b,
+            list(measurable_range(design, film)),
+            "um",
+            "the same with the frames of the plan",
+        ),
+        "calibrated_range": (
+            b,
+            list(calibrated_range(design, film)),
+            "um",
+            "range in which the calibration would hold",
+        ),
+        "concentration": (("dye",), design.concentrations, "mol L-1", "concentration"),
+        "pulse_energy": ((), design.energy, "1", "pulse energy over that of the plan"),
+        "attenuation_camera1": ((), mean_attenuation(design, 1), "um-1", "p"),
+        "attenuation_camera2": ((), mean_attenuation(design, 2), "um-1", "q"),
+        "ratio_at_zero": (
+            (),
+            float(np.exp(log_ratio(design, 1e-6))),
+            "1",
+            "K, ratio of a vanishing film",
+        ),
+        "ratio_thick": (
+            (),
+            float(np.exp(log_ratio(design, _very_thick(design, 2)))),
+            "1",
+            "ratio of a very thick film",
+        ),
+        "reabsorption": ((), reabsorption, "um-1", "of the band of camera 1 by dye 2"),
+        "absorption": ((), absorption, "um-1", "of the laser by both dyes"),
+        "largest_error": (
+            (),
+            largest_error(design, film),
+            "1",
+            "largest standard deviation over thickness in the wanted range",
+        ),
+    }
+    return xr.Dataset(
+        {
+            name: (dims, np.asarray(values, float), {"units": units, "long_name": meaning})
+            for name, (dims, values, units, meaning) in curves.items()
+        },
+        {
+            "thickness": (t, films, {"units": "um", "long_name": "film thickness"}),
+            "camera": (c, [1, 2], {"long_name": "camera"}),
+            "dye": (("dye",), [1, 2], {"long_name": "dye"}),
+            "bound": (b, ["thinnest", "thickest"]),
+        },
+    )
+
+
+def _describe_tolerances(design: Design, film: Film, settings: PlanSettings) -> xr.Dataset:
+    """The effect of each tolerance, the largest first; and the two ranges of the plan."""
+    sizes = {
+        name: float(value)
+        for name, value in settings.tolerances.model_dump(mode="python").items()
+        if not isinstance(value, str)
+    }
+    sizes["filter"] = float(settings.tolerances.filter)
+    changes = vary_tolerances(design, film, sizes)
+    dims = ("tolerance",)
+    columns = {
+        "tolerance_std": ([c.std for c in changes], "1", "change of the largest error"),
+        "tolerance_thinnest": ([c.thinnest for c in changes], "um", "change of the thinnest film"),
+        "tolerance_thickest": ([c.thickest for c in changes], "um", "change of the thickest film"),
+        "tolerance_film": (
+            [c.film for c in changes],
+            "1",
+            "largest relative error of a film, where the change follows the calibration",
+        ),
+    }
+    described = xr.Dataset(
+        {
+            name: (dims, np.asarray(values, float), {"units": units, "long_name": meaning})
+            for name, (values, units, meaning) in columns.items()
+        },
+        {"tolerance": (dims, [c.what for c in changes])},
+    )
+    described["tolerance_size"] = (dims, [c.tolerance for c in changes], {"long_name": "tolerance"})
+    for name, values, meaning in (
+        ("film_range", (film.thinnest, film.thickest), "films to be measured"),
+        ("covered_range", film.covered, "films of the fixture"),
+    ):
+        described[name] = (("bound",), list(values), {"units": "um", "long_name": meaning})
+    return described
+
+
+def _describe_pulse(settings: PlanSettings, design: Design) -> dict[str, float]:
+    """Fluence of a pulse and that at which the dyes saturate, where the beam is known. [J/cm2]"""
+    diameter = settings.laser.beam_diameter
+    if diameter is None:
+        return {}
+    area = math.pi / 4 * (100 * float(diameter)) ** 2
+    return {
+        "pulse_fluence": float(settings.laser.pulse_energy) / area,
+        "saturation_fluence": saturation_fluence(design),
+    }
+
+
+# to the virtual rig
+
+
+def rig_of(source: Path | str | PlanSettings, *, folder: Path | None = None) -> RigSettings:
+    """Return the virtual rig of a plan: its dyes, filters, light, cameras and films at rest.
+
+    The film rises over the height of the picture through the wanted range; the wedge covers the
+    films of the fixture. The virtual rig shares no code with the prediction.
+
+    Parameters
+    ----------
+    source : Path or PlanSettings
+        The file plan.toml, or its tables.
+    folder : Path, optional
+        Directory of the files of spectra. Default: that of plan.toml.
+
+    Returns
+    -------
+    RigSettings
+
+    Raises
+    ------
+    ConfigError
+        If the plan cannot be used, or has cameras that the virtual rig does not have.
+
+    Examples
+    --------
+    >>> import tomllib
+    >>> rig = rig_of(PlanSettings.model_validate(tomllib.loads(example_plan())))
+    >>> rig.mechanism, rig.wedge, [round(light) for light in rig.thick_film_signal]
+    ('static', (0.1, 18.0), [11000, 11500])
+    """
+    settings, folder = _read(source, folder)
+    design, film = design_of(settings, folder), film_of(settings)
+    one, two = settings.camera1, settings.camera2
+    alike = ("gain", "read_noise", "offset", "bit_depth", "full_well")
+    other = [key for key in alike if getattr(one, key) != getattr(two, key)]
+    if other or one.bit_depth != 12:
+        what = f"{', '.join(other)} differ" if other else f"bit_depth is {one.bit_depth}"
+        raise ConfigError(
+            "Expected two cameras of one kind with 12 bits, as the virtual rig has; in the plan "
+            f"{what}. Make [camera1] and [camera2] alike for the rehearsal."
+        )
+
+    standard = RigSettings()
+    height = standard.height * standard.pitch
+    (_, (top, bottom)) = standard.region
+    span = film.thickest - film.thinnest
+    largest = LIMITS["tilt"][1] * (bottom - top) / height
+    if span > largest:
+        raise ConfigError(
+            f"Expected films that differ by at most {largest:.0f} um, as far as the virtual rig "
+            f"can tilt; those of the plan differ by {span:.4g} um. Choose a part of the range."
+        )
+    # a pin that leaves the film nearly even along x: 0.2 of the range at the edges
+    radius = (1e3 * (standard.field_width / 2) ** 2) / (2 * 0.2 * span)
+    pages = settings.references
+    return replace(
+        standard,
+        mechanism="static",
+        pictures=1,
+        cycles=film.frames,
+        dyes=_spectra_of(design),
+        thick_film_signal=(_thick_film(design, 1), _thick_film(design, 2)),
+        gain=float(one.gain),
+        read_noise=float(one.read_noise),
+        offset=float(one.offset),
+        full_well=None if one.full_well is None else float(one.full_well),
+        film_reference=film.thinnest,
+        film_floor=min(standard.film_floor, film.thinnest),
+        tilt=span * height / (bottom - top),
+        bushing_radius=standard.pin_radius / (1 - standard.pin_radius / radius),
+        wedge=film.covered,
+        bubbles=0,
+        dark_pages=pages.dark_pages,
+        flat_pages=max(1, round(pages.flat_pages / len(standard.flat_levels))),
+    )
+
+
+def _spectra_of(design: Design) -> DyeSpectra:
+    """Spectra at the laser and around both filters, as the virtual rig takes them."""
+    pieces = [np.array([design.laser])]
+    for camera in design.cameras:
+        reach = camera.bandwidth / 2 + 7.0  # nm: the rig's filters have soft edges
+        pieces.append(np.arange(camera.band - reach, camera.band + reach + _RIG_STEP, _RIG_STEP))
+    wavelength = np.unique(np.concatenate(pieces))
+
+    attenuation, emission = [], []
+    for dye in design.dyes:
+        inside = [
+            np.clip(wavelength, *(spectrum.wavelength[[0, -1]]))
+            if not spectrum.narrow
+            else wavelength
+            for spectrum in (dye.absorption, dye.emission)
+        ]
+        attenuation.append(tuple(dye.attenuation(inside[0]).tolist()))
+        light = float(dye.attenuation(design.laser)) * dye.quantum_yield
+        emission.append(tuple((light * dye.emission.at(inside[1])).tolist()))
+    return DyeSpectra(
+        laser=design.laser,
+        bands=(design.cameras[0].band, design.cameras[1].band),
+        bandwidth=(design.cameras[0].bandwidth, design.cameras[1].bandwidth),
+        wavelength=tuple(wavelength.tolist()),
+        attenuation=(attenuation[0], attenuation[1]),
+        emission=(emission[0], emission[1]),
+    )
+
+
+def moved_settings(text: PlanSettings, source: Path, output: Path) -> PlanSettings:
+    """Return a plan whose files of spectra are named from another directory.
+
+    Parameters
+    ----------
+    text : PlanSettings
+    source : Path
+        Directory from which the files are named.
+    output : Path
+        Directory from which they are to be named.
+
+    Returns
+    -------
+    PlanSettings
+
+    Examples
+    --------
+    >>> import tomllib
+    >>> settings = PlanSettings.model_validate(tomllib.loads(example_plan()))
+    >>> moved_settings(settings, Path("a"), Path("a/results")) == settings
+    True
+    """
+    dyes = {}
+    for name in ("dye1", "dye2"):
+        dye: DyeSettings = getattr(text, name)
+        if dye.absorption is not None and dye.emission is not None:
+            moved = {
+                key: Path(os.path.relpath(source / getattr(dye, key), output)).as_posix()
+                for key in ("absorption", "emission")
+            }
+            dyes[name] = dye.model_copy(update=moved)
+    return text.model_copy(update=dyes)

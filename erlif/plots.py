@@ -1,0 +1,7 @@
+"""`erlif.plots` is the public name of `erlif.show.plots`."""
+
+import sys
+
+from erlif.show import plots
+
+sys.modules[__name__] = plots

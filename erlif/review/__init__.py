@@ -1,0 +1,1 @@
+"""A run seen from outside: audit before, budget after, comparison between runs."""

@@ -1,0 +1,355 @@
+"""Both cameras together: overlap, registration, and whether they show the same laser pulses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Array, Image
+from erlif.core.notes import Level, Note, list_numbers
+from erlif.core.products import RatioImages
+from erlif.core.progress import silent
+from erlif.core.statistics import robust_std
+from erlif.io.ingest import Fixture, FramePairs, Run
+from erlif.pipeline.chain import FrameChain, one_thread_per_frame
+from erlif.pipeline.engines.results import FrameResult
+from erlif.pipeline.recording.prepare import prepare_chain
+from erlif.pipeline.recording.pulse_order import check_pulses
+from erlif.pipeline.recording.sample import FrameSample
+from erlif.ratio import sample_pulse
+from erlif.registration import orient
+
+WHOLE = 60
+"""Frame pairs up to which all of them are searched for exchanged pulses."""
+
+CONSECUTIVE = 16
+"""Consecutive pairs that are searched in a longer recording."""
+
+SHOWN = 3
+"""Pairs whose registration is listed."""
+
+_LITTLE_OVERLAP = 0.7
+"""Share of the image that both cameras see, below which they are not well adjusted."""
+
+_WEAK = 0.3
+"""Correlation of the textures below which a registration is doubtful."""
+
+_SHARED = 0.1
+"""Correlation of the structure of both flats from which it is that of the object; sensors have
+none in common, and 10 000 pixels give 0.01 by chance."""
+
+_DUST = 5.0
+"""Robust standard deviations beyond which the structure of a flat is dust."""
+
+_PIXELS = 100_000
+"""Pixels of a ratio that are kept for the comparison with the calibration."""
+
+_WIDTH = 640
+"""Largest width of a picture on the page. [px]"""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One frame pair on the pixels of camera 1, reduced in size.
+
+    Attributes
+    ----------
+    frame : int
+        Number of the frame pair, counted from 0.
+    light : tuple[Image, Image]
+        Corrected light of camera 1 and camera 2, (y, x); NaN where flagged. [DN]
+    difference : Image
+        Logarithm of the ratio less its mean over the surroundings, (y, x); NaN where flagged. [1]
+    """
+
+    frame: int
+    light: tuple[Image, Image]
+    difference: Image
+
+
+@dataclass(frozen=True)
+class CameraSurvey:
+    """What registration and ratio show before the film is computed.
+
+    Attributes
+    ----------
+    chain : FrameChain
+        From counts to ratio.
+    sample : tuple[FrameSample, ...]
+        Parts of a few frame pairs.
+    frames : tuple[FrameResult, ...]
+        The consecutive pairs that were measured.
+    light : Array
+        Median light of their valid pixels, NaN without any, (frame, camera). [DN]
+    log_ratios : Array
+        Valid ratios of a few pairs. [1]
+    picture : Picture
+        The middle pair.
+    """
+
+    chain: FrameChain
+    sample: tuple[FrameSample, ...]
+    frames: tuple[FrameResult, ...]
+    light: Array
+    log_ratios: Array
+    picture: Picture
+
+
+def survey_cameras(recording: Run | Fixture) -> CameraSurvey:
+    """Register the cameras, and measure the ratio of consecutive pairs.
+
+    Parameters
+    ----------
+    recording : Run or Fixture
+
+    Returns
+    -------
+    CameraSurvey
+
+    Raises
+    ------
+    FrameError, RegistrationError
+        As `erlif.pipeline.recording.prepare.prepare_chain`.
+    """
+    prepared = prepare_chain(recording, silent)
+    chain = prepared.chain
+    numbers = choose_consecutive(recording.pairs)
+    shown = set(numbers[:: max(len(numbers) // SHOWN, 1)])
+    middle = numbers[len(numbers) // 2]
+
+    frames, lights, kept = [], [], []
+    with one_thread_per_frame():
+        for frame in numbers:
+            ratios = chain.ratio(frame)
+            light, log_ratio, flags = (
+                ratios[name].values[0] for name in ("signal_camera1", "log_ratio", "flags")
+            )
+            pulse = sample_pulse(light, log_ratio, flags)
+            frames.append(FrameResult.of(frame, ratios, pulse=pulse))
+            lights.append(_median_light(light, log_ratio, flags))
+            if frame in shown:
+                kept.append(_valid(log_ratio, flags))
+            if frame == middle:
+                picture = _draw(frame, ratios)
+    return CameraSurvey(
+        chain, prepared.sample, tuple(frames), np.array(lights), np.concatenate(kept), picture
+    )
+
+
+def choose_consecutive(pairs: FramePairs) -> list[int]:
+    """All usable pairs of a short recording, the middle ones of a long one.
+
+    Parameters
+    ----------
+    pairs : FramePairs
+
+    Returns
+    -------
+    list of int
+    """
+    usable = pairs.usable
+    if len(usable) <= WHOLE:
+        return usable
+    first = (len(usable) - CONSECUTIVE) // 2
+    return usable[first : first + CONSECUTIVE]
+
+
+def _median_light(light: Image, log_ratio: Image, flags: AnyArray) -> tuple[float, float]:
+    valid = flags == 0
+    if not valid.any():
+        return float("nan"), float("nan")
+    one, ratio = light[valid], np.exp(log_ratio[valid])
+    return float(np.median(one)), float(np.median(one * ratio))
+
+
+def _valid(log_ratio: Image, flags: AnyArray) -> Array:
+    step = max(int(np.sqrt(log_ratio.size / _PIXELS)), 1)
+    return np.asarray(log_ratio[::step, ::step][flags[::step, ::step] == 0], float)
+
+
+def _draw(frame: int, ratios: RatioImages) -> Picture:
+    """The pair as it is shown on the page."""
+    light, log_ratio, flags = (
+        ratios[name].values[0] for name in ("signal_camera1", "log_ratio", "flags")
+    )
+    # flagged pixels hold numbers that mean nothing
+    valid = flags == 0
+    one = np.where(valid, light, np.nan).astype(np.float32)
+    clean = np.where(valid, log_ratio, 0).astype(np.float32)
+    two = one * np.exp(clean)
+
+    # the film is smooth over 9 pixels, what registration leaves is not
+    rest = np.where(valid, clean - _mean_of_surroundings(clean, valid), np.nan)
+    step = -(-one.shape[1] // _WIDTH)
+    return Picture(
+        frame,
+        (one[::step, ::step], two[::step, ::step]),
+        rest[::step, ::step].astype(np.float32),
+    )
+
+
+def _mean_of_surroundings(values: Image, valid: AnyArray) -> Image:
+    weight = cv2.blur(valid.astype(np.float32), (9, 9))
+    total = cv2.blur(values, (9, 9))  # 0 where not valid
+    return np.asarray(total / np.maximum(weight, 1e-6))
+
+
+def note_registration(survey: CameraSurvey) -> Iterator[Note]:
+    """Displacement, correlation and overlap.
+
+    Parameters
+    ----------
+    survey : CameraSurvey
+
+    Yields
+    ------
+    Note
+    """
+    found = survey.chain.camera_map
+    overlap, quality = float(found.overlap.mean()), found.quality
+    x, y = (float(np.nanmedian(one)) for one in (found.displacement_x, found.displacement_y))
+    yield Note(
+        Level.NOTE,
+        "registration",
+        f"camera 2 displaced by ({x:+.2f}, {y:+.2f}) px, correlation of the textures "
+        f"{quality:.2f}, {overlap:.0%} of the image seen by both cameras",
+    )
+    found_again = [one for one in survey.frames if np.isfinite(one.drift).all()]
+    for one in found_again[:: max(len(found_again) // SHOWN, 1)][:SHOWN]:
+        drift = ", ".join(f"{value:+.2f}" for value in one.drift)
+        yield Note(Level.NOTE, "registration", f"pair {one.frame}: camera 2 moved by ({drift}) px")
+
+    if overlap < _LITTLE_OVERLAP:
+        yield Note(
+            Level.WARNING,
+            "registration",
+            f"the cameras have {overlap:.0%} of the image in common. Turn the cameras until both "
+            "show the same part of the joint",
+        )
+    if quality < _WEAK:
+        yield Note(
+            Level.WARNING,
+            "registration",
+            f"the textures of the cameras have a correlation of {quality:.2f}: light, focus or "
+            "texture are weak. Check focus and exposure of both cameras",
+        )
+    lost = [one.frame for one in survey.frames if not np.isfinite(one.drift).all()]
+    if lost:
+        yield Note(
+            Level.WARNING,
+            "registration",
+            f"no common texture of the cameras in pairs {list_numbers(lost)}. Leave these pairs "
+            "out",
+        )
+
+
+def note_textures(survey: CameraSurvey) -> Iterator[Note]:
+    """Whether the flats show a texture of the joint, which both cameras see.
+
+    Parameters
+    ----------
+    survey : CameraSurvey
+
+    Yields
+    ------
+    Note
+    """
+    references, found = survey.chain.correct.references, survey.chain.camera_map
+    if not bool(references.has_flat.values.all()):
+        return
+    correlation = correlate_flats(
+        references.flat.values,
+        references.bad.values,
+        found.displacement_x,
+        found.displacement_y,
+        orientation=found.settings.orientation,
+    )
+    if correlation > _SHARED:
+        yield Note(
+            Level.WARNING,
+            "registration",
+            f"the flats of both cameras show one texture, correlation {correlation:.2f}: they were "
+            "recorded on the joint or with the laser, and take its texture for that of the "
+            "sensors. Record flats of an evenly lit target without structure",
+        )
+
+
+def correlate_flats(
+    flats: AnyArray,
+    bad: AnyArray,
+    displacement_x: Image,
+    displacement_y: Image,
+    *,
+    orientation: str,
+) -> float:
+    """Correlation of the structure of two flats at the same points of the object.
+
+    Parameters
+    ----------
+    flats : array, (camera, y, x)
+        Response of the pixels. [1]
+    bad : array of bool, (camera, y, x)
+        Pixels that are left out.
+    displacement_x, displacement_y : array, (y, x)
+        Pixel of camera 2 less pixel of camera 1. [px]
+    orientation : str
+        How camera 2 is turned, one of `erlif.registration.settings.ORIENTATIONS`.
+
+    Returns
+    -------
+    float
+    """
+    one, two = (_structure(flat, mask) for flat, mask in zip(flats, bad, strict=True))
+    y, x = np.indices(one.shape, np.float32)
+    outside = ~np.isfinite(displacement_x + displacement_y)
+    moved = cv2.remap(
+        np.ascontiguousarray(orient(two, orientation)),
+        np.where(outside, -1, x + displacement_x).astype(np.float32),
+        np.where(outside, -1, y + displacement_y).astype(np.float32),
+        cv2.INTER_LINEAR,
+    )
+    size = float(np.sqrt((one**2).sum() * (moved**2).sum()))
+    return float((one * moved).sum()) / size if size > 0 else 0.0
+
+
+def _structure(flat: Image, bad: AnyArray) -> Image:
+    """Flat over the mean of its surroundings less 1; 0 for bad pixels and dust."""
+    values = np.asarray(flat / cv2.blur(flat, (9, 9)) - 1, np.float32)
+    sound = ~bad & (np.abs(values) < _DUST * robust_std(values))
+    return np.where(sound, values, np.float32(0))
+
+
+def note_pulses(
+    survey: CameraSurvey, pairs: FramePairs, *, counted: Iterable[int] = ()
+) -> Iterator[Note]:
+    """Pairs whose images belong to different laser pulses.
+
+    Parameters
+    ----------
+    survey : CameraSurvey
+    pairs : FramePairs
+    counted : iterable of int
+        Frame pairs whose counts were compared; copies among them have a note.
+
+    Yields
+    ------
+    Note
+
+    Raises
+    ------
+    PulseError
+        As `erlif.pipeline.recording.pulse_order.check_pulses`.
+    """
+    known = {one.frame for one in survey.frames} <= set(counted)
+    for note in check_pulses(survey.frames, pairs, copies=not known):
+        yield Note(note.level, "pulses", str(note))
+    judged = f"{len(survey.frames)} of {len(pairs.usable)} pairs"
+    yield Note(
+        Level.NOTE,
+        "pulses",
+        f"{judged} searched for images of other pulses"
+        + ("; erlif process searches all" if len(survey.frames) < len(pairs.usable) else ""),
+    )

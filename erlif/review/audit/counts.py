@@ -1,0 +1,374 @@
+"""The counts of a recording as the cameras wrote them: bits, saturation, light and sharpness."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Counts
+from erlif.core.notes import Level, Note, list_numbers
+from erlif.core.products import References
+from erlif.correction import count_pixels
+from erlif.correction.saturation import Histogram
+from erlif.io.ingest import FramePairs, depth_warning, read_pair
+
+MOST_SPREAD = 24
+"""Frame pairs that are read of a long recording, evenly spread over it."""
+
+BRIGHT = 0.01
+"""Share of saturated pixels in one frame above which the exposure is called too long."""
+
+MANY_BAD = 0.01
+"""Share of hot, noisy and dead pixels above which darks and flats are doubtful; sensors have some
+0.1 %."""
+
+_FULLY = 0.98
+"""Share of the pixels between the darkest and the brightest per cent."""
+
+_LEAST_USED = 0.5
+"""Share of the counts in between that occur; fewer are left by a change of scale."""
+
+_PIXELS_PER_COUNT = 20
+"""Pixels for each possible count from which on every count is expected to occur."""
+
+_BLURRED = 0.6
+"""Fine structure over that of the median frame, below which a frame counts as blurred."""
+
+_UNLIT = 0.1
+"""Light over that of the median frame, below which a pulse counts as missed."""
+
+
+@dataclass(frozen=True)
+class FrameCounts:
+    """What is kept of one frame pair; each field holds camera 1 and camera 2.
+
+    Attributes
+    ----------
+    frame : int
+        Number of the frame pair, counted from 0.
+    level : tuple[float, float]
+        Median count, dark included. [DN]
+    saturated : tuple[float, float]
+        Share of saturated pixels.
+    sharpness : tuple[float, float]
+        Fine structure over the mean count. [1]
+    digest : tuple[str, str]
+        SHA-256 of the counts, hexadecimal.
+    """
+
+    frame: int
+    level: tuple[float, float]
+    saturated: tuple[float, float]
+    sharpness: tuple[float, float]
+    digest: tuple[str, str]
+
+
+@dataclass(frozen=True)
+class CountSurvey:
+    """The counts of a recording.
+
+    Attributes
+    ----------
+    frames : tuple[FrameCounts, ...]
+        The frame pairs that were read.
+    histograms : tuple[Histogram, Histogram]
+        Pixels by count, (full scale + 1,), of camera 1 and camera 2.
+    """
+
+    frames: tuple[FrameCounts, ...]
+    histograms: tuple[Histogram, Histogram]
+
+
+def survey_counts(pairs: FramePairs, frames: Sequence[int]) -> CountSurvey:
+    """Read frame pairs one at a time: a recording may be larger than the memory.
+
+    Parameters
+    ----------
+    pairs : FramePairs
+    frames : sequence of int
+        Numbers of the frame pairs that are read.
+
+    Returns
+    -------
+    CountSurvey
+    """
+    one, two = (np.zeros(full_scale + 1, np.int64) for full_scale in pairs.full_scales)
+    found = []
+    for frame in frames:
+        counts = read_pair(pairs, frame).counts
+        one += count_pixels(counts[0], one.size - 1)
+        two += count_pixels(counts[1], two.size - 1)
+        found.append(_measure(frame, counts, pairs.full_scales))
+    return CountSurvey(tuple(found), (one, two))
+
+
+def _measure(
+    frame: int, counts: tuple[Counts, Counts], full_scales: tuple[int, int]
+) -> FrameCounts:
+    one, two = counts
+    return FrameCounts(
+        frame,
+        (float(np.median(one)), float(np.median(two))),
+        (float((one >= full_scales[0]).mean()), float((two >= full_scales[1]).mean())),
+        (_sharpness(one), _sharpness(two)),
+        (_digest(one), _digest(two)),
+    )
+
+
+def _sharpness(counts: AnyArray) -> float:
+    """Standard deviation from the mean over 3 x 3 pixels, over the mean count. [1]"""
+    image = counts.astype(np.float32)
+    rest = np.abs(image - cv2.blur(image, (3, 3)))
+    # a median, so that hot pixels and the edges of bubbles do not count
+    return float(1.4826 * np.median(rest) / max(float(image.mean()), 1.0))
+
+
+def _digest(counts: AnyArray) -> str:
+    return hashlib.sha256(counts.tobytes()).hexdigest()
+
+
+def note_counts(survey: CountSurvey, pairs: FramePairs) -> Iterator[Note]:
+    """Highest count of each camera, and how much of a frame is saturated.
+
+    Parameters
+    ----------
+    survey : CountSurvey
+    pairs : FramePairs
+
+    Yields
+    ------
+    Note
+    """
+    saturated = np.array([one.saturated for one in survey.frames]).max(axis=0)
+    for camera, (histogram, bit_depth) in enumerate(
+        zip(survey.histograms, pairs.bit_depths, strict=True), 1
+    ):
+        top, share = int(np.flatnonzero(histogram)[-1]), float(saturated[camera - 1])
+        warning = depth_warning(top, bit_depth=bit_depth, camera=camera)
+        text = (
+            f"camera{camera}: highest count {top} of {histogram.size - 1}, "
+            f"at most {share:.2%} of a frame saturated"
+        )
+        if share > BRIGHT:
+            text += ". Shorten the exposure, or lower the energy of the laser"
+        level = Level.WARNING if warning or share > BRIGHT else Level.NOTE
+        yield Note(level, "counts", str(warning or text))
+
+
+def note_bits(survey: CountSurvey) -> Iterator[Note]:
+    """Bits that are never or always set, and counts that never occur.
+
+    Parameters
+    ----------
+    survey : CountSurvey
+
+    Yields
+    ------
+    Note
+    """
+    for camera, histogram in enumerate(survey.histograms, 1):
+        for text in find_bit_faults(histogram):
+            yield Note(Level.WARNING, "bits", f"camera{camera}: {text}")
+
+
+def find_bit_faults(histogram: Histogram) -> list[str]:
+    """Faults of the bits of counts, in words.
+
+    Parameters
+    ----------
+    histogram : array of int, (full scale + 1,)
+        Pixels by count.
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    Eight bits in the upper part of twelve:
+
+    >>> histogram = np.zeros(4096, np.int64)
+    >>> histogram[320:3200:16] = 1000
+    >>> print(find_bit_faults(histogram)[0][:46])
+    the lowest 4 bits are never set: counts are mu
+    """
+    used = np.flatnonzero(histogram)
+    if used.size < 2:
+        return []
+    span = int(used[-1] - used[0])
+    ever, always = int(np.bitwise_or.reduce(used)), int(np.bitwise_and.reduce(used))
+
+    # a range of counts twice as wide as a bit must contain counts with and without it
+    tested = [bit for bit in range(span.bit_length()) if span >= 2 << bit]
+    never = [bit for bit in tested if not ever >> bit & 1]
+    stuck = [bit for bit in tested if always >> bit & 1]
+    lowest = next((n for n in range(len(tested) + 1) if n not in never), 0)
+
+    faults = []
+    if lowest:
+        low = "the lowest bit is" if lowest == 1 else f"the lowest {lowest} bits are"
+        faults.append(
+            f"{low} never set: counts are multiples of "
+            f"{1 << lowest}. Frames of fewer bits were scaled up, or are left-aligned: export the "
+            'raw counts, or correct bit_depth and write alignment = "left"'
+        )
+    other = [bit for bit in never if bit >= lowest]
+    for bits, what in ((other, "never"), (stuck, "always")):
+        if bits:
+            names = ", ".join(str(bit) for bit in bits)
+            faults.append(
+                f"bit {names} (value {', '.join(str(1 << bit) for bit in bits)}) is {what} set: a "
+                "line of the camera or of its cable is stuck. Check the camera with a test image"
+            )
+    return faults or _find_gaps(histogram)
+
+
+def _find_gaps(histogram: Histogram) -> list[str]:
+    """Counts that do not occur between others, as a change of scale leaves them."""
+    total = np.cumsum(histogram)
+    tail = (1 - _FULLY) / 2 * total[-1]
+    low, high = (int(np.searchsorted(total, level)) for level in (tail, total[-1] - tail))
+    inside = histogram[low : high + 1]
+    used = int(np.count_nonzero(inside))
+    if inside.sum() < _PIXELS_PER_COUNT * inside.size or used >= _LEAST_USED * inside.size:
+        return []
+    return [
+        f"only {used} of the {inside.size} counts from {low} to {high} occur: frames of fewer bits "
+        "were scaled or corrected. Export the raw counts of the camera"
+    ]
+
+
+def note_bad_pixels(references: References) -> Iterator[Note]:
+    """Share of the hot, noisy and dead pixels of each camera, by its darks and flats.
+
+    Parameters
+    ----------
+    references : References
+
+    Yields
+    ------
+    Note
+    """
+    for camera, bad in enumerate(references.bad.values, 1):
+        share = float(bad.mean())
+        text = f"camera{camera}: {share:.2%} of the pixels are hot, noisy or dead and are flagged"
+        if share > MANY_BAD:
+            cure = "Look at darks and flats for dust, light and clipping, and record them again"
+            yield Note(Level.WARNING, "darks and flats", f"{text}. {cure}")
+        else:
+            yield Note(Level.NOTE, "darks and flats", text)
+
+
+def note_light(survey: CountSurvey, darks: Sequence[float]) -> Iterator[Note]:
+    """Light and sharpness over the run, and frames that depart from the others.
+
+    Parameters
+    ----------
+    survey : CountSurvey
+    darks : sequence of two float
+        Dark level of camera 1 and camera 2. [DN]
+
+    Yields
+    ------
+    Note
+    """
+    levels = np.array([one.level for one in survey.frames])
+    light = levels - np.asarray(darks)
+    sharpness = np.array([one.sharpness for one in survey.frames])
+    numbers = np.array([one.frame for one in survey.frames])
+    usual, usual_sharpness = np.median(light, axis=0), np.median(sharpness, axis=0)
+    dim = light < _UNLIT * usual
+
+    yield Note(
+        Level.NOTE,
+        "light",
+        "; ".join(
+            f"camera{n + 1}: median light of a frame {light[:, n].min():.0f} to "
+            f"{light[:, n].max():.0f} DN, fine structure {100 * sharpness[:, n].min():.1f} to "
+            f"{100 * sharpness[:, n].max():.1f} % of the light"
+            for n in range(2)
+        ),
+    )
+    if dim.any():
+        yield Note(
+            Level.WARNING,
+            "light",
+            f"frame pairs {list_numbers(numbers[dim.any(axis=1)])} have less than {_UNLIT:.0%} of "
+            "the light of the others: the laser or a shutter missed the pulse. Leave these pairs "
+            "out",
+        )
+    blurred = (sharpness < _BLURRED * usual_sharpness) & ~dim
+    if blurred.any():
+        yield Note(
+            Level.WARNING,
+            "light",
+            f"frame pairs {list_numbers(numbers[blurred.any(axis=1)])} have less than "
+            f"{_BLURRED:.0%} of the fine structure of the others: they are out of focus, or were "
+            "smoothed. Check the focus, and export the frames without filters",
+        )
+
+
+def find_copies(survey: CountSurvey) -> list[tuple[int, ...]]:
+    """Groups of frame pairs of which a camera shows the same counts.
+
+    Parameters
+    ----------
+    survey : CountSurvey
+
+    Returns
+    -------
+    list of tuple of int
+        Numbers of the frame pairs of each group.
+    """
+    groups: dict[tuple[int, str], list[int]] = {}
+    for one in survey.frames:
+        for camera, digest in enumerate(one.digest):
+            groups.setdefault((camera, digest), []).append(one.frame)
+    return sorted({tuple(frames) for frames in groups.values() if len(frames) > 1})
+
+
+def note_copies(survey: CountSurvey) -> Iterator[Note]:
+    """Frames that are copies of others.
+
+    Parameters
+    ----------
+    survey : CountSurvey
+
+    Yields
+    ------
+    Note
+        An error where all frames of a camera are copies of one.
+    """
+    # images of both cameras that agree to the last count are one image
+    same = [one.frame for one in survey.frames if one.digest[0] == one.digest[1]]
+    if same:
+        yield Note(
+            Level.ERROR,
+            "pairs",
+            f"both cameras show the same image in frame pairs {list_numbers(same)}. Correct "
+            "files in [camera1] or [camera2], or export the cameras again",
+        )
+    stuck = [
+        f"camera{n + 1}" for n in range(2) if len({one.digest[n] for one in survey.frames}) == 1
+    ]
+    for frames in find_copies(survey):
+        if len(frames) == len(survey.frames):
+            which = "frame pairs" if len(stuck) == 2 else f"frames of {stuck[0]}"
+            yield Note(
+                Level.ERROR,
+                "pairs",
+                f"all {len(frames)} {which} that were read show the same image: the camera or its "
+                "export was stuck. Export the recording again, one frame for each pulse",
+            )
+        else:
+            yield Note(
+                Level.WARNING,
+                "pairs",
+                f"frame pairs {list_numbers(frames)} show the same image: a camera or its "
+                "export was stuck, or a file was copied. Export them again, or leave out all but "
+                "one",
+            )

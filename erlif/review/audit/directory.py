@@ -1,0 +1,315 @@
+"""The audit of a run or fixture directory, part by part."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from erlif.calibration import read_profile
+from erlif.core.errors import ConfigError, ErlifError
+from erlif.core.notes import Level, Note
+from erlif.core.progress import ShowProgress, choose_progress
+from erlif.core.timing import stage
+from erlif.core.version import __version__
+from erlif.io.files import takes
+from erlif.io.ingest import Fixture, Run, format_notes, open_fixture, open_run
+from erlif.kinematics import encoder_notes
+from erlif.pipeline.film import describe_cycle, describe_triggers
+from erlif.pipeline.physics.joint import locate_run
+from erlif.pipeline.recording.cameras import characterise_cameras
+from erlif.pipeline.recording.clock import fit_start
+from erlif.pipeline.recording.omissions import note_omissions
+from erlif.review.audit.calibration import note_calibration
+from erlif.review.audit.cameras import (
+    CameraSurvey,
+    note_pulses,
+    note_registration,
+    note_textures,
+    survey_cameras,
+)
+from erlif.review.audit.counts import (
+    MOST_SPREAD,
+    CountSurvey,
+    find_copies,
+    note_bad_pixels,
+    note_bits,
+    note_copies,
+    note_counts,
+    note_light,
+    survey_counts,
+)
+from erlif.review.audit.log import Steps, note_conditions, note_energy, note_motion
+from erlif.review.audit.pairing import PairRow, note_numbers, tabulate_pairs
+
+_logger = logging.getLogger(__name__)
+
+Step = Callable[[], Iterator[Note]]
+"""One part of the audit; it raises ErlifError where the input cannot be used."""
+
+
+@dataclass
+class Audit:
+    """What was found in a directory.
+
+    Attributes
+    ----------
+    directory : Path
+        The run or the fixture.
+    name : str
+        Its name in the settings; empty where they cannot be read.
+    notes : list[Note]
+        Findings in the order of the audit. It ends with the first error of a part, because the
+        later parts depend on the earlier ones.
+    pairs : list[PairRow]
+        The first, the last and all odd frame pairs.
+    survey : CountSurvey | None
+        Counts of the frames that were read; None where none could be read.
+    darks : tuple[float, float]
+        Dark level of camera 1 and camera 2. [DN]
+    cameras : CameraSurvey | None
+        Registration and ratio; None where the audit ended before.
+    steps : Steps | None
+        Angles and times of the log; None for a fixture.
+    """
+
+    directory: Path
+    name: str = ""
+    notes: list[Note] = field(default_factory=list)
+    pairs: list[PairRow] = field(default_factory=list)
+    survey: CountSurvey | None = None
+    darks: tuple[float, float] = (0.0, 0.0)
+    cameras: CameraSurvey | None = None
+    steps: Steps | None = None
+
+    def count(self, level: Level) -> int:
+        """Number of findings of a level."""
+        return sum(note.level is level for note in self.notes)
+
+    def to_record(self) -> dict[str, Any]:
+        """Findings, pairing table and series as plain values, for JSON."""
+        frames = [] if self.survey is None else self.survey.frames
+        return {
+            "erlif_version": __version__,
+            "directory": str(self.directory),
+            "name": self.name,
+            "errors": self.count(Level.ERROR),
+            "warnings": self.count(Level.WARNING),
+            "notes": [
+                {"level": one.level.value, "subject": one.subject, "text": one.text}
+                for one in self.notes
+            ],
+            "pairs": [asdict(row) for row in self.pairs],
+            "frames": [asdict(one) for one in frames],
+        }
+
+
+@takes(directory="directory")
+def check(
+    directory: str | Path, *, allow_outside: bool = False, progress: ShowProgress = None
+) -> list[Note]:
+    """Check everything in a run or fixture directory that can be checked without computing a film.
+
+    Parameters
+    ----------
+    directory : path
+        With ``run.toml`` or ``fixture.toml``.
+    allow_outside : bool
+        Follow links and names of files that leave the directory.
+    progress : "bar", bool or callable, optional
+        As for `erlif.process`.
+
+    Returns
+    -------
+    list of Note
+        Findings in the order of the audit, see `erlif.review.audit.audit`.
+
+    Examples
+    --------
+    >>> for note in check("an empty folder"):
+    ...     print(note.level, note.subject)
+    error settings and files
+    """
+    return audit(directory, allow_outside=allow_outside, progress=progress).notes
+
+
+@takes(directory="directory")
+def audit(
+    directory: str | Path, *, allow_outside: bool = False, progress: ShowProgress = None
+) -> Audit:
+    """Examine a run or fixture directory before anything is computed.
+
+    At most 24 frame pairs of a long recording are read, evenly spread, and 16 consecutive ones.
+
+    Parameters
+    ----------
+    directory : path
+        With ``run.toml`` or ``fixture.toml``.
+    allow_outside : bool
+        Follow links and names of files that leave the directory.
+    progress : "bar", bool or callable, optional
+        As for `erlif.process`.
+
+    Returns
+    -------
+    Audit
+
+    Examples
+    --------
+    >>> audit("an empty folder").count(Level.ERROR)
+    1
+    """
+    progress = choose_progress(progress)
+    found = Audit(Path(directory))
+    subject = "settings and files"
+    try:
+        recording = _open(found.directory, allow_outside)
+        found.name = recording.settings.name
+        found.notes.append(_describe(recording))
+        found.pairs = tabulate_pairs(recording.pairs, _run_of(recording))
+        parts = _Parts(recording, found, allow_outside=allow_outside).list()
+        for done, (name, step) in enumerate(parts, 1):
+            subject = name
+            with stage(f"check of {name}", _logger):
+                for note in step():
+                    found.notes.append(note)
+                    if note.level is Level.ERROR:
+                        return found
+            progress("check", done, len(parts))
+    except ErlifError as error:
+        found.notes.append(Note(Level.ERROR, subject, str(error)))
+    return found
+
+
+def _open(directory: Path, allow_outside: bool) -> Run | Fixture:
+    """The run or the fixture in the directory."""
+    if (directory / "run.toml").is_file():
+        return open_run(directory, find_start=fit_start, allow_outside=allow_outside)
+    if (directory / "fixture.toml").is_file():
+        return open_fixture(directory, allow_outside=allow_outside)
+    if not directory.is_dir():
+        raise ConfigError(
+            f"Expected a run (run.toml) or a fixture (fixture.toml) in {directory}; "
+            "there is no such directory. Correct the name."
+        )
+    raise ConfigError(
+        f"Expected a run (run.toml) or a fixture (fixture.toml) in {directory}; it holds neither. "
+        f"Make one from the files in it with: erlif init {directory}"
+    )
+
+
+def _run_of(recording: Run | Fixture) -> Run | None:
+    return recording if isinstance(recording, Run) else None
+
+
+def _describe(recording: Run | Fixture) -> Note:
+    height, width = recording.pairs.shape
+    count = len(recording.pairs.usable)
+    text = f"{count} pairs of {width} x {height} pixels, {recording.settings.name!r}"
+    if count > MOST_SPREAD:
+        text += f"; counts of {MOST_SPREAD} of them, evenly spread, are examined"
+    return Note(Level.NOTE, "frames", text)
+
+
+@dataclass(frozen=True)
+class _Parts:
+    """The parts of an audit; each adds what it has found."""
+
+    recording: Run | Fixture
+    found: Audit
+    allow_outside: bool
+
+    def list(self) -> list[tuple[str, Step]]:
+        """Subject and function of each part."""
+        steps: list[tuple[str, Step]] = [
+            ("counts", self.counts),
+            ("pairs", self.pairing),
+            ("darks and flats", self.references),
+            ("registration", self.registration),
+            ("pulses", self.pulses),
+        ]
+        run = _run_of(self.recording)
+        if run is None:
+            return [*steps, ("profile", self.profile)]
+        return [
+            *steps,
+            ("encoder log", lambda: self.log(run)),
+            ("calibration", lambda: self.calibration(run)),
+        ]
+
+    def counts(self) -> Iterator[Note]:
+        """Formats, highest counts, saturation and bits."""
+        pairs = self.recording.pairs
+        yield from format_notes(pairs)
+        self.found.survey = survey = survey_counts(pairs, pairs.spread(MOST_SPREAD))
+        yield from note_counts(survey, pairs)
+        yield from note_bits(survey)
+
+    def pairing(self) -> Iterator[Note]:
+        """Names of the files, and images that are copies."""
+        pairs, survey = self.recording.pairs, self.found.survey
+        assert survey is not None
+        yield from note_numbers(pairs)
+        odd = {frame for frames in find_copies(survey) for frame in frames}
+        self.found.pairs = tabulate_pairs(pairs, _run_of(self.recording), odd=odd)
+        for row in self.found.pairs:
+            yield Note(Level.NOTE, "pairs", str(row))
+        yield from note_copies(survey)
+
+    def references(self) -> Iterator[Note]:
+        """Dark level, noise and gain, and the light above the dark level."""
+        cameras = characterise_cameras(self.recording)
+        for note in cameras.notes:
+            yield Note(note.level, "darks and flats", str(note))
+        yield from note_bad_pixels(cameras.references)
+        one, two = (float(level) for level in cameras.references.dark_signal.values)
+        self.found.darks = one, two
+        assert self.found.survey is not None
+        yield from note_light(self.found.survey, self.found.darks)
+
+    def registration(self) -> Iterator[Note]:
+        """Map, overlap and drift."""
+        self.found.cameras = survey_cameras(self.recording)
+        yield from note_registration(self.found.cameras)
+        yield from note_textures(self.found.cameras)
+
+    def pulses(self) -> Iterator[Note]:
+        """Whether both cameras show the same pulses."""
+        assert self.found.cameras is not None
+        counted = (
+            [] if self.found.survey is None else [one.frame for one in self.found.survey.frames]
+        )
+        yield from note_pulses(self.found.cameras, self.recording.pairs, counted=counted)
+
+    def log(self, run: Run) -> Iterator[Note]:
+        """Triggers, cycles, steps and conditions, and what the film will lack."""
+        self.found.steps = Steps.of(run.log)
+        yield from run.log_notes
+        located = locate_run(run)
+        yield from encoder_notes(located)
+        triggers = describe_triggers(run, located)
+        yield Note(Level.NOTE, "encoder log", describe_cycle(located))
+        yield from note_motion(run.log, located, run.settings)
+        yield from note_conditions(run.log, run.settings)
+        assert self.found.cameras is not None
+        numbers = [one.frame for one in self.found.cameras.frames]
+        yield from note_energy(run.log, numbers, self.found.cameras.light)
+        yield from note_omissions(run.settings, triggers)
+
+    def calibration(self, run: Run) -> Iterator[Note]:
+        """Whether it exists, fits, and is as new as its fixture."""
+        assert self.found.cameras is not None
+        yield from note_calibration(run, self.found.cameras, allow_outside=self.allow_outside)
+
+    def profile(self) -> Iterator[Note]:
+        """Number of points and range of the measured profile."""
+        assert isinstance(self.recording, Fixture)
+        name = self.recording.settings.fixture.profile
+        profile = read_profile(self.recording.directory / name)
+        for note in profile.notes:
+            yield Note(note.level, "profile", str(note))
+        low, high = profile.thickness.min(), profile.thickness.max()
+        text = f"{profile.thickness.size} points from {low:.2f} to {high:.2f} um"
+        yield Note(Level.NOTE, "profile", text)

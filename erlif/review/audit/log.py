@@ -1,0 +1,247 @@
+"""Angles, times, temperature, load and pulse energy of a log, against the mechanism of run.toml."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import Array
+from erlif.core.notes import Level, Note
+from erlif.core.products import EncoderLog
+from erlif.io.settings import RunSettings
+from erlif.pipeline.recording.pulses import read_energies
+
+_FEWEST = 8
+"""Rows from which on steps are compared."""
+
+_GAP = 1.7
+"""Step over that of its neighbours from which a trigger is missing; 2 for one trigger."""
+
+_EVEN = 0.1
+"""Relative difference of the two steps on either side that are compared with one in between."""
+
+_SPEED = 0.05
+"""Relative deviation of the speed by the log from that of run.toml that is reported."""
+
+_STUCK = 3
+"""Equal angles in a row from which the encoder stood still; a dead point leaves two."""
+
+_PAUSE = 20.0
+"""Time step over the median one from which the recording paused."""
+
+_OIL = (-40.0, 150.0)
+"""Temperature of the oil of a test rig. [degree_Celsius]"""
+
+_JUMP = 10.0
+"""Change of temperature from row to row that no oil has. [K]"""
+
+_LOAD = 3.0
+"""Factor between the load of the log and that of run.toml from which a unit is wrong; 4.4 between
+pounds and newtons."""
+
+_WITHOUT_PULSE = 0.3
+"""Change of the light per change of the pulse energy below which they are unrelated; 1 else."""
+
+
+@dataclass(frozen=True)
+class Steps:
+    """What the log holds for each frame pair.
+
+    Attributes
+    ----------
+    angle : Array | None
+        Encoder angle, (frame,). [degree]
+    time : Array | None
+        (frame,). [s]
+    """
+
+    angle: Array | None
+    time: Array | None
+
+    @classmethod
+    def of(cls, log: EncoderLog) -> Steps:
+        """Angles and times of a log."""
+        angle = np.asarray(log.angle.values, float) if "angle" in log else None
+        time = np.asarray(log["time"].values, float) if "time" in log else None
+        return cls(angle, time)
+
+
+def note_motion(log: EncoderLog, located: xr.Dataset, settings: RunSettings) -> Iterator[Note]:
+    """Steps of angle and time against each other and against the mechanism.
+
+    Parameters
+    ----------
+    log : EncoderLog
+    located : xarray.Dataset
+        Position and speed of each frame, as `erlif.pipeline.physics.joint.locate_run` returns them.
+    settings : RunSettings
+
+    Yields
+    ------
+    Note
+    """
+    steps = Steps.of(log)
+    if steps.angle is not None and steps.angle.size >= _FEWEST:
+        yield from _note_angles(steps.angle)
+    if steps.time is not None and steps.time.size >= _FEWEST:
+        yield from _note_times(steps.time)
+        yield from _note_speed(steps.time, located, settings)
+
+
+def _note_angles(angle: Array) -> Iterator[Note]:
+    signed = (np.diff(angle) + 180.0) % 360.0 - 180.0  # an encoder that starts again at 0
+    step = np.abs(signed)
+    turns = int(np.count_nonzero(np.diff(np.sign(signed[step > 0]))))
+    yield Note(
+        Level.NOTE,
+        "motion",
+        f"angle from {angle.min():.2f} to {angle.max():.2f} deg in steps of "
+        f"{np.median(step):.3g} deg (median), {step.max():.3g} deg at most; {turns} reversal(s)",
+    )
+
+    # a trigger is missed among even steps; where an encoder turns unevenly from trigger to trigger,
+    # the steps change by themselves
+    beside = np.stack([np.roll(step, shift) for shift in (-2, -1, 1, 2)])[:, 2:-2]
+    usual = np.median(beside, axis=0)
+    even = (np.abs(beside - usual) <= _EVEN * usual).all(axis=0)
+    gaps = 2 + np.flatnonzero(even & (step[2:-2] > _GAP * usual))
+    if gaps.size:
+        shown = ", ".join(f"{k} and {k + 1} ({step[k]:.3g} deg)" for k in gaps[:5])
+        yield Note(
+            Level.WARNING,
+            "motion",
+            f"the angle jumps between frames {shown}: a trigger was missed, or rows of the log are "
+            "out of place. Compare the log with the frames there",
+        )
+
+    still = step == 0
+    runs = np.convolve(still, np.ones(_STUCK - 1), "valid") == _STUCK - 1
+    if runs.any():
+        first = int(np.argmax(runs))
+        yield Note(
+            Level.WARNING,
+            "motion",
+            f"the angle stays at {angle[first]:g} deg in frames {first} to {first + _STUCK - 1} "
+            "and perhaps longer: the encoder or its logger was stuck. Check the cable, and leave "
+            "these frames out",
+        )
+
+
+def _note_times(time: Array) -> Iterator[Note]:
+    step = np.diff(time)
+    usual = float(np.median(step))
+    yield Note(
+        Level.NOTE,
+        "motion",
+        f"time from {time[0]:.6g} to {time[-1]:.6g} s, steps of {usual:.3g} s (median), "
+        f"{step.min():.3g} to {step.max():.3g} s",
+    )
+    pauses = np.flatnonzero(step > _PAUSE * usual)
+    if pauses.size:
+        shown = ", ".join(f"{k} and {k + 1} ({step[k]:.3g} s)" for k in pauses[:5])
+        yield Note(
+            Level.WARNING,
+            "motion",
+            f"the recording pauses between frames {shown}. Check whether the rig stood still or "
+            "frames are missing",
+        )
+
+
+def _note_speed(time: Array, located: xr.Dataset, settings: RunSettings) -> Iterator[Note]:
+    """Speed of the crank by angles and times against that of run.toml."""
+    if settings.linkage is None or "crank_angle" not in located:
+        return
+    turned = np.diff(located.crank_angle.values) % 360.0
+    moved = (turned > 0.1) & (turned < 180.0)
+    if moved.sum() < _FEWEST // 2:
+        return
+
+    # the sum over the log does not depend on the error of a reading near a dead point
+    found = float(turned[moved].sum() / np.diff(time)[moved].sum()) / 6.0
+    stated = float(np.degrees(settings.linkage.crank_speed)) / 6.0
+    text = f"the crank turns at {found:.4g} rpm by angles and times, {stated:.4g} rpm in run.toml"
+    if abs(found / stated - 1) > _SPEED:
+        cure = "Correct crank_speed, or the unit of the column of time"
+        yield Note(Level.WARNING, "motion", f"{text}. {cure}")
+    else:
+        yield Note(Level.NOTE, "motion", text)
+
+
+def note_conditions(log: EncoderLog, settings: RunSettings) -> Iterator[Note]:
+    """Temperature and load of the log.
+
+    Parameters
+    ----------
+    log : EncoderLog
+    settings : RunSettings
+
+    Yields
+    ------
+    Note
+    """
+    if "temperature" in log:
+        values = np.asarray(log["temperature"].values, float)
+        text = f"temperature {values.min():.1f} to {values.max():.1f} degC"
+        jump = float(np.abs(np.diff(values)).max(initial=0.0))
+        if values.min() < _OIL[0] or values.max() > _OIL[1]:
+            cure = 'Correct the unit, units = { temperature = "degF" } in [encoder], or the column'
+            yield Note(Level.WARNING, "conditions", f"{text}, no oil of a rig has that. {cure}")
+        elif jump > _JUMP:
+            where = int(np.argmax(np.abs(np.diff(values))))
+            text += f", it changes by {jump:.1f} K from frame {where} to {where + 1}"
+            yield Note(Level.WARNING, "conditions", f"{text}. Check the sensor and its cable")
+        else:
+            yield Note(Level.NOTE, "conditions", text)
+
+    if "load" in log:
+        values = np.asarray(log["load"].values, float)
+        text, joint = f"load {values.min():.4g} to {values.max():.4g} N", settings.joint
+        stated = None if joint is None else joint.load
+        factor = 1.0 if stated is None else float(np.median(values)) / stated
+        if not 1 / _LOAD < factor < _LOAD:
+            cure = 'Correct the unit, units = { load = "lbf" } in [encoder], or the load in [joint]'
+            text += f", {factor:.2g} times the load in [joint], {stated:.4g} N. {cure}"
+            yield Note(Level.WARNING, "conditions", text)
+        else:
+            yield Note(Level.NOTE, "conditions", text)
+
+
+def note_energy(log: EncoderLog, frames: Sequence[int], light: Array) -> Iterator[Note]:
+    """Pulse energy of the log against the light of consecutive frames.
+
+    Parameters
+    ----------
+    log : EncoderLog
+    frames : sequence of int
+        Numbers of consecutive frames.
+    light : array, (frame, camera)
+        Their median light. [DN]
+
+    Yields
+    ------
+    Note
+    """
+    energies = read_energies(log)
+    numbers = np.asarray(frames)
+    if energies is None or numbers.size < _FEWEST or (np.diff(numbers) != 1).any():
+        return
+    if not (light > 0).all() or energies[numbers].min() <= 0:
+        return
+
+    # the film changes slowly; second differences leave what is new in every pulse
+    x = np.diff(np.log(energies[numbers]), n=2)
+    y = np.diff(np.log(light).mean(axis=1), n=2)
+    scatter = float((x * x).sum())
+    if scatter == 0:
+        return
+    slope = float((x * y).sum()) / scatter
+    std = float(np.sqrt(((y - slope * x) ** 2).sum() / max(x.size - 2, 1) / scatter))
+    text = f"the light changes by {slope:.2f} ± {std:.2f} % per % of the pulse energy of the log"
+    if slope + 3 * std < _WITHOUT_PULSE:
+        cure = "The energies belong to other pulses: check the column and its first row"
+        yield Note(Level.WARNING, "conditions", f"{text}. {cure}")
+    else:
+        yield Note(Level.NOTE, "conditions", text)

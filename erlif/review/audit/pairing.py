@@ -1,0 +1,143 @@
+"""Which file of camera 1 belongs to which of camera 2, and to which row of the log."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from erlif.core.notes import Level, Note, list_numbers
+from erlif.io.ingest import FramePairs, Run
+from erlif.io.ingest.pairing import frame_numbers
+
+_FIRST, _LAST = 2, 1
+"""Pairs at both ends of the table."""
+
+_LISTED = 20
+"""Rows of the table at most."""
+
+_USUAL = 0.5
+"""Share of the steps from number to number that must be equal before others count as gaps."""
+
+
+@dataclass(frozen=True)
+class PairRow:
+    """One row of the pairing table.
+
+    Attributes
+    ----------
+    pair : int
+        Number of the frame pair, counted from 0.
+    camera1 : str
+        File, with its page where it holds several.
+    camera2 : str
+        The same for camera 2.
+    row : int | None
+        Number of the frame in the log; None without a log.
+    angle : float | None
+        Encoder angle; None where it is not logged. [degree]
+    time : float | None
+        None where it is not logged. [s]
+    """
+
+    pair: int
+    camera1: str
+    camera2: str
+    row: int | None = None
+    angle: float | None = None
+    time: float | None = None
+
+    def __str__(self) -> str:
+        text = f"pair {self.pair}: {self.camera1} with {self.camera2}"
+        if self.row is not None:
+            text += f", log frame {self.row}"
+        if self.angle is not None:
+            text += f", {self.angle:.2f} deg"
+        if self.time is not None:
+            text += f", {self.time:.6g} s"
+        return text
+
+
+def tabulate_pairs(pairs: FramePairs, run: Run | None, *, odd: Iterable[int] = ()) -> list[PairRow]:
+    """The first, the last and all odd pairs.
+
+    Parameters
+    ----------
+    pairs : FramePairs
+    run : Run, optional
+        For its log; None for a fixture.
+    odd : iterable of int
+        Numbers of further pairs.
+
+    Returns
+    -------
+    list of PairRow
+    """
+    count = len(pairs.pages[0])
+    ends = [*range(min(_FIRST, count)), *range(max(count - _LAST, 0), count)]
+    chosen = sorted({*ends, *sorted(odd)[: _LISTED - len(ends)]})
+    return [_describe(pairs, run, k) for k in chosen]
+
+
+def _describe(pairs: FramePairs, run: Run | None, k: int) -> PairRow:
+    one, two = pairs.pages[0][k].name, pairs.pages[1][k].name
+    if run is None:
+        return PairRow(k, one, two)
+    log = run.log
+    if run.settings.encoder is None or run.settings.encoder.file is None:
+        return PairRow(k, one, two, time=float(log["time"][k]) if "time" in log else None)
+    row = int(log.number[k]) if "number" in log else k
+    angle = float(log.angle[k]) if "angle" in log else None
+    time = float(log["time"][k]) if "time" in log else None
+    return PairRow(k, one, two, row, angle, time)
+
+
+def note_numbers(pairs: FramePairs) -> Iterator[Note]:
+    """Gaps in the numbers of the files.
+
+    Parameters
+    ----------
+    pairs : FramePairs
+
+    Yields
+    ------
+    Note
+    """
+    for camera, pages in enumerate(pairs.pages, 1):
+        missing = find_missing(frame_numbers(pages))
+        if missing:
+            yield Note(
+                Level.WARNING,
+                "pairs",
+                f"camera{camera}: no file has the number {list_numbers(missing)}, between "
+                f"{pages[0].name} and {pages[-1].name}. If these pulses were not recorded, their "
+                "rows must be missing in the log too; otherwise copy the files again",
+            )
+
+
+def find_missing(numbers: list[int]) -> list[int]:
+    """Numbers that are missing in a sequence of equal steps.
+
+    Parameters
+    ----------
+    numbers : list of int
+        In rising order.
+
+    Returns
+    -------
+    list of int
+        Empty where the steps are mostly unlike: the numbers then count something else.
+
+    Examples
+    --------
+    >>> find_missing([10, 12, 14, 18, 20])
+    [16]
+    """
+    steps = np.diff(numbers)
+    if steps.size < 2:
+        return []
+    step = int(np.median(steps))
+    if step < 1 or (steps == step).mean() <= _USUAL or (steps % step).any():
+        return []
+    return sorted(set(range(numbers[0], numbers[-1], step)) - set(numbers))

@@ -1,0 +1,433 @@
+"""The uncertainty of one map by source of error: in a pixel, in the mean and in the minimum."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import zip_longest
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from erlif.calibration import Calibration, check_bands
+from erlif.core.arrays import Array, Mask
+from erlif.core.detector import QUANTISATION_VAR
+from erlif.core.errors import ConfigError
+from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, ThicknessMaps
+from erlif.core.progress import ShowProgress, choose_progress
+from erlif.io.files import takes
+from erlif.io.ingest import open_run
+from erlif.pipeline.chain import FrameChain, one_thread_per_frame
+from erlif.pipeline.film import choose_region, group_frames
+from erlif.pipeline.fixture import find_calibration
+from erlif.pipeline.physics.joint import locate_run
+from erlif.pipeline.physics.light import (
+    correct_light,
+    find_light,
+    measure_lights,
+    remaining_errors,
+    run_patch,
+)
+from erlif.pipeline.recording.clock import fit_start
+from erlif.pipeline.recording.prepare import prepare_chain
+from erlif.pipeline.recording.pulses import read_energies
+from erlif.pipeline.recording.register import stored_map
+from erlif.ratio import RatioSum
+from erlif.thickness import measure_thickness
+from erlif.trend import FilmStatistics, summarise_film
+
+RANDOM, FIXED, SHARED = "random", "random, the same in every frame", "shared"
+"""Errors that average out over pixels and frames, over pixels only, and not at all."""
+
+
+_DRY = "frames of the dry joint"
+"""A source of runs with a background alone."""
+
+
+class _Source(NamedTuple):
+    """A source of noise in one camera."""
+
+    what: str
+    camera: int
+    kind: str
+
+    @property
+    def term(self) -> str:
+        """Its name in the budget."""
+        return f"{self.what}, camera {self.camera}"
+
+
+_SOURCES = tuple(
+    _Source(what, camera, kind)
+    for what, kind in (
+        ("photons", RANDOM),
+        ("reading and rounding", RANDOM),
+        ("dark frames", FIXED),
+        ("flat frames", FIXED),
+        (_DRY, FIXED),
+    )
+    for camera in (1, 2)
+)
+_NOISE_TERMS = tuple(source.term for source in _SOURCES)
+
+_LIGHT_TERMS = ("background", "bleaching")
+"""Terms of runs in which light shows them, or from which they were taken."""
+
+_SHARED_TERMS = ("registration", "calibration", *_LIGHT_TERMS, "marks of the surfaces")
+_ALL_NOISE = "noise of all kinds"
+
+_NEAR = 0.05
+"""Relative distance within which pixels represent a film thickness."""
+
+_LEAST_PIXELS = 50
+"""Pixels that represent a film thickness, at least."""
+
+
+@dataclass(frozen=True)
+class _Column:
+    """One quantity of the budget."""
+
+    title: str
+    value: float
+    """The film thickness itself. [um]"""
+    terms: Mapping[str, float]
+    """Standard deviation by source. [um]"""
+
+
+@dataclass(frozen=True)
+class _Sources:
+    """Variance of the log ratio of one trigger by source, (y, x)."""
+
+    variances: dict[_Source, Array]
+    ratio: RatioImages
+    averaging: float
+    """Factor by which interpolation lowers the variance of a pixel of camera 2. [1]"""
+
+
+@takes(run_dir="run", calibration="calibration path")
+def budget(
+    run_dir: str | Path,
+    *,
+    trigger: int | None = None,
+    calibration: Calibration | str | Path | None = None,
+    films: tuple[float, ...] | None = None,
+    allow_outside: bool = False,
+    progress: ShowProgress = None,
+) -> xr.Dataset:
+    """Compute what each source of error leaves in the map of one trigger.
+
+    Parameters
+    ----------
+    run_dir : path
+        As for `erlif.process`.
+    trigger : int, optional
+        Default: the fastest.
+    calibration : Calibration or path, optional
+        As for `erlif.process`.
+    films : tuple of float, optional
+        Film thicknesses for whose pixels the budget is made; default: the 10th, 50th and 90th
+        percentile of the map. [um]
+    allow_outside : bool
+        As for `erlif.process`.
+    progress : "bar", bool or callable, optional
+        As for `erlif.process`.
+
+    Returns
+    -------
+    xarray.Dataset
+        std (term, quantity): standard deviation, NaN where a term does not enter [um]; kind (term);
+        value (quantity), the film thickness itself [um]. The quantities are single pixels of the
+        given films, the mean and the minimum film thickness of the region of interest. The sums
+        among the terms are in quadrature.
+
+    Raises
+    ------
+    ErlifError
+        As `erlif.process`, and where the trigger does not exist or has no valid pixel of a given
+        film.
+
+    Examples
+    --------
+    >>> table = budget("data_samples/straight_bushing", trigger=12)  # doctest: +SKIP
+    >>> table["std"].sel(term="total", quantity="mean film")  # doctest: +SKIP
+    """
+    progress = choose_progress(progress)
+    run = open_run(Path(run_dir), find_start=fit_start, allow_outside=allow_outside)
+    settings = run.settings
+    cycle = locate_run(run)
+    trigger, frames = _choose_trigger(trigger, cycle, group_frames(cycle, run.pairs))
+
+    calibration = find_calibration(run, calibration, allow_outside=allow_outside, progress=progress)
+    check_bands(calibration, (settings.camera1.band, settings.camera2.band))
+    stored = stored_map(calibration.camera_map, settings.registration)
+    chain = prepare_chain(run, progress, stored=stored).chain
+
+    # light that is not film needs the whole run, as the film had it
+    options = settings.light
+    lights = measure_lights(chain, run_patch(run))
+    found = find_light(lights, calibration, cycle.trigger.values, read_energies(run.log))
+    chain, measuring = correct_light(chain, calibration, found, options)
+
+    sources = _split_variance(chain, frames)
+    maps = measure_thickness(sources.ratio, measuring)
+    valid = maps.flags.values == 0
+    if not valid.any():
+        raise ConfigError(
+            f"Expected a trigger with valid pixels; trigger {trigger} has none, every pixel is "
+            "flagged. Name another trigger."
+        )
+
+    region = choose_region(settings, run.pairs.shape)
+    statistics = summarise_film(
+        sources.ratio,
+        maps,
+        measuring,
+        region=region,
+        sliding_along_x=settings.optics.x_axis == "sliding",
+    )
+    film = _smooth_film(maps, calibration)
+    columns = _pixel_columns(sources, film, valid, measuring, films, trigger)
+    inside = np.zeros_like(valid)
+    inside[region.rows, region.columns] = valid[region.rows, region.columns]
+    rate = 1 / calibration.slope(film)
+    whole = [
+        _mean_column(statistics, measuring, sources, rate, inside),
+        _minimum_column(statistics, measuring),
+    ]
+    pulse = np.array([np.mean(frames)])
+    for column in whole:
+        errors = remaining_errors(found, options, np.array([column.value]), pulse, calibration)
+        more = {term: float(error[0]) for term, error in errors.items()}
+        columns.append(replace(column, terms={**column.terms, **more}))
+    return _as_dataset(columns, settings.name, trigger, len(frames))
+
+
+def _choose_trigger(
+    trigger: int | None, cycle: xr.Dataset, frames_of: Sequence[list[int]]
+) -> tuple[int, list[int]]:
+    """The trigger asked for, or the fastest, with its frames."""
+    if trigger is None:
+        name = "rocker_speed" if "rocker_speed" in cycle else "sliding_speed"
+        fastest = int(np.argmax(np.abs(cycle[name].values))) if name in cycle else 0
+        trigger = int(cycle.trigger[fastest])
+    if not 0 <= trigger < len(frames_of) or not frames_of[trigger]:
+        raise ConfigError(
+            f"Expected a trigger from 0 to {len(frames_of) - 1} that has frames; got {trigger}. "
+            "Choose another with --trigger."
+        )
+    return trigger, frames_of[trigger]
+
+
+def _split_variance(chain: FrameChain, frames: Sequence[int]) -> _Sources:
+    """Combine the frames of a trigger, and keep the variance of each source apart."""
+    shape = chain.pairs.shape
+    total = RatioSum(shape)
+    variances = {source: np.zeros(shape) for source in _SOURCES}
+    averaging = []
+    with one_thread_per_frame():
+        for frame in frames:
+            corrected = chain.correct(frame)
+            aligned = chain.align(corrected)
+            ratios = chain.compute_ratio(aligned)
+            weight = total.weigh(ratios, 0).astype(float)
+            _add_sources(variances, chain, corrected, aligned, weight)
+            averaging.append(float(aligned.interpolation[0]))
+            total.add(ratios)
+
+    # random errors of frames add in quadrature, those of dark and flat linearly
+    weight = np.where(total.weight > 0, total.weight, np.inf)
+    for source, variance in variances.items():
+        variance /= weight**2 if source.kind == RANDOM else weight
+    return _Sources(variances, total.mean(), float(np.mean(averaging)))
+
+
+def _add_sources(
+    variances: dict[_Source, Array],
+    chain: FrameChain,
+    corrected: CorrectedFrames,
+    aligned: AlignedFrames,
+    weight: Array,
+) -> None:
+    """Add the weighted relative variance of each source in one frame."""
+    references = chain.references
+    flat, flat_var, dark_var = (
+        references[name].values[:, None].astype(float) for name in ("flat", "flat_var", "dark_var")
+    )
+    gain, read_noise = (
+        references[name].values[:, None, None, None] for name in ("gain", "read_noise")
+    )
+    signal = corrected.signal.values.astype(float)
+    reading = (read_noise / gain) ** 2 + QUANTISATION_VAR
+    counts = signal * flat
+    of_page = np.zeros_like(dark_var)
+    if "background" in references:
+        energy = chain.correct.energy(int(corrected.frame[0]))
+        recorded = references.background_recorded.values[:, None, None, None]
+        counts += energy * references.background.values[:, None]
+        dark_var *= (1 - energy * recorded) ** 2
+        of_page = energy**2 * references.background_var.values[:, None].astype(float)
+    sources = {
+        "photons": np.maximum(counts, 0) / (flat**2 * gain),
+        "reading and rounding": reading / flat**2 + 0 * signal,
+        "dark frames": dark_var / flat**2 + 0 * signal,
+        "flat frames": (signal / flat) ** 2 * flat_var,
+        _DRY: of_page / flat**2 + 0 * signal,
+    }
+
+    # two sources at a time take the places of the two variances in the alignment
+    dims = corrected.signal.dims
+    names = list(sources)
+    if not of_page.any():
+        names.remove(_DRY)
+    for one, other in zip_longest(names[::2], names[1::2]):
+        single = corrected.assign(
+            signal_var=(dims, sources[one].astype(np.float32)),
+            signal_var_fixed=(dims, sources[other or one].astype(np.float32)),
+        )
+        moved = chain.align_like(CorrectedFrames(single), aligned)
+        images = {one: moved.signal_var, other: moved.signal_var_fixed}
+        for name, image in images.items():
+            with np.errstate(divide="ignore", invalid="ignore"):  # pixels without light or weight
+                relative = image.values[:, 0] / np.square(aligned.signal.values[:, 0], dtype=float)
+            for source in (source for source in _SOURCES if source.what == name):
+                power = weight**2 if source.kind == RANDOM else weight
+                share = np.where(weight > 0, relative[source.camera - 1], 0.0)
+                variances[source] += power * share
+
+
+def _smooth_film(maps: ThicknessMaps, calibration: Calibration) -> Array:
+    """Film thickness by the surroundings of each pixel, (y, x). [um]"""
+    table = calibration.inverse
+    places = table.start + table.step * np.arange(table.thickness.size)
+    valid = maps.flags.values == 0
+    return np.interp(np.where(valid, maps.log_ratio_near.values, 0.0), places, table.thickness)
+
+
+def _pixel_columns(
+    sources: _Sources,
+    film: Array,
+    valid: Mask,
+    calibration: Calibration,
+    films: tuple[float, ...] | None,
+    trigger: int,
+) -> list[_Column]:
+    """The budget of single pixels of some film thicknesses."""
+    rate = 1 / calibration.slope(film)
+    displaced = np.sqrt(sources.ratio.log_ratio_var_shared.values)
+    columns = []
+    for wanted in films or _typical_films(film[valid]):
+        # a film thickness is represented by the median of the pixels near it
+        near = valid & (np.abs(film / wanted - 1) < _NEAR)
+        if near.sum() < _LEAST_PIXELS:
+            raise ConfigError(
+                f"Expected at least {_LEAST_PIXELS} valid pixels of {wanted:g} um in the map of "
+                f"trigger {trigger}, which runs from {film[valid].min():.2f} to "
+                f"{film[valid].max():.2f} um; got {int(near.sum())}. Name other films or another "
+                "trigger."
+            )
+
+        terms = {
+            source.term: float(np.median(np.sqrt(variance[near]) * rate[near]))
+            for source, variance in sources.variances.items()
+        }
+        terms["registration"] = float(np.median(displaced[near] * rate[near]))
+        gradient = calibration.gradient(wanted) / calibration.slope(wanted)
+        terms |= split_calibration(gradient, calibration)
+        columns.append(_Column(f"pixel of {wanted:g} um", wanted, terms))
+    return columns
+
+
+def _typical_films(film: Array) -> tuple[float, ...]:
+    """Three percentiles, to three digits."""
+    return tuple(sorted({float(f"{value:.3g}") for value in np.percentile(film, [10, 50, 90])}))
+
+
+def _mean_column(
+    statistics: FilmStatistics,
+    calibration: Calibration,
+    sources: _Sources,
+    rate: Array,
+    region: Mask,
+) -> _Column:
+    """The budget of the mean film thickness.
+
+    Interpolation moves the noise of camera 2 between pixels, and does not lower it in the mean.
+    """
+    terms = {}
+    for source, variance in sources.variances.items():
+        spread = sources.averaging if source.camera == 2 else 1.0
+        total = float(np.sqrt((rate[region] ** 2 * variance[region]).sum() / spread))
+        terms[source.term] = total / int(region.sum())
+
+    # what the noise of the mean holds beyond these terms is the registration
+    known = sum(value**2 for value in terms.values())
+    terms["registration"] = float(np.sqrt(max(statistics.mean_random_std**2 - known, 0.0)))
+    terms |= split_calibration(statistics.mean_gradient, calibration)
+    return _Column("mean film", statistics.mean, terms)
+
+
+def _minimum_column(statistics: FilmStatistics, calibration: Calibration) -> _Column:
+    """The budget of the minimum film thickness."""
+    terms = {
+        _ALL_NOISE: statistics.minimum_random_std,
+        "marks of the surfaces": statistics.minimum_surface_std,
+        **split_calibration(statistics.minimum_gradient, calibration),
+    }
+    return _Column("minimum film", statistics.minimum, terms)
+
+
+def split_calibration(gradient: Array, calibration: Calibration) -> dict[str, float]:
+    """The error of the fixture, and what the subtraction of a background adds to it."""
+    total = float(gradient @ calibration.full_covariance @ gradient)
+    if calibration.background is None:
+        return {"calibration": math.sqrt(total)}
+    covariance = replace(calibration, background=None).full_covariance
+    own = gradient[: len(covariance)]
+    # where both errors compensate each other, the terms still add up to the total
+    alone = min(float(own @ covariance @ own), total)
+    return {"calibration": math.sqrt(alone), "background": math.sqrt(total - alone)}
+
+
+def _as_dataset(columns: Sequence[_Column], name: str, trigger: int, frames: int) -> xr.Dataset:
+    """Terms in the order of the chain, with the sums of the random and of the shared ones."""
+    random = [*_NOISE_TERMS, _ALL_NOISE]
+    sums = {
+        "random part": random,
+        "shared part": list(_SHARED_TERMS),
+        "total": [*random, *_SHARED_TERMS],
+    }
+    rows = {
+        term: [column.terms.get(term, np.nan) for column in columns]
+        for term in (*_NOISE_TERMS, *_SHARED_TERMS)
+    }
+    for title, members in sums.items():
+        rows[title] = [
+            float(np.sqrt(sum(column.terms.get(term, 0.0) ** 2 for term in members)))
+            for column in columns
+        ]
+
+    # a run without a background or bleaching has no such terms
+    noise, shared = (
+        [
+            term
+            for term in terms
+            if not term.startswith((_DRY, *_LIGHT_TERMS)) or np.nan_to_num(rows[term]).any()
+        ]
+        for terms in (_NOISE_TERMS, _SHARED_TERMS)
+    )
+    order = [*noise, "random part", *shared, "shared part", "total"]
+    kinds = {source.term: source.kind for source in _SOURCES}
+    kinds |= dict.fromkeys(_SHARED_TERMS, SHARED) | dict.fromkeys(sums, "sum")
+    std = np.array([rows[term] for term in order])
+    return xr.Dataset(
+        {
+            "std": (("term", "quantity"), std, {"units": "um"}),
+            "kind": ("term", np.array([kinds[term] for term in order])),
+            "value": ("quantity", np.array([column.value for column in columns]), {"units": "um"}),
+        },
+        {"term": order, "quantity": [column.title for column in columns]},
+        {"run": name, "trigger": trigger, "frames": frames},
+    )

@@ -1,0 +1,255 @@
+"""Runs against each other, as one dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from itertools import combinations
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import xarray as xr
+
+from erlif.calibration import Calibration, open_calibration
+from erlif.core.arrays import Array
+from erlif.core.errors import ErlifError
+from erlif.core.progress import Progress, silent
+from erlif.core.version import __version__
+from erlif.io.conversion import choose_trigger
+from erlif.io.files import (
+    fastest_trigger,
+    label_films,
+    open_film,
+    reading_film,
+    refuse_repeated,
+    take,
+)
+from erlif.review.comparison.control import control_chart
+from erlif.review.comparison.difference import (
+    average_difference,
+    common_angles,
+    correct_for_many,
+)
+from erlif.review.comparison.exponent import duty_parameters, fit_runs
+from erlif.review.comparison.maps import difference_map
+from erlif.review.comparison.records import STATISTICS, RunRecord, read_run, refuse_unlike
+
+SIGNIFICANT = 0.05
+"""Corrected probability below which two runs are stated to differ."""
+
+
+def compare(
+    films: Sequence[xr.Dataset | str | Path],
+    *,
+    pair: tuple[int, int] = (0, 1),
+    angle: float | None = None,
+    calibrations: Sequence[str | Path] = (),
+    progress: Progress = silent,
+) -> xr.Dataset:
+    """Compare runs: film against duty parameter, differences with their errors, control chart.
+
+    Parameters
+    ----------
+    films : sequence of Dataset or path
+        Two or more, of one mechanism.
+    pair : (int, int)
+        Films of the difference map, counted from 0.
+    angle : float, optional
+        Crank angle of the difference map; default: the fastest trigger of the first of the pair.
+        [degree]
+    calibrations : sequence of path
+        Further calibrations for the control chart.
+    progress : Progress, optional
+        Called as the work proceeds.
+
+    Returns
+    -------
+    xarray.Dataset
+        On run: power of the duty parameter. On (run, trigger): duty parameter and film. On pair:
+        difference of each film statistic, its standard deviation, the probability of chance
+        corrected for the number of tests, and whether the runs differ. On (map_y, map_x): the
+        difference map. The control chart where films have a reference patch or several
+        calibrations. docs/compare.md describes all.
+
+    Raises
+    ------
+    ErlifError
+        If the films cannot be compared.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> film = example_film()
+    >>> thicker = film.assign(film_min=film.film_min + 0.5, film_mean=film.film_mean + 0.5)
+    >>> found = compare([film, thicker])
+    >>> found.difference.sel(statistic="film_min").values.round(3).tolist()
+    [0.5]
+    >>> found.differs.sel(statistic="film_min").values.tolist()
+    [1]
+    """
+    refuse_repeated([film for film in films if not isinstance(film, xr.Dataset)])
+    with ExitStack() as stack:
+        opened = [_open(film, stack) for film in films]
+        records = []
+        for k, film in enumerate(opened):
+            records.append(read_run(film))
+            progress("films", k + 1, len(opened))
+        labels = label_films([record.name for record in records], _files_of(opened))
+        records = [
+            replace(record, name=label) for record, label in zip(records, labels, strict=True)
+        ]
+        refuse_unlike(records)
+        first, second = _check_pair(pair, len(records))
+
+        found = _compare_pairs(records).merge(_compare_powers(records))
+        triggers = _choose_triggers(opened[first], opened[second], angle)
+        mapped = difference_map(opened[first], opened[second], triggers=triggers)
+
+    further = [open_calibration(path) for path in calibrations]
+    chart = control_chart(records, _distinct(records, further))
+    names = {"x": "map_x", "y": "map_y"} | {str(name): f"map_{name}" for name in mapped.data_vars}
+    attrs = {f"map_{name}": value for name, value in mapped.attrs.items()}
+    found = found.merge(mapped.rename(names).drop_attrs(deep=False)).merge(chart)
+    return found.assign_attrs(
+        title="runs compared",
+        erlif_version=__version__,
+        history=f"erlif {__version__}: compare {', '.join(record.name for record in records)}",
+        map_first_run=records[first].name,
+        map_second_run=records[second].name,
+        **attrs,
+        **found.attrs,
+    )
+
+
+def _open(film: xr.Dataset | str | Path, stack: ExitStack) -> xr.Dataset:
+    """A film, closed with the stack where it is a file."""
+    if isinstance(film, xr.Dataset):
+        return cast(xr.Dataset, take(film, "film", where="films"))
+    opened = stack.enter_context(open_film(film))
+    stack.enter_context(reading_film(film))
+    return opened
+
+
+def _files_of(films: Sequence[xr.Dataset]) -> list[Path | None]:
+    """Files of the films; None for one that is in memory only."""
+    sources = [film.encoding.get("source") for film in films]
+    return [Path(source) if source else None for source in sources]
+
+
+def _check_pair(pair: tuple[int, int], count: int) -> tuple[int, int]:
+    first, second = pair
+    if first == second or min(pair) < 0 or max(pair) >= count:
+        raise ErlifError(
+            f"Expected two different films from 0 to {count - 1} for the difference map; got "
+            f"{first} and {second}. Choose two of them."
+        )
+    return first, second
+
+
+def _choose_triggers(one: xr.Dataset, other: xr.Dataset, angle: float | None) -> tuple[int, int]:
+    """Triggers of the difference map."""
+    if angle is None:
+        first = fastest_trigger(one)
+        if "crank_angle" not in one:
+            return first, min(first, other.sizes["trigger"] - 1)
+        angle = float(one.crank_angle[first])
+    chosen = [choose_trigger(film, angle=angle) for film in (one, other)]
+    return int(chosen[0] or 0), int(chosen[1] or 0)
+
+
+def _distinct(records: list[RunRecord], further: list[Calibration]) -> list[Calibration]:
+    """Calibrations of the films and further ones, each once."""
+    found = {record.calibration_key: record.calibration for record in records}
+    kept = list(found.values())
+    for each in further:
+        # a film stores the parameters of its calibration to the last digit
+        if not any(np.array_equal(each.parameters, other.parameters) for other in kept):
+            kept.append(each)
+    return kept
+
+
+def _compare_pairs(records: list[RunRecord]) -> xr.Dataset:
+    """Differences of the film statistics of all pairs of runs."""
+    angle = common_angles(records)
+    pairs = list(combinations(range(len(records)), 2))
+    table = [
+        [average_difference(records[i], records[j], name, angle=angle) for name in STATISTICS]
+        for i, j in pairs
+    ]
+
+    def collect(field: str) -> Array:
+        return np.array([[getattr(each, field) for each in row] for row in table])
+
+    probability = collect("probability")
+    corrected = correct_for_many(probability.ravel()).reshape(probability.shape)
+    dims = ("pair", "statistic")
+    um, one = {"units": "um"}, {"units": "1"}
+    variables: dict[str, Any] = {
+        "difference": (dims, collect("value"), um | {"long_name": "second run less first"}),
+        "difference_std": (dims, collect("std"), um),
+        "difference_std_own": (dims, collect("own_std"), um),
+        "probability": (dims, probability, one | {"long_name": "of chance"}),
+        "probability_corrected": (dims, corrected, one | {"long_name": "after Holm (1979)"}),
+        "differs": (dims, (corrected < SIGNIFICANT).astype(np.uint8), one),
+        "difference_at": ((*dims, "angle"), collect("at"), um),
+        "difference_at_std": ((*dims, "angle"), collect("at_std"), um),
+        "same_calibration": (
+            "pair",
+            [int(records[i].calibration_key == records[j].calibration_key) for i, j in pairs],
+            one,
+        ),
+    }
+    coords = {
+        "run": ("run", [record.name for record in records]),
+        "statistic": ("statistic", list(STATISTICS)),
+        "first": ("pair", [records[i].name for i, _ in pairs]),
+        "second": ("pair", [records[j].name for _, j in pairs]),
+        "angle": ("angle", angle, {"units": "degree"} if records[0].by_angle else {}),
+    }
+    method = "at common crank angles, interpolated linearly between triggers where they differ"
+    attrs = {"method": method if records[0].by_angle else "trigger by trigger"}
+    if any(
+        record.settings.thickness.roi != records[0].settings.thickness.roi for record in records
+    ):
+        attrs["note"] = (
+            "the regions of the film statistics differ (roi in [thickness]): a difference can be "
+            "that of two places"
+        )
+    return xr.Dataset(variables, coords, attrs)
+
+
+def _compare_powers(records: list[RunRecord]) -> xr.Dataset:
+    """Film against the duty parameter, with the powers of all runs."""
+    duties, unit, meaning = duty_parameters(records)
+    longest = max(record.angle.size for record in records)
+
+    def pad(values: Array | None) -> Array:
+        full = np.full(longest, np.nan)
+        if values is not None:
+            full[: values.size] = values
+        return full
+
+    of_trigger = ("run", "trigger")
+    um = {"units": "um"}
+    table = xr.Dataset()
+    for name in STATISTICS:
+        table[name] = (of_trigger, np.array([pad(each.value[name]) for each in records]), um)
+        std = np.array([pad(each.std[name]) for each in records])
+        table[f"{name}_std"] = (of_trigger, std, um)
+    if any(record.theory is not None for record in records):
+        table["film_theory"] = (of_trigger, np.array([pad(each.theory) for each in records]), um)
+    if not duties:
+        return table
+
+    speed = np.array([pad(record.speed) for record in records])
+    table["speed"] = (of_trigger, speed, {"units": unit.removesuffix(" N-1").split("s ")[-1]})
+    table["duty"] = (of_trigger, np.array([pad(each) for each in duties]), {"units": unit})
+    table["duty"].attrs["long_name"] = meaning
+    fits = {name: fit_runs(records, duties, name) for name in STATISTICS}
+    for field, name in (("value", "exponent"), ("std", "exponent_std"), ("log_scale", "log_scale")):
+        values = np.array([[getattr(one, field) for one in fits[each]] for each in STATISTICS])
+        table[name] = (("run", "statistic"), values[:, :-1].T, {"units": "1"})
+        table[f"joint_{name}"] = ("statistic", values[:, -1], {"units": "1"})
+    return table

@@ -1,0 +1,241 @@
+"""The difference of two runs with its error, and tests of many differences at once."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from erlif.core.arrays import Array, Mask
+from erlif.core.errors import ErlifError
+from erlif.review.comparison.records import REPEATING, RunRecord
+
+_FULL_TURN = 360.0  # degree
+_REACH = 1.5  # median distances of triggers between which a film is interpolated
+_LEAST_COMMON = 3
+
+
+@dataclass(frozen=True)
+class PairDifference:
+    """Second run less first, of one film statistic.
+
+    Attributes
+    ----------
+    value : float
+        Mean over the common triggers; NaN where there is none. [um]
+    std : float
+        Its standard deviation. [um]
+    own_std : float
+        The part of it without the calibration. [um]
+    probability : float
+        Of such a difference, or a larger one, by chance.
+    at : Array
+        Difference at each common angle, (angle,). [um]
+    at_std : Array
+        Its standard deviation, (angle,). [um]
+    """
+
+    value: float
+    std: float
+    own_std: float
+    probability: float
+    at: Array
+    at_std: Array
+
+
+def common_angles(records: list[RunRecord]) -> Array:
+    """Crank angles of the first run that lie between triggers of all runs; else trigger numbers.
+
+    Parameters
+    ----------
+    records : list of RunRecord
+
+    Returns
+    -------
+    array, (angle,)
+        [degree], or numbers of triggers where the runs have no crank angle.
+
+    Raises
+    ------
+    ErlifError
+        If fewer than three are common, or runs without crank angle have other numbers of triggers.
+
+    Examples
+    --------
+    >>> from erlif.review.comparison import read_run
+    >>> from erlif.show.plots import example_film
+    >>> record = read_run(example_film())
+    >>> common_angles([record, record]).tolist()
+    [250.0, 290.0, 330.0, 70.0, 110.0, 150.0]
+    """
+    first = records[0]
+    if not first.by_angle:
+        counts = sorted({record.angle.size for record in records})
+        if len(counts) > 1:
+            raise ErlifError(
+                "Expected runs with one number of triggers, as they have no crank angle; they have "
+                f"{' and '.join(map(str, counts))}. Compare runs of the same length."
+            )
+        return first.angle
+
+    near = np.all([weights(record.angle, first.angle)[0] for record in records], axis=0)
+    if near.sum() < _LEAST_COMMON:
+        ranges = "; ".join(
+            f"{one.name} {np.min(one.angle):.1f} to {np.max(one.angle):.1f}" for one in records
+        )
+        raise ErlifError(
+            f"Expected runs with {_LEAST_COMMON} common crank angles or more; there are "
+            f"{int(near.sum())} (degree: {ranges}). Compare runs with triggers at the same angles."
+        )
+    return first.angle[near]
+
+
+def weights(angle: Array, goal: Array) -> tuple[Mask, Array]:
+    """Weights with which the triggers of a run give its film at other angles.
+
+    Between two triggers the film is interpolated linearly.
+
+    Parameters
+    ----------
+    angle : array, (trigger,)
+        Crank angles of the run. [degree]
+    goal : array, (angle,)
+        Angles at which the film is wanted. [degree]
+
+    Returns
+    -------
+    near : array of bool, (angle,)
+        Whether an angle lies between neighbouring triggers, or at one.
+    weights : array, (angle, trigger)
+        Rows sum to 1.
+
+    Examples
+    --------
+    >>> near, found = weights(np.array([350.0, 0.0, 10.0]), np.array([355.0, 10.0, 100.0]))
+    >>> near.tolist(), found[:2].tolist()
+    ([True, True, False], [[0.5, 0.5, 0.0], [0.0, 0.0, 1.0]])
+    """
+    # each angle between the next smaller and the next larger one on the circle
+    order = np.argsort(angle % _FULL_TURN)
+    sorted_angle = (angle % _FULL_TURN)[order]
+    steps = np.diff(np.append(sorted_angle, sorted_angle[0] + _FULL_TURN))
+    reach = _REACH * float(np.median(steps))
+    place = (np.searchsorted(sorted_angle, goal % _FULL_TURN + 1e-9, side="right") - 1) % angle.size
+    beyond = (goal - sorted_angle[place]) % _FULL_TURN
+    beyond = np.where(beyond > _FULL_TURN - 1e-6, 0.0, beyond)  # rounding
+    share = np.where(steps[place] > 0, beyond / np.where(steps[place] > 0, steps[place], 1), 0.0)
+
+    # at a trigger itself no neighbour is needed
+    exact = beyond < 1e-6
+    share = np.where(exact, 0.0, share)
+    found = np.zeros((goal.size, angle.size))
+    rows = np.arange(goal.size)
+    found[rows, order[place]] += 1 - share
+    found[rows, order[(place + 1) % angle.size]] += share
+    return exact | (steps[place] <= reach), found
+
+
+def average_difference(
+    one: RunRecord, other: RunRecord, statistic: str, *, angle: Array
+) -> PairDifference:
+    """Difference of a film statistic of two runs, mean over common angles.
+
+    Errors of one calibration that both runs share cancel as far as the films are equal; those of
+    two calibrations add. What repeats within a run, such as marks, is not averaged away by many
+    triggers.
+
+    Parameters
+    ----------
+    one, other : RunRecord
+        The difference is `other` less `one`.
+    statistic : str
+        "film_min" or "film_mean".
+    angle : array, (angle,)
+        As `common_angles` returns it.
+
+    Returns
+    -------
+    PairDifference
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from erlif.review.comparison import read_run
+    >>> from erlif.show.plots import example_film
+    >>> one = read_run(example_film())
+    >>> thicker = {name: film + 0.5 for name, film in one.value.items()}
+    >>> found = average_difference(one, replace(one, value=thicker), "film_min", angle=one.angle)
+    >>> round(found.value, 6), found.probability < 1e-6
+    (0.5, True)
+    """
+    parts = [_at_angles(record, statistic, angle) for record in (one, other)]
+    (v1, own1, g1), (v2, own2, g2) = parts
+    at = v2 - v1
+    use = np.isfinite(at) & np.isfinite(own1) & np.isfinite(own2)
+    same = one.calibration_key == other.calibration_key
+    c1, c2 = one.calibration.full_covariance, other.calibration.full_covariance
+
+    def calibration_var(first: Array, second: Array) -> Array:
+        if same:
+            change = second - first
+            return np.asarray(np.einsum("...i,ij,...j->...", change, c1, change))
+        of_first = np.einsum("...i,ij,...j->...", first, c1, first)
+        return np.asarray(of_first + np.einsum("...i,ij,...j->...", second, c2, second))
+
+    at_std = np.sqrt(own1**2 + own2**2 + calibration_var(g1, g2))
+    if not use.any():
+        return PairDifference(math.nan, math.nan, math.nan, math.nan, at, at_std)
+
+    # the mean over angles: what is new at every trigger averages, what repeats does not
+    count, repeating = int(use.sum()), REPEATING[statistic]
+    own_var = sum(
+        (1 - repeating) * float((own[use] ** 2).sum()) / count**2
+        + repeating * float(own[use].mean()) ** 2
+        for own in (own1, own2)
+    )
+    shared = float(calibration_var(g1[use].mean(axis=0), g2[use].mean(axis=0)))
+    value, std = float(at[use].mean()), math.sqrt(own_var + shared)
+    probability = math.erfc(abs(value) / std / math.sqrt(2)) if std > 0 else float(value == 0)
+    return PairDifference(value, std, math.sqrt(own_var), probability, at, at_std)
+
+
+def _at_angles(record: RunRecord, statistic: str, angle: Array) -> tuple[Array, Array, Array]:
+    """Film, own standard deviation and gradient of a run at common angles."""
+    value, own = record.value[statistic], record.own_std[statistic]
+    gradient = record.gradient[statistic]
+    if not record.by_angle:
+        return value, own, gradient
+    _, share = weights(record.angle, angle)
+    # a trigger without a film counts only where it has a weight
+    lost = (share > 0) @ ~np.isfinite(value + own) > 0
+    known = [np.nan_to_num(each) for each in (value, own, gradient)]
+    found = [share @ each for each in known]
+    return np.where(lost, np.nan, found[0]), found[1], found[2]
+
+
+def correct_for_many(probability: Array) -> Array:
+    """Correct probabilities of several tests for their number, after Holm (1979).
+
+    Parameters
+    ----------
+    probability : array, (test,)
+        Probability of each by chance; NaN for no test.
+
+    Returns
+    -------
+    array, (test,)
+        With a limit of 5 % on these, all the tests together give a false alarm in 5 % of the
+        comparisons at most, whatever their correlation.
+
+    Examples
+    --------
+    >>> correct_for_many(np.array([0.01, 0.04, 0.03])).round(3).tolist()
+    [0.03, 0.06, 0.06]
+    """
+    corrected = np.full(probability.shape, np.nan)
+    tested = np.flatnonzero(np.isfinite(probability))
+    order = tested[np.argsort(probability[tested], kind="stable")]
+    factor = tested.size - np.arange(tested.size)
+    corrected[order] = np.minimum(np.maximum.accumulate(factor * probability[order]), 1.0)
+    return corrected

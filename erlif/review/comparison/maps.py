@@ -1,0 +1,110 @@
+"""The difference of two maps, and where it is more than chance."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from erlif.calibration import calibration_of
+from erlif.core.arrays import Array, FlagImage
+from erlif.core.errors import ErlifError
+from erlif.io.files import describe_trigger, settings_of
+from erlif.review.comparison.cells import average_cells, cell_edges
+
+FALSE_DISCOVERIES = 0.05
+"""Expected share of cells that do not differ, among those stated to differ."""
+
+
+def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, int]) -> xr.Dataset:
+    """Subtract the map of a trigger of one film from that of another one, cell by cell.
+
+    Cells have 8 x 8 pixels of the coarser camera and are placed by the positions from the first
+    pixel of each image; nothing is interpolated. The errors of one calibration cancel as far as the
+    films are equal, those of two add.
+
+    Parameters
+    ----------
+    one, other : xarray.Dataset
+        Films; the difference is `other` less `one`.
+    triggers : (int, int)
+        Number of the trigger of each film.
+
+    Returns
+    -------
+    xarray.Dataset
+        On (y, x): difference, difference_std [um]; significance, their ratio; differs, 1 where the
+        difference is significant with 5 % of false discoveries (Benjamini and Hochberg 1995).
+
+    Raises
+    ------
+    ErlifError
+        If the axes of the images lie along other directions, or the images hardly overlap.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> film = example_film()
+    >>> found = difference_map(film, film.assign(thickness=film.thickness + 0.5), triggers=(0, 0))
+    >>> float(found.difference.mean().round(2)), int(found.differs.sum())
+    (0.5, 24)
+    """
+    if settings_of(one).optics.x_axis != settings_of(other).optics.x_axis:
+        raise ErlifError(
+            "Expected images whose x lies along the same direction; x_axis in [optics] differs. "
+            "Compare the film statistics alone, or runs of one camera."
+        )
+    edges = {f"{axis}_edges": cell_edges([one, other], axis) for axis in ("x", "y")}
+    calibrations = [calibration_of(film) for film in (one, other)]
+    a, b = (
+        average_cells(film, trigger, calibration, **edges)
+        for film, trigger, calibration in zip((one, other), triggers, calibrations, strict=True)
+    )
+    same = one.attrs["calibration"] == other.attrs["calibration"]
+    c1, c2 = (each.full_covariance for each in calibrations)
+    if same:
+        change = b.gradient - a.gradient
+        shared = np.einsum("iyx,ij,jyx->yx", change, c1, change)
+    else:
+        shared = np.einsum("iyx,ij,jyx->yx", a.gradient, c1, a.gradient)
+        shared = shared + np.einsum("iyx,ij,jyx->yx", b.gradient, c2, b.gradient)
+
+    difference = b.film - a.film
+    std = np.where(np.isfinite(difference), np.sqrt(a.own_var + b.own_var + shared), np.nan)
+    significance = difference / std
+    dims = ("y", "x")
+    described = [
+        describe_trigger(film, k, by_crank=True)
+        for film, k in zip((one, other), triggers, strict=True)
+    ]
+    return xr.Dataset(
+        {
+            "difference": (dims, difference, {"units": "um"}),
+            "difference_std": (dims, std, {"units": "um"}),
+            "significance": (dims, significance, {"units": "1"}),
+            "differs": (dims, _significant(significance), {"units": "1"}),
+        },
+        {
+            name: (name, 0.5 * (edges[f"{name}_edges"][1:] + edges[f"{name}_edges"][:-1]), attrs)
+            for name, attrs in (("x", {"units": "mm"}), ("y", {"units": "mm"}))
+        },
+        {
+            "first": described[0],
+            "second": described[1],
+            "first_trigger": triggers[0],
+            "second_trigger": triggers[1],
+            "same_calibration": int(same),
+        },
+    )
+
+
+def _significant(significance: Array) -> FlagImage:
+    """Where a difference is more than chance among that many cells."""
+    found = np.zeros(significance.shape, np.uint8)
+    known = np.isfinite(significance)
+    if known.any():
+        import scipy.stats
+
+        probability = 2 * scipy.stats.norm.sf(np.abs(significance[known]))
+        corrected = scipy.stats.false_discovery_control(probability)
+        found[known] = corrected < FALSE_DISCOVERIES
+    return found

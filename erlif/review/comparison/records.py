@@ -1,0 +1,319 @@
+"""What a comparison takes from a film: statistics with the parts of their errors kept apart."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from erlif.calibration import Calibration, calibration_of
+from erlif.core.arrays import Array
+from erlif.core.errors import ErlifError
+from erlif.io.files import region_of, settings_of
+from erlif.io.settings import RunSettings
+from erlif.pipeline.physics.joint import describe_joint
+from erlif.review.comparison.cells import average_cells, film_gradient, noise_inflation
+from erlif.trend import viscosity_at
+
+STATISTICS = ("film_min", "film_mean")
+"""Film statistics that are compared."""
+
+REPEATING = {"film_min": 1.0, "film_mean": 0.08}
+"""Share of the variance of a statistic, without that of the calibration, that is the same at every
+trigger of a run. Marks of the surfaces make that of the minimum; flats make 8 % of the variance of
+a pixel of one frame (docs/uncertainty.md)."""
+
+_SAMPLED = 12  # triggers from whose maps the errors of the mean are taken
+_BLOCK = 8  # pixels, of the means at which the gradient of the calibration is taken
+_BEYOND = 0.02  # largest share of the region beyond the measurable range
+_RESIDUAL = 0.1  # of the variance of a mean that its known parts may leave unexplained
+_LEAST_OWN = 0.1  # of a standard deviation is not that of the calibration, at least
+_CHOSEN = ("crank_speed", "speed", "frequency", "load")  # what a run of one mechanism may choose
+
+
+@dataclass(frozen=True)
+class RunRecord:
+    """A run as it is compared.
+
+    Attributes
+    ----------
+    name : str
+        Name of the run; `erlif.io.files.label_films` distinguishes runs of one name.
+    settings : RunSettings
+    calibration : Calibration
+    calibration_key : str
+        Hash of the calibration; equal for films of the same one.
+    frames_key : str
+        Hash of the frames of camera 1; empty where it is not recorded.
+    identity : str
+        Identity of the film; empty where it is not recorded.
+    angle : Array
+        Crank angle of the triggers, else their number, (trigger,).
+    by_angle : bool
+        Whether `angle` is a crank angle. [degree]
+    value : dict[str, Array]
+        Film statistics by name, (trigger,). [um]
+    std : dict[str, Array]
+        Their standard deviation, all parts. [um]
+    own_std : dict[str, Array]
+        The part that the calibration does not share. [um]
+    gradient : dict[str, Array]
+        Change with the parameters of the calibration, (trigger, parameter).
+    speed : Array | None
+        Speed of the joint without sign, else sliding speed, (trigger,). [rad s-1] or [m s-1]
+    speed_name : str
+        "rocker_speed" or "sliding_speed"; empty without a speed.
+    load : Array | None
+        (trigger,) [N]
+    viscosity : Array | None
+        Of the oil, where [oil] gives it, (trigger,). [Pa s]
+    theory : Array | None
+        Minimum film that theory predicts, (trigger,). [um]
+    patch_ratio : Array | None
+        Ratio of the cameras on the reference patch, (trigger,). [1]
+    """
+
+    name: str
+    settings: RunSettings
+    calibration: Calibration
+    calibration_key: str
+    frames_key: str
+    identity: str
+    angle: Array
+    by_angle: bool
+    value: dict[str, Array]
+    std: dict[str, Array]
+    own_std: dict[str, Array]
+    gradient: dict[str, Array]
+    speed: Array | None
+    speed_name: str
+    load: Array | None
+    viscosity: Array | None
+    theory: Array | None
+    patch_ratio: Array | None
+
+
+def read_run(film: xr.Dataset) -> RunRecord:
+    """Take from a film what is compared.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.open_film` returns it.
+
+    Returns
+    -------
+    RunRecord
+
+    Raises
+    ------
+    OutputError
+        If the film does not hold its settings or its calibration.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> record = read_run(example_film())
+    >>> record.name, record.by_angle, record.value["film_min"].shape
+    ('example', True, (6,))
+    """
+    settings, calibration = settings_of(film), calibration_of(film)
+    covariance = calibration.full_covariance
+    by_angle = "crank_angle" in film
+    triggers = film.sizes["trigger"]
+    value, std, own, gradient = {}, {}, {}, {}
+    for name in STATISTICS:
+        value[name] = film[name].values.astype(float)
+        std[name] = film[f"{name}_std"].values.astype(float)
+
+    # a mean over less than the region is not that of the same place
+    shares = _beyond_range(film)
+    value["film_mean"] = np.where(shares > _BEYOND, np.nan, value["film_mean"])
+
+    gradient["film_min"] = film_gradient(calibration, value["film_min"]).T
+    own["film_min"] = _remainder(std["film_min"], gradient["film_min"], covariance)
+    sampled = np.unique(np.linspace(0, triggers - 1, min(triggers, _SAMPLED)).astype(int))
+    parts = [_mean_errors(film, int(k), calibration) for k in sampled]
+    random = np.array([noise for noise, _ in parts])
+    offset = np.array([change for _, change in parts])
+
+    # the gradient at the mean film, with what the spread of films in the region adds
+    at = film_gradient(calibration, value["film_mean"]).T
+    known = np.isfinite(offset).all(axis=1) & np.isfinite(at[sampled]).all(axis=1)
+    added = (offset[known] - at[sampled][known]).mean(axis=0) if known.any() else 0.0
+    gradient["film_mean"] = at + added
+    nearest = np.abs(np.arange(triggers)[:, None] - sampled[None, :]).argmin(axis=1)
+    frames = np.maximum(film.frames_used.values[nearest], 1) / np.maximum(film.frames_used, 1)
+    own["film_mean"] = random[nearest] * np.sqrt(np.asarray(frames))
+    left = _remainder(std["film_mean"], gradient["film_mean"], covariance) ** 2
+    left -= own["film_mean"] ** 2
+    large = left > _RESIDUAL * std["film_mean"] ** 2  # as of a background
+    own["film_mean"] = np.sqrt(own["film_mean"] ** 2 + np.where(large, left, 0.0))
+
+    angle = film.crank_angle.values if by_angle else np.arange(triggers)
+    return RunRecord(
+        name=settings.name,
+        settings=settings,
+        calibration=calibration,
+        calibration_key=_hash(film.attrs["calibration"]),
+        frames_key=_frames_key(film, settings),
+        identity=str(film.attrs.get("identity", "")),
+        angle=np.asarray(angle, float),
+        by_angle=by_angle,
+        value=value,
+        std=std,
+        own_std=own,
+        gradient=gradient,
+        **_conditions(film, settings, calibration),
+    )
+
+
+def _conditions(
+    film: xr.Dataset, settings: RunSettings, calibration: Calibration
+) -> dict[str, Any]:
+    """Speed, load, viscosity and theory of the triggers, and the reference patch, where known."""
+    name = next((each for each in ("rocker_speed", "sliding_speed") if each in film), "")
+    known = {each: film[each].values for each in ("load", "film_theory") if each in film}
+    joint = describe_joint(settings)
+    viscosity = None
+    if joint is not None and ("temperature" in film or isinstance(joint.viscosity, float)):
+        conditions = film[[each for each in ("film_min", "temperature") if each in film]]
+        viscosity = viscosity_at(conditions.reset_coords(drop=True), joint.viscosity)
+        viscosity = np.broadcast_to(viscosity, (film.sizes["trigger"],))
+    patch = None
+    if "reference_film" in film:
+        # the measured ratio, whatever the calibration
+        patch = calibration.predict(film.reference_film.values)
+    return {
+        "speed": np.abs(film[name].values) if name else None,
+        "speed_name": name,
+        "load": known.get("load"),
+        "viscosity": viscosity,
+        "theory": known.get("film_theory"),
+        "patch_ratio": patch,
+    }
+
+
+def _remainder(std: Array, gradient: Array, covariance: Array) -> Array:
+    """Standard deviation without the part of the calibration."""
+    shared = np.einsum("ti,ij,tj->t", gradient, covariance, gradient)
+    return np.asarray(np.sqrt(np.maximum(std**2 - shared, (_LEAST_OWN * std) ** 2)))
+
+
+def _beyond_range(film: xr.Dataset) -> Array:
+    """Share of the region beyond the measurable range, by trigger; 0 where it is not recorded."""
+    if "share_beyond_range" in film:
+        return np.asarray(film.share_beyond_range.values, float)
+    recorded = film.film_mean.attrs.get("share_beyond_range")
+    if recorded is None or np.size(recorded) != film.sizes["trigger"]:
+        return np.zeros(film.sizes["trigger"])
+    return np.asarray(recorded, float)
+
+
+def _mean_errors(film: xr.Dataset, trigger: int, calibration: Calibration) -> tuple[float, Array]:
+    """Noise of the mean film of one map, and its change with the parameters of the calibration."""
+    region = region_of(film)
+    # names of further columns could be those of methods: the axes are selected by position
+    inside = film[["thickness", "thickness_std", "thickness_std_shared"]].isel(
+        x=(film.x.values >= region.x[0]) & (film.x.values <= region.x[1]),
+        y=(film.y.values >= region.y[0]) & (film.y.values <= region.y[1]),
+    )
+    one = inside.isel(trigger=trigger)
+    value = one.thickness.values.astype(float)
+    variance = one.thickness_std.values.astype(float) ** 2
+    valid = np.isfinite(value)
+    parameters = calibration.full_covariance.shape[0]
+    if min(value.shape) < _BLOCK or not valid.any():
+        return float("nan"), np.full(parameters, np.nan)
+    noise = noise_inflation(value, variance) * float(variance[valid].sum())
+    edges = [_block_edges(inside[axis].values) for axis in ("x", "y")]
+    cells = average_cells(inside, trigger, calibration, x_edges=edges[0], y_edges=edges[1])
+    weight = np.nan_to_num(cells.count) * np.isfinite(cells.film)
+    change = (cells.gradient * weight).sum(axis=(1, 2)) / max(float(weight.sum()), 1.0)
+    return float(np.sqrt(noise) / valid.sum()), change
+
+
+def _block_edges(position: Array) -> Array:
+    """Edges of blocks of pixels; the last pixels that fill no block are left out."""
+    pitch = float(np.ptp(position)) / (position.size - 1)
+    count = position.size // _BLOCK
+    return np.asarray(position.min() - pitch / 2 + _BLOCK * pitch * np.arange(count + 1))
+
+
+def _hash(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _frames_key(film: xr.Dataset, settings: RunSettings) -> str:
+    hashes = json.loads(str(film.attrs.get("input_hashes", "{}")))
+    return str(hashes.get(settings.camera1.files, ""))
+
+
+def refuse_unlike(records: Sequence[RunRecord]) -> None:
+    """Refuse films that are no runs to be compared.
+
+    Parameters
+    ----------
+    records : sequence of RunRecord
+
+    Raises
+    ------
+    ErlifError
+        With fewer than two films, twice the same film or frames, or other mechanisms.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> refuse_unlike([read_run(example_film())])
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ErlifError: Expected two films or more; got 1. Name the films of the runs to \
+be compared.
+    """
+    if len(records) < 2:
+        raise ErlifError(
+            f"Expected two films or more; got {len(records)}. Name the films of the runs to be "
+            "compared."
+        )
+    for one, other in combinations(records, 2):
+        same = one.identity and one.identity == other.identity
+        if same or (one.frames_key and one.frames_key == other.frames_key):
+            raise ErlifError(
+                f"Expected films of different runs; two of them, {one.name} and {other.name}, were "
+                "made from the same frames and share their noise. Leave one of them out."
+            )
+        if _motion(one.settings) != _motion(other.settings):
+            raise ErlifError(
+                f"Expected runs of one mechanism; {one.name} has {_words(one.settings)}, "
+                f"{other.name} has {_words(other.settings)}. Compare runs of the same mechanism."
+            )
+        if one.by_angle != other.by_angle:
+            raise ErlifError(
+                f"Expected crank angles in all films or in none; of {one.name} and {other.name} "
+                "one has them. Compare runs with the same kind of log."
+            )
+
+
+def _motion(settings: RunSettings) -> dict[str, object]:
+    """The table [mechanism] without its speeds and its load."""
+    if settings.mechanism is None:
+        return {}
+    names = type(settings.mechanism).model_fields
+    return {key: getattr(settings.mechanism, key) for key in names if key not in _CHOSEN}
+
+
+def _words(settings: RunSettings) -> str:
+    """A mechanism in words."""
+    table = _motion(settings)
+    if not table:
+        return "no [mechanism]"
+    lengths = ", ".join(
+        f"{key} {1e3 * each:g} mm" for key, each in table.items() if isinstance(each, float)
+    )
+    return f"{table['kind']} ({lengths})" if lengths else str(table["kind"])

@@ -1,0 +1,575 @@
+"""A first run.toml or fixture.toml from the files in a directory."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from erlif.calibration import open_calibration, read_profile
+from erlif.core.arrays import Array
+from erlif.core.errors import ConfigError, ErlifError, FrameError, OutputError
+from erlif.core.notes import Level, Note
+from erlif.io.files import replacing, takes
+from erlif.io.ingest import read_encoder_log
+from erlif.io.ingest.logs.proposal import LogProposal, propose_log
+from erlif.io.ingest.survey import CameraSurvey, CountsSample, Survey, TextTable, survey_directory
+from erlif.io.settings import (
+    GAP,
+    FixtureSettings,
+    RunSettings,
+    Settings,
+    json_schema,
+    read_fixture_settings,
+    write_template,
+)
+from erlif.pipeline.recording.log_cycle import WHOLE_TURN, Cycle, find_cycle
+
+MOST_CALIBRATIONS = 5
+"""Calibrations beside a run that are listed."""
+
+
+KINDS = ("crank-rocker", "slider-crank", "rotation", "sinusoidal", "static")
+"""Tribometers for which run.toml is written; a static film has no mechanism."""
+
+_LINKAGES = KINDS[:2]
+"""Those that have a joint, and an encoder that they cannot do without."""
+
+
+@dataclass
+class _Draft:
+    """A settings file in the making: values, remarks on them, and notes for the user."""
+
+    values: dict[str, Any] = field(default_factory=dict)
+    remarks: dict[str, str] = field(default_factory=dict)
+    notes: list[Note] = field(default_factory=list)
+    leave_out: list[str] = field(default_factory=list)
+
+    def set(self, key: str, value: Any, remark: str = "") -> None:
+        """Give a key its value, or `GAP`; the remark names the source of the value."""
+        self.values[key] = value
+        if remark:
+            self.remarks[key] = remark
+
+    def note(self, subject: str, text: str, level: Level = Level.NOTE) -> None:
+        """Add a finding."""
+        self.notes.append(Note(level, subject, text))
+
+    def warn(self, subject: str, text: str) -> None:
+        """Add a finding that the user has to act on."""
+        self.note(subject, text, Level.WARNING)
+
+
+@takes(directory="directory")
+def init(
+    directory: str | Path,
+    *,
+    fixture: bool = False,
+    kind: str = "crank-rocker",
+    overwrite: bool = False,
+) -> list[Note]:
+    """Write a commented settings file for the frames and logs in a directory.
+
+    What the files determine is filled in: names, patterns, bit depth, triggers per cycle. Every
+    other required value is a gap, ``"??"``, with its unit and its meaning; `erlif.check` lists the
+    gaps that are left. A JSON schema for editors is written beside the file.
+
+    Parameters
+    ----------
+    directory : path
+        Folder with the files of both cameras and the encoder log or the profile.
+    fixture : bool
+        Write ``fixture.toml`` for a calibration fixture; default: ``run.toml`` for a run.
+    kind : str
+        Tribometer of the run: "crank-rocker", "slider-crank", "rotation" (pin on disc),
+        "sinusoidal" (slider), or "static". Gaps are written for what it needs alone.
+    overwrite : bool
+        Replace an existing settings file.
+
+    Returns
+    -------
+    list of Note
+        What was found, and what the user has to look at.
+
+    Raises
+    ------
+    ConfigError
+        If there is no such kind.
+    FrameError
+        If there is no such directory, or no image in it.
+    OutputError
+        If the settings file exists and `overwrite` is not set, or cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile, tifffile, numpy as np
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     for name in ("C1_0001.tif", "C1_0002.tif", "C2_0001.tif", "C2_0002.tif"):
+    ...         tifffile.imwrite(Path(folder, name), np.full((64, 80), 900, np.uint16))
+    ...     notes = init(folder)
+    ...     print(notes[0])
+    camera1: 2 frames of 80 x 64 uint16, C1_*.tif
+    """
+    if kind not in KINDS:
+        raise ConfigError(f"Expected a tribometer of {', '.join(KINDS)}; got {kind!r}. Choose one.")
+    directory = Path(directory)
+    settings: type[Settings] = FixtureSettings if fixture else RunSettings
+    name = "fixture.toml" if fixture else "run.toml"
+    output = directory / name
+    if output.exists() and not overwrite:
+        raise OutputError(f"{output} exists already; use --overwrite to replace it.")
+
+    survey = survey_directory(directory)
+    if not survey.cameras:
+        raise FrameError(
+            f"Expected frames of two cameras in {directory}; there is no image file in it. Put the "
+            "frames there, for example as camera1/*.tif and camera2/*.tif."
+        )
+
+    draft = _Draft()
+    _draft_cameras(draft, survey)
+    draft.set("optics.x_axis", "sliding", "Check the direction: the files do not show it.")
+    if fixture:
+        _draft_profile(draft, survey)
+    else:
+        _draft_motion(draft, survey, kind)
+        _draft_calibration(draft, survey)
+    draft.values["fixture.name" if fixture else "run.name"] = _title(directory)
+
+    forms = {"mechanism": kind}
+    left_out = draft.leave_out
+    text = write_template(settings, draft.values, draft.remarks, forms=forms, leave_out=left_out)
+    _write(output, text)
+    schema = output.with_suffix(".schema.json")
+    _write(schema, json.dumps(json_schema(settings), indent=2, ensure_ascii=False) + "\n")
+    return draft.notes
+
+
+def _write(path: Path, text: str) -> None:
+    with replacing(path) as scratch:
+        scratch.write_text(text, encoding="utf-8")
+
+
+def _title(directory: Path) -> str:
+    """Name of the folder as a title."""
+    return " ".join(directory.resolve().name.replace("_", " ").split())
+
+
+# cameras
+
+
+def _draft_cameras(draft: _Draft, survey: Survey) -> None:
+    """Files, band, depth, darks and flats of both cameras, and whether the two fit together."""
+    cameras = survey.cameras
+    for number, camera in enumerate(cameras[:2], 1):
+        _draft_camera(draft, survey, number, camera)
+
+    if len(cameras) == 1:
+        draft.set("camera2.offset", GAP)
+        draft.warn(
+            "camera2",
+            f"frames of one camera only were found ({cameras[0].label}); camera 2 is a gap. Where "
+            "the files hold both cameras, give both tables the same files and their part",
+        )
+    elif len(cameras) > 2:
+        labels = ", ".join(camera.label for camera in cameras)
+        draft.warn(
+            "cameras",
+            f"{len(cameras)} groups of frames were found ({labels}); the first two were taken as "
+            "camera 1 and camera 2: correct files in both tables",
+        )
+    else:
+        _compare_cameras(draft, *cameras)
+
+    if survey.unassigned:
+        names = [os.path.relpath(path, survey.directory) for path in survey.unassigned]
+        draft.warn("files", f"these images belong to no camera by their names: {_list(names)}")
+
+
+def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurvey) -> None:
+    """Table of one camera."""
+    table, frames = f"camera{number}", camera.frames
+    kind = frames.kinds[0] if frames.kinds else "unreadable images"
+    draft.set(f"{table}.files", frames.pattern, f"{frames.pages} frames of {kind}.")
+    draft.note(table, f"{frames.pages} frames of {kind}, {frames.pattern or camera.label}")
+    if frames.pattern is None:
+        text = "no single pattern matches these frames and no other file; put them into one folder"
+        draft.warn(table, text)
+    if len(frames.kinds) > 1:
+        draft.warn(table, f"the frames differ in size or type: {', '.join(frames.kinds)}")
+    for fault in frames.faults[:1]:
+        more = f" ({len(frames.faults) - 1} more)" if len(frames.faults) > 1 else ""
+        draft.warn(table, f"{fault}{more}; --skip-bad-frames leaves out unreadable frame pairs")
+
+    _draft_share(draft, table, number, camera)
+    if camera.wavelength is not None:
+        draft.set(f"{table}.band", f"{camera.wavelength} nm", "From the names of the files.")
+    if camera.counts is not None:
+        _draft_depth(draft, table, camera.counts)
+    others = ("dark", camera.darks), ("flat", camera.flats), ("background", camera.backgrounds)
+    for key, images in others:
+        if images is None:
+            continue
+        draft.set(f"{table}.{key}", images.pattern, f"{images.pages} images.")
+        draft.note(table, f"{images.pages} {key} images, {images.pattern}")
+        if images.pattern is None:
+            draft.warn(table, f"no single pattern matches the {key} files; put them into one file")
+    if camera.darks is None:
+        _ask_for_darks(draft, survey, table)
+
+
+def _ask_for_darks(draft: _Draft, survey: Survey, table: str) -> None:
+    """Leave a gap for the dark level, and name darks that belong to neither camera."""
+    lone = _list([os.path.relpath(path, survey.directory) for path in survey.lone_darks])
+    if lone:
+        draft.set(f"{table}.offset", GAP, f'Write dark = "..." in place of this line: {lone}.')
+        draft.warn(
+            table,
+            f"no dark frames were found by the name of the camera; there are {lone}: in "
+            f'[{table}], write dark = "..." in place of offset',
+        )
+        return
+    draft.set(f"{table}.offset", GAP, 'No dark frames were found; dark = "file.tif" is better.')
+    draft.warn(table, "no dark frames were found: give offset, or photograph darks")
+
+
+def _draft_share(draft: _Draft, table: str, number: int, camera: CameraSurvey) -> None:
+    """Part or datasets of a camera where one file holds both."""
+    shared = camera.shared
+    if shared is None:
+        return
+    value = shared.values[number - 1]
+    draft.set(f"{table}.{shared.key}", value, f"Check it: {shared.reason}.")
+    draft.note(table, f'{shared.key} = "{value}": {shared.reason}')
+    for key, names in (("dark_dataset", shared.darks), ("flat_dataset", shared.flats)):
+        if names is not None:
+            draft.set(f"{table}.{key}", names[number - 1])
+
+
+def _draft_depth(draft: _Draft, table: str, counts: CountsSample) -> None:
+    """Bit depth from the largest counts; counts that are stored left-aligned are reported."""
+    seen = f"largest count {counts.highest} in {counts.pages} images"
+    factor = 1 << counts.unused_bits
+
+    # counts that fill 16 bits from above; others may lie anywhere in them
+    if counts.unused_bits and counts.bit_depth + counts.unused_bits >= 16:
+        remark = f"{seen}, all multiples of {factor}"
+        draft.set(f"{table}.bit_depth", 16 - counts.unused_bits, f"{remark}: left-aligned.")
+        draft.set(f"{table}.alignment", "left", f"{remark[0].upper()}{remark[1:]}.")
+    elif counts.unused_bits:
+        draft.warn(
+            table,
+            f"{seen}, all multiples of {factor}: {counts.bit_depth}-bit counts, left-aligned. "
+            f"Divide the counts by {factor} and save the images again",
+        )
+        draft.set(f"{table}.bit_depth", counts.bit_depth, f"{seen}, left-aligned by {factor}.")
+    elif counts.stated:
+        draft.set(f"{table}.bit_depth", counts.bit_depth, f"After the headers; {seen}.")
+    elif counts.full_scale_seen:
+        draft.set(f"{table}.bit_depth", counts.bit_depth, f"Full scale is reached: {seen}.")
+    else:
+        text = f"{seen}; the smallest usual depth that holds it."
+        draft.set(f"{table}.bit_depth", counts.bit_depth, f"{text[0].upper()}{text[1:]}")
+
+
+def _compare_cameras(draft: _Draft, one: CameraSurvey, two: CameraSurvey) -> None:
+    """Report what keeps the frames of the two cameras from being paired."""
+    if one.frames.pages != two.frames.pages:
+        draft.warn(
+            "cameras",
+            f"camera1 has {one.frames.pages} frames, camera2 has {two.frames.pages}: frame k of "
+            "both must show the same laser pulse",
+        )
+    if one.frames.kinds[:1] != two.frames.kinds[:1]:
+        draft.warn(
+            "cameras",
+            f"camera1 has frames of {_first(one.frames.kinds)}, camera2 of "
+            f"{_first(two.frames.kinds)}: set the same region of interest for both",
+        )
+    if one.wavelength is None:
+        draft.warn(
+            "cameras",
+            f"taken as camera1: {_describe(one)}, as camera2: {_describe(two)}. Camera 1 must be "
+            "the one with the shorter wavelength",
+        )
+
+
+def _describe(camera: CameraSurvey) -> str:
+    return camera.label if camera.shared else camera.frames.pattern or camera.label
+
+
+def _first(kinds: tuple[str, ...]) -> str:
+    return kinds[0] if kinds else "unreadable images"
+
+
+def _list(names: list[str], most: int = 3) -> str:
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return f"{', '.join(names[:most])}{more}"
+
+
+# encoder log
+
+
+def _draft_motion(draft: _Draft, survey: Survey, kind: str) -> None:
+    """What the tribometer needs: log and mechanism, and for a linkage joint and oil."""
+    draft.remarks["mechanism"] = (
+        f"Other tribometers: erlif init --overwrite --kind {', '.join(KINDS[1:-1])} or static."
+    )
+    if kind in _LINKAGES:
+        _draft_log(draft, survey)
+        draft.set("oil.viscosity", GAP, "Remove this line where a vogel law is given below.")
+        return
+
+    # line contact of a pin in a bushing describes no other tribometer
+    draft.leave_out += ["joint", "oil", "prediction"]
+    if kind == "static":
+        draft.leave_out.append("mechanism")
+    logged = _draft_optional_log(draft, survey)
+    if kind == "rotation" and not {"angle", "time"} <= logged and "speed" not in logged:
+        draft.set("mechanism.speed", GAP, "No log has columns of angle and time.")
+    if kind == "sinusoidal" and "angle" not in logged:
+        reason = "No log has a column of the angle; the position follows from time and zero."
+        draft.set("encoder.zero", GAP, reason)
+    if kind != "static" and "load" not in logged:
+        draft.remarks["mechanism.load"] = "No log has a column of the load."
+
+
+def _draft_optional_log(draft: _Draft, survey: Survey) -> set[str]:
+    """The log of a run that can do without one; returns the quantities that it holds."""
+    table = _find_table(survey, ("frame",))
+    if table is None:
+        found = propose_log(survey.logs, survey.cameras[0].frames.pages)
+        if found is not None:
+            _draft_proposal(draft, survey, found)
+            return {*found.columns, *map(str, found.values)}
+        _report_missing_table(draft, survey, "encoder log", "frame", needed=False)
+        draft.leave_out.append("encoder")
+        return set()
+
+    _draft_table(draft, survey, table)
+    try:
+        log = read_encoder_log(table.path, needs_angle=False)
+    except ErlifError as error:
+        draft.warn("encoder log", str(error))
+        return set()
+    speeds = {"speed"} if {"sliding_speed", "rotation_speed"} & set(log) else set()
+    return {*map(str, log), *speeds}
+
+
+def _draft_table(draft: _Draft, survey: Survey, table: TextTable) -> None:
+    """Name and columns of the log, and whether its rows fit the frames."""
+    draft.set("encoder.file", os.path.relpath(table.path, survey.directory))
+    draft.note("encoder log", f"{table.path.name}, {table.rows} rows: {', '.join(table.header)}")
+    pages = {camera.frames.pages for camera in survey.cameras[:2]}
+    if pages != {table.rows}:
+        counts = " and ".join(str(count) for count in sorted(pages))
+        draft.warn("encoder log", f"{table.rows} rows for {counts} frames: one row per frame pair")
+
+
+def _draft_log(draft: _Draft, survey: Survey) -> None:
+    """The encoder log, its columns, and the cycle its angles show."""
+    table = _find_table(survey, ("frame", "angle_deg"))
+    if table is None:
+        _draft_foreign_log(draft, survey)
+        return
+    _draft_table(draft, survey, table)
+    if "load_N" not in table.header:
+        draft.set("joint.load", GAP, "The encoder log has no column load_N.")
+
+    try:
+        log = read_encoder_log(table.path)
+    except ErlifError as error:
+        draft.warn("encoder log", str(error))
+        return
+    cycle = find_cycle(log.angle.values)
+    time = log["time"].values if "time" in log else None
+    _draft_cycle(draft, cycle, time)
+
+
+def _draft_foreign_log(draft: _Draft, survey: Survey) -> None:
+    """A log whose header is not that of erlif: the columns that its names suggest."""
+    frames = survey.cameras[0].frames.pages
+    found = propose_log(survey.logs, frames, unnamed=True)
+    if found is None:
+        draft.set("encoder.file", GAP)
+        _report_missing_table(draft, survey, "encoder log", "frame, angle_deg")
+        return
+
+    _draft_proposal(draft, survey, found)
+    _ask_for_columns(draft, found)
+    if "load" not in found.columns:
+        draft.set("joint.load", GAP, "The encoder log has no column of the load.")
+
+    if "angle" not in found.values:
+        return
+    angle, time = found.values["angle"].values, found.values.get("time")
+    if not found.in_time:
+        _draft_cycle(draft, find_cycle(angle), None if time is None else time.values)
+        return
+    round_ = float(np.ptp(np.unwrap(angle, period=360.0))) > WHOLE_TURN
+    link, motion = ("crank", "go round") if round_ else ("rocker", "go to and fro")
+    draft.set("encoder.mounted_on", link, f"The angles of the log {motion}.")
+
+
+def _draft_proposal(draft: _Draft, survey: Survey, found: LogProposal) -> None:
+    """Columns of the log by their names, and how its frames lie in time."""
+    frames = survey.cameras[0].frames.pages
+    rows, names = len(found.table.rows), [name for name in found.table.names if name]
+    listed = "; ".join(found.table.remarks)
+    draft.set("encoder.file", os.path.relpath(found.path, survey.directory), listed)
+    draft.note("encoder log", f"{found.path.name}, {rows} rows: {', '.join(names)}")
+    for quantity, name in found.columns.items():
+        draft.set(f"encoder.{quantity}", name, "By its name; check that it is this quantity.")
+    for quantity in found.without_unit:
+        draft.warn(
+            "encoder log",
+            f"column {found.columns[quantity]!r} has no unit that is known: add it under units in "
+            f'[encoder], units = {{ {quantity} = "..." }}',
+        )
+    if not found.in_time:
+        return
+    if found.pulse is not None:
+        draft.set("encoder.pulse", found.pulse, "By its name: it must rise at each frame.")
+    else:
+        draft.warn(
+            "encoder log",
+            f"{rows} rows for {frames} frames, a log in time: give the times of the frames as "
+            'pulse, or as frame_rate and start ("fit" finds it) in [encoder]',
+        )
+
+
+def _ask_for_columns(draft: _Draft, found: LogProposal) -> None:
+    """Leave gaps for columns that are needed and that no name of the log shows."""
+    needed = ["angle", "time"] if found.in_time else ["angle"]
+    missing = [quantity for quantity in needed if quantity not in found.known]
+    if not missing:
+        return
+    names = ", ".join(repr(name) for name in found.table.names if name)
+    for quantity in missing:
+        draft.set(f"encoder.{quantity}", GAP, f"One of the columns {names}.")
+    draft.warn(
+        "encoder log",
+        f"no column of {found.path.name} is known by its name as {' or '.join(missing)}: choose "
+        f"from {names}",
+    )
+
+
+def _draft_cycle(draft: _Draft, cycle: Cycle, time: Array | None) -> None:
+    """Where the encoder sits, triggers per cycle, and the speed of the crank from the times."""
+    link = "crank" if cycle.on_crank else "rocker"
+    motion = "go round" if cycle.on_crank else "go to and fro"
+    draft.set("encoder.mounted_on", link, f"The angles of the log {motion}.")
+    if cycle.triggers is None:
+        draft.warn("encoder log", "the angles do not show a complete cycle")
+        return
+    text = f"{cycle.triggers} triggers per cycle, {cycle.count:g} cycle(s)"
+    draft.set("encoder.triggers_per_cycle", cycle.triggers, f"From the angles of the log: {text}.")
+    draft.note("encoder log", text)
+
+    # the time of a cycle is known where the log holds the beginning of the next one
+    if time is not None and time.size > cycle.triggers:
+        periods = time[cycle.triggers :] - time[: -cycle.triggers]
+        period = float(np.median(periods))
+        if math.isfinite(period) and period > 0:
+            draft.remarks["mechanism.crank_speed"] = (
+                f"The times of the log give {60 / period:.4g} rpm."
+            )
+
+
+# profile
+
+
+def _draft_profile(draft: _Draft, survey: Survey) -> None:
+    """The profile of the fixture."""
+    # the default, pixel (0, 0), is hardly ever right, and no file shows the pixel that is
+    draft.set("fixture.origin", GAP, "Find this pixel in a frame; align = true refines it.")
+
+    table = _find_table(survey, ("x_mm", "thickness_um"))
+    if table is None:
+        _report_missing_table(draft, survey, "profile", "x_mm, thickness_um")
+        return
+    draft.set("fixture.profile", os.path.relpath(table.path, survey.directory))
+    try:
+        profile = read_profile(table.path)
+    except ErlifError as error:
+        draft.warn("profile", str(error))
+        return
+    low, high = float(profile.thickness.min()), float(profile.thickness.max())
+    draft.note("profile", f"{table.path.name}, {table.rows} points from {low:.2f} to {high:.2f} um")
+
+
+def _find_table(survey: Survey, columns: tuple[str, ...]) -> TextTable | None:
+    """The first table that has these columns."""
+    fitting = (table for table in survey.tables if set(columns) <= set(table.header))
+    return next(fitting, None)
+
+
+def _report_missing_table(
+    draft: _Draft, survey: Survey, what: str, columns: str, *, needed: bool = True
+) -> None:
+    others = [f"{table.path.name} ({', '.join(table.header)})" for table in survey.tables]
+    if not needed and not others:
+        draft.note(what, "none was found; each frame is a trigger")
+    elif others:
+        draft.warn(what, f"no CSV file has the columns {columns}; found {_list(others)}")
+    else:
+        draft.warn(what, f"no CSV file was found; {what} needs the columns {columns}")
+
+
+# calibration
+
+
+def _draft_calibration(draft: _Draft, survey: Survey) -> None:
+    """The calibration or the fixture that lies nearest, and what it states about the cameras."""
+    found = list(_calibrations_near(survey.directory.resolve()))[:MOST_CALIBRATIONS]
+    if not found:
+        draft.warn("calibration", "no calibration.nc or fixture.toml lies near; name it later")
+        return
+    names = [os.path.relpath(path, survey.directory.resolve()) for path in found]
+    name = Path(names[0]).as_posix()
+    made = "exists" if found[0].exists() else "is made from its fixture by erlif process"
+    remark = f"This file {made}."
+    if len(names) > 1:
+        remark = f"{remark} Others near: {', '.join(names[1:])}."
+        draft.warn("calibration", f"{len(names)} calibrations lie near: {', '.join(names)}")
+    draft.set("calibration", name, remark)
+    draft.note("calibration", f"{name} {made}")
+
+    # the same optics as a rule, but not for certain: a hint, not a value
+    for key, text in _fixture_hints(found[0]).items():
+        if key not in draft.values:
+            draft.remarks[key] = f"The calibration has {text}; the same, if nothing was changed."
+
+
+def _calibrations_near(directory: Path) -> Iterator[Path]:
+    """calibration.nc of the folders beside a run, whether it is made yet or not."""
+    patterns = ("", "*/", "../", "../*/", "../calibration/*/", "../../*/", "../../calibration/*/")
+    seen = set()
+    for pattern in patterns:
+        for name in ("calibration.nc", "fixture.toml"):
+            for path in sorted(directory.glob(f"{pattern}{name}")):
+                folder = path.parent.resolve()
+                if folder not in seen:
+                    seen.add(folder)
+                    yield folder / "calibration.nc"
+
+
+def _fixture_hints(calibration: Path) -> dict[str, str]:
+    """Bands and pixel pitch of the fixture, where they can be read."""
+    hints = {}
+    try:
+        settings = read_fixture_settings(calibration.parent)
+        bands = settings.camera1.band, settings.camera2.band
+        hints["optics.pixel_pitch"] = f"{settings.optics.pixel_pitch * 1e6:g} um"
+    except ErlifError:
+        try:
+            bands = open_calibration(calibration).bands
+        except ErlifError:
+            return hints
+    return hints | {"camera1.band": f"{bands[0]:g} nm", "camera2.band": f"{bands[1]:g} nm"}

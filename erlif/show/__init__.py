@@ -1,0 +1,1 @@
+"""Finished products to what people look at: figures, pages, the viewer, notebooks."""

@@ -1,0 +1,11 @@
+"""What the attribute `erlif` of datasets and arrays offers in a notebook.
+
+``import erlif`` is enough: `film.erlif` then exists for each dataset of xarray. It shows a film,
+opens its groups, makes masks of flags and sums up a region.
+"""
+
+from erlif.show.notebook.array import MapAccessor
+from erlif.show.notebook.film import FilmAccessor
+from erlif.show.notebook.region import summarise_region
+
+__all__ = ["FilmAccessor", "MapAccessor", "summarise_region"]

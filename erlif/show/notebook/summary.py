@@ -1,0 +1,181 @@
+"""A film at a glance, in text and in HTML."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.errors import ErlifError
+from erlif.core.html import captioned, card, colour_picture, findings_list, picture_tag, rows_table
+from erlif.core.notes import Level
+from erlif.io.files import describe_trigger, flag_shares, settings_of
+
+_PICTURES = 4
+"""Maps that are shown."""
+
+_WITHIN = (0.5, 99.5)
+"""Percentiles of the valid pixels at the ends of the colours."""
+
+_SIDE = 160
+"""Width of a picture. [px]"""
+
+
+def describe_in_text(film: xr.Dataset) -> str:
+    """Describe a film in some lines.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> print(describe_in_text(example_film()).splitlines()[0])
+    film 'example': 6 triggers of 64 x 24 pixels
+    """
+    if not _is_film(film):
+        return _describe_foreign(film)
+    lines = [f"film {_name(film)!r}: {_size(film)}"]
+    lines += [f"  {name:<24}{value}" for name, value in _rows(film)]
+    lines += [f"  {level.value}: {text}" for level, text in _findings(film) if level != Level.NOTE]
+    return "\n".join(lines)
+
+
+def describe_in_html(film: xr.Dataset) -> str:
+    """Describe a film with some of its maps, in HTML.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+
+    Returns
+    -------
+    str
+        Text of files is escaped.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> describe_in_html(example_film()).count("<img")
+    4
+    """
+    if not _is_film(film):
+        return card("no film", "", rows_table([("", _describe_foreign(film))]))
+    return card(
+        _name(film),
+        _size(film),
+        rows_table(_rows(film)),
+        _maps(film),
+        findings_list(_findings(film)),
+    )
+
+
+def _is_film(film: xr.Dataset) -> bool:
+    return {"thickness", "film_min", "film_mean", "x", "y"} <= set(film.variables)
+
+
+def _describe_foreign(dataset: xr.Dataset) -> str:
+    present = ", ".join(str(name) for name in list(dataset.variables)[:8]) or "nothing"
+    return (
+        f"no film: the dataset holds {present}. Open a film with erlif.open_film, or make one "
+        "with erlif.process."
+    )
+
+
+def _name(film: xr.Dataset) -> str:
+    try:
+        return settings_of(film).name
+    except ErlifError:
+        return str(film.attrs.get("title", "film"))
+
+
+def _size(film: xr.Dataset) -> str:
+    count = film.film_min.size
+    rows, columns = film.sizes["y"], film.sizes["x"]
+    return f"{count} trigger{'s' * (count != 1)} of {columns} x {rows} pixels"
+
+
+def _rows(film: xr.Dataset) -> list[tuple[str, str]]:
+    """What is shown of a film by name and value."""
+    rows = [
+        ("minimum film thickness", _range(film, "film_min", "um", 2)),
+        ("mean film thickness", _range(film, "film_mean", "um", 2)),
+    ]
+    # of one trigger, taken from a film, the maps are at hand
+    pixels = film.sizes["y"] * film.sizes["x"]
+    if "trigger" in film.thickness.dims:
+        valid = float(flag_shares(film)[:, 0].mean())
+    else:
+        valid = float((film.flags == 0).sum()) / pixels
+    rows.append(("valid pixels", f"{valid:.1%}"))
+
+    quantities = (
+        ("load", "load", "N", 1),
+        ("crank angle", "crank_angle", "°", 1),
+        ("encoder angle", "encoder_angle", "°", 1),
+        ("sliding speed", "sliding_speed", "m/s", 3),
+        ("oil temperature", "temperature", "°C", 1),
+    )
+    rows += [
+        (title, _range(film, name, unit, digits))
+        for title, name, unit, digits in quantities
+        if name in film
+    ]
+    try:
+        oil = settings_of(film).oil
+    except ErlifError:
+        oil = None
+    if oil is not None and oil.name:
+        rows.append(("oil", oil.name))
+    if "film_theory" in film:
+        rows.append(("theory", str(film.film_theory.attrs.get("regime", ""))))
+    return rows
+
+
+def _range(film: xr.Dataset, name: str, unit: str, digits: int) -> str:
+    values = np.atleast_1d(np.asarray(film[name].values, float))
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return "not known"
+    low, high = (f"{value:.{digits}f}" for value in (known.min(), known.max()))
+    return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
+
+
+def _findings(film: xr.Dataset) -> list[tuple[Level, str]]:
+    """Notes of a film with their levels, as `join_notes` has written them."""
+    found = []
+    for line in str(film.attrs.get("notes", "")).splitlines():
+        level, _, text = line.partition(": ")
+        if level in (Level.WARNING.value, Level.ERROR.value):
+            found.append((Level(level), text))
+        elif line:
+            found.append((Level.NOTE, line))
+    return found
+
+
+def _maps(film: xr.Dataset) -> str:
+    """Some maps over the cycle on one scale."""
+    if "trigger" in film.thickness.dims:
+        count = film.sizes["trigger"]
+        chosen = np.unique(np.linspace(0, count - 1, min(count, _PICTURES)).round().astype(int))
+        step = max(1, max(film.sizes["x"], film.sizes["y"]) // _SIDE)
+        thin = film.thickness[:, ::step, ::step]
+        images = [thin.isel(trigger=k).values for k in chosen]
+        captions = [describe_trigger(film, int(k)) for k in chosen]
+    else:
+        images, captions = [film.thickness.values], ["film thickness"]
+
+    known = np.concatenate([image[np.isfinite(image)] for image in images])
+    if not known.size:
+        return ""
+    low, high = (float(value) for value in np.percentile(known, _WITHIN))
+    pictures = [
+        (picture_tag(colour_picture(image, (low, high)), alt=caption, width=_SIDE), caption)
+        for image, caption in zip(images, captions, strict=True)
+    ]
+    scale = rows_table([("colours", f"{low:.2f} to {high:.2f} um; grey: no value")])
+    return captioned(pictures) + scale

@@ -1,0 +1,208 @@
+"""Pictures of an audit: a pair, its difference, the counts, the light over the run, the encoder."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from erlif.core.arrays import Array, Image
+from erlif.review.audit.cameras import Picture
+from erlif.review.audit.counts import CountSurvey
+from erlif.review.audit.log import Steps
+from erlif.show.plots.style import (
+    FLAGGED,
+    FLAGGED_DIFFERENCE,
+    MUTED,
+    ONE_COLUMN,
+    OUTWARD,
+    RETURN,
+    TWO_COLUMNS,
+    add_colour_bar,
+    colour_map,
+    letter,
+    new_figure,
+    styled,
+)
+
+_LOOKS = ((OUTWARD, "o", OUTWARD), (RETURN, "s", "white"))
+_WITHIN = (0.5, 99.5)  # percentiles at the ends of a colour scale
+_AROUND = 0.55  # inch above and below an image
+_STEADY = 0.01  # relative change of the time step that the axis shows at least
+_ROOM = 1.1  # height of an axis over the highest value
+_BARS = 256  # of a histogram at most
+
+
+@styled
+def pair_figure(picture: Picture) -> Figure:
+    """Draw the light of both cameras on the pixels of camera 1.
+
+    Parameters
+    ----------
+    picture : Picture
+
+    Returns
+    -------
+    Figure
+        Two columns wide.
+    """
+    rows, columns = picture.light[0].shape
+    figure = new_figure(TWO_COLUMNS, 0.38 * TWO_COLUMNS * rows / columns + _AROUND)
+    for ax, light, number in zip(figure.subplots(1, 2), picture.light, (1, 2), strict=True):
+        image = ax.imshow(
+            light,
+            cmap=colour_map("batlow", bad=FLAGGED),
+            **_limits(light),
+            interpolation="none",
+        )
+        add_colour_bar(image, ax, "corrected light [DN]")
+        ax.set_title(f"camera {number}, pair {picture.frame}")
+        letter(ax, "ab"[number - 1])
+        ax.set_axis_off()
+    return figure
+
+
+@styled
+def difference_figure(picture: Picture) -> Figure:
+    """Draw what remains between the cameras once they are aligned and the film is taken out.
+
+    Parameters
+    ----------
+    picture : Picture
+
+    Returns
+    -------
+    Figure
+        One column wide.
+    """
+    rows, columns = picture.difference.shape
+    figure = new_figure(ONE_COLUMN, 0.76 * ONE_COLUMN * rows / columns + _AROUND)
+    ax = figure.add_subplot()
+    share = 100 * picture.difference
+    valid = share[np.isfinite(share)]
+    largest = float(np.percentile(np.abs(valid), _WITHIN[1])) if valid.size else 1.0
+    image = ax.imshow(
+        share,
+        cmap=colour_map("vik", bad=FLAGGED_DIFFERENCE),
+        vmin=-largest,
+        vmax=largest,
+        interpolation="none",
+    )
+    add_colour_bar(image, ax, "ratio over its surroundings [%]")
+    ax.set_axis_off()
+    return figure
+
+
+@styled
+def histogram_figure(survey: CountSurvey) -> Figure:
+    """Draw the number of pixels by count of both cameras.
+
+    Parameters
+    ----------
+    survey : CountSurvey
+
+    Returns
+    -------
+    Figure
+        One column wide.
+    """
+    figure = new_figure()
+    ax = figure.add_subplot()
+    for number, (histogram, (colour, *_)) in enumerate(
+        zip(survey.histograms, _LOOKS, strict=True), 1
+    ):
+        width = -(-histogram.size // _BARS)
+        edges = np.arange(0, histogram.size + width, width)
+        padded = np.zeros((edges.size - 1) * width)
+        padded[: histogram.size] = histogram
+        ax.stairs(padded.reshape(-1, width).sum(axis=1), edges, color=colour, label=f"{number}")
+    ax.set(xlabel="count [DN]", ylabel="pixels [1]", yscale="symlog")
+    for full_scale in sorted({histogram.size - 1 for histogram in survey.histograms}):
+        ax.axvline(full_scale, color=MUTED, linewidth=0.6, linestyle=":")
+    ax.legend(title="camera")
+    return figure
+
+
+@styled
+def light_figure(survey: CountSurvey, darks: tuple[float, float]) -> Figure:
+    """Draw light and fine structure of the frames that were read.
+
+    Parameters
+    ----------
+    survey : CountSurvey
+    darks : (float, float)
+        Dark level of camera 1 and camera 2. [DN]
+
+    Returns
+    -------
+    Figure
+        One column wide.
+    """
+    figure = new_figure(height=1.0 * ONE_COLUMN)
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    numbers = [one.frame for one in survey.frames]
+    light = np.array([one.level for one in survey.frames]) - np.asarray(darks)
+    sharpness = 100 * np.array([one.sharpness for one in survey.frames])
+    for ax, values in ((upper, light), (lower, sharpness)):
+        for n, (colour, marker, face) in enumerate(_LOOKS):
+            ax.plot(
+                numbers,
+                values[:, n],
+                color=colour,
+                marker=marker,
+                markerfacecolor=face,
+                linewidth=0.5,
+                label=f"{n + 1}",
+            )
+        ax.set_ylim(0, _ROOM * max(float(values.max()), 1e-9))
+        ax.margins(x=0.02)
+    upper.set_ylabel("median light [DN]")
+    lower.set(ylabel="fine structure [%]", xlabel="frame pair [1]")
+    upper.legend(title="camera", ncols=2)
+    letter(upper, "a")
+    letter(lower, "b")
+    return figure
+
+
+@styled
+def steps_figure(steps: Steps) -> Figure | None:
+    """Draw angle and time of the log, and their steps.
+
+    Parameters
+    ----------
+    steps : Steps
+
+    Returns
+    -------
+    Figure or None
+        One column wide; None where the log has neither.
+    """
+    shown = [
+        (values, name, unit)
+        for values, name, unit in ((steps.angle, "angle", "deg"), (steps.time, "time step", "ms"))
+        if values is not None and values.size > 1
+    ]
+    if not shown:
+        return None
+    figure = new_figure(height=0.5 * ONE_COLUMN * len(shown))
+    axes = np.atleast_1d(np.asarray(figure.subplots(len(shown), 1, sharex=True)))
+    for ax, (values, name, unit), mark in zip(axes, shown, "ab", strict=False):
+        drawn: Array = values if name == "angle" else 1e3 * np.diff(values)
+        ax.plot(
+            np.arange(drawn.size), drawn, color=OUTWARD, marker="o", markersize=2, linewidth=0.5
+        )
+        ax.set_ylabel(f"{name} [{unit}]")
+        ax.ticklabel_format(axis="y", useOffset=False)
+        if name == "time step":  # digits that a logger rounds are no scatter of its clock
+            middle = float(np.median(drawn))
+            room = max(float(np.abs(drawn - middle).max()), _STEADY * middle)
+            ax.set_ylim(middle - 1.1 * room, middle + 1.1 * room)
+        letter(ax, mark)
+    axes[-1].set_xlabel("frame pair [1]")
+    return figure
+
+
+def _limits(values: Image) -> dict[str, float]:
+    """Ends of the colour scale; 0 to 1 where no pixel is valid."""
+    shown = values[np.isfinite(values)]
+    low, high = np.percentile(shown, _WITHIN) if shown.size else (0.0, 1.0)
+    return {"vmin": float(low), "vmax": float(high)}

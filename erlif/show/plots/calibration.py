@@ -1,0 +1,363 @@
+"""The calibration: profile of the fixture, ratio against thickness, and residuals of the fit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from erlif.calibration import Calibration, Profile
+from erlif.core.arrays import Array
+from erlif.show.plots.style import (
+    COVERAGE,
+    MUTED,
+    ONE_COLUMN,
+    OUTWARD,
+    RETURN,
+    STACK,
+    AnyFigure,
+    add_colour_bar,
+    colour_map,
+    frame_legend,
+    given_or_new,
+    in_style,
+    is_page,
+    is_visible,
+    legend_above,
+    letter,
+    new_figure,
+    pt,
+    room_for,
+    rows_or_columns,
+    save_figure,
+    styled,
+)
+
+_SHADE: dict[str, Any] = {
+    "facecolor": "#EDEDED",
+    "edgecolor": MUTED,
+    "linestyle": ":",
+    "zorder": 0,
+}
+"""Look of the calibrated range."""
+
+_PANELS = (2.1, 1)  # heights of curve and residuals
+_ABOVE = 1.6  # lines of text above the curve
+_GRID = 400  # points of a curve
+
+
+def _draw_points(
+    ax: Axes, x: Array, y: Array, std: Array | None, *, size: float, label: str | None = None
+) -> Line2D:
+    """Draw points with bars of one standard deviation."""
+    bars = ax.errorbar(
+        x,
+        y,
+        std,
+        fmt="o",
+        markersize=pt(size),
+        color=OUTWARD,
+        ecolor=MUTED,
+        elinewidth=pt(0.5),
+        capsize=0,
+        label=label,
+        zorder=2,
+    )
+    line: Line2D = bars.lines[0]
+    return line
+
+
+@styled
+def fixture_profile(
+    profile: Profile, *, calibration: Calibration | None = None, ax: Axes | None = None
+) -> list[Artist]:
+    """Draw the profile of a fixture by the coordinate measuring machine (CMM).
+
+    Parameters
+    ----------
+    profile : Profile
+        From `erlif.calibration.read_profile`; a line, or a surface drawn as coloured points.
+    calibration : Calibration, optional
+        The calibration of this fixture; its calibrated range is shaded in the profile of a line.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    list of Artist
+        The points; for a line with a calibration, the shaded range.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from erlif.calibration import Profile
+    >>> wedge = Profile(np.linspace(0, 20, 5), np.linspace(0, 16, 5), np.full(5, 0.1))
+    >>> points, = fixture_profile(wedge)
+    >>> points.axes.get_xlabel(), points.axes.get_ylabel()
+    ('profile x [mm]', 'thickness by CMM [µm]')
+    """
+    ax = given_or_new(ax)
+    if profile.position.ndim == 2:
+        scatter = ax.scatter(
+            profile.position[:, 0],
+            profile.position[:, 1],
+            c=profile.thickness,
+            cmap=colour_map("batlow"),
+            s=6,
+            linewidths=0,
+        )
+        add_colour_bar(scatter, ax, "thickness by CMM [µm]", extend="neither")
+        ax.set(xlabel="profile x [mm]", ylabel="profile y [mm]", aspect="equal")
+        return [scatter]
+
+    artists: list[Artist] = []
+    if calibration is not None:
+        shade = ax.axhspan(
+            *calibration.thickness_range, linewidth=pt(0.5), **_SHADE, label="calibrated range"
+        )
+        artists.append(shade)
+    label = "CMM" if profile.uncertainty is None else "CMM, bars 1 s.d."
+    points = _draw_points(
+        ax, profile.position, profile.thickness, profile.uncertainty, size=1.6, label=label
+    )
+    ax.set(xlabel="profile x [mm]", ylabel="thickness by CMM [µm]")
+    ax.margins(x=0.01)
+    legend_above(ax)
+    return [points, *artists]
+
+
+def _grid(calibration: Calibration) -> Array:
+    """Thicknesses of a curve, over the calibrated range and all points. [um]"""
+    # points beyond the calibrated range are drawn too
+    low, high = calibration.thickness_range
+    if "curve_thickness" in calibration.curve:
+        low = max(min(low, float(calibration.curve.curve_thickness.min())), 0.0)
+        high = max(high, float(calibration.curve.curve_thickness.max()))
+    return np.linspace(low, high, _GRID)
+
+
+def _band(calibration: Calibration, thickness: Array) -> Array:
+    """Half width of the 95 % band of the fitted ratio, relative to the ratio. [1]"""
+    return COVERAGE * calibration.log_ratio_std(thickness)
+
+
+@styled
+def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw ratio against thickness: the points of the fixture and the fit with its 95 % band.
+
+    Parameters
+    ----------
+    calibration : Calibration
+        A calibration read back from a film has no points; the curve is then drawn alone.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    list of Artist
+        Fit, band, and the points where there are any. The calibrated range is shaded.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_calibration
+    >>> fit, band, points = ratio_against_thickness(example_calibration())
+    >>> fit.axes.get_xlabel(), fit.axes.get_ylabel()
+    ('thickness [µm]', 'ratio 610 nm / 580 nm [1]')
+    """
+    ax = given_or_new(ax)
+
+    # the band is symmetric in the logarithm of the ratio, in which the fit was made
+    t = _grid(calibration)
+    ratio, share = calibration.predict(t), _band(calibration, t)
+    ax.axvspan(*calibration.thickness_range, linewidth=pt(0.5), **_SHADE, label="calibrated range")
+    band = ax.fill_between(
+        t,
+        ratio * np.exp(-share),
+        ratio * np.exp(share),
+        color=RETURN,
+        alpha=0.35,
+        linewidth=0,
+    )
+    model = "reabsorption model" + ("" if calibration.departure is None else " and spline")
+    (fit,) = ax.plot(t, ratio, color=RETURN, zorder=1.5, label=model)
+    artists: list[Artist] = [fit, band]
+
+    curve = calibration.curve
+    if "curve_ratio" in curve:
+        points = _draw_points(
+            ax,
+            curve.curve_thickness.values,
+            curve.curve_ratio.values,
+            curve.curve_ratio_std.values,
+            size=1.8,
+            label="fixture, bars 1 s.d.",
+        )
+        artists.append(points)
+
+    one, two = calibration.bands
+    ax.set(xlabel="thickness [µm]", ylabel=f"ratio {two:g} nm / {one:g} nm [1]")
+    ax.margins(x=0.01)
+    if is_visible(ax, ratio * np.sinh(share) * 2, pt(1.0)):
+        band.set_label("fit, 95 % band")
+    frame_legend(ax, loc="lower right")
+
+    # the parameters stand above the steep part of the curve
+    low, high = ax.get_ylim()
+    ax.set_ylim(low, high + room_for(ax, _ABOVE) * (high - low))
+    ax.annotate(
+        _parameters(calibration),
+        (0.04, 0.97),
+        xycoords="axes fraction",
+        ha="left",
+        va="top",
+        fontsize=pt(6.5),
+    )
+    return artists
+
+
+def _parameters(calibration: Calibration) -> str:
+    """Fitted parameters with their standard deviations, one a line."""
+    values, stds = calibration.parameters, calibration.standard_deviations
+    lines = [
+        f"K = {values[0]:.4f} ± {stds[0]:.4f}",
+        f"p = {values[1]:.4f} ± {stds[1]:.4f} µm⁻¹",
+        f"q = {values[2]:.4f} ± {stds[2]:.4f} µm⁻¹",
+    ]
+    if np.isfinite(calibration.reduced_chi_square):
+        lines.append(f"reduced χ² = {calibration.reduced_chi_square:.2f}")
+    return "\n".join(lines)
+
+
+@styled
+def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw the residuals of the fit in per cent of the ratio, with its 95 % band.
+
+    Where a spline corrects the reabsorption model, the model alone is the dashed line.
+
+    Parameters
+    ----------
+    calibration, ax
+        As for `ratio_against_thickness`.
+
+    Returns
+    -------
+    list of Artist
+        Line at zero and band; the model alone where a spline corrects it; the points where there
+        are any.
+
+    Examples
+    --------
+    These points lie on the model:
+
+    >>> from erlif.show.plots import example_calibration
+    >>> zero, band, points = ratio_residuals(example_calibration())
+    >>> float(abs(points.get_ydata()).max())
+    0.0
+    """
+    ax = given_or_new(ax)
+    t = _grid(calibration)
+    percent = 100 * _band(calibration, t)
+    ax.axvspan(*calibration.thickness_range, linewidth=pt(0.5), **_SHADE)
+    band = ax.fill_between(
+        t, -percent, percent, color=RETURN, alpha=0.35, linewidth=0, label="fit, 95 % band"
+    )
+    artists: list[Artist] = [ax.axhline(0, color=RETURN, linewidth=pt(0.8), zorder=1.5), band]
+
+    # the departure is the logarithm of fit over model
+    if calibration.departure is not None:
+        alone = 100 * np.expm1(-calibration.departure.predict(t))
+        artists += ax.plot(
+            t,
+            alone,
+            color=MUTED,
+            linestyle="--",
+            linewidth=pt(0.8),
+            label="model alone",
+            zorder=1.5,
+        )
+
+    curve = calibration.curve
+    if "curve_ratio" in curve:
+        fitted = curve.curve_ratio.values - curve.curve_residual.values
+        points = _draw_points(
+            ax,
+            curve.curve_thickness.values,
+            100 * curve.curve_residual.values / fitted,
+            100 * curve.curve_ratio_std.values / fitted,
+            size=1.8,
+        )
+        artists.append(points)
+    ax.set(xlabel="thickness [µm]", ylabel="residual [% of ratio]")
+    ax.margins(x=0.01)
+    legend_above(ax)
+    return artists
+
+
+@styled
+def calibration_figure(calibration: Calibration, *, figure: AnyFigure | None = None) -> AnyFigure:
+    """Draw ratio against thickness, and the residuals below.
+
+    Parameters
+    ----------
+    calibration : Calibration
+        As for `ratio_against_thickness`.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
+
+    Returns
+    -------
+    Figure
+        One column wide.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_calibration
+    >>> calibration_figure(example_calibration()).get_suptitle()
+    'calibration with example wedge'
+    """
+    figure = new_figure(ONE_COLUMN, STACK * ONE_COLUMN) if figure is None else figure
+    above, below = rows_or_columns(figure, 2, sharex=True, ratios=_PANELS)
+    ratio_against_thickness(calibration, ax=above)
+    ratio_residuals(calibration, ax=below)
+    if not is_page():
+        above.set_xlabel("")
+    letter(above, "a")
+    letter(below, "b")
+    figure.suptitle(f"calibration with {calibration.fixture}", parse_math=False)
+    return figure
+
+
+def write_calibration_figure(calibration: Calibration, path: str | Path) -> Path:
+    """Write the figure of a calibration as PNG, PDF or SVG by the suffix of `path`.
+
+    Parameters
+    ----------
+    calibration : Calibration
+        As for `ratio_against_thickness`.
+    path : path
+        The file; an existing one is replaced.
+
+    Returns
+    -------
+    Path
+        `path`.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from erlif.show.plots import example_calibration
+    >>> with TemporaryDirectory() as directory:
+    ...     write_calibration_figure(example_calibration(), f"{directory}/wedge.pdf").name
+    'wedge.pdf'
+    """
+    with in_style(None):
+        return save_figure(calibration_figure(calibration), Path(path))

@@ -1,0 +1,457 @@
+"""Runs compared: film against duty parameter, difference map, control chart."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.container import Container
+from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
+from matplotlib.lines import Line2D
+
+from erlif.core.arrays import Array
+from erlif.core.errors import ErlifError
+from erlif.show.plots.maps import bare_image, image_height, pixel_edges
+from erlif.show.plots.style import (
+    COVERAGE,
+    FLAGGED_DIFFERENCE,
+    MEAN,
+    MINIMUM,
+    MUTED,
+    ONE_COLUMN,
+    OUTWARD,
+    RETURN,
+    TWO_COLUMNS,
+    add_colour_bar,
+    colour_map,
+    given_or_new,
+    legend_below,
+    letter,
+    new_figure,
+    save_figure,
+    styled,
+    swatch,
+)
+from erlif.show.plots.trend import plain_ticks
+from erlif.trend import SLOWEST
+
+_COLOURS = (OUTWARD, RETURN, MEAN, "#CC79A7", "#E69F00", "#56B4E9", MINIMUM, MUTED)
+_MARKERS = "osD^vPX*"
+_PREFIXES = {0: "", -3: "m", -6: "µ", -9: "n", -12: "p"}
+_MAP_WIDTH = 0.75  # of a column; the colour bar has the rest
+_LABELS = 0.75  # inch above and below a map
+_LEAST_LIMIT = 1e-3  # um, of the colours of a difference
+
+
+@styled
+def film_against_duty(
+    comparison: xr.Dataset, *, statistic: str = "film_min", ax: Axes | None = None
+) -> list[Artist | Container]:
+    """Draw a film statistic of all runs against the duty parameter, with powers and theory.
+
+    Parameters
+    ----------
+    comparison : xarray.Dataset
+        As `erlif.compare` returns it.
+    statistic : str
+        "film_min" or "film_mean".
+    ax : Axes, optional
+        Default: those of a new figure, one column wide. Both scales become logarithmic.
+
+    Returns
+    -------
+    list of Artist or Container
+        Points of each run with bars of one standard deviation, then the joint power where it is
+        known, then the theory of each run where it is known.
+
+    Raises
+    ------
+    ErlifError
+        If the runs have no speed or no load.
+
+    Examples
+    --------
+    >>> import erlif
+    >>> from erlif.show.plots import example_film
+    >>> film = example_film()
+    >>> comparison = erlif.compare([film, film.assign(film_min=film.film_min + 0.5)])
+    >>> first, *_ = film_against_duty(comparison)
+    >>> first.get_label()
+    'example (1), n = 0.600 ± 0.004'
+    """
+    if "duty" not in comparison:
+        raise ErlifError(
+            "Expected runs with speed and load; one of them has none. Compare runs whose log has "
+            "them."
+        )
+    ax = given_or_new(ax)
+    ax.set(xscale="log", yscale="log")
+    scale, unit = _prefixed(comparison.duty.values, str(comparison.duty.attrs["units"]))
+    artists: list[Artist | Container] = []
+    for k, name in enumerate(comparison.run.values):
+        run = comparison.isel(run=k)
+        value, duty = run[statistic].values, run.duty.values
+        use = np.isfinite(value) & (value > 0) & (duty > 0)
+        exponent = run.sel(statistic=statistic)
+        label = f"{name}{_power(float(exponent.exponent), float(exponent.exponent_std))}"
+        bars = ax.errorbar(
+            scale * duty[use],
+            value[use],
+            run[f"{statistic}_std"].values[use],
+            fmt=_MARKERS[k % len(_MARKERS)],
+            color=_COLOURS[k % len(_COLOURS)],
+            markerfacecolor="white" if k % 2 else _COLOURS[k % len(_COLOURS)],
+            elinewidth=0.7,
+            label=label,
+        )
+        artists.append(bars)
+
+    joint = comparison.sel(statistic=statistic)
+    power, std = float(joint.joint_exponent), float(joint.joint_exponent_std)
+    if np.isfinite(power):
+        ends = np.geomspace(*_range_of_fit(comparison), 50)
+        label = f"all runs{_power(power, std)}"
+        film = np.exp(float(joint.joint_log_scale)) * ends**power
+        artists += ax.plot(scale * ends, film, color="black", linewidth=0.8, label=label, zorder=4)
+    if statistic == "film_min" and "film_theory" in comparison:
+        artists += _draw_theory(ax, comparison, scale)
+    meaning = str(comparison.duty.attrs["long_name"])
+    for name in ("|rocker_speed|", "|sliding_speed|"):
+        meaning = meaning.replace(name, "speed")
+    ax.set_xlabel(f"{meaning} [{unit}]".replace("-1", "⁻¹"))
+    names = {"film_min": "minimum film thickness", "film_mean": "mean film thickness"}
+    ax.set_ylabel(f"{names[statistic]} [µm]")
+    plain_ticks(ax)
+    # runs first; matplotlib lists lines before points with bars
+    handles, labels = ax.get_legend_handles_labels()
+    order = sorted(range(len(labels)), key=lambda k: labels[k].startswith(("all runs", "theory")))
+    ax.legend(
+        [handles[k] for k in order],
+        [labels[k] for k in order],
+        loc="upper center",
+        bbox_to_anchor=(0.5, -0.2),
+    )
+    return artists
+
+
+def _power(value: float, std: float) -> str:
+    """A fitted power as part of a label."""
+    if not np.isfinite(value):
+        return ""
+    return f", n = {value:.3f} ± {std:.3f}".replace("-", "−")
+
+
+def _range_of_fit(comparison: xr.Dataset) -> tuple[float, float]:
+    """Smallest and largest duty parameter of the triggers of the fits."""
+    speed, duty = comparison.speed.values, comparison.duty.values
+    fast = speed >= SLOWEST * np.nanmax(speed, axis=1)[:, None]
+    return float(np.nanmin(duty[fast])), float(np.nanmax(duty[fast]))
+
+
+def _draw_theory(ax: Axes, comparison: xr.Dataset, scale: float) -> list[Line2D]:
+    """Predicted minimum film of each run, as points: a transient film is no function of duty."""
+    lines: list[Line2D] = []
+    for k in range(comparison.sizes["run"]):
+        run = comparison.isel(run=k)
+        lines += ax.plot(
+            scale * run.duty.values,
+            run.film_theory.values,
+            "x",
+            color=_COLOURS[k % len(_COLOURS)],
+            markersize=3.0,
+            label="theory, in the colour of the run" if k == 0 else "_theory",
+            zorder=1,
+        )
+    return lines
+
+
+def _prefixed(values: Array, unit: str) -> tuple[float, str]:
+    """Factor and unit with which the largest value has one to three digits before the point."""
+    size = int(np.floor(np.log10(np.nanmax(values)) / 3)) * 3
+    size = min(max(size, min(_PREFIXES)), 0)
+    # a prefix belongs to the first unit of the product, and 10^-3 stands where none is usual
+    if unit.startswith("Pa") and size in _PREFIXES:
+        return 10.0**-size, f"{_PREFIXES[size]}{unit}"
+    return 10.0**-size, f"10$^{{{size}}}$ {unit}" if size else unit
+
+
+@styled
+def difference_map_of_runs(comparison: xr.Dataset, *, ax: Axes | None = None) -> AxesImage:
+    """Draw the difference map of two runs, with the outline of what is significant.
+
+    Parameters
+    ----------
+    comparison : xarray.Dataset
+        As `erlif.compare` returns it.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    AxesImage
+        Difference [um], grey where one of the runs has too few valid pixels.
+
+    Examples
+    --------
+    >>> import erlif
+    >>> from erlif.show.plots import example_film
+    >>> film = example_film()
+    >>> comparison = erlif.compare([film, film.assign(film_min=film.film_min + 0.5)])
+    >>> difference_map_of_runs(comparison).axes.get_xlabel()
+    'x [mm]'
+    """
+    cells = comparison[["map_difference", "map_differs"]].rename(map_x="x", map_y="y")
+    ax = given_or_new(ax, height=image_height(cells, _MAP_WIDTH * ONE_COLUMN) + _LABELS)
+    values = cells.map_difference.values
+    known = np.abs(values[np.isfinite(values)])
+    limit = max(float(np.percentile(known, 99)) if known.size else 0.0, _LEAST_LIMIT)
+    left, right, bottom, top = pixel_edges(cells)
+    image = ax.imshow(
+        values,
+        cmap=colour_map("vik", bad=FLAGGED_DIFFERENCE),
+        vmin=-limit,
+        vmax=limit,
+        extent=(left, right, bottom, top),
+        interpolation="none",
+    )
+    _outline(ax, cells)
+    add_colour_bar(image, ax, "difference [µm]")
+    bare_image(ax)
+    attrs = comparison.attrs
+    ax.set(xlabel="x [mm]", ylabel="y [mm]")
+    ax.set_title(
+        f"{attrs['map_second_run']} less {attrs['map_first_run']}\n{attrs['map_first']}",
+        fontsize="medium",
+    )
+    keys: list[Artist] = [
+        Line2D([], [], color="black", linewidth=0.8, label="edge of a significant difference"),
+        swatch("white", "no difference"),
+    ]
+    if known.size < values.size:
+        keys.append(swatch(FLAGGED_DIFFERENCE, "too few valid pixels"))
+    legend_below(ax, keys)
+    return image
+
+
+def _outline(ax: Axes, cells: xr.Dataset) -> None:
+    """Draw the edges between cells that differ significantly and cells that do not."""
+    differs = np.pad(cells.map_differs.values.astype(bool), 1)
+    left, right, bottom, top = pixel_edges(cells)
+    rows, columns = cells.map_differs.shape
+    dx, dy = (right - left) / columns, (bottom - top) / rows
+    segments_x: list[float] = []
+    segments_y: list[float] = []
+    for row, column in np.argwhere(differs[1:-1, 1:] != differs[1:-1, :-1]):
+        x = left + column * dx
+        segments_x += [x, x, np.nan]
+        segments_y += [top + row * dy, top + (row + 1) * dy, np.nan]
+    for row, column in np.argwhere(differs[1:, 1:-1] != differs[:-1, 1:-1]):
+        y = top + row * dy
+        segments_x += [left + column * dx, left + (column + 1) * dx, np.nan]
+        segments_y += [y, y, np.nan]
+    ax.plot(segments_x, segments_y, color="black", linewidth=0.8)
+
+
+@styled
+def control_chart_of(
+    comparison: xr.Dataset, quantity: str, *, ax: Axes | None = None
+) -> list[Artist | Container]:
+    """Draw a control chart: values with their bars, centre and limits.
+
+    Parameters
+    ----------
+    comparison : xarray.Dataset
+        As `erlif.compare` returns it.
+    quantity : str
+        "patch", the ratio of the reference patch run by run, or "calibration", the ratio of a film
+        by each calibration.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    list of Artist or Container
+        Points, then those beyond the limits, where there are any.
+
+    Raises
+    ------
+    ErlifError
+        If the comparison has no such chart.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from erlif.review.comparison import control_chart
+    >>> from erlif.show.plots import example_calibration
+    >>> one = example_calibration()
+    >>> chart = control_chart([], [one, replace(one, ratio_at_zero=0.7, date="2026-05-02")])
+    >>> len(control_chart_of(chart, "calibration"))
+    2
+    """
+    if f"{quantity}_ratio" not in comparison:
+        raise ErlifError(
+            f"Expected a comparison with a control chart of the {quantity}; this one has none. "
+            "Compare runs with a reference patch, or name several calibrations."
+        )
+    ax = given_or_new(ax)
+    value, std = comparison[f"{quantity}_ratio"].values, comparison[f"{quantity}_ratio_std"].values
+    centre, limit = float(comparison[f"{quantity}_centre"]), float(comparison[f"{quantity}_limit"])
+    place = np.arange(value.size)
+    artists: list[Artist | Container] = [
+        ax.errorbar(place, value, std, fmt="o", color=OUTWARD, elinewidth=0.7)
+    ]
+    ax.axhline(centre, color=MUTED, linewidth=0.8, label="mean")
+    for k, sign in enumerate((-1, 1)):
+        ax.axhline(
+            centre + sign * limit,
+            color=MUTED,
+            linewidth=0.8,
+            linestyle=(0, (3, 1.5)),
+            label="_limit" if k else "limits, 3 std",
+        )
+    beyond = np.abs(value - centre) > limit
+    if beyond.any():
+        artists += ax.plot(
+            place[beyond],
+            value[beyond],
+            "o",
+            color=RETURN,
+            markerfacecolor="none",
+            markersize=7,
+            label="beyond",
+        )
+    names = comparison.run.values if quantity == "patch" else comparison.calibration_date.values
+    ax.set_xticks(place, [str(name) or "no date" for name in names], rotation=30, ha="right")
+    if quantity == "patch":
+        ax.set_ylabel("ratio on the reference patch [1]")
+    else:
+        ax.set_ylabel(f"ratio of a film of {float(comparison.calibration_film):.1f} µm [1]")
+    ax.margins(x=0.1)
+    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, columnspacing=1.2)
+    return artists
+
+
+@styled
+def comparison_figure(comparison: xr.Dataset) -> Figure:
+    """Draw film against duty parameter and the differences of all pairs.
+
+    Parameters
+    ----------
+    comparison : xarray.Dataset
+        As `erlif.compare` returns it.
+
+    Returns
+    -------
+    Figure
+        Two columns wide; one, without the duty parameter, where speed or load is not known.
+
+    Examples
+    --------
+    >>> import erlif
+    >>> from erlif.show.plots import example_film
+    >>> film = example_film()
+    >>> comparison = erlif.compare([film, film.assign(film_min=film.film_min + 0.5)])
+    >>> [ax.get_ylabel() for ax in comparison_figure(comparison).axes]
+    ['minimum film thickness [µm]', 'difference [µm]']
+    """
+    height = 0.55 * TWO_COLUMNS
+    if "duty" not in comparison:
+        figure = new_figure(height=height)
+        _draw_differences(figure.add_subplot(), comparison)
+        return figure
+    figure = new_figure(TWO_COLUMNS, height)
+    left, right = figure.subplots(1, 2)
+    film_against_duty(comparison, ax=left)
+    _draw_differences(right, comparison)
+    letter(left, "a")
+    letter(right, "b")
+    return figure
+
+
+def _draw_differences(ax: Axes, comparison: xr.Dataset) -> None:
+    """Differences of all pairs with their 95 % bars."""
+    place = np.arange(comparison.sizes["pair"])
+    for shift, name, colour, marker, label in (
+        (-0.12, "film_min", MINIMUM, "o", "minimum film"),
+        (0.12, "film_mean", MEAN, "s", "mean film"),
+    ):
+        one = comparison.sel(statistic=name)
+        ax.errorbar(
+            place + shift,
+            one.difference.values,
+            COVERAGE * one.difference_std.values,
+            fmt=marker,
+            color=colour,
+            elinewidth=0.9,
+            label=f"{label}, 95 % bars",
+        )
+        for k in np.flatnonzero(one.differs.values):
+            ax.annotate(
+                "*",
+                (place[k] + shift, one.difference.values[k]),
+                xytext=(4, 0),
+                textcoords="offset points",
+                color=colour,
+            )
+    ax.axhline(0, color=MUTED, linewidth=0.6)
+    names = [
+        f"{b}\nless {a}"
+        for a, b in zip(comparison["first"].values, comparison.second.values, strict=True)
+    ]
+    ax.set_xticks(place, names, rotation=30 if place.size > 2 else 0)
+    ax.set_xlim(-0.6, place.size - 0.4)
+    ax.set_ylabel("difference [µm]")
+    ax.legend(
+        loc="upper center",
+        bbox_to_anchor=(0.5, -0.2),
+        ncols=1,
+        title="* differs, corrected for the number of tests",
+        title_fontsize="small",
+    )
+
+
+def write_comparison_figures(comparison: xr.Dataset, folder: Path) -> list[Path]:
+    """Write the figures of a comparison as PNG.
+
+    Parameters
+    ----------
+    comparison : xarray.Dataset
+        As `erlif.compare` returns it.
+    folder : Path
+        Where to write them.
+
+    Returns
+    -------
+    list of Path
+
+    Raises
+    ------
+    OutputError
+        If one cannot be written.
+
+    Examples
+    --------
+    >>> import erlif
+    >>> from tempfile import TemporaryDirectory
+    >>> from erlif.show.plots import example_film
+    >>> film = example_film()
+    >>> comparison = erlif.compare([film, film.assign(film_min=film.film_min + 0.5)])
+    >>> with TemporaryDirectory() as directory:
+    ...     [path.name for path in write_comparison_figures(comparison, Path(directory))]
+    ['films.png', 'difference_map.png']
+    """
+    figures = {"films": comparison_figure(comparison)}
+    image = difference_map_of_runs(comparison)
+    drawn = image.axes.get_figure(root=True)
+    assert drawn is not None
+    figures["difference_map"] = drawn
+    for quantity in ("patch", "calibration"):
+        if f"{quantity}_ratio" in comparison:
+            figure = new_figure()
+            control_chart_of(comparison, quantity, ax=figure.add_subplot())
+            figures[f"control_{quantity}"] = figure
+    return [save_figure(figure, folder / f"{name}.png") for name, figure in figures.items()]

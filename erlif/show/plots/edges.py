@@ -1,0 +1,348 @@
+"""Pressure at the edges of a bearing: its map, its profile along the axis, the stress below."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection, QuadMesh
+from matplotlib.lines import Line2D
+from matplotlib.patches import StepPatch
+
+from erlif.core.arrays import Array
+from erlif.show.plots.style import (
+    MEAN,
+    MINIMUM,
+    MUTED,
+    OUTWARD,
+    RETURN,
+    TWO_COLUMNS,
+    AnyFigure,
+    add_colour_bar,
+    colour_map,
+    given_or_new,
+    legend_above,
+    letter,
+    new_figure,
+    pt,
+    styled,
+)
+
+_MEGA, _MILLI = 1e-6, 1e3
+
+_COLOURS = (RETURN, OUTWARD, MEAN, MINIMUM)
+
+_REST = 1e-3
+"""Share of the largest pressure below which a cell counts as free."""
+
+_LOW = 0.02
+"""Share of the largest stress below which the ends of a section are left out."""
+
+_SHARE = 0.62  # height by width of the figure
+
+
+@styled
+def contact_pressure_map(found: xr.Dataset, *, ax: Axes | None = None) -> QuadMesh:
+    """Draw the pressure of a contact over its surface.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        As `erlif.models.solve_contact` or `erlif.models.solve_joint` return it.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    QuadMesh
+        One patch for each cell; white where there is no contact.
+
+    Examples
+    --------
+    >>> from erlif.models import solve_contact
+    >>> x = (np.arange(24) - 11.5) * 0.1
+    >>> contact = solve_contact(
+    ...     (x[:, None] ** 2 + x**2) / 2, spacing=0.1, contact_modulus=1e9, load=1e9
+    ... )
+    >>> contact_pressure_map(contact).axes.get_xlabel()
+    'axial place z [mm]'
+    """
+    ax = given_or_new(ax)
+    across = "angle" if "angle" in found.dims else "x"
+    pressure = found.pressure.transpose(across, "z").values * _MEGA
+    place = np.degrees(found[across].values) if across == "angle" else found.x.values * _MILLI
+    mesh = ax.pcolormesh(
+        _axial_lines(found) * _MILLI,
+        _lines(place),
+        np.where(pressure > 0, pressure, np.nan),
+        cmap=colour_map("lajolla"),
+        vmin=0.0,
+    )
+    touching = place[(pressure > _REST * pressure.max()).any(axis=1)]
+    reach = 1.3 * np.abs(touching).max() if touching.size else np.abs(place).max()
+    ax.set_ylim(-min(reach, np.abs(place).max()), min(reach, np.abs(place).max()))
+    (loaded,) = np.nonzero((pressure > 0).any(axis=0))
+    if loaded.size:
+        lines = _axial_lines(found) * _MILLI
+        first, last = lines[loaded[0]], lines[loaded[-1] + 1]
+        margin = 0.1 * (last - first)
+        ax.set_xlim(max(first - margin, lines[0]), min(last + margin, lines[-1]))
+    label = "angle from the load [°]" if across == "angle" else "across x [mm]"
+    ax.set(xlabel="axial place z [mm]", ylabel=label)
+    add_colour_bar(mesh, ax, "pressure [MPa]", extend="neither")
+    return mesh
+
+
+@styled
+def axial_pressure(
+    contacts: Mapping[str, xr.Dataset], *, hertz: float | None = None, ax: Axes | None = None
+) -> list[StepPatch | Line2D]:
+    """Draw the largest pressure round or across the contact along the axis, from cell to cell.
+
+    Parameters
+    ----------
+    contacts : mapping of str to xarray.Dataset
+        Contacts by their names in the legend, as `erlif.models.solve_contact` or
+        `erlif.models.solve_joint` return them.
+    hertz : float, optional
+        Pressure of Hertz's line contact, drawn as a line. [Pa]
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    list of StepPatch and Line2D
+        The contacts in their order, then Hertz.
+
+    Examples
+    --------
+    >>> from erlif.models import solve_contact
+    >>> x, z = (np.arange(16) - 7.5) * 1e-4, (np.arange(32) - 15.5) * 1e-3
+    >>> roller = solve_contact(
+    ...     x[:, None] ** 2 / 0.1 + 0 * z, spacing=(1e-4, 1e-3), contact_modulus=1e11, load=1e4
+    ... )
+    >>> steps, line = axial_pressure({"straight": roller}, hertz=5e8)
+    >>> line.get_label()
+    "Hertz's line contact"
+    """
+    ax = given_or_new(ax)
+    artists: list[StepPatch | Line2D] = []
+    for k, (label, found) in enumerate(contacts.items()):
+        across = "angle" if "angle" in found.dims else "x"
+        line = found.pressure.max(across).values * _MEGA
+        artists.append(
+            ax.stairs(
+                line,
+                _axial_lines(found) * _MILLI,
+                baseline=None,
+                color=_COLOURS[k % len(_COLOURS)],
+                linewidth=pt(1.0),
+                label=label,
+            )
+        )
+    if hertz is not None:
+        level = ax.axhline(hertz * _MEGA, color=MUTED, linestyle="--", label="Hertz's line contact")
+        artists.append(level)
+    ax.set(xlabel="axial place z [mm]", ylabel="pressure [MPa]")
+    ax.set_ylim(bottom=0.0)
+    legend_above(ax, ncols=1 + len(artists) // 2)
+    return artists
+
+
+@styled
+def stress_section(stress: xr.Dataset, *, ax: Axes | None = None) -> PolyCollection:
+    """Draw the von Mises stress in the plane of the load.
+
+    Parameters
+    ----------
+    stress : xarray.Dataset
+        As `erlif.models.section_stress` or `erlif.models.subsurface_stress` return it; of the
+        latter the section along the axis through the largest stress.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    PolyCollection
+        One patch for each element or cell, where the stress is not small; a cross marks the
+        largest.
+
+    Examples
+    --------
+    >>> from erlif.models import solve_contact, subsurface_stress
+    >>> x = (np.arange(24) - 11.5) * 0.1
+    >>> contact = solve_contact(
+    ...     (x[:, None] ** 2 + x**2) / 2, spacing=0.1, contact_modulus=1e9, load=1e9
+    ... )
+    >>> stress = subsurface_stress(contact, depth=[0.2, 0.4, 0.6, 0.8])
+    >>> stress_section(stress).axes.get_ylabel()
+    'depth [mm]'
+    """
+    ax = given_or_new(ax)
+    section = "point" in stress.dims
+    if section:
+        place, width = stress.z.values * _MILLI, stress.width_z.values * _MILLI
+        height, depth = stress.r.values * _MILLI, stress.width_r.values * _MILLI
+        values = stress.von_mises.values * _MEGA
+    else:
+        cut = stress.von_mises.sel(x=float(stress.peak_x)).transpose("depth", "z")
+        sides = [_lines(stress[name].values * _MILLI) for name in ("z", "depth")]
+        (place, height), (width, depth) = (
+            (part.ravel() for part in np.meshgrid(*parts))
+            for parts in ([(s[1:] + s[:-1]) / 2 for s in sides], [np.diff(s) for s in sides])
+        )
+        values = cut.values.ravel() * _MEGA
+
+    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) / 2
+    boxes = (
+        np.stack([place, height], axis=-1)[:, None]
+        + corners * np.stack([width, depth], axis=-1)[:, None]
+    )
+    colours = colour_map("batlow")
+    patches = PolyCollection(list(boxes), cmap=colours, edgecolors="face", linewidths=pt(0.1))
+    patches.set_array(values)
+    patches.set_clim(0.0, float(values.max()))
+    ax.add_collection(patches)
+
+    top = float(stress.peak_r if section else stress.peak_depth) * _MILLI
+    ax.plot(
+        [float(stress.peak_z) * _MILLI], [top], marker="x", color="white", linestyle="none",
+        markeredgewidth=pt(1.2), markersize=pt(5.0), clip_on=False,
+    )  # fmt: skip
+    stressed = boxes[values > _LOW * values.max()]
+    ax.set(
+        xlabel="axial place z [mm]",
+        ylabel="radius r [mm]" if section else "depth [mm]",
+        xlim=(stressed[..., 0].min(), stressed[..., 0].max()),
+        ylim=(boxes[..., 1].max(), boxes[..., 1].min()),
+    )
+    add_colour_bar(patches, ax, "von Mises [MPa]", extend="neither")
+    return patches
+
+
+@styled
+def undercut_pressure(found: xr.Dataset, *, ax: Axes | None = None) -> list[Line2D]:
+    """Draw the pressure against the thickness of the lip, for each depth of the undercut.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        As `erlif.models.search_undercut` returns it.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    list of Line2D
+        One line for each depth, at the best width, and a circle about the best undercut.
+
+    Examples
+    --------
+    >>> lips = [0.005, 0.007, 0.009]
+    >>> found = xr.Dataset(
+    ...     {"patch_pressure": (("depth", "width", "lip"), [[[4e8, 3e8, 3.5e8]]],
+    ...                         {"patch": 1e-3}),
+    ...      "best_depth": 0.02, "best_width": 0.008, "best_lip": 0.007},
+    ...     {"depth": [0.02], "width": [0.008], "lip": lips},
+    ... )
+    >>> line, best = undercut_pressure(found)
+    >>> line.get_label()
+    '20'
+    """
+    ax = given_or_new(ax)
+    chosen = found.patch_pressure.sel(width=float(found.best_width))
+    colours = colour_map("batlow")(np.linspace(0.05, 0.8, found.sizes["depth"]))
+    lines: list[Line2D] = []
+    for colour, (depth, line) in zip(colours, chosen.groupby("depth"), strict=True):
+        lines += ax.plot(
+            found.lip.values * _MILLI,
+            line.values.ravel() * _MEGA,
+            color=colour,
+            marker="o",
+            markersize=pt(2.5),
+            label=f"{float(depth) * _MILLI:g}",
+        )
+    best = chosen.sel(depth=float(found.best_depth), lip=float(found.best_lip))
+    lines += ax.plot(
+        [float(found.best_lip) * _MILLI], [float(best) * _MEGA], marker="o", linestyle="none",
+        markersize=pt(7.0), markerfacecolor="none", markeredgecolor=MINIMUM,
+    )  # fmt: skip
+    mean = float(found.patch_pressure.attrs["patch"]) * _MILLI
+    ax.set(xlabel="lip D3 [mm]", ylabel=f"largest mean over {mean:g} mm [MPa]")
+    legend_above(ax, title="depth D1 [mm]", ncols=3, handles=lines[:-1])
+    return lines
+
+
+@styled
+def joint_figure(
+    contacts: Mapping[str, xr.Dataset],
+    *,
+    hertz: float,
+    stress: xr.Dataset,
+    search: xr.Dataset,
+    figure: AnyFigure | None = None,
+) -> AnyFigure:
+    """Draw map, profiles and stress of a joint, and the search for its undercut.
+
+    Parameters
+    ----------
+    contacts : mapping of str to xarray.Dataset
+        As for `axial_pressure`; the map is that of the last.
+    hertz : float
+        Pressure of Hertz's line contact. [Pa]
+    stress : xarray.Dataset
+        As for `stress_section`.
+    search : xarray.Dataset
+        As for `undercut_pressure`.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
+
+    Returns
+    -------
+    Figure
+        Two columns wide, four panels.
+
+    Examples
+    --------
+    >>> from erlif.models import solve_contact, subsurface_stress
+    >>> x = (np.arange(24) - 11.5) * 0.1
+    >>> contact = solve_contact(
+    ...     (x[:, None] ** 2 + x**2) / 2, spacing=0.1, contact_modulus=1e9, load=1e9
+    ... )
+    >>> search = xr.Dataset(
+    ...     {"patch_pressure": (("depth", "width", "lip"), [[[4e8, 3e8]]], {"patch": 1e-3}),
+    ...      "best_depth": 0.02, "best_width": 0.008, "best_lip": 0.007},
+    ...     {"depth": [0.02], "width": [0.008], "lip": [0.005, 0.007]},
+    ... )
+    >>> stress = subsurface_stress(contact, depth=[0.2, 0.4, 0.6])
+    >>> figure = joint_figure({"ball": contact}, hertz=5e8, stress=stress, search=search)
+    >>> len(figure.axes)
+    4
+    """
+    figure = new_figure(TWO_COLUMNS, _SHARE * TWO_COLUMNS) if figure is None else figure
+    panels = figure.subplots(2, 2)
+    axial_pressure(contacts, hertz=hertz, ax=panels[0, 0])
+    contact_pressure_map(list(contacts.values())[-1], ax=panels[0, 1])
+    undercut_pressure(search, ax=panels[1, 0])
+    stress_section(stress, ax=panels[1, 1])
+    for ax, name in zip(panels.ravel(), "abcd", strict=True):
+        letter(ax, name)
+    return figure
+
+
+def _lines(middles: Array) -> Array:
+    """Sides of cells about their middles, equal ones at both ends."""
+    between = (middles[1:] + middles[:-1]) / 2
+    first, last = 2 * middles[0] - between[0], 2 * middles[-1] - between[-1]
+    return np.concatenate([[first], between, [last]])
+
+
+def _axial_lines(found: xr.Dataset) -> Array:
+    """Sides of the axial cells, which may be of any length."""
+    middles = found.z.values
+    if "cell_length" not in found:
+        return _lines(middles)
+    half = found.cell_length.values / 2
+    return np.concatenate([middles - half, [middles[-1] + half[-1]]])

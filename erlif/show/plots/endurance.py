@@ -1,0 +1,467 @@
+"""Endurance tests: load, torque, friction and temperature over time, and the onset of galling."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from erlif.core.arrays import Array
+from erlif.core.errors import EnduranceError
+from erlif.joint.endurance import EnduranceResult
+from erlif.show.plots.style import (
+    OUTWARD,
+    RETURN,
+    TWO_COLUMNS,
+    AnyFigure,
+    given_or_new,
+    in_style,
+    legend_of_figure,
+    letter,
+    new_figure,
+    pt,
+    rows_or_columns,
+    save_figure,
+    styled,
+    swatch,
+)
+
+_MINUTE = 60.0
+_ROW = 1.15  # inch, height of a panel
+_MARGIN = 0.02  # of the time axis
+_NOTHING = 0.02  # of the highest load: a reading below zero by less is noise
+_BEFORE = 90.0  # s that are drawn before the onset
+_EDGE = 0.08  # of the range of friction, above and below
+_LOADS = "#F0F0F0"  # behind the stages
+
+DESIGNS = "designs.png"
+"""File of the comparison of two designs."""
+
+
+@styled
+def load_profile(result: EnduranceResult, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw the load over time with the numbers of the stages. Farzaneh (2002), fig. 4-2.
+
+    Parameters
+    ----------
+    result : EnduranceResult
+        From `erlif.analyse_endurance`.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    list of Artist
+
+    Examples
+    --------
+    >>> from erlif.joint.endurance.example import example_test
+    >>> line, *_ = load_profile(example_test())
+    >>> line.axes.get_ylabel()
+    'load [kN]'
+    """
+    ax = given_or_new(ax)
+    artists = _draw(result, result.test["load"].values / 1e3, ax, "load [kN]")
+    for stage in result.loaded:
+        middle = 0.5 * (stage.start + stage.end) / _MINUTE
+        ax.annotate(
+            str(stage.number),
+            (middle, stage.load / 1e3),
+            xytext=(0, pt(2)),
+            textcoords="offset points",
+            ha="center",
+        )
+    ax.margins(y=0.15)
+    if np.nanmin(result.test["load"].values) > -_NOTHING * np.nanmax(result.test["load"].values):
+        ax.set_ylim(bottom=0.0)
+    return artists
+
+
+@styled
+def friction_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw the friction coefficient over time, with the onset of galling. Figs. 4-4, 4-6 and 4-7.
+
+    Parameters
+    ----------
+    result, ax
+        As for `load_profile`.
+
+    Returns
+    -------
+    list of Artist
+
+    Examples
+    --------
+    >>> from erlif.joint.endurance.example import example_test
+    >>> line, *_ = friction_over_test(example_test())
+    >>> line.axes.get_ylabel()
+    'friction coefficient'
+    """
+    return _draw(result, _in_stages(result, "friction"), ax, "friction coefficient")
+
+
+@styled
+def torque_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw the torque over time, with the onset of galling. Figs. 4-3, 4-10 and 4-11.
+
+    Parameters
+    ----------
+    result, ax
+        As for `load_profile`.
+
+    Returns
+    -------
+    list of Artist
+
+    Examples
+    --------
+    >>> from erlif.joint.endurance.example import example_test
+    >>> line, *_ = torque_over_test(example_test())
+    >>> line.axes.get_ylabel()
+    'torque [N m]'
+    """
+    return _draw(result, result.test["torque"].values, ax, "torque [N m]")
+
+
+@styled
+def temperature_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw the temperature of the pin over time. Figs. 4-5, 4-8 and 4-9.
+
+    Parameters
+    ----------
+    result, ax
+        As for `load_profile`.
+
+    Returns
+    -------
+    list of Artist
+
+    Examples
+    --------
+    >>> from erlif.joint.endurance.example import example_test
+    >>> line, *_ = temperature_over_test(example_test())
+    >>> line.axes.get_ylabel()
+    'temperature [°C]'
+    """
+    return _draw(result, result.test["temperature"].values, ax, "temperature [°C]")
+
+
+@styled
+def vibration_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw the level of vibration over time.
+
+    Parameters
+    ----------
+    result, ax
+        As for `load_profile`.
+
+    Returns
+    -------
+    list of Artist
+
+    Examples
+    --------
+    >>> from erlif.joint.endurance.example import example_test
+    >>> line, *_ = vibration_over_test(example_test())
+    >>> line.axes.get_ylabel()
+    'vibration [g]'
+    """
+    vibration = result.test["vibration"]
+    unit = vibration.attrs.get("units", "1")
+    label = "vibration" if unit == "1" else f"vibration [{unit}]"
+    return _draw(result, vibration.values, ax, label)
+
+
+_PANELS = {
+    "load": load_profile,
+    "torque": torque_over_test,
+    "friction": friction_over_test,
+    "temperature": temperature_over_test,
+    "vibration": vibration_over_test,
+}
+
+
+@styled
+def endurance_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) -> AnyFigure:
+    """Draw all that a test has logged, one panel below the other. Figs. 4-3 and 4-10.
+
+    Parameters
+    ----------
+    result
+        As for `load_profile`.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
+
+    Returns
+    -------
+    Figure
+        Two columns wide.
+
+    Examples
+    --------
+    >>> from erlif.joint.endurance.example import example_test
+    >>> len(endurance_figure(example_test()).axes)
+    5
+    """
+    names = [name for name in _PANELS if name in result.test]
+    figure = (
+        new_figure(TWO_COLUMNS, _ROW * len(names) + 0.2, text=0.6) if figure is None else figure
+    )
+    figure.suptitle(result.name)
+    panels = rows_or_columns(figure, len(names), sharex=True)
+    for ax, name, mark in zip(panels, names, "abcde", strict=False):
+        _PANELS[name](result, ax=ax)
+        letter(ax, mark)
+        if ax is not panels[-1]:
+            ax.set_xlabel("")
+    legend_of_figure(figure, _keys(result))
+    return figure
+
+
+@styled
+def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) -> AnyFigure:
+    """Draw torque and friction around the onset, with the posterior of the onset. Fig. 4-11.
+
+    Parameters
+    ----------
+    result
+        As for `load_profile`; a test that has failed.
+    figure
+        As for `endurance_figure`.
+
+    Returns
+    -------
+    Figure
+        One column wide, two panels.
+
+    Raises
+    ------
+    EnduranceError
+        If the test has no onset.
+
+    Examples
+    --------
+    >>> from erlif.joint.endurance.example import example_test
+    >>> [ax.get_ylabel() for ax in failure_figure(example_test()).axes]
+    ['torque [N m]', 'friction coefficient']
+    """
+    onset = result.onset
+    if onset is None:
+        raise EnduranceError(
+            f"Expected a test with an onset of galling to draw; {result.name} survived. Draw "
+            "endurance_figure in its place."
+        )
+    figure = new_figure(height=_ROW * 2.4, text=0.4) if figure is None else figure
+    when = "in a pause of the log" if onset.pause else f"at {onset.time:.1f} s"
+    figure.suptitle(f"{result.name}: galling {when}")
+    stage = result.whole[onset.stage]
+    time = result.test["time"].values[stage.samples]
+    near = time > onset.earliest - _BEFORE
+    panels = rows_or_columns(figure, 2, sharex=True)
+    for ax, name, label in (
+        (panels[0], "torque", "torque [N m]"),
+        (panels[1], "friction", "friction coefficient"),
+    ):
+        values = result.test[name].values[stage.samples]
+        ax.plot(time[near], values[near], ".-", color=OUTWARD, linewidth=pt(0.6), markersize=pt(2))
+        ax.axvspan(onset.earliest, onset.latest, color=RETURN, alpha=0.25, linewidth=0)
+        ax.axvline(onset.time, color=RETURN, linewidth=pt(0.8))
+        ax.set_ylabel(label)
+        ax.ticklabel_format(useOffset=False)
+
+    # level before and after, as they are printed
+    after = onset.friction_before + onset.rise
+    for level, span in (
+        (onset.friction_before, (time[near][0], onset.earliest)),
+        (after, (onset.latest, time[-1])),
+    ):
+        panels[1].plot(span, (level, level), color="black", linewidth=pt(0.8), linestyle="--")
+    panels[0].set_title(
+        f"95 %: {onset.earliest:.1f} to {onset.latest:.1f} s", loc="right", color=RETURN
+    )
+    panels[1].set(xlabel="time [s]", xlim=(time[near][0], time[-1]))
+    return figure
+
+
+_FIGURES: dict[str, Callable[..., list[Artist]]] = {
+    "load": load_profile,
+    "friction": friction_over_test,
+    "temperature": temperature_over_test,
+}
+"""Figures of one panel."""
+
+
+def name_figures(result: EnduranceResult, *, overview: str = "") -> list[str]:
+    """List the files that `write_endurance_figures` writes.
+
+    Parameters
+    ----------
+    result : EnduranceResult
+    overview : str
+        File of all that the test has logged, from `name_overviews`; default: the test's name.
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> from erlif.joint.endurance.example import example_test
+    >>> name_figures(example_test(galls=False))
+    ['example.png', 'example_load.png', 'example_friction.png', 'example_temperature.png']
+    """
+    return [overview or f"{result.name}.png"] + [
+        f"{result.name}_{kind}.png" for kind in _kinds(result)
+    ]
+
+
+def _kinds(result: EnduranceResult) -> list[str]:
+    """Figures of a test beside that of all it has logged."""
+    return [name for name in _FIGURES if name in result.test] + ["failure"] * bool(result.onset)
+
+
+def name_overviews(names: Sequence[str]) -> dict[str, str]:
+    """Name the figures of all that each of several tests has logged.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of the tests.
+
+    Returns
+    -------
+    dict of str to str
+        Files by the names of the tests; none is a figure of another test or that of the designs.
+
+    Examples
+    --------
+    >>> name_overviews(["run", "run_load"])
+    {'run': 'run.png', 'run_load': 'run_load_all.png'}
+    """
+    taken = {f"{name}_{kind}.png" for name in names for kind in (*_FIGURES, "failure")}
+    taken.add(DESIGNS)
+    found = {}
+    for name in names:
+        file = f"{name}.png"
+        while file in taken:
+            file = f"{file.removesuffix('.png')}_all.png"
+        taken.add(file)
+        found[name] = file
+    return found
+
+
+def write_endurance_figures(
+    result: EnduranceResult, folder: Path, *, overview: str = ""
+) -> list[Path]:
+    """Write the figures of a test.
+
+    Parameters
+    ----------
+    result : EnduranceResult
+    folder : Path
+    overview : str
+        As for `name_figures`.
+
+    Returns
+    -------
+    list of Path
+        All that the test has logged (figs. 4-3 and 4-10), the load (4-2), friction (4-4, 4-6 and
+        4-7) and temperature (4-5, 4-8 and 4-9), and torque and friction around the onset (4-11).
+
+    Raises
+    ------
+    OutputError
+        If they cannot be written.
+
+    Examples
+    --------
+    >>> write_endurance_figures.__name__
+    'write_endurance_figures'
+    """
+    written = []
+    with in_style(None):
+        for name, kind in zip(
+            name_figures(result, overview=overview), ["", *_kinds(result)], strict=True
+        ):
+            if kind == "failure":
+                figure: AnyFigure = failure_figure(result)
+            elif kind:
+                figure = _one_panel(result, kind)
+            else:
+                figure = endurance_figure(result)
+            written.append(save_figure(figure, folder / name))
+    return written
+
+
+@styled
+def _one_panel(result: EnduranceResult, kind: str) -> AnyFigure:
+    """A quantity over the time of the test; friction twice, so that its running-in is seen."""
+    twice = kind == "friction" and result.onset is not None
+    figure = new_figure(height=_ROW * 3.2, text=0.4) if twice else new_figure()
+    panels = rows_or_columns(figure, 1 + twice, sharex=True)
+    for ax in panels:
+        _FIGURES[kind](result, ax=ax)
+    if twice:
+        panels[0].set_xlabel("")
+        _limit_to_before(result, panels[1])
+    figure.suptitle(result.name)
+    legend_of_figure(figure, _keys(result))
+    return figure
+
+
+def _limit_to_before(result: EnduranceResult, ax: Axes) -> None:
+    """Limits of friction before the onset."""
+    onset = result.onset
+    before = result.test["time"].values < (np.inf if onset is None else onset.earliest)
+    friction = _in_stages(result, "friction")[before]
+    low, high = np.nanmin(friction), np.nanmax(friction)
+    margin = _EDGE * (high - low)
+    ax.set_ylim(low - margin, high + margin)
+    ax.set_title("limits of the friction before galling", loc="right")
+
+
+def _keys(result: EnduranceResult) -> list[Artist]:
+    """Keys of the marks: stages, and the onset in both units of time."""
+    keys: list[Artist] = [swatch(_LOADS, "stage under load")]
+    onset = result.onset
+    if onset is not None:
+        when = (
+            "in a pause of the log"
+            if onset.pause
+            else f"at {onset.time / _MINUTE:.2f} min = {onset.time:.1f} s"
+        )
+        keys.append(Line2D([], [], color=RETURN, label=f"galling {when}, with its 95 % interval"))
+    return keys
+
+
+def _in_stages(result: EnduranceResult, name: str) -> Array:
+    """A column within the stages, NaN between them."""
+    kept = np.full(result.test.sizes["time"], np.nan)
+    for stage in result.loaded:
+        kept[stage.samples] = result.test[name].values[stage.samples]
+    return kept
+
+
+def _draw(result: EnduranceResult, values: Array, ax: Axes | None, label: str) -> list[Artist]:
+    """A line over the time of the test, the stages shaded, the onset marked."""
+    ax = given_or_new(ax)
+    time = result.test["time"].values / _MINUTE
+    artists: list[Artist] = []
+    artists += ax.plot(time, values, color=OUTWARD, linewidth=pt(0.7))
+    for stage in result.loaded:
+        ax.axvspan(stage.start / _MINUTE, stage.end / _MINUTE, color=_LOADS, linewidth=0, zorder=0)
+    if result.onset is not None:
+        onset = result.onset
+        ax.axvspan(
+            onset.earliest / _MINUTE, onset.latest / _MINUTE, color=RETURN, alpha=0.3, linewidth=0
+        )
+        artists.append(ax.axvline(onset.time / _MINUTE, color=RETURN, linewidth=pt(0.8)))
+    # a jump just before the end must not lie on the frame
+    ax.ticklabel_format(useOffset=False)
+    right = time[-1] + _MARGIN * (time[-1] - time[0])
+    ax.set(xlim=(time[0], right), xlabel="time [min]", ylabel=label)
+    return artists

@@ -1,0 +1,200 @@
+"""The images behind a map: the light of both cameras and their ratio.
+
+`erlif.pipeline.restore_images` computes them; here they are drawn.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.image import AxesImage
+
+from erlif.core.arrays import AnyArray, Array, Mask
+from erlif.io.files import describe_trigger, settings_of
+from erlif.show.plots.maps import MAP_WIDTH, bare_image, image_height, label_position, pixel_edges
+from erlif.show.plots.naming import name_film, reason_empty
+from erlif.show.plots.style import (
+    FLAGGED,
+    ONE_COLUMN,
+    TWO_COLUMNS,
+    AnyFigure,
+    add_colour_bar,
+    colour_map,
+    given_or_new,
+    letter,
+    new_figure,
+    state_empty,
+    styled,
+)
+
+_WIDE = 0.37  # of two columns, for one of two images beside their colour bars
+_AROUND = 0.62  # inch above and below them, for title and labels
+_LABELS = 0.62  # inch above and below a single image
+_WITHIN = (0.5, 99.5)  # percentiles of the valid pixels at the ends of a colour scale
+
+
+def _limits(values: Array, valid: Mask) -> tuple[float, float]:
+    """Ends of the colour scale; 0 to 1 where no pixel is valid."""
+    shown = values[valid & np.isfinite(values)]
+    if shown.size == 0:
+        return 0.0, 1.0
+    low, high = np.percentile(shown, _WITHIN)
+    return float(low), float(high)
+
+
+def _draw(
+    values: AnyArray, limits: tuple[float, float], film: xr.Dataset, label: str, ax: Axes
+) -> AxesImage:
+    """An image of the joint with its axes and colour bar."""
+    image = ax.imshow(
+        values,
+        cmap=colour_map("batlow", bad=FLAGGED),
+        vmin=limits[0],
+        vmax=limits[1],
+        extent=pixel_edges(film),
+        interpolation="none",
+    )
+    add_colour_bar(image, ax, label)
+    label_position(ax, film)
+    bare_image(ax)
+    return image
+
+
+@styled
+def band_images(
+    images: xr.Dataset,
+    film: xr.Dataset,
+    *,
+    camera: int,
+    ax: Axes | None = None,
+    limits: tuple[float, float] | None = None,
+) -> AxesImage:
+    """Draw the corrected image of one camera.
+
+    Parameters
+    ----------
+    images : xarray.Dataset
+        From `erlif.pipeline.restore_images`.
+    film : xarray.Dataset
+        The film, for positions and bands.
+    camera : int
+        1 or 2.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+    limits : (float, float), optional
+        Ends of the colour scale [DN]; default: the range of all but 1 % of the pixels that are
+        valid.
+
+    Returns
+    -------
+    AxesImage
+        Light of the camera on the pixel grid of camera 1 [DN], grey where it does not see.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film, example_images
+    >>> film = example_film()
+    >>> image = band_images(example_images(film, trigger=1), film, camera=1)
+    >>> image.axes.get_title()
+    'camera 1, 580 nm'
+    """
+    height = image_height(film, MAP_WIDTH * ONE_COLUMN)
+    ax = given_or_new(ax, film, height=height + _LABELS, text=_LABELS)
+
+    # bubbles and the dark edge of camera 2 would take most of the scale, so valid pixels set it
+    light = images.light.sel(camera=camera).values
+    found = _limits(light, images.flags.values == 0)
+    image = _draw(light, limits or found, film, "corrected light [DN]", ax)
+
+    settings = settings_of(film)
+    band = (settings.camera1, settings.camera2)[camera - 1].band
+    ax.set_title(f"camera {camera}, {band:g} nm")
+    return image
+
+
+@styled
+def band_images_figure(
+    images: xr.Dataset, film: xr.Dataset, *, trigger: int, figure: AnyFigure | None = None
+) -> AnyFigure:
+    """Draw the images of both cameras side by side, on the pixel grid of camera 1 and one scale.
+
+    Parameters
+    ----------
+    images, film : xarray.Dataset
+        As for `band_images`.
+    trigger : int
+        Number of the trigger that the images belong to, for the title.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
+
+    Returns
+    -------
+    Figure
+        Two columns wide.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film, example_images
+    >>> film = example_film()
+    >>> figure = band_images_figure(example_images(film, trigger=1), film, trigger=1)
+    >>> title = figure.get_suptitle().split(", ")
+    >>> title[0], title[-1]
+    ('example', 'frame pair 1')
+    """
+    if figure is None:
+        height = image_height(film, _WIDE * TWO_COLUMNS)
+        figure = new_figure(TWO_COLUMNS, height + _AROUND, text=_AROUND)
+    left, right = figure.subplots(1, 2, sharey=True)
+    limits = _limits(images.light.values, np.broadcast_to(images.flags == 0, images.light.shape))
+    band_images(images, film, camera=1, ax=left, limits=limits)
+    band_images(images, film, camera=2, ax=right, limits=limits)
+
+    # both images have one axis along y
+    right.set_ylabel("")
+    letter(left, "a")
+    letter(right, "b")
+    name_film(figure, film, f"{describe_trigger(film, trigger)}, {_describe_frames(images)}")
+    return figure
+
+
+def _describe_frames(images: xr.Dataset) -> str:
+    """The frame pair of the images, or the number of them."""
+    frames = np.atleast_1d(images.attrs["frames"])
+    return f"frame pair {frames[0]}" if frames.size == 1 else f"mean of {frames.size} frame pairs"
+
+
+@styled
+def ratio_image(images: xr.Dataset, film: xr.Dataset, *, ax: Axes | None = None) -> AxesImage:
+    """Draw the ratio of camera 2 to camera 1, which rises with film thickness.
+
+    Parameters
+    ----------
+    images, film : xarray.Dataset
+        As for `band_images`.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    AxesImage
+        The ratio [1]; flagged pixels are grey.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film, example_images
+    >>> film = example_film()
+    >>> image = ratio_image(example_images(film, trigger=1), film)
+    >>> image.axes.child_axes[0].get_ylabel().split()[0]
+    'ratio'
+    """
+    height = image_height(film, MAP_WIDTH * ONE_COLUMN)
+    ax = given_or_new(ax, film, height=height + _LABELS, text=_LABELS)
+    valid = images.flags.values == 0
+    ratio = np.where(valid, np.exp(images.log_ratio.values), np.nan)
+    settings = settings_of(film)
+    label = f"ratio {settings.camera2.band:g} nm / {settings.camera1.band:g} nm [1]\ngrey: flagged"
+    image = _draw(ratio, _limits(ratio, valid), film, label, ax)
+    if reason := reason_empty(images.flags.values):
+        state_empty(ax, reason.replace(": ", "\n").replace(", ", "\n"))
+    return image

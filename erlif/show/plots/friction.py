@@ -1,0 +1,117 @@
+"""Friction of a bushing over a torque log with reversals."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+
+from erlif.joint.friction import ReversalSeries
+from erlif.show.plots.style import (
+    ONE_COLUMN,
+    OUTWARD,
+    RETURN,
+    given_or_new,
+    in_style,
+    legend_above,
+    new_figure,
+    pt,
+    save_figure,
+    styled,
+)
+
+_MINUTE = 60.0
+_HEIGHT = 3.0  # inch
+
+
+@styled
+def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw the apparent coefficient of each pair of stretches with its mean. Colbert et al. fig. 8.
+
+    Bars are one standard deviation of the scatter of a pair, the band one of the mean from all
+    causes.
+
+    Parameters
+    ----------
+    series : ReversalSeries
+        From `erlif.joint.friction.analyse_friction`.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    list of Artist
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import xarray as xr
+    >>> from erlif.joint.friction import analyse_friction
+    >>> time = np.arange(0.0, 40.0, 0.1)
+    >>> log = xr.Dataset({"cells": (("cell", "time"), [np.full(time.size, 400.0)])}, {"time": time})
+    >>> log["torque"] = "time", 0.6 * np.where(time % 10 < 5, 1, -1)
+    >>> points, *_ = friction_over_reversals(analyse_friction(log, shaft_radius=0.01))
+    >>> points.axes.get_xlabel()
+    'time [min]'
+    """
+    ax = given_or_new(ax)
+    pairs = series.pairs
+    known = "sliding_distance" in pairs
+    x = pairs["sliding_distance"].values if known else pairs["time"].values / _MINUTE
+    drawn = ax.errorbar(
+        x,
+        pairs["friction"].values,
+        pairs["friction_std"].values,
+        fmt="o",
+        markersize=pt(2.5),
+        linewidth=pt(0.7),
+        color=OUTWARD,
+        label="pair of stretches",
+    )
+    ax.axhspan(
+        series.friction - series.friction_std,
+        series.friction + series.friction_std,
+        color=RETURN,
+        alpha=0.25,
+        linewidth=0,
+    )
+    mean = ax.axhline(series.friction, color=RETURN, linewidth=pt(0.8), label="mean ± 1 std")
+    ax.set(
+        xlabel="sliding distance [m]" if known else "time [min]",
+        ylabel="apparent friction coefficient",
+    )
+    ax.margins(y=0.1)
+    legend_above(ax)
+    return [drawn[0], mean]
+
+
+def write_reversal_figure(series: ReversalSeries, output: Path) -> Path:
+    """Write the figure of a torque log.
+
+    Parameters
+    ----------
+    series : ReversalSeries
+        From `erlif.joint.friction.analyse_friction`.
+    output : Path
+
+    Returns
+    -------
+    Path
+        `output`.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+
+    Examples
+    --------
+    >>> write_reversal_figure.__name__
+    'write_reversal_figure'
+    """
+    with in_style(None):
+        figure = new_figure(ONE_COLUMN, _HEIGHT, text=0.4)
+        figure.suptitle(Path(series.pairs.attrs.get("file") or output).stem)
+        friction_over_reversals(series, ax=figure.subplots())
+        return save_figure(figure, output)

@@ -1,0 +1,437 @@
+"""Speed and film thickness over a cycle of the mechanism, or over the time of a run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from erlif.core.arrays import Array
+from erlif.core.errors import ConfigError
+from erlif.io.files import flag_shares, settings_of
+from erlif.io.settings import RunSettings, SinusoidalSettings
+from erlif.models.mechanism import SliderCrank
+from erlif.pipeline.physics.joint import build_linkage
+from erlif.show.plots.naming import describe_shares, name_film
+from erlif.show.plots.style import (
+    COVERAGE,
+    MEAN,
+    MINIMUM,
+    MUTED,
+    ONE_COLUMN,
+    STACK,
+    AnyFigure,
+    frame_legend,
+    given_or_new,
+    is_page,
+    is_visible,
+    legend_above,
+    letter,
+    new_figure,
+    pt,
+    room_for,
+    rows_or_columns,
+    state_empty,
+    styled,
+)
+from erlif.show.plots.triggers import (
+    choose_abscissa,
+    film_limits,
+    has_varying_speed,
+    in_order,
+    limit_to_turn,
+    stroke_looks,
+)
+
+_CYCLE = np.linspace(0.0, 2 * math.pi, 721)  # crank angle every half degree [rad]
+_PANELS = (1.35, 1)  # heights of film and speed
+_STATISTICS = ("film_mean", "film_min")
+_MARKER = 2.4  # point
+_DASHES = (0, (3, 1.5))
+_LEGEND = 3.2  # lines of text above the films
+
+
+@dataclass(frozen=True)
+class LinkageCycle:
+    """One turn of the crank, from the lengths of the links alone.
+
+    Attributes
+    ----------
+    crank_angle : Array
+        Crank angle. [degree]
+    reading : Array
+        Encoder reading. [degree]
+    speed : Array
+        Speed of the joint, positive on the outward stroke. [rad/s]
+    """
+
+    crank_angle: Array
+    reading: Array
+    speed: Array
+
+
+def linkage_cycle(film: xr.Dataset) -> LinkageCycle:
+    """Compute one turn of the crank of a film; raises ConfigError where it has no linkage."""
+    settings = settings_of(film)
+    links, encoder = settings.linkage, settings.encoder
+    if links is None or encoder is None:
+        raise ConfigError(
+            "Expected the film of a crank-rocker or a slider-crank; its settings have no linkage. "
+            "Use film_over_cycle."
+        )
+    mechanism, omega = build_linkage(links), links.crank_speed
+    if isinstance(mechanism, SliderCrank):
+        angle = mechanism.coupler_angle(_CYCLE)
+        speed = mechanism.joint_speed(_CYCLE, crank_speed=omega)
+    else:
+        angle = mechanism.rocker_angle(_CYCLE)
+        speed = mechanism.rocker_speed(_CYCLE, crank_speed=omega)
+
+    sign = -1.0 if film.encoder_angle.attrs.get("direction") == "falling" else 1.0
+    if encoder.mounted_on == "crank":
+        reading = sign * np.degrees(_CYCLE - (encoder.zero or 0.0)) % 360
+    else:
+        if encoder.mounted_on == "coupler":
+            angle = mechanism.coupler_angle(_CYCLE)
+        reading = sign * np.degrees(angle - _zero(encoder.zero, film, mechanism.limits()))
+
+        # an encoder that starts again at 0 was counted on, by whole turns
+        away = float(film.encoder_angle.mean()) - (reading.min() + reading.max()) / 2
+        reading = reading + 360 * np.round(away / 360)
+    return LinkageCycle(np.degrees(_CYCLE), np.asarray(reading), np.asarray(speed))
+
+
+def _zero(given: float | None, film: xr.Dataset, limits: tuple[float, float]) -> float:
+    """Link angle at reading 0. [rad]
+
+    Films of earlier versions do not hold it; the readings are then centred between dead points.
+    """
+    if given is not None:
+        return given
+    if "zero" in film.encoder_angle.attrs:
+        return float(np.radians(film.encoder_angle.attrs["zero"]))
+    reading = np.radians(film.encoder_angle.values)
+    return sum(limits) / 2 - float(reading.min() + reading.max()) / 2
+
+
+def _draw_strokes(ax: Axes, film: xr.Dataset, x: Array, y: Array) -> list[Artist]:
+    """Draw the triggers, with a marker for each stroke."""
+    artists: list[Artist] = []
+    for members, look in stroke_looks(film):
+        artists += ax.plot(x[members], y[members], linestyle="none", zorder=3, **look)
+    return artists
+
+
+def _times(factor: float) -> Callable[[npt.ArrayLike], Array]:
+    return lambda values: np.asarray(values, float) * factor
+
+
+def _label_speed(ax: Axes, settings: RunSettings) -> None:
+    """Label the joint speed, with a second axis of the sliding speed where the pin is known."""
+    ax.set_ylabel("joint speed [rad/s]")
+    if settings.joint is None:
+        return
+    radius = settings.joint.pin_radius * 1e3  # mm
+    second = ax.secondary_yaxis("right", functions=(_times(radius), _times(1 / radius)))
+    second.set_ylabel("sliding speed [mm/s]")
+    ax.spines["right"].set_visible(False)
+
+
+@styled
+def speed_against_angle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw joint speed against encoder angle, and sliding speed on a second axis.
+
+    Without a linkage, the sliding speed is drawn against the position of the slider, or against
+    angle or time.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    list of Artist
+        The curve of the linkage or slider, then the triggers of the outward and of the return
+        stroke.
+
+    Raises
+    ------
+    ConfigError
+        If the film has no speed.
+
+    Examples
+    --------
+    The rocker of this linkage swings by 24.43 degree:
+
+    >>> import numpy as np
+    >>> from erlif.show.plots import example_film
+    >>> curve, outward, back = speed_against_angle(example_film())
+    >>> float(np.ptp(curve.get_xdata()).round(2))
+    24.43
+    """
+    ax = given_or_new(ax, film)
+    settings = settings_of(film)
+    if settings.linkage is None:
+        return _draw_sliding_speed(ax, film, against_position=True)
+    cycle = linkage_cycle(film)
+
+    # the reading of an encoder on the crank jumps back to zero after 360 degree
+    jump = np.abs(np.diff(cycle.reading, prepend=cycle.reading[:1])) > 180
+    (curve,) = ax.plot(
+        np.where(jump, np.nan, cycle.reading),
+        cycle.speed,
+        color=MUTED,
+        linewidth=pt(0.9),
+        label="kinematics of the linkage",
+        zorder=2,
+    )
+    points = _draw_strokes(ax, film, film.encoder_angle.values, film.rocker_speed.values)
+    if cycle.speed.min() < 0:
+        ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
+
+    ax.set_xlabel("encoder angle [°]")
+    _label_speed(ax, settings)
+    frame_legend(ax, loc="center")
+    return [curve, *points]
+
+
+def _draw_sliding_speed(ax: Axes, film: xr.Dataset, *, against_position: bool) -> list[Artist]:
+    """Draw the sliding speed, with the sign of the stroke, where there is no linkage."""
+    if "sliding_speed" not in film:
+        raise ConfigError(
+            "Expected a film with a speed; this one has none. Add [mechanism] to run.toml, or a "
+            "column of the sliding speed to the log, and process the run again."
+        )
+    speed = 1e3 * film.sliding_speed.values * (film.stroke.values if "stroke" in film else 1)
+    slider = settings_of(film).mechanism
+    artists: list[Artist] = []
+    if against_position and isinstance(slider, SinusoidalSettings):
+        # the speed of a sine over its position is an ellipse
+        top, end = 1e3 * math.pi * slider.frequency * slider.stroke, 1e3 * slider.stroke / 2
+        artists += ax.plot(
+            end * np.sin(_CYCLE),
+            top * np.cos(_CYCLE),
+            color=MUTED,
+            linewidth=pt(0.9),
+            label="kinematics of the slider",
+            zorder=2,
+        )
+        x, label = film.position.values, "position from mid-stroke [mm]"
+    else:
+        x, label, whole_turn = choose_abscissa(film)
+        if whole_turn:
+            limit_to_turn(ax)
+
+    artists += _draw_strokes(ax, film, x, speed)
+    if speed.min() < 0:
+        ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
+    else:
+        ax.set_ylim(0, 1.1 * speed.max())  # whole markers
+    ax.set_xlabel(label)
+    ax.set_ylabel("sliding speed [mm/s]")
+    if against_position and "stroke" in film:
+        frame_legend(ax, loc="center")
+    return artists
+
+
+@styled
+def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw joint speed against crank angle, and sliding speed on a second axis.
+
+    Without a linkage, the sliding speed is drawn against angle or time.
+
+    Parameters
+    ----------
+    film, ax
+        As for `speed_against_angle`.
+
+    Returns
+    -------
+    list of Artist
+        The curve of the linkage, then the triggers of the outward and of the return stroke.
+
+    Raises
+    ------
+    ConfigError
+        If the film has no speed.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> curve, outward, back = speed_over_cycle(example_film())
+    >>> curve.axes.get_xlabel(), curve.axes.get_ylabel()
+    ('crank angle [°]', 'joint speed [rad/s]')
+    """
+    ax = given_or_new(ax, film)
+    if settings_of(film).linkage is None:
+        return _draw_sliding_speed(ax, film, against_position=False)
+    cycle = linkage_cycle(film)
+    (curve,) = ax.plot(cycle.crank_angle, cycle.speed, color=MUTED, linewidth=pt(0.9), zorder=2)
+    points = _draw_strokes(ax, film, film.crank_angle.values, film.rocker_speed.values)
+    if cycle.speed.min() < 0:
+        ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
+    limit_to_turn(ax)
+    ax.set_xlabel("crank angle [°]")
+    _label_speed(ax, settings_of(film))
+    return [curve, *points]
+
+
+@styled
+def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw mean and minimum film thickness against crank angle, with 95 % bands.
+
+    The axis ends at the films with their bands, and at zero where they vary by more than their
+    smallest value. Without an angle of the drive they are drawn against time or the number of the
+    trigger.
+
+    Parameters
+    ----------
+    film, ax
+        As for `speed_against_angle`.
+
+    Returns
+    -------
+    list of Artist
+        Band and line of each stretch of one stroke, first of the mean, then of the minimum. The
+        bands hold random and shared errors.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> band, line, *_ = film_over_cycle(example_film())
+    >>> line.get_label(), line.axes.get_ylabel()
+    ('mean of the region', 'film thickness [µm]')
+    """
+    ax = given_or_new(ax, film)
+    along = choose_abscissa(film)
+    artists: list[Artist] = []
+    for name, colour, dashes, label in (
+        ("film_mean", MEAN, _DASHES, "mean of the region"),
+        ("film_min", MINIMUM, "-", "minimum"),
+    ):
+        value, half = film[name].values, COVERAGE * film[f"{name}_std"].values
+        for n, members in enumerate(in_order(film, along.values)):
+            x, y, reach = along.values[members], value[members], half[members]
+            artists.append(
+                ax.fill_between(x, y - reach, y + reach, color=colour, alpha=0.3, linewidth=0)
+            )
+            own = label if n == 0 else None  # one key for all stretches
+            artists += ax.plot(x, y, color=colour, linestyle=dashes, linewidth=pt(0.9), label=own)
+        _mark_strokes(ax, film, along.values, value, colour)
+
+    if along.whole_turn:
+        limit_to_turn(ax)
+    elif along.label == "trigger":
+        ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+    ax.set_xlabel(along.label)
+    ax.set_ylabel("film thickness [µm]")
+
+    # the legend has room above all curves, because the thinnest films are at the dead points, close
+    # to the lower edge
+    known = np.concatenate(
+        [
+            film[name].values + side * COVERAGE * film[f"{name}_std"].values
+            for name in _STATISTICS
+            for side in (-1, 1)
+        ]
+    )
+    low, high = film_limits(known)
+    ax.set_ylim(low, high + room_for(ax, _LEGEND) * (high - low))
+    if not any(np.isfinite(film[name].values).any() for name in _STATISTICS):
+        shares = describe_shares(flag_shares(film).mean(axis=0))
+        state_empty(ax, f"no film thickness at any trigger\n{shares}")
+        return artists
+
+    # a band hidden by the markers is not announced as one
+    widths = np.concatenate([2 * COVERAGE * film[f"{name}_std"].values for name in _STATISTICS])
+    visible = is_visible(ax, widths, pt(_MARKER))
+    title = "bands: 95 %" if visible else "95 % errors: within markers"
+    frame_legend(ax, loc="upper center", ncols=2, title=title)
+    return artists
+
+
+def _mark_strokes(ax: Axes, film: xr.Dataset, x: Array, value: Array, colour: str) -> None:
+    """Draw the triggers in one colour, with a marker for each stroke."""
+    for members, look in stroke_looks(film):
+        ax.plot(
+            x[members],
+            value[members],
+            linestyle="none",
+            marker=str(look["marker"]),
+            markersize=pt(_MARKER),
+            color=colour,
+            markerfacecolor="white" if look["markerfacecolor"] == "white" else colour,
+        )
+
+
+@styled
+def cycle_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigure:
+    """Draw film thickness and speed against crank angle, with dotted lines at the dead points.
+
+    Without a linkage they are drawn against angle or time, and the speed is left out where it is
+    not known or the same at all triggers.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
+
+    Returns
+    -------
+    Figure
+        One column wide.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> figure = cycle_figure(example_film())
+    >>> [ax.get_ylabel() for ax in figure.axes]
+    ['film thickness [µm]', 'joint speed [rad/s]']
+    """
+    if not has_varying_speed(film):
+        figure = new_figure() if figure is None else figure
+        film_over_cycle(film, ax=figure.add_subplot())
+        name_film(figure, film)
+        return figure
+
+    figure = new_figure(ONE_COLUMN, STACK * ONE_COLUMN) if figure is None else figure
+    above, below = rows_or_columns(figure, 2, sharex=True, ratios=_PANELS)
+    film_over_cycle(film, ax=above)
+    speed_over_cycle(film, ax=below)
+    if not is_page():
+        above.set_xlabel("")
+    name_film(figure, film)
+
+    for n, turn in enumerate(dead_points(film)):
+        for ax in (above, below):
+            line = ax.axvline(turn, color=MUTED, linewidth=pt(0.6), linestyle=":", zorder=1)
+        line.set_label("_" if n else "dead points")
+
+    # the markers of the strokes are those of both panels
+    if "stroke" in film:
+        legend_above(below)
+    letter(above, "a")
+    letter(below, "b")
+    return figure
+
+
+def dead_points(film: xr.Dataset) -> list[float]:
+    """Angles of the drive at which the speed changes its sign. [degree]"""
+    settings = settings_of(film)
+    if settings.linkage is not None:
+        cycle = linkage_cycle(film)
+        turns: list[float] = cycle.crank_angle[1:][np.diff(np.sign(cycle.speed)) != 0].tolist()
+        return turns
+    return [90.0, 270.0] if isinstance(settings.mechanism, SinusoidalSettings) else []

@@ -1,0 +1,495 @@
+"""A crank-rocker: its positions and limits, and speed, transmission and power over a turn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.lines import Line2D
+from PIL import Image
+
+from erlif.core.arrays import Array
+from erlif.core.errors import OutputError
+from erlif.io.files import refuse_existing, replacing
+from erlif.models.linkage import LinkageDesign, measure_linkage
+from erlif.models.linkage.measures import links_of, swept_box
+from erlif.models.mechanism import CrankRocker
+from erlif.show.plots.movie import encode_gif
+from erlif.show.plots.style import (
+    MEAN,
+    MINIMUM,
+    MUTED,
+    OUTWARD,
+    RETURN,
+    TWO_COLUMNS,
+    AnyFigure,
+    fix_layout,
+    given_or_new,
+    in_style,
+    legend_above,
+    letter,
+    new_figure,
+    pt,
+    save_figure,
+    styled,
+)
+
+POSITIONS = 48
+"""Frames of a movie: one for every 7.5 degrees of the crank."""
+
+_TURN = np.linspace(0.0, 2 * np.pi, 361)  # rad
+_HEIGHT = 0.66  # of the width of the figure
+_MARGIN = 0.08  # about the linkage, of its length
+_GOOD = 40.0  # degrees, the customary least transmission angle
+_WIDTH = 960  # pixels of a frame
+
+
+def pin_places(linkage: CrankRocker, crank_angle: Array) -> Array:
+    """Joint centres of a crank-rocker from crank pivot to rocker pivot.
+
+    Parameters
+    ----------
+    linkage : CrankRocker
+        The four lengths. [m]
+    crank_angle : array, (n,)
+        Crank angles. [rad]
+
+    Returns
+    -------
+    array, (n, 4, 2)
+        x along the ground link and y of crank pivot, crank pin, rocker pin and rocker pivot. [m]
+
+    Examples
+    --------
+    >>> rig = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
+    >>> crank, coupler, rocker = np.diff(pin_places(rig, np.array([1.0]))[0], axis=0)
+    >>> print(f"{np.hypot(*coupler):.2f} {np.hypot(*rocker):.2f}")
+    0.44 0.26
+    """
+    psi = np.asarray(linkage.rocker_angle(crank_angle))
+    places = np.zeros((len(psi), 4, 2))
+    places[:, 1] = linkage.crank * np.stack([np.cos(crank_angle), np.sin(crank_angle)], axis=1)
+    places[:, 2] = linkage.rocker * np.stack([-np.cos(psi), np.sin(psi)], axis=1)
+    places[:, 2:, 0] += linkage.ground
+    return places
+
+
+@dataclass(frozen=True)
+class LinkageView:
+    """A crank-rocker on its axes, with marks at its crank angle, which `show` moves.
+
+    Attributes
+    ----------
+    linkage : CrankRocker
+        The linkage.
+    links : Line2D
+        Links and joints.
+    marks : tuple of Line2D
+        Lines at the crank angle in the panels over a turn.
+    """
+
+    linkage: CrankRocker
+    links: Line2D
+    marks: tuple[Line2D, ...] = ()
+
+    def show(self, crank_angle: float) -> None:
+        """Move the linkage.
+
+        Parameters
+        ----------
+        crank_angle : float
+            Crank angle. [rad]
+        """
+        places = 1e3 * pin_places(self.linkage, np.array([crank_angle]))[0]
+        self.links.set_data(places[:, 0], places[:, 1])
+        degrees = np.degrees(crank_angle) % 360
+        for mark in self.marks:
+            mark.set_xdata([degrees, degrees])
+
+
+@styled
+def linkage_positions(
+    design: LinkageDesign, *, crank_angle: float | None = None, ax: Axes | None = None
+) -> LinkageView:
+    """Draw a crank-rocker with both limits, the paths of its pins and of the coupler.
+
+    Parameters
+    ----------
+    design : LinkageDesign
+        From `erlif.models.linkage`.
+    crank_angle : float, optional
+        Where it is drawn; default: half-way through the rising stroke. [rad]
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    LinkageView
+        Dashed: the dead points; dotted: paths of both pins and of the middle of the coupler; the
+        frame: the space.
+
+    Examples
+    --------
+    >>> view = linkage_positions(example_linkage())
+    >>> len(view.links.get_xdata())
+    4
+    """
+    ax = given_or_new(ax)
+    linkage = design.linkage
+    places = 1e3 * pin_places(linkage, _TURN)
+    middle = places[:, 1:3].mean(axis=1)
+    paths = ((places[:, 1], MUTED, None), (places[:, 2], MUTED, None))
+    for path, colour, name in (*paths, (middle, MEAN, "path of the coupler's middle")):
+        ax.plot(*path.T, color=colour, linewidth=pt(0.9), linestyle=":", zorder=1, label=name)
+
+    # the limits: folded and stretched
+    at_smallest, at_largest = linkage.dead_points()
+    ends = 1e3 * pin_places(linkage, np.array([at_smallest, at_largest]))
+    looks = ((ends[0], RETURN, "smallest"), (ends[1], OUTWARD, "largest"))
+    for links, colour, name in looks:
+        ax.plot(
+            *links.T,
+            "--",
+            color=colour,
+            linewidth=pt(0.9),
+            zorder=2,
+            label=f"{name} rocker angle {_rocker_degrees(links):.2f}°",
+        )
+    left, right, bottom, top = (
+        1e3 * side for side in swept_box(links_of(linkage), design.link_width)
+    )
+    what = (
+        f"space of links {1e3 * design.link_width:.4g} mm wide"
+        if design.link_width
+        else "space of the joint centres"
+    )
+    ax.plot(
+        [left, right, right, left, left],
+        [bottom, bottom, top, top, bottom],
+        color=MUTED,
+        linewidth=pt(0.6),
+        zorder=0,
+        label=what,
+    )
+    pivots = places[0, [0, 3]]
+    ax.plot(*pivots.T, "^", color=MUTED, markersize=pt(8), zorder=3)
+    (drawn,) = ax.plot([], [], "o-", color=MINIMUM, linewidth=pt(1.8), zorder=4)
+
+    ax.margins(_MARGIN)
+    ax.set(xlabel="along the ground link [mm]", ylabel="across [mm]")
+    ax.set_aspect("equal", adjustable="datalim")
+    legend_above(ax)
+    view = LinkageView(linkage, drawn)
+    rising = (at_smallest + at_largest + 2 * np.pi) / 2
+    view.show(rising if crank_angle is None else crank_angle)
+    return view
+
+
+def _rocker_degrees(links: Array) -> float:
+    """Interior angle at the rocker pivot. [degree]"""
+    x, y = links[2] - links[3]
+    return float(np.degrees(np.arctan2(y, -x)))
+
+
+@styled
+def transmission_over_crank(design: LinkageDesign, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw the transmission angle over a turn of the crank.
+
+    Parameters
+    ----------
+    design : LinkageDesign
+        From `erlif.models.linkage`.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    list of Artist
+        The angle; its extremes are marked, and below 40 and above 140 degrees shaded.
+
+    Examples
+    --------
+    >>> line, extremes = transmission_over_crank(example_linkage())
+    >>> print(np.round(extremes.get_ydata(), 2))
+    [ 76.3  104.69]
+    """
+    ax = given_or_new(ax)
+    degrees = np.degrees(np.asarray(design.linkage.transmission_angle(_TURN)))
+    line = ax.plot(np.degrees(_TURN), degrees, color=MINIMUM)
+    extremes = ax.plot([0, 180], np.degrees(design.transmission), "o", color=RETURN)
+    # below the minimum and above the maximum the curve is elsewhere
+    least, greatest = np.degrees(design.transmission)
+    for crank, value, side, place in ((0, least, -1, "top"), (180, greatest, 1, "bottom")):
+        ax.annotate(
+            f"{value:.1f}°",
+            (crank, value),
+            xytext=(pt(4), side * pt(4)),
+            textcoords="offset points",
+            verticalalignment=place,
+        )
+    low, high = min(degrees.min(), 60.0) - 15, max(degrees.max(), 120.0) + 15
+    for edges in ((0.0, _GOOD), (180.0 - _GOOD, 180.0)):
+        ax.axhspan(*edges, color="#F2F2F2", zorder=-1)
+    ax.axhline(90.0, color=MUTED, linewidth=pt(0.6), linestyle=":")
+    _over_a_turn(ax, "transmission angle [°]")
+    ax.set_ylim(max(low, 0.0), min(high, 180.0))
+    return [*line, *extremes]
+
+
+@styled
+def rocker_over_crank(design: LinkageDesign, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw the rocker speed over a turn of the crank.
+
+    Parameters
+    ----------
+    design : LinkageDesign
+        From `erlif.models.linkage`.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    list of Artist
+        The rocker speed in rpm, or over the crank speed where none is given.
+
+    Examples
+    --------
+    >>> (line,) = rocker_over_crank(example_linkage())
+    >>> line.axes.get_ylabel()
+    'rocker speed [rpm]'
+    """
+    ax = given_or_new(ax)
+    known = np.isfinite(design.crank_speed)
+    rate = np.asarray(design.linkage.rocker_speed(_TURN, crank_speed=1.0))
+    line = ax.plot(
+        np.degrees(_TURN),
+        rate * (design.crank_speed * 30 / np.pi if known else 1.0),
+        color=MINIMUM,
+    )
+    ax.axhline(0.0, color=MUTED, linewidth=pt(0.6), linestyle=":")
+    _over_a_turn(ax, "rocker speed [rpm]" if known else "rocker speed / crank speed")
+    return list(line)
+
+
+def _over_a_turn(ax: Axes, label: str) -> None:
+    """Axes over the crank angle."""
+    ax.set(xlim=(0, 360), xlabel="crank angle [°]", ylabel=label)
+    ax.set_xticks(range(0, 361, 90))
+
+
+@dataclass(frozen=True)
+class LinkageFigure:
+    """The figure of a crank-rocker, and what moves on it.
+
+    Attributes
+    ----------
+    figure : Figure or SubFigure
+        Positions, rocker speed and transmission angle.
+    view : LinkageView
+        The linkage; its `show` moves it.
+    """
+
+    figure: AnyFigure
+    view: LinkageView
+
+
+@styled
+def linkage_view(design: LinkageDesign, *, figure: AnyFigure | None = None) -> LinkageFigure:
+    """Draw a crank-rocker with its limits, rocker speed and transmission angle, to be moved.
+
+    Parameters
+    ----------
+    design : LinkageDesign
+        From `erlif.models.linkage`.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure, two columns wide.
+
+    Returns
+    -------
+    LinkageFigure
+        The figure, and the view whose `show` moves the linkage.
+
+    Examples
+    --------
+    >>> drawn = linkage_view(example_linkage())
+    >>> drawn.view.show(np.pi)
+    """
+    figure = new_figure(TWO_COLUMNS, _HEIGHT * TWO_COLUMNS) if figure is None else figure
+    panels = figure.subplot_mosaic("pp;st", height_ratios=(1.5, 1))
+    view = linkage_positions(design, ax=panels["p"])
+    rocker_over_crank(design, ax=panels["s"])
+    transmission_over_crank(design, ax=panels["t"])
+    for panel, text in (("p", "a"), ("s", "b"), ("t", "c")):
+        letter(panels[panel], text)
+    marks = tuple(
+        panels[panel].axvline(0.0, color=RETURN, linewidth=pt(0.9), zorder=3) for panel in "st"
+    )
+    figure.suptitle(_name(design))
+    moving = LinkageView(view.linkage, view.links, marks)
+    at_smallest, at_largest = design.linkage.dead_points()
+    moving.show((at_smallest + at_largest + 2 * np.pi) / 2)
+    return LinkageFigure(figure, moving)
+
+
+def linkage_figure(design: LinkageDesign, *, figure: AnyFigure | None = None) -> AnyFigure:
+    """Draw a crank-rocker with its limits, rocker speed and transmission angle.
+
+    Parameters
+    ----------
+    design : LinkageDesign
+        From `erlif.models.linkage`.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure, two columns wide.
+
+    Returns
+    -------
+    Figure or SubFigure
+        Three panels.
+
+    Examples
+    --------
+    >>> len(linkage_figure(example_linkage()).axes)
+    3
+    """
+    return linkage_view(design, figure=figure).figure
+
+
+def _name(design: LinkageDesign) -> str:
+    """Lengths, swing and time ratio of a design in one line."""
+    lengths = ", ".join(
+        f"{name} {1e3 * length:.1f}" for name, length in vars(design.linkage).items()
+    )
+    return (
+        f"{lengths} mm; swing {np.degrees(design.swing):.2f}°, time ratio {design.time_ratio:.3f}"
+    )
+
+
+def linkage_movie(
+    design: LinkageDesign,
+    path: str | Path,
+    *,
+    positions: int = POSITIONS,
+    frames_per_second: float = 24.0,
+    overwrite: bool = False,
+) -> Path:
+    """Write a turn of a crank-rocker as GIF that repeats.
+
+    Parameters
+    ----------
+    design : LinkageDesign
+        From `erlif.models.linkage`.
+    path : path
+        Ends in ``.gif``.
+    positions : int
+        Frames, evenly over a turn, 2 at least.
+    frames_per_second : float
+        From 0.1 to 60.
+    overwrite : bool
+        Replace an existing file.
+
+    Returns
+    -------
+    Path
+        `path`.
+
+    Raises
+    ------
+    OutputError
+        If the file exists or cannot be written, or its suffix, positions or speed are others.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as directory:
+    ...     movie = linkage_movie(example_linkage(), f"{directory}/turn.gif", positions=2)
+    ...     movie.read_bytes()[:6]
+    b'GIF89a'
+    """
+    path = Path(path)
+    if path.suffix != ".gif":
+        raise OutputError(f"Expected a name in .gif for the movie; got {path.name}. Name it so.")
+    if positions < 2 or not 0.1 <= frames_per_second <= 60:
+        raise OutputError(
+            "Expected a movie of 2 positions at least and 0.1 to 60 frames per second; got "
+            f"{positions} and {frames_per_second:g}. Choose other values."
+        )
+    refuse_existing(path, overwrite=overwrite)
+    with in_style(None):
+        content = encode_gif(_draw_turn(design, positions), frames_per_second)
+    with replacing(path) as scratch:
+        scratch.write_bytes(content)
+    return path
+
+
+@styled
+def _draw_turn(design: LinkageDesign, positions: int) -> list[Image.Image]:
+    """Pictures of a turn, with one layout."""
+    drawn = linkage_view(design)
+    canvas = FigureCanvasAgg(fix_layout(drawn.figure))
+    canvas.figure.set_dpi(_WIDTH / canvas.figure.get_figwidth())
+    pictures = []
+    for angle in 2 * np.pi * np.arange(positions) / positions:
+        drawn.view.show(float(angle))
+        canvas.draw()  # type: ignore[no-untyped-call]
+        pixels = np.asarray(canvas.buffer_rgba())[:, :, :3]  # type: ignore[no-untyped-call]
+        pictures.append(Image.fromarray(np.ascontiguousarray(pixels)))
+    return pictures
+
+
+def example_linkage() -> LinkageDesign:
+    """Return the crank-rocker of Farzaneh (2002), appendix A.2, at 114 rpm.
+
+    Returns
+    -------
+    LinkageDesign
+        Lengths of 5.5, 44, 26 and 51 cm.
+
+    Examples
+    --------
+    >>> print(f"{np.degrees(example_linkage().swing):.2f}")
+    24.43
+    """
+    rig = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
+    return measure_linkage(rig, crank_speed=114 * np.pi / 30)
+
+
+def write_linkage(design: LinkageDesign, path: str | Path, *, overwrite: bool = False) -> Path:
+    """Write the figure of a crank-rocker, or its movie.
+
+    Parameters
+    ----------
+    design : LinkageDesign
+        From `erlif.models.linkage`.
+    path : path
+        Ends in ``.png``, ``.pdf``, ``.svg``, or in ``.gif`` for the movie.
+    overwrite : bool
+        Replace an existing file.
+
+    Returns
+    -------
+    Path
+        `path`.
+
+    Raises
+    ------
+    OutputError
+        If the file exists or cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as directory:
+    ...     path = write_linkage(example_linkage(), f"{directory}/linkage.png")
+    ...     path.read_bytes()[1:4]
+    b'PNG'
+    """
+    path = Path(path)
+    if path.suffix == ".gif":
+        return linkage_movie(design, path, overwrite=overwrite)
+    refuse_existing(path, overwrite=overwrite)
+    with in_style(None):
+        return save_figure(linkage_figure(design), path)

@@ -1,0 +1,585 @@
+"""Maps of film thickness, and profiles along the sliding direction."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap, to_rgba
+from matplotlib.image import AxesImage
+from matplotlib.lines import Line2D
+
+from erlif.core.arrays import Array, FlagImage, Mask
+from erlif.core.flags import Flag, describe_share
+from erlif.io.files import axis_labels as axis_labels
+from erlif.io.files import check_trigger, describe_trigger, region_of, settings_of
+from erlif.show.plots.naming import name_film, reason_empty
+from erlif.show.plots.style import (
+    COVERAGE,
+    FLAG_COLOURS,
+    FLAGGED,
+    ONE_COLUMN,
+    OUTWARD,
+    RETURN,
+    TWO_COLUMNS,
+    AnyFigure,
+    add_colour_bar,
+    colour_map,
+    given_or_new,
+    keep_in_place,
+    legend_above,
+    legend_below,
+    legend_of_figure,
+    letter,
+    new_figure,
+    pt,
+    room_for,
+    state_empty,
+    styled,
+    swatch,
+    wrap_title,
+)
+from erlif.trend import average_across_sliding, rigid_gap
+
+Limits = tuple[float, float]
+
+MAP_WIDTH = 0.75
+"""Width of a map in a figure of one column, relative to the column; the colour bar has the rest."""
+
+_WITHIN = (0.5, 99.5)  # percentiles of the valid pixels at the ends of a colour scale
+_EVERY = 3  # the limits need no more than every third pixel along each axis
+_LEAST_SPAN = 1e-3  # um; a map of even thickness still needs a colour scale
+_SHEET_COLUMNS = (7, 10)  # fewest and most maps in a row of a sheet
+_SHEET_MOST = 60  # maps on one sheet; with more triggers, evenly chosen ones are shown
+_SHEET_PIXELS = 240  # along x of a map on a sheet, about what 300 dpi resolve
+_WIDE = 0.43  # of two columns, for a map beside its profile
+_AROUND = 1.05  # inch above and below it, for title, labels and legend
+_LABELS = 0.75  # inch above and below a single map
+_FOOT = 0.35  # inch for the texts above and below a sheet
+_TITLE = 0.17  # inch for the angle above a map of a sheet
+_BAR = 0.75  # inch beside a sheet for its colour bar
+_ROOM = 0.08  # above a profile, in heights of the profile
+_NOTE = 4.5  # lines of text below it
+
+
+def common_limits(film: xr.Dataset, triggers: Iterable[int] | None = None) -> Limits:
+    """Find the thickness range of all but the 0.5 % thinnest and thickest pixels. [um]"""
+    chosen = range(film.sizes["trigger"]) if triggers is None else triggers
+    samples = [film.thickness.isel(trigger=k).values[::_EVERY, ::_EVERY].ravel() for k in chosen]
+    values = np.concatenate(samples)
+    values = values[np.isfinite(values)]
+    if values.size == 0:
+        return 0.0, 1.0
+
+    low, high = np.percentile(values, _WITHIN)
+    return float(low), float(max(high, low + _LEAST_SPAN))
+
+
+def pixel_edges(film: xr.Dataset) -> tuple[float, float, float, float]:
+    """Left, right, bottom and top edge of the image in mm; y runs down."""
+    x, y = film.x.values, film.y.values
+    dx = float(x[1] - x[0]) / 2
+    dy = float(y[1] - y[0]) / 2
+    return float(x[0]) - dx, float(x[-1]) + dx, float(y[-1]) + dy, float(y[0]) - dy
+
+
+def image_height(film: xr.Dataset, width: float) -> float:
+    """Height of the joint's image at a given width, both in inches."""
+    left, right, bottom, top = pixel_edges(film)
+    return width * (bottom - top) / (right - left)
+
+
+def label_position(ax: Axes, film: xr.Dataset) -> None:
+    """Label the axes of an image of the joint."""
+    x, y = axis_labels(film)
+    ax.set_xlabel(x)
+    ax.set_ylabel(y)
+
+
+def bare_image(ax: Axes) -> None:
+    """Draw all four sides of the frame, because the edge of an image is data."""
+    for side in ("top", "right"):
+        ax.spines[side].set_visible(True)
+
+
+@styled
+def thickness_map(
+    film: xr.Dataset,
+    *,
+    trigger: int,
+    ax: Axes | None = None,
+    limits: Limits | None = None,
+    region: bool = True,
+) -> AxesImage:
+    """Draw the map of film thickness at one trigger; flagged pixels have the colour of their flag.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+    trigger : int
+        Number of the trigger, counted from 0.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+    limits : (float, float), optional
+        Ends of the colour scale [um]; default: the range of all but 1 % of the pixels of this map.
+    region : bool
+        Outline the region of interest.
+
+    Returns
+    -------
+    AxesImage
+        Film thickness [um], NaN where flagged.
+
+    Raises
+    ------
+    ErlifError
+        If there is no such trigger.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> image = thickness_map(example_film(), trigger=2, limits=(2, 8))
+    >>> image.get_clim(), image.axes.get_xlabel()
+    ((2.0, 8.0), 'x (sliding) [mm]')
+    """
+    check_trigger(film, trigger)
+    height = image_height(film, MAP_WIDTH * ONE_COLUMN)
+    ax = given_or_new(ax, film, height=height + _LABELS, text=_LABELS)
+    low, high = limits or common_limits(film, [trigger])
+
+    # pixels are not interpolated: what is drawn is what was measured
+    image = ax.imshow(
+        film.thickness.isel(trigger=trigger).values,
+        cmap=colour_map("batlow"),
+        vmin=low,
+        vmax=high,
+        extent=pixel_edges(film),
+        interpolation="none",
+    )
+    flags = film.flags.isel(trigger=trigger).values
+    handles = _draw_flags(ax, flags, film)
+    bar = add_colour_bar(image, ax, "film thickness [µm]")
+    if reason := reason_empty(flags):
+        state_empty(ax, reason.replace(": ", "\n"))
+
+    if region:
+        handles.append(_outline_region(ax, film))
+    label_position(ax, film)
+    bare_image(ax)
+    ax.set_title(describe_trigger(film, trigger))
+    wrap_title(ax)
+    if handles:
+        legend_below(ax, handles)
+    keep_in_place(ax, bar)
+    return image
+
+
+def first_flag(flags: FlagImage) -> FlagImage:
+    """Number the flag that is shown for each pixel: 0 valid, 1 the first of FLAG_COLOURS, ..."""
+    # from the last to the first, so that the first remains
+    shown = np.zeros(flags.shape, np.uint8)
+    for n, flag in reversed(list(enumerate(FLAG_COLOURS, 1))):
+        shown[(flags & int(flag)) != 0] = n
+    return shown
+
+
+def flag_title(flag: Flag) -> str:
+    """Write the name of a flag as plain text."""
+    return str(flag.name).lower().replace("_", " ")
+
+
+def flag_swatch(flag: Flag) -> str:
+    """Write the colour of a flag as a web page does."""
+    red, green, blue, _ = (round(255 * part) for part in to_rgba(FLAG_COLOURS[flag]))
+    return f"#{red:02x}{green:02x}{blue:02x}"
+
+
+def _draw_flags(ax: Axes, flags: FlagImage, film: xr.Dataset) -> list[Artist]:
+    """Draw flagged pixels over the map; returns the keys of the flags that occur."""
+    shown = first_flag(flags)
+    palette = ListedColormap(["none", *FLAG_COLOURS.values()])
+    ax.imshow(
+        shown,
+        cmap=palette,
+        vmin=-0.5,
+        vmax=len(FLAG_COLOURS) + 0.5,
+        extent=pixel_edges(film),
+        interpolation="none",
+    )
+    return [
+        swatch(colour, f"{flag_title(flag)}, {describe_share(share)}")
+        for n, (flag, colour) in enumerate(FLAG_COLOURS.items(), 1)
+        if (share := float((shown == n).mean())) > 0
+    ]
+
+
+def _outline_region(ax: Axes, film: xr.Dataset) -> Line2D:
+    """Outline the region of interest, black on white to be visible on every colour."""
+    region = region_of(film)
+    x = [region.x[0], region.x[1], region.x[1], region.x[0], region.x[0]]
+    y = [region.y[0], region.y[0], region.y[1], region.y[1], region.y[0]]
+    look: dict[str, Any] = {"linewidth": 1.1, "scalex": False, "scaley": False}
+    ax.plot(x, y, color="white", **look)
+    (dashes,) = ax.plot(
+        x, y, color="black", linestyle=(0, (4, 3)), label="region of interest", **look
+    )
+    return dashes
+
+
+@styled
+def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> list[Artist]:
+    """Draw the profile along sliding with the gap of rigid bodies.
+
+    The profile is the average over the axial extent of the region of interest. The band is 95 % of
+    the random error, the dashed lines are 95 % of the error that all pixels share.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+    trigger : int
+        Number of the trigger, counted from 0.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    list of Artist
+        Profile, random band, upper and lower limit of the shared error; the rigid gap where it
+        could be fitted.
+
+    Raises
+    ------
+    ErlifError
+        If there is no such trigger.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> line, *_ = sliding_profile(example_film(), trigger=1)
+    >>> line.axes.get_xlabel(), line.axes.get_ylabel()
+    ('x (sliding) [mm]', 'film thickness [µm]')
+    """
+    ax = given_or_new(ax, film)
+    profile = average_across_sliding(film, trigger=trigger)
+    x, h = profile.position.values, profile.thickness.values
+    artists = _draw_profile(ax, film, profile, np.zeros_like(x))
+
+    gap = rigid_gap(profile, film)
+    if gap is not None:
+        # wide and pale below the profile, which follows it closely
+        artists += ax.plot(
+            x,
+            gap.thickness(x),
+            color=RETURN,
+            linewidth=pt(2.5),
+            alpha=0.5,
+            zorder=1.2,
+            label="rigid gap",
+        )
+        text = (
+            f"curvature {gap.curvature:.4f} ± {gap.curvature_std:.4f},\n"
+            f"of the rigid gap {gap.rigid_curvature:.4f} µm/mm²;\n"
+            f"its minimum {gap.minimum:.2f} µm"
+        )
+        ax.annotate(
+            text, (0.5, 0.03), xycoords="axes fraction", ha="center", va="bottom", fontsize=pt(6.5)
+        )
+
+    # the limits leave room for the text; the rigid gap may leave them beside the measured profile
+    if np.isfinite(h).any():
+        low, high = float(np.nanmin(h)), float(np.nanmax(h))
+        below = _ROOM if gap is None else room_for(ax, _NOTE)
+        ax.set_ylim(low - below * (high - low), high + _ROOM * (high - low))
+    else:
+        state_empty(ax, "no valid pixel in the region of interest")
+    ax.set_ylabel("film thickness [µm]")
+    legend_above(ax, ncols=2)
+    return artists
+
+
+@styled
+def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> list[Artist]:
+    """Draw the difference of the profile along sliding and the gap of rigid bodies.
+
+    Parameters
+    ----------
+    film, trigger, ax
+        As for `sliding_profile`.
+
+    Returns
+    -------
+    list of Artist
+        Difference, random band, upper and lower limit of the shared error, line at zero.
+
+    Raises
+    ------
+    ErlifError
+        If there is no such trigger.
+
+    Examples
+    --------
+    The noise of one pixel is 0.05 um, and the profile averages 17 rows:
+
+    >>> import numpy as np
+    >>> from erlif.show.plots import example_film
+    >>> line, *_ = profile_residual(example_film(), trigger=1)
+    >>> bool(0.5 < np.nanstd(line.get_ydata()) / (0.05 / 17**0.5) < 1.5)
+    True
+    """
+    ax = given_or_new(ax, film)
+    profile = average_across_sliding(film, trigger=trigger)
+    gap = rigid_gap(profile, film)
+    x = profile.position.values
+    base = np.zeros_like(x) if gap is None else gap.thickness(x)
+    artists = _draw_profile(ax, film, profile, base)
+
+    artists.append(ax.axhline(0, color=RETURN, linewidth=pt(1.6), alpha=0.5, zorder=1.2))
+    ax.set_ylabel("measured −\nrigid gap [µm]")
+    return artists
+
+
+def _draw_profile(ax: Axes, film: xr.Dataset, profile: xr.Dataset, base: Array) -> list[Artist]:
+    """Draw the profile less `base`, with its random band and the limits of its shared error."""
+    # a profile along y runs to the right as well, so that both directions compare
+    x, h = profile.position.values, profile.thickness.values - base
+    random = COVERAGE * profile.thickness_std.values
+    shared = COVERAGE * profile.thickness_std_shared.values
+    (line,) = ax.plot(x, h, color=OUTWARD, linewidth=pt(0.7), label="measured")
+    band = ax.fill_between(
+        x, h - random, h + random, color=OUTWARD, alpha=0.3, linewidth=0, label="random, 95 %"
+    )
+
+    # about a difference, the shared error lies about zero
+    look: dict[str, Any] = {"color": "black", "linewidth": 0.6, "linestyle": (0, (2, 1.5))}
+    centre = np.where(np.isfinite(h), 0.0, np.nan) if base.any() else h
+    (above,) = ax.plot(x, centre + shared, label="shared, 95 %", **look)
+    (below,) = ax.plot(x, centre - shared, **look)
+
+    x_label, y_label = axis_labels(film)
+    along_x = str(profile.position.attrs["long_name"]).startswith("x")
+    ax.set_xlabel(x_label if along_x else y_label)
+    ax.set_xlim(float(x[0]), float(x[-1]))
+    return [line, band, above, below]
+
+
+@styled
+def thickness_figure(
+    film: xr.Dataset, *, trigger: int, figure: AnyFigure | None = None
+) -> AnyFigure:
+    """Draw the map at one trigger, its profile along sliding, and the difference to a rigid gap.
+
+    Without the radii of [joint] there is no gap, and no difference to it.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+    trigger : int
+        Number of the trigger, counted from 0.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
+
+    Returns
+    -------
+    Figure
+        Two columns wide.
+
+    Raises
+    ------
+    ErlifError
+        If there is no such trigger.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> figure = thickness_figure(example_film(), trigger=1)
+    >>> [ax.get_ylabel() for ax in figure.axes]
+    ['y (axial) [mm]', 'film thickness [µm]', 'measured −\\nrigid gap [µm]']
+    """
+    if figure is None:
+        height = image_height(film, _WIDE * TWO_COLUMNS)
+        figure = new_figure(TWO_COLUMNS, height + _AROUND, text=_AROUND)
+    if settings_of(film).joint is None:
+        panels = figure.subplot_mosaic("mp", width_ratios=(1.25, 1))
+    else:
+        panels = figure.subplot_mosaic("mp;mr", width_ratios=(1.25, 1), height_ratios=(2.2, 1))
+    thickness_map(film, trigger=trigger, ax=panels["m"])
+    sliding_profile(film, trigger=trigger, ax=panels["p"])
+
+    # the profile and the difference below it share the axis
+    if "r" in panels:
+        profile_residual(film, trigger=trigger, ax=panels["r"])
+        panels["p"].set_xlabel("")
+        panels["p"].tick_params(labelbottom=False)
+
+    # one legend below all panels, so that map and profiles end at one height
+    handles: list[Artist] = []
+    below_map, above_profile = panels["m"].get_legend(), panels["p"].get_legend()
+    if below_map is not None:
+        handles += [each for each in below_map.legend_handles if each is not None]
+        below_map.remove()
+    if above_profile is not None:
+        handles += panels["p"].get_legend_handles_labels()[0]
+        above_profile.remove()
+    legend_of_figure(figure, handles)
+
+    panels["m"].set_title("")
+    name_film(figure, film, describe_trigger(film, trigger))
+    for name, text in zip(panels, "abc", strict=False):
+        letter(panels[name], text)
+    return figure
+
+
+@styled
+def map_sheet_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigure:
+    """Draw the maps of a cycle on one sheet with one colour scale, outward stroke first.
+
+    Each stroke begins at its first trigger after the dead point. With more than sixty triggers,
+    sixty evenly chosen ones are shown.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
+
+    Returns
+    -------
+    Figure
+        Two columns wide.
+
+    Examples
+    --------
+    Six maps and the colour bar:
+
+    >>> from erlif.show.plots import example_film
+    >>> len(map_sheet_figure(example_film()).axes)
+    7
+    """
+    groups = sheet_groups(film)
+    columns = best_columns([members.size for _, members in groups])
+    rows = [math.ceil(members.size / columns) for _, members in groups]
+    left, right, bottom, top = pixel_edges(film)
+    height = (TWO_COLUMNS - _BAR) / columns * (bottom - top) / (right - left) + _TITLE
+    if figure is None:
+        text = sum(rows) * _TITLE + _FOOT
+        figure = new_figure(TWO_COLUMNS, sum(rows) * height + _FOOT, text=text)
+    panels = figure.subplots(sum(rows), columns, squeeze=False)
+
+    # a dozen maps are enough for the limits, and are read much faster than all
+    chosen = np.sort(np.concatenate([members for _, members in groups]))
+    limits = common_limits(film, chosen.tolist()[:: max(1, chosen.size // 12)])
+
+    # each stroke starts a row; panels without a map are hidden
+    first = 0
+    for (name, members), count in zip(groups, rows, strict=True):
+        grid = panels[first : first + count]
+        first += count
+        for ax, trigger in zip(grid.ravel().tolist(), members.tolist(), strict=False):
+            image = _draw_small_map(ax, film, trigger, limits)
+
+        # hidden axes are left out of the layout, the longest part of drawing a sheet
+        for ax in grid.ravel():
+            ax.set(xticks=[], yticks=[])
+            ax.xaxis.set_visible(False)
+            ax.yaxis.set_visible(ax in grid[:, 0])
+        for ax in grid[:, 0]:
+            ax.set_ylabel(name, labelpad=pt(2))
+        for ax in grid.ravel()[members.size :]:
+            ax.set_axis_off()
+
+    figure.colorbar(
+        image,
+        ax=panels[:, -1].tolist(),  # beside all panels, the layout would measure it once for each
+        # one row of maps is lower than the label is long
+        label="film thickness [µm]" + ("; " if sum(rows) > 1 else "\n") + "grey: flagged",
+        extend="both",
+        aspect=40,
+        shrink=0.9,
+        pad=0.01 * columns,  # of the width of a column
+    )
+    quantity = _small_title(film, 0)[0]
+    figure.supxlabel(
+        f"{quantity} above each map; each map "
+        f"{right - left:.1f} mm × {bottom - top:.1f} mm, x to the right, y down",
+        fontsize=pt(6.5),
+    )
+    shown = "" if chosen.size == film.sizes["trigger"] else f"{chosen.size} of "
+    name_film(figure, film, f"{shown}{film.sizes['trigger']} triggers")
+    return figure
+
+
+def sheet_groups(film: xr.Dataset) -> list[tuple[str, npt.NDArray[np.intp]]]:
+    """Triggers of a sheet, by stroke, each from the start of the stroke."""
+    count = film.sizes["trigger"]
+    chosen = np.unique(np.linspace(0, count - 1, min(count, _SHEET_MOST)).round().astype(np.intp))
+    if "stroke" not in film:
+        return [("", chosen)]
+    strokes = film.stroke.values[chosen]
+    start = _from_start if _is_one_cycle(film) else np.flatnonzero
+    groups = [
+        (name, chosen[start(strokes == sign)]) for name, sign in (("outward", 1), ("return", -1))
+    ]
+    return [(name, members) for name, members in groups if members.size]
+
+
+def _is_one_cycle(film: xr.Dataset) -> bool:
+    """Whether the triggers are those of one turn of the drive, after which the first follows."""
+    if "crank_angle" not in film:
+        return False
+    return bool((np.diff(film.crank_angle.values) % 360).sum() < 360)
+
+
+def _from_start(members: Mask) -> npt.NDArray[np.intp]:
+    """Positions of a stroke in a cycle, from its start; the cycle may begin within the stroke."""
+    starts = np.flatnonzero(members & ~np.roll(members, 1))
+    found = np.flatnonzero(members)
+    if starts.size != 1:
+        return found
+    return np.roll(found, -int(np.searchsorted(found, starts[0])))
+
+
+def best_columns(sizes: list[int]) -> int:
+    """Number of columns with the fewest gaps where every group starts a new row."""
+    most = min(_SHEET_COLUMNS[1], max(sizes))
+    fewest = min(_SHEET_COLUMNS[0], most)
+    return min(
+        range(most, fewest - 1, -1), key=lambda columns: sum(-size % columns for size in sizes)
+    )
+
+
+def _draw_small_map(ax: Axes, film: xr.Dataset, trigger: int, limits: Limits) -> AxesImage:
+    """Draw one map of a sheet, thinned to the resolution of print."""
+    one = film.isel(trigger=trigger)
+    every = max(1, film.sizes["x"] // _SHEET_PIXELS)
+    values = one.thickness.values[::every, ::every]
+    image = ax.imshow(
+        values,
+        cmap=colour_map("batlow", bad=FLAGGED),
+        vmin=limits[0],
+        vmax=limits[1],
+        extent=pixel_edges(film),
+    )
+    if not np.isfinite(values).any():
+        ax.text(0.5, 0.5, "no valid\npixel", transform=ax.transAxes, ha="center", va="center")
+    ax.set_title(_small_title(film, trigger)[1], fontsize=pt(6), pad=pt(1.5))
+    bare_image(ax)
+    return image
+
+
+def _small_title(film: xr.Dataset, trigger: int) -> tuple[str, str]:
+    """What stands above the maps of a sheet, and its value for one of them."""
+    if "encoder_angle" in film:
+        return "encoder angle", f"{float(film.encoder_angle[trigger]):.2f}°"
+    if "time" in film:
+        return "time", f"{float(film.time[trigger]):.3g} s"
+    return "trigger", f"{trigger}"

@@ -1,0 +1,192 @@
+"""The mechanism in its true position at each trigger."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.quiver import Quiver
+
+from erlif.core.arrays import Array
+from erlif.io.files import settings_of
+from erlif.io.settings import RotationSettings, SinusoidalSettings
+from erlif.models.mechanism import CrankRocker
+from erlif.pipeline.physics.joint import build_linkage
+from erlif.show.plots.style import MINIMUM, MUTED, OUTWARD, RETURN, given_or_new, pt, styled
+
+_TURN = np.linspace(0.0, 2 * np.pi, 181)  # rad
+_STEP = 1e-3  # rad of the drive, for the direction of motion
+_ARROW = 0.28  # length of the longest arrow over the size of the mechanism
+_MARGIN = 0.12  # beside the mechanism, of its size
+
+
+@dataclass(frozen=True)
+class Joints:
+    """Places of the joints of a mechanism over the angle of the drive.
+
+    Attributes
+    ----------
+    places : array, (angle, joint, 2)
+        x and y of the joints that links connect, in their order. [m]
+    fixed : array, (n, 2)
+        Pivots. [m]
+    moving : int
+        Joint whose motion is shown.
+    """
+
+    places: Array
+    fixed: Array
+    moving: int
+
+
+def place_joints(film: xr.Dataset, angle: Array) -> Joints | None:
+    """Find the joints of the mechanism of a film.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+    angle : array, (angle,)
+        Angle of the drive. [rad]
+
+    Returns
+    -------
+    Joints or None
+        None without a mechanism.
+
+    Examples
+    --------
+    The links keep their lengths, here the rocker of 26 cm:
+
+    >>> from erlif.show.plots import example_film
+    >>> joints = place_joints(example_film(), np.linspace(0, 6, 50))
+    >>> rocker = joints.places[:, 2] - joints.places[:, 3]
+    >>> bool(np.allclose(np.hypot(*rocker.T), 0.26))
+    True
+    """
+    settings = settings_of(film)
+    zero = np.zeros_like(angle)
+    origin = np.stack([zero, zero], axis=1)
+    if isinstance(settings.mechanism, RotationSettings):
+        contact = settings.mechanism.radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        return Joints(np.stack([origin, contact], axis=1), np.zeros((1, 2)), 1)
+    if isinstance(settings.mechanism, SinusoidalSettings):
+        place = np.stack([settings.mechanism.stroke / 2 * np.sin(angle), zero], axis=1)
+        return Joints(place[:, None], np.zeros((0, 2)), 0)
+    if settings.linkage is None:
+        return None
+
+    links = build_linkage(settings.linkage)
+    crank_pin = links.crank * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    if isinstance(links, CrankRocker):
+        psi = np.asarray(links.rocker_angle(angle))
+        pivot = np.stack([zero + links.ground, zero], axis=1)
+        rocker_pin = pivot + links.rocker * np.stack([-np.cos(psi), np.sin(psi)], axis=1)
+        places = np.stack([origin, crank_pin, rocker_pin, pivot], axis=1)
+        return Joints(places, np.array([[0.0, 0.0], [links.ground, 0.0]]), 2)
+    slider = np.stack([np.asarray(links.slider_position(angle)), zero], axis=1)
+    return Joints(np.stack([origin, crank_pin, slider], axis=1), np.zeros((1, 2)), 2)
+
+
+@dataclass(frozen=True)
+class MechanismView:
+    """The mechanism on its axes, which `show` moves.
+
+    Attributes
+    ----------
+    film : Dataset
+        The film.
+    links : Line2D
+        Links and joints.
+    arrow : Quiver
+        Direction of motion of the moving joint.
+    top : float
+        Greatest speed of the moving joint. [m/rad]
+    size : float
+        Size of the mechanism. [m]
+    """
+
+    film: xr.Dataset
+    links: Line2D
+    arrow: Quiver
+    top: float
+    size: float
+
+    def show(self, trigger: int) -> None:
+        """Move the mechanism to a trigger.
+
+        Parameters
+        ----------
+        trigger : int
+            Number of the trigger, counted from 0.
+        """
+        angle = np.radians(float(self.film.crank_angle[trigger]))
+        joints = place_joints(self.film, np.array([angle - _STEP, angle, angle + _STEP]))
+        assert joints is not None  # draw_mechanism has found them
+        before, now, after = joints.places
+        self.links.set_data(now[:, 0], now[:, 1])
+
+        # crank and triggers turn the same way: the angle of the drive always rises
+        motion = (after - before)[joints.moving] / (2 * _STEP)
+        length = _ARROW * self.size * motion / self.top
+        self.arrow.set_offsets(now[joints.moving][None])
+        self.arrow.set_UVC([length[0]], [length[1]])
+        rising = "stroke" not in self.film or float(self.film.stroke[trigger]) > 0
+        self.arrow.set_color(OUTWARD if rising else RETURN)
+
+
+@styled
+def draw_mechanism(
+    film: xr.Dataset, *, trigger: int, ax: Axes | None = None
+) -> MechanismView | None:
+    """Draw the mechanism at one trigger, with the path and the direction of its moving joint.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+    trigger : int
+        Number of the trigger, counted from 0.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    MechanismView or None
+        None, and no figure, without a mechanism or without an angle of the drive.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> view = draw_mechanism(example_film(), trigger=0)
+    >>> view.links.get_xdata().size
+    4
+    """
+    path = place_joints(film, _TURN)
+    if path is None or "crank_angle" not in film:
+        return None
+    ax = given_or_new(ax, film)
+    low, high = path.places.min(axis=(0, 1)), path.places.max(axis=(0, 1))
+    size = float((high - low).max())
+    moving = path.places[:, path.moving]
+    top = float(np.hypot(*np.gradient(moving, _TURN, axis=0).T).max())
+
+    ax.plot(*moving.T, color=MUTED, linewidth=pt(0.6), linestyle=":", zorder=1)
+    ax.plot(*path.fixed.T, "^", color=MUTED, markersize=pt(8), zorder=2)
+    (links,) = ax.plot([], [], "o-", color=MINIMUM, linewidth=pt(1.6), zorder=3)
+    arrow = ax.quiver(
+        [0.0], [0.0], [0.0], [0.0], angles="xy", scale_units="xy", scale=1, width=0.012, zorder=4
+    )
+    middle, room = (low + high) / 2, (0.5 + _MARGIN) * size
+    ax.set(
+        xlim=(middle[0] - room, middle[0] + room),
+        ylim=(low[1] - _MARGIN * size, high[1] + _MARGIN * size),
+        aspect="equal",
+    )
+    ax.set_axis_off()
+    view = MechanismView(film, links, arrow, top, size)
+    view.show(trigger)
+    return view

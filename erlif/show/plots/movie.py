@@ -1,0 +1,372 @@
+"""A movie of the cycle: the map, the mechanism, and the film against the angle of the drive."""
+
+from __future__ import annotations
+
+import io
+import shutil
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
+from matplotlib.image import AxesImage
+from matplotlib.lines import Line2D
+from PIL import Image
+
+from erlif.core.arrays import AnyArray
+from erlif.core.errors import OutputError
+from erlif.core.progress import ShowProgress, choose_progress
+from erlif.io.files import describe_trigger, open_film, refuse_existing, replacing
+from erlif.show.plots.kinematics import film_over_cycle
+from erlif.show.plots.maps import (
+    bare_image,
+    common_limits,
+    image_height,
+    label_position,
+    pixel_edges,
+    sheet_groups,
+)
+from erlif.show.plots.mechanism import MechanismView, draw_mechanism
+from erlif.show.plots.naming import name_film
+from erlif.show.plots.style import (
+    FLAGGED,
+    MEAN,
+    MUTED,
+    OUTWARD,
+    RETURN,
+    TWO_COLUMNS,
+    AnyFigure,
+    add_colour_bar,
+    colour_map,
+    fix_layout,
+    in_style,
+    new_figure,
+    pt,
+    styled,
+)
+from erlif.show.plots.triggers import choose_abscissa
+
+MOST_FRAMES = 60
+"""Frames of a movie at most; of more triggers, evenly chosen ones are shown."""
+
+_WIDTH = 960  # pixels of a frame
+_PIXELS = 240  # along x of a map, about what the frame has room for
+_MAP = 0.46  # width of the map in the figure
+_AROUND = 1.0  # inch above and below the map
+_LEAST = 2.6  # inch, height of a frame
+_COLOURS, _FADES = 176, 16  # of a GIF: colours of maps, and of each colour of lines
+_SPEED = (0.1, 60.0)  # fewest and most frames per second
+
+
+@dataclass(frozen=True)
+class CycleView:
+    """A frame of the movie, which `show` moves to another trigger.
+
+    Attributes
+    ----------
+    film : Dataset
+        The film.
+    figure : Figure
+        The frame.
+    image : AxesImage
+        The map.
+    marker : Line2D
+        Line at the current angle.
+    mechanism : MechanismView or None
+        The mechanism, where there is one.
+    """
+
+    film: xr.Dataset
+    figure: AnyFigure
+    image: AxesImage
+    marker: Line2D
+    mechanism: MechanismView | None
+
+    def show(self, trigger: int) -> None:
+        """Move to a trigger.
+
+        Parameters
+        ----------
+        trigger : int
+            Number of the trigger, counted from 0.
+        """
+        self.image.set_data(thin_map(self.film, trigger))
+        self.image.axes.set_title(describe_trigger(self.film, trigger))
+        x = float(choose_abscissa(self.film).values[trigger])
+        self.marker.set_xdata([x, x])
+        if self.mechanism is not None:
+            self.mechanism.show(trigger)
+
+
+def thin_map(film: xr.Dataset, trigger: int) -> AnyArray:
+    """Map of one trigger, thinned to what a frame has room for. [um]"""
+    every = max(1, film.sizes["x"] // _PIXELS)
+    return np.asarray(film.thickness.isel(trigger=trigger).values[::every, ::every])
+
+
+def order_of_cycle(film: xr.Dataset) -> list[int]:
+    """Triggers of a movie in the order of the cycle, outward stroke first.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+
+    Returns
+    -------
+    list of int
+        `MOST_FRAMES` at most.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> order_of_cycle(example_film())
+    [0, 1, 2, 3, 4, 5]
+    """
+    return [int(k) for _, members in sheet_groups(film) for k in members]
+
+
+@styled
+def cycle_view(film: xr.Dataset, *, trigger: int, figure: AnyFigure | None = None) -> CycleView:
+    """Draw one frame of the movie of a cycle.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+    trigger : int
+        Number of the trigger, counted from 0.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
+
+    Returns
+    -------
+    CycleView
+        Its `figure` holds the map with its colour bar, the mechanism where there is one, and the
+        film against the angle of the drive.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> view = cycle_view(example_film(), trigger=1)
+    >>> view.show(2)
+    >>> view.image.axes.get_title()[:11]
+    'trigger 2, '
+    """
+    height = max(image_height(film, _MAP * TWO_COLUMNS) + _AROUND, _LEAST)
+    figure = new_figure(TWO_COLUMNS, height, text=_AROUND) if figure is None else figure
+    panels = figure.subplot_mosaic("am;af", width_ratios=(1.2, 1), height_ratios=(1, 1.3))
+    mechanism = draw_mechanism(film, trigger=trigger, ax=panels["m"])
+    if mechanism is None:
+        panels["m"].remove()
+
+    chosen = order_of_cycle(film)
+    low, high = common_limits(film, chosen[:: max(1, len(chosen) // 12)])
+    ax = panels["a"]
+    image = ax.imshow(
+        thin_map(film, trigger),
+        cmap=colour_map("batlow", bad=FLAGGED),
+        vmin=low,
+        vmax=high,
+        extent=pixel_edges(film),
+        interpolation="none",
+    )
+    add_colour_bar(image, ax, "film thickness [µm]\ngrey: flagged")
+    label_position(ax, film)
+    bare_image(ax)
+
+    film_over_cycle(film, ax=panels["f"])
+    marker = panels["f"].axvline(0.0, color=RETURN, linewidth=pt(1.2), zorder=4)
+    total = film.sizes["trigger"]
+    name_film(figure, film, "" if len(chosen) == total else f"{len(chosen)} of {total} triggers")
+    view = CycleView(film, figure, image, marker, mechanism)
+    view.show(trigger)
+    return view
+
+
+def cycle_movie(
+    film: xr.Dataset | str | Path,
+    path: str | Path,
+    *,
+    frames_per_second: float = 10.0,
+    style: str | Path | None = None,
+    overwrite: bool = False,
+    progress: ShowProgress = None,
+) -> Path:
+    """Write a movie of the cycle as GIF or MP4.
+
+    Each frame is one trigger, and all are shown for the same time: the map, the mechanism in its
+    true position with the direction of its motion, and the film against the angle of the drive.
+    With more than sixty triggers, sixty evenly chosen ones are shown and the frames state it; maps
+    of 480 pixels and more are thinned. The same film gives the same file.
+
+    Parameters
+    ----------
+    film : xarray.Dataset or path
+        As `erlif.process` returns it, or its file.
+    path : path
+        ``.gif``, or ``.mp4`` where the program ffmpeg is installed.
+    frames_per_second : float
+        From 0.1 to 60.
+    style : str or path, optional
+        As for `write_figures`.
+    overwrite : bool
+        Replace an existing file.
+    progress : callable, bool or "bar"
+        Called with ``"movie"``, the number of frames that are drawn, and of all; "bar" shows a bar.
+
+    Returns
+    -------
+    Path
+        `path`.
+
+    Raises
+    ------
+    OutputError
+        If the file exists or cannot be written, its suffix or the speed is another one, or ffmpeg
+        is missing.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from erlif.show.plots import example_film
+    >>> with TemporaryDirectory() as directory:
+    ...     movie = cycle_movie(example_film().isel(trigger=[0, 1]), f"{directory}/cycle.gif")
+    ...     movie.read_bytes()[:6]
+    b'GIF89a'
+    """
+    path = Path(path)
+    if path.suffix not in (".gif", ".mp4"):
+        raise OutputError(
+            f"Expected a name in .gif or .mp4 for the movie; got {path.name}. Name it so."
+        )
+    if not _SPEED[0] <= frames_per_second <= _SPEED[1]:
+        raise OutputError(
+            f"Expected a movie of {_SPEED[0]:g} to {_SPEED[1]:g} frames per second; got "
+            f"{frames_per_second:g}. Choose a speed between them."
+        )
+    encoder = _find_ffmpeg() if path.suffix == ".mp4" else ""
+    refuse_existing(path, overwrite=overwrite)
+    if not isinstance(film, xr.Dataset):
+        with open_film(film) as opened:
+            return _write(opened, path, frames_per_second, style, progress, encoder)
+    return _write(film, path, frames_per_second, style, progress, encoder)
+
+
+def _find_ffmpeg() -> str:
+    """The program that encodes MP4."""
+    found = shutil.which("ffmpeg")
+    if found is None:
+        raise OutputError(
+            "Expected the program ffmpeg for a movie in MP4; it is not installed. Install it, or "
+            "write a GIF with a name that ends in .gif."
+        )
+    return found
+
+
+def _write(
+    film: xr.Dataset,
+    path: Path,
+    speed: float,
+    style: str | Path | None,
+    progress: ShowProgress,
+    encoder: str,
+) -> Path:
+    with in_style(style):
+        frames = draw_frames(film, progress)
+    content = _encode_mp4(frames, speed, encoder) if encoder else encode_gif(frames, speed)
+    with replacing(path) as scratch:
+        scratch.write_bytes(content)
+    return path
+
+
+@styled
+def draw_frames(film: xr.Dataset, progress: ShowProgress = None) -> list[Image.Image]:
+    """Draw the frames of a movie.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+    progress : callable, bool or "bar"
+        As for `cycle_movie`.
+
+    Returns
+    -------
+    list of PIL.Image.Image
+        One for each trigger, in the order of `order_of_cycle`; width and height are even.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> [frame.width for frame in draw_frames(example_film().isel(trigger=[0, 1]))]
+    [960, 960]
+    """
+    chosen = order_of_cycle(film)
+    report = choose_progress(progress)
+    view = cycle_view(film, trigger=chosen[0])
+    canvas = FigureCanvasAgg(fix_layout(view.figure))
+    figure = canvas.figure
+    figure.set_dpi(_WIDTH / figure.get_figwidth())
+    frames = []
+    for n, trigger in enumerate(chosen):
+        report("movie", n, len(chosen))
+        view.show(trigger)
+        canvas.draw()  # type: ignore[no-untyped-call]
+        picture = np.asarray(canvas.buffer_rgba())[:, :, :3]  # type: ignore[no-untyped-call]
+
+        # encoders of video take even numbers of rows and columns
+        rows, columns = (size - size % 2 for size in picture.shape[:2])
+        frames.append(Image.fromarray(np.ascontiguousarray(picture[:rows, :columns])))
+    report("movie", len(chosen), len(chosen))
+    return frames
+
+
+def _palette() -> bytes:
+    """Colours of a GIF: those of the maps, greys, and lines on white."""
+    batlow = colour_map("batlow")(np.linspace(0, 1, _COLOURS))[:, :3]
+    fades = np.linspace(0, 1, _FADES)[:, None]
+    names = ("black", MEAN, RETURN, OUTWARD, MUTED)
+    lines = [np.array(to_rgb(name)) * fades + (1 - fades) for name in names]
+    return bytes(np.rint(255 * np.concatenate([batlow, *lines])).astype(np.uint8))
+
+
+def encode_gif(frames: list[Image.Image], speed: float) -> bytes:
+    """Encode pictures as a GIF that repeats, with one palette, so that nothing flickers."""
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(_palette())
+    mapped = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+
+    content = io.BytesIO()
+    mapped[0].save(
+        content,
+        format="GIF",
+        save_all=True,
+        append_images=mapped[1:],
+        duration=round(1000 / speed),
+        loop=0,
+        comment=b"erlif",
+    )
+    return content.getvalue()
+
+
+def _encode_mp4(frames: list[Image.Image], speed: float, encoder: str) -> bytes:
+    """H.264 in the form that browsers take; one thread and no dates, so the same every time."""
+    width, height = frames[0].size
+    command = [encoder, "-hide_banner", "-loglevel", "error", "-y"]
+    command += ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}"]
+    command += ["-r", f"{speed:g}", "-i", "-", "-an", "-c:v", "libx264", "-pix_fmt", "yuv420p"]
+    command += ["-crf", "20", "-threads", "1", "-fflags", "+bitexact", "-flags:v", "+bitexact"]
+    command += ["-metadata", "comment=erlif", "-movflags", "frag_keyframe+empty_moov"]
+    pixels = b"".join(frame.tobytes() for frame in frames)
+    done = subprocess.run([*command, "-f", "mp4", "-"], input=pixels, capture_output=True)
+    if done.returncode != 0 or not done.stdout:
+        reason = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no reason"]
+        raise OutputError(
+            f"Expected ffmpeg to encode the movie; it gave: {reason[0]}. Install an ffmpeg with "
+            "libx264, or write a GIF with a name that ends in .gif."
+        )
+    return done.stdout

@@ -1,0 +1,319 @@
+"""The orbit of the pin in its bushing over the triggers of a film."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Ellipse
+
+from erlif.core.arrays import Array
+from erlif.core.errors import ConfigError
+from erlif.show.plots.naming import name_film
+from erlif.show.plots.style import (
+    COVERAGE,
+    MEAN,
+    MINIMUM,
+    MUTED,
+    ONE_COLUMN,
+    AnyFigure,
+    given_or_new,
+    legend_above,
+    letter,
+    new_figure,
+    pt,
+    rows_or_columns,
+    styled,
+)
+from erlif.show.plots.triggers import broken, choose_abscissa, in_order, limit_to_turn, stroke_looks
+
+_RADII = math.sqrt(-2 * math.log(0.05))
+"""Radii of an ellipse that covers 95 % of a normal distribution in two dimensions. [std]"""
+
+_TALL = 1.7  # height by width of three panels
+_ROOM, _LEAST_SPAN = 0.15, 0.1  # on either side of the values, of their range; its least [um]
+_MARKER = 2.2  # point
+_DASHES = (0, (3, 1.5))
+_RANDOM: dict[str, Any] = {"facecolor": MEAN, "edgecolor": "none", "alpha": 0.5, "zorder": 2}
+_WHOLE: dict[str, Any] = {
+    "fill": False,
+    "edgecolor": MINIMUM,
+    "linestyle": _DASHES,
+    "zorder": 4,
+}
+
+
+def has_position(film: xr.Dataset) -> bool:
+    """Whether a film holds positions of the pin that are numbers, at two triggers or more."""
+    if "pin_displacement" not in film:
+        return False
+    return int(np.isfinite(film.pin_displacement.values).all(axis=1).sum()) > 1
+
+
+@styled
+def pin_orbit(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw the displacement of the pin at every trigger, with the load downwards.
+
+    Ellipses cover 95 % of the random error, new at every trigger. The grey line is the clearance:
+    there pin and bore touch.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    list of Artist
+        The clearance, the points of each stroke, then the ellipses.
+
+    Raises
+    ------
+    ConfigError
+        If the film holds no position of the pin at two triggers or more.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> clearance, outward, back, *ellipses = pin_orbit(example_film())
+    >>> len(outward.get_xdata()) + len(back.get_xdata()), len(ellipses)
+    (6, 6)
+    """
+    _require_position(film)
+    ax = given_or_new(ax, film)
+    load, side = film.pin_displacement.values.T
+    known = np.isfinite(load) & np.isfinite(side)
+    clearance = float(film.pin_displacement.attrs["clearance"])
+
+    # the wall, over the width of the orbit
+    low, high = _around(side[known])
+    across = np.linspace(low, high, 201)
+    wall = np.sqrt(np.maximum(clearance**2 - across**2, 0.0))
+    artists: list[Artist] = [*ax.plot(across, wall, color=MUTED, label="clearance", zorder=1)]
+    for members, look in stroke_looks(film):
+        which = members & known
+        artists += _draw_points(ax, side[which], load[which], look)
+    for k in np.flatnonzero(known):
+        covariance = film.pin_position_cov_random.values[k, :2, :2]
+        artists.append(ax.add_patch(_ellipse(side[k], load[k], covariance[::-1, ::-1], **_RANDOM)))
+
+    ax.set(xlim=(low, high), ylim=_around(np.append(load[known], wall))[::-1])
+    ax.set_xlabel("sideways [µm]")
+    ax.set_ylabel("towards the load [µm]")
+    legend_above(ax)
+    return artists
+
+
+@styled
+def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw the film where pin and bore are closest, against the angle of this place.
+
+    This is the orbit unrolled: the angle counts from the load line, and the film is the clearance
+    less the distance of the axes. Ellipses cover 95 % of the random error; the dashed one is that
+    of the last trigger with the errors that all triggers share.
+
+    Parameters
+    ----------
+    film, ax
+        As for `pin_orbit`.
+
+    Returns
+    -------
+    list of Artist
+        The points of each stroke, the ellipses of the triggers, then the dashed one.
+
+    Raises
+    ------
+    ConfigError
+        As for `pin_orbit`.
+
+    Examples
+    --------
+    The film of this example is thinnest at the load line:
+
+    >>> from erlif.show.plots import example_film
+    >>> outward, *_ = closest_film(example_film())
+    >>> outward.get_xdata()
+    array([0., 0., 0.])
+    """
+    _require_position(film)
+    ax = given_or_new(ax, film)
+    load, side = film.pin_displacement.values.T
+    known = np.isfinite(load) & np.isfinite(side)
+    distance = np.hypot(load, side)
+    angle = np.degrees(np.arctan2(side, load))
+    closest = float(film.pin_displacement.attrs["clearance"]) - distance
+
+    artists: list[Artist] = []
+    for members, look in stroke_looks(film):
+        which = members & known
+        artists += _draw_points(ax, angle[which], closest[which], look)
+
+    # the errors of both displacements, turned to angle and film
+    last = int(np.flatnonzero(known)[-1])
+    parts = [(k, film.pin_position_cov_random, _RANDOM) for k in np.flatnonzero(known)]
+    for k, covariance, style in [*parts, (last, film.pin_position_cov, _WHOLE)]:
+        turn = np.array(
+            [
+                np.degrees([-side[k], load[k]]) / distance[k] ** 2,
+                np.array([-load[k], -side[k]]) / distance[k],
+            ]
+        )
+        turned = turn @ covariance.values[k, :2, :2] @ turn.T
+        artists.append(ax.add_patch(_ellipse(angle[k], closest[k], turned, **style)))
+
+    ax.set(xlim=_around(angle[known]), ylim=_around(closest[known]))
+    ax.set_xlabel("angle from the load line [°]")
+    ax.set_ylabel("closest film [µm]")
+    dashes = Line2D([], [], color=MINIMUM, linestyle=_DASHES, linewidth=pt(0.7))
+    dashes.set_label("95 % with shared errors")
+    keys = [artist for artist in artists if isinstance(artist, Line2D)]
+    legend_above(ax, handles=[*keys, dashes], ncols=2)
+    return artists
+
+
+@styled
+def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw the curvature of the gap along sliding beside that of the radii.
+
+    Parameters
+    ----------
+    film, ax
+        As for `pin_orbit`.
+
+    Returns
+    -------
+    list of Artist
+        The points of each stroke with bars of 95 %, then the curvature of circles.
+
+    Raises
+    ------
+    ConfigError
+        As for `pin_orbit`.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> *points, circles = gap_curvature(example_film())
+    >>> circles.get_label()
+    'circles of the radii; bars: 95 %'
+    """
+    _require_position(film)
+    ax = given_or_new(ax, film)
+    abscissa = choose_abscissa(film)
+    curvature, std = film.film_curvature.values, film.film_curvature_std.values
+    artists: list[Artist] = []
+    for members, look in stroke_looks(film):
+        bars = ax.errorbar(
+            abscissa.values[members],
+            curvature[members],
+            COVERAGE * std[members],
+            fmt=str(look["marker"]),
+            color=look["color"],
+            markerfacecolor=look["markerfacecolor"],
+            # fifty bars stand side by side
+            elinewidth=pt(0.5),
+            capsize=0,
+            markersize=pt(_MARKER),
+            label=look["label"],
+        )
+        artists.append(bars.lines[0])
+
+    stretches = in_order(film, abscissa.values)
+    expected = film.film_curvature_expected.values
+    artists += ax.plot(
+        broken(stretches, abscissa.values),
+        broken(stretches, expected),
+        color=MINIMUM,
+        linestyle=_DASHES,
+        label="circles of the radii; bars: 95 %",
+        zorder=1.5,
+    )
+    if abscissa.whole_turn:
+        limit_to_turn(ax)
+    ax.set_xlabel(abscissa.label)
+    ax.set_ylabel("curvature [µm/mm²]")
+    legend_above(ax, ncols=2)
+    return artists
+
+
+@styled
+def pin_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigure:
+    """Combine the orbit of the pin, the closest film and the curvature of the gap.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
+
+    Returns
+    -------
+    Figure
+        One journal column wide.
+
+    Raises
+    ------
+    ConfigError
+        If the film holds no position of the pin at two triggers or more.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> len(pin_figure(example_film()).axes)
+    3
+    """
+    figure = new_figure(ONE_COLUMN, _TALL * ONE_COLUMN) if figure is None else figure
+    panels = rows_or_columns(figure, 3)
+    name_film(figure, film)
+    for ax, draw, name in zip(
+        panels, (pin_orbit, closest_film, gap_curvature), ("a", "b", "c"), strict=True
+    ):
+        draw(film, ax=ax)
+        letter(ax, name)
+
+    # the strokes look alike in all panels
+    strokes = {str(look["label"]) for _, look in stroke_looks(film)}
+    for ax in panels[1:]:
+        legend = ax.get_legend()
+        assert legend is not None
+        texts = [text.get_text() for text in legend.get_texts()]
+        own = [n for n, text in enumerate(texts) if text not in strokes]
+        handles = [legend.legend_handles[n] for n in own]
+        legend_above(ax, handles=handles, labels=[texts[n] for n in own])
+    return figure
+
+
+def _require_position(film: xr.Dataset) -> None:
+    if not has_position(film):
+        raise ConfigError(
+            "Expected a film with the position of the pin at two triggers or more; this one has "
+            "none. Give [joint] in run.toml and process the run again."
+        )
+
+
+def _draw_points(ax: Axes, x: Array, y: Array, look: dict[str, Any]) -> list[Line2D]:
+    """Draw the triggers of a stroke, small enough to lie side by side."""
+    return ax.plot(x, y, linestyle="none", markersize=pt(_MARKER), zorder=3, **look)
+
+
+def _around(values: Array) -> tuple[float, float]:
+    """Limits of an axis with room about its values."""
+    room = _ROOM * max(float(np.ptp(values)), _LEAST_SPAN)
+    return float(values.min()) - room, float(values.max()) + room
+
+
+def _ellipse(x: float, y: float, covariance: Array, **look: Any) -> Ellipse:
+    """Ellipse of 95 % about a point; the covariance has the order x, y."""
+    variance, axes = np.linalg.eigh(covariance)
+    minor, major = 2 * _RADII * np.sqrt(np.maximum(variance, 0.0))
+    angle = math.degrees(math.atan2(axes[1, 1], axes[0, 1]))
+    return Ellipse((x, y), major, minor, angle=angle, linewidth=pt(0.7), **look)

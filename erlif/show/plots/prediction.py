@@ -1,0 +1,377 @@
+"""The film that theory predicts, beside the measured one: over the cycle, over the run, as maps."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.image import AxesImage
+
+from erlif.core.arrays import Array, Image
+from erlif.core.errors import ConfigError
+from erlif.io.files import check_trigger, describe_trigger, settings_of
+from erlif.pipeline.physics.predict import spread_over_image
+from erlif.pipeline.physics.prediction import film_along_sliding, places_along_sliding
+from erlif.prediction import speed_correlation
+from erlif.show.plots.maps import (
+    bare_image,
+    common_limits,
+    image_height,
+    label_position,
+    pixel_edges,
+)
+from erlif.show.plots.naming import name_film, reason_empty
+from erlif.show.plots.style import (
+    FLAGGED_DIFFERENCE,
+    MINIMUM,
+    OUTWARD,
+    TWO_COLUMNS,
+    AnyFigure,
+    add_colour_bar,
+    colour_map,
+    frame_legend,
+    given_or_new,
+    legend_of_figure,
+    letter,
+    new_figure,
+    pt,
+    room_for,
+    signed,
+    state_empty,
+    styled,
+    swatch,
+)
+from erlif.show.plots.triggers import (
+    broken,
+    choose_abscissa,
+    find_gaps,
+    in_order,
+    limit_to_turn,
+    stroke_looks,
+)
+from erlif.trend import find_region
+
+_TALL = 0.36  # height by width of the two panels over cycle and run
+_THIRD = 0.26  # of two columns, for each of three maps
+_AROUND = 0.95  # inch above and below the maps, for title, labels and legend
+_WITHIN = 99.5  # percentile of the differences at the ends of their colour scale
+_LEAST_REACH = 0.01  # um; equal maps still need a scale
+_LINES = (2.0, 5.0)  # of text below and above the films
+_LEAST_SPAN = 0.02  # of the film; a smaller range is noise
+
+
+def has_prediction(film: xr.Dataset) -> bool:
+    """Whether a film holds the transient film that theory predicts."""
+    return "film_predicted_min" in film
+
+
+@styled
+def film_and_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw measured and predicted minimum film against crank angle.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it, with a prediction.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    list of Artist
+        Measured points of both strokes, with bars of one standard deviation; the prediction.
+
+    Raises
+    ------
+    ConfigError
+        If the film has no prediction.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> *points, line = film_and_prediction(example_film())
+    >>> line.get_label()
+    'predicted, pin free sideways'
+    """
+    _require_prediction(film)
+    ax = given_or_new(ax, film)
+    angle, label, _ = choose_abscissa(film)
+    artists = _draw_measured(ax, film, angle)
+
+    # no line crosses a dead point, nor leads back from the end of a turn to its start
+    stretches = in_order(film, angle)
+    x, y = broken(stretches, angle), broken(stretches, film.film_predicted_min.values)
+    held = str(film.film_theory.attrs["regime"]).removeprefix("transient Reynolds, ")
+    artists += ax.plot(x, y, color=OUTWARD, linewidth=pt(1.0), label=f"predicted, {held}", zorder=2)
+
+    limit_to_turn(ax)
+    _finish(ax, label)
+    return artists
+
+
+@styled
+def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw measured and predicted minimum film against the turns of the crank since the start.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As for `film_and_prediction`.
+    frames : xarray.Dataset
+        Group frames of the film: trigger, elapsed_cycles and film_predicted_min (frame). [um]
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    list of Artist
+        Measured points of both strokes, each at the mean turn of its frames; the prediction of
+        every frame.
+
+    Raises
+    ------
+    ConfigError
+        If the film has no prediction.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film, example_frames
+    >>> *points, line = film_over_run(example_film(), example_frames())
+    >>> line.axes.get_xlabel()
+    'turns of the crank [1]'
+    """
+    _require_prediction(film)
+    ax = given_or_new(ax, film)
+    turns, trigger = frames.elapsed_cycles.values, frames.trigger.values
+    number = film.sizes["trigger"]
+    count = np.maximum(np.bincount(trigger, minlength=number)[:number], 1)
+    mean = np.bincount(trigger, turns, minlength=number)[:number] / count
+    artists = _draw_measured(ax, film, mean)
+    order = np.argsort(turns, kind="stable")
+    stretches = np.split(order, np.flatnonzero(find_gaps(turns[order])) + 1)
+    artists += ax.plot(
+        broken(stretches, turns),
+        broken(stretches, frames.film_predicted_min.values),
+        color=OUTWARD,
+        linewidth=pt(1.0),
+        label="predicted",
+        zorder=2,
+    )
+    _finish(ax, "turns of the crank [1]")
+    return artists
+
+
+def _draw_measured(ax: Axes, film: xr.Dataset, x: Array) -> list[Artist]:
+    """Draw the measured minima with their standard deviations, by stroke."""
+    artists: list[Artist] = []
+    value, std = film.film_min.values, film.film_min_std.values
+    for members, look in stroke_looks(film):
+        stroke = f", {look['label']}" if "stroke" in film else ""
+        bars = ax.errorbar(
+            x[members],
+            value[members],
+            std[members],
+            fmt=str(look["marker"]),
+            color=MINIMUM,
+            markerfacecolor="white" if look["markerfacecolor"] == "white" else MINIMUM,
+            elinewidth=pt(0.7),
+            label=f"measured{stroke}",
+            zorder=3,
+        )
+        artists.append(bars.lines[0])
+    return artists
+
+
+def _finish(ax: Axes, label: str) -> None:
+    """Label the axes, with room for the legend above and for a text below."""
+    low, high = ax.get_ylim()
+    span = max(high - low, _LEAST_SPAN * high)
+    below, above = room_for(ax, _LINES[0]), room_for(ax, _LINES[1])
+    ax.set_ylim(max(low - below * span, 0.0), high + above * span)
+    ax.set_xlabel(label)
+    ax.set_ylabel("minimum film thickness [µm]")
+    frame_legend(ax, loc="upper right", title="bars: 1 s.d.")
+
+
+@styled
+def prediction_figure(
+    film: xr.Dataset, frames: xr.Dataset, *, figure: AnyFigure | None = None
+) -> AnyFigure:
+    """Draw measured and predicted film against crank angle, and against the turns of the crank.
+
+    Parameters
+    ----------
+    film, frames
+        As for `film_over_run`.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
+
+    Returns
+    -------
+    Figure
+        Two columns wide.
+
+    Raises
+    ------
+    ConfigError
+        If the film has no prediction.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film, example_frames
+    >>> figure = prediction_figure(example_film(), example_frames())
+    >>> [ax.get_xlabel() for ax in figure.axes]
+    ['crank angle [°]', 'turns of the crank [1]']
+    """
+    figure = new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS) if figure is None else figure
+    name_film(figure, film)
+    left, right = figure.subplots(1, 2)
+    film_and_prediction(film, ax=left)
+    film_over_run(film, frames, ax=right)
+    if "rocker_speed" in film:
+        speed = film.rocker_speed.values
+        values = [
+            speed_correlation(film[name].values, speed)
+            for name in ("film_min", "film_predicted_min")
+        ]
+        measured, predicted = (signed(one) if np.isfinite(one) else "none" for one in values)
+        text = f"correlation with |speed|: measured {measured}, predicted {predicted}"
+        left.annotate(text, (0.02, 0.02), xycoords="axes fraction", fontsize=pt(6.5))
+    letter(left, "a")
+    letter(right, "b")
+    return figure
+
+
+def predicted_map(film: xr.Dataset, *, trigger: int) -> Image:
+    """Compute the predicted map of one trigger from its eccentricity and attitude.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As for `film_and_prediction`.
+    trigger : int
+        Number of the trigger, counted from 0.
+
+    Returns
+    -------
+    array of float32, (y, x)
+        [um]
+
+    Raises
+    ------
+    ConfigError
+        If the film has no prediction.
+    ErlifError
+        If there is no such trigger.
+
+    Examples
+    --------
+    The thinnest film of this trigger:
+
+    >>> from erlif.show.plots import example_film
+    >>> print(f"{predicted_map(example_film(), trigger=0).min():.1f}")
+    3.2
+    """
+    _require_prediction(film)
+    check_trigger(film, trigger)
+    settings, x, y = settings_of(film), film.x.values, film.y.values
+    position, _ = places_along_sliding(settings, x, y, find_region(x, y))
+    gap = film_along_sliding(settings, film.isel(trigger=trigger), position)
+    return spread_over_image(gap, settings, (y.size, x.size))
+
+
+@styled
+def prediction_map_figure(
+    film: xr.Dataset, *, trigger: int, figure: AnyFigure | None = None
+) -> AnyFigure:
+    """Draw the measured map, the predicted one on the same scale, and their difference.
+
+    Parameters
+    ----------
+    film, trigger
+        As for `predicted_map`.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
+
+    Returns
+    -------
+    Figure
+        Two columns wide.
+
+    Raises
+    ------
+    ConfigError, ErlifError
+        As for `predicted_map`.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> figure = prediction_map_figure(example_film(), trigger=1)
+    >>> measured, predicted, difference = [ax.images[0] for ax in figure.axes[:3]]
+    >>> measured.get_clim() == predicted.get_clim()
+    True
+    """
+    predicted = predicted_map(film, trigger=trigger)
+    measured = film.thickness.isel(trigger=trigger).values
+    low, high = common_limits(film, [trigger])
+    low, high = min(low, float(predicted.min())), max(high, float(predicted.max()))
+    difference = measured - predicted
+    known = np.abs(difference[np.isfinite(difference)])
+    reach = max(float(np.percentile(known, _WITHIN)) if known.size else 0.0, _LEAST_REACH)
+
+    if figure is None:
+        height = image_height(film, _THIRD * TWO_COLUMNS)
+        figure = new_figure(TWO_COLUMNS, height + _AROUND, text=_AROUND)
+    name_film(figure, film, describe_trigger(film, trigger))
+    panels = figure.subplots(1, 3, sharey=True)
+    images = [
+        _draw_map(ax, film, values, name, limits)
+        for ax, values, name, limits in zip(
+            panels,
+            (measured, predicted, difference),
+            ("batlow", "batlow", "vik"),
+            ((low, high), (low, high), (-reach, reach)),
+            strict=True,
+        )
+    ]
+    add_colour_bar(images[1], panels[1], "film, (a, b) [µm]")
+    add_colour_bar(images[2], panels[2], "difference [µm]")
+    keys = [swatch("white", "(c) no difference")]
+    if not np.isfinite(measured).all():
+        keys.append(swatch(FLAGGED_DIFFERENCE, "not valid"))
+    legend_of_figure(figure, keys)
+    if reason := reason_empty(film.flags.isel(trigger=trigger).values):
+        state_empty(panels[0], reason.replace(": ", "\n").replace(", ", "\n"))
+    titles = ("measured", "predicted", "measured − predicted")
+    for ax, name, title in zip(panels, "abc", titles, strict=True):
+        ax.set_title(title)
+        letter(ax, name)
+    for ax in panels[1:]:
+        ax.set_ylabel("")
+    return figure
+
+
+def _draw_map(
+    ax: Axes, film: xr.Dataset, values: Array, colours: str, limits: tuple[float, float]
+) -> AxesImage:
+    """Draw one map, grey where it has no value."""
+    image = ax.imshow(
+        values,
+        cmap=colour_map(colours, bad=FLAGGED_DIFFERENCE),
+        vmin=limits[0],
+        vmax=limits[1],
+        extent=pixel_edges(film),
+        interpolation="none",
+    )
+    label_position(ax, film)
+    bare_image(ax)
+    return image
+
+
+def _require_prediction(film: xr.Dataset) -> None:
+    if not has_prediction(film):
+        raise ConfigError(
+            "Expected a film with a prediction; this one has none. Give [mechanism] of kind "
+            '"crank-rocker", [joint] and [oil] in run.toml and process the run again.'
+        )

@@ -1,0 +1,315 @@
+"""The pressure that carries the joint: its map, its profile along sliding, and its load."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.container import Container
+from matplotlib.image import AxesImage
+
+from erlif.core.errors import ConfigError
+from erlif.io.files import check_trigger, describe_trigger
+from erlif.show.plots.maps import bare_image, image_height, label_position, pixel_edges
+from erlif.show.plots.naming import name_film
+from erlif.show.plots.style import (
+    COVERAGE,
+    FLAGGED,
+    MEAN,
+    MUTED,
+    TWO_COLUMNS,
+    AnyFigure,
+    add_colour_bar,
+    colour_map,
+    given_or_new,
+    in_style,
+    letter,
+    new_figure,
+    pt,
+    save_figure,
+    styled,
+)
+from erlif.show.plots.triggers import broken, choose_abscissa, in_order, stroke_looks
+
+_THIRD = 0.3  # of two columns, for each of three panels
+_AROUND = 1.05  # inch above and below the map
+_LEAST_HEIGHT = 2.2  # inch
+_MARGIN = 0.05  # of the range of the loads
+
+
+@styled
+def pressure_map(found: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> AxesImage:
+    """Draw the pressure over the image at one trigger.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        As `erlif.pressure_from_film` returns it.
+    trigger : int
+        Number of the trigger, counted from 0.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    AxesImage
+        Grey where the pressure is not known.
+
+    Raises
+    ------
+    ErlifError
+        If there is no such trigger.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_pressure
+    >>> image = pressure_map(example_pressure(), trigger=0)
+    >>> image.axes.get_title()
+    'trigger 0'
+    """
+    check_trigger(found, trigger)
+    ax = given_or_new(ax, found)
+    image = ax.imshow(
+        found.pressure.isel(trigger=trigger).values,
+        cmap=colour_map("batlow", bad=FLAGGED),
+        extent=pixel_edges(found),
+        interpolation="nearest",
+    )
+    # nodes lie on the first and last pixel: their outer halves are beyond the image
+    x, y = found.x.values, found.y.values
+    ax.set(xlim=(x[0], x[-1]), ylim=(y[-1], y[0]))
+    bare_image(ax)
+    label_position(ax, found)
+    ax.set_title(f"trigger {trigger}")
+    add_colour_bar(image, ax, "pressure [kPa]", extend="neither")
+    return image
+
+
+@styled
+def pressure_profile(
+    found: xr.Dataset, *, trigger: int, ax: Axes | None = None
+) -> list[Artist | Container]:
+    """Draw the pressure along sliding in the axial middle of the image, with its 95 % band.
+
+    Parameters
+    ----------
+    found, trigger, ax
+        As for `pressure_map`.
+
+    Returns
+    -------
+    list of Artist or Container
+        The band, the profile, and the peak with bars of 1.96 standard deviations.
+
+    Raises
+    ------
+    ErlifError
+        If there is no such trigger.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_pressure
+    >>> band, profile, peak = pressure_profile(example_pressure(), trigger=0)
+    >>> profile.axes.get_ylabel()
+    'pressure [kPa]'
+    """
+    check_trigger(found, trigger)
+    ax = given_or_new(ax, found)
+    one = found.isel(trigger=trigger)
+    place, value = one.place.values, one.pressure_profile.values
+    reach = COVERAGE * one.pressure_profile_std.values
+    band = ax.fill_between(
+        place, value - reach, value + reach, color=MEAN, alpha=0.3, linewidth=0, label="95 %"
+    )
+    (line,) = ax.plot(place, value, color=MEAN, linewidth=pt(1.2), label="pressure")
+    peak = ax.errorbar(
+        np.atleast_1d(one.peak_place.values),
+        np.atleast_1d(one.peak_pressure.values),
+        xerr=COVERAGE * one.peak_place_std.values,
+        yerr=COVERAGE * one.peak_pressure_std.values,
+        color="black",
+        linewidth=pt(0.8),
+        marker="o",
+        markersize=pt(2.5),
+        label="peak",
+        clip_on=False,  # a peak at the edge of the image is drawn whole
+    )
+    ax.set(xlim=(place[0], place[-1]), xlabel="sliding direction [mm]", ylabel="pressure [kPa]")
+    _add_legend_above(ax, 3)
+    return [band, line, peak]
+
+
+@styled
+def load_balance(found: xr.Dataset, *, ax: Axes | None = None) -> list[Artist | Container]:
+    """Draw the load that the pressure makes against crank angle, with the logged one.
+
+    Parameters
+    ----------
+    found, ax
+        As for `pressure_map`.
+
+    Returns
+    -------
+    list of Artist or Container
+        Points of both strokes with bars of one standard deviation, then the logged load.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_pressure
+    >>> *points, logged = load_balance(example_pressure())
+    >>> logged.get_label()
+    'logged'
+    """
+    ax = given_or_new(ax, found)
+    angle, label, _ = choose_abscissa(found)
+    artists: list[Artist | Container] = []
+    for members, look in stroke_looks(found):
+        artists.append(
+            ax.errorbar(
+                angle[members],
+                found.load_from_pressure.values[members],
+                yerr=found.load_from_pressure_std.values[members],
+                linestyle="none",
+                elinewidth=pt(0.7),
+                **look,
+            )
+        )
+    stretches = in_order(found, angle)
+    logged = broken(stretches, found["load"].values)
+    artists += ax.plot(broken(stretches, angle), logged, color=MUTED, label="logged", zorder=1)
+    ax.set(xlabel=label, ylabel="load of the pressure [N]")
+    # zero is shown, and so is every point with its bar; the legend lies above all of them
+    load, std = found.load_from_pressure.values, found.load_from_pressure_std.values
+    drawn = np.concatenate([load - std, load + std, found["load"].values, [0.0]])
+    low, high = np.nanmin(drawn), np.nanmax(drawn)
+    ax.set_ylim(low - _MARGIN * (high - low) * (low < 0), high + _MARGIN * (high - low))
+    _add_legend_above(ax, len(artists), title="bars: one standard deviation")
+    return artists
+
+
+def _add_legend_above(ax: Axes, columns: int, **options: Any) -> None:
+    """Add a legend above the letter of the panel, where it covers no point."""
+    ax.legend(
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1.09),
+        ncols=columns,
+        columnspacing=0.8,
+        handletextpad=0.3,
+        borderaxespad=0.2,
+        **options,
+    )
+
+
+def best_trigger(found: xr.Dataset) -> int:
+    """Find the trigger whose peak is known best.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        As `erlif.pressure_from_film` returns it.
+
+    Returns
+    -------
+    int
+
+    Raises
+    ------
+    ConfigError
+        If the pressure is known at no trigger.
+
+    Examples
+    --------
+    >>> found = xr.Dataset({"peak_pressure": ("trigger", [80.0, 90.0]),
+    ...                     "peak_pressure_std": ("trigger", [8.0, 3.0])})
+    >>> best_trigger(found)
+    1
+    """
+    share = (found.peak_pressure_std / found.peak_pressure).values
+    if not np.isfinite(share).any():
+        raise ConfigError(
+            "Expected a pressure to draw; it is known at no trigger. "
+            f"{found.attrs.get('statement', '')} Record more triggers per cycle, or more light."
+        )
+    return int(np.nanargmin(share))
+
+
+@styled
+def pressure_figure(
+    found: xr.Dataset, *, trigger: int | None = None, figure: AnyFigure | None = None
+) -> AnyFigure:
+    """Draw map and profile of the pressure at one trigger, and the balance of the load at all.
+
+    Parameters
+    ----------
+    found
+        As for `pressure_map`.
+    trigger : int, optional
+        Default: that of `best_trigger`.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
+
+    Returns
+    -------
+    Figure
+        Two columns wide, three panels.
+
+    Raises
+    ------
+    ErlifError
+        As `best_trigger` and `pressure_map`.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_pressure
+    >>> figure = pressure_figure(example_pressure())
+    >>> len(figure.axes)
+    3
+    """
+    chosen = best_trigger(found) if trigger is None else trigger
+    height = max(image_height(found, _THIRD * TWO_COLUMNS) + _AROUND, _LEAST_HEIGHT)
+    figure = new_figure(TWO_COLUMNS, height, text=_AROUND) if figure is None else figure
+    name_film(figure, found, describe_trigger(found, chosen))
+    panels = figure.subplots(1, 3)
+    pressure_map(found, trigger=chosen, ax=panels[0])
+    pressure_profile(found, trigger=chosen, ax=panels[1])
+    load_balance(found, ax=panels[2])
+    for ax, name in zip(panels, "abc", strict=True):
+        letter(ax, name)
+    return figure
+
+
+def write_pressure_figure(found: xr.Dataset, path: Path) -> Path:
+    """Write the figure of a pressure; parameters as for `pressure_figure` and `save_figure`.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        As `erlif.pressure_from_film` returns it.
+    path : Path
+        PNG, PDF or SVG, by its suffix.
+
+    Returns
+    -------
+    Path
+        `path`.
+
+    Raises
+    ------
+    ErlifError
+        If the pressure is known at no trigger, or the file cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from erlif.show.plots import example_pressure
+    >>> with TemporaryDirectory() as directory:
+    ...     path = write_pressure_figure(example_pressure(), Path(directory) / "pressure.png")
+    ...     path.stat().st_size > 10_000
+    True
+    """
+    with in_style(None):
+        return save_figure(pressure_figure(found), path)

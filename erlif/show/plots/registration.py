@@ -1,0 +1,210 @@
+"""Displacement and drift of camera 2 against camera 1."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.image import AxesImage
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+
+from erlif.show.plots.maps import bare_image
+from erlif.show.plots.naming import name_film
+from erlif.show.plots.style import (
+    FLAGGED_DIFFERENCE,
+    MUTED,
+    OUTWARD,
+    RETURN,
+    TWO_COLUMNS,
+    AnyFigure,
+    add_colour_bar,
+    colour_map,
+    given_or_new,
+    letter,
+    new_figure,
+    pt,
+    room_for,
+    signed,
+    styled,
+)
+from erlif.show.plots.triggers import broken
+
+_LEAST_REACH = 1e-3  # px; a constant displacement still needs a colour scale
+_EDGES = {
+    "overlap": ("black", "edge of the overlap"),
+    "poor": ("#E4002B", "edge of poor registration"),
+}
+"""Masks whose edges are drawn, with colour and label."""
+_WIDE = 0.36  # of two columns, for one of two images beside their colour bars
+_DRIFT, _AROUND = 1.5, 0.95  # inch for the drift, and for titles and labels
+
+
+@styled
+def displacement_map(
+    registration: xr.Dataset, *, component: str, ax: Axes | None = None
+) -> AxesImage:
+    """Draw one component of the displacement of camera 2 against camera 1, less its mean.
+
+    Parameters
+    ----------
+    registration : xarray.Dataset
+        Group ``registration`` of a film.
+    component : str
+        ``"x"`` or ``"y"``.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    AxesImage
+        The displacement less its mean [px]; the title gives the mean.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_registration
+    >>> image = displacement_map(example_registration(), component="x")
+    >>> image.axes.get_title()
+    'mean Δx = +3.00 px'
+    """
+    ax = given_or_new(ax)
+    field = registration[f"displacement_{component}"].values.astype(float)
+    mean = float(np.nanmean(field))
+
+    # white is the mean, so the scale is as long on either side
+    reach = max(float(np.nanmax(np.abs(field - mean))), _LEAST_REACH)
+    image = ax.imshow(
+        field - mean,
+        cmap=colour_map("vik", bad=FLAGGED_DIFFERENCE),
+        vmin=-reach,
+        vmax=reach,
+        interpolation="none",
+    )
+    _outline_masks(ax, registration)
+    add_colour_bar(image, ax, f"Δ{component} less its mean [px]", extend="neither")
+    ax.set_title(f"mean Δ{component} = {signed(mean)} px")
+    ax.set(xlabel="column [px]", ylabel="row [px]")
+    bare_image(ax)
+    return image
+
+
+def _outline_masks(ax: Axes, registration: xr.Dataset) -> None:
+    """Draw the edges of the overlap and of poor registration, where the image holds any."""
+    keys = []
+    for name, (colour, label) in _EDGES.items():
+        if name in registration and 0 < registration[name].values.mean() < 1:
+            ax.contour(
+                registration[name].values.astype(float),
+                levels=[0.5],
+                colors=colour,
+                linewidths=pt(0.7),
+                linestyles="--",
+            )
+            keys.append(Line2D([], [], color=colour, linestyle="--", label=label))
+    if keys:
+        ax.legend(handles=keys, loc="lower left", frameon=True, framealpha=1.0, edgecolor="none")
+
+
+@styled
+def drift_of_frames(frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw the drift of camera 2 in each frame.
+
+    Parameters
+    ----------
+    frames : xarray.Dataset
+        Group ``frames`` of a film.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    list of Artist
+        Drift along x and along y [px].
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_frames
+    >>> along_x, along_y = drift_of_frames(example_frames())
+    >>> along_x.get_label()
+    'along x, rms 0.10 px'
+    """
+    ax = given_or_new(ax)
+    number = frames.frame.values
+    # frame pairs that were left out break the line
+    stretches = np.split(np.arange(number.size), np.flatnonzero(np.diff(number) > 1) + 1)
+    artists: list[Artist] = []
+    for name, colour, marker, face in (("x", OUTWARD, "o", OUTWARD), ("y", RETURN, "s", "white")):
+        drift = frames[f"drift_{name}"].values
+        # without any drift, nanstd would warn
+        spread = float(np.nanstd(drift)) if np.isfinite(drift).any() else np.nan
+        artists += ax.plot(
+            broken(stretches, number),
+            broken(stretches, drift),
+            color=colour,
+            marker=marker,
+            markerfacecolor=face,
+            linewidth=pt(0.5),
+            markersize=pt(2.4),
+            label=f"along {name}, rms {spread:.2f} px",
+        )
+
+    ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+    ax.set_xlabel("number of the frame pair [1]")
+    ax.set_ylabel("drift of camera 2 [px]")
+    ax.margins(x=0.01)
+    low, high = ax.get_ylim()
+    ax.set_ylim(low, high + room_for(ax, 2.0) * (high - low))
+    ax.legend(loc="upper right", ncols=2)
+    return artists
+
+
+@styled
+def registration_figure(
+    registration: xr.Dataset,
+    frames: xr.Dataset,
+    *,
+    film: xr.Dataset | None = None,
+    figure: AnyFigure | None = None,
+) -> AnyFigure:
+    """Draw both components of the displacement, and the drift of each frame below.
+
+    Parameters
+    ----------
+    registration, frames : xarray.Dataset
+        Groups of a film.
+    film : xarray.Dataset, optional
+        The film, whose run is then named above the figure.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
+
+    Returns
+    -------
+    Figure
+        Two columns wide.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_frames, example_registration
+    >>> figure = registration_figure(example_registration(), example_frames())
+    >>> [ax.get_title(loc="left") for ax in figure.axes]
+    ['(a)', '(b)', '(c)']
+    """
+    height, width = registration.displacement_x.shape
+    tall = _WIDE * TWO_COLUMNS * height / width
+    if figure is None:
+        figure = new_figure(TWO_COLUMNS, tall + _DRIFT + _AROUND, text=_AROUND)
+    if film is not None:
+        name_film(figure, film)
+    panels = figure.subplot_mosaic("xy;dd", height_ratios=(tall, _DRIFT))
+    displacement_map(registration, component="x", ax=panels["x"])
+    displacement_map(registration, component="y", ax=panels["y"])
+    drift_of_frames(frames, ax=panels["d"])
+
+    quality = float(registration.attrs["registration_quality"])
+    model = registration.attrs["registration_model"]
+    panels["d"].set_title(f"correlation of the aligned textures {quality:.3f}; model: {model}")
+    for name, text in (("x", "a"), ("y", "b"), ("d", "c")):
+        letter(panels[name], text)
+    return figure

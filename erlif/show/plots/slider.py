@@ -1,0 +1,195 @@
+"""The slider-crank with a worn joint: its force, the wear round it, and the extrapolation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator
+
+from erlif.show.plots.style import (
+    MEAN,
+    MINIMUM,
+    MUTED,
+    OUTWARD,
+    RETURN,
+    given_or_new,
+    legend_above,
+    pt,
+    styled,
+)
+
+_COLOURS = (MINIMUM, OUTWARD, RETURN, MEAN, MUTED)
+_DASHES = ("-", "--", "-.", ":", (0, (5, 1)))
+
+_PROFILES = 4
+"""Profiles in a figure of wear, evenly over the cycles and with the last."""
+
+
+@styled
+def joint_force(simulations: Mapping[str, xr.Dataset], *, ax: Axes | None = None) -> list[Line2D]:
+    """Draw the force in the crank-pin joint over the crank angle, one line for each simulation.
+
+    Mukras et al. (2008), figures 6 and 8.
+
+    Parameters
+    ----------
+    simulations : mapping of str to xarray.Dataset
+        Names and results of `erlif.models.slider_dynamics.simulate_slider_crank`.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    list of Line2D
+        In the order of the simulations.
+
+    Examples
+    --------
+    >>> one = xr.Dataset({"crank_angle": ("time", [0.0, 3.0]), "force": ("time", [5.0, 6.0])})
+    >>> (line,) = joint_force({"perfect": one})
+    >>> line.axes.get_ylabel()
+    'joint force [N]'
+    """
+    ax = given_or_new(ax)
+    lines = []
+    for k, (name, found) in enumerate(simulations.items()):
+        (line,) = ax.plot(
+            np.degrees(found.crank_angle.values),
+            found.force.values,
+            color=_COLOURS[k % len(_COLOURS)],
+            linestyle=_DASHES[k % len(_DASHES)],
+            linewidth=pt(0.9),
+            label=name,
+        )
+        lines.append(line)
+    ax.set(xlabel="crank angle [°]", ylabel="joint force [N]")
+    ax.set_ylim(bottom=0)
+    ax.margins(x=0)
+    legend_above(ax)
+    return lines
+
+
+@styled
+def joint_wear(worn: xr.Dataset, *, ax: Axes | None = None) -> list[Line2D]:
+    """Draw the worn depth round the bushing after several numbers of cycles, and that of the pin.
+
+    Mukras et al. (2008), figures 13b and 14b.
+
+    Parameters
+    ----------
+    worn : xarray.Dataset
+        As `erlif.models.slider_wear.wear_slider_crank` returns it.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    list of Line2D
+        Profiles of the bushing, then that of the pin at the end where it wears.
+
+    Examples
+    --------
+    >>> angle, cycle = [-1.0, 0.0, 1.0], [0, 100]
+    >>> depth = (("cycle", "angle"), [[0.0, 0.0, 0.0], [0.0, 1e-4, 0.0]])
+    >>> data = {"depth": depth, "pin_depth": (("cycle", "angle"), np.zeros((2, 3)))}
+    >>> lines = joint_wear(xr.Dataset(data, {"angle": angle, "cycle": cycle}))
+    >>> lines[-1].get_label()
+    '100 cycles'
+    """
+    ax = given_or_new(ax)
+    degrees = np.degrees(worn.angle.values)
+    last = worn.sizes["cycle"] - 1
+    chosen = sorted({round(last * k / _PROFILES) for k in range(1, _PROFILES + 1)} - {0})
+    lines = []
+    for k, at in enumerate(chosen):
+        (line,) = ax.plot(
+            degrees,
+            1e3 * worn.depth.values[at],
+            color=OUTWARD,
+            alpha=0.35 + 0.65 * (k + 1) / len(chosen),
+            linestyle=_DASHES[(len(chosen) - 1 - k) % len(_DASHES)],
+            linewidth=pt(0.9),
+            label=f"{int(worn.cycle[at]):,} cycles",
+        )
+        lines.append(line)
+    if np.any(worn.pin_depth.values[-1] > 0):
+        (line,) = ax.plot(
+            degrees, 1e3 * worn.pin_depth.values[-1], color=RETURN, linewidth=pt(0.9), label="pin"
+        )
+        lines.append(line)
+    ax.set(
+        xlim=(-180, 180),
+        xticks=range(-180, 181, 90),
+        xlabel="place on the bushing, 0 in tension [°]",
+        ylabel="worn depth [mm]",
+    )
+    ax.set_ylim(bottom=0)
+    legend_above(ax, ncols=2)
+    return lines
+
+
+@styled
+def extrapolation_error(
+    found: xr.Dataset, *, fine: xr.Dataset | None = None, ax: Axes | None = None
+) -> list[Artist]:
+    """Draw the error of worn volume and depth over the extrapolation factor, with its bound.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        As `erlif.models.slider_wear.bound_extrapolation` returns it.
+    fine : xarray.Dataset, optional
+        The end of a run with a far smaller factor, from which the error is counted: one cycle of
+        `erlif.models.slider_wear.wear_slider_crank`. Default: the limit that `found` estimates.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    list of Artist
+        Estimated error and bound of the volume, then of the depth.
+
+    Examples
+    --------
+    >>> from erlif.models.slider_wear import bound_extrapolation
+    >>> def wear(factor):
+    ...     value = ("cycle", [0.0, 1.0 + 1e-5 * factor])
+    ...     return xr.Dataset({"worn_volume": value, "greatest_depth": value})
+    >>> lines = extrapolation_error(bound_extrapolation(1000, wear=wear))
+    >>> lines[0].axes.get_xlabel()
+    'extrapolation factor [cycles]'
+    """
+    ax = given_or_new(ax)
+    factors = found.extrapolation.values
+    drawn: list[Artist] = []
+    for name, label, colour, mark, dash, size in (
+        ("worn_volume", "volume", OUTWARD, "o", "-", 3.0),
+        ("greatest_depth", "depth", RETURN, "s", "--", 6.0),  # both are often alike
+    ):
+        limit = float(found[f"{name}_limit"] if fine is None else fine[name])
+        error = 100 * np.abs(found[name].values - limit) / abs(limit)
+        bound = 100 * found[f"{name}_bound"].values / abs(limit)
+        drawn += ax.plot(
+            factors,
+            error,
+            mark,
+            color=colour,
+            markersize=pt(size),
+            markerfacecolor="none" if dash == "--" else colour,
+            label=f"{label}: error",
+        )
+        drawn += ax.plot(
+            factors, bound, dash, color=colour, linewidth=pt(0.9), label=f"{label}: bound"
+        )
+    ax.set(xscale="log", yscale="log", xlabel="extrapolation factor [cycles]", ylabel="error [%]")
+    ax.set_xticks(factors, [f"{factor:g}" for factor in factors])
+    ax.minorticks_off()
+    ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    ax.yaxis.set_major_formatter("{x:g}")
+    legend_above(ax, ncols=2)
+    return drawn

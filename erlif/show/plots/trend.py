@@ -1,0 +1,363 @@
+"""Film thickness against speed over load, measured and predicted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from erlif.core.arrays import Array, Mask
+from erlif.io.files import flag_shares
+from erlif.show.plots.naming import describe_shares, name_film
+from erlif.show.plots.style import (
+    MEAN,
+    MINIMUM,
+    MUTED,
+    OUTWARD,
+    RETURN,
+    STROKES,
+    TWO_COLUMNS,
+    AnyFigure,
+    given_or_new,
+    letter,
+    new_figure,
+    pt,
+    room_for,
+    state_empty,
+    styled,
+)
+from erlif.show.plots.triggers import stroke_looks
+from erlif.trend import SLOWEST
+
+_LABELS = {
+    "rocker_speed": "speed over load, |ω|/F [10⁻³ rad s⁻¹ N⁻¹]",
+    "sliding_speed": "sliding speed over load, v/F [10⁻³ m s⁻¹ N⁻¹]",
+}
+"""Labels of the axis by the speed: that of the joint in a linkage, else the sliding speed."""
+
+_TALL = 0.4  # height by width
+_MILLI = 1e3  # speed over load is drawn in thousandths
+_BARS = "bars: 1 s.d."
+_DASHES = (0, (3, 1.5))
+_DASH_DOT = (0, (4, 1.5, 1, 1.5))
+_AROUND_POINTS = 6.0  # size of open markers round measured points, which have half of it
+_LEGEND = 7.0  # lines of text above the curves
+_REACH = 3.0  # theory within this factor of the measured film widens the axis
+_LEAST_RATIO = 1.2  # highest over lowest value of an axis
+_MARGIN = 0.06  # of the axis on either side of the curves
+
+
+def _speed_name(film: xr.Dataset) -> str:
+    """The speed that the exponents of a film belong to."""
+    # films of earlier versions do not name it
+    named = film["speed_exponent"].attrs.get("speed") if "speed_exponent" in film else None
+    if isinstance(named, str) and named in _LABELS and named in film:
+        return named
+    return "rocker_speed" if "rocker_speed" in film else "sliding_speed"
+
+
+def speed_over_load(film: xr.Dataset) -> Array:
+    """Speed over load of each trigger, without sign. [rad s-1 N-1, else m s-1 N-1]"""
+    return np.asarray(np.abs(film[_speed_name(film)].values) / film["load"].values)
+
+
+@styled
+def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw mean and minimum film thickness against speed over load, with the fitted powers.
+
+    Bars are one standard deviation, random and shared. Triggers too slow for the fit are grey.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide. Both scales become logarithmic.
+
+    Returns
+    -------
+    list of Artist
+        The points of both strokes for mean and minimum, then the two fitted lines.
+
+    Examples
+    --------
+    The minimum film thickness of this film is proportional to the speed to the power of 0.6:
+
+    >>> import numpy as np
+    >>> from erlif.show.plots import example_film
+    >>> *_, line = film_against_speed(example_film())
+    >>> x, y = np.log(line.get_data())
+    >>> float(np.polyfit(x, y, 1)[0].round(6))
+    0.6
+    """
+    ax = given_or_new(ax, film)
+    ax.set(xscale="log", yscale="log")
+    artists: list[Artist] = []
+    lines: list[Line2D] = []
+    drawn: list[Line2D] = []
+    for name, exponent, colour, dashes, label in (
+        ("film_mean", "speed_exponent_mean", MEAN, _DASHES, "mean"),
+        ("film_min", "speed_exponent", MINIMUM, "-", "minimum"),
+    ):
+        points = _draw_points(ax, film, name, colour)
+        power = _draw_power(ax, film, exponent, label, color=colour, linestyle=dashes)
+        artists += points
+        lines += power
+        drawn += power if points else []
+
+    ax.set_xlabel(_LABELS[_speed_name(film)])
+    ax.set_ylabel("film thickness [µm]")
+    plain_ticks(ax)
+    # a statistic that no trigger has is not named
+    if drawn:
+        ax.legend(handles=[*drawn, *_stroke_keys(film)], loc="best", title=_BARS, alignment="left")
+    else:
+        shares = describe_shares(flag_shares(film).mean(axis=0))
+        state_empty(ax, f"no film thickness at any trigger\n{shares}")
+    return [*artists, *lines]
+
+
+def _used_in_fit(film: xr.Dataset) -> Mask:
+    """Triggers fast enough for the fit of the power."""
+    speed = np.abs(film[_speed_name(film)].values)
+    return np.asarray(speed >= SLOWEST * speed.max())
+
+
+def _draw_points(ax: Axes, film: xr.Dataset, name: str, colour: str) -> list[Artist]:
+    """Draw one statistic with its error bars, by stroke, in grey where the fit leaves it out."""
+    x, fitted = speed_over_load(film), _used_in_fit(film)
+    value, std = film[name].values, film[f"{name}_std"].values
+    drawable = np.isfinite(value) & (value > 0)  # the scale is logarithmic
+    artists: list[Artist] = []
+    for members, look in stroke_looks(film):
+        for used, paint in ((fitted, colour), (~fitted, MUTED)):
+            which = members & used & drawable
+            if not which.any():
+                continue
+            bars = ax.errorbar(
+                _MILLI * x[which],
+                value[which],
+                std[which],
+                fmt=str(look["marker"]),
+                color=paint,
+                markerfacecolor="white" if look["markerfacecolor"] == "white" else paint,
+                elinewidth=pt(0.7),
+            )
+            artists.append(bars.lines[0])
+    return artists
+
+
+def _draw_power(ax: Axes, film: xr.Dataset, name: str, label: str, **look: Any) -> list[Line2D]:
+    """Draw a fitted power over the range of its triggers; its colour alone where none was."""
+    power, std = float(film[name]), float(film[f"{name}_std"])
+    scale = float(film[name].attrs.get("log_scale", np.nan))
+    if not (np.isfinite(power) and np.isfinite(scale)):
+        return [Line2D([], [], linestyle="none", marker="o", color=look["color"], label=label)]
+
+    # a power is drawn over the triggers it was fitted to, not beyond them
+    x = speed_over_load(film)[_used_in_fit(film)]
+    ends = np.geomspace(x.min(), x.max(), 50)
+    error = f" ± {std:.3f}" if np.isfinite(std) else ""
+    label = f"{label}, n = {power:.3f}{error}".replace("-", "−")
+    return ax.plot(
+        _MILLI * ends,
+        np.exp(scale) * ends**power,
+        linewidth=pt(0.8),
+        label=label,
+        zorder=1.5,
+        **look,
+    )
+
+
+def _stroke_keys(film: xr.Dataset) -> list[Line2D]:
+    """Keys of the markers of the strokes, in the colour of neither statistic."""
+    if "stroke" not in film:
+        return []
+    return [
+        Line2D(
+            [],
+            [],
+            linestyle="none",
+            marker=str(look["marker"]),
+            color=MUTED,
+            markerfacecolor=MUTED if sign > 0 else "white",
+            label=str(look["label"]),
+        )
+        for sign, look in STROKES.items()
+        if (film.stroke.values == sign).any()
+    ]
+
+
+@styled
+def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw minimum film thickness with theory at the same speed and load.
+
+    Parameters
+    ----------
+    film, ax
+        As for `film_against_speed`.
+
+    Returns
+    -------
+    list of Artist
+        Measured points of both strokes, the transient film at the triggers where it is predicted,
+        the film of the regime that the regime map selects, the line-contact formula with the factor
+        2.65.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> *_, theory, formula = film_and_theory(example_film())
+    >>> theory.get_label().splitlines()
+    ['regime map, isoviscous-rigid', 'beyond the axis: 74.5 to 129 µm']
+    """
+    ax = given_or_new(ax, film)
+    ax.set(xscale="log", yscale="log")
+    x = _MILLI * speed_over_load(film)
+    value = film.film_min.values
+    artists: list[Artist] = []
+    for members, look in stroke_looks(film):
+        which = members & (value > 0)
+        if not which.any():
+            continue
+        label = f"measured minimum, {look['label']}" if "stroke" in film else "measured minimum"
+        bars = ax.errorbar(
+            x[which],
+            value[which],
+            film.film_min_std.values[which],
+            fmt=str(look["marker"]),
+            color=MINIMUM,
+            markerfacecolor="white" if look["markerfacecolor"] == "white" else MINIMUM,
+            elinewidth=pt(0.7),
+            label=label,
+        )
+        artists.append(bars.lines[0])
+
+    if "film_predicted_min" in film:
+        artists += ax.plot(
+            x,
+            film.film_predicted_min.values,
+            "D",
+            color=MEAN,
+            markerfacecolor="none",
+            markersize=pt(_AROUND_POINTS),
+            markeredgewidth=pt(0.5),
+            label="transient film over the cycle",
+            zorder=1.5,  # the points within stay visible
+        )
+
+    # steady theory depends on speed and load alone, so that its points in order make a curve
+    order = np.argsort(x)
+    steady = "film_regime_map" if "film_regime_map" in film else "film_theory"
+    regime = str(film[steady].attrs.get("regime", "steady"))
+    low, high = _range_of_film(film, (steady, "film_hamrock_dowson"))
+    lines = _LEGEND
+    for name, colour, dashes, label in (
+        (steady, RETURN, "-", f"regime map, {regime}"),
+        ("film_hamrock_dowson", OUTWARD, _DASH_DOT, "2.65 formula, piezoviscous-elastic"),
+    ):
+        curve = film[name].values[order]
+        beyond = _describe_beyond(curve, low, high)
+        lines += 1 if beyond else 0
+        artists += ax.plot(
+            x[order], curve, color=colour, linestyle=dashes, label="\n".join([label, *beyond])
+        )
+
+    ax.set_xlabel(_LABELS[_speed_name(film)])
+    ax.set_ylabel("film thickness [µm]")
+    ax.set_ylim(low, high * (high / low) ** room_for(ax, lines))
+    plain_ticks(ax)
+    ax.legend(loc="upper left", title=_BARS, alignment="left")
+    return artists
+
+
+def _range_of_film(film: xr.Dataset, theories: Sequence[str]) -> tuple[float, float]:
+    """Ends of an axis for the film with its bars, and for theory that is near it. [um]"""
+    value, std = film.film_min.values, film.film_min_std.values
+    known = [value, value - std, value + std]
+    if "film_predicted_min" in film:
+        known.append(film.film_predicted_min.values)
+    near = np.concatenate(known)
+    near = near[np.isfinite(near) & (near > 0)]
+    theory = np.concatenate([film[name].values for name in theories])
+    theory = theory[np.isfinite(theory) & (theory > 0)]
+    if near.size:
+        theory = theory[(theory > near.min() / _REACH) & (theory < near.max() * _REACH)]
+
+    both = np.log(np.concatenate([near, theory])) if near.size + theory.size else np.zeros(1)
+    widen = max(math.log(_LEAST_RATIO) - float(np.ptp(both)), 2 * _MARGIN * float(np.ptp(both))) / 2
+    return float(np.exp(both.min() - widen)), float(np.exp(both.max() + widen))
+
+
+def _describe_beyond(curve: Array, low: float, high: float) -> list[str]:
+    """State the range of a curve that an axis does not hold; empty where it does. [um]"""
+    known = curve[np.isfinite(curve)]
+    inside = (known >= low) & (known <= high)
+    if inside.all():
+        return []
+    part = "partly " if inside.any() else ""
+    return [f"{part}beyond the axis: {known.min():.3g} to {known.max():.3g} µm"]
+
+
+def plain_ticks(ax: Axes) -> None:
+    """Write the ticks of logarithmic axes as plain numbers, close enough to read a short range."""
+    for axis, limits in ((ax.xaxis, ax.get_xlim()), (ax.yaxis, ax.get_ylim())):
+        # the shorter the axis, the more ticks a decade needs
+        decades = np.log10(limits[1] / limits[0])
+        every: tuple[float, ...] = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0)
+        steps = every if decades < 0.7 else (1.0, 2.0, 3.0, 5.0) if decades < 1.5 else (1.0,)
+        axis.set_major_locator(LogLocator(base=10, subs=steps, numticks=20))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_locator(
+            LogLocator(base=10, subs=tuple(map(float, range(1, 10))), numticks=20)
+        )
+        axis.set_minor_formatter(NullFormatter())
+
+
+@styled
+def speed_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigure:
+    """Draw the measured film with its fit, and beside it with theory.
+
+    Theory that differs from the film by more than a factor of three is beyond the axis; the legend
+    states its range.
+
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it, with a speed and a load.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
+
+    Returns
+    -------
+    Figure
+        Two columns wide; one, without the theory, where the film has none.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> [ax.get_ylabel() for ax in speed_figure(example_film()).axes]
+    ['film thickness [µm]', 'film thickness [µm]']
+    """
+    if "film_theory" not in film:
+        figure = new_figure() if figure is None else figure
+        film_against_speed(film, ax=figure.add_subplot())
+        name_film(figure, film)
+        return figure
+
+    figure = new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS) if figure is None else figure
+    name_film(figure, film)
+    left, right = figure.subplots(1, 2)
+    film_against_speed(film, ax=left)
+    film_and_theory(film, ax=right)
+    letter(left, "a")
+    letter(right, "b")
+    return figure

@@ -1,0 +1,223 @@
+"""How the triggers of a film are drawn: against which quantity, and with which markers."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from matplotlib.axes import Axes
+
+from erlif.core.arrays import Array, Mask
+from erlif.io.files import motion_of
+from erlif.show.plots.style import OUTWARD, STROKES, is_page
+
+_STEADY = 0.01
+"""Relative range of a speed below which it is not drawn: that of a steady disc and its log."""
+
+_GAP = 1.75
+"""Step over the longer of its neighbours above which it is a gap; a trigger left out doubles it."""
+
+_LEAST_SPAN, _ROOM = (
+    0.02,
+    0.05,
+)  # of the film: least range of an axis; room at its ends, of its range
+
+_ONE_WAY = {"label": "trigger", "color": OUTWARD, "marker": "o", "markerfacecolor": OUTWARD}
+"""Look of the triggers where there are no strokes."""
+
+
+class Abscissa(NamedTuple):
+    """Quantity that the triggers are drawn against.
+
+    Attributes
+    ----------
+    values : Array
+        Its value at each trigger, (trigger,).
+    label : str
+        Label of the axis, with the unit.
+    whole_turn : bool
+        Whether it is an angle from 0 to 360 degrees.
+    """
+
+    values: Array
+    label: str
+    whole_turn: bool
+
+
+def choose_abscissa(film: xr.Dataset) -> Abscissa:
+    """Choose the angle of the drive where it is known, else time, encoder angle or trigger.
+
+    A disc that has turned several times is drawn against time, where that is known.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+
+    Returns
+    -------
+    Abscissa
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> choose_abscissa(example_film()).label
+    'crank angle [°]'
+    """
+    motion = motion_of(film)
+    disc = motion == "rotation"
+    if "crank_angle" in film:
+        angle = film.crank_angle.values
+        turns = np.count_nonzero(np.diff(angle) < 0)
+        if not (disc and turns > 1 and "time" in film):
+            what = {"rotation": "disc", "sinusoidal": "drive"}.get(motion, "crank")
+            return Abscissa(angle, f"{what} angle [°]", True)
+
+    if "time" in film and np.ptp(film.time.values) > 0:
+        return Abscissa(film.time.values, "time [s]", False)
+    if "encoder_angle" in film and np.ptp(film.encoder_angle.values) > 0:
+        return Abscissa(film.encoder_angle.values, "encoder angle [°]", False)
+    return Abscissa(np.arange(film.sizes["trigger"], dtype=float), "trigger", False)
+
+
+def limit_to_turn(ax: Axes) -> None:
+    """Let an axis of angles end with a whole turn."""
+    ax.set_xlim(0, 360)
+    ax.set_xticks(range(0, 361, 120 if is_page() else 60))
+
+
+def film_limits(values: Array) -> tuple[float, float]:
+    """Ends of an axis of film thickness, from the films with their error bands.
+
+    Parameters
+    ----------
+    values : array
+        Lower and upper ends of the bands, NaN where unknown. [um]
+
+    Returns
+    -------
+    (float, float)
+        From zero where the films vary by more than their smallest value, else with a little room.
+        [um]
+
+    Examples
+    --------
+    A film that varies by a few per cent, and one that comes close to contact:
+
+    >>> low, high = film_limits(np.array([7.0, 8.0]))
+    >>> print(f"{low:.2f} to {high:.2f}")
+    6.95 to 8.05
+    >>> low, high = film_limits(np.array([1.0, 8.0]))
+    >>> print(f"{low:.2f} to {high:.2f}")
+    0.00 to 8.35
+    """
+    known = values[np.isfinite(values)]
+    if known.size == 0:
+        return 0.0, 1.0
+    low, high = float(known.min()), float(known.max())
+
+    # a range below that of the noise of a film would make noise look like a cycle
+    span = max(high - low, _LEAST_SPAN * abs(high)) or 1.0
+    middle, room = (low + high) / 2, (0.5 + _ROOM) * span
+    return (0.0 if 0 <= low < span else middle - room), middle + room
+
+
+def stroke_looks(film: xr.Dataset) -> list[tuple[Mask, dict[str, Any]]]:
+    """Triggers of each stroke with the look of their markers; all alike where there is no stroke.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        With stroke (trigger) where the motion has strokes.
+
+    Returns
+    -------
+    list of (mask, dict)
+        Mask (trigger,), and label, colour and marker.
+
+    Examples
+    --------
+    >>> film = xr.Dataset({"stroke": ("trigger", [1, -1, -1])})
+    >>> [(mask.sum().item(), look["label"]) for mask, look in stroke_looks(film)]
+    [(1, 'outward'), (2, 'return')]
+    """
+    if "stroke" not in film:
+        return [(np.ones(film.sizes["trigger"], bool), _ONE_WAY)]
+    strokes = film.stroke.values
+    # a stroke without a trigger has no marker in the legend
+    masks = [(np.asarray(strokes == sign), look) for sign, look in STROKES.items()]
+    return [(members, look) for members, look in masks if members.any()]
+
+
+def in_order(film: xr.Dataset, x: Array) -> list[npt.NDArray[np.intp]]:
+    """Sort the triggers by `x`, and cut them where a line would cross what was not measured.
+
+    A line ends at the end of a stroke, and where a step of `x` is much longer than those beside it.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        With stroke (trigger) where the motion has strokes.
+    x : array, (trigger,)
+        Angle, time or number.
+
+    Returns
+    -------
+    list of array of int
+        Triggers of each stretch.
+
+    Examples
+    --------
+    >>> [part.tolist() for part in in_order(xr.Dataset(), np.array([0, 1, 2, 6, 7.0]))]
+    [[0, 1, 2], [3, 4]]
+    """
+    order = np.argsort(x, kind="stable")
+    order = order[np.isfinite(x[order])]
+    cut = find_gaps(x[order])
+    if "stroke" in film:
+        cut |= np.diff(film.stroke.values[order]) != 0
+    return np.split(order, np.flatnonzero(cut) + 1)
+
+
+def find_gaps(x: Array) -> Mask:
+    """Find the steps of rising values that are much longer than the steps beside them.
+
+    Parameters
+    ----------
+    x : array, (n,)
+        Rising.
+
+    Returns
+    -------
+    array of bool, (n - 1,)
+
+    Examples
+    --------
+    Steps may change gradually, as those of a crank at even angles of its rocker do:
+
+    >>> find_gaps(np.array([0.0, 1.0, 2.5, 4.5, 9.5, 11.5])).tolist()
+    [False, False, False, True, False]
+    """
+    steps = np.diff(x)
+    if steps.size < 2:  # nothing to compare with
+        return np.zeros(steps.size, bool)
+    before = np.r_[-np.inf, steps[:-1]]
+    after = np.r_[steps[1:], -np.inf]
+    return np.asarray(steps > _GAP * np.maximum(before, after))
+
+
+def broken(stretches: list[npt.NDArray[np.intp]], values: Array) -> Array:
+    """Values of the stretches in order, with NaN between them, where a line breaks."""
+    parts = [part for members in stretches for part in (values[members].astype(float), [np.nan])]
+    return np.concatenate(parts[:-1]) if parts else np.array([])
+
+
+def has_varying_speed(film: xr.Dataset) -> bool:
+    """Whether the sliding or the joint speed differs by more than a hundredth between triggers."""
+    name = "rocker_speed" if "rocker_speed" in film else "sliding_speed"
+    if name not in film:
+        return False
+    speed = film[name].values
+    return bool(np.ptp(speed) > _STEADY * np.abs(speed).max())

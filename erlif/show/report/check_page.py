@@ -1,0 +1,178 @@
+"""The page of ``erlif check``: findings, pairs and pictures."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from html import escape
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from erlif.core.notes import Level, Note
+from erlif.core.version import __version__
+from erlif.io.files import refuse_existing, replacing
+from erlif.review.audit import Audit
+from erlif.show.plots.audit import (
+    difference_figure,
+    histogram_figure,
+    light_figure,
+    pair_figure,
+    steps_figure,
+)
+from erlif.show.report.captions import Caption
+from erlif.show.report.layout import arrange_figures, compose_page, embed_figure
+from erlif.show.report.tables import make_table, print_text
+
+_ORDER = (Level.ERROR, Level.WARNING, Level.NOTE)
+
+_TITLES = {Level.ERROR: "Errors", Level.WARNING: "Warnings", Level.NOTE: "Found"}
+
+
+def write_check_page(audit: Audit, out_path: str | Path, *, overwrite: bool = False) -> Path:
+    """Write one self-contained HTML page about an audit.
+
+    Parameters
+    ----------
+    audit : Audit
+        From `erlif.review.audit.audit`.
+    out_path : path
+        The page.
+    overwrite : bool
+        Replace an existing page.
+
+    Returns
+    -------
+    Path
+        `out_path`.
+
+    Raises
+    ------
+    OutputError
+        If the page exists or cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from erlif.review.audit import audit
+    >>> with TemporaryDirectory() as directory:
+    ...     page = write_check_page(audit("nowhere"), f"{directory}/check.html").read_text("utf-8")
+    >>> page[:15], "there is no such directory" in page
+    ('<!DOCTYPE html>', True)
+    """
+    out_path = Path(out_path)
+    refuse_existing(out_path, overwrite=overwrite)
+    text = _make_page(audit)
+    with replacing(out_path) as scratch:
+        scratch.write_text(text, encoding="utf-8")
+    return out_path
+
+
+def _make_page(audit: Audit) -> str:
+    sections = [("findings", "Findings", _findings(audit))]
+    if audit.pairs:
+        sections.append(("pairs", "Pairs", _pair_table(audit)))
+    figures = arrange_figures(
+        embed_figure(name, figure, caption, caption.text)
+        for name, figure, caption in _figures(audit)
+    )
+    if figures:
+        sections.append(("figures", "Figures", figures))
+    return compose_page(
+        sections,
+        name=audit.name or audit.directory.name or str(audit.directory),
+        subject="check",
+        subtitle=f"Audit before computing, erlif {__version__}",
+    )
+
+
+def _findings(audit: Audit) -> str:
+    """Verdict, then errors, warnings and notes; the pairs have a table of their own."""
+    counted = Counter(note.level for note in audit.notes)
+    errors, warnings = counted[Level.ERROR], counted[Level.WARNING]
+    verdict = f"{errors} error{'s' * (errors != 1)}, {warnings} warning{'s' * (warnings != 1)}."
+    parts = [f"<p><strong>{verdict}</strong></p>"]
+    for level in _ORDER:
+        rows = [note for note in audit.notes if note.level is level and not _is_pair(note)]
+        if rows:
+            body = "".join(
+                f"<tr><th scope=row>{escape(note.subject)}</th>"
+                f"<td>{print_text(note.text)}</td></tr>"
+                for note in rows
+            )
+            parts.append(
+                f'<div class="wide"><table class="findings"><caption>{_TITLES[level]}</caption>'
+                f"<tbody>{body}</tbody></table></div>"
+            )
+    return "\n".join(parts)
+
+
+def _is_pair(note: Note) -> bool:
+    return note.level is Level.NOTE and note.subject == "pairs"
+
+
+def _pair_table(audit: Audit) -> str:
+    """The first, the last and all odd pairs."""
+    rows = [
+        [
+            str(row.pair),
+            escape(row.camera1),
+            escape(row.camera2),
+            "" if row.row is None else str(row.row),
+            "" if row.angle is None else f"{row.angle:.2f}",
+            "" if row.time is None else f"{row.time:.6g}",
+        ]
+        for row in audit.pairs
+    ]
+    head = ("pair", "camera 1", "camera 2", "log frame", "angle [deg]", "time [s]")
+    caption = "First, last and odd pairs"
+    table = make_table(rows, head=head, caption=caption, numbers=(0, 3, 4, 5))
+    return f'<div class="wide">{table}</div>'
+
+
+def _figures(audit: Audit) -> Iterator[tuple[str, Figure, Caption]]:
+    """Name, figure and caption of each picture that the audit allows."""
+    if audit.cameras is not None:
+        picture = audit.cameras.picture
+        yield (
+            "pair",
+            pair_figure(picture),
+            Caption(
+                "A frame pair",
+                "Light of both cameras after correction, camera 2 on the pixels of camera 1. "
+                "Grey: flagged.",
+                "png",
+            ),
+        )
+        yield (
+            "difference",
+            difference_figure(picture),
+            Caption(
+                "Difference after registration",
+                "Ratio of the cameras over its mean in the surroundings. Noise alone is even; "
+                "edges and texture that remain are errors of the registration. Grey: flagged.",
+                "png",
+            ),
+        )
+    if audit.survey is not None:
+        yield (
+            "counts",
+            histogram_figure(audit.survey),
+            Caption(
+                "Counts",
+                "Pixels by count in the frames that were read. Dotted: full scale.",
+            ),
+        )
+        yield (
+            "light",
+            light_figure(audit.survey, audit.darks),
+            Caption(
+                "Light over the run",
+                "(a) Median light of each frame that was read. (b) Its fine structure over the "
+                "light: it falls where a frame is out of focus.",
+            ),
+        )
+    figure = None if audit.steps is None else steps_figure(audit.steps)
+    if figure is not None:
+        text = "Angle of the encoder and time from row to row of the log, as far as it has them."
+        yield "steps", figure, Caption("Steps of the log", text)

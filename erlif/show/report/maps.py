@@ -1,0 +1,221 @@
+"""Thickness maps as text in a page: counts of a nanometre or more, deflated, in base64."""
+
+from __future__ import annotations
+
+import base64
+import math
+import zlib
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from erlif.core.arrays import Array, FlagImage, Image
+
+_BLOCK = 4  # pixels on a side that share one pair of standard deviations
+_LEAST_STD = 1e-4  # um, the standard deviation of code 1
+_PER_OCTAVE = 12  # codes for a factor of two: standard deviations are kept to 3 %
+_FINEST_STEP = 1e-3  # um
+_FULL_SCALE = 65535  # counts of 16 bits
+_REACH = 65.0  # um of the finest step that 16 bits reach, with some room
+
+
+@dataclass(frozen=True)
+class MapCoding:
+    """How the maps of a film are written.
+
+    Attributes
+    ----------
+    stride : int
+        Every stride-th pixel along x and y is kept. [px]
+    step : float
+        Film thickness of one count. [um]
+    """
+
+    stride: int
+    step: float
+
+
+@dataclass(frozen=True)
+class DecodedMap:
+    """The content of a page for one trigger.
+
+    Attributes
+    ----------
+    thickness : Array
+        (row, column): film thickness, NaN where flagged. [um]
+    flags : FlagImage
+        (row, column): bits of `erlif.core.flags.Flag`.
+    std : Array
+        (block row, block column): random standard deviation, NaN without valid pixels. [um]
+    std_shared : Array
+        (block row, block column): shared standard deviation, as `std`. [um]
+    predicted : Array | None
+        (row, column): predicted film, NaN beyond 16 bits; None where the page has none. [um]
+    """
+
+    thickness: Array
+    flags: FlagImage
+    std: Array
+    std_shared: Array
+    predicted: Array | None = None
+
+
+def finest_coding(thickest: float) -> MapCoding:
+    """Keep every pixel, in steps of 1 nm if 16 bits reach `thickest` [um]."""
+    return MapCoding(1, _FINEST_STEP * max(1, math.ceil(thickest / _REACH)))
+
+
+def embed_map(
+    film: xr.Dataset, *, trigger: int, coding: MapCoding, predicted: Array | Image | None = None
+) -> str:
+    """Write the map of one trigger as base64 text.
+
+    The deflated bytes are: high bytes of the thickness counts of all pixels, low bytes, flags, then
+    for blocks of 4 x 4 kept pixels one byte for the random and one for the shared standard
+    deviation (median of the valid pixels; 0 without any, else 1 + 12 log2(std / 0.1 nm)), and with
+    a prediction high and low bytes of its counts (65535 where there is none).
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+    trigger : int
+        Number of the trigger, counted from 0.
+    coding : MapCoding
+        Kept pixels, and the thickness of one count.
+    predicted : array, (y, x), optional
+        The predicted film at all pixels. [um]
+
+    Returns
+    -------
+    str
+        Base64.
+
+    Examples
+    --------
+    Reading back leaves a rounding of half a count:
+
+    >>> from erlif.show.plots import example_film
+    >>> film, coding = example_film(), MapCoding(stride=1, step=1e-3)
+    >>> text = embed_map(film, trigger=0, coding=coding)
+    >>> decoded = decode_map(text, shape=film.thickness.shape[1:], coding=coding)
+    >>> error = np.nanmax(abs(decoded.thickness - film.thickness.values[0]))
+    >>> bool(error < 0.501e-3)
+    True
+    """
+    # one selection for all variables, so that they stay on one grid
+    one = film[["thickness", "thickness_std", "thickness_std_shared", "flags"]].isel(
+        trigger=trigger, y=slice(None, None, coding.stride), x=slice(None, None, coding.stride)
+    )
+    flags = one.flags.values.astype(np.uint8)
+    valid = flags == 0
+
+    counts = np.zeros(flags.shape, np.uint16)
+    whole = np.rint(one.thickness.values[valid] / coding.step)
+    counts[valid] = np.clip(whole, 0, _FULL_SCALE).astype(np.uint16)
+
+    # bytes of one kind follow each other, because the high ones hardly change and deflate well
+    planes = [*_split_bytes(counts), flags]
+    planes += [
+        _encode_std(np.where(valid, one[name].values, np.nan))
+        for name in ("thickness_std", "thickness_std_shared")
+    ]
+    if predicted is not None:
+        kept = predicted[:: coding.stride, :: coding.stride]
+        # NaN compares as false
+        known = (kept >= 0) & (kept < _FULL_SCALE * coding.step)
+        whole = np.rint(np.where(known, kept, 0.0) / coding.step)
+        planes += _split_bytes(np.where(known, whole, _FULL_SCALE).astype(np.uint16))
+    packed = zlib.compress(b"".join(plane.tobytes() for plane in planes), 9)
+    return base64.b64encode(packed).decode("ascii")
+
+
+def _split_bytes(counts: npt.NDArray[np.uint16]) -> list[FlagImage]:
+    """High and low bytes."""
+    return [(counts >> 8).astype(np.uint8), (counts & 255).astype(np.uint8)]
+
+
+def _encode_std(std: Array) -> FlagImage:
+    """Codes of the blocks, on a logarithmic scale."""
+    # 0 stands for a block without valid pixels
+    median = _block_median(std)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        code = 1 + np.rint(_PER_OCTAVE * np.log2(median / _LEAST_STD))
+    return np.where(np.isfinite(code), np.clip(code, 1, 255), 0).astype(np.uint8)
+
+
+def _block_median(values: Array) -> Array:
+    """Lower median of the finite values of each block, NaN without any."""
+    rows, columns = block_shape((values.shape[0], values.shape[1]))
+    padded = np.full((rows * _BLOCK, columns * _BLOCK), np.nan)
+    padded[: values.shape[0], : values.shape[1]] = values
+    tiles = padded.reshape(rows, _BLOCK, columns, _BLOCK).transpose(0, 2, 1, 3)
+    blocks = tiles.reshape(rows, columns, -1)
+
+    # sorting puts NaN last, so that the middle of the finite values has a known place
+    ordered = np.sort(blocks, axis=-1)
+    finite = np.isfinite(blocks).sum(axis=-1)
+    middle = np.maximum(finite - 1, 0) // 2
+    return np.asarray(np.take_along_axis(ordered, middle[..., None], axis=-1)[..., 0])
+
+
+def block_shape(shape: tuple[int, int]) -> tuple[int, int]:
+    """Rows and columns of the blocks of a map of this shape."""
+    return -(-shape[0] // _BLOCK), -(-shape[1] // _BLOCK)
+
+
+def decode_map(text: str, *, shape: tuple[int, int], coding: MapCoding) -> DecodedMap:
+    """Read the text of `embed_map`, as the viewer of the page does.
+
+    Parameters
+    ----------
+    text : str
+        Base64.
+    shape : (int, int)
+        Rows and columns of the kept pixels.
+    coding : MapCoding
+        That of the page.
+
+    Returns
+    -------
+    DecodedMap
+        Thickness, flags, standard deviations and, where the page has it, the prediction.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> film, coding = example_film(), MapCoding(stride=2, step=1e-3)
+    >>> text = embed_map(film, trigger=0, coding=coding)
+    >>> decode_map(text, shape=(12, 32), coding=coding).std.shape
+    (3, 8)
+    """
+    # the order of the planes is that of embed_map
+    data = np.frombuffer(zlib.decompress(base64.b64decode(text)), np.uint8)
+    pixels, blocks = shape[0] * shape[1], block_shape(shape)
+    high, low, flags = (data[n * pixels : (n + 1) * pixels].reshape(shape) for n in range(3))
+    thickness = np.where(flags == 0, (high.astype(float) * 256 + low) * coding.step, np.nan)
+
+    end = 3 * pixels + 2 * blocks[0] * blocks[1]
+    codes = data[3 * pixels : end].reshape(2, *blocks).astype(float)
+    std = np.where(codes > 0, _LEAST_STD * 2 ** ((codes - 1) / _PER_OCTAVE), np.nan)
+    if data.size == end:
+        return DecodedMap(thickness, flags, std[0], std[1])
+
+    high, low = (data[end:][n * pixels : (n + 1) * pixels].reshape(shape) for n in range(2))
+    counts = high.astype(float) * 256 + low
+    predicted = np.where(counts < _FULL_SCALE, counts * coding.step, np.nan)
+    return DecodedMap(thickness, flags, std[0], std[1], predicted)
+
+
+def describe_coding(coding: MapCoding) -> dict[str, float]:
+    """Constants of the coding by the names of viewer.js."""
+    return {
+        "stride": coding.stride,
+        "step": coding.step,
+        "block": _BLOCK,
+        "leastStd": _LEAST_STD,
+        "perOctave": _PER_OCTAVE,
+        "fullScale": _FULL_SCALE,
+    }

@@ -1,0 +1,178 @@
+"""The predicted film in a few lines, beside the measured one."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import Array
+from erlif.core.notes import rank_notes
+from erlif.io.files import settings_of
+from erlif.pipeline.physics.prediction import describe_sideways, note_difference
+from erlif.prediction import speed_correlation
+
+_TITLE = 28  # columns of the titles, as in the summary of a film
+
+
+def correlation_lines(film: xr.Dataset) -> list[str]:
+    """Correlation of the film with the size of the speed, measured and predicted.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        A film or a prediction, on dim trigger.
+
+    Returns
+    -------
+    list of str
+        One line; none without a speed or a prediction.
+    """
+    found = compare_correlations(film)
+    if found is None:
+        return []
+    measured, predicted = (f"{value:+.2f}" if np.isfinite(value) else "none" for value in found)
+    return [_line("correlation with |speed|", f"measured {measured}, predicted {predicted}")]
+
+
+def compare_correlations(film: xr.Dataset) -> tuple[float, float] | None:
+    """Correlation of minimum film and size of the speed over the triggers.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        With film_predicted_min, rocker_speed and, where it was measured, film_min (trigger).
+
+    Returns
+    -------
+    tuple of float, or None
+        Measured and predicted, NaN where it is not known; None without a speed or a prediction.
+    """
+    if "film_predicted_min" not in film or "rocker_speed" not in film:
+        return None
+    speed = film["rocker_speed"].values
+    measured = film["film_min"].values if "film_min" in film else np.full(speed.shape, np.nan)
+    return speed_correlation(measured, speed), speed_correlation(
+        film["film_predicted_min"].values, speed
+    )
+
+
+def difference_lines(film: xr.Dataset) -> list[str]:
+    """Deviation of the measured minimum from the predicted one.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        With film_predicted_min and film_min (trigger); otherwise there are no lines.
+
+    Returns
+    -------
+    list of str
+    """
+    off = _differences(film)
+    if not off.size:
+        return []
+    text = f"mean {off.mean():+.3g} um, rms {np.sqrt(np.mean(off**2)):.3g} um"
+    return [_line("measured less predicted", text)]
+
+
+def carrying_sentences(film: xr.Dataset) -> list[str]:
+    """What is assumed to carry the film, how far the measured film agrees, and how to test it.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        A film with its settings.
+
+    Returns
+    -------
+    list of str
+        Sentences; none without a prediction.
+    """
+    if "film_predicted_min" not in film:
+        return []
+    options = settings_of(film).prediction
+    lines = [
+        f"Assumed: {describe_sideways(options)} ([prediction]).",
+        _carried_by(options.sideways),
+    ]
+    off = _differences(film)
+    if off.size:
+        mean, rms = f"{off.mean():+.2g}".replace("-", "−"), np.sqrt(np.mean(off**2))
+        lines.append(f"Measured less predicted minimum film: mean {mean} µm, rms {rms:.2g} µm.")
+    lines.append(
+        "erlif predict FILM --fit compares a free with a guided pin by the measured positions and "
+        "fits the viscosity."
+    )
+    return lines
+
+
+def _carried_by(sideways: str | float) -> str:
+    """The physics of a film that starts and stops, by the freedom of the pin."""
+    if sideways == "free":
+        return (
+            "A free pin swings with half the bushing, so that no oil is carried into the gap: "
+            "squeeze carries the film, and the pin sinks from turn to turn."
+        )
+    if sideways == "guided":
+        return (
+            "A guided pin stays on the load line: cavities form in the widening part of the gap, "
+            "so that the wedge carries, and the film repeats from turn to turn."
+        )
+    return (
+        "The film lies between that of a free pin, which squeeze carries and which sinks, and that "
+        "of a guided one, in which cavities let the wedge carry."
+    )
+
+
+def _differences(film: xr.Dataset) -> Array:
+    """Measured less predicted minimum where both are known; empty without either. [um]"""
+    if "film_predicted_min" not in film or "film_min" not in film:
+        return np.empty(0)
+    off: Array = film["film_min"].values - film["film_predicted_min"].values
+    known: Array = off[np.isfinite(off)]
+    return known
+
+
+def summarise_prediction(prediction: xr.Dataset) -> str:
+    """Describe a prediction: range over the cycle, start film, comparison with the measured film.
+
+    Parameters
+    ----------
+    prediction : xarray.Dataset
+        As `erlif.predict` returns it.
+
+    Returns
+    -------
+    str
+        Several lines.
+
+    Examples
+    --------
+    >>> attrs = {"title": "predicted oil-film thickness, test", "start_film_fitted": 0,
+    ...          "model": "transient Reynolds, pin free sideways", "start_film": 5.0}
+    >>> films = {"film_predicted_min": ("trigger", [5.0, 4.8, 4.7])}
+    >>> print(summarise_prediction(xr.Dataset(films, attrs=attrs)))
+    test: transient Reynolds, pin free sideways, 3 triggers
+      predicted minimum film      4.7 to 5 um
+      minimum at the first frame  5 um, as given
+    """
+    attrs, minimum = prediction.attrs, prediction["film_predicted_min"].values
+    name = str(attrs["title"]).removeprefix("predicted oil-film thickness, ")
+    lines = [
+        f"{name}: {attrs['model']}, {minimum.size} triggers",
+        _line("predicted minimum film", f"{minimum.min():.4g} to {minimum.max():.4g} um"),
+    ]
+    if "film_min" in prediction and np.isfinite(prediction["film_min"].values).any():
+        low, high = np.nanmin(prediction["film_min"]), np.nanmax(prediction["film_min"])
+        lines.append(_line("measured minimum film", f"{low:.4g} to {high:.4g} um"))
+    source = "fitted to the measured minima" if attrs["start_film_fitted"] else "as given"
+    lines.append(_line("minimum at the first frame", f"{attrs['start_film']:.4g} um, {source}"))
+    lines += [*difference_lines(prediction), *correlation_lines(prediction)]
+    if "settings" in attrs:
+        notes = rank_notes(note_difference(prediction, settings_of(prediction).prediction))
+        lines += [_line("notes", f"{note.level}: {note}") for note in notes]
+    return "\n".join(lines)
+
+
+def _line(title: str, text: str) -> str:
+    return f"  {title:{_TITLE}s}{text}"

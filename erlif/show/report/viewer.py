@@ -1,0 +1,184 @@
+"""The viewer of the maps: its controls, and the data that viewer.js reads."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import Array
+from erlif.io.files import describe_trigger, region_of
+from erlif.show.plots.maps import axis_labels, common_limits, flag_swatch, flag_title
+from erlif.show.plots.prediction import has_prediction, predicted_map
+from erlif.show.plots.style import FLAG_COLOURS, colour_map
+from erlif.show.report.maps import MapCoding, describe_coding
+from erlif.show.report.tables import flag_key
+
+_COLOURS = 256  # of the palette
+_SAMPLES = 12  # maps that the limits of the colour scales are taken from
+_WITHIN = 98.0  # percent of the pixels of a sample whose values have colours of their own
+_LEAST_REACH = 1e-3  # um, of a colour scale
+_OF_PREDICTION = ("predicted", "difference")
+
+LAYERS = {
+    "thickness": "film thickness",
+    "std": "standard deviation, random",
+    "std_shared": "standard deviation, shared",
+    "predicted": "predicted film",
+    "difference": "measured − predicted",
+}
+"""Maps of the viewer by the names of viewer.js, with their titles."""
+
+
+def viewer_section(
+    film: xr.Dataset,
+    coding: MapCoding,
+    *,
+    triggers: Sequence[int] | None = None,
+    opening: int = 0,
+    limit: float | None = None,
+) -> str:
+    """Write the controls of the viewer as HTML.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+    coding : MapCoding
+        How the maps are kept.
+    triggers : sequence of int, optional
+        Triggers whose maps the page holds, rising; default: all.
+    opening : int
+        The one that is shown first.
+    limit : float, optional
+        Largest size of the page, as it is stated where something was thinned. [MB]
+
+    Returns
+    -------
+    str
+    """
+    kept = range(film.sizes["trigger"]) if triggers is None else triggers
+    layers = "".join(
+        f'<option value="{name}">{title}</option>'
+        for name, title in LAYERS.items()
+        if name not in _OF_PREDICTION or has_prediction(film)
+    )
+    return f"""<p>Move over the map to read its values; click, or use the arrow keys
+(with Shift ten at a time), to draw the profile of a row. The dashed box is the region of interest.
+{_describe_thinning(film, coding, len(kept), limit)}Thickness is rounded
+to {1e3 * coding.step:g} nm; standard deviations are those of single pixels, medians of 4 × 4.</p>
+<p><strong id="trigger-title" aria-live="polite"></strong></p>
+<div class="controls">
+<label for="trigger">Trigger</label>
+<button type="button" id="previous">Previous</button>
+<input type="range" id="trigger" min="0" max="{len(kept) - 1}" step="1"
+ value="{list(kept).index(opening)}">
+<button type="button" id="next">Next</button>
+</div>
+<div class="controls">
+<label for="layer">Map</label>
+<select id="layer">{layers}</select>
+</div>
+<div class="viewer">
+<div><canvas id="map" tabindex="0" role="img"
+ aria-label="Map of the chosen quantity at the chosen trigger"></canvas></div>
+<div><canvas id="profile" role="img"
+ aria-label="The chosen quantity along the chosen row"></canvas>
+<output id="readout" for="trigger layer"></output></div>
+</div>
+<ul class="key" aria-label="Colours of flagged pixels">{flag_key()}</ul>
+<noscript><p>The viewer needs JavaScript; the figures below do not.</p></noscript>"""
+
+
+def _describe_thinning(film: xr.Dataset, coding: MapCoding, kept: int, limit: float | None) -> str:
+    """What the page does not hold, and how to see it; empty where it holds all."""
+    held, count = [], film.sizes["trigger"]
+    if kept < count:
+        held.append(f"the maps of {kept} of {count} triggers")
+    if coding.stride > 1:
+        ordinal = {2: "2nd", 3: "3rd"}.get(coding.stride, f"{coding.stride}th")
+        held.append(f"every {ordinal} pixel along each axis")
+    if not held:
+        return ""
+    size = "" if limit is None else f", to be at most {limit:g} MB"
+    return (
+        f"<strong>The page holds {' and '.join(held)}{size}; the film file holds all.</strong> "
+        "<code>erlif view FILM</code> shows all of them; <code>erlif report FILM --triggers "
+        "100-149</code> makes a page of some triggers, <code>--max-size</code> a larger one. "
+    )
+
+
+def viewer_data(
+    film: xr.Dataset, coding: MapCoding, *, triggers: Sequence[int] | None = None
+) -> str:
+    """Write the data of viewer.js as JSON that can stand in a script element."""
+    x, y = film.x.values[:: coding.stride], film.y.values[:: coding.stride]
+    pitch = (float(x[1] - x[0]), float(y[1] - y[0]))
+    region = region_of(film)
+    x_label, y_label = axis_labels(film)
+
+    kept = range(film.sizes["trigger"]) if triggers is None else triggers
+    numbers = film.drop_dims(["y", "x"]).load()  # read once, not for each trigger
+    data: dict[str, Any] = {
+        "width": int(x.size),
+        "height": int(y.size),
+        "coding": describe_coding(coding),
+        "x": [float(x[0]), pitch[0]],
+        "y": [float(y[0]), pitch[1]],
+        "pixelAspect": pitch[1] / pitch[0],
+        "xLabel": x_label,
+        "yLabel": y_label,
+        "region": [*region.x, *region.y],
+        "limits": _layer_limits(film, kept),
+        "layers": LAYERS,
+        "palettes": {"even": _palette("batlow"), "signed": _palette("vik")},
+        "flags": [
+            {
+                "bit": int(flag),
+                "name": flag_title(flag),
+                "rgb": [int(flag_swatch(flag)[n : n + 2], 16) for n in (1, 3, 5)],
+            }
+            for flag in FLAG_COLOURS
+        ],
+        "numbers": list(kept),
+        "triggers": [describe_trigger(numbers, k).capitalize() for k in kept],
+    }
+
+    # "</script>" in a name must not end the element
+    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c")
+
+
+def _layer_limits(film: xr.Dataset, kept: Sequence[int]) -> dict[str, list[float]]:
+    """Colour limits of the maps that the film has, each common to all triggers."""
+    # a sample of maps is enough for one colour scale of all
+    sample = kept[:: max(1, len(kept) // _SAMPLES)]
+    low, high = common_limits(film, sample)
+    limits = {"thickness": [low, high]}
+    for layer, name in (("std", "thickness_std"), ("std_shared", "thickness_std_shared")):
+        limits[layer] = [0.0, _reach(film[name].isel(trigger=k).values for k in sample)]
+
+    if has_prediction(film):
+        predicted = {k: predicted_map(film, trigger=k) for k in sample}
+        ends = [float(end) for one in predicted.values() for end in (one.min(), one.max())]
+        limits["predicted"] = [min(low, *ends), max(high, *ends)]
+        reach = _reach(film.thickness.isel(trigger=k).values - predicted[k] for k in sample)
+        limits["difference"] = [-reach, reach]
+    return {name: [round(limit, 3) for limit in both] for name, both in limits.items()}
+
+
+def _reach(maps: Iterable[Array]) -> float:
+    """Largest size among all but the largest 2 % of each map."""
+    known = [np.abs(each[np.isfinite(each)]) for each in maps]
+    ends = [float(np.percentile(each, _WITHIN)) for each in known if each.size]
+    return max([*ends, _LEAST_REACH])
+
+
+def _palette(name: str) -> str:
+    """Colours of a map in six hexadecimal digits each."""
+    # the figures have the same colours
+    colours = np.asarray(colour_map(name)(np.linspace(0, 1, _COLOURS)))[:, :3]
+    whole = (255 * colours).round().astype(int)
+    return "".join(f"{red:02x}{green:02x}{blue:02x}" for red, green, blue in whole.tolist())

@@ -1,0 +1,285 @@
+"""Films opened for looking: maps are read trigger by trigger, a few are kept."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Sequence
+from pathlib import Path
+from threading import Lock
+from typing import Any, cast
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import AnyArray, FlagImage, Image
+from erlif.core.errors import ErlifError, FrameError
+from erlif.io.files import (
+    check_trigger,
+    describe_trigger,
+    label_films,
+    motion_of,
+    open_film,
+    reading_film,
+    region_of,
+    settings_of,
+)
+from erlif.io.settings import RegionOfInterest
+from erlif.show.view.layers import LAYERS
+
+KEPT = 96 * 2**20
+"""Size of the maps that stay in memory. [byte]"""
+
+_IMAGES = ("log_ratio", "camera1", "camera2")
+"""Layers that `erlif.pipeline.restore_images` computes."""
+
+
+_DESCRIBING = ("encoder_angle", "time", "stroke", "rocker_speed", "sliding_speed")
+"""Variables that `erlif.io.files.describe_trigger` uses."""
+
+
+class FilmReader:
+    """A film whose maps are read one by one, from any thread.
+
+    Parameters
+    ----------
+    path : Path
+        ``film.nc`` or ``film.zarr``.
+    run_dir : Path, optional
+        Run directory that the film was made from; default: the directory of the film, where it
+        holds a run.toml.
+
+    Raises
+    ------
+    ErlifError
+        If there is no such film, or no run.toml in `run_dir`.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from erlif.show.plots.example import write_example
+    >>> with TemporaryDirectory() as folder:
+    ...     reader = FilmReader(write_example(Path(folder, "film.nc")))
+    ...     maps, flags = reader.read("thickness", 2)
+    ...     reader.close()
+    >>> maps.shape, reader.triggers, reader.has_images
+    ((24, 64), 6, False)
+    """
+
+    def __init__(self, path: Path, run_dir: Path | None = None) -> None:
+        self.path = path
+        """File of the film."""
+        self.film: xr.Dataset = open_film(path)
+        """The film; its maps are not in memory."""
+        settings = settings_of(self.film)
+        self.name = settings.name
+        """Name of the run, as the settings state it; `open_films` adds what distinguishes films."""
+        self.region: RegionOfInterest = region_of(self.film)
+        """Region of interest that the film was made with."""
+        self.run_dir = _find_run(path, run_dir)
+        """Run directory; None where it is not known."""
+        # the few numbers of a description, in memory: to select from the film takes much longer
+        names = [name for name in _DESCRIBING if name in self.film]
+        self._numbers = self.film[names].load()
+        self._kept: OrderedDict[tuple[str, int], AnyArray] = OrderedDict()
+        self._lock = Lock()
+        self._computing = Lock()
+
+    @property
+    def triggers(self) -> int:
+        """Number of triggers."""
+        return int(self.film.sizes["trigger"])
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of a map."""
+        return int(self.film.sizes["y"]), int(self.film.sizes["x"])
+
+    @property
+    def has_images(self) -> bool:
+        """Whether ratio and camera images can be computed again."""
+        return self.run_dir is not None
+
+    def axis(self, name: str) -> tuple[float, float]:
+        """Position of the first pixel along "x" or "y", and the distance of two. [mm]"""
+        values = self.film[name].values
+        return float(values[0]), float(values[-1] - values[0]) / (values.size - 1)
+
+    def describe(self, trigger: int) -> str:
+        """Describe a trigger in one line with its crank angle, as far as they are known."""
+        check_trigger(self.film, trigger)
+        text = describe_trigger(self._numbers, trigger)
+        if "crank_angle" in self._numbers and motion_of(self.film) != "rotation":
+            text += f", crank at {float(self._numbers.crank_angle[trigger]):.1f}°"
+        return text
+
+    def read(self, layer: str, trigger: int) -> tuple[Image, FlagImage]:
+        """Read one layer at one trigger.
+
+        Parameters
+        ----------
+        layer : str
+            A name of `erlif.show.view.layers.LAYERS`.
+        trigger : int
+            Number of the trigger, from 0.
+
+        Returns
+        -------
+        tuple of array
+            Values (y, x) in the unit of the layer, NaN where it has none; and flags (y, x). Light
+            of a camera has values in flagged pixels, and no flags.
+
+        Raises
+        ------
+        ErlifError
+            If there is no such layer or trigger, or if the run cannot be read.
+        """
+        check_trigger(self.film, trigger)
+        if layer in _IMAGES:
+            return self._restore(layer, trigger)
+        if layer not in LAYERS:
+            raise ErlifError(
+                f"Expected a layer of {', '.join(LAYERS)}; got {layer!a}. Choose one of them."
+            )
+        flags = self._read(("flags", trigger))
+        return self._read((layer, trigger)), flags
+
+    def _read(self, key: tuple[str, int]) -> AnyArray:
+        """A map of the film, from memory where it is there."""
+        found = self._find(key)
+        if found is None:
+            name, trigger = key
+            with reading_film(self.path):
+                found = self.film[name].isel(trigger=trigger).values
+            self._keep(key, found)
+        return found
+
+    def _restore(self, layer: str, trigger: int) -> tuple[Image, FlagImage]:
+        """A layer that is computed from the frames."""
+        if self.run_dir is None:
+            raise FrameError(
+                f"Expected the run of {self.path.name} to compute its images; there is no run.toml "
+                "beside it. Name its directory with --run-dir."
+            )
+        # one computation at a time: a second request for the same trigger finds it finished
+        with self._computing:
+            found = self._find((layer, trigger))
+            if found is None:
+                from erlif.pipeline import restore_images
+
+                images = restore_images(self.path, self.run_dir, trigger=trigger)
+                light = images.light.values.astype(np.float32)
+                self._keep(("log_ratio", trigger), images.log_ratio.values.astype(np.float32))
+                self._keep(("camera1", trigger), light[0])
+                self._keep(("camera2", trigger), light[1])
+                found = self._find((layer, trigger))
+        flags = self._read(("flags", trigger))
+        if layer != "log_ratio":
+            flags = np.zeros_like(flags)
+        return cast(Image, found), flags
+
+    def _find(self, key: tuple[str, int]) -> AnyArray | None:
+        with self._lock:
+            if key in self._kept:
+                self._kept.move_to_end(key)
+            return self._kept.get(key)
+
+    def _keep(self, key: tuple[str, int], values: AnyArray) -> None:
+        """Keep a map, and let go of those that were used longest ago."""
+        with self._lock:
+            self._kept[key] = values
+            size = sum(one.nbytes for one in self._kept.values())
+            while size > KEPT and len(self._kept) > len(_IMAGES) + 1:
+                _, old = self._kept.popitem(last=False)
+                size -= old.nbytes
+
+    def close(self) -> None:
+        """Release the file."""
+        self.film.close()
+
+
+def _find_run(path: Path, run_dir: Path | None) -> Path | None:
+    """Directory of the run.toml of a film."""
+    if run_dir is None:
+        beside = path.resolve().parent
+        return beside if (beside / "run.toml").is_file() else None
+    if not (run_dir / "run.toml").is_file():
+        raise FrameError(
+            f"Expected a run directory with a run.toml; {run_dir} has none. Name the directory "
+            "that the film was made from with --run-dir."
+        )
+    return run_dir
+
+
+def open_films(paths: Sequence[Path], run_dirs: Sequence[Path] = ()) -> list[FilmReader]:
+    """Open several films.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        Films.
+    run_dirs : sequence of Path
+        Their run directories in the same order; may be shorter.
+
+    Returns
+    -------
+    list of FilmReader
+
+    Raises
+    ------
+    ErlifError
+        If one of them is no film; the others are then closed.
+
+    Examples
+    --------
+    >>> open_films([Path("no such film.nc")])  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.OutputError: Expected a film file; no such film.nc does not exist. ...
+    """
+    if len(run_dirs) > len(paths):
+        raise ErlifError(
+            f"Expected at most one --run-dir for each film; got {len(run_dirs)} for {len(paths)} "
+            "films. Name them in the order of the films."
+        )
+    readers: list[FilmReader] = []
+    known: list[Path | None] = [*run_dirs, *[None] * (len(paths) - len(run_dirs))]
+    try:
+        for path, run_dir in zip(paths, known, strict=True):
+            readers.append(FilmReader(path, run_dir))
+    except BaseException:
+        for reader in readers:
+            reader.close()
+        raise
+    for reader, label in zip(
+        readers, label_films([one.name for one in readers], paths), strict=True
+    ):
+        reader.name = label
+    return readers
+
+
+def check_one_grid(one: FilmReader, other: FilmReader) -> None:
+    """Refuse two films whose pixels do not lie on each other.
+
+    Parameters
+    ----------
+    one, other : FilmReader
+        Open films.
+
+    Raises
+    ------
+    ErlifError
+        If size, first position or pitch differ.
+    """
+
+    def grid(reader: FilmReader) -> tuple[Any, ...]:
+        return (*reader.shape, *reader.axis("x"), *reader.axis("y"))
+
+    if not (one.shape == other.shape and np.allclose(grid(one), grid(other), rtol=1e-6)):
+        rows, columns = one.shape
+        other_rows, other_columns = other.shape
+        raise ErlifError(
+            "Expected two films on one grid for a difference; "
+            f"{one.name} has {columns} x {rows} px at {one.axis('x')[1]:.5g} mm, {other.name} "
+            f"{other_columns} x {other_rows} px at {other.axis('x')[1]:.5g} mm. Choose two of one "
+            "camera and region."
+        )

@@ -1,0 +1,578 @@
+"""What the page asks for, and what it receives: one function for each kind of request."""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+
+from erlif.core.arrays import FlagImage, Image
+from erlif.core.errors import ErlifError
+from erlif.core.flags import FLAG_COLOURS, Flag, count_flags
+from erlif.io.files import axis_labels, fastest_trigger
+from erlif.show.view.cycle import describe_cycle, to_list
+from erlif.show.view.differences import significance, subtract_maps
+from erlif.show.view.exports import map_csv, map_tiff, table_csv
+from erlif.show.view.films import FilmReader, check_one_grid
+from erlif.show.view.layers import DIFFERENCE, LAYERS, SIGNIFICANCE, Layer, palette
+from erlif.show.view.levels import Window, choose_step, reduce_map
+from erlif.show.view.lines import LineProfile, line_profile
+from erlif.show.view.regions import RegionStatistics, region_statistics, select_region
+from erlif.show.view.run_settings import propose_region, write_region
+
+_WITHIN = (0.5, 99.5)
+"""Percentiles of the valid pixels at the ends of a colour scale."""
+
+_LEAST_REACH = 1e-3
+"""Half of the colour scale of a difference, at least: equal maps have one colour. [um]"""
+
+_EVERY = 7
+"""A colour scale needs no more than every seventh pixel."""
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Request:
+    """The named values of an address, and the films they refer to.
+
+    Attributes
+    ----------
+    films : Sequence[FilmReader]
+        Open films.
+    values : Mapping[str, str]
+        Texts by name.
+
+    Examples
+    --------
+    >>> Request([], {"trigger": "12"}).whole("trigger")
+    12
+    >>> Request([], {"trigger": "second"}).whole("trigger")
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ErlifError: Expected a whole number as trigger; got 'second'. Reload the page.
+    """
+
+    films: Sequence[FilmReader]
+    values: Mapping[str, str]
+
+    def film(self, name: str = "film") -> FilmReader:
+        """The film of this number."""
+        number = self.whole(name)
+        if not 0 <= number < len(self.films):
+            raise ErlifError(
+                f"Expected a film from 0 to {len(self.films) - 1}; got {number}. Reload the page."
+            )
+        return self.films[number]
+
+    def whole(self, name: str) -> int:
+        """A whole number."""
+        return self._convert(name, int, "a whole number")
+
+    def numbers(self, name: str, count: int) -> list[float]:
+        """Finite numbers between commas."""
+        return self._convert(name, lambda text: _split(text, count), f"{count} numbers")
+
+    def text(self, name: str, default: str = "") -> str:
+        """A text."""
+        return self.values.get(name, default)
+
+    def _convert(self, name: str, convert: Callable[[str], T], expected: str) -> T:
+        text = self.values.get(name, "")
+        try:
+            return convert(text)
+        except ValueError:
+            raise ErlifError(
+                f"Expected {expected} as {name}; got {text[:80]!a}. Reload the page."
+            ) from None
+
+
+def _split(text: str, count: int) -> list[float]:
+    found = [float(part) for part in text.split(",")]
+    if len(found) != count or not np.isfinite(found).all():
+        raise ValueError(text)
+    return found
+
+
+def list_films(request: Request) -> dict[str, Any]:
+    """Describe the films, the layers and the flags.
+
+    Parameters
+    ----------
+    request : Request
+        Needs no values.
+
+    Returns
+    -------
+    dict
+        What the page needs before its first map.
+
+    Examples
+    --------
+    >>> list(list_films(Request([], {})))
+    ['films', 'layers', 'flags', 'palettes']
+    """
+    layers = [*LAYERS.values(), DIFFERENCE, SIGNIFICANCE]
+    return {
+        "films": [_describe_film(reader) for reader in request.films],
+        "layers": [vars(layer) for layer in layers],
+        "flags": [
+            {"bit": int(flag), "name": _flag_name(flag), "colour": colour}
+            for flag, colour in FLAG_COLOURS.items()
+        ],
+        "palettes": {layer.palette: palette(layer.palette) for layer in layers},
+    }
+
+
+def _describe_film(reader: FilmReader) -> dict[str, Any]:
+    rows, columns = reader.shape
+    labels = axis_labels(reader.film)
+    return {
+        "name": reader.name,
+        "file": reader.path.name,
+        "triggers": reader.triggers,
+        "first": fastest_trigger(reader.film),
+        "width": columns,
+        "height": rows,
+        "x": reader.axis("x"),
+        "y": reader.axis("y"),
+        "labels": labels,
+        "region": [*reader.region.x, *reader.region.y],
+        "images": reader.has_images,
+    }
+
+
+def pack_map(request: Request) -> bytes:
+    """Read the visible part of a map at the detail of the screen.
+
+    Parameters
+    ----------
+    request : Request
+        film, trigger and layer; window, its left, top, right and bottom edge in pixels; room, width
+        and height on the screen; coarse=1 for half the detail.
+
+    Returns
+    -------
+    bytes
+        Length of a description (uint32), the description in JSON, the values (float32) and the
+        flags (uint8), all little endian.
+
+    Raises
+    ------
+    ErlifError
+        If a value is missing or there is no such map.
+    """
+    found = _read_chosen(request)
+    return _pack(request, found.layer, found.values, found.flags, text=found.text)
+
+
+@dataclass(frozen=True)
+class _Chosen:
+    """The map that a request names, whole."""
+
+    reader: FilmReader
+    layer: Layer
+    values: Image
+    flags: FlagImage
+    text: str
+
+    def std(self, request: Request) -> Image:
+        """Random standard deviation of the pixels; NaN where the layer has none."""
+        if self.layer in (DIFFERENCE, SIGNIFICANCE):
+            return _subtract(request)[1] if self.layer == DIFFERENCE else self._unknown()
+        return self._stored("thickness_std", request)
+
+    def std_shared(self, request: Request) -> Image:
+        """Shared standard deviation of the pixels; NaN where the layer has none."""
+        return self._stored("thickness_std_shared", request)
+
+    def _stored(self, name: str, request: Request) -> Image:
+        if self.layer.name != "thickness":
+            return self._unknown()
+        return self.reader.read(name, request.whole("trigger"))[0]
+
+    def _unknown(self) -> Image:
+        return np.full(self.values.shape, np.nan, np.float32)
+
+
+def _read_chosen(request: Request) -> _Chosen:
+    reader, trigger = request.film(), request.whole("trigger")
+    name = request.text("layer")
+    text = reader.describe(trigger)
+    if name in (DIFFERENCE.name, SIGNIFICANCE.name):
+        values, std, flags = _subtract(request)
+        other = request.film("film2").describe(request.whole("trigger2"))
+        text = f"{other} − {text}"
+        if name == DIFFERENCE.name:
+            return _Chosen(reader, DIFFERENCE, values, flags, text)
+        return _Chosen(reader, SIGNIFICANCE, significance(values, std), flags, text)
+    values, flags = reader.read(name, trigger)
+    return _Chosen(reader, LAYERS[name], values, flags, text)
+
+
+def _subtract(request: Request) -> tuple[Image, Image, FlagImage]:
+    """Difference of the film thickness of two triggers."""
+    readers = request.film("film"), request.film("film2")
+    check_one_grid(*readers)
+    maps = []
+    for reader, trigger in zip(readers, ("trigger", "trigger2"), strict=True):
+        values, flags = reader.read("thickness", request.whole(trigger))
+        maps.append((values, reader.read("thickness_std", request.whole(trigger))[0], flags))
+    return subtract_maps(maps[0], maps[1])
+
+
+def _pack(request: Request, layer: Layer, values: Image, flags: FlagImage, *, text: str) -> bytes:
+    """The visible part of any map."""
+    left, top, right, bottom = request.numbers("window", 4)
+    window = Window.within((values.shape[0], values.shape[1]), (left, top, right, bottom))
+    width, height = request.numbers("room", 2)
+    coarse = request.text("coarse") == "1"
+    step = choose_step(window, (int(width), int(height)), coarse=coarse)
+    shown, reasons = reduce_map(window.cut(values), window.cut(flags), step=step)
+
+    about = {
+        "layer": layer.name,
+        "window": [window.left, window.top, window.right, window.bottom],
+        "step": step,
+        "shape": shown.shape,
+        "limits": colour_limits(shown, reasons, symmetric=layer in (DIFFERENCE, SIGNIFICANCE)),
+        "text": text,
+        "shares": _flag_shares(flags),
+    }
+    return join_parts(about, shown, reasons)
+
+
+def _flag_shares(flags: FlagImage) -> list[float]:
+    """Share of each flag in a map, in the order of FLAG_COLOURS."""
+    _, *counts = count_flags(flags[flags != 0])  # mostly few
+    share = {flag: count / flags.size for flag, count in zip(Flag, counts, strict=True)}
+    return [share[flag] for flag in FLAG_COLOURS]
+
+
+def join_parts(about: Mapping[str, Any], values: Image, flags: FlagImage) -> bytes:
+    """Join a description and a map to one message.
+
+    Parameters
+    ----------
+    about : mapping
+        Description, written as JSON.
+    values : array of float32, (y, x)
+        Values.
+    flags : array of uint8, (y, x)
+        Flags.
+
+    Returns
+    -------
+    bytes
+        The values begin at a multiple of four bytes.
+
+    Examples
+    --------
+    >>> message = join_parts({}, np.ones((1, 2), np.float32), np.zeros((1, 2), np.uint8))
+    >>> len(message), message[:6]
+    (18, b'\\x04\\x00\\x00\\x00{}')
+    """
+    text = json.dumps(about, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    return b"".join(
+        (
+            struct.pack("<I", len(text)),
+            text,
+            np.ascontiguousarray(values, "<f4").tobytes(),
+            np.ascontiguousarray(flags, np.uint8).tobytes(),
+        )
+    )
+
+
+def colour_limits(
+    values: Image, flags: FlagImage, *, symmetric: bool = False
+) -> tuple[float, float]:
+    """Ends of a colour scale that leaves out the 0.5 % lowest and highest pixels.
+
+    Parameters
+    ----------
+    values : array, (y, x)
+        Values.
+    flags : array, (y, x)
+        Flags; flagged pixels are left out.
+    symmetric : bool
+        About zero.
+
+    Returns
+    -------
+    (float, float)
+        0 and 1 where no pixel is valid.
+
+    Examples
+    --------
+    >>> values = np.linspace(1, 2, 8, dtype=np.float32)[None]
+    >>> low, high = colour_limits(values, np.zeros((1, 8), np.uint8))
+    >>> round(low, 1), round(high, 1)
+    (1.0, 2.0)
+    """
+    sample = values.ravel()[::_EVERY]
+    sample = sample[(flags.ravel()[::_EVERY] == 0) & np.isfinite(sample)]
+    if not sample.size:
+        return (-1.0, 1.0) if symmetric else (0.0, 1.0)
+    low, high = (float(one) for one in np.percentile(sample, _WITHIN))
+    if symmetric:
+        reach = max(abs(low), abs(high), _LEAST_REACH)
+        return -reach, reach
+    return low, max(high, low + 1e-6 * max(abs(low), 1e-3))
+
+
+def send_cycle(request: Request) -> dict[str, Any]:
+    """Collect the numbers of the triggers.
+
+    Parameters
+    ----------
+    request : Request
+        film.
+
+    Returns
+    -------
+    dict
+        As `erlif.show.view.cycle.describe_cycle`.
+    """
+    return describe_cycle(request.film().film)
+
+
+def send_profile(request: Request) -> dict[str, Any]:
+    """Read a map along a line.
+
+    Parameters
+    ----------
+    request : Request
+        As for `pack_map`; line, x and y of its ends [mm]; width [px].
+
+    Returns
+    -------
+    dict
+        "position" [mm], "value" and "std" of the points; None where flagged.
+    """
+    found = _find_profile(request)
+    return {
+        "position": to_list(found.position),
+        "value": to_list(found.values),
+        "std": to_list(found.std),
+    }
+
+
+def _find_profile(request: Request) -> LineProfile:
+    chosen = _read_chosen(request)
+    x0, y0, x1, y1 = request.numbers("line", 4)
+    return line_profile(
+        np.where(chosen.flags == 0, chosen.values, np.nan),
+        chosen.std(request),
+        (x0, y0, x1, y1),
+        x=chosen.reader.axis("x"),
+        y=chosen.reader.axis("y"),
+        width=request.whole("width"),
+    )
+
+
+def send_region(request: Request) -> dict[str, Any]:
+    """Compute the statistics of a region.
+
+    Parameters
+    ----------
+    request : Request
+        As for `pack_map`; region, low and high x, low and high y [mm].
+
+    Returns
+    -------
+    dict
+        As `erlif.show.view.regions.RegionStatistics`, None in place of NaN, and "unit".
+    """
+    chosen, found = _find_region(request)
+    numbers = {name: None if value != value else value for name, value in vars(found).items()}
+    return {**numbers, "unit": chosen.layer.unit}
+
+
+def _find_region(request: Request) -> tuple[_Chosen, RegionStatistics]:
+    chosen = _read_chosen(request)
+    x0, x1, y0, y1 = request.numbers("region", 4)
+    film = chosen.reader.film
+    part = select_region(film.x.values, film.y.values, (x0, x1, y0, y1))
+    std, shared = chosen.std(request)[part], chosen.std_shared(request)[part]
+    found = region_statistics(chosen.values[part], chosen.flags[part], std, shared)
+    return chosen, found
+
+
+def send_pixel(request: Request) -> dict[str, str]:
+    """Describe one pixel in a line.
+
+    Parameters
+    ----------
+    request : Request
+        As for `pack_map`; place, x and y [mm].
+
+    Returns
+    -------
+    dict
+        "text": position, value, standard deviations or flags.
+    """
+    chosen = _read_chosen(request)
+    x, y = request.numbers("place", 2)
+    axes = chosen.reader.axis("x"), chosen.reader.axis("y")
+    rows, columns = chosen.reader.shape
+    column = min(max(round((x - axes[0][0]) / axes[0][1]), 0), columns - 1)
+    row = min(max(round((y - axes[1][0]) / axes[1][1]), 0), rows - 1)
+
+    place = f"x = {x:.3f} mm, y = {y:.3f} mm (column {column}, row {row})"
+    flags = int(chosen.flags[row, column])
+    if flags:
+        names = ", ".join(_flag_name(flag) for flag in FLAG_COLOURS if flags & flag)
+        return {"text": f"{place}: flagged, {names}"}
+    unit = "" if chosen.layer.unit == "1" else f" {chosen.layer.unit}"
+    text = f"{place}: {chosen.values[row, column]:.4g}{unit}"
+    if chosen.layer.name == "thickness":
+        random, shared = chosen.std(request), chosen.std_shared(request)
+        text += (
+            f" ± {random[row, column]:.2g}{unit} random ± {shared[row, column]:.2g}{unit} shared"
+        )
+    return {"text": text}
+
+
+def _flag_name(flag: Flag) -> str:
+    return str(flag.name).lower().replace("_", " ")
+
+
+@dataclass(frozen=True)
+class Export:
+    """A file for the user.
+
+    Attributes
+    ----------
+    name : str
+        Name of the file.
+    content : bytes
+        Its content.
+    """
+
+    name: str
+    content: bytes
+
+
+def export(request: Request) -> Export:
+    """Write what is seen as a file.
+
+    Parameters
+    ----------
+    request : Request
+        what: "map", "profile", "region" or "cycle"; kind: "csv" or "tiff"; the rest as for the
+        function that sends it.
+
+    Returns
+    -------
+    Export
+        Maps have all pixels of the visible window, whatever the detail on the screen.
+
+    Raises
+    ------
+    ErlifError
+        If there is no such export.
+    """
+    writers = {
+        ("map", "csv"): _export_map,
+        ("map", "tiff"): _export_map,
+        ("profile", "csv"): _export_profile,
+        ("region", "csv"): _export_region,
+        ("cycle", "csv"): _export_cycle,
+    }
+    wanted = request.text("what"), request.text("kind")
+    if wanted not in writers:
+        raise ErlifError(f"Expected an export that exists; got {wanted}. Reload the page.")
+    return writers[wanted](request)
+
+
+def _file_name(request: Request, what: str, suffix: str) -> str:
+    """Name of a file without characters that a system refuses."""
+    run = "".join(c if c.isascii() and c.isalnum() else "_" for c in request.film().name)
+    return f"{run[:40]}_{what}.{suffix}"
+
+
+def _export_map(request: Request) -> Export:
+    chosen, kind = _read_chosen(request), request.text("kind")
+    left, top, right, bottom = request.numbers("window", 4)
+    window = Window.within(chosen.reader.shape, (left, top, right, bottom))
+    film, layer = chosen.reader.film, chosen.layer
+    values, flags = window.cut(chosen.values), window.cut(chosen.flags)
+    x = film.x.values[window.left : window.right]
+    y = film.y.values[window.top : window.bottom]
+    unit = layer.unit.replace("µ", "u")
+    name = _file_name(request, f"{layer.name}_{request.whole('trigger')}", kind)
+    if kind == "csv":
+        heading = layer.name if unit == "1" else f"{layer.name}_{unit}"
+        return Export(name, map_csv(values, flags, x=x, y=y, name=heading))
+    title = f"{request.film().name}, {layer.title}, {chosen.text}"
+    return Export(name, map_tiff(values, flags, x=x, y=y, title=title, unit=unit))
+
+
+def _export_profile(request: Request) -> Export:
+    found = _find_profile(request)
+    columns = {"position_mm": found.position, "value": found.values, "std": found.std}
+    return Export(_file_name(request, "profile", "csv"), table_csv(columns))
+
+
+def _export_region(request: Request) -> Export:
+    chosen, found = _find_region(request)
+    names = ("x_low_mm", "x_high_mm", "y_low_mm", "y_high_mm")
+    columns: dict[str, list[object]] = {
+        "trigger": [request.whole("trigger")],
+        "layer": [chosen.layer.name],
+        "unit": [chosen.layer.unit.replace("µ", "u")],
+    }
+    region = request.numbers("region", 4)
+    columns |= {name: [value] for name, value in zip(names, region, strict=True)}
+    columns |= {name: [value] for name, value in vars(found).items()}
+    return Export(_file_name(request, "region", "csv"), table_csv(columns))
+
+
+def _export_cycle(request: Request) -> Export:
+    cycle = describe_cycle(request.film().film)
+    columns = {"stroke": cycle["stroke"], **cycle["columns"]}
+    return Export(_file_name(request, "cycle", "csv"), table_csv(columns))
+
+
+def change_region(films: Sequence[FilmReader], body: bytes) -> dict[str, str]:
+    """Show how a region changes run.toml, or write it.
+
+    Parameters
+    ----------
+    films : sequence of FilmReader
+        Open films.
+    body : bytes
+        JSON with film, region [mm], and, to write it, confirmed and before.
+
+    Returns
+    -------
+    dict
+        "file", "change" and "before", the hash of the file as it was.
+
+    Raises
+    ------
+    ErlifError
+        If the body is no such record, or the file cannot be changed.
+    """
+    try:
+        wanted = json.loads(body)
+        x0, x1, y0, y1 = (float(value) for value in wanted["region"])
+        request = Request(films, {"film": str(wanted["film"])})
+        confirmed, before = wanted.get("confirmed") is True, str(wanted.get("before", ""))
+    except (ValueError, TypeError, KeyError) as error:
+        raise ErlifError("Expected a film and a region as JSON. Reload the page.") from error
+
+    from erlif.trend import find_region  # loads the fits, which nothing else here needs
+
+    # the pipeline needs more pixels than statistics on the page
+    reader = request.film()
+    find_region(reader.film.x.values, reader.film.y.values, roi=((x0, x1), (y0, y1)))
+    change = propose_region(reader.run_dir, (x0, x1, y0, y1))
+    if confirmed:
+        write_region(change, before=before)
+    return {"file": str(change.path), "change": change.lines, "before": change.before}

@@ -1,7 +1,0 @@
-"""The viewer in the browser: maps, profiles and statistics of films of any length."""
-
-from erlif.view.films import FilmReader, open_films
-from erlif.view.levels import Window, reduce_map
-from erlif.view.serving import serve_films
-
-__all__ = ["FilmReader", "Window", "open_films", "reduce_map", "serve_films"]

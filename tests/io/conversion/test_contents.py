@@ -1,0 +1,81 @@
+"""What of a film is converted."""
+
+import numpy as np
+import pytest
+
+from erlif.core.errors import ErlifError
+from erlif.io.conversion.contents import (
+    attributes_of,
+    choose_trigger,
+    describe_units,
+    maps_of,
+    small_variables,
+    trigger_columns,
+)
+
+
+def test_every_number_of_a_trigger_has_one_column(film):
+    columns = trigger_columns(film)
+    names = [column.name for column in columns]
+    assert len(set(names)) == len(names)
+    expected = sum(
+        variable.size // 6
+        for name, variable in film.variables.items()
+        if variable.dims[:1] == ("trigger",) and variable.dims[1:] != ("y", "x")
+    )
+    assert len(columns) == expected
+
+
+def test_a_number_with_further_dims_is_named_by_its_labels(film):
+    columns = {column.name: column for column in trigger_columns(film)}
+    side = columns["pin_displacement_side"]
+    assert side.unit == "um"
+    np.testing.assert_array_equal(side.values, film.pin_displacement.values[:, 1])
+    cross = columns["pin_position_cov_displacement_load_tilt_side"]
+    np.testing.assert_array_equal(cross.values, film.pin_position_cov.values[:, 0, 3])
+
+
+def test_counts_of_flags_are_named_by_the_flag(film):
+    counts = np.arange(48).reshape(6, 8)
+    counted = film.assign_coords(flag=("flag", 2 ** np.arange(8))).assign(
+        flagged_pixels=(("trigger", "flag"), counts)
+    )
+    columns = {column.name: column for column in trigger_columns(counted)}
+    np.testing.assert_array_equal(columns["flagged_pixels_no_film"].values, counts[:, 7])
+
+
+def test_maps_are_those_of_the_trigger(film):
+    maps = dict(maps_of(film, 3))
+    assert list(maps) == ["thickness", "thickness_std", "thickness_std_shared", "flags"]
+    np.testing.assert_array_equal(maps["flags"], film.flags.values[3])
+
+
+def test_a_crank_angle_counts_over_the_full_turn(film):
+    # triggers at 250, 290, 330, 70, 110 and 150 degree
+    assert choose_trigger(film, angle=10.0 + 360.0 * 2 + 66.0) == 3
+    assert choose_trigger(film, angle=345.0) == 2
+    assert choose_trigger(film, trigger=5) == 5
+    assert choose_trigger(film) is None
+
+
+def test_an_angle_far_from_all_triggers_is_refused(film):
+    with pytest.raises(ErlifError, match=r"of all triggers, that at 70\.00 degree is the nearest"):
+        choose_trigger(film, angle=21.0)
+    with pytest.raises(ErlifError, match="Give one of them"):
+        choose_trigger(film, angle=20.0, trigger=1)
+    with pytest.raises(ErlifError, match="a trigger from 0 to 5"):
+        choose_trigger(film, trigger=6)
+    still = film.drop_vars(["crank_angle", "encoder_angle"])
+    with pytest.raises(ErlifError, match="by its number"):
+        choose_trigger(still, angle=70.0)
+    turned = film.drop_vars("crank_angle")
+    angle = float(film.encoder_angle[4])
+    assert choose_trigger(turned, angle=angle) == 4
+
+
+def test_units_and_texts_are_kept(film):
+    assert describe_units(film)["load"] == "N"
+    assert "pixel_pitch" in attributes_of(film)["settings"]
+    small = small_variables(film, [1, 2])
+    assert "thickness" not in small
+    np.testing.assert_array_equal(small["load"], film["load"].values[1:3])

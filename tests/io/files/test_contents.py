@@ -1,0 +1,96 @@
+"""What is read from a film."""
+
+import tomllib
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import erlif
+from erlif.core.errors import ErlifError, OutputError
+from erlif.io.files import (
+    check_trigger,
+    describe_trigger,
+    fastest_trigger,
+    flag_shares,
+    has_identity,
+    region_of,
+    settings_of,
+)
+from erlif.io.settings import read_run_settings, to_toml
+
+
+@pytest.fixture(scope="module")
+def opened(film):
+    with erlif.open_film(film) as dataset:
+        return dataset.load()
+
+
+def triggers(speed, stroke):
+    return xr.Dataset({"rocker_speed": ("trigger", speed), "stroke": ("trigger", stroke)})
+
+
+def test_the_settings_of_the_run_come_back(small_rig, opened):
+    assert settings_of(opened) == read_run_settings(small_rig.run)
+
+
+def test_a_dataset_without_settings_is_refused(opened):
+    with pytest.raises(OutputError, match="there are none"):
+        settings_of(opened.drop_attrs())
+
+
+def test_the_region_is_that_of_the_settings(small_rig, opened):
+    written = tomllib.loads((small_rig.run / "run.toml").read_text())["thickness"]["roi"]
+    assert [list(region_of(opened).x), list(region_of(opened).y)] == [written["x"], written["y"]]
+
+
+def test_without_a_region_the_whole_image_is_taken(opened):
+    settings = settings_of(opened)
+    whole = settings.thickness.model_copy(update={"roi": None})
+    without = opened.assign_attrs(
+        settings=to_toml(settings.model_copy(update={"thickness": whole}))
+    )
+    region = region_of(without)
+    assert region.x == (0, float(opened.x[-1]))
+    assert region.y == (0, float(opened.y[-1]))
+
+
+@pytest.mark.parametrize("trigger", [-1, 6])
+def test_a_trigger_beyond_the_film_is_refused_with_the_range(opened, trigger):
+    check_trigger(opened, 5)
+    with pytest.raises(ErlifError, match=f"0 to 5.* got {trigger}"):
+        check_trigger(opened, trigger)
+
+
+def test_the_fastest_trigger_is_one_of_the_outward_stroke():
+    assert fastest_trigger(triggers([1.0, 2.0, -3.0], [1, 1, -1])) == 1
+
+
+def test_without_an_outward_stroke_the_fastest_of_all_is_taken():
+    assert fastest_trigger(triggers([-1.0, -2.0], [-1, -1])) == 1
+
+
+def test_a_trigger_is_described_by_angle_stroke_and_speed(opened):
+    text = describe_trigger(opened, 0)
+    assert text.startswith("trigger 0, 0.00°, outward, ")
+    assert text.endswith(" rad/s")
+
+
+def test_a_film_has_the_identity_of_its_work_and_no_other(film, opened):
+    assert has_identity(film, opened.attrs["identity"])
+    assert not has_identity(film, "ab" * 32)
+
+
+@pytest.mark.parametrize("content", [None, b"", b"something else"])
+def test_a_missing_or_foreign_file_has_no_identity(tmp_path, content):
+    path = tmp_path / "film.nc"
+    if content is not None:
+        path.write_bytes(content)
+    assert not has_identity(path, "ab" * 32)
+
+
+def test_shares_of_flags_are_those_of_the_maps(opened):
+    """A film that has no counts, as one of an earlier version, is counted map by map."""
+    counted, read = flag_shares(opened), flag_shares(opened.drop_vars(["flagged_pixels", "flag"]))
+    np.testing.assert_array_equal(counted, read)
+    np.testing.assert_array_equal(counted[:, 0], (opened.flags == 0).mean(("y", "x")))

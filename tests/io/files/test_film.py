@@ -1,0 +1,284 @@
+"""film.nc and film.zarr: names, dims and units as documented, the same bytes however made."""
+
+import json
+import tomllib
+from dataclasses import replace
+
+import h5netcdf
+import numpy as np
+import pytest
+import xarray as xr
+
+import erlif
+from erlif.core.errors import OutputError
+from erlif.io.files import write_dataset
+from erlif.io.ingest import open_run
+from erlif.io.settings import RunSettings, read_run_settings
+from erlif.pipeline.film import describe_triggers, predict_theory
+from erlif.pipeline.physics.joint import locate_run
+from erlif.pipeline.recording.omissions import note_omissions
+
+# film.nc as documented: dims and unit of each variable
+MAPS = ("trigger", "y", "x")
+ROOT = {
+    "thickness": (MAPS, "um"),
+    "thickness_std": (MAPS, "um"),
+    "thickness_std_shared": (MAPS, "um"),
+    "flags": (MAPS, "1"),
+    "valid_pixels": (("trigger",), "1"),
+    "flagged_pixels": (("trigger", "flag"), "1"),
+    "flag": (("flag",), "1"),
+    "frames_used": (("trigger",), "1"),
+    "encoder_angle": (("trigger",), "degree"),
+    "time": (("trigger",), "s"),
+    "stroke": (("trigger",), "1"),
+    "crank_angle": (("trigger",), "degree"),
+    "rocker_speed": (("trigger",), "rad s-1"),
+    "sliding_speed": (("trigger",), "m s-1"),
+    "load": (("trigger",), "N"),
+    "temperature": (("trigger",), "degree_Celsius"),
+    "film_mean": (("trigger",), "um"),
+    "share_beyond_range": (("trigger",), "1"),
+    "film_mean_std": (("trigger",), "um"),
+    "film_min": (("trigger",), "um"),
+    "film_min_std": (("trigger",), "um"),
+    "film_min_x": (("trigger",), "px"),
+    "film_min_y": (("trigger",), "px"),
+    "axis": (("axis",), None),
+    "parameter": (("parameter",), None),
+    "pin_displacement": (("trigger", "axis"), "um"),
+    "pin_tilt": (("trigger", "axis"), "um mm-1"),
+    "pin_position_cov": (("trigger", "parameter", "parameter_other"), None),
+    "pin_position_cov_random": (("trigger", "parameter", "parameter_other"), None),
+    "pin_position_gradient": (("trigger", "parameter", "calibration_parameter"), None),
+    "film_curvature": (("trigger",), "um mm-2"),
+    "film_curvature_expected": (("trigger",), "um mm-2"),
+    "film_curvature_std": (("trigger",), "um mm-2"),
+    "film_curvature_axial": (("trigger",), "um mm-2"),
+    "film_curvature_axial_std": (("trigger",), "um mm-2"),
+    "film_hamrock_dowson": (("trigger",), "um"),
+    "film_theory": (("trigger",), "um"),
+    "film_regime_map": (("trigger",), "um"),
+    "film_regime": (("trigger",), None),
+    "film_predicted_min": (("trigger",), "um"),
+    "film_predicted_mean": (("trigger",), "um"),
+    "eccentricity": (("trigger",), "1"),
+    "attitude": (("trigger",), "degree"),
+    "film_parameter": (("trigger",), "1"),
+    "speed_exponent": ((), "1"),
+    "speed_exponent_std": ((), "1"),
+    "speed_exponent_mean": ((), "1"),
+    "speed_exponent_mean_std": ((), "1"),
+    "x": (("x",), "mm"),
+    "y": (("y",), "mm"),
+    "trigger": (("trigger",), None),
+}
+LEFT_OUT = {
+    "mechanism": {"stroke", "crank_angle", "rocker_speed", "sliding_speed", "theory", "exponents"},
+    "joint": {"sliding_speed", "theory", "film_parameter", "position"},
+    "oil": {"theory"},
+}
+"""What a film of this run lacks without a table of run.toml; maps and statistics need none."""
+GROUPS = {
+    "theory": {"film_hamrock_dowson", "film_theory"},
+    "exponents": {name for name in ROOT if name.startswith("speed_exponent")},
+    "position": {"pin_displacement", "pin_tilt", "film_curvature", "film_curvature_axial"},
+}
+FRAMES = {
+    "frame": None,
+    "trigger": "1",
+    "cycle": "1",
+    "time": "s",
+    "drift_x": "px",
+    "drift_y": "px",
+    "pulse_energy": "1",
+    "pulse_energy_logged": "1",
+    "film_predicted_min": "um",
+    "film_predicted_mean": "um",
+    "eccentricity": "1",
+    "attitude": "degree",
+    "elapsed_cycles": "1",
+    "file_camera1": None,
+    "file_camera2": None,
+}
+REGISTRATION = {"displacement_x": "px", "displacement_y": "px", "displacement_std": "px"}
+
+
+@pytest.fixture(scope="module")
+def opened(film):
+    with erlif.open_film(film) as dataset:
+        return dataset.load()
+
+
+def test_film_has_the_documented_variables(opened):
+    assert set(opened.variables) == {*ROOT, "laser_mJ"}  # the log's own column keeps its name
+    for name, (dims, unit) in ROOT.items():
+        assert opened[name].dims == dims, name
+        assert opened[name].attrs.get("units") == unit, name
+    assert opened.thickness.dtype == np.float32
+    assert opened.flags.dtype == np.uint8
+    maps = {"trigger": 6, "y": 96, "x": 128, "flag": 8}
+    position = {"axis": 2, "parameter": 4, "parameter_other": 4, "calibration_parameter": 3}
+    assert dict(opened.sizes) == maps | position
+
+
+@pytest.mark.parametrize("missing", LEFT_OUT)
+def test_film_without_a_table_lacks_what_needs_it(small_rig, missing):
+    """The log gives the load, and the joint belongs to the oil."""
+    run = open_run(small_rig.run)
+    tables = {missing: None} | ({"oil": None} if missing == "joint" else {})
+    run = replace(run, settings=run.settings.model_copy(update=tables))
+    triggers = describe_triggers(run, locate_run(run))
+    film = triggers.assign(film_min=("trigger", np.ones(6)))
+    found = {*triggers, *predict_theory(run.settings, film)}  # exponents need the maps
+
+    lacking = set().union(*(GROUPS.get(name, {name}) for name in LEFT_OUT[missing]))
+    named = " ".join(note.text for note in note_omissions(run.settings, triggers))
+    for name in lacking:
+        assert name not in found, name
+        # a note names what any motion gives, and a standard deviation with its quantity
+        assert name in named or name == "rocker_speed" or name.endswith("_std"), name
+    assert {"load", "temperature", "encoder_angle"} <= found
+
+
+def test_names_of_the_film_are_reserved_in_the_log(opened):
+    from erlif.io.ingest.logs.columns import _RESERVED
+
+    assert set(map(str, opened.variables)) - {"laser_mJ"} <= _RESERVED
+
+
+def test_film_has_the_documented_groups(film):
+    with erlif.open_film(film, group="frames") as frames:
+        assert {name: frames[name].attrs.get("units") for name in frames.variables} == FRAMES
+        assert all(frames[name].dims == ("frame",) for name in frames.variables)
+        assert frames.file_camera1.values.tolist() == [f"frame_{k:04d}.tif" for k in range(6)]
+    with erlif.open_film(film, group="registration") as registration:
+        for name, unit in REGISTRATION.items():
+            assert registration[name].dims == ("y", "x")
+            assert registration[name].attrs["units"] == unit
+    with h5netcdf.File(film, "r") as file:
+        assert set(file.groups) == {"frames", "registration"}
+
+
+def test_flags_explain_themselves(opened):
+    attrs = opened.flags.attrs
+    assert attrs["flag_masks"].tolist() == [1, 2, 4, 8, 16, 32, 64, 128]
+    assert attrs["flag_masks"].dtype == np.uint8
+    assert attrs["flag_meanings"] == (
+        "saturated dim bad_pixel outside_overlap below_range above_range poor_registration no_film"
+    )
+
+
+def test_thickness_is_nan_exactly_where_flags_are_set(opened):
+    flagged = opened.flags.values != 0
+    assert flagged.any()
+    assert not flagged.all()
+    for name in ("thickness", "thickness_std", "thickness_std_shared"):
+        np.testing.assert_array_equal(np.isnan(opened[name].values), flagged)
+
+
+def test_film_holds_its_history(small_rig, opened):
+    attrs = opened.attrs
+    assert attrs["Conventions"] == "CF-1.11"
+    assert attrs["erlif_version"] == erlif.__version__
+    assert attrs["history"]
+    assert RunSettings.model_validate(tomllib.loads(attrs["settings"])) == read_run_settings(
+        small_rig.run
+    )
+    hashes = json.loads(attrs["input_hashes"])
+    assert {
+        "run.toml",
+        "encoder.csv",
+        "camera1/*.tif",
+        "camera2/*.tif",
+        "camera1_dark.tif",
+        "camera2_flat.tif",
+    } <= set(hashes)
+    assert all(len(value) == 64 for value in hashes.values())
+    assert {"regime", "reason"} <= set(opened.film_theory.attrs)
+    assert not any(str(small_rig.directory) in str(value) for value in attrs.values())
+
+
+def test_places_of_pixels_follow_from_the_pitch(opened):
+    np.testing.assert_allclose(opened.x, np.arange(128) * 19.2 / 128)
+    np.testing.assert_allclose(opened.y, np.arange(96) * 19.2 / 128)
+
+
+def test_the_film_does_not_depend_on_threads_repetition_or_place(small_rig, film, tmp_path):
+    path = tmp_path / "elsewhere" / "film.nc"
+    erlif.process(small_rig.run, output=path, workers=3).close()
+    assert path.read_bytes() == film.read_bytes()
+
+
+def test_zarr_holds_the_same_as_netcdf(small_rig, film, tmp_path):
+    path = tmp_path / "film.zarr"
+    returned = erlif.process(small_rig.run, output=path)
+    xr.testing.assert_identical(returned.load(), erlif.open_film(path).load())
+    for group in (None, "frames", "registration"):
+        with erlif.open_film(film, group=group) as expected:
+            xr.testing.assert_identical(erlif.open_film(path, group=group).load(), expected.load())
+    returned.close()
+    erlif.process(small_rig.run, output=path, overwrite=True).close()
+    with erlif.open_film(film) as expected:
+        xr.testing.assert_identical(erlif.open_film(path).load(), expected.load())
+    assert [entry.name for entry in tmp_path.iterdir()] == ["film.zarr"]
+
+
+def test_a_film_that_is_not_written_is_the_same(small_rig, opened):
+    made = erlif.process(small_rig.run)
+    xr.testing.assert_identical(made, opened)
+
+    # its groups are kept beside it
+    assert made.isel(trigger=[0, 1]).erlif.frames.sizes["frame"] == 6
+    assert "displacement_std" in made.erlif.registration
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "none.nc",
+        "none.zarr",
+        "text.nc",
+        "text.zarr",
+        "empty.nc",
+        "directory.nc",
+        "hollow.zarr",
+        "other.nc",
+    ],
+)
+def test_a_file_that_is_not_a_film_is_refused(tmp_path, small_rig, name):
+    path = tmp_path / name
+    if name.startswith("text"):
+        path.write_text("film")
+    elif name.startswith("empty"):
+        path.write_bytes(b"")
+    elif name.startswith(("directory", "hollow")):
+        path.mkdir()
+    elif name.startswith("other"):
+        path.write_bytes((small_rig.fixture / "calibration.nc").read_bytes())
+    with pytest.raises(OutputError, match=name):
+        erlif.open_film(path)
+
+
+def test_a_missing_group_is_refused(film):
+    with pytest.raises(OutputError, match=r"film\.nc"):
+        erlif.open_film(film, group="friction")
+
+
+def test_groups_are_written_into_the_same_file(tmp_path):
+    path = tmp_path / "out" / "two.nc"
+    write_dataset(
+        xr.Dataset({"a": 1.0}), path, groups={"registration": xr.Dataset({"b": ("x", [2.0])})}
+    )
+    with h5netcdf.File(path) as file:
+        assert float(file["a"][()]) == 1.0
+        assert file["registration"]["b"][0] == 2.0
+
+
+def test_a_full_disk_is_reported_before_a_map_is_written(small_rig, tmp_path, monkeypatch):
+    """HDF5 may crash when the disk becomes full; room is taken first."""
+    usage = type("Usage", (), {"free": 1000})
+    monkeypatch.setattr("erlif.io.files.netcdf_maps.shutil.disk_usage", lambda path: usage)
+    with pytest.raises(OutputError, match="No space left on device"):
+        erlif.process(small_rig.run, output=tmp_path / "film.nc")
+    assert not (tmp_path / "film.nc").exists()

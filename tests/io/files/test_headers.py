@@ -1,0 +1,121 @@
+"""Films whose headers claim what the file does not hold."""
+
+import json
+import shutil
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+
+from erlif.io.files import MapVariable, PartialFilm, open_film, write_film
+from erlif.io.files.headers import check_netcdf, check_zarr
+from erlif.show.plots import example_film
+
+MAPS = ("thickness", "thickness_std", "thickness_std_shared", "flags")
+
+
+@pytest.fixture(params=["film.nc", "film.zarr"])
+def path(request, tmp_path):
+    """The example film as the pipeline stores it, one chunk for each map."""
+    return store(tmp_path / request.param)
+
+
+def store(path):
+    film = example_film()
+    grid = xr.Dataset(coords={name: film[name] for name in ("trigger", "y", "x")})
+    variables = [MapVariable(name, str(film[name].dtype), film[name].attrs) for name in MAPS]
+    with PartialFilm(path, "key", grid, variables) as work:
+        for trigger in range(film.sizes["trigger"]):
+            maps = {name: film[name].values[trigger] for name in MAPS}
+            work.put(trigger, work.encode(maps), {})
+        write_film(work, film.drop_vars(MAPS), {})
+    return path
+
+
+def check(path):
+    (check_zarr if path.is_dir() else check_netcdf)(path)
+
+
+def describe(path, name, **changes):
+    description = path / name / "zarr.json"
+    description.write_text(json.dumps(json.loads(description.read_text()) | changes))
+
+
+def test_a_film_as_it_was_written_is_accepted(path):
+    check(path)
+    with open_film(path) as film:
+        np.testing.assert_allclose(film.x, example_film().x)
+
+
+def test_a_header_larger_than_the_memory_is_refused_before_it_is_read(path):
+    if path.is_dir():
+        describe(path, "load", shape=[10**9])
+    else:
+        with h5py.File(path, "r+") as file:
+            del file["load"]
+            file.create_dataset("load", (10**9,), "f8", chunks=(1024,))
+    with pytest.raises(ValueError, match=r"claims 8\.0 GB of load"):
+        check(path)
+
+
+def test_missing_maps_are_not_read_as_valid_pixels(path):
+    if path.is_dir():
+        (path / "flags" / "c.2.0.0").unlink()
+    else:
+        with h5py.File(path, "r+") as file:
+            shape, kept = file["flags"].shape, file["flags"][0]
+            del file["flags"]
+            file.create_dataset("flags", shape, "u1", chunks=(1, *shape[1:]))[0] = kept
+    with pytest.raises(ValueError, match=r"of flags (is|are) missing"):
+        check(path)
+
+
+@pytest.mark.parametrize("kind", ["external", "soft", "virtual", "raw"])
+def test_values_in_another_file_are_refused(tmp_path, kind):
+    path = store(tmp_path / "film.nc")
+    shutil.copy(path, tmp_path / "other.nc")
+    with h5py.File(path, "r+") as file:
+        count = file["load"].shape
+        del file["load"]
+        if kind == "external":
+            file["load"] = h5py.ExternalLink("other.nc", "/load")
+        elif kind == "soft":
+            file["load"] = h5py.SoftLink("/time")
+        elif kind == "virtual":
+            layout = h5py.VirtualLayout(count, "f8")
+            layout[:] = h5py.VirtualSource(tmp_path / "other.nc", "load", count)
+            file.create_virtual_dataset("load", layout)
+        else:
+            file.create_dataset("load", count, "f8", external=[("/dev/zero", 0, 8 * count[0])])
+    with pytest.raises(ValueError, match=r"load is a link|load are in another file"):
+        check_netcdf(path)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"codecs": [{"name": "pickle"}]}, "has the codecs"),
+        ({"shape": [-1]}, "has the shape"),
+        ({"shape": [6, 6]}, "has the shape"),
+        (
+            {
+                "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [10**9]}},
+            },
+            r"claims 8\.0 GB",
+        ),
+    ],
+)
+def test_a_description_that_erlif_does_not_write_is_refused(tmp_path, changes, words):
+    path = store(tmp_path / "film.zarr")
+    describe(path, "load", **changes)
+    with pytest.raises(ValueError, match=words):
+        check_zarr(path)
+
+
+@pytest.mark.parametrize("text", ["", "[]", "[" * 100_000, "{"])
+def test_a_description_that_is_no_record_is_refused(tmp_path, text):
+    path = store(tmp_path / "film.zarr")
+    (path / "zarr.json").write_text(text)
+    with pytest.raises(ValueError, match=r"zarr\.json (is no JSON|describes no array)"):
+        check_zarr(path)

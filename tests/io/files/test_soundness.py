@@ -1,0 +1,154 @@
+"""Films that no run gives are refused when they are opened."""
+
+import h5py
+import numpy as np
+import pytest
+from scenes.film import make_film
+
+from erlif.core.errors import OutputError
+from erlif.io.files import open_film
+from erlif.io.files.soundness import FRAMES, REGISTRATION, check_film
+from erlif.show.plots import example_film
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    return make_film(tmp_path_factory.mktemp("film"))
+
+
+def change(name, values):
+    """Give a variable other values, and with them another type or shape."""
+
+    def damage(film):
+        kept = film[name]
+        return film.assign({name: (kept.dims, np.asarray(values(kept.values)), kept.attrs)})
+
+    return damage
+
+
+def attribute(name, value, variable=None):
+    def damage(film):
+        attrs = film.attrs if variable is None else film[variable].attrs
+        if value is None:
+            del attrs[name]
+        else:
+            attrs[name] = value
+        return film
+
+    return damage
+
+
+def set_first(number):
+    def damage(values):
+        changed = values.astype(float)
+        changed[0] = number
+        return changed
+
+    return damage
+
+
+def without(name):
+    return lambda film: film.drop_vars(name)
+
+
+DAMAGES = [
+    *((without(name), f"it has no variable {name}") for name in ("thickness_std", "frames_used")),
+    (without("x"), "it has no variable x"),
+    (without("sliding_speed"), "film_theory and no variable sliding_speed"),
+    (without("load"), "film_theory and no variable load"),
+    (without("speed_exponent_std"), "it has no variable speed_exponent_std"),
+    (without("crank_angle"), "rocker_speed and no variable crank_angle"),
+    (
+        lambda film: film.drop_vars(["rocker_speed"]),
+        "it has a linkage and no variable rocker_speed",
+    ),
+    (lambda film: film.assign(load=("x", film.x.values)), "load has the dims"),
+    (lambda film: film.isel(trigger=slice(0, 0)), "trigger has no values"),
+    (
+        change("thickness", lambda v: np.zeros(v.shape, int)),
+        "thickness has values of the type int64",
+    ),
+    (change("load", lambda v: v.astype(str)), "load has values of the type"),
+    (change("film_min", set_first(np.inf)), "film_min has the value inf"),
+    (change("film_min", set_first(1e300)), "film_min has the value 1e[+]300"),
+    (change("film_min_std", set_first(-0.1)), r"film_min_std has the value -0\.1"),
+    (change("load", set_first(-1.0)), "load has the value -1"),
+    (change("encoder_angle", lambda v: v * np.nan), "encoder_angle has no value"),
+    (change("x", lambda v: v[::-1]), "its positions x do not rise"),
+    (change("y", lambda v: v * np.nan), "y has no value"),
+    (change("y", lambda v: v**2), "its positions y have unequal distances"),
+    (change("trigger", lambda v: v + 1), "its triggers are not numbered from 0"),
+    (attribute("units", "mm", "thickness"), "thickness is in 'mm', not in um"),
+    (attribute("units", "um", "x"), "x is in 'um', not in mm"),
+    (attribute("title", None), "its attribute title is missing, not text"),
+    (attribute("title", 5), "its attribute title is 5, not text"),
+    (attribute("notes", 1.5), r"its attribute notes is 1\.5, not text"),
+    (attribute("settings", "[run"), "the settings in it cannot be read"),
+    (attribute("settings", "[run]\nname = 'a'"), "the settings in it cannot be read"),
+    (attribute("calibration", "[1]"), "its attribute calibration is no record in JSON"),
+    (attribute("calibration", "{"), "its attribute calibration is no record in JSON"),
+    (attribute("input_hashes", '{"run.toml": 5}'), "input_hashes holds other values"),
+    (attribute("format_version", 99), "written by a later version of erlif"),
+    (attribute("format_version", "x"), "invalid literal"),
+    (attribute("triggers_used", None, "speed_exponent"), "triggers_used of speed_exponent is"),
+    (attribute("log_scale", "x", "speed_exponent"), "log_scale of speed_exponent is 'x'"),
+    (attribute("reason", None, "film_theory"), "its attribute reason is missing"),
+    (attribute("zero", np.inf, "encoder_angle"), "zero of encoder_angle is"),
+    (attribute("load_line", None, "attitude"), "load_line of attitude is missing"),
+    (without("eccentricity"), "it has no variable eccentricity"),
+]
+
+
+@pytest.mark.parametrize(("damage", "words"), DAMAGES)
+def test_a_film_that_no_run_gives_is_refused(damage, words):
+    with pytest.raises(ValueError, match=words):
+        check_film(damage(example_film()))
+
+
+def test_what_could_not_be_measured_is_nan_and_accepted():
+    film = example_film()
+    for name in ("film_min", "film_mean", "film_theory", "speed_exponent"):
+        film[name] = film[name] * np.nan
+        film[name].attrs.update(example_film()[name].attrs)
+    check_film(film)
+
+
+def test_the_refusal_names_the_film_and_what_to_do(whole, tmp_path):
+    path = tmp_path / "film.nc"
+    path.write_bytes(whole.read_bytes())
+    with h5py.File(path, "r+") as file:
+        file["film_min"][1] = np.inf
+    with pytest.raises(OutputError, match=r"film\.nc is damaged .*film_min has the value inf.*RUN"):
+        open_film(path)
+
+
+@pytest.mark.parametrize(
+    ("group", "name"),
+    [
+        (group, name)
+        for group, forms in {"frames": FRAMES, "registration": REGISTRATION}.items()
+        for name, form in forms.items()
+        if form.required
+    ],
+)
+def test_a_group_of_a_film_is_checked_as_well(whole, tmp_path, group, name):
+    path = tmp_path / "film.nc"
+    path.write_bytes(whole.read_bytes())
+    with h5py.File(path, "r+") as file:
+        del file[group][name]
+    with pytest.raises(OutputError, match=f"it has no variable {name}"):
+        open_film(path, group=group)
+
+
+def test_names_of_frames_in_an_unknown_encoding_are_refused(whole, tmp_path):
+    path = tmp_path / "film.nc"
+    path.write_bytes(whole.read_bytes())
+    with h5py.File(path, "r+") as file:
+        names = file["frames/file_camera1"]
+        kept, dims = np.char.encode(np.array(["a.tif"] * names.shape[0]), "utf-8"), names.dims[0][0]
+        del file["frames/file_camera1"]
+        file["frames/file_camera1"] = kept
+        file["frames/file_camera1"].dims[0].attach_scale(dims)
+        file["frames/file_camera1"].attrs["_Encoding"] = "klingon"
+    with pytest.raises(OutputError, match="unknown encoding: klingon"):
+        open_film(path, group="frames").load()

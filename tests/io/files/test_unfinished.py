@@ -1,0 +1,205 @@
+"""A film in the making: resumed, refused, removed, complete."""
+
+import logging
+
+import pytest
+from scenes.stores import FILM, GRID, GROUPS, VARIABLES, contents, maps_of, read_store
+
+from erlif.core.errors import OutputError
+from erlif.io.files import MapStore, PartialFilm, remove_remains, write_film
+from erlif.io.files.replacing import remove
+
+
+@pytest.fixture(params=["film.nc", "film.zarr"])
+def output(request, tmp_path):
+    return tmp_path / request.param
+
+
+def begin(output, key="key"):
+    return PartialFilm(output, key, GRID, VARIABLES)
+
+
+def put(work, *triggers):
+    for trigger in triggers:
+        work.put(trigger, work.encode(maps_of(trigger)), {"frames_used": 2})
+
+
+def test_an_unfinished_film_forgets_what_was_half_written(output):
+    work = begin(output)
+    put(work, 0)
+    (work.directory / "half.unfinished").write_bytes(b"half")
+    work.lock.release()  # as the end of its process does
+    with begin(output) as again:
+        assert again.has(0)
+        assert not list(again.directory.glob("*.unfinished"))
+    work.maps.close()
+
+
+def test_numbers_come_back_by_their_names(output):
+    with begin(output) as work:
+        put(work, 0)
+        assert {name: values.tolist() for name, values in work.numbers(0).items()} == {
+            "frames_used": 2
+        }
+
+
+def test_work_of_the_same_key_is_resumed_and_of_another_key_removed(output, caplog):
+    with begin(output) as work:
+        put(work, 0)
+    with caplog.at_level(logging.INFO, logger="erlif"), begin(output) as work:
+        assert work.has(0)
+        assert "1 triggers are finished" in caplog.text
+    with begin(output, "another key") as work:
+        assert not work.has(0)
+
+
+def test_nothing_is_left_where_no_trigger_was_finished(output, tmp_path):
+    with begin(output):
+        pass
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_second_process_is_refused_while_the_first_works(output):
+    with begin(output), pytest.raises(OutputError, match="another erlif process"):
+        begin(output)
+
+
+def test_a_folder_of_the_user_is_not_touched(output):
+    own = output.with_name(output.name + ".partial")
+    own.mkdir()
+    (own / "notes.txt").write_text("mine")
+    with pytest.raises(OutputError, match="something else is there"):
+        begin(output)
+    assert (own / "notes.txt").read_text() == "mine"
+    own.rename(output.with_name("elsewhere"))
+    with begin(output):  # the lock was given back
+        pass
+
+
+def test_a_folder_in_place_of_the_journal_is_named(tmp_path):
+    output = tmp_path / "film.nc"
+    with PartialFilm(output, "key", GRID, VARIABLES) as film:
+        film.put(0, film.encode(maps_of(0)), {})
+        journal = film.directory / "journal"
+    journal.unlink()
+    (journal / "mine").mkdir(parents=True)
+    with pytest.raises(OutputError, match=r"Move .*journal away"):
+        PartialFilm(output, "key", GRID, VARIABLES)
+
+
+def test_a_full_disk_keeps_the_triggers_put_before(output, monkeypatch):
+    def fail(*arguments, **options):
+        raise OSError(28, "No space left on device")
+
+    with begin(output) as work:
+        put(work, 0)
+        monkeypatch.setattr("erlif.io.files.netcdf_maps.NetcdfMaps._reserve", fail)
+        monkeypatch.setattr("erlif.io.files.zarr_maps.ZarrMaps._write", fail)
+        with pytest.raises(OutputError, match=f"{output.name} could not be written: No space left"):
+            put(work, 1)
+        assert work.has(0)
+        assert not work.has(1)
+
+
+def test_a_film_that_cannot_be_completed_keeps_its_triggers(output, monkeypatch):
+    def fail(*arguments, **options):
+        raise OSError(28, "No space left on device")
+
+    with begin(output) as work:
+        put(work, 0, 1, 2, 3)
+        with monkeypatch.context() as patch:
+            patch.setattr(type(work.maps), "finish", fail)
+            with pytest.raises(OutputError, match="No space left"):
+                write_film(work, FILM, GROUPS)
+    assert not output.exists()
+    with begin(output) as work:
+        assert all(map(work.has, range(4)))
+        write_film(work, FILM, GROUPS)
+    with read_store(output) as film:
+        assert film.attrs["title"] == FILM.attrs["title"]
+
+
+def test_a_complete_film_takes_its_name_and_leaves_nothing_beside_it(output, tmp_path):
+    for _ in range(2):  # the second replaces the first
+        with begin(output) as work:
+            put(work, 0, 1, 2, 3)
+            write_film(work, FILM, GROUPS)
+    assert list(tmp_path.iterdir()) == [output]
+
+
+def test_only_a_zarr_takes_triggers_in_any_order(tmp_path):
+    stores: list[MapStore] = []
+    for name in ("film.nc", "film.zarr"):
+        with begin(tmp_path / name) as work:
+            stores.append(work.maps)
+    assert [store.any_order for store in stores] == [False, True]
+
+
+# what a process leaves that is killed after the film has its name
+
+
+@pytest.fixture
+def complete(output, monkeypatch):
+    """A film whose process was killed before it removed its directory and its lock."""
+    with monkeypatch.context() as patch:
+        patch.setattr(PartialFilm, "discard", lambda work: None)
+        work = begin(output)
+        put(work, 0, 1, 2, 3)
+        write_film(work, FILM, GROUPS)
+        work.lock.file.close()
+    assert len(list(output.parent.iterdir())) == 3
+    return output
+
+
+def test_remains_beside_a_complete_film_are_removed(complete):
+    before = contents(complete)
+    remove_remains(complete)
+    assert list(complete.parent.iterdir()) == [complete]
+    assert contents(complete) == before
+
+
+def test_a_killed_removal_is_completed(complete, monkeypatch):
+    """The key is removed last, so what remains is known as ours."""
+    removed = []
+
+    def remove_one(path):
+        if removed:
+            raise KeyboardInterrupt
+        removed.append(path)
+        remove(path)
+
+    directory = complete.with_name(complete.name + ".partial")
+    (directory / "another").write_text("one more file")
+    with monkeypatch.context() as patch:
+        patch.setattr("erlif.io.files.unfinished.remove", remove_one)
+        with pytest.raises(KeyboardInterrupt):
+            remove_remains(complete)
+    remove_remains(complete)
+    assert list(complete.parent.iterdir()) == [complete]
+
+
+@pytest.mark.parametrize("entries", [0, 1])
+def test_a_directory_of_the_user_beside_a_complete_film_is_kept(complete, entries):
+    """An empty one may be ours, begun by a process that was killed at once."""
+    remove_remains(complete)
+    own = complete.with_name(complete.name + ".partial")
+    own.mkdir()
+    for _ in range(entries):
+        (own / "thesis.txt").write_text("years of work")
+    remove_remains(complete)
+    assert own.exists() == bool(entries)
+
+
+def test_unfinished_work_beside_an_earlier_film_is_kept(complete):
+    remove_remains(complete)
+    with begin(complete) as work:
+        put(work, 0)
+    remove_remains(complete)
+    with begin(complete) as work:
+        assert work.has(0)
+
+
+def test_remains_of_a_process_at_work_are_refused(complete):
+    remove_remains(complete)
+    with begin(complete), pytest.raises(OutputError, match="another erlif process"):
+        remove_remains(complete)

@@ -1,0 +1,215 @@
+"""A function given the wrong product names the one it wants and how to get it."""
+
+import inspect
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import erlif
+from erlif.core.errors import ErlifError
+from erlif.io.files.kinds import KIND_NAMES, kind_of
+from erlif.io.files.wanted import PRODUCTS, take, takes
+from erlif.pipeline.physics.fit import fit_film
+from erlif.review.audit import audit
+from erlif.show import plots
+from erlif.show.report import write_report
+
+STEPS = ("erlif.", "film.erlif", "Name", "Make one with")
+"""How a next step begins."""
+
+
+@pytest.fixture(scope="module")
+def products():
+    film = plots.example_film()
+    return {
+        "film": film,
+        "calibration": plots.example_calibration(),
+        "frames": plots.example_frames(),
+        "registration": plots.example_registration(),
+        "images": plots.example_images(film, trigger=1),
+        "pressure": plots.example_pressure(),
+        "prediction": xr.Dataset({"film_predicted": film.thickness, "film_min": film.film_min}),
+        "array": film.thickness,
+        "number": 3,
+    }
+
+
+def refuse(call, *words):
+    with pytest.raises(ErlifError) as found:
+        call()
+    text = str(found.value)
+    assert any(step in text for step in STEPS), text
+    for word in words:
+        assert word in text
+    return text
+
+
+@pytest.mark.parametrize("kind", ["film", "calibration", "frames", "registration", "images"])
+def test_products_are_recognised(products, kind):
+    assert kind_of(products[kind]) == kind
+    assert take(products[kind], kind) is products[kind]
+
+
+def drawings():
+    """Each figure with the arguments that are products, by the kind of the first."""
+    for name in plots.__all__:
+        function = getattr(plots, name)
+        if not inspect.isfunction(function) or name.startswith(("example", "write", "find")):
+            continue
+        first = next(iter(inspect.signature(function).parameters), "")
+        if first in PRODUCTS and hasattr(function, "__wrapped__"):
+            yield pytest.param(function, PRODUCTS[first], id=name)
+
+
+WRONG = [
+    pytest.param(one.values[0], one.values[1], given, id=f"{one.id}-{given}")
+    for one in drawings()
+    for given in ("film", "calibration", "frames", "registration", "array", "number")
+    if given != one.values[1]
+]
+
+
+@pytest.mark.parametrize(("draw", "kind", "given"), WRONG)
+def test_a_figure_refuses_another_product(products, draw, kind, given):
+    needed = {
+        one.name: products.get(PRODUCTS.get(one.name, ""), 0)
+        for one in inspect.signature(draw).parameters.values()
+        if one.default is one.empty
+    }
+    first = next(iter(needed))
+    refuse(lambda: draw(**(needed | {first: products[given]})), f"Expected {KIND_NAMES[kind]}")
+
+
+def test_every_figure_of_a_product_is_guarded():
+    guarded = {one.id for one in drawings()}
+    assert {"thickness_map", "ratio_against_thickness", "displacement_map"} <= guarded
+    assert len(guarded) > 30
+
+
+def test_a_path_is_opened_where_a_film_is_wanted(film):
+    drawn = plots.thickness_map(str(film), trigger=1)
+    assert drawn.get_array().shape == (96, 128)
+    assert "6 triggers" in erlif.summarise(film)
+    assert plots.drift_of_frames(film)
+
+
+RUN, FIXTURE = "data_samples/straight_bushing", "calibration/wedge"
+CALLS = [
+    (lambda p: erlif.process(p["film"]), "a run directory", "got a film"),
+    (lambda p: erlif.process(p["calibration"]), "a run directory", "got a calibration"),
+    (lambda p: erlif.process(FIXTURE), "run.toml", "fixture.toml"),
+    (lambda p: erlif.process(RUN, calibration=p["film"]), "calibration=", "got a film"),
+    (lambda p: erlif.process(RUN, output=p["film"]), "output=", "got a film"),
+    (lambda p: erlif.calibrate(p["calibration"]), "a fixture directory", "got a calibration"),
+    (lambda p: erlif.calibrate(RUN), "fixture.toml", "run.toml"),
+    (lambda p: erlif.check(p["film"]), "a directory", "got a film"),
+    (lambda p: audit(p["frames"]), "a directory", "got the group frames"),
+    (lambda p: erlif.budget(p["film"]), "a run directory", "got a film"),
+    (lambda p: erlif.budget(RUN, calibration=p["number"]), "a calibration", "got int"),
+    (lambda p: erlif.predict(p["film"]), "of a film", "got a film"),
+    (lambda p: erlif.predict(p["calibration"]), "of a run directory", "got a calibration"),
+    (lambda p: fit_film(p["prediction"]), "of a film", "got a prediction"),
+    (lambda p: erlif.pressure_from_film(p["prediction"]), "a film", "got a prediction"),
+    (lambda p: erlif.pressure_from_film(p["calibration"]), "a film", "got a calibration"),
+    (lambda p: erlif.pressure_from_film(RUN), "film file", "directory"),
+    (lambda p: erlif.summarise(p["calibration"]), "a film", "got a calibration"),
+    (lambda p: erlif.summarise(p["array"]), "a film", "the single variable thickness"),
+    (lambda p: erlif.batch([p["film"]]), "a run directory", "got a film"),
+    (lambda p: erlif.init(p["film"]), "a directory", "got a film"),
+    (lambda p: erlif.simulate(p["film"]), "directory", "got Dataset"),
+    (lambda p: erlif.simulate("nowhere", rig={"width": 64}), "RigSettings", "got dict"),
+    (lambda p: erlif.open_film(p["film"]), "path", "got a film"),
+    (lambda p: erlif.open_film(p["calibration"]), "path", "got a calibration"),
+    (lambda p: erlif.open_calibration(p["calibration"]), "a path", "got a calibration"),
+    (lambda p: erlif.open_calibration(FIXTURE), "calibration file", "directory"),
+    (lambda p: erlif.save_calibration(p["film"], "a.nc"), "a calibration", "got a film"),
+    (lambda p: erlif.save_calibration("a.nc", p["calibration"]), "a calibration", "path a.nc"),
+    (lambda p: write_report(p["film"], "a.html"), "path of a film", "got a film"),
+    (lambda p: erlif.pipeline.restore_images(p["film"], RUN, trigger=0), "of a film", "got a film"),
+]
+
+
+@pytest.mark.parametrize(("call", "wanted", "given"), CALLS)
+def test_what_is_wanted_and_what_was_given_are_named(products, call, wanted, given):
+    with pytest.raises(ErlifError) as found:
+        call(products)
+    text = str(found.value)
+    assert wanted in text
+    assert given in text
+    assert text.endswith((".", "calibration.nc", "FIXTURE_DIR", "RUN_DIR", "film.nc")), text
+
+
+@pytest.mark.parametrize(
+    ("name", "step"), [("calibration", "erlif.open_calibration"), ("prediction", "open_dataset")]
+)
+def test_a_file_of_another_kind_is_named(products, tmp_path, name, step):
+    path = tmp_path / f"{name}.nc"
+    if name == "calibration":
+        erlif.save_calibration(products[name], path)
+    else:
+        small = xr.Dataset({"film_predicted": (("trigger", "y", "x"), np.ones((1, 2, 2)))})
+        small.to_netcdf(path, engine="h5netcdf")
+    with pytest.raises(ErlifError, match=step):
+        erlif.open_film(path)
+
+
+def test_the_file_of_an_open_film_is_named_where_a_path_is_wanted(film):
+    with erlif.open_film(film) as opened:
+        refuse(lambda: write_report(opened, "a.html"), f"Name its file: {film}")
+
+
+def test_a_call_that_lacks_an_argument_names_it_and_is_a_type_error_as_in_python():
+    @takes(film="film")
+    def draw(film, *, trigger):
+        return trigger
+
+    with pytest.raises(TypeError, match="trigger"):
+        draw(xr.Dataset())
+    refuse(lambda: draw(xr.Dataset()), "trigger= of draw", "fastest_trigger")
+    refuse(lambda: draw(trigger=3), "a film as film= of draw")
+    refuse(lambda: draw(None, trigger=3), "a film as film=, got None")
+
+
+@pytest.mark.parametrize("given", ["calibration", "number", "array"])
+def test_the_product_is_refused_before_the_missing_trigger(products, given):
+    refuse(lambda: plots.thickness_map(products[given]), "Expected a film as film=")
+
+
+@pytest.mark.parametrize(
+    "read",
+    [
+        erlif.files.settings_of,
+        erlif.files.region_of,
+        erlif.files.fastest_trigger,
+        erlif.files.flag_shares,
+        erlif.notebook.summarise_region,
+        erlif.conversion.trigger_columns,
+    ],
+)
+@pytest.mark.parametrize("given", ["calibration", "number"])
+def test_what_reads_a_film_refuses_another_product(products, read, given):
+    refuse(lambda: read(products[given]), "Expected a film as film=", "erlif.open_film")
+
+
+def test_a_file_of_a_film_is_no_calibration(film):
+    with pytest.raises(ErlifError, match=r"film\.nc holds a film"):
+        erlif.open_calibration(film)
+
+
+def test_the_frames_of_a_calibration_are_refused_as_those_of_a_film(products, tmp_path):
+    path = tmp_path / "calibration.nc"
+    erlif.save_calibration(products["calibration"], path)
+    with pytest.raises(ErlifError, match="holds a calibration"):
+        erlif.open_film(path, group="frames")
+
+
+@pytest.mark.parametrize("size", [0, 30, 5000])
+def test_a_file_cut_off_is_named_without_words_of_the_library(film, tmp_path, size):
+    path = tmp_path / "film.nc"
+    path.write_bytes(film.read_bytes()[:size])
+    for reader in (erlif.open_film, erlif.open_calibration):
+        words = r"no HDF5 file|header is damaged|5000 of its \d+ bytes"
+        with pytest.raises(ErlifError, match=words) as found:
+            reader(path)
+        assert "synchronously" not in str(found.value)

@@ -1,0 +1,202 @@
+"""Binary logs, written by the packages of their makers or by scipy and h5py."""
+
+import gc
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pytest
+from damages.products import empty_heap
+from scipy.io import savemat
+
+from erlif.core.errors import EncoderError
+from erlif.io.ingest.logs.binary import is_binary_log, read_binary_table
+
+TIME = np.arange(5) * 0.1
+ANGLE = np.array([10.0, 11, 12, 13.5, 14])
+
+
+def columns(path):
+    table = read_binary_table(path)
+    return {column.name: (column.unit, column.values.tolist()) for column in table.columns}
+
+
+def write_tdms(path, *channels):
+    nptdms = pytest.importorskip("nptdms")
+    with nptdms.TdmsWriter(path) as file:
+        file.write_segment(
+            [nptdms.ChannelObject("run", name, data, props) for name, data, props in channels]
+        )
+
+
+def test_channels_of_tdms_have_their_units(tmp_path):
+    path = tmp_path / "log.tdms"
+    write_tdms(path, ("Time", TIME, {"unit_string": "s"}), ("Enc", ANGLE, {"unit_string": "deg"}))
+    assert columns(path) == {"Time": ("s", TIME.tolist()), "Enc": ("deg", ANGLE.tolist())}
+
+
+def test_a_waveform_of_tdms_gives_the_times(tmp_path):
+    path = tmp_path / "log.tdms"
+    wave = {"wf_increment": 0.1, "wf_start_offset": 2.0}
+    write_tdms(path, ("Enc [deg]", ANGLE, wave))
+    found = columns(path)
+    np.testing.assert_allclose(found["time"][1], 2 + TIME)
+    assert found["Enc [deg]"] == ("deg", ANGLE.tolist())
+
+
+def test_a_missing_package_is_named_with_the_command_that_installs_it(tmp_path, monkeypatch):
+    path = tmp_path / "log.tdms"
+    path.write_bytes(b"TDSm" + bytes(24))
+    monkeypatch.setitem(sys.modules, "nptdms", None)
+    with pytest.raises(EncoderError, match=r'pip install "erlif\[logs\]"'):
+        read_binary_table(path)
+
+
+def test_vectors_matrices_and_structures_of_matlab_5_are_columns(tmp_path):
+    path = tmp_path / "log.mat"
+    data = np.column_stack([TIME, ANGLE])
+    savemat(
+        path, {"t": TIME[:, None], "log": {"angle": ANGLE}, "data": data, "name": "x", "n": 3.0}
+    )
+    found = {name: values for name, (_, values) in columns(path).items()}
+    assert found == {
+        "t": TIME.tolist(),
+        "log/angle": ANGLE.tolist(),
+        "data(1)": TIME.tolist(),
+        "data(2)": ANGLE.tolist(),
+    }
+
+
+@pytest.mark.parametrize("header", [0, 512])
+def test_datasets_of_hdf5_and_matlab_7_are_columns(tmp_path, header):
+    path = tmp_path / "log.mat"
+    with h5py.File(path, "w", userblock_size=header) as file:
+        file["log/angle"] = ANGLE[None]  # MATLAB stores a column as one row
+        file["log/angle"].attrs["units"] = "deg"
+        file["log/t [s]"] = TIME
+        file["#refs#/a"] = TIME
+        file["label"] = "text"
+    assert columns(path) == {
+        "log/angle": ("deg", ANGLE.tolist()),
+        "log/t [s]": ("s", TIME.tolist()),
+    }
+
+
+def test_columns_of_another_length_are_left_out_with_a_remark(tmp_path):
+    path = tmp_path / "log.h5"
+    with h5py.File(path, "w") as file:
+        file["angle"], file["other"] = ANGLE, ANGLE[:3]
+    table = read_binary_table(path)
+    assert table.names == ["angle"]
+    assert "columns of another length left out: 'other'" in table.remarks
+
+
+def test_values_that_are_not_finite_are_kept_as_text(tmp_path):
+    path = tmp_path / "log.h5"
+    with h5py.File(path, "w") as file:
+        file["angle"] = np.array([1.0, np.nan, np.inf])
+    assert read_binary_table(path).columns[0].texts == {1: "nan", 2: "inf"}
+
+
+@pytest.mark.parametrize(
+    "head", [b"TDSm", b"\x89HDF\r\n\x1a\n", b"MATLAB 5.0 MAT-file, made by nobody"]
+)
+def test_a_damaged_file_is_refused_by_its_name(tmp_path, head):
+    path = tmp_path / "log.bin"
+    path.write_bytes(head + bytes(range(200)))
+    assert is_binary_log(path)
+    with pytest.raises(EncoderError, match=r"log\.bin"):
+        read_binary_table(path)
+
+
+def test_a_header_that_claims_too_much_is_refused_before_it_is_read(tmp_path):
+    path = tmp_path / "log.h5"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("angle", (10**9,), "f8", chunks=(1000,))
+    assert path.stat().st_size < 10_000
+    with pytest.raises(EncoderError, match="its header states 1000000000"):
+        read_binary_table(path)
+
+
+def test_text_and_directories_are_not_binary(tmp_path):
+    (tmp_path / "a.csv").write_text("frame,angle_deg\n")
+    assert not is_binary_log(tmp_path / "a.csv")
+    assert not is_binary_log(tmp_path)
+
+
+def test_a_truncated_tdms_file_is_refused_and_its_package_prints_nothing(tmp_path):
+    path = tmp_path / "log.tdms"
+    write_tdms(path, ("Enc", ANGLE, {}))
+    path.write_bytes(path.read_bytes()[:-9])
+    code = (
+        "from pathlib import Path\n"
+        "from erlif.core.errors import EncoderError\n"
+        "from erlif.io.ingest.logs.binary import read_binary_table\n"
+        "try:\n    read_binary_table(Path('log.tdms'))\n"
+        "except EncoderError as error:\n    print(error)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert done.stderr == ""
+    assert "Expected log.tdms to be a TDMS file; it cannot be read" in done.stdout
+    assert "less data than expected" in done.stdout
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_damaged_file_of_tdms_does_not_stay_open(tmp_path):
+    path = tmp_path / "log.tdms"
+    path.write_bytes(b"TDSm" + b"\xff" * 24)
+    with pytest.raises(EncoderError, match=r"log\.tdms to be a TDMS file"):
+        read_binary_table(path)
+    gc.collect()  # a file left open is reported here
+
+
+def test_a_heap_without_end_is_refused(tmp_path):
+    path = tmp_path / "log.h5"
+    with h5py.File(path, "w") as file:
+        file["angle"] = ANGLE
+        file["angle"].attrs["units"] = "deg"
+    path.write_bytes(empty_heap(path.read_bytes()))
+    with pytest.raises(EncoderError, match="heap"):
+        read_binary_table(path)
+
+
+def test_a_unit_of_a_damaged_file_is_kept_in_part(tmp_path):
+    path = tmp_path / "log.h5"
+    with h5py.File(path, "w") as file:
+        file["angle"] = ANGLE
+        file["angle"].attrs["units"] = "x" * 60_000
+    assert len(columns(path)["angle"][0]) == 80
+
+
+@pytest.mark.parametrize("chunks", [None, (2,)])
+def test_a_column_that_was_not_written_to_the_end_is_refused(tmp_path, chunks):
+    path = tmp_path / "log.h5"
+    with h5py.File(path, "w") as file:
+        file["time"] = TIME
+        data = file.create_dataset("angle", ANGLE.shape, "f8", chunks=chunks)
+        if chunks:
+            data[:3] = ANGLE[:3]
+    with pytest.raises(EncoderError, match="numbers of angle are not in the file"):
+        read_binary_table(path)
+
+
+def test_numbers_of_another_file_are_refused(tmp_path):
+    """A log from somebody else might name any file of this machine."""
+    np.arange(10.0).tofile(tmp_path / "other.raw")
+    with h5py.File(tmp_path / "log.h5", "w") as file:
+        raw = [(str(tmp_path / "other.raw"), 0, h5py.h5f.UNLIMITED)]
+        file.create_dataset("angle", (10,), "f8", external=raw)
+    with pytest.raises(EncoderError, match="numbers of angle are in another file"):
+        read_binary_table(tmp_path / "log.h5")
+
+
+def test_a_chunk_of_a_gigabyte_is_refused(tmp_path):
+    """Three numbers in it took 1.6 GB."""
+    with h5py.File(tmp_path / "log.h5", "w") as file:
+        options = {"maxshape": (None,), "chunks": (150_000_000,), "compression": "gzip"}
+        file.create_dataset("angle", (3,), "f8", **options)
+    with pytest.raises(EncoderError, match="numbers of angle are in a chunk of 1200 MB"):
+        read_binary_table(tmp_path / "log.h5")

@@ -1,0 +1,55 @@
+"""Numbers that no rig can have logged."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from erlif.core.errors import EncoderError
+from erlif.io.ingest.logs.checks import check_frame_numbers, check_values
+from erlif.io.ingest.logs.table import LogColumn, LogTable
+
+UNITS = {"time": "s", "temperature": "degree_Celsius", "load": "N", "pulse_energy": "mJ"}
+
+
+def check(quantity, *values):
+    column = LogColumn(f"{quantity}_x", "", np.array(values))
+    log = xr.Dataset({quantity: ("frame", column.values, {"units": UNITS[quantity]})})
+    rows = range(2, 2 + len(values))
+    check_values(log, {quantity: column}, LogTable("log.csv", (column,), rows))
+
+
+@pytest.mark.parametrize(
+    ("quantity", "values", "words"),
+    [
+        (
+            "time",
+            (0.0, 0.2, 0.1),
+            "row 4, column time_x of log.csv: 0.1 s comes after 0.2 s of row 3",
+        ),
+        ("time", (0.0, 0.2, 0.2), "row 4, column time_x of log.csv: 0.2 s repeats 0.2 s of row 3"),
+        ("temperature", (20.0, -273.16), "in row 3, column temperature_x of log.csv; got -273.16"),
+        ("temperature", (20.0, 1001.0), "in row 3, column temperature_x of log.csv; got 1001"),
+        ("load", (20.0, -5.0), "positive load in row 3, column load_x of log.csv; got -5 N"),
+        ("pulse_energy", (0.0, 5.0), "positive pulse energy in row 2"),
+    ],
+)
+def test_impossible_values_are_refused_with_row_and_column(quantity, values, words):
+    with pytest.raises(EncoderError) as refused:
+        check(quantity, *values)
+    assert words in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "values"),
+    [("time", (-1.0, 0.0, 1e9)), ("temperature", (-273.15, 1000.0)), ("load", (1e-9,))],
+)
+def test_possible_values_pass(quantity, values):
+    check(quantity, *values)
+
+
+def test_frame_numbers_are_checked_by_row():
+    column = LogColumn("No", "", np.zeros(3))
+    table = LogTable("log.csv", (column,), (4, 5, 6))
+    check_frame_numbers([7, 8, 9], "No", table)
+    with pytest.raises(EncoderError, match=r"row 6, column No, repeats frame 7 of row 4"):
+        check_frame_numbers([7, 8, 7], "No", table)

@@ -1,0 +1,42 @@
+"""The log among other files."""
+
+import h5py
+import numpy as np
+import pytest
+
+from erlif.io.ingest.logs.proposal import propose_log
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "notes.txt").write_text("Oil changed, force cell zeroed.\n")
+    (tmp_path / "profile.csv").write_text("x_mm,thickness_um\n0,1\n1,2\n")
+    return tmp_path
+
+
+def test_columns_of_one_row_for_each_frame_are_proposed(folder):
+    (folder / "rig.txt").write_text(
+        "No\tWinkel\tEncoder [deg]\tOil temperature [°C]\n" + "1\t2\t3\t4\n" * 3
+    )
+    found = propose_log(sorted(folder.iterdir()), 3)
+    assert found.path.name == "rig.txt"
+    assert found.columns == {"angle": "Encoder [deg]", "temperature": "Oil temperature [°C]"}
+    assert not found.in_time
+    assert found.values.angle.values.tolist() == [3, 3, 3]
+
+
+def test_a_log_in_time_is_proposed_with_its_trigger(folder):
+    with h5py.File(folder / "rig.h5", "w") as file:
+        file["Time [s]"], file["Encoder"] = np.arange(50) / 10, np.arange(50)
+        file["Camera trigger [V]"] = np.arange(50) % 10 * 1.0
+    found = propose_log(sorted(folder.iterdir()), 5)
+    assert found.in_time
+    assert found.pulse == "Camera trigger [V]"
+    assert found.without_unit == ("angle",)
+    assert list(found.values) == ["time"]
+
+
+def test_files_without_an_angle_are_no_log(folder):
+    assert propose_log(sorted(folder.iterdir()), 2) is None
+    (folder / "a.csv").write_text("angle [deg],F\n1,2\n2,3\n")
+    assert propose_log(sorted(folder.iterdir()), 7) is None  # neither rows of frames nor times

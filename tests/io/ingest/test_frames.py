@@ -1,0 +1,154 @@
+"""Frame pairs, chosen and read, against the counts that were written."""
+
+import hashlib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tifffile
+
+from erlif.core.errors import FrameError
+from erlif.core.notes import Level
+from erlif.io.ingest import (
+    FramePairs,
+    Page,
+    format_notes,
+    open_run,
+    read_frames,
+    read_pair,
+    skipped_notes,
+)
+
+
+def make_pairs(count, skipped=(), bit_depths=(12, 12)):
+    pages = tuple(Page(Path(f"{k}.tif"), 0) for k in range(count))
+    return FramePairs(Path(), (pages, pages), (64, 80), bit_depths, dict.fromkeys(skipped, "empty"))
+
+
+def test_frames_that_are_left_out_are_not_usable():
+    pairs = make_pairs(6, skipped=(0, 4))
+    assert pairs.usable == [1, 2, 3, 5]
+    assert make_pairs(3).usable == [0, 1, 2]
+
+
+def test_full_scale_is_the_largest_number_of_so_many_bits():
+    assert make_pairs(1, bit_depths=(8, 12)).full_scales == (255, 4095)
+    assert make_pairs(1, bit_depths=(16, 14)).full_scales == (65535, 16383)
+
+
+@pytest.mark.parametrize(
+    ("stated", "subjects"),
+    [
+        ((None, None), []),
+        ((12, 16), []),
+        ((10, None), ["camera1"]),
+        ((8, 11), ["camera1", "camera2"]),
+    ],
+)
+def test_a_header_with_fewer_bits_than_the_settings_is_reported(stated, subjects):
+    """Full scale would be missed: no pixel at 1023 is flagged where 4095 is expected."""
+    notes = format_notes(replace(make_pairs(1), stated_bits=stated))
+    assert [note.subject for note in notes] == subjects
+    for note in notes:
+        assert note.level == Level.WARNING
+        assert "bit_depth = 12: counts at" in note.text
+
+
+@pytest.mark.parametrize(
+    ("count", "wanted", "chosen"),
+    [(11, 3, [0, 5, 10]), (50, 8, [0, 7, 14, 21, 28, 35, 42, 49]), (9, 1, [0]), (3, 8, [0, 1, 2])],
+)
+def test_chosen_frames_are_spread_from_the_first_to_the_last(count, wanted, chosen):
+    assert make_pairs(count).spread(wanted) == chosen
+
+
+def test_frames_left_out_are_not_chosen():
+    assert make_pairs(7, skipped=(0, 3, 6)).spread(2) == [1, 5]
+
+
+def test_frames_come_as_they_were_written_in_the_order_asked_for(run):
+    frames = read_frames(open_run(run.directory).pairs, [4, 1])
+    assert frames.counts.dims == ("camera", "frame", "y", "x")
+    assert frames.counts.attrs["units"] == "DN"
+    assert frames.counts.dtype == np.uint16
+    assert frames.frame.values.tolist() == [4, 1]
+    assert frames.camera.values.tolist() == [1, 2]
+    np.testing.assert_array_equal(frames.counts, run.counts[:, [4, 1]])
+
+
+def test_frames_are_taken_in_natural_order(run):
+    for camera in (1, 2):
+        for k, path in enumerate(run.frames(camera)):
+            path.rename(path.with_name(f"frame_{k + 7}.tif"))  # as text, "10" sorts before "7"
+    frames = read_frames(open_run(run.directory).pairs, range(6))
+    np.testing.assert_array_equal(frames.counts, run.counts)
+
+
+def test_one_multi_page_file_holds_the_same_frames_as_single_pages(run, save_pages):
+    for camera in (1, 2):
+        save_pages(run.directory / f"all{camera}.tiff", run.counts[camera - 1])
+        run.edit("run.toml", (f'"camera{camera}/*.tif"', f'"all{camera}.tiff"'))
+    frames = read_frames(open_run(run.directory).pairs, [5, 0])
+    np.testing.assert_array_equal(frames.counts, run.counts[:, [5, 0]])
+
+
+def test_files_are_hashed_as_they_are_read_where_asked(run):
+    pairs = open_run(run.directory).pairs
+    assert "digest_camera1" not in read_frames(pairs, [4]).coords
+    frames = read_frames(pairs, [4, 1], digests=True)
+    np.testing.assert_array_equal(frames.counts, run.counts[:, [4, 1]])
+    for camera in (1, 2):
+        paths = [run.frames(camera)[k] for k in (4, 1)]
+        expected = [hashlib.sha256(path.read_bytes()).hexdigest() for path in paths]
+        assert frames[f"digest_camera{camera}"].values.tolist() == expected
+
+
+def test_a_file_of_many_frames_is_not_hashed_with_each(run, save_pages):
+    save_pages(run.directory / "all1.tiff", run.counts[0])
+    run.edit("run.toml", ('"camera1/*.tif"', '"all1.tiff"'))
+    frames = read_frames(open_run(run.directory).pairs, [5], digests=True)
+    assert frames.digest_camera1.values.tolist() == [""]
+    assert len(str(frames.digest_camera2.values[0])) == 64
+
+
+def test_a_page_that_is_not_plain_is_hashed_too(run):
+    path = run.frames(1)[2]
+    tifffile.imwrite(path, run.counts[0, 2], byteorder=">")
+    frames = read_frames(open_run(run.directory).pairs, [2], digests=True)
+    np.testing.assert_array_equal(frames.counts, run.counts[:, [2]])
+    expected = hashlib.sha256(path.read_bytes()).hexdigest()
+    assert frames.digest_camera1.values.tolist() == [expected]
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+def test_one_pair_comes_as_it_was_written(tmp_path, dtype):
+    counts = np.random.default_rng(5).integers(0, 250, (2, 64, 80)).astype(dtype)
+    pages = tuple((Page(tmp_path / f"{n}.tif", 0, alone=True),) for n in range(2))
+    for image, (page,) in zip(counts, pages, strict=True):
+        tifffile.imwrite(page.path, image)
+    pair = read_pair(FramePairs(tmp_path, pages, (64, 80), (12, 12)), 0, digests=True)
+    for n, (page,) in enumerate(pages):
+        np.testing.assert_array_equal(pair.counts[n], counts[n])
+        assert pair.counts[n].dtype == np.uint16
+        assert pair.digests[n] == hashlib.sha256(page.path.read_bytes()).hexdigest()
+
+
+def test_counts_beyond_the_bit_depth_are_refused_in_every_frame(run):
+    odd = run.counts[1, 3].copy()
+    odd[10, 20] = 4096
+    pairs = open_run(run.directory).pairs
+    tifffile.imwrite(run.frames(2)[3], odd)
+    read_frames(pairs, [0, 1, 2])
+    with pytest.raises(FrameError, match=r"frame_0003\.tif reaches 4096: bit_depth = 13 fits"):
+        read_frames(pairs, [0, 3])
+
+
+def test_frames_left_out_are_reported_in_their_order():
+    pairs = FramePairs(Path(), ((), ()), (64, 80), (12, 12), {7: "the file is empty", 2: "damaged"})
+    notes = skipped_notes(pairs)
+    assert [str(note) for note in notes] == [
+        "frame pair 2 left out: damaged",
+        "frame pair 7 left out: the file is empty",
+    ]
+    assert {note.level for note in notes} == {Level.WARNING}

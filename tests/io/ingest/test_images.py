@@ -1,0 +1,347 @@
+"""Image files against what tifffile and imageio wrote, byte by byte where a file is damaged."""
+
+import hashlib
+import os
+import tracemalloc
+from dataclasses import replace
+from pathlib import Path, PurePath
+
+import imageio.v3 as iio
+import numpy as np
+import pytest
+import tifffile
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scenes.camera_files import random_frames, write_mraw
+
+from erlif.core.errors import FrameError
+from erlif.core.notes import Level
+from erlif.io.ingest import Page, depth_warning, natural_key
+from erlif.io.ingest.images import (
+    UNREADABLE,
+    check_depth,
+    find_pages,
+    match_files,
+    read_content,
+    read_page,
+)
+from erlif.io.ingest.selection import Selection
+from erlif.io.readers.base import FrameKind, describe_shape
+
+RNG = np.random.default_rng(5)
+GREY = RNG.integers(0, 4096, (64, 80), dtype=np.uint16)
+
+
+# names
+
+
+def test_a_page_is_named_by_its_file_and_from_the_second_on_by_its_index(tmp_path):
+    assert Page(tmp_path / "größe.tif", 0).name == "größe.tif"
+    assert Page(tmp_path / "größe.tif", 3).name == "größe.tif[3]"
+
+
+def test_bytes_of_a_name_that_are_not_utf_8_are_replaced():
+    name = Page(Path(os.fsdecode(b"frame_\xff.tif")), 0).name
+    assert name == "frame_\N{REPLACEMENT CHARACTER}.tif"
+
+
+def test_a_kind_is_written_as_width_by_height_and_type():
+    assert str(FrameKind((64, 80), "uint16")) == "80 x 64 uint16"
+    assert describe_shape((64, 80, 3)) == "3 x 80 x 64"
+
+
+@given(st.lists(st.integers(0, 10**12), min_size=1, max_size=9, unique=True))
+@settings(deadline=None, database=None, max_examples=50)
+def test_natural_order_is_that_of_the_numbers(numbers):
+    names = sorted((Path(f"a{number}b.tif") for number in numbers), key=natural_key)
+    assert names == [Path(f"a{number}b.tif") for number in sorted(numbers)]
+
+
+@given(st.lists(st.text(min_size=1, max_size=6), max_size=4))
+@settings(deadline=None, database=None, max_examples=40)
+def test_any_names_can_be_ordered(names):
+    sorted((PurePath(name) for name in [*names, "²", "x²3", "٣"]), key=natural_key)
+
+
+def test_numbers_of_folders_count_before_those_of_files():
+    names = [Path("part10/1.tif"), Path("part2/3.tif"), Path("part2/20.tif")]
+    assert sorted(names, key=natural_key) == [names[1], names[2], names[0]]
+
+
+# files
+
+
+def test_files_come_in_natural_order_without_hidden_ones_and_folders(tmp_path):
+    for name in ("f_10.tif", "f_2.tif", "f_1.tif", "._f_1.tif", ".f_3.tif", "other.png"):
+        (tmp_path / name).write_bytes(b"x")
+    (tmp_path / "folder.tif").mkdir()
+    found = match_files(tmp_path, "*.tif")
+    assert [path.name for path in found] == ["f_1.tif", "f_2.tif", "f_10.tif"]
+
+
+def test_a_pattern_may_reach_into_folders(tmp_path):
+    (tmp_path / "a" / "b").mkdir(parents=True)
+    (tmp_path / "a" / "b" / "1.tif").write_bytes(b"x")
+    assert match_files(tmp_path, "**/*.tif") == [tmp_path / "a" / "b" / "1.tif"]
+
+
+def test_a_pattern_without_files_is_refused_with_its_purpose(tmp_path):
+    with pytest.raises(FrameError, match=r"Expected files dark\*\.tif of camera1 dark"):
+        find_pages(tmp_path, "dark*.tif", "camera1 dark")
+
+
+# headers
+
+
+def test_each_page_of_each_file_is_found_with_its_kind(tmp_path, save_pages):
+    save_pages(tmp_path / "1.tif", [GREY, GREY])
+    save_pages(tmp_path / "2.tif", [GREY.astype(np.uint8)])
+    found = find_pages(tmp_path, "*.tif", "camera1")
+    assert [page.name for page in found.pages] == ["1.tif", "1.tif[1]", "2.tif"]
+    assert found.kinds == [FrameKind((64, 80), dtype) for dtype in ("uint16", "uint16", "uint8")]
+    assert found.faults == {}
+
+
+def test_colours_are_a_third_axis_of_the_kind(tmp_path):
+    tifffile.imwrite(tmp_path / "1.tif", np.zeros((64, 80, 3), np.uint8), photometric="rgb")
+    assert find_pages(tmp_path, "*.tif", "camera1").kinds == [FrameKind((64, 80, 3), "uint8")]
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "reason"),
+    [
+        ("b.tif", b"", "the file is empty"),
+        ("b.tif", b"not an image", "damaged or not a TIFF"),
+        ("b.tif", b"II*\x00" + bytes(4), "the file holds no image"),
+        ("b.png", b"not an image", "damaged"),
+        ("b.dat", b"not an image", "its format is none of those that are read: TIFF, "),
+    ],
+    ids=["empty", "text", "no directory", "png", "unknown"],
+)
+def test_a_damaged_file_keeps_its_place_as_one_unreadable_page(
+    tmp_path, save_pages, name, content, reason
+):
+    save_pages(tmp_path / "a.tif", [GREY])
+    save_pages(tmp_path / "c.tif", [GREY])
+    (tmp_path / name).write_bytes(content)
+    found = find_pages(tmp_path, "*", "camera1")
+    assert [page.path.name for page in found.pages] == ["a.tif", name, "c.tif"]
+    assert list(found.faults) == [1]
+    assert reason in found.faults[1]
+    assert found.kinds[1] == UNREADABLE
+
+
+def test_a_file_that_cannot_be_opened_is_a_fault(tmp_path):
+    (tmp_path / "a.tif").symlink_to(tmp_path / "gone.tif")
+    (fault,) = find_pages(tmp_path, "a.tif", "camera1").faults.values()
+    assert fault == "the file cannot be read: No such file or directory"
+
+
+def test_the_last_byte_of_a_page_must_be_there(tmp_path, save_pages):
+    """tifffile writes the pixels last: one byte less is a truncated page."""
+    path = tmp_path / "a.tif"
+    save_pages(path, [GREY])
+    with tifffile.TiffFile(path) as file:
+        end = file.pages[0].dataoffsets[0] + file.pages[0].databytecounts[0]
+    whole = path.read_bytes()
+    path.write_bytes(whole[:end])
+    assert find_pages(tmp_path, "a.tif", "camera1").faults == {}
+    path.write_bytes(whole[: end - 1])
+    assert find_pages(tmp_path, "a.tif", "camera1").faults == {0: "the file is truncated"}
+
+
+def test_a_header_that_claims_more_pixels_than_the_file_can_hold_is_damaged(tmp_path, save_pages):
+    path = tmp_path / "a.tif"
+    save_pages(path, [GREY])
+    for tag in ("ImageWidth", "ImageLength"):
+        with tifffile.TiffFile(path, mode="r+") as file:
+            file.pages[0].tags[tag].overwrite(60000)
+    (fault,) = find_pages(tmp_path, "a.tif", "camera1").faults.values()
+    assert f"{path.stat().st_size} bytes cannot hold 60000 x 60000 pixels" in fault
+
+
+def test_a_black_frame_under_deflate_is_not_damaged(tmp_path):
+    """Deflate reaches 1032 bytes a byte at most (RFC 1951): 516 pixels of 16 bits."""
+    black = np.zeros((1024, 1024), np.uint16)
+    tifffile.imwrite(tmp_path / "a.tif", black, compression="zlib", rowsperstrip=1024)
+    assert black.nbytes / (tmp_path / "a.tif").stat().st_size > 500
+    found = find_pages(tmp_path, "a.tif", "camera1")
+    assert found.faults == {}
+    np.testing.assert_array_equal(read_page(found.pages[0], tmp_path, black.shape), black)
+
+
+# counts
+
+
+def test_a_page_is_read_as_it_was_written(tmp_path, save_pages):
+    pages = [GREY, GREY[::-1], GREY[:, ::-1]]
+    save_pages(tmp_path / "a.TIFF", pages)
+    for index, image in enumerate(pages):
+        found = read_page(Page(tmp_path / "a.TIFF", index), tmp_path, (64, 80))
+        np.testing.assert_array_equal(found, image)
+
+
+def test_other_formats_are_read_too(tmp_path):
+    iio.imwrite(tmp_path / "a.png", GREY)
+    found = find_pages(tmp_path, "a.png", "camera1")
+    assert found.kinds == [FrameKind((64, 80), "uint16")]
+    np.testing.assert_array_equal(read_page(found.pages[0], tmp_path, (64, 80)), GREY)
+
+
+@pytest.mark.parametrize(
+    ("image", "found"),
+    [
+        (GREY[:, :60], "uint16 of 60 x 64"),
+        (GREY.T, "uint16 of 64 x 80"),
+        (GREY.astype(np.complex64), "complex64 of 80 x 64"),
+    ],
+)
+def test_another_shape_or_type_is_refused_with_both(tmp_path, save_pages, image, found):
+    (tmp_path / "camera1").mkdir()
+    save_pages(tmp_path / "camera1" / "a.tif", [GREY, image])
+    page = Page(tmp_path / "camera1" / "a.tif", 1)
+    with pytest.raises(FrameError) as refused:
+        read_page(page, tmp_path, (64, 80))
+    assert "counts of 80 x 64 pixels" in str(refused.value)
+    assert f"{os.path.join('camera1', 'a.tif')}[1]; it is {found}" in str(refused.value)
+
+
+def test_data_that_cannot_be_decoded_are_refused_with_the_way_out(tmp_path):
+    path = tmp_path / "a.tif"
+    tifffile.imwrite(path, GREY, compression="zlib")
+    with tifffile.TiffFile(path) as file:
+        start = file.pages[0].dataoffsets[0]
+    content = bytearray(path.read_bytes())
+    content[start : start + 40] = b"\xff" * 40
+    path.write_bytes(content)
+    assert find_pages(tmp_path, "a.tif", "camera1").faults == {}
+    with pytest.raises(FrameError, match=r"a\.tif; it cannot be decoded: .*--skip-bad-frames"):
+        read_page(Page(path, 0), tmp_path, (64, 80))
+
+
+@pytest.mark.parametrize("dtype", [np.int16, np.int32, np.float32, np.float64])
+def test_counts_in_another_type_are_read_as_counts(tmp_path, dtype):
+    tifffile.imwrite(tmp_path / "a.tif", GREY.astype(dtype))
+    (page,) = find_pages(tmp_path, "a.tif", "camera1").pages
+    counts = read_page(page, tmp_path, (64, 80))
+    assert counts.dtype == np.uint16
+    np.testing.assert_array_equal(counts, GREY)
+
+
+def test_corrected_values_are_refused_with_the_first_of_them(tmp_path):
+    image = GREY.astype(np.float32)
+    image[3, 7] = -0.25
+    tifffile.imwrite(tmp_path / "a.tif", image)
+    with pytest.raises(
+        FrameError, match=r"a\.tif; its float32 .*: -0.25 in row 3, column 7\. Save"
+    ):
+        read_page(Page(tmp_path / "a.tif", 0), tmp_path, (64, 80))
+
+
+def test_left_aligned_counts_are_shifted(tmp_path):
+    tifffile.imwrite(tmp_path / "a.tif", GREY << 4)
+    (page,) = find_pages(tmp_path, "a.tif", "camera1", Selection(shift=4)).pages
+    np.testing.assert_array_equal(read_page(page, tmp_path, (64, 80)), GREY)
+    with pytest.raises(FrameError, match=r"a\.tif; its counts are not left-aligned"):
+        read_page(replace(page, selection=Selection(shift=6)), tmp_path, (64, 80))
+
+
+@pytest.mark.parametrize("part", ["top", "right"])
+def test_the_hash_of_a_part_is_that_of_the_file(tmp_path, part):
+    tifffile.imwrite(tmp_path / "a.tif", GREY)
+    (page,) = find_pages(tmp_path, "a.tif", "camera1", Selection(part)).pages
+    shape = Selection(part).crop_shape((64, 80))
+    content = read_content(page, tmp_path, shape, digest=True)
+    assert content.digest == hashlib.sha256((tmp_path / "a.tif").read_bytes()).hexdigest()
+    assert content.counts.shape == shape
+
+
+# bit depth
+
+
+@pytest.mark.parametrize(("bit_depth", "top"), [(8, 255), (10, 1023), (12, 4095), (16, 65535)])
+def test_full_scale_itself_fits(bit_depth, top):
+    check_depth(np.arange(top - 63, top + 1).astype(np.uint16), bit_depth=bit_depth, name="a")
+
+
+@pytest.mark.parametrize(("top", "fits"), [(4096, 13), (8191, 13), (8193, 14), (65535, 16)])
+def test_counts_above_full_scale_are_refused_with_the_depth_that_fits(top, fits):
+    counts = np.array([[1, 2, 3, top]], np.uint16)
+    with pytest.raises(FrameError, match=rf"a\.tif reaches {top}: bit_depth = {fits} fits"):
+        check_depth(counts, bit_depth=12, name="a.tif")
+
+
+@pytest.mark.parametrize(
+    ("own", "shift", "bit_depth", "advice"),
+    [
+        *((12, 4, 12, 'Set alignment = "left" and'), (12, 4, 16, 'Set alignment = "left" and')),
+        *((14, 2, 16, 'Set alignment = "left" and'), (10, 6, 12, 'Set alignment = "left" and')),
+        (8, 4, 12, "Divide the counts by 16, save them again and set"),
+    ],
+)
+def test_left_aligned_counts_are_refused_with_their_own_depth(own, shift, bit_depth, advice):
+    counts = np.arange((1 << own) - 32, 1 << own).astype(np.uint16) << shift
+    with pytest.raises(FrameError) as refused:
+        check_depth(counts, bit_depth=bit_depth, name="a.tif")
+    assert f"multiples of {1 << shift} up to {counts.max()}" in str(refused.value)
+    assert f"{own}-bit counts, left-aligned" in str(refused.value)
+    assert f"{advice} bit_depth = {own}." in str(refused.value)
+
+
+def test_a_single_unused_bit_is_chance_and_few_levels_are_not_judged():
+    check_depth(np.arange(0, 400, 2, dtype=np.uint16), bit_depth=12, name="a")
+    check_depth(np.arange(4, 4 * 17, 4, dtype=np.uint16), bit_depth=12, name="a")  # 16 levels
+    with pytest.raises(FrameError, match="left-aligned"):
+        check_depth(np.arange(4, 4 * 18, 4, dtype=np.uint16), bit_depth=12, name="a")
+    check_depth(np.zeros((4, 4), np.uint16), bit_depth=12, name="a")
+
+
+@pytest.mark.parametrize(
+    ("bit_depth", "highest", "fits"), [(12, 255, 8), (12, 5, 8), (16, 4095, 12), (16, 600, 10)]
+)
+def test_a_run_within_a_sixteenth_of_full_scale_is_reported(bit_depth, highest, fits):
+    note = depth_warning(highest, bit_depth=bit_depth, camera=2)
+    assert (note.level, note.subject) == (Level.WARNING, "camera2")
+    assert f"no count is above {highest} of {2**bit_depth - 1}" in note.text
+    assert f"bit_depth = {fits} would fit" in note.text
+
+
+@pytest.mark.parametrize(("bit_depth", "highest"), [(12, 256), (16, 4096), (8, 16)])
+def test_a_run_above_a_sixteenth_of_full_scale_is_not_reported(bit_depth, highest):
+    assert depth_warning(highest, bit_depth=bit_depth, camera=1) is None
+
+
+@pytest.mark.parametrize("header", ["cih", "cihx"])
+def test_counts_and_the_header_beside_them_are_one_recording(tmp_path, header):
+    frames = random_frames(np.random.default_rng(1))
+    write_mraw(tmp_path / "cam.mraw", frames, header=header)
+    found = find_pages(tmp_path, "cam.*", "frames")
+    assert len(found.pages) == 3
+    assert not found.faults
+    assert found.bits == 12
+    assert len(found.companions) == 1
+
+
+def test_a_recording_of_two_files_keeps_its_times(tmp_path):
+    write_mraw(tmp_path / "m.mraw", np.zeros((3, 64, 80), np.uint16), rate=2000)
+    for pattern in ("m.mraw", "m.*"):
+        np.testing.assert_allclose(find_pages(tmp_path, pattern, "x").times, [0, 5e-4, 1e-3])
+    write_mraw(tmp_path / "n.mraw", np.zeros((3, 64, 80), np.uint16), rate=2000)
+    assert find_pages(tmp_path, "*.mraw", "x").times is None
+
+
+def test_a_frame_in_a_file_of_a_gigabyte_takes_no_gigabyte(tmp_path):
+    """A file may be longer than its frame; it was read whole for its hash."""
+    path = tmp_path / "a.npy"
+    image = np.arange(64 * 80, dtype=np.uint16).reshape(64, 80)
+    np.save(path, image)
+    with path.open("ab") as file:
+        file.truncate(2**30)
+    (page,) = find_pages(tmp_path, "a.npy", "x").pages
+    tracemalloc.start()
+    content = read_content(page, tmp_path, (64, 80), digest=True)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 10_000_000
+    np.testing.assert_array_equal(content.counts, image)
+    assert content.digest == ""

@@ -1,0 +1,408 @@
+"""Pairs of frames from two folders that a test fills, unequal, out of step and damaged."""
+
+import numpy as np
+import pytest
+import tifffile
+from scenes.camera_files import write_genicam
+
+from erlif.core.errors import FrameError
+from erlif.io.ingest import Page, format_notes, read_frames
+from erlif.io.ingest.images import find_pages
+from erlif.io.ingest.pairing import frame_numbers, pair_cameras
+from erlif.io.ingest.recording import number_frames
+from erlif.io.ingest.selection import Selection
+from erlif.io.readers import Format, FrameFile, FrameKind, registry
+
+SHAPE = (64, 80)
+GREY = np.random.default_rng(6).integers(0, 1000, SHAPE, dtype=np.uint16)
+
+
+@pytest.fixture
+def record(tmp_path):
+    """Write frames of these numbers for each camera and pair them."""
+
+    def fill(one, two, *, names=("f_{}.tif", "f_{}.tif")):
+        for camera, numbers, name in zip((1, 2), (one, two), names, strict=True):
+            (tmp_path / f"camera{camera}").mkdir(exist_ok=True)
+            for number in numbers:
+                tifffile.imwrite(tmp_path / f"camera{camera}" / name.format(number), GREY)
+        return tmp_path
+
+    return fill
+
+
+def pair(directory, *, patterns=("camera1/*", "camera2/*"), bit_depths=(12, 12), **options):
+    return pair_cameras(directory, patterns, bit_depths=bit_depths, **options)
+
+
+def refusal(directory, **options):
+    with pytest.raises(FrameError) as refused:
+        pair(directory, **options)
+    return str(refused.value)
+
+
+def write(path, image, **options):
+    tifffile.imwrite(path, image, **options)
+
+
+def break_data(path):
+    """Compressed pixels that no decoder reads, under a sound header."""
+    tifffile.imwrite(path, GREY, compression="zlib")
+    with tifffile.TiffFile(path) as file:
+        start = file.pages[0].dataoffsets[0]
+    content = bytearray(path.read_bytes())
+    content[start : start + 40] = b"\xff" * 40
+    path.write_bytes(content)
+
+
+# numbers
+
+
+@pytest.mark.parametrize(
+    ("names", "numbers"),
+    [
+        (["f_2.tif", "f_10.tif"], [2, 10]),
+        (["run7_cam1_003.tif", "run7_cam1_004.tif"], [3, 4]),
+        (["7_a.tif", "7_b.tif"], [0, 1]),  # all the same number
+        (["a.tif", "b.tif"], [0, 1]),  # no numbers
+        (["a.tif", "5.tif"], [0, 5]),
+    ],
+)
+def test_a_frame_has_the_last_number_of_its_name_or_its_position(tmp_path, names, numbers):
+    assert frame_numbers([Page(tmp_path / name, 0) for name in names]) == numbers
+
+
+def test_pages_of_one_file_are_numbered_by_position(tmp_path):
+    pages = [Page(tmp_path / "run_12.tif", index) for index in range(3)]
+    assert frame_numbers(pages) == [0, 1, 2]
+
+
+# frames that pair
+
+
+@pytest.mark.parametrize(
+    ("one", "two"),
+    [
+        (range(4), range(4)),
+        (range(4), range(1, 5)),  # the cameras count from different numbers
+        (range(4), range(100, 104)),
+        (range(0, 8, 2), range(101, 109, 2)),  # one trigger in two
+        ([3, 90, 500, 501], [11, 22, 33, 44]),
+    ],
+)
+def test_frames_pair_in_natural_order(record, one, two):
+    pairs = pair(record(one, two))
+    for pages, numbers in zip(pairs.pages, (one, two), strict=True):
+        assert [page.name for page in pages] == [f"f_{number}.tif" for number in numbers]
+    assert (pairs.shape, pairs.bit_depths, pairs.skipped) == (SHAPE, (12, 12), {})
+
+
+def test_each_camera_has_its_own_bit_depth(record, tmp_path):
+    record(range(2), range(2))
+    write(tmp_path / "camera1" / "f_0.tif", GREY + 3000)
+    assert pair(tmp_path, bit_depths=(12, 10)).bit_depths == (12, 10)
+    message = refusal(tmp_path, bit_depths=(10, 12))
+    assert "camera1/f_0.tif reaches" in message
+    assert "bit_depth = 12 fits" in message
+
+
+# frames that do not
+
+
+def test_the_first_frame_without_a_partner_is_named_by_its_number(record):
+    message = refusal(record(range(6), [0, 1, 3, 4, 5]))
+    assert "camera1 has 6, camera2 has 5" in message
+    assert "unmatched one is camera1/f_2.tif" in message
+
+
+def test_a_surplus_of_camera_2_is_named_as_well(record):
+    assert "unmatched one is camera2/f_4.tif" in refusal(record(range(4), range(6)))
+
+
+@pytest.mark.parametrize("has_log", [True, False])
+def test_rows_of_a_log_are_advised_where_there_is_one(record, has_log):
+    message = refusal(record([0, 1, 2], [0, 2]), has_log=has_log)
+    assert ("row out of the encoder log" in message) == has_log
+    assert message.endswith(".")
+
+
+def test_without_common_numbers_the_first_surplus_position_is_named(record):
+    assert "unmatched one is camera1/f_3.tif" in refusal(record(range(5), [70, 80, 90]))
+
+
+def test_equal_counts_with_different_gaps_are_out_of_step(record):
+    """Both lost one frame, and not the same: from there on the pulses would not agree."""
+    message = refusal(record([0, 1, 2, 4, 5, 6], [0, 1, 2, 3, 4, 6]))
+    assert "camera1 has 6, camera2 has 6" in message
+    assert "unmatched one is camera1/f_5.tif" in message
+
+
+def test_both_cameras_with_the_same_files_are_refused(record):
+    directory = record(range(3), range(3))
+    message = refusal(directory, patterns=("camera1/*", "camera1/*"))
+    assert "both [camera1] and [camera2] name f_0.tif" in message
+
+
+def test_a_camera_without_files_is_refused(record):
+    directory = record(range(3), range(3))
+    assert "none*.tif of camera2" in refusal(directory, patterns=("camera1/*", "none*.tif"))
+
+
+# kinds
+
+
+@pytest.mark.parametrize(
+    ("image", "kind"),
+    [(GREY[:, :72], "72 x 64 uint16"), (GREY.astype(np.uint8), "80 x 64 uint8")],
+)
+@pytest.mark.parametrize("camera", [1, 2])
+def test_the_odd_file_is_named_not_the_others(record, camera, image, kind):
+    directory = record(range(3), range(3))
+    write(directory / f"camera{camera}" / "f_0.tif", image)
+    message = refusal(directory)
+    assert f"80 x 64 uint16; camera{camera}/f_0.tif is {kind}." in message
+
+
+@pytest.mark.parametrize(
+    ("image", "found"),
+    [
+        (np.zeros((*SHAPE, 3), np.uint8), "f_0.tif holds uint8 in 3 colours"),
+        (GREY.astype(np.complex64), "f_0.tif holds complex64."),
+    ],
+)
+def test_images_that_are_not_counts_of_one_channel_are_refused(record, image, found):
+    directory = record([], [])
+    for camera in (1, 2):
+        write(directory / f"camera{camera}" / "f_0.tif", image)
+    assert found in refusal(directory)
+
+
+@pytest.mark.parametrize("shape", [(63, 80), (80, 63)])
+def test_frames_of_less_than_64_pixels_are_refused(record, shape):
+    directory = record([], [])
+    for camera in (1, 2):
+        write(directory / f"camera{camera}" / "f_0.tif", np.full(shape, 900, np.uint16))
+    assert f"f_0.tif is {shape[1]} x {shape[0]}" in refusal(directory)
+
+
+def test_frames_of_64_pixels_are_large_enough(record):
+    directory = record([], [])
+    for camera in (1, 2):
+        write(directory / f"camera{camera}" / "f_0.tif", np.full((64, 64), 900, np.uint16))
+    assert pair(directory).shape == (64, 64)
+
+
+# damaged frames
+
+
+def test_an_empty_file_is_refused_and_the_way_out_named(record):
+    directory = record(range(4), range(4))
+    (directory / "camera2" / "f_2.tif").write_bytes(b"")
+    message = refusal(directory)
+    assert message.startswith("Expected readable frames; camera2/f_2.tif: the file is empty. ")
+    assert "--skip-bad-frames" in message
+
+
+def test_the_first_of_several_damaged_frames_is_named_and_the_others_counted(record):
+    directory = record(range(4), range(4))
+    for name in ("camera1/f_3.tif", "camera2/f_1.tif", "camera2/f_2.tif"):
+        (directory / name).write_bytes(b"")
+    assert "camera2/f_1.tif: the file is empty (2 more are unreadable)." in refusal(directory)
+
+
+def test_a_damaged_pair_is_left_out_on_request(record):
+    directory = record(range(4), range(4))
+    (directory / "camera2" / "f_0.tif").write_bytes(b"")
+    (directory / "camera1" / "f_2.tif").write_bytes(b"foreign")
+    pairs = pair(directory, skip_bad_frames=True)
+    assert pairs.usable == [1, 3]
+    assert pairs.skipped[0] == "camera2/f_0.tif: the file is empty"
+    assert pairs.skipped[2].startswith("camera1/f_2.tif: the file is damaged or not a TIFF")
+
+
+def test_an_empty_file_of_its_name_drops_an_unmatched_frame(record):
+    """The way that the message on unequal counts describes."""
+    directory = record(range(4), [0, 1, 3])
+    (directory / "camera2" / "f_2.tif").write_bytes(b"")
+    assert pair(directory, skip_bad_frames=True).usable == [0, 1, 3]
+
+
+def test_pixels_that_cannot_be_decoded_are_left_out_on_request(record):
+    directory = record(range(3), range(3))
+    break_data(directory / "camera2" / "f_1.tif")
+    pairs = pair(directory, skip_bad_frames=True)
+    assert pairs.usable == [0, 2]
+    assert pairs.skipped == {1: "camera2/f_1.tif: it cannot be decoded"}
+    # without the request the headers alone are read; the frame is refused where it is used
+    with pytest.raises(FrameError, match=r"f_1\.tif; it cannot be decoded"):
+        read_frames(pair(directory), [1])
+
+
+def test_no_pair_left_is_refused_even_on_request(record):
+    directory = record(range(2), range(2))
+    (directory / "camera1" / "f_0.tif").write_bytes(b"")
+    (directory / "camera2" / "f_1.tif").write_bytes(b"")
+    message = refusal(directory, skip_bad_frames=True)
+    assert "every pair has an unreadable file: camera1/f_0.tif: the file is empty" in message
+
+
+@pytest.mark.parametrize("camera", [1, 2])
+def test_a_truncated_multi_page_file_loses_its_last_pairs_only(tmp_path, save_pages, camera):
+    for number in (1, 2):
+        save_pages(tmp_path / f"all{number}.tif", [GREY] * 6)
+    path = tmp_path / f"all{camera}.tif"
+    with tifffile.TiffFile(path) as file:
+        fourth = file.pages[3].aspage().dataoffsets[0]
+    path.write_bytes(path.read_bytes()[: fourth + 100])
+    patterns = ("all1.tif", "all2.tif")
+    assert f"all{camera}.tif[3] of camera {camera}: the file is truncated" in refusal(
+        tmp_path, patterns=patterns
+    )
+    pairs = pair(tmp_path, patterns=patterns, skip_bad_frames=True)
+    assert pairs.usable == [0, 1, 2]
+    assert sorted(pairs.skipped) == [3, 4, 5]
+    assert all("the file is truncated" in reason for reason in pairs.skipped.values())
+
+
+class Stamped(FrameFile):
+    """Two frames with time stamps and a file beside them, as high-speed cameras write them."""
+
+    kinds = (FrameKind((64, 80), "uint8"),) * 2
+
+    def __init__(self, path):
+        self.times = np.array([0.0, float(path.read_bytes()[5:])])
+        self.companions = [path.with_suffix(".raw")]
+        self.warning = f"it is {path.stem}"
+
+    def read(self, index):
+        return np.full((64, 80), index, np.uint8)
+
+
+@pytest.fixture
+def stamped(tmp_path, monkeypatch):
+    """A folder in which each camera has one file of two frames."""
+    entry = Format("stamped", (".st",), lambda path, head: head[:5] == b"STAMP", Stamped)
+    monkeypatch.setattr(registry, "FORMATS", (*registry.FORMATS, entry))
+    for name, step in (("one", "0.25"), ("two", "0.5")):
+        (tmp_path / f"{name}.st").write_text(f"STAMP{step}")
+        (tmp_path / f"{name}.raw").write_bytes(b"counts")
+    return tmp_path
+
+
+def test_times_of_the_header_are_those_of_camera_1(stamped):
+    pairs = pair_cameras(stamped, ("one.st", "two.st"), bit_depths=(8, 8))
+    assert list(pairs.times) == [0.0, 0.25]
+    assert pairs.companions == ((stamped / "one.raw",), (stamped / "two.raw",))
+    assert [str(note) for note in format_notes(pairs)] == [
+        "camera1: it is one",
+        "camera2: it is two",
+    ]
+
+
+@pytest.mark.parametrize("times", ["nan", "0.5"], ids=["not a number", "two files"])
+def test_times_that_do_not_belong_to_all_frames_are_left_out(stamped, times):
+    (stamped / "one.st").write_text(f"STAMP{times}")
+    (stamped / "one2.st").write_text("STAMP1")
+    found = find_pages(stamped, "one.st" if times == "nan" else "one*.st", "camera1")
+    assert found.times is None
+
+
+# two cameras in one file
+
+PARTS = [("left", "right"), ("top", "bottom"), ("odd", "even")]
+
+
+def write_both(path, part, one, two):
+    """One file in which each part holds the frames of its camera."""
+    if part == "odd":
+        pages = [page for pair in zip(one, two, strict=True) for page in pair]
+    else:
+        stack = np.hstack if part == "left" else np.vstack
+        pages = [stack(pair) for pair in zip(one, two, strict=True)]
+    tifffile.imwrite(path, np.stack(pages), photometric="minisblack")
+
+
+@pytest.mark.parametrize("mirrored", [False, True], ids=["in order", "exchanged"])
+@pytest.mark.parametrize("parts", PARTS, ids=" ".join)
+def test_each_camera_has_its_part_of_a_shared_file(tmp_path, parts, mirrored):
+    rng = np.random.default_rng(3)
+    counts = rng.integers(0, 4096, (2, 3, *SHAPE), dtype=np.uint16)
+    write_both(tmp_path / "both.tif", parts[0], *counts)
+    parts, counts = (parts[::-1], counts[::-1]) if mirrored else (parts, counts)
+    selections = tuple(Selection(part) for part in parts)
+    pairs = pair(tmp_path, patterns=("both.tif", "both.tif"), selections=selections)
+    np.testing.assert_array_equal(read_frames(pairs, [0, 1, 2]).counts, counts)
+    found = read_frames(pairs, [2], digests=True)
+    assert str(found.digest_camera1[0].values) == ""  # other frames share the file
+
+
+@pytest.mark.parametrize(
+    "parts", [("", ""), ("left", ""), ("left", "left"), ("left", "top"), ("odd", "right")]
+)
+def test_the_same_files_without_parts_that_exclude_one_another_are_refused(tmp_path, parts):
+    write_both(tmp_path / "both.tif", "left", [GREY, GREY], [GREY, GREY])
+    message = refusal(
+        tmp_path,
+        patterns=("both.tif", "*.tif"),
+        selections=tuple(Selection(part) for part in parts),
+    )
+    assert "both [camera1] and [camera2] name both.tif" in message
+    assert 'part = "left" and part = "right"' in message
+
+
+def test_alternating_pages_without_a_partner_are_refused(tmp_path):
+    tifffile.imwrite(tmp_path / "both.tif", np.stack([GREY] * 5), photometric="minisblack")
+    message = refusal(
+        tmp_path,
+        patterns=("both.tif", "both.tif"),
+        selections=(Selection("odd"), Selection("even")),
+    )
+    assert "camera1 has 3, camera2 has 2. The first unmatched one is both.tif" in message
+
+
+def test_lost_pages_of_one_camera_are_left_out_with_their_partners(tmp_path, save_pages):
+    """Both files have six pages, every other one a frame; the file of camera 2 is cut off."""
+    for name in ("one.tif", "two.tif"):
+        save_pages(tmp_path / name, [GREY] * 6)
+    path = tmp_path / "two.tif"
+    with tifffile.TiffFile(path) as file:
+        start = file.pages[3].dataoffsets[0]
+    path.write_bytes(path.read_bytes()[: start + 10])
+    pairs = pair(
+        tmp_path,
+        patterns=("one.tif", "two.tif"),
+        selections=(Selection("odd"), Selection("even")),
+        skip_bad_frames=True,
+    )
+    assert pairs.usable == [0]
+
+
+@pytest.mark.parametrize("cut", ["camera1", "camera2"])
+def test_times_of_a_cut_recording_are_those_of_the_other_camera(tmp_path, cut):
+    """Fewer times than frames had ended in a traceback."""
+    for name in ("camera1", "camera2"):
+        content = np.stack([GREY] * 5).tobytes()
+        (tmp_path / f"{name}.raw").write_bytes(content[:-20_000] if name == cut else content)
+        (tmp_path / f"{name}.toml").write_text(
+            'width = 80\nheight = 64\npixel_format = "Mono12"\nframe_rate = 100.0\n'
+        )
+    pairs = pair(tmp_path, patterns=("camera1.raw", "camera2.raw"), skip_bad_frames=True)
+    assert sorted(pairs.skipped) == [3, 4]
+    np.testing.assert_allclose(number_frames(pairs).time, np.arange(5) / 100)
+
+
+def test_bits_of_the_headers_come_with_the_pairs(tmp_path):
+    for name, kind in (("camera1", "Mono10"), ("camera2", "Mono16")):
+        write_genicam(tmp_path / f"{name}.raw", np.stack([GREY] * 2), kind)
+    pairs = pair(tmp_path, patterns=("camera1.raw", "camera2.raw"))
+    assert pairs.stated_bits == (10, 16)
+    (note,) = format_notes(pairs)
+    assert "the headers of the files state 10 bits" in note.text
+
+
+def test_frames_of_recordings_in_one_file_each_are_not_dropped_by_empty_files(tmp_path, save_pages):
+    save_pages(tmp_path / "all1.tif", [GREY] * 6)
+    save_pages(tmp_path / "all2.tif", [GREY] * 5)
+    message = refusal(tmp_path, patterns=("all1.tif", "all2.tif"))
+    assert "The first unmatched one is all1.tif[5] of camera 1. Export the same frames" in message
+    assert "empty file" not in message

@@ -1,0 +1,198 @@
+"""Run and fixture directories, in the forms in which a rig may write them."""
+
+import contextlib
+import json
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import imageio.v3 as iio
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from erlif.core.errors import ConfigError, EncoderError, ErlifError, FrameError
+from erlif.io.ingest import open_fixture, open_run, read_frames
+from erlif.io.ingest.recording import number_frames
+
+
+def counts_of(directory):
+    return read_frames(open_run(directory).pairs, range(6)).counts.values
+
+
+def test_a_run_has_settings_frames_and_log(run):
+    recording = open_run(run.directory)
+    assert recording.directory == run.directory
+    assert [camera.band for camera in recording.cameras] == [580, 610]
+    assert recording.pairs.usable == list(range(6))
+    assert recording.pairs.shape == (64, 80)
+    np.testing.assert_array_equal(recording.log.angle, 50 + np.arange(6))
+    np.testing.assert_array_equal(recording.log.time, 0.01 * np.arange(6))
+
+
+def test_a_fixture_has_no_log(fixture):
+    recording = open_fixture(fixture.directory)
+    assert recording.pairs.usable == [0, 1, 2]
+    assert recording.settings.fixture.profile == "profile.csv"
+    assert [camera.band for camera in recording.cameras] == [580, 610]
+    assert not hasattr(recording, "log")
+
+
+def test_each_camera_has_its_own_files_and_bit_depth(run):
+    run.edit("run.toml", ('band = "610 nm"', 'band = "610 nm"\nbit_depth = 14'))
+    pairs = open_run(run.directory).pairs
+    assert pairs.bit_depths == (12, 14)
+    for camera, pages in enumerate(pairs.pages, 1):
+        assert [page.path for page in pages] == run.frames(camera)
+
+
+@pytest.mark.parametrize("one", ["610 nm", "620 nm"])
+def test_camera_1_must_have_the_shorter_wavelength(run, one):
+    run.edit("run.toml", ('band = "580 nm"', f'band = "{one}"'))
+    with pytest.raises(FrameError, match=f"got {one} on camera 1 and 610 nm on camera 2"):
+        open_run(run.directory)
+
+
+def test_exchanged_bands_of_a_fixture_are_refused(fixture):
+    fixture.edit("fixture.toml", ('"580 nm"', '"611 nm"'))
+    with pytest.raises(FrameError, match="exchange the two tables"):
+        open_fixture(fixture.directory)
+
+
+@pytest.mark.parametrize("rows", [5, 7])
+def test_a_log_needs_one_row_for_each_frame(run, rows):
+    log = "frame,angle_deg\n" + "".join(f"{k},{50 + k}\n" for k in range(rows))
+    (run.directory / "encoder.csv").write_text(log)
+    with pytest.raises(EncoderError, match=f"has {rows} rows, the cameras have 6 frames"):
+        open_run(run.directory)
+
+
+def test_a_damaged_frame_is_left_out_on_request_and_keeps_its_row(run):
+    run.frames(2)[3].write_bytes(b"")
+    with pytest.raises(FrameError, match=r"frame_0003\.tif: the file is empty"):
+        open_run(run.directory)
+    recording = open_run(run.directory, skip_bad_frames=True)
+    assert recording.pairs.usable == [0, 1, 2, 4, 5]
+    assert recording.log.sizes["frame"] == 6
+
+
+def test_a_damaged_frame_of_a_fixture_is_left_out_on_request(fixture):
+    fixture.frames(1)[0].write_bytes(b"")
+    with pytest.raises(FrameError, match="the file is empty"):
+        open_fixture(fixture.directory)
+    assert open_fixture(fixture.directory, skip_bad_frames=True).pairs.usable == [1, 2]
+
+
+def test_a_directory_without_settings_is_refused(tmp_path):
+    with pytest.raises(ConfigError, match=r"run\.toml"):
+        open_run(tmp_path)
+    with pytest.raises(ConfigError, match=r"fixture\.toml"):
+        open_fixture(tmp_path)
+
+
+def test_frames_in_another_format_are_read(run):
+    for camera in (1, 2):
+        for k, path in enumerate(run.frames(camera)):
+            path.unlink()
+            iio.imwrite(path.with_suffix(".png"), run.counts[camera - 1, k])
+        run.edit("run.toml", (f'"camera{camera}/*.tif"', f'"camera{camera}/*.png"'))
+    np.testing.assert_array_equal(counts_of(run.directory), run.counts)
+
+
+def test_hidden_files_beside_the_frames_are_ignored(run):
+    # as macOS leaves them on disks of another system
+    (run.directory / "camera1" / "._frame_0000.tif").write_bytes(b"\x00\x05\x16\x07")
+    np.testing.assert_array_equal(counts_of(run.directory), run.counts)
+
+
+def test_absolute_patterns_and_unusual_directory_names_are_found(run, tmp_path):
+    unusual = tmp_path / "Lauf [1] – 80W-90 µm ²"
+    run.edit("run.toml", ('"camera1/*.tif"', json.dumps(f"{tmp_path}/camera1/*.tif")))
+    run.directory.rename(unusual)
+    shutil.move(unusual / "camera1", tmp_path / "camera1")
+    pairs = open_run(unusual, allow_outside=True).pairs
+    np.testing.assert_array_equal(read_frames(pairs, range(6)).counts.values, run.counts)
+    (tmp_path / "camera1" / "frame_0003.tif").write_bytes(b"")
+    with pytest.raises(FrameError, match=r"frame_0003\.tif: the file is empty"):
+        open_run(unusual, allow_outside=True)
+
+
+# any bytes changed
+
+fuzz = settings(
+    deadline=None, database=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+
+
+@pytest.fixture(scope="module")
+def scratch(written, tmp_path_factory):
+    directory = tmp_path_factory.mktemp("fuzz") / "run"
+    shutil.copytree(written["run"].directory, directory)
+    return directory
+
+
+def damage(data, path: Path, original: bytes) -> None:
+    """Change up to four bytes, mostly near the start, and cut the end off."""
+    content = bytearray(original)
+    for _ in range(data.draw(st.integers(1, 4))):
+        near = st.integers(0, min(len(content) - 1, 400))
+        content[data.draw(near | st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
+    end = data.draw(st.integers(0, len(content)) | st.just(len(content)))
+    path.write_bytes(content[:end])
+
+
+@settings(fuzz, max_examples=60)
+@given(st.data())
+def test_a_log_with_any_bytes_changed_is_read_or_refused(written, scratch, data):
+    original = (written["run"].directory / "encoder.csv").read_bytes()
+    damage(data, scratch / "encoder.csv", original)
+    try:
+        with contextlib.suppress(ErlifError):
+            log = open_run(scratch).log
+            assert log.sizes["frame"] == 6
+            assert np.isfinite(log.angle).all()
+            assert (np.diff(log.number) == 1).all()
+    finally:
+        (scratch / "encoder.csv").write_bytes(original)
+
+
+@settings(fuzz, max_examples=60)
+@given(st.data(), st.booleans())
+def test_a_frame_with_any_bytes_changed_is_read_left_out_or_refused(written, scratch, data, skip):
+    path = scratch / "camera2" / "frame_0002.tif"
+    original = written["run"].frames(2)[2].read_bytes()
+    damage(data, path, original)
+    try:
+        with contextlib.suppress(ErlifError):
+            recording = open_run(scratch, skip_bad_frames=skip)
+            usable = recording.pairs.usable
+            counts = read_frames(recording.pairs, usable).counts
+            assert counts.shape == (2, len(usable), 64, 80)
+            others = [k for k in usable if k != 2]
+            assert others == [0, 1, 3, 4, 5]
+            np.testing.assert_array_equal(
+                counts.sel(frame=others), written["run"].counts[:, others]
+            )
+    finally:
+        path.write_bytes(original)
+
+
+@pytest.mark.parametrize("timed", [True, False])
+def test_without_a_log_frames_have_numbers_and_the_times_of_the_camera(small_rig, timed):
+    pairs = open_run(small_rig.run).pairs
+    times = np.arange(6) * 0.01
+    log = number_frames(replace(pairs, times=times if timed else None))
+    assert log.number.values.tolist() == [0, 1, 2, 3, 4, 5]
+    assert ("time" in log) == timed
+    if timed:
+        assert log.time.values.tolist() == times.tolist()
+
+
+def test_a_run_without_an_encoder_opens(lab):
+    text = (lab.run / "run.toml").read_text(encoding="utf-8")
+    kept = text.partition("[encoder]")[0] + "[thickness]" + text.partition("[thickness]")[2]
+    (lab.run / "run.toml").write_text(kept, encoding="utf-8")
+    run = open_run(lab.run)
+    assert set(run.log) == {"number"}
+    assert run.log_notes == []

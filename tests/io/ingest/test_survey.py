@@ -1,0 +1,322 @@
+"""Frames, darks, flats and tables found by their names, as laboratories name them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tifffile
+from scenes.camera_files import (
+    random_frames,
+    write_cine,
+    write_genicam,
+    write_im7,
+    write_mraw,
+    write_seq,
+)
+
+from erlif.core.errors import FrameError
+from erlif.io.ingest.survey import survey_directory
+
+GREY = np.full((64, 80), 1000, np.uint16)
+
+
+def photograph(directory: Path, *names: str, image=GREY, pages: int = 1) -> None:
+    """Write images under these names."""
+    for name in names:
+        path = directory / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tifffile.TiffWriter(path) as file:
+            for _ in range(pages):
+                file.write(image, contiguous=False)
+
+
+def numbered(pattern: str, count: int = 3) -> list[str]:
+    return [pattern.format(number) for number in range(count)]
+
+
+@pytest.mark.parametrize(
+    ("one", "two", "patterns"),
+    [
+        (
+            "camera1/frame_{:04d}.tif",
+            "camera2/frame_{:04d}.tif",
+            ["camera1/*.tif", "camera2/*.tif"],
+        ),
+        ("Camera_1/{}.TIF", "Camera_2/{}.TIF", ["Camera_1/*.TIF", "Camera_2/*.TIF"]),
+        ("C1_{:04d}.tif", "C2_{:04d}.tif", ["C1_*.tif", "C2_*.tif"]),
+        ("shotCam0_{}.tiff", "shotCam1_{}.tiff", ["shotCam0_*.tiff", "shotCam1_*.tiff"]),
+        ("580/{}.tif", "610/{}.tif", ["580/*.tif", "610/*.tif"]),
+        ("run_{}_580nm.tif", "run_{}_610nm.tif", ["*_580nm.tif", "*_610nm.tif"]),
+        ("left/{}.tif", "right/{}.tif", ["left/*.tif", "right/*.tif"]),
+        ("left_{}.tif", "right_{}.tif", ["left_*.tif", "right_*.tif"]),
+        (
+            "raw [7]/cam a/{}.tif",
+            "raw [7]/cam b/{}.tif",
+            ["raw [[]7]/cam a/*.tif", "raw [[]7]/cam b/*.tif"],
+        ),
+        ("cam1/part_{}/x.tif", "cam2/part_{}/x.tif", ["cam1/*/*.tif", "cam2/*/*.tif"]),
+    ],
+)
+def test_two_cameras_are_distinguished_by_the_names_of_their_files(tmp_path, one, two, patterns):
+    photograph(tmp_path, *numbered(one), *numbered(two))
+    cameras = survey_directory(tmp_path).cameras
+    assert [camera.frames.pages for camera in cameras] == [3, 3]
+    for camera, pattern in zip(cameras, patterns, strict=True):
+        assert set(tmp_path.glob(camera.frames.pattern)) == set(camera.frames.files)
+        assert camera.frames.pattern == pattern
+
+
+def test_one_multi_page_file_for_each_camera_is_found(tmp_path):
+    photograph(tmp_path, "cam1.tif", "cam2.tif", pages=5)
+    cameras = survey_directory(tmp_path).cameras
+    assert [camera.frames.pattern for camera in cameras] == ["cam1.tif", "cam2.tif"]
+    assert [camera.frames.pages for camera in cameras] == [5, 5]
+    assert cameras[0].frames.kinds == ("80 x 64 uint16",)
+
+
+def test_cameras_stand_in_the_order_of_their_wavelengths(tmp_path):
+    photograph(tmp_path, *numbered("cam1_610nm/{}.tif"), *numbered("cam2_580nm/{}.tif"))
+    cameras = survey_directory(tmp_path).cameras
+    assert [camera.wavelength for camera in cameras] == [580, 610]
+    assert cameras[0].frames.pattern == "cam2_580nm/*.tif"
+
+
+def test_a_number_that_both_cameras_share_is_not_a_wavelength(tmp_path):
+    photograph(tmp_path, *numbered("run_500/cam1/{}.tif"), *numbered("run_500/cam2/{}.tif"))
+    assert [camera.wavelength for camera in survey_directory(tmp_path).cameras] == [None, None]
+
+
+def test_frame_numbers_are_not_taken_as_wavelengths(tmp_path):
+    photograph(
+        tmp_path, *(f"cam{camera}/{number}.tif" for camera in (1, 2) for number in range(579, 582))
+    )
+    assert [camera.wavelength for camera in survey_directory(tmp_path).cameras] == [None, None]
+
+
+@pytest.mark.parametrize(
+    ("dark", "flat"),
+    [
+        ("camera{}_dark.tif", "camera{}_flat.tif"),
+        ("camera{}/Dark.tif", "camera{}/White.tif"),
+        ("darks/cam{}.tif", "flats/cam{}.tif"),
+        ("Cam{}BlackFrames.tif", "Cam{}Uniform.tif"),
+    ],
+)
+def test_darks_and_flats_are_assigned_to_their_camera_by_name(tmp_path, dark, flat):
+    for camera in (1, 2):
+        photograph(tmp_path, *numbered(f"camera{camera}/frame_{{}}.tif"))
+        photograph(tmp_path, dark.format(camera), pages=4)
+        photograph(tmp_path, flat.format(camera), pages=6)
+    survey = survey_directory(tmp_path)
+    assert survey.unassigned == ()
+    for number, camera in enumerate(survey.cameras, 1):
+        assert camera.frames.pages == 3
+        assert (camera.darks.pages, camera.flats.pages) == (4, 6)
+        assert camera.darks.pattern == dark.format(number)
+        assert set(tmp_path.glob(camera.frames.pattern)) == set(camera.frames.files)
+
+
+@pytest.mark.parametrize("name", ["camera{}_dry.tif", "background/cam{}.tif"])
+def test_frames_of_the_dry_joint_are_assigned_to_their_camera(tmp_path, name):
+    for camera in (1, 2):
+        photograph(tmp_path, *numbered(f"camera{camera}/frame_{{}}.tif"))
+        photograph(tmp_path, name.format(camera), pages=2)
+    for number, camera in enumerate(survey_directory(tmp_path).cameras, 1):
+        assert camera.frames.pages == 3
+        assert camera.backgrounds.pattern == name.format(number)
+
+
+def test_darks_of_left_and_right_are_found_in_their_own_folder(tmp_path):
+    photograph(tmp_path, *numbered("left/{}.tif"), *numbered("right/{}.tif"))
+    photograph(tmp_path, "darks/left.tif", "darks/right.tif")
+    assert [camera.darks.pattern for camera in survey_directory(tmp_path).cameras] == [
+        "darks/left.tif",
+        "darks/right.tif",
+    ]
+
+
+def test_a_dark_of_neither_camera_is_listed(tmp_path):
+    photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"), "dark.tif")
+    survey = survey_directory(tmp_path)
+    assert survey.unassigned == (tmp_path / "dark.tif",)
+    assert survey.cameras[0].darks is None
+
+
+def test_a_photograph_of_the_scale_is_not_a_frame(tmp_path):
+    photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"), "scale.tif")
+    survey = survey_directory(tmp_path)
+    assert [camera.frames.pages for camera in survey.cameras] == [3, 3]
+    assert survey.unassigned == (tmp_path / "scale.tif",)
+
+
+def test_frames_that_no_single_pattern_matches_have_none(tmp_path):
+    photograph(tmp_path, *numbered("cam1_{}.tif"), "cam1_dark_1.tif", *numbered("cam2_{}.tif"))
+    cameras = survey_directory(tmp_path).cameras
+    assert cameras[0].frames.pattern == "cam1_[0-9]*.tif"  # the dark is left out
+    photograph(tmp_path, "cam1_3_dark.tif")
+    assert survey_directory(tmp_path).cameras[0].frames.pattern is None
+
+
+def graded(highest, *, many=False):
+    """Counts of many levels; `many` pixels at the highest one, or a single pixel."""
+    counts = np.linspace(3, highest - 5, 64 * 80).astype(np.uint16)
+    counts[-40 if many else -1 :] = highest
+    return counts.reshape(64, 80)
+
+
+@pytest.mark.parametrize(
+    ("counts", "depth", "unused", "certain"),
+    [
+        (graded(250).astype(np.uint8), 8, 0, False),
+        (graded(900), 12, 0, False),
+        (graded(4095, many=True), 12, 0, True),
+        (graded(4096), 14, 0, False),
+        (graded(65535, many=True), 16, 0, True),
+        (graded(4095, many=True) << 4, 12, 4, True),
+        (graded(16383) << 2, 14, 2, False),
+        (np.full((64, 80), 1024, np.uint16), 12, 0, False),  # too uniform to show padding
+    ],
+)
+def test_the_bit_depth_follows_from_the_largest_counts(tmp_path, counts, depth, unused, certain):
+    photograph(tmp_path, "cam1.tif", "cam2.tif", image=counts)
+    found = survey_directory(tmp_path).cameras[0].counts
+    assert (found.bit_depth, found.unused_bits, found.full_scale_seen) == (depth, unused, certain)
+    assert found.highest == counts.max()
+
+
+def test_damaged_files_are_listed_and_the_others_read(tmp_path):
+    photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"))
+    (tmp_path / "cam1" / "1.tif").write_bytes(b"")
+    frames = survey_directory(tmp_path).cameras[0].frames
+    assert len(frames.faults) == 1
+    assert "cam1/1.tif" in frames.faults[0]
+    assert frames.pages == 3
+
+
+def test_files_that_erlif_wrote_are_not_taken_for_frames(tmp_path):
+    photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"))
+    (tmp_path / "figures").mkdir()
+    for name in ("calibration.png", "figures/map.png"):
+        (tmp_path / name).write_bytes(b"\x89PNG")
+    assert survey_directory(tmp_path).unassigned == ()
+
+
+def test_tables_are_listed_with_header_and_rows(tmp_path):
+    (tmp_path / "log.csv").write_text("frame, angle_deg\n0,1.5\n1,2.5\n\n")
+    (tmp_path / "empty.csv").write_text("")
+    (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00")
+    (table,) = survey_directory(tmp_path).tables
+    assert (table.path.name, table.header, table.rows) == ("log.csv", ("frame", "angle_deg"), 2)
+
+
+def test_a_missing_directory_is_refused(tmp_path):
+    with pytest.raises(FrameError, match="nowhere is not a directory"):
+        survey_directory(tmp_path / "nowhere")
+
+
+def test_too_many_files_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("erlif.io.ingest.survey.MOST_FILES", 3)
+    photograph(tmp_path, *numbered("cam1/{}.tif", 4))
+    with pytest.raises(FrameError, match="more than 3 files"):
+        survey_directory(tmp_path)
+
+
+def test_hidden_files_links_and_files_too_deep_are_not_searched(tmp_path):
+    photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"))
+    photograph(tmp_path, ".hidden.tif", "a/b/c/d/deep.tif")
+    (tmp_path / "link.tif").symlink_to(tmp_path / "cam1" / "0.tif")
+    survey = survey_directory(tmp_path)
+    assert survey.unassigned == ()
+    assert [camera.frames.pages for camera in survey.cameras] == [3, 3]
+
+
+def test_a_table_larger_than_any_log_is_not_read(tmp_path, monkeypatch):
+    (tmp_path / "log.csv").write_text("frame,angle_deg\n0,1\n")
+    monkeypatch.setattr("erlif.io.ingest.survey.LARGEST_TABLE", 18)
+    assert survey_directory(tmp_path).tables == ()
+    monkeypatch.setattr("erlif.io.ingest.survey.LARGEST_TABLE", 20)
+    assert len(survey_directory(tmp_path).tables) == 1
+
+
+def test_a_camera_whose_files_are_all_damaged_has_no_counts(tmp_path):
+    photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"))
+    for path in (tmp_path / "cam2").iterdir():
+        path.write_bytes(b"")
+    one, two = survey_directory(tmp_path).cameras
+    assert one.counts.pages == 3
+    assert one.counts.highest == 1000
+    assert two.counts is None
+    assert len(two.frames.faults) == 3
+
+
+def test_the_most_frequent_size_comes_first(tmp_path):
+    photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"))
+    photograph(tmp_path, "cam1/0.tif", image=GREY[:, :70])
+    assert survey_directory(tmp_path).cameras[0].frames.kinds == (
+        "80 x 64 uint16",
+        "70 x 64 uint16",
+    )
+
+
+def test_more_than_two_cameras_are_all_listed(tmp_path):
+    photograph(tmp_path, *(name for n in (1, 2, 3) for name in numbered(f"cam{n}/{{}}.tif")))
+    assert [camera.label for camera in survey_directory(tmp_path).cameras] == [
+        "camera 1",
+        "camera 2",
+        "camera 3",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("suffix", "write"),
+    [
+        (".mraw", lambda path, frames: write_mraw(path, frames, stored=16, depth=12)),
+        (".cine", lambda path, frames: write_cine(path, frames, depth=12)),
+        (".seq", lambda path, frames: write_seq(path, frames, significant=12)),
+        (".raw", lambda path, frames: write_genicam(path, frames, "Mono12p")),
+    ],
+)
+def test_recordings_of_cameras_are_found_with_the_depth_of_their_headers(tmp_path, suffix, write):
+    """Dim frames would fit 8 bits; the header beside the counts is no second recording."""
+    frames = random_frames(np.random.default_rng(1), bits=6).astype(np.uint16)
+    for camera in (1, 2):
+        write(tmp_path / f"camera{camera}{suffix}", frames)
+    found = survey_directory(tmp_path)
+    assert [camera.frames.pattern for camera in found.cameras] == [
+        f"camera1{suffix}",
+        f"camera2{suffix}",
+    ]
+    for camera in found.cameras:
+        assert camera.frames.pages == 3
+        assert not camera.frames.faults
+        assert camera.counts.bit_depth == 12
+        assert camera.counts.stated
+
+
+def test_counts_above_the_depth_of_the_header_overrule_it(tmp_path):
+    frames = random_frames(np.random.default_rng(1), bits=14)
+    write_mraw(tmp_path / "camera1.mraw", frames, stored=16, depth=12)
+    (camera,) = survey_directory(tmp_path).cameras
+    assert camera.counts.bit_depth == 14
+    assert not camera.counts.stated
+
+
+def test_images_of_davis_are_found_one_by_one(tmp_path):
+    for camera in (1, 2):
+        for number in range(3):
+            path = tmp_path / f"cam{camera}" / f"B{number:05}.im7"
+            path.parent.mkdir(exist_ok=True)
+            write_im7(path, random_frames(np.random.default_rng(number), frames=1))
+    patterns = [camera.frames.pattern for camera in survey_directory(tmp_path).cameras]
+    assert patterns == ["cam1/*.im7", "cam2/*.im7"]
+
+
+def test_parts_of_one_file_stand_in_the_order_of_their_pages(tmp_path):
+    """By name, "even" would come before "odd"; odd pages are brighter here."""
+    pages = np.stack([np.full((64, 80), 3000 - 2000 * (k % 2), np.uint16) for k in range(6)])
+    tifffile.imwrite(tmp_path / "both.tif", pages, photometric="minisblack")
+    (tmp_path / "encoder.csv").write_text("frame,angle_deg\n0,1\n1,2\n2,3\n")
+    one, two = survey_directory(tmp_path).cameras
+    assert (one.selection.part, one.counts.highest) == ("odd", 3000)
+    assert (two.selection.part, two.counts.highest) == ("even", 1000)
+    assert one.frames.pages == two.frames.pages == 3

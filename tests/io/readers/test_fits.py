@@ -1,0 +1,137 @@
+"""FITS files laid out after the FITS standard 4.0."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scenes.camera_files import fits_header, fits_image, padded, unsigned
+
+from erlif.core.errors import FrameError
+from erlif.io.readers import FrameKind, open_frames
+
+COUNTS = np.random.default_rng(5).integers(0, 65536, (3, 64, 80), dtype=np.uint16)
+
+
+def read(path, content: bytes) -> np.ndarray:
+    path.write_bytes(content)
+    file = open_frames(path)
+    try:
+        found = [file.read(index) for index in reversed(range(len(file.kinds)))]
+        for one in found:
+            assert (one.shape, one.dtype.name) == file.kinds[0]
+        return np.stack(found[::-1])
+    finally:
+        file.close()
+
+
+def refusal(path, content: bytes) -> str:
+    with pytest.raises(FrameError) as refused:
+        read(path, content)
+    return str(refused.value)
+
+
+def test_unsigned_counts_are_those_with_their_zero_moved(tmp_path):
+    content = fits_image(16, 80, 64, 3, BZERO=32768, BSCALE=1) + unsigned(COUNTS)
+    found = read(tmp_path / "a.dat", content)
+    assert found.dtype == np.uint16
+    np.testing.assert_array_equal(found, COUNTS)
+
+
+@pytest.mark.parametrize(
+    ("bitpix", "dtype"), [(8, ">u1"), (16, ">i2"), (32, ">i4"), (64, ">i8"), (-32, ">f4")]
+)
+def test_values_of_each_type_are_read(tmp_path, bitpix, dtype):
+    values = (COUNTS[0] >> 9).astype(dtype)
+    content = fits_image(bitpix, 80, 64) + padded(values.tobytes())
+    np.testing.assert_array_equal(read(tmp_path / "a.fits", content), values[None])
+
+
+@pytest.mark.parametrize(("order", "step"), [("TOP-DOWN", 1), ("BOTTOM-UP", -1)])
+def test_rows_stand_as_the_header_states(tmp_path, order, step):
+    content = fits_image(16, 80, 64, BZERO=32768, ROWORDER=order) + unsigned(COUNTS[0])
+    np.testing.assert_array_equal(read(tmp_path / "a.fits", content), COUNTS[:1, ::step])
+
+
+def test_an_image_may_follow_an_empty_or_another_part(tmp_path):
+    table = fits_header(
+        XTENSION="BINTABLE", BITPIX=8, NAXIS=2, NAXIS1=30, NAXIS2=100, PCOUNT=50, GCOUNT=1
+    )
+    extension = fits_header(
+        XTENSION="IMAGE", BITPIX=16, NAXIS=2, NAXIS1=80, NAXIS2=64, PCOUNT=0, GCOUNT=1, BZERO=32768
+    )
+    content = fits_image(8) + table + padded(bytes(3050)) + extension + unsigned(COUNTS[0])
+    np.testing.assert_array_equal(read(tmp_path / "a.fits", content), COUNTS[:1])
+
+
+@pytest.mark.parametrize(
+    ("cards", "reason"),
+    [
+        ({"BSCALE": 0.5}, r"its values are scaled (BSCALE = 0.5, BZERO = 0) and no longer counts."),
+        ({"BZERO": 100.0}, "BZERO = 100"),
+        ({"BZERO": "none"}, "no number"),
+    ],
+)
+def test_scaled_values_are_refused(tmp_path, cards, reason):
+    assert reason in refusal(
+        tmp_path / "a.fits", fits_image(16, 80, 64, **cards) + unsigned(COUNTS[0])
+    )
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (fits_image(16, 10**9, 10**9) + bytes(2880), "cannot hold 1 frame"),
+        (fits_image(16, 80, 64, 10**9) + unsigned(COUNTS), "header names 1000000000 frames"),
+        (fits_image(16, 80, 0) + bytes(2880), "no image"),
+        (fits_image(17, 80, 64) + unsigned(COUNTS), "BITPIX is 17"),
+        (fits_image(16, 80, -64) + unsigned(COUNTS), "negative length"),
+        (fits_image(16, 80, 64)[:2000], "truncated"),
+        (fits_image(8), "no image"),
+        (fits_header(SIMPLE="T", BITPIX=8, NAXIS=10**6), "NAXIS is 1000000"),
+        (
+            fits_image(8)
+            + fits_header(XTENSION="BINTABLE", BITPIX=8, NAXIS=1, NAXIS1=9, ZIMAGE="T"),
+            "funpack",
+        ),
+    ],
+)
+def test_damaged_and_other_headers_are_refused(tmp_path, content, reason):
+    assert reason in refusal(tmp_path / "a.fits", content)
+
+
+def test_frames_behind_the_end_of_the_file_are_truncated(tmp_path):
+    content = fits_image(16, 80, 64, 3, BZERO=32768) + unsigned(COUNTS)
+    (tmp_path / "a.fits").write_bytes(content[: 2880 + 2 * COUNTS[0].nbytes + 5])
+    file = open_frames(tmp_path / "a.fits")
+    assert file.kinds[0] == FrameKind((64, 80), "uint16")
+    assert [kind.dtype for kind in file.kinds] == ["uint16", "uint16", "truncated"]
+    file.close()
+
+
+@pytest.mark.parametrize("dtype", ["u1", "u2", "i2", "u4", "f4", "f8"])
+@pytest.mark.parametrize("place", ["first", "extension"])
+def test_files_of_astropy_are_read(tmp_path, dtype, place):
+    fits = pytest.importorskip("astropy.io.fits")
+    counts = (COUNTS >> 8).astype(dtype)
+    parts = [fits.PrimaryHDU(counts)]
+    if place == "extension":
+        table = fits.BinTableHDU.from_columns([fits.Column("a", "J", array=np.arange(9))])
+        parts = [fits.PrimaryHDU(), table, fits.ImageHDU(counts)]
+    fits.HDUList(parts).writeto(tmp_path / "a.fits")
+    found = read(tmp_path / "a.fits", (tmp_path / "a.fits").read_bytes())
+    assert found.dtype == counts.dtype
+    np.testing.assert_array_equal(found, counts)
+
+
+def test_an_exponent_may_be_written_with_a_d(tmp_path):
+    """FITS standard 4.0, section 4.2.4."""
+    counts = np.arange(12, dtype=np.uint16).reshape(1, 3, 4) + 32760
+    content = fits_image(16, 4, 3, 1, BZERO="3.2768D4") + unsigned(counts)
+    np.testing.assert_array_equal(read(tmp_path / "a.fits", content.replace(b"'", b" ")), counts)
+
+
+def test_data_of_negative_size_are_refused(tmp_path):
+    """They had led back to the same header, a thousand times."""
+    table = fits_header(XTENSION="BINTABLE", BITPIX=8, NAXIS=1, NAXIS1=80, PCOUNT=-2960, GCOUNT=1)
+    content = fits_image(16) + table + bytes(2880)
+    assert "no image" in refusal(tmp_path / "a.fits", content)

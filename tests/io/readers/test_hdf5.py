@@ -1,0 +1,327 @@
+"""HDF5 and netCDF-4 files against h5py and h5netcdf, which wrote them."""
+
+from __future__ import annotations
+
+import zlib
+
+import h5netcdf
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+from damages.products import empty_heap
+
+from erlif.core.errors import FrameError
+from erlif.io.readers import FrameKind, open_frames
+
+COUNTS = np.random.default_rng(5).integers(0, 4096, (4, 64, 80), dtype=np.uint16)
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "a.h5"
+
+
+def read(path, dataset=""):
+    file = open_frames(path, dataset=dataset)
+    try:
+        return np.stack([file.read(index) for index in reversed(range(len(file.kinds)))][::-1])
+    finally:
+        file.close()
+
+
+def refusal(path, dataset=""):
+    with pytest.raises(FrameError) as refused:
+        read(path, dataset)
+    return str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"chunks": (1, 64, 80)},
+        {"chunks": (3, 10, 80), "compression": "gzip"},
+        {"chunks": True, "compression": "lzf", "shuffle": True},
+    ],
+    ids=["contiguous", "chunks", "gzip", "lzf"],
+)
+@pytest.mark.parametrize("dtype", ["<u2", ">i4", "<f4"])
+def test_the_only_array_of_frames_is_used(path, options, dtype):
+    with h5py.File(path, "w") as file:
+        file.create_dataset("camera1/counts", data=COUNTS.astype(dtype), **options)
+        file["angle"] = np.arange(4.0)
+        file["name"] = "run"
+    np.testing.assert_array_equal(read(path), COUNTS)
+    opened = open_frames(path)
+    assert list(opened.kinds) == [FrameKind((64, 80), np.dtype(dtype).newbyteorder("=").name)] * 4
+    assert opened.times is None
+    opened.close()
+
+
+def test_an_array_is_chosen_by_its_path(path):
+    with h5py.File(path, "w") as file:
+        file["camera1/counts"], file["camera2/counts"] = COUNTS, COUNTS[::-1]
+    np.testing.assert_array_equal(read(path, "/camera2/counts"), COUNTS[::-1])
+    np.testing.assert_array_equal(read(path, "camera1/counts"), COUNTS)
+    for message in (refusal(path), refusal(path, "/camera3"), refusal(path, "/camera1")):
+        assert "/camera1/counts (4 x 64 x 80 uint16), /camera2/counts" in message
+        assert message.endswith('for example dataset = "/camera1/counts".')
+
+
+def test_a_single_frame_may_be_an_array_of_two_dimensions(path):
+    with h5py.File(path, "w") as file:
+        file["image"] = COUNTS[0]
+    np.testing.assert_array_equal(read(path), COUNTS[:1])
+
+
+def test_frames_of_three_columns_are_no_colours(path):
+    with h5py.File(path, "w") as file:
+        file["image"] = COUNTS[:, :, :3]
+    np.testing.assert_array_equal(read(path), COUNTS[:, :, :3])
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("s", 1), ("ms", 1e-3), ("seconds since 2026", 1)])
+def test_times_of_netcdf_are_those_of_its_coordinate(tmp_path, unit, factor):
+    with h5netcdf.File(tmp_path / "a.nc", "w") as file:
+        file.dimensions = {"time": 4, "y": 64, "x": 80}
+        file.create_variable("counts", ("time", "y", "x"), data=COUNTS)
+        time = file.create_variable("time", ("time",), data=np.array([5.0, 6, 8, 12]))
+        time.attrs["long_name"] = "time of the pulse"
+    # text of fixed length, as the library of netCDF writes it
+    with h5py.File(tmp_path / "a.nc", "a") as file:
+        file["time"].attrs["units"] = np.bytes_(unit)
+    np.testing.assert_array_equal(read(tmp_path / "a.nc"), COUNTS)
+    file = open_frames(tmp_path / "a.nc")
+    np.testing.assert_allclose(file.times, factor * np.array([0, 1, 3, 7]))
+    file.close()
+
+
+def test_times_of_hdf5_stand_beside_the_frames(path):
+    with h5py.File(path, "w") as file:
+        file["camera1/counts"], file["camera1/exposure"] = COUNTS, np.arange(4.0)
+        file["camera1/stamp"] = np.array([100, 110, 130, 170])
+        file["camera1/stamp"].attrs["units"] = np.bytes_("ms")
+        file["other"] = np.arange(4.0)
+        file["other"].attrs["units"] = np.bytes_("s")
+    opened = open_frames(path)
+    np.testing.assert_allclose(opened.times, [0, 0.01, 0.03, 0.07])
+    opened.close()
+    with h5py.File(path, "a") as file:
+        file["camera1/delay"] = np.arange(4.0)
+        file["camera1/delay"].attrs["units"] = np.bytes_("s")
+    opened = open_frames(path)
+    assert opened.times is None  # two arrays of times: which one is meant is not clear
+    opened.close()
+
+
+def test_times_of_xarray_keep_their_nanoseconds(tmp_path):
+    """Its units are text of variable length; a float resolves 256 ns of the time since 1970."""
+    start = np.datetime64("2026-11-22T09:00:00.000000001", "ns")
+    stamps = start + np.array([0, 7, 20_000_033, 90_000_000_001]).astype("timedelta64[ns]")
+    frames = xr.Dataset({"counts": (("time", "y", "x"), COUNTS)}, {"time": stamps})
+    encoding = {"time": {"units": "nanoseconds since 1970-01-01", "dtype": "int64"}}
+    frames.to_netcdf(tmp_path / "a.nc", engine="h5netcdf", encoding=encoding)
+    with h5py.File(tmp_path / "a.nc") as file:
+        assert h5py.h5a.open(file["time"].id, b"units").get_type().is_variable_str()
+    file = open_frames(tmp_path / "a.nc", dataset="counts")
+    np.testing.assert_allclose(file.times, [0, 7e-9, 0.020000033, 90.000000001], rtol=1e-12)
+    file.close()
+
+
+def test_units_in_a_damaged_heap_are_not_read(path):
+    """The library of HDF5 can go round in it for ever; the frames lie elsewhere."""
+    with h5py.File(path, "w") as file:
+        file["counts"], file["time"] = COUNTS, np.arange(4.0)
+        file["time"].attrs["units"] = "s"
+    opened = open_frames(path)
+    np.testing.assert_allclose(opened.times, np.arange(4.0))
+    opened.close()
+
+    path.write_bytes(empty_heap(path.read_bytes()))
+    opened = open_frames(path)
+    assert opened.times is None
+    np.testing.assert_array_equal(opened.read(3), COUNTS[3])
+    opened.close()
+
+
+# what is refused
+
+
+def test_a_file_without_frames_is_refused(path):
+    with h5py.File(path, "w") as file:
+        file["angle"], file["names"] = np.arange(4.0), np.array([[b"a", b"b"]])
+    assert "no dataset of two or three dimensions holds numbers. Choose" in refusal(path)
+
+
+def test_scaled_values_are_refused(path):
+    with h5py.File(path, "w") as file:
+        file["counts"] = COUNTS
+        file["counts"].attrs["scale_factor"] = 0.5
+    assert "/counts is scaled (scale_factor, add_offset)" in refusal(path)
+
+
+def test_frames_in_other_files_are_refused(path, tmp_path):
+    with h5py.File(tmp_path / "b.h5", "w") as file:
+        file["counts"] = COUNTS
+    layout = h5py.VirtualLayout(COUNTS.shape, COUNTS.dtype)
+    layout[:] = h5py.VirtualSource(tmp_path / "b.h5", "counts", COUNTS.shape)
+    with h5py.File(path, "w") as file:
+        file["link"] = h5py.ExternalLink("b.h5", "/counts")
+        file.create_virtual_dataset("virtual", layout)
+        other = [(str(tmp_path / "b.raw"), 0, h5py.h5f.UNLIMITED)]
+        file.create_dataset("outside", COUNTS.shape, COUNTS.dtype, external=other)
+    assert "leads to b.h5. Name that file." in refusal(path, "/link")
+    assert "lie in other files" in refusal(path, "/virtual")
+    assert "lie in other files" in refusal(path, "/outside")
+
+
+def test_a_header_that_claims_a_billion_frames_is_refused(path):
+    with h5py.File(path, "w") as file:
+        file.create_dataset("counts", (10**9, 64, 80), "u2", chunks=(1, 64, 80))
+    assert "cannot hold 1000000000 frames of 80 x 64 uint16" in refusal(path)
+
+
+def test_a_chunk_of_a_gigabyte_is_refused(path):
+    with h5py.File(path, "w") as file:
+        layout = {"chunks": (100_000, 64, 80), "maxshape": (None, 64, 80)}
+        file.create_dataset("counts", (4, 64, 80), "u2", **layout)
+    assert "a chunk is larger than the file can hold" in refusal(path)
+
+
+@pytest.mark.parametrize(
+    ("installed", "advice"),
+    [
+        (
+            False,
+            "hdf5plugin, which is not installed. Install it with: pip install 'erlif[formats]'.",
+        ),
+        (True, "has no filter 32001 of HDF5. Save"),
+    ],
+)
+def test_a_missing_filter_is_named_with_its_package(path, monkeypatch, installed, advice):
+    with h5py.File(path, "w") as file:
+        file.create_dataset("counts", data=COUNTS, chunks=(1, 64, 80), compression="gzip")
+
+    # 32001 is the registered number of Blosc
+    monkeypatch.setattr("erlif.io.readers.hdf5.filters_of", lambda data: [32001])
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: object() if installed else None)
+    monkeypatch.setattr("importlib.import_module", lambda name: None)
+    assert advice in refusal(path)
+
+
+def test_a_damaged_file_is_refused(path):
+    with h5py.File(path, "w") as file:
+        file.create_dataset("counts", data=COUNTS, chunks=(1, 64, 80), compression="gzip")
+    content = path.read_bytes()
+    path.write_bytes(content[:3000])
+    assert "damaged or not HDF5" in refusal(path)
+    with h5py.File(path.with_name("b.h5"), "w") as file:
+        file["counts"] = COUNTS
+    place = content.index(b"\x78\x5e") if b"\x78\x5e" in content else content.index(b"\x78\x01")
+    path.write_bytes(content[: place + 100] + b"\xff" * 50 + content[place + 150 :])
+    assert "damaged" in refusal(path)
+
+
+@pytest.mark.parametrize("name", ["Blosc", "Bitshuffle", "Zstd"])
+def test_compressions_of_hdf5plugin_are_read(path, name):
+    plugin = pytest.importorskip("hdf5plugin")
+    with h5py.File(path, "w") as file:
+        file.create_dataset("counts", data=COUNTS, chunks=(1, 64, 80), **getattr(plugin, name)())
+    np.testing.assert_array_equal(read(path), COUNTS)
+
+
+def times_beside(path, fill):
+    with h5py.File(path, "w") as file:
+        file["counts"] = COUNTS
+        fill(file)
+    opened = open_frames(path, dataset="/counts")
+    opened.close()
+    return opened.times
+
+
+def seconds(dataset):
+    dataset.attrs["units"] = np.bytes_("s")
+
+
+def test_times_of_another_file_are_not_read(path, tmp_path):
+    with h5py.File(tmp_path / "other.h5", "w") as other:
+        seconds(other.create_dataset("time", data=np.arange(4.0)))
+    np.arange(4.0).tofile(tmp_path / "other.raw")
+
+    def link(file):
+        file["time"] = h5py.ExternalLink("other.h5", "/time")
+
+    def store(file):
+        raw = [(str(tmp_path / "other.raw"), 0, h5py.h5f.UNLIMITED)]
+        seconds(file.create_dataset("time", (4,), "f8", external=raw))
+
+    assert times_beside(path, link) is None
+    assert times_beside(path, store) is None
+
+
+def test_times_in_a_chunk_of_a_gigabyte_are_not_read(path):
+    def fill(file):
+        options = {"maxshape": (None,), "chunks": (150_000_000,), "compression": "gzip"}
+        seconds(file.create_dataset("time", (4,), "f8", **options))
+
+    assert times_beside(path, fill) is None
+
+
+def test_times_that_no_installed_filter_decodes_are_no_fault_of_the_frames(path, monkeypatch):
+    def fill(file):
+        seconds(file.create_dataset("time", data=np.arange(4.0), compression="gzip"))
+
+    np.testing.assert_array_equal(times_beside(path, fill), np.arange(4.0))
+    monkeypatch.setattr(h5py.h5z, "filter_avail", lambda code: False)
+    assert times_beside(path, fill) is None
+
+
+# counts that are not in the file, for which the library returns zeros
+
+
+@pytest.mark.parametrize(
+    ("chunks", "missing"),
+    [((1, 64, 80), {2}), ((1, 32, 40), {2}), ((2, 64, 80), {2, 3}), ((3, 10, 80), {3})],
+)
+def test_a_frame_that_was_never_written_is_refused(path, chunks, missing):
+    with h5py.File(path, "w") as file:
+        data = file.create_dataset("counts", COUNTS.shape, COUNTS.dtype, chunks=chunks)
+        for index in set(range(4)) - missing:
+            data[index] = COUNTS[index]
+        if chunks == (1, 32, 40):
+            data[2, :30] = COUNTS[2, :30]  # a part of the frame
+    opened = open_frames(path)
+    for index in range(4):
+        if index in missing:
+            with pytest.raises(FrameError, match="not in the file"):
+                opened.read(index)
+        else:
+            np.testing.assert_array_equal(opened.read(index), COUNTS[index])
+    opened.close()
+
+
+@pytest.mark.parametrize("shape", [(4, 64, 80), (64, 80)])
+@pytest.mark.parametrize("chunks", [None, True])
+def test_an_array_without_any_counts_is_refused(path, shape, chunks):
+    with h5py.File(path, "w") as file:
+        file.create_dataset("counts", shape, "u2", chunks=chunks)
+    assert "not in the file" in refusal(path)
+
+
+def test_a_compressed_frame_that_is_marked_as_plain_is_refused(path):
+    with h5py.File(path, "w") as file:
+        data = file.create_dataset("counts", data=COUNTS, chunks=(1, 64, 80), compression="gzip")
+        data.id.write_direct_chunk((2, 0, 0), zlib.compress(COUNTS[2].tobytes()), filter_mask=1)
+    opened = open_frames(path)
+    np.testing.assert_array_equal(opened.read(1), COUNTS[1])
+    with pytest.raises(FrameError, match="not in the file"):
+        opened.read(2)
+    opened.close()
+
+
+def test_a_plain_frame_among_compressed_ones_is_read(path):
+    with h5py.File(path, "w") as file:
+        data = file.create_dataset("counts", data=COUNTS, chunks=(1, 64, 80), compression="gzip")
+        data.id.write_direct_chunk((2, 0, 0), COUNTS[2].tobytes(), filter_mask=1)
+    np.testing.assert_array_equal(read(path), COUNTS)

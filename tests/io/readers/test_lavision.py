@@ -1,0 +1,168 @@
+"""LaVision IM7 images and SET folders."""
+
+from __future__ import annotations
+
+import struct
+from contextlib import closing
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.camera_files import random_frames, write_im7
+
+from erlif.core.errors import FrameError
+from erlif.io.readers import open_frames
+from erlif.io.readers.lavision import open_im7, open_set
+
+
+@pytest.mark.parametrize("packing", [0, 1, 2, 3])
+@pytest.mark.parametrize("columns", [8, 9, 11, 3])
+@pytest.mark.parametrize("count", [1, 2, 4])
+def test_known_counts_of_all_cameras(tmp_path, packing, columns, count):
+    frames = random_frames(np.random.default_rng(columns), frames=count, columns=columns)
+    file = open_frames(write_im7(tmp_path / "a.im7", frames, packing=packing))
+    npt.assert_array_equal([file.read(k) for k in range(count)], frames)
+    assert str(file.kinds[0]) == f"{columns} x 6 uint16"
+    assert file.channels == (range(1, count + 1) if count > 1 else None)
+    assert file.bits == (12 if packing == 3 else None)
+    assert file.read(count - 1).flags.writeable
+    file.close()
+
+
+@pytest.mark.parametrize(("buffer", "packing"), [(-2, 0), (-3, 0), (-3, 2)])
+def test_bytes_and_floating_point(tmp_path, buffer, packing):
+    frames = random_frames(np.random.default_rng(1), bits=8)
+    frames = frames if buffer == -2 else frames.astype(np.float32) / 3
+    file = open_im7(write_im7(tmp_path / "a.im7", frames, packing=packing, buffer=buffer))
+    npt.assert_array_equal([file.read(k) for k in range(3)], frames)
+    assert file.read(0).dtype.name == file.kinds[0].dtype
+    file.close()
+
+
+def test_a_set_is_its_images_in_the_order_of_their_numbers(tmp_path):
+    frames = random_frames(np.random.default_rng(1), frames=6)
+    folder = tmp_path / "run 1.5"
+    folder.mkdir()
+    for name, pair in (("B99999", 0), ("B100000", 4), ("B00007", 2)):
+        write_im7(folder / f"{name}.im7", frames[pair : pair + 2], packing=1)
+    (tmp_path / "run 1.5.set").write_text("SetType = 1")
+    file = open_frames(tmp_path / "run 1.5.set")
+    npt.assert_array_equal([file.read(k) for k in range(6)], frames[[2, 3, 0, 1, 4, 5]])
+    assert file.channels == [1, 2, 1, 2, 1, 2]
+    assert [path.name for path in file.companions] == ["B00007.im7", "B99999.im7", "B100000.im7"]
+    file.close()
+
+
+def test_a_set_without_images_is_refused(tmp_path):
+    (tmp_path / "a.set").write_text("SetType = 1")
+    with pytest.raises(FrameError, match=r"Copy the folder a beside it\.$"):
+        open_set(tmp_path / "a.set")
+    (tmp_path / "a").mkdir()
+    with pytest.raises(FrameError, match=r"holds no IM7 images\. Export the recording as IM7"):
+        open_set(tmp_path / "a.set")
+
+
+@pytest.mark.parametrize("packing", [0, 1, 2, 3])
+@pytest.mark.parametrize(
+    ("place", "code", "value", "words"),
+    [
+        (0, "<h", 18, "DaVis 6"),
+        (2, "<h", 9, "compression 9"),
+        (4, "<h", 3, "vector field"),
+        (4, "<h", -10, "format -10"),
+        (6, "<h", 1, "DaVis 6"),
+        (8, "<i", 2**31 - 1, "damaged"),
+        (8, "<i", -1, "holds no image"),
+        (12, "<i", 0, "holds no image"),
+        (16, "<i", 2, "volume of 2 planes"),
+        (20, "<i", 10**9, "damaged"),
+        (20, "<i", 0, "names 0 frames"),
+    ],
+)
+def test_a_lying_header_is_refused(tmp_path, packing, place, code, value, words):
+    path = write_im7(tmp_path / "a.im7", random_frames(np.random.default_rng(1)), packing=packing)
+    data = bytearray(path.read_bytes())
+    struct.pack_into(code, data, place, value)
+    path.write_bytes(data)
+    with pytest.raises(FrameError, match=words):
+        open_im7(path)
+
+
+def read_last(path):
+    """The last frame of an image."""
+    file = open_im7(path)
+    try:
+        return file.read(len(file.kinds) - 1)
+    finally:
+        file.close()
+
+
+@pytest.mark.parametrize("packing", [1, 2, 3])
+def test_cut_counts_are_refused(tmp_path, packing):
+    frames = random_frames(np.random.default_rng(1), rows=60, columns=80)
+    path = write_im7(tmp_path / "a.im7", frames, packing=packing)
+    path.write_bytes(path.read_bytes()[:-6000])
+    with pytest.raises(FrameError, match=r"end within|truncated|cannot hold"):
+        read_last(path)
+
+
+def test_a_length_of_the_compressed_counts_beyond_the_file_is_refused(tmp_path):
+    path = write_im7(tmp_path / "a.im7", random_frames(np.random.default_rng(1)), packing=2)
+    for length in (-1, 2**31 - 1):
+        data = bytearray(path.read_bytes())
+        struct.pack_into("<i", data, 256, length)
+        path.write_bytes(data)
+        file = open_im7(path)
+        with pytest.raises(FrameError, match="truncated"):
+            file.read(0)
+        file.close()
+
+
+@pytest.mark.parametrize("frame", [0, 1])
+def test_counts_that_do_not_fit_the_checksum_of_zlib_are_refused(tmp_path, frame):
+    frames = random_frames(np.random.default_rng(1), frames=2, rows=5, columns=7)
+    path = write_im7(tmp_path / "a.im7", frames, packing=2)
+    content = bytearray(path.read_bytes())
+    place = 256 + 4 + 2 + 5 + 3  # header, length, zlib, block of random bytes as they are, count
+    content[place] ^= 1
+    path.write_bytes(content)
+    damaged = pytest.raises(FrameError, match="compressed counts are damaged")
+    with closing(open_frames(path)) as file, damaged:
+        file.read(frame)
+
+
+def test_the_damaged_image_of_a_set_is_named(tmp_path):
+    (tmp_path / "a").mkdir()
+    for number in (1, 2):
+        write_im7(tmp_path / "a" / f"B0000{number}.im7", np.ones((1, 6, 8), np.uint16))
+    (tmp_path / "a" / "B00002.im7").write_bytes(bytes(20))
+    (tmp_path / "a.set").write_text("SetType = 1")
+    with pytest.raises(FrameError, match=r"B00002\.im7 in its folder: the file is trunc"):
+        open_set(tmp_path / "a.set")
+
+
+@pytest.mark.parametrize("packing", [0, 1, 2, 3])
+@pytest.mark.parametrize("unit", [b" \xb5s", " µs".encode(), b" us", b""])
+def test_times_of_a_set_are_those_of_its_attributes(tmp_path, packing, unit):
+    """Microseconds from the start of the recording, one for each frame of each image."""
+    (tmp_path / "a").mkdir()
+    frames = random_frames(np.random.default_rng(1))[:2]
+    for k, start in enumerate((20_000, 73_401)):
+        texts = [b"AcqTimeSeries%d=%d%s" % (n, start + 7 * n, unit) for n in range(2)]
+        write_im7(tmp_path / "a" / f"B0000{k + 1}.im7", frames, packing=packing, attributes=texts)
+    (tmp_path / "a.set").write_text("SetType = 1")
+    npt.assert_allclose(open_set(tmp_path / "a.set").times, [0, 7e-6, 0.053401, 0.053408])
+    image = open_frames(tmp_path / "a" / "B00002.im7")
+    npt.assert_allclose(image.times, [0, 7e-6])
+    npt.assert_array_equal(image.read(1), frames[1])
+    image.close()
+
+
+@pytest.mark.parametrize(
+    "texts", [(), (b"AcqTimeSeries0=5 ms", b"AcqTimeSeries1=6 ms"), (b"AcqTimeSeries0=5 us",)]
+)
+def test_a_frame_without_a_time_leaves_all_without(tmp_path, texts):
+    frames = random_frames(np.random.default_rng(1))[:2]
+    file = open_im7(write_im7(tmp_path / "a.im7", frames, attributes=texts))
+    assert file.times is None
+    file.close()

@@ -1,0 +1,136 @@
+"""NorPix SEQ."""
+
+from __future__ import annotations
+
+import struct
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.camera_files import random_frames, write_seq
+
+from erlif.core.errors import FrameError
+from erlif.io.readers import open_frames
+from erlif.io.readers.base import TRUNCATED
+from erlif.io.readers.norpix import open_norpix
+
+
+@pytest.fixture
+def opened(request):
+    """Opens a file and closes it after the test."""
+
+    def open_path(path):
+        file = open_frames(path)
+        request.addfinalizer(file.close)
+        return file
+
+    return open_path
+
+
+@pytest.mark.parametrize("version", [3, 4, 5])
+@pytest.mark.parametrize("align", [1, 512, 8192])
+@pytest.mark.parametrize(("bits", "significant"), [(8, 8), (16, 10), (16, 12), (16, 16)])
+def test_known_counts(tmp_path, opened, version, align, bits, significant):
+    frames = random_frames(np.random.default_rng(align), bits=significant)
+    file = opened(
+        write_seq(
+            tmp_path / "a.seq",
+            frames,
+            version=version,
+            bits=bits,
+            significant=significant,
+            align=align,
+        )
+    )
+    npt.assert_array_equal([file.read(k) for k in range(3)], frames)
+    assert file.bits == significant
+
+
+@pytest.mark.parametrize(("image_format", "shift"), [(112, 4), (114, 4)])
+def test_counts_at_the_high_end_leave_the_depth_open(tmp_path, opened, image_format, shift):
+    frames = random_frames(np.random.default_rng(1)) << shift
+    file = opened(write_seq(tmp_path / "a.seq", frames, image_format=image_format))
+    npt.assert_array_equal(file.read(2), frames[2])
+    assert file.bits is None
+
+
+def test_time_stamps_to_the_microsecond(tmp_path, opened):
+    frames = random_frames(np.random.default_rng(1))
+    times = 1_435_776_080 + np.array([0.999_5, 1.000_123, 2.5])
+    file = opened(write_seq(tmp_path / "a.seq", frames, times=times))
+    npt.assert_allclose(file.times, [0, 0.000_623, 1.500_5], atol=1e-9)
+    # older versions have milliseconds, and anything behind them
+    file = opened(write_seq(tmp_path / "b.seq", frames, times=times, version=4))
+    npt.assert_allclose(file.times, [0, 0.001, 1.501], atol=1e-9)
+
+
+def test_stamps_that_were_not_set_give_way_to_the_rate(tmp_path, opened):
+    frames = random_frames(np.random.default_rng(1))
+    file = opened(write_seq(tmp_path / "a.seq", frames, rate=250.0))
+    npt.assert_allclose(file.times, [0, 0.004, 0.008])
+    # 5e-324 was found by damaging files at random: its reciprocal overflows
+    for number, rate in enumerate((0.0, -1.0, 5e-324, float("nan"), float("inf"))):
+        path = write_seq(tmp_path / f"{number}.seq", frames, rate=rate)
+        assert opened(path).times is None
+
+
+def test_frames_without_rows_at_a_step_of_zero_are_refused(tmp_path):
+    """Found by damaging files at random."""
+    path = write_seq(tmp_path / "a.seq", random_frames(np.random.default_rng(1)))
+    data = bytearray(path.read_bytes())
+    for place in (552, 564, 580):
+        struct.pack_into("<I", data, place, 0)
+    path.write_bytes(data)
+    with pytest.raises(FrameError, match="holds no image"):
+        open_norpix(path)
+
+
+def test_padded_rows(tmp_path, opened):
+    frames = random_frames(np.random.default_rng(1), columns=7)
+    file = opened(write_seq(tmp_path / "a.seq", frames, row_padding=2))
+    npt.assert_array_equal(file.read(1), frames[1])
+
+
+def test_a_recording_in_a_loop_begins_with_its_oldest_frame(tmp_path, opened):
+    frames = random_frames(np.random.default_rng(1), frames=5)
+    times = 1_700_000_000 + np.array([0.3, 0.4, 0.0, 0.1, 0.2])
+    file = opened(write_seq(tmp_path / "a.seq", frames, times=times, oldest=2))
+    npt.assert_array_equal([file.read(k) for k in range(5)], frames[[2, 3, 4, 0, 1]])
+    npt.assert_allclose(file.times, [0, 0.1, 0.2, 0.3, 0.4], atol=1e-6)
+
+
+def test_a_recording_that_was_not_closed_has_the_frames_of_its_size(tmp_path, opened):
+    frames = random_frames(np.random.default_rng(1))
+    path = write_seq(tmp_path / "a.seq", frames, claimed=0, times=np.arange(3.0))
+    assert len(opened(path).kinds) == 3
+    path = write_seq(tmp_path / "b.seq", frames, claimed=0, times=np.arange(3.0))
+    path.write_bytes(path.read_bytes()[: 8192 + 2 * 512 + 50])
+    file = opened(path)
+    assert [kind == TRUNCATED for kind in file.kinds] == [False, False, True]
+    npt.assert_allclose(file.times, [0, 1, np.nan])
+
+
+@pytest.mark.parametrize(
+    ("place", "code", "value", "words"),
+    [
+        (572, "<I", 10**9, "header names 1000000000 frames"),
+        (548, "<I", 0, "holds no image"),
+        (552, "<I", 2**32 - 1, "damaged"),
+        (548, "<I", 2**32 - 1, "damaged"),
+        (580, "<I", 0, "cannot lie 0 apart"),
+        (580, "<I", 95, "cannot lie 95 apart"),
+        (556, "<I", 24, "format 100 of NorPix with 24 bits"),
+        (568, "<I", 131, "format 131"),
+        (568, "<I", 200, "colour camera"),
+        (568, "<I", 101, "colour camera"),
+        (564, "<I", 97, "damaged"),
+        (620, "<I", 1, "compressed"),
+    ],
+)
+def test_a_lying_header_is_refused(tmp_path, place, code, value, words):
+    path = write_seq(tmp_path / "a.seq", random_frames(np.random.default_rng(1)))
+    data = bytearray(path.read_bytes())
+    struct.pack_into(code, data, place, value)
+    path.write_bytes(data)
+    with pytest.raises(FrameError, match=words):
+        open_norpix(path)

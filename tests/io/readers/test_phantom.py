@@ -1,0 +1,153 @@
+"""Phantom CINE."""
+
+from __future__ import annotations
+
+import struct
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.camera_files import random_frames, write_cine
+
+from erlif.core.errors import FrameError
+from erlif.io.readers import open_frames
+from erlif.io.readers.base import TRUNCATED
+from erlif.io.readers.phantom import open_phantom, phantom_table
+
+START = 1_700_000_000.0
+"""A second of 2023, in which double precision resolves 0.2 us."""
+
+
+def read_all(path):
+    """All frames of a file, its depth and its times."""
+    file = open_frames(path)
+    try:
+        return np.array([file.read(k) for k in range(len(file.kinds))]), file.bits, file.times
+    finally:
+        file.close()
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(
+    ("stored", "depth"), [("8", 8), ("16", 10), ("16", 14), ("16", 16), ("packed 12", 12)]
+)
+def test_known_counts_the_right_way_up(tmp_path, stored, depth, sign):
+    frames = random_frames(np.random.default_rng(depth), bits=depth)
+    path = write_cine(tmp_path / "a.cine", frames, stored=stored, depth=depth, height_sign=sign)
+    found, bits, _ = read_all(path)
+    npt.assert_array_equal(found, frames)
+    assert found.dtype == frames.dtype
+    assert bits == depth
+
+
+def test_ten_bits_are_expanded_to_twelve_by_the_table_of_the_camera(tmp_path):
+    values = np.arange(1024).reshape(1, 32, 32)
+    found, bits, _ = read_all(write_cine(tmp_path / "a.cine", values, stored="packed 10"))
+    npt.assert_array_equal(found[0].reshape(-1), phantom_table())
+    assert bits == 12
+
+
+def test_the_table_follows_the_transfer_curve_of_television():
+    """ITU-R BT.709 from black at 64 of both depths to white at 1014 and 4064; full scale above."""
+    value = np.arange(1, 1015)
+    signal = (value - 64) / (1014 - 64)
+    light = np.where(
+        signal < 0.081, signal / 4.5, np.maximum((signal + 0.099) / 1.099, 0) ** (1 / 0.45)
+    )
+    npt.assert_allclose(phantom_table()[1:1015], 64 + (4064 - 64) * light, atol=2.5)
+    assert (np.diff(phantom_table().astype(int)) >= 0).all()
+    assert (phantom_table()[1015:] == 4095).all()
+
+
+def test_time_stamps_of_the_camera_go_before_the_rate(tmp_path):
+    frames = random_frames(np.random.default_rng(1))
+    times = START + np.array([0.9, 0.9 + 1e-4, 1.9])
+    _, _, found = read_all(write_cine(tmp_path / "a.cine", frames, times=times))
+    npt.assert_allclose(found, [0, 1e-4, 1], atol=1e-6)
+
+    _, _, found = read_all(write_cine(tmp_path / "b.cine", frames, rate=90_000, decimation=10))
+    npt.assert_allclose(found, np.arange(3) / 9000)
+    stopped = np.full(3, START)
+    _, _, found = read_all(write_cine(tmp_path / "c.cine", frames, times=stopped, rate=500))
+    npt.assert_allclose(found, [0, 0.002, 0.004])
+
+
+def test_rows_that_end_at_multiples_of_four_bytes(tmp_path):
+    frames = random_frames(np.random.default_rng(1), columns=9, bits=8)
+    for padded in (True, False):
+        path = write_cine(tmp_path / "a.cine", frames, stored="8", depth=8, padded_rows=padded)
+        npt.assert_array_equal(read_all(path)[0], frames)
+
+
+def test_annotations_are_skipped(tmp_path):
+    frames = random_frames(np.random.default_rng(1))
+    path = write_cine(tmp_path / "a.cine", frames, note=b"remarks of 21 letters")
+    npt.assert_array_equal(read_all(path)[0], frames)
+
+
+def test_frames_beyond_four_gigabytes(tmp_path):
+    frames = random_frames(np.random.default_rng(1))
+    path = write_cine(tmp_path / "a.cine", frames, gap=5 * 2**30)  # a hole, which takes no disk
+    if path.stat().st_blocks * 512 > 2**20:
+        path.unlink()
+        pytest.skip("this file system has no holes")
+    npt.assert_array_equal(read_all(path)[0], frames)
+
+
+def test_a_cut_file_keeps_its_whole_frames(tmp_path):
+    frames = random_frames(np.random.default_rng(1))
+    path = write_cine(tmp_path / "a.cine", frames)
+    path.write_bytes(path.read_bytes()[:-1])
+    file = open_phantom(path)
+    assert [kind == TRUNCATED for kind in file.kinds] == [False, False, True]
+    npt.assert_array_equal(file.read(1), frames[1])
+    file.close()
+
+
+@pytest.mark.parametrize(
+    ("place", "code", "value", "words"),
+    [
+        (20, "<I", 10**9, "header names 1000000000 frames"),
+        (20, "<I", 0, "header names 0 frames"),
+        (20, "<I", 100_000, "truncated or damaged"),  # its table is behind the end
+        (24, "<I", 2**32 - 1, "truncated or damaged"),
+        (28, "<I", 2**32 - 1, "truncated or damaged"),
+        (32, "<I", 2**32 - 1, "truncated or damaged"),
+        (28, "<I", 0, "no block of settings"),
+        (48, "<i", 0, "holds no image"),
+        (48, "<i", 2**31 - 1, "cannot hold"),
+        (52, "<i", -(2**31), "cannot hold"),
+        (58, "<H", 24, "colour frames of 24 bits"),
+        (60, "<I", 77, "unknown way"),
+        (4, "<H", 1, "JPEG-compressed"),
+        (4, "<H", 2, "from a colour sensor"),
+    ],
+)
+def test_a_lying_header_is_refused(tmp_path, place, code, value, words):
+    path = write_cine(tmp_path / "a.cine", random_frames(np.random.default_rng(1)))
+    data = bytearray(path.read_bytes())
+    struct.pack_into(code, data, place, value)
+    path.write_bytes(data)
+    with pytest.raises(FrameError, match=words):
+        open_phantom(path)
+
+
+def test_a_wrong_place_or_size_of_one_frame_leaves_the_others(tmp_path):
+    frames = random_frames(np.random.default_rng(1), frames=4)
+    path = write_cine(tmp_path / "a.cine", frames)
+    data = bytearray(path.read_bytes())
+    (table,) = struct.unpack_from("<I", data, 32)
+    places = struct.unpack_from("<4Q", data, table)
+    struct.pack_into("<Q", data, table, 2**63 + 5)  # behind every file
+    struct.pack_into("<I", data, places[1], 3)  # a note shorter than itself
+    struct.pack_into("<I", data, places[2] + 4, 95)  # a byte too few
+    path.write_bytes(data)
+
+    file = open_phantom(path)
+    assert [kind == TRUNCATED for kind in file.kinds] == [True, False, False, False]
+    with pytest.raises(FrameError, match="header of the frame is damaged"):
+        file.read(1)
+    with pytest.raises(FrameError, match="95 bytes, expected 96"):
+        file.read(2)
+    npt.assert_array_equal(file.read(3), frames[3])
+    file.close()

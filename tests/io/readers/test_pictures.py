@@ -1,0 +1,168 @@
+"""Pictures against Pillow and OpenCV, which wrote them, and against their specifications."""
+
+from __future__ import annotations
+
+import io
+import struct
+import time
+import zlib
+
+import cv2
+import numpy as np
+import pytest
+from PIL import Image
+
+from erlif.core.errors import FrameError
+from erlif.io.readers import FrameKind, open_frames
+
+GREY = np.random.default_rng(5).integers(0, 65536, (64, 81), dtype=np.uint16)
+SMALL = (GREY >> 8).astype(np.uint8)
+
+
+def read(path):
+    file = open_frames(path)
+    try:
+        return np.stack([file.read(index) for index in range(len(file.kinds))])
+    finally:
+        file.close()
+
+
+def refusal(path):
+    with pytest.raises(FrameError) as refused:
+        read(path)
+    return str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "counts"), [(".png", SMALL), (".png", GREY), (".pgm", SMALL), (".pgm", GREY)]
+)
+def test_grey_counts_are_read_as_opencv_has_written_them(tmp_path, suffix, counts):
+    path = tmp_path / f"a{suffix}"
+    assert cv2.imwrite(str(path), counts)
+    file = open_frames(path)
+    assert list(file.kinds) == [FrameKind((64, 81), counts.dtype.name)]
+    assert file.read(0).dtype == counts.dtype
+    file.close()
+    np.testing.assert_array_equal(read(path), counts[None])
+
+
+@pytest.mark.parametrize("write", ["pillow", "opencv"])
+def test_rows_of_a_bmp_are_padded_and_stored_from_below(tmp_path, write):
+    path = tmp_path / "a.bmp"
+    if write == "pillow":
+        Image.fromarray(SMALL).save(path)
+    else:
+        assert cv2.imwrite(str(path), SMALL)
+    np.testing.assert_array_equal(read(path), SMALL[None])
+
+
+def test_rows_of_a_bmp_may_be_stored_from_the_top(tmp_path):
+    """A negative height (BITMAPINFOHEADER)."""
+    Image.fromarray(SMALL).save(tmp_path / "a.bmp")
+    content = bytearray((tmp_path / "a.bmp").read_bytes())
+    struct.pack_into("<i", content, 22, -64)
+    (tmp_path / "a.bmp").write_bytes(content)
+    np.testing.assert_array_equal(read(tmp_path / "a.bmp"), SMALL[None, ::-1])
+
+
+def test_pgm_files_may_have_comments_and_several_pictures(tmp_path):
+    head = b"P5\n# camera 3\n81 64 # width and height\n4095\n"
+    counts = GREY >> 4
+    content = b"".join(head + image.astype(">u2").tobytes() for image in (counts, counts[::-1]))
+    (tmp_path / "a.pgm").write_bytes(content)
+    np.testing.assert_array_equal(read(tmp_path / "a.pgm"), [counts, counts[::-1]])
+    file = open_frames(tmp_path / "a.pgm")
+    assert file.bits == 12
+    file.close()
+    (tmp_path / "a.pgm").write_bytes(content + b"more")
+    assert "goes on behind its last count" in refusal(tmp_path / "a.pgm")
+
+
+def test_a_pgm_that_was_cut_off_has_a_truncated_frame(tmp_path):
+    head = b"P5 81 64 255\n"
+    (tmp_path / "a.pgm").write_bytes((head + SMALL.tobytes()) * 2 + head + SMALL.tobytes()[:99])
+    file = open_frames(tmp_path / "a.pgm")
+    assert [kind.dtype for kind in file.kinds] == ["uint8", "uint8", "truncated"]
+    file.close()
+
+
+@pytest.mark.parametrize("suffix", [".jpg", ".gif", ".webp", ".jp2"])
+def test_a_format_that_changes_the_counts_is_refused(tmp_path, suffix):
+    path = tmp_path / f"a{suffix}"
+    if suffix == ".jp2":
+        assert cv2.imwrite(str(path), SMALL)
+    else:
+        Image.fromarray(SMALL).save(path)
+    assert "no counts. Save the raw counts as TIFF." in refusal(path)
+    path.rename(tmp_path / "a.dat")  # recognised by its content as well
+    assert "no counts. Save the raw counts as TIFF." in refusal(tmp_path / "a.dat")
+
+
+@pytest.mark.parametrize("suffix", [".png", ".bmp"])
+def test_a_palette_is_refused(tmp_path, suffix):
+    image = Image.fromarray(SMALL).convert("RGB").quantize(64)
+    image.save(tmp_path / f"a{suffix}")
+    assert "palette image, whose values are no counts. Save" in refusal(tmp_path / f"a{suffix}")
+
+
+@pytest.mark.parametrize("mode", ["RGB", "RGBA", "LA"])
+@pytest.mark.parametrize("suffix", [".png", ".bmp"])
+def test_colours_are_refused(tmp_path, suffix, mode):
+    if (suffix, mode) == (".bmp", "LA"):
+        pytest.skip("BMP has no grey with transparency")
+    Image.fromarray(SMALL).convert(mode).save(tmp_path / f"a{suffix}")
+    assert "colour image. Save the raw counts" in refusal(tmp_path / f"a{suffix}")
+
+
+def test_a_png_of_few_bits_is_refused(tmp_path):
+    Image.fromarray(SMALL).convert("1").save(tmp_path / "a.png")
+    assert "it has 1 bits for each pixel. Save 8 or 16-bit counts." in refusal(tmp_path / "a.png")
+
+
+def test_a_changed_or_missing_chunk_of_a_png_is_refused(tmp_path):
+    file = io.BytesIO()
+    Image.fromarray(GREY).save(file, "PNG")
+    content = bytearray(file.getvalue())
+    path = tmp_path / "a.png"
+
+    # the pixels with another, well-formed content and the old checksum
+    start = content.index(b"IDAT")
+    (length,) = struct.unpack_from(">I", content, start - 4)
+    other = zlib.compress(bytes(64 * (2 * 81 + 1)))
+    changed = content[: start - 4] + struct.pack(">I", len(other)) + b"IDAT" + other
+    path.write_bytes(changed + content[start + 4 + length :])
+    assert "a checksum does not fit" in refusal(path)
+    path.write_bytes(content[: start + 99])
+    assert "truncated" in refusal(path)
+
+
+def test_a_header_that_claims_a_billion_pixels_is_refused(tmp_path):
+    Image.fromarray(GREY).save(tmp_path / "a.png")
+    content = bytearray((tmp_path / "a.png").read_bytes())
+    struct.pack_into(">II", content, 16, 10**9, 10**9)
+    (tmp_path / "a.png").write_bytes(content)
+    (tmp_path / "a.pgm").write_bytes(b"P5 999999999 999999999 255\n" + bytes(99))
+    for name in ("a.png", "a.pgm"):
+        assert "cannot hold 1 frame of" in refusal(tmp_path / name)
+
+
+def test_a_pgm_of_text_is_refused(tmp_path):
+    (tmp_path / "a.pgm").write_text("P2 2 2 255 1 2 3 4")
+    assert "binary PGM" in refusal(tmp_path / "a.pgm")
+
+
+def test_blanks_without_a_number_are_refused_at_once(tmp_path):
+    """Each further blank had doubled the time: 26 took seconds, a thousand had no end."""
+    path = tmp_path / "a.pgm"
+    path.write_bytes(b"P5" + b" " * 26 + b"x" + bytes(100))
+    start = time.perf_counter()
+    assert "not a PGM" in refusal(path)
+    assert time.perf_counter() - start < 1.0
+
+
+def test_a_png_of_a_gigabyte_for_few_pixels_is_refused_when_it_is_opened(tmp_path):
+    path = tmp_path / "a.png"
+    assert cv2.imwrite(str(path), GREY)
+    with path.open("ab") as file:
+        file.truncate(2**30)
+    assert "1073741824 bytes are too many for its 81 x 64 uint16" in refusal(path)

@@ -1,0 +1,133 @@
+"""Princeton Instruments SPE of WinView and of LightField."""
+
+from __future__ import annotations
+
+import struct
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.camera_files import random_frames, write_spe2, write_spe3
+
+from erlif.core.errors import FrameError
+from erlif.io.readers import open_frames
+from erlif.io.readers.base import TRUNCATED
+from erlif.io.readers.princeton import open_princeton
+
+
+@pytest.mark.parametrize(
+    ("kind", "dtype"),
+    [(0, "f4"), (1, "i4"), (2, "i2"), (3, "u2"), (5, "f8"), (6, "u1"), (8, "u4")],
+)
+def test_known_counts_of_winview(tmp_path, kind, dtype):
+    frames = random_frames(np.random.default_rng(kind), bits=8).astype(dtype)
+    file = open_frames(write_spe2(tmp_path / "a.spe", frames, kind=kind, resolution=14))
+    npt.assert_array_equal([file.read(k) for k in range(3)], frames)
+    assert file.read(0).dtype == dtype
+    assert file.bits == (14 if dtype in ("u2", "i2") else None)
+    file.close()
+
+
+@pytest.mark.parametrize("stamp", [0, 8, 24])
+def test_known_counts_of_lightfield(tmp_path, stamp):
+    frames = random_frames(np.random.default_rng(stamp))
+    file = open_frames(write_spe3(tmp_path / "a.spe", frames, stamp=stamp))
+    npt.assert_array_equal([file.read(k) for k in range(3)], frames)
+    file.close()
+
+
+STAMP = '<TimeStamp event="Exposure{}" type="Int64" bitDepth="64" resolution="2208037" />'
+NUMBER = '<FrameTrackingNumber type="Int64" bitDepth="64" />'
+
+
+@pytest.mark.parametrize(
+    ("listed", "column"),
+    [
+        ((STAMP.format("Started"), STAMP.format("Ended"), NUMBER), 0),
+        ((NUMBER, STAMP.format("Started")), 1),
+        ((STAMP.format("Ended"), STAMP.format("Started")), 1),
+        ((NUMBER, STAMP.format("Ended")), 1),
+        ((NUMBER,), None),
+        ((STAMP.format("Started").replace("Int64", "Double"),), None),
+        ((STAMP.format("Started"),) * 4, None),  # more than there are bytes
+    ],
+)
+def test_time_stamps_of_lightfield_are_those_of_the_exposure(tmp_path, listed, column):
+    """SPE 3.0 File Format Specification, table 9: ticks since a common zero, behind each frame."""
+    frames = random_frames(np.random.default_rng(1))
+    ticks = np.array([[2208037, 5, 7], [4416074, 2208042, 2208044], [4416075, 11, 13]], "<i8")
+    meta = f'<MetaFormat><MetaBlock id="1">{"".join(listed)}</MetaBlock></MetaFormat>'
+    path = write_spe3(
+        tmp_path / "a.spe", frames, behind=[row.tobytes() for row in ticks], meta=meta
+    )
+    file = open_princeton(path)
+    if column is None:
+        assert file.times is None
+    else:
+        expected = (ticks[:, column] - ticks[0, column]) / 2208037
+        npt.assert_allclose(file.times, expected, rtol=1e-15)
+    npt.assert_array_equal([file.read(k) for k in range(3)], frames)
+    file.close()
+
+
+def test_a_cut_recording_keeps_its_whole_frames(tmp_path):
+    frames = random_frames(np.random.default_rng(1))
+    path = write_spe2(tmp_path / "a.spe", frames)
+    path.write_bytes(path.read_bytes()[:-1])
+    file = open_princeton(path)
+    assert [kind == TRUNCATED for kind in file.kinds] == [False, False, True]
+    file.close()
+
+
+def test_several_regions_are_refused(tmp_path):
+    frames = random_frames(np.random.default_rng(1))
+    for path in (
+        write_spe2(tmp_path / "a.spe", frames, regions=2),
+        write_spe3(tmp_path / "b.spe", frames, regions=2),
+    ):
+        with pytest.raises(FrameError, match="holds 2 regions"):
+            open_princeton(path)
+
+
+@pytest.mark.parametrize(
+    ("place", "code", "value", "words"),
+    [
+        (1446, "<i", 10**9, "header names 1000000000 frames"),
+        (1446, "<i", -1, "header names 0 frames"),
+        (42, "<H", 0, "holds no image"),
+        (656, "<H", 65535, "cannot hold"),
+        (108, "<h", 4, "type 4"),
+        (108, "<h", -1, "type -1"),
+    ],
+)
+def test_a_lying_header_is_refused(tmp_path, place, code, value, words):
+    path = write_spe2(tmp_path / "a.spe", random_frames(np.random.default_rng(1)))
+    data = bytearray(path.read_bytes())
+    struct.pack_into(code, data, place, value)
+    path.write_bytes(data)
+    with pytest.raises(FrameError, match=words):
+        open_princeton(path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        (b'width="8"', b'width="0"', "holds no image"),
+        (b'width="8"', b'width="x"', "width = 'x'"),
+        (b'count="3"', b'count="999999999"', "header names 999999999 frames"),
+        (b'count="3"', b'count="99999999999999999999"', "count = "),
+        (b'stride="104"', b'stride="9"', "cannot lie 9 apart"),
+        (b'type="Frame"', b'type="Fame"', "no block of frames"),
+        (b"MonochromeUnsigned16", b"Bayer16", "'Bayer16' is not read"),
+        (b"<SpeFormat", b"", "count|block|damaged"),
+    ],
+)
+def test_a_damaged_description_is_refused(tmp_path, old, new, words):
+    path = write_spe3(tmp_path / "a.spe", random_frames(np.random.default_rng(1)))
+    data = path.read_bytes()
+    assert old in data
+    if old == b"<SpeFormat":
+        data = data[: data.index(old)]
+    path.write_bytes(data.replace(old, new, 1))
+    with pytest.raises(FrameError, match=words):
+        open_princeton(path)

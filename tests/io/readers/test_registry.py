@@ -1,0 +1,252 @@
+"""One entry point for all formats, own ones and those of other packages."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+import threading
+import tomllib
+from importlib import metadata
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tifffile
+
+from erlif.core.errors import FrameError
+from erlif.io.readers import Format, FrameFile, FrameKind, borrow_frames, open_frames, registry
+
+GREY = np.random.default_rng(5).integers(0, 4096, (3, 64, 80), dtype=np.uint16)
+
+
+class Flat(FrameFile):
+    """A format of another package: one frame whose counts are the fifth byte."""
+
+    kinds = (FrameKind((2, 3), "uint8"),)
+
+    def __init__(self, path):
+        self.level = path.read_bytes()[4]
+        self.closed = False
+
+    def read(self, index):
+        return np.full((2, 3), self.level, np.uint8)
+
+    def close(self):
+        assert not self.closed
+        self.closed = True
+
+
+FLAT = Format("flat", (".flat",), lambda path, head: head[:4] == b"FLAT", Flat)
+
+
+@pytest.fixture
+def foreign(monkeypatch):
+    """Other packages that name what a test lists, by the name of the entry point."""
+
+    def install(**points):
+        class Point:
+            def __init__(self, name, value):
+                self.name, self.value = name, value
+
+            def load(self):
+                if isinstance(self.value, Exception):
+                    raise self.value
+                return self.value
+
+        found = [Point(*item) for item in points.items()]
+        monkeypatch.setattr(metadata, "entry_points", lambda group: found if group else [])
+        registry._foreign_formats.cache_clear()
+
+    yield install
+    registry.close_frames()
+    registry._foreign_formats.cache_clear()
+
+
+def test_content_counts_before_the_suffix(tmp_path):
+    tifffile.imwrite(tmp_path / "a.png", GREY, photometric="minisblack")
+    file = open_frames(tmp_path / "a.png")
+    np.testing.assert_array_equal(file.read(2), GREY[2])
+    file.close()
+
+
+def test_the_suffix_names_the_format_of_a_damaged_file(tmp_path):
+    (tmp_path / "a.tif").write_bytes(b"no TIFF")
+    with pytest.raises(FrameError, match="not a TIFF"):
+        open_frames(tmp_path / "a.tif")
+
+
+def test_an_unknown_file_is_refused_with_the_known_formats(tmp_path):
+    (tmp_path / "a.dat").write_bytes(b"no image")
+    with pytest.raises(FrameError, match=r"none of those that are read: TIFF, .*Convert it"):
+        open_frames(tmp_path / "a.dat")
+
+
+def test_an_empty_file_is_refused(tmp_path):
+    (tmp_path / "a.tif").touch()
+    with pytest.raises(FrameError, match="empty"):
+        open_frames(tmp_path / "a.tif")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes on this system")
+def test_a_pipe_is_not_opened(tmp_path):
+    os.mkfifo(tmp_path / "a.tif")
+    for open_it in (open_frames, lambda path: borrow_frames(path).__enter__()):
+        with pytest.raises(FrameError, match="not an ordinary file"):
+            open_it(tmp_path / "a.tif")
+
+
+def test_a_device_and_a_folder_are_not_opened(tmp_path):
+    for path in (tmp_path, Path(os.devnull)):
+        with pytest.raises(FrameError, match="not an ordinary file"):
+            open_frames(path)
+
+
+def test_a_dataset_is_refused_where_the_format_has_none(tmp_path):
+    tifffile.imwrite(tmp_path / "a.tif", GREY, photometric="minisblack")
+    with pytest.raises(FrameError, match="TIFF file, which has no datasets"):
+        open_frames(tmp_path / "a.tif", dataset="/counts")
+
+
+# other packages
+
+
+def test_a_format_of_another_package_is_read(tmp_path, foreign):
+    foreign(flat=FLAT)
+    (tmp_path / "a.bin").write_bytes(b"FLAT\x07")
+    with borrow_frames(tmp_path / "a.bin") as file:
+        np.testing.assert_array_equal(file.read(0), np.full((2, 3), 7))
+
+
+def test_another_package_cannot_change_how_a_known_file_is_read(tmp_path, foreign):
+    foreign(greedy=Format("greedy", (".tif",), lambda path, head: True, Flat))
+    tifffile.imwrite(tmp_path / "a.tif", GREY, photometric="minisblack")
+    with borrow_frames(tmp_path / "a.tif") as file:
+        np.testing.assert_array_equal(file.read(1), GREY[1])
+
+
+@pytest.mark.parametrize(
+    ("value", "reason"),
+    [(ImportError("no libflat"), "ImportError: no libflat"), (3, "it is no erlif.readers.Format")],
+)
+def test_a_reader_that_cannot_be_loaded_is_named(tmp_path, foreign, value, reason):
+    foreign(broken=value, flat=FLAT)
+    (tmp_path / "a.dat").write_bytes(b"none")
+    with pytest.raises(FrameError, match=re.escape(f"broken cannot be loaded ({reason})")):
+        open_frames(tmp_path / "a.dat")
+    (tmp_path / "b.dat").write_bytes(b"FLAT\x01")
+    open_frames(tmp_path / "b.dat").close()
+
+
+def test_a_package_that_is_missing_is_named_with_the_extra_that_has_it(tmp_path, foreign):
+    def needs(name):
+        def start(path):
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+        return start
+
+    foreign(
+        one=Format("one", (".one",), lambda path, head: False, needs("lib_one")),
+        two=Format("two", (".two",), lambda path, head: False, needs("lib_two"), extra="formats"),
+    )
+    for suffix, advice in ((".one", "install lib_one."), (".two", r"install 'erlif\[formats\]'.")):
+        path = tmp_path / f"a{suffix}"
+        path.write_bytes(b"x")
+        with pytest.raises(FrameError, match=f"package lib_{suffix[1:]}, which.*{advice}"):
+            open_frames(path)
+
+
+def test_each_extra_in_the_table_exists():
+    project = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text())
+    extras = project["project"]["optional-dependencies"]
+    assert {entry.extra for entry in registry.FORMATS if entry.extra} <= set(extras)
+    assert {"imagecodecs", "hdf5plugin"} <= set(extras["formats"])
+
+
+# files kept open
+
+
+def test_a_file_stays_open_for_the_next_frame(tmp_path, foreign):
+    foreign(flat=FLAT)
+    (tmp_path / "a.flat").write_bytes(b"FLAT\x01")
+    with borrow_frames(tmp_path / "a.flat") as one, borrow_frames(tmp_path / "a.flat") as two:
+        assert one is two
+    assert not one.closed
+    registry.close_frames()
+    assert one.closed
+
+
+def test_a_file_that_has_changed_is_opened_again(tmp_path, foreign):
+    foreign(flat=FLAT)
+    path = tmp_path / "a.flat"
+    for level in (3, 4):
+        path.write_bytes(bytes([*b"FLAT", level]))
+        os.utime(path, ns=(level, level))
+        with borrow_frames(path) as file:
+            assert file.read(0)[0, 0] == level
+
+
+def test_few_files_are_open_at_once(tmp_path, foreign, monkeypatch):
+    foreign(flat=FLAT)
+    monkeypatch.setattr(registry._kept, "most", 2)
+    files = []
+    for n in range(5):
+        (tmp_path / f"{n}.flat").write_bytes(bytes([*b"FLAT", n]))
+        with borrow_frames(tmp_path / f"{n}.flat") as file:
+            files.append(file)
+    assert [file.closed for file in files] == [True, True, True, False, False]
+
+
+def test_a_file_in_use_is_closed_after_its_use(tmp_path, foreign):
+    foreign(flat=FLAT)
+    (tmp_path / "a.flat").write_bytes(b"FLAT\x01")
+    with borrow_frames(tmp_path / "a.flat") as file:
+        registry.close_frames()
+        assert not file.closed
+        assert file.read(0)[0, 0] == 1
+    assert file.closed
+
+
+def test_threads_share_the_open_files(tmp_path, foreign, monkeypatch):
+    foreign(flat=FLAT)
+    monkeypatch.setattr(registry._kept, "most", 2)
+    paths = []
+    for n in range(6):
+        paths.append(tmp_path / f"{n}.flat")
+        paths[-1].write_bytes(bytes([*b"FLAT", n]))
+    faults = []
+
+    def work(seed):
+        for n in np.random.default_rng(seed).integers(0, 6, 200):
+            with borrow_frames(paths[n]) as file:
+                if file.closed or file.read(0)[0, 0] != n:
+                    faults.append(n)
+
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    threads = [threading.Thread(target=work, args=(seed,)) for seed in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    sys.setswitchinterval(interval)
+    assert not faults
+
+
+def test_a_missing_file_is_a_fault(tmp_path):
+    with pytest.raises(FrameError, match="No such file"), borrow_frames(tmp_path / "a.tif"):
+        pass
+
+
+def test_a_file_that_took_the_name_of_an_open_one_is_opened_anew(tmp_path):
+    """Programs that copy with the time of change leave size and time as they were."""
+    path, other = tmp_path / "a.npy", tmp_path / "b.npy"
+    np.save(path, np.zeros((2, 64, 80), np.uint16))
+    np.save(other, np.ones((2, 64, 80), np.uint16))
+    found = path.stat()
+    os.utime(other, ns=(found.st_atime_ns, found.st_mtime_ns))
+    with borrow_frames(path) as file:
+        assert file.read(1).max() == 0
+    other.replace(path)
+    with borrow_frames(path) as file:
+        assert file.read(1).min() == 1

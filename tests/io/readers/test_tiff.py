@@ -1,0 +1,271 @@
+"""TIFF files against tifffile and libtiff, which wrote them."""
+
+from __future__ import annotations
+
+import struct
+import threading
+
+import numpy as np
+import pytest
+import tifffile
+from PIL import Image
+from scenes.camera_files import pack_counts
+
+from erlif.core.errors import FrameError
+from erlif.io.readers import FrameKind
+from erlif.io.readers.tiff import TIFF
+
+GREY = np.random.default_rng(5).integers(0, 4096, (3, 64, 80), dtype=np.uint16)
+
+
+def read(path):
+    """All frames of a file, from the last to the first."""
+    file = TIFF.open(path)
+    try:
+        found = [file.read(index) for index in reversed(range(len(file.kinds)))]
+        for image, kind in zip(found, reversed(file.kinds), strict=True):
+            assert (image.shape, image.dtype.name) == kind
+            assert image.dtype.isnative
+        return np.stack(found[::-1])
+    finally:
+        file.close()
+
+
+def refusal(path):
+    with pytest.raises(FrameError) as refused:
+        read(path)
+    return str(refused.value)
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.int16, np.float32])
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"bigtiff": True},
+        {"byteorder": ">"},
+        {"compression": "zlib"},
+        {"compression": "zlib", "predictor": 2, "byteorder": ">"},
+        {"tile": (16, 32)},
+        {"tile": (48, 48), "compression": "zlib"},
+        {"rowsperstrip": 7},
+    ],
+    ids=lambda options: " ".join(map(str, options.values())),
+)
+def test_each_page_of_a_stack_is_read_in_any_order(tmp_path, options, dtype):
+    if dtype is np.float32:
+        options = {name: value for name, value in options.items() if name != "predictor"}
+    path = tmp_path / "a.bin"
+    tifffile.imwrite(path, GREY.astype(dtype), photometric="minisblack", **options)
+    assert TIFF.recognise(path, path.read_bytes()[:512])
+    np.testing.assert_array_equal(read(path), GREY.astype(dtype))
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+@pytest.mark.parametrize("predictor", [1, 2])
+@pytest.mark.parametrize(
+    "compression", ["raw", "tiff_lzw", "packbits", "tiff_adobe_deflate", "tiff_deflate"]
+)
+def test_pages_of_libtiff_are_read(tmp_path, compression, predictor, dtype):
+    images = [Image.fromarray(image.astype(dtype)) for image in GREY]
+    images[0].save(
+        tmp_path / "a.tif",
+        save_all=True,
+        append_images=images[1:],
+        compression=compression,
+        tiffinfo={317: predictor} if predictor > 1 and compression != "packbits" else {},
+    )
+    np.testing.assert_array_equal(read(tmp_path / "a.tif"), GREY.astype(dtype))
+
+
+@pytest.mark.parametrize("order", "<>")
+def test_12_bit_counts_are_read_without_another_package(tmp_path, order):
+    """After TIFF 6.0: packed counts with the highest bit first in both byte orders."""
+    data = pack_counts(GREY[0], "HIGH_12")
+    tags = [
+        *((256, 3, 80), (257, 3, 64), (258, 3, 12), (259, 3, 1), (262, 3, 1), (273, 4, 8)),
+        *((277, 3, 1), (278, 3, 64), (279, 4, len(data))),
+    ]
+    directory = struct.pack(f"{order}H", len(tags))
+    for tag, kind, value in tags:
+        field = struct.pack(order + ("HH" if kind == 3 else "I"), *([value, 0][: 5 - kind]))
+        directory += struct.pack(f"{order}HHI", tag, kind, 1) + field
+    start = struct.pack(f"{order}HI", 42, 8 + len(data))
+    mark = b"II" if order == "<" else b"MM"
+    (tmp_path / "a.tif").write_bytes(mark + start + data + directory + bytes(4))
+    np.testing.assert_array_equal(read(tmp_path / "a.tif"), GREY[:1])
+    file = TIFF.open(tmp_path / "a.tif")
+    assert file.bits == 12
+    file.close()
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"compression": "lzw"},
+        {"compression": "lzw", "predictor": 2, "byteorder": ">"},
+        {"compression": "lzw", "tile": (32, 32)},
+        {"compression": "packbits"},
+        {"compression": "zstd"},
+        *({"bitspersample": bits} for bits in (10, 12, 14)),
+    ],
+    ids=lambda options: " ".join(map(str, options.values())),
+)
+def test_pages_of_imagecodecs_are_read(tmp_path, options):
+    pytest.importorskip("imagecodecs")
+    counts = GREY >> 2 if options.get("bitspersample") == 10 else GREY
+    tifffile.imwrite(tmp_path / "a.tif", counts, photometric="minisblack", **options)
+    np.testing.assert_array_equal(read(tmp_path / "a.tif"), counts)
+
+
+# ImageJ and OME
+
+
+@pytest.mark.parametrize("order", "<>")
+@pytest.mark.parametrize("directories", [True, False], ids=["whole", "above 4 GB"])
+def test_an_imagej_stack_is_read_with_and_without_its_directories(tmp_path, order, directories):
+    """Above 4 GB ImageJ writes the first directory only; all images follow its own."""
+    path = tmp_path / "a.tif"
+    counts = np.random.default_rng(2).integers(0, 65536, (3, 2, 64, 80), dtype=np.uint16)
+    metadata = {"axes": "TCYX", "finterval": 0.5}
+    tifffile.imwrite(path, counts, imagej=True, byteorder=order, metadata=metadata)
+    if not directories:
+        content = bytearray(path.read_bytes())
+        (start,) = struct.unpack_from(f"{order}I", content, 4)
+        (entries,) = struct.unpack_from(f"{order}H", content, start)
+        struct.pack_into(f"{order}I", content, start + 2 + 12 * entries, 0)
+        path.write_bytes(content)
+
+    np.testing.assert_array_equal(read(path), counts.reshape(-1, 64, 80))
+    file = TIFF.open(path)
+    assert list(file.channels) == [1, 2] * 3
+    np.testing.assert_allclose(file.times, [0, 0, 0.5, 0.5, 1, 1])
+    file.close()
+
+
+def test_an_imagej_stack_that_was_cut_off_has_truncated_frames(tmp_path):
+    path = tmp_path / "a.tif"
+    tifffile.imwrite(path, GREY, imagej=True)
+    content = bytearray(path.read_bytes())
+    (start,) = struct.unpack_from("<I", content, 4)
+    (entries,) = struct.unpack_from("<H", content, start)
+    struct.pack_into("<I", content, start + 2 + 12 * entries, 0)
+    with tifffile.TiffFile(path) as file:
+        first = file.pages[0].dataoffsets[0]
+    path.write_bytes(content[: first + 2 * GREY[0].nbytes + 99])
+    file = TIFF.open(path)
+    assert [kind.dtype for kind in file.kinds] == ["uint16", "uint16", "truncated"]
+    np.testing.assert_array_equal(file.read(1), GREY[1])
+    with pytest.raises(FrameError, match="truncated"):
+        file.read(2)
+    file.close()
+
+
+@pytest.mark.parametrize("options", [{}, {"compression": "zlib"}, {"byteorder": ">"}])
+def test_an_ome_file_has_channels_and_times(tmp_path, options):
+    path = tmp_path / "a.ome.tif"
+    counts = np.random.default_rng(2).integers(0, 4096, (2, 3, 64, 80), dtype=np.uint16)
+    metadata = {"axes": "CTYX", "Plane": {"DeltaT": [1.0, 2, 4, 1, 2, 4]}}
+    tifffile.imwrite(path, counts, ome=True, metadata=metadata, **options)
+    np.testing.assert_array_equal(read(path), counts.reshape(-1, 64, 80))
+    file = TIFF.open(path)
+    assert list(file.channels) == [1, 1, 1, 2, 2, 2]
+    np.testing.assert_allclose(file.times, [0, 1, 3, 0, 1, 3])
+    file.close()
+
+
+# what is no stack of counts
+
+
+def test_a_stack_is_not_taken_for_colours(tmp_path):
+    """Frames of three columns have the shape of a colour image."""
+    narrow = GREY[:, :, :3]
+    tifffile.imwrite(tmp_path / "a.tif", narrow, photometric="minisblack")
+    np.testing.assert_array_equal(read(tmp_path / "a.tif"), narrow)
+
+
+@pytest.mark.parametrize("planar", ["contig", "separate"])
+def test_colours_are_the_last_axis(tmp_path, planar):
+    image = np.random.default_rng(1).integers(0, 255, (64, 80, 3), dtype=np.uint8)
+    stored = image if planar == "contig" else np.moveaxis(image, 2, 0)
+    tifffile.imwrite(tmp_path / "a.tif", stored, photometric="rgb", planarconfig=planar)
+    file = TIFF.open(tmp_path / "a.tif")
+    assert list(file.kinds) == [FrameKind((64, 80, 3), "uint8")]
+    np.testing.assert_array_equal(file.read(0), image)
+    file.close()
+
+
+def test_a_palette_is_refused(tmp_path):
+    Image.fromarray(GREY[0].astype(np.uint8)).convert("P").save(tmp_path / "a.tif")
+    assert "palette image, whose values are no counts. Save" in refusal(tmp_path / "a.tif")
+
+
+def test_jpeg_in_tiff_is_refused(tmp_path):
+    Image.fromarray(GREY[0].astype(np.uint8)).save(tmp_path / "a.tif", compression="jpeg")
+    assert "compressed with JPEG, which may change the counts. Save" in refusal(tmp_path / "a.tif")
+
+
+@pytest.mark.parametrize(
+    ("installed", "advice"),
+    [(False, "package imagecodecs, which is not installed. Install"), (True, "does not decode")],
+)
+def test_a_missing_decoder_is_named_and_not_advised_twice(tmp_path, monkeypatch, installed, advice):
+    """The text is the one of tifffile 2026.3.3 without imagecodecs."""
+
+    def fail(self):
+        raise ValueError("<COMPRESSION.ZSTD: 50000> requires the 'imagecodecs' package")
+
+    tifffile.imwrite(tmp_path / "a.tif", np.zeros((64, 80, 3), np.uint8), photometric="rgb")
+    monkeypatch.setattr(tifffile.TiffPage, "asarray", fail)
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: object() if installed else None)
+    assert advice in refusal(tmp_path / "a.tif")
+
+
+def test_a_strip_without_place_is_truncated(tmp_path):
+    path = tmp_path / "a.tif"
+    tifffile.imwrite(path, GREY[0], tile=(16, 16))
+    with tifffile.TiffFile(path, mode="r+") as file:
+        places = list(file.pages[0].dataoffsets)
+        file.pages[0].tags["TileOffsets"].overwrite([0, *places[1:]])
+    file = TIFF.open(path)
+    assert [kind.dtype for kind in file.kinds] == ["truncated"]
+    file.close()
+
+
+def test_nothing_is_printed_about_a_damaged_file(tmp_path, capfd):
+    (tmp_path / "a.tif").write_bytes(b"MM\0*" + struct.pack(">I", 9999))
+    assert "holds no image" in refusal(tmp_path / "a.tif")
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("options", [{}, {"tile": (16, 16)}], ids=["plain", "tiles"])
+def test_threads_read_different_pages_at_once(tmp_path, options):
+    tifffile.imwrite(tmp_path / "a.tif", GREY, photometric="minisblack", **options)
+    file = TIFF.open(tmp_path / "a.tif")
+    faults = []
+
+    def work(first):
+        for n in range(60):
+            index = (first + n) % 3
+            if not np.array_equal(file.read(index), GREY[index]):
+                faults.append(index)
+
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    file.close()
+    assert not faults
+
+
+@pytest.mark.parametrize("compression", [5, 8], ids=["LZW", "deflate"])
+def test_a_tile_of_a_terabyte_is_refused(tmp_path, compression):
+    entries = {256: 64, 257: 64, 258: 16, 259: compression, 262: 1, 277: 1}
+    entries |= {322: 2**20, 323: 2**20, 324: 200, 325: 20}
+    table = b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in entries.items())
+    head = b"II*\0" + struct.pack("<IH", 8, len(entries)) + table + bytes(4)
+    path = tmp_path / "a.tif"
+    path.write_bytes(head.ljust(200, b"\0") + bytes(20_000))
+    with pytest.raises(FrameError, match="bytes cannot hold 1048576 x 1048576 pixels"):
+        TIFF.open(path)

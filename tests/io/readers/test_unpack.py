@@ -1,0 +1,77 @@
+"""Packed counts, against a decoder that goes bit by bit."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.camera_files import counts_of_bits, pack_counts
+
+from erlif.io.readers.unpack import Packing, unpack
+
+
+@pytest.mark.parametrize("packing", Packing)
+def test_random_bytes_give_the_counts_of_a_bitwise_decoder(packing):
+    packed = np.random.default_rng(1).integers(0, 256, 15_000, dtype=np.uint8)
+    expected = counts_of_bits(packed, packing.name)
+    npt.assert_array_equal(unpack(packed, expected.size, packing), expected)
+
+
+@pytest.mark.parametrize("packing", Packing)
+@pytest.mark.parametrize("pixels", [1, 2, 3, 4, 5, 6, 7, 8, 9, 63])
+def test_incomplete_groups_at_the_end_are_decoded(packing, pixels):
+    depth = int(packing.name[-2:])
+    counts = np.random.default_rng(pixels).integers(0, 1 << depth, pixels).astype(np.uint16)
+    packed = np.frombuffer(pack_counts(counts, packing.name), np.uint8)
+    assert packing.size(pixels) <= packed.size
+    npt.assert_array_equal(unpack(packed[: packing.size(pixels)], pixels, packing), counts)
+
+
+def test_tables_of_the_manuals():
+    """Basler racer GigE manual AW00118302000, 9.2.3, and GenICam PFNC 2.4, Mono12p and Mono10p."""
+    # pixel 0 is 0xABC and pixel 1 is 0x123
+    assert unpack(np.array([0xAB, 0x3C, 0x12], np.uint8), 2, Packing.SPLIT_12).tolist() == [
+        0xABC,
+        0x123,
+    ]
+    assert unpack(np.array([0xBC, 0x3A, 0x12], np.uint8), 2, Packing.LOW_12).tolist() == [
+        0xABC,
+        0x123,
+    ]
+    # four pixels of ten bits: all bits of the first, none of the second, and so on
+    assert unpack(np.array([0xFF, 0x03, 0xF0, 0x3F, 0], np.uint8), 4, Packing.LOW_10).tolist() == [
+        1023,
+        0,
+        1023,
+        0,
+    ]
+
+
+def test_too_few_bytes_are_refused():
+    with pytest.raises(ValueError, match="3 pixels take 5 bytes, got 4"):
+        unpack(np.zeros(4, np.uint8), 3, Packing.HIGH_12)
+
+
+def test_values_that_were_compressed_are_expanded_by_their_table():
+    values = np.random.default_rng(3).integers(0, 1024, 101)
+    table = np.random.default_rng(4).integers(0, 4096, 1024).astype(np.uint16)
+    packed = np.frombuffer(pack_counts(values, "HIGH_10"), np.uint8)
+    found = unpack(packed, 101, Packing.HIGH_10, table=table)
+    npt.assert_array_equal(found, table[values])
+    with pytest.raises(ValueError, match="a table of 4096 counts is needed, got 1024"):
+        unpack(packed, 84, Packing.HIGH_12, table=table)
+
+
+def test_read_only_bytes_need_no_second_kernel():
+    packed = np.frombuffer(b"\x12\x34\x56", np.uint8)
+    assert unpack(packed, 2, Packing.HIGH_12).tolist() == [0x123, 0x456]
+
+
+def test_threads_do_not_disturb_each_other():
+    packed = np.random.default_rng(2).integers(0, 256, (8, 3000), dtype=np.uint8)
+    expected = [counts_of_bits(part, "LOW_12") for part in packed]
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(lambda part: unpack(part, 2000, Packing.LOW_12), packed))
+    npt.assert_array_equal(found, expected)

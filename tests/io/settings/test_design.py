@@ -1,0 +1,109 @@
+"""joint.toml: units, defaults and messages."""
+
+import tomllib
+
+import pytest
+from pydantic import ValidationError
+
+from erlif.core.errors import ConfigError
+from erlif.io.settings import DesignSettings, read_design_settings
+
+SMALL = """\
+[joint]
+name = "test"
+[load]
+force = "10 tonne_force"
+safety = 2.0
+[pin]
+material = "C45 QT"
+[bushing]
+material = "CuSn10Zn2"
+"""
+
+
+def read(tmp_path, text):
+    path = tmp_path / "joint.toml"
+    path.write_text(text, encoding="utf-8")
+    return read_design_settings(path)
+
+
+def test_the_shortest_joint(tmp_path):
+    settings = read(tmp_path, SMALL.replace("10 tonne_force", "100 kN"))
+    assert settings.load.force == 100e3
+    assert settings.housing.material == "S355"
+    assert settings.motion is None
+    assert settings.fit.play is None
+
+
+@pytest.mark.parametrize(
+    ("text", "brinell"),
+    [
+        ("200 HB", 200),
+        ("200 HBW", 200),
+        ("200 HV", 190),
+        ("1961.33 MPa", 200),
+        ("1.96133 GPa", 200),
+    ],
+)
+def test_hardness_in_all_its_units(text, brinell):
+    """1 HB is 9.80665 MPa; Vickers after ISO 18265, 200 HV to 190 HB."""
+    raw = tomllib.loads(SMALL.replace("10 tonne_force", "1 kN"))
+    raw["bushing"]["hardness"] = text
+    assert DesignSettings.model_validate(raw).bushing.hardness == pytest.approx(brinell, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "text", "value"),
+    [
+        ("life", "time", "5000 h", 18e6),
+        ("bushing", "wear", "2e-9 mm3/N/m", 2e-18),
+        ("bushing", "wear", "2e-9 mm3/(N m)", 2e-18),
+        ("bushing", "pv_limit", "1.5 W/mm^2", 1.5e6),
+        ("bushing", "pv_limit", "1.5 MPa m/s", 1.5e6),
+        ("bushing", "conductivity", "39 W/(m K)", 39),
+        ("pin", "expansion", "12e-6 1/K", 12e-6),
+        ("fit", "play", "-20 um", -20e-6),
+    ],
+)
+def test_other_units(table, key, text, value):
+    raw = tomllib.loads(SMALL.replace("10 tonne_force", "1 kN"))
+    raw.setdefault(table, {})[key] = text
+    found = getattr(getattr(DesignSettings.model_validate(raw), table), key)
+    assert found == pytest.approx(value, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "named"),
+    [
+        ("safety = 2.0", "safety = 0.5", "safety: it should be greater than or equal to 1"),
+        (
+            '"10 tonne_force"',
+            '"-1 kN"',
+            "force: it should be greater than or equal to 0.001 N; got",
+        ),
+        ('"10 tonne_force"', "100", "without one"),
+        ('"10 tonne_force"', '"1e300 N"', "less than or equal to 10000000000 N"),
+        ('"C45 QT"', '"C45 QT"\ndiamter = "3 mm"', "did you mean 'diameter'"),
+        ('"C45 QT"', '"C45 QT"\ndiameter = "0 mm"', "greater than or equal"),
+        ('"C45 QT"', '"C45 QT"\ndiameter = "9 mm"\nhole = "9 mm"', "a hole smaller than the pin"),
+        ("safety", 'mean_force = "200 kN"\nsafety', "mean_force up to the largest load"),
+    ],
+)
+def test_bad_values_are_named(tmp_path, old, new, named):
+    text = SMALL.replace(old, new).replace("10 tonne_force", "100 kN")
+    with pytest.raises(ConfigError) as raised:
+        read(tmp_path, text)
+    assert named in str(raised.value)
+
+
+def test_a_missing_file_is_named(tmp_path):
+    with pytest.raises(ConfigError, match="Make one with: erlif design --example"):
+        read_design_settings(tmp_path / "none.toml")
+    with pytest.raises(ConfigError, match="it is a directory"):
+        read_design_settings(tmp_path)
+
+
+def test_settings_are_frozen():
+    settings = DesignSettings.model_validate(tomllib.loads(SMALL.replace("10 tonne_force", "1 kN")))
+    with pytest.raises(ValidationError):
+        settings.load = None

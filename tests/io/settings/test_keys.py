@@ -1,0 +1,59 @@
+"""Descriptions of the keys: complete, and true to the types."""
+
+import pytest
+
+from erlif.io.settings import (
+    CameraSettings,
+    EncoderSettings,
+    FixtureSettings,
+    RunSettings,
+    ThicknessOptions,
+    keys_of,
+    tables_of,
+)
+
+
+def key(kind, name):
+    return next(key for key in keys_of(kind) if key.name == name)
+
+
+@pytest.mark.parametrize("kind", [RunSettings, FixtureSettings])
+def test_every_key_and_table_has_a_meaning_and_an_example(kind):
+    for table in tables_of(kind):
+        assert table.meaning
+        for one in keys_of(table.kind):
+            assert one.meaning.endswith((".", ". [px]", ". [mm]")), f"{table.title}.{one.name}"
+            assert one.example is not None, f"{table.title}.{one.name}"
+
+
+def test_tables_come_in_the_order_of_the_file_and_inner_ones_after_their_own():
+    titles = [table.title for table in tables_of(RunSettings)]
+    assert titles[:5] == ["", "run", "camera1", "camera2", "optics"]
+    assert titles.index("joint.pin") == titles.index("joint") + 1
+    assert titles.count("mechanism") == 4  # two linkages, rotation and sinusoidal
+
+
+def test_a_table_is_required_by_the_table_around_it():
+    required = {table.title: table.required for table in tables_of(RunSettings)}
+    assert required["joint.pin"]
+    assert not required["joint"]
+    assert not required["mechanism"]
+    assert not required["oil.vogel"]
+    assert not required["thickness"]
+    assert not required["thickness.roi"]
+
+
+def test_unit_bounds_default_and_choices_are_those_of_the_type():
+    assert key(CameraSettings, "band").unit == "nm"
+    assert key(CameraSettings, "gain").unit == "electron/DN"  # optional quantities too
+    assert key(CameraSettings, "bit_depth").bounds == "from 8 up to 16"
+    assert key(CameraSettings, "bit_depth").default == 12
+    assert key(ThicknessOptions, "least_signal").default == "100 electron"
+    assert key(ThicknessOptions, "no_film_below").bounds == "above 0 below 1"
+    assert key(EncoderSettings, "mounted_on").choices == ("rocker", "crank", "coupler")
+    assert key(EncoderSettings, "triggers_per_cycle").default is None
+
+
+def test_an_expected_value_is_one_phrase():
+    assert key(EncoderSettings, "mounted_on").expected == 'one of "rocker", "crank", "coupler"'
+    assert key(CameraSettings, "bit_depth").expected == "integer from 8 up to 16, for example 12"

@@ -1,0 +1,112 @@
+"""Two designs against each other."""
+
+import numpy as np
+import pytest
+import scipy.stats
+
+from erlif.core.errors import EnduranceError
+from erlif.joint.endurance import FailureLoad, compare_designs
+
+
+def exact(load):
+    return FailureLoad(load, 0.0, load, True, 1)
+
+
+def survivor(load):
+    return FailureLoad(load, 0.0, load, False, 1)
+
+
+def staged(strength, last=36.0):
+    """A bearing tested in stages of 8, 12, 16, ... up to the last one."""
+    stages = np.arange(8.0, last + 1, 4.0)
+    place = int(np.searchsorted(stages, strength))
+    if place == stages.size:
+        return survivor(last)
+    return FailureLoad(stages[place], 0.0, stages[place] - 4 if place else 0.0, True, place + 1)
+
+
+@pytest.mark.parametrize("runs", [3, 5])
+def test_exact_loads_give_the_interval_of_student(runs):
+    """Two normal samples of one variance: the posterior is the classical pivot."""
+    rng = np.random.default_rng(runs)
+    one, two = rng.normal(3.2, 0.1, runs), rng.normal(3.4, 0.1, runs)
+    expected = np.exp(scipy.stats.ttest_ind(two, one).confidence_interval())
+    found = compare_designs([exact(x) for x in np.exp(one)], [exact(x) for x in np.exp(two)])
+    np.testing.assert_allclose([found.low, found.high], expected, rtol=0.01)
+    assert found.ratio == pytest.approx(np.exp(two.mean() - one.mean()), rel=0.005)
+
+
+@pytest.mark.parametrize("model", ["lognormal", "weibull"])
+def test_interval_holds_the_ratio_with_few_runs_in_stages_some_of_which_survive(model):
+    rng = np.random.default_rng(4)
+    held = []
+    for _ in range(20):
+        normal = rng.standard_normal(6)
+        extreme = np.log(rng.exponential(size=6) / np.log(2))
+        deviate = normal if model == "lognormal" else extreme
+        strength = np.exp(0.12 * deviate) * np.repeat([22.0, 29.0], 3)
+        runs = [staged(one) for one in strength]
+        found = compare_designs(runs[:3], runs[3:], model=model)
+        if np.isfinite(found.ratio):
+            held.append(found.low < 29 / 22 < found.high)
+    assert len(held) > 15
+    assert np.mean(held) > 0.8  # 0.95 less three standard errors
+
+
+def test_designs_alike_are_not_separated():
+    found = compare_designs([exact(x) for x in (20, 25, 30)], [exact(x) for x in (20, 25, 30)])
+    assert found.low < 1 < found.high
+    assert found.ratio == pytest.approx(1.0, abs=1e-6)
+    assert found.probability == pytest.approx(0.5, abs=1e-6)
+    assert found.log_rank == 1.0
+
+
+def test_exchanged_designs_have_the_inverse_ratio():
+    """By stages of 4: density and cumulative sum are those of intervals."""
+    one, two = [staged(x) for x in (21, 25, 26)], [staged(x) for x in (31, 33, 35)]
+    found, inverse = compare_designs(one, two), compare_designs(two, one)
+    assert found.ratio * inverse.ratio == pytest.approx(1.0, abs=1e-6)
+    assert found.low * inverse.high == pytest.approx(1.0, abs=1e-6)
+    assert found.probability + inverse.probability == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("load", [0.0, -5.0, np.nan, np.inf])
+def test_a_load_that_is_none_is_refused(load):
+    with pytest.raises(EnduranceError, match="above 0 of run 2 of the design second; got"):
+        compare_designs([exact(20)] * 2, [exact(20), exact(load)])
+    with pytest.raises(EnduranceError, match="run 1 of the design first survived"):
+        compare_designs([FailureLoad(20.0, 0.1, np.nan, True, 2)] * 2, [exact(20)] * 2)
+
+
+def test_log_rank_by_permutation_of_two_samples_without_overlap():
+    """Of 20 ways to choose three of six runs, two are as extreme."""
+    found = compare_designs([exact(x) for x in (20, 21, 22)], [exact(x) for x in (30, 31, 32)])
+    assert found.log_rank == pytest.approx(0.1)
+    assert found.least_p == pytest.approx(0.1)
+
+
+def test_a_design_without_a_failure_has_no_ratio_but_a_test():
+    found = compare_designs([exact(x) for x in (20, 21, 22)], [survivor(36.0)] * 3)
+    assert np.isnan(found.ratio)
+    assert found.log_rank == pytest.approx(0.1)
+    assert found.failures == (3, 0)
+
+
+def test_one_run_or_another_model_is_refused():
+    with pytest.raises(EnduranceError, match="at least two runs of the design second"):
+        compare_designs([exact(20)] * 2, [exact(20)])
+    with pytest.raises(EnduranceError, match="lognormal or weibull"):
+        compare_designs([exact(20)] * 2, [exact(20)] * 2, model="normal")
+
+
+def test_failure_at_a_load_carried_before_is_a_failure_at_this_load():
+    """Bolts relax: 36 kN in the stage before, 35.9 kN at the onset."""
+    one, two = [exact(x) for x in (20, 22, 25)], [exact(x) for x in (30, 33)]
+    relaxed = FailureLoad(35.9, 0.0, 36.0, True, 4)
+    assert compare_designs(one, [*two, relaxed]) == compare_designs(one, [*two, exact(35.9)])
+
+
+def test_no_p_value_by_permutation_is_zero():
+    """Of 15 and 15 runs without overlap 2 of 155,117,520 divisions are as extreme."""
+    one, two = ([exact(first + k / 10) for k in range(15)] for first in (20, 30))
+    assert 2 / 155_117_520 <= compare_designs(one, two).log_rank < 1e-3

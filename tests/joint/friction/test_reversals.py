@@ -1,0 +1,236 @@
+"""Apparent friction of torque logs with reversals, against logs of known friction."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+from scipy.signal import lfilter
+
+from erlif.core.errors import EnduranceError
+from erlif.joint.friction import analyse_friction, describe_friction
+
+RADIUS, LOAD = 0.005, 400.0
+
+
+def make_log(
+    rng,
+    *,
+    friction=0.12,
+    drift=0.0,
+    offset=0.04,
+    offset_drift=0.0,
+    noise=0.01,
+    slow=0.0,
+    correlation=30.0,
+    gain=1.0,
+    interval=0.1,
+    length=600.0,
+):
+    """A reversal each 10 s, a ramp of 0.3 s at each, white noise, and friction that wanders."""
+    time = np.arange(0.0, length, interval)
+    phase = (time % 20.0) / 10.0
+    sense = np.clip(np.minimum(phase, 1 - phase) * 33, 0, 1) * (phase < 1)
+    back = phase - 1
+    sense -= np.clip(np.minimum(back, 1 - back) * 33, 0, 1) * (phase >= 1)
+    true = friction + drift * (time / time[-1] - 0.5)
+    if slow > 0:
+        kept = np.exp(-interval / correlation)
+        start = rng.normal()
+        steps = np.sqrt(1 - kept**2) * rng.normal(size=time.size)
+        true = true + slow * lfilter([1], [1, -kept], steps, zi=[kept * start])[0]
+    ratio = sense * true + offset + offset_drift * (time / time[-1] - 0.5)
+    ratio = ratio + noise * rng.normal(size=time.size)
+    cells = np.array([np.full(time.size, 0.6 * LOAD), np.full(time.size, 0.8 * LOAD)])
+    return xr.Dataset(
+        {"cells": (("cell", "time"), cells), "torque": ("time", gain * ratio * LOAD * RADIUS)},
+        {"time": time},
+    )
+
+
+def test_friction_and_offset_are_found():
+    found = analyse_friction(
+        make_log(np.random.default_rng(0), noise=0.0), shaft_radius=RADIUS, vector=True, speed=0.01
+    )
+    npt.assert_allclose(found.pairs.friction, 0.12, rtol=1e-9)
+    npt.assert_allclose(found.pairs.offset, 0.04, rtol=1e-9)
+    npt.assert_allclose(found.pairs["load"], LOAD)
+    assert found.pairs.sizes["time"] == 30
+    npt.assert_allclose(found.pairs.sliding_distance[0], 0.1, rtol=0.02)
+
+
+def test_intervals_cover_friction_that_wanders_over_several_pairs():
+    """Mean and trend of 30 logs, gain of the torque 1 %; bounds of a binomial share."""
+    rng = np.random.default_rng(5)
+    size, inside = 30, []
+    for _ in range(size):
+        log = make_log(rng, slow=0.004, drift=0.01, gain=1 + 0.01 * rng.normal(), interval=1.0)
+        found = analyse_friction(log, shaft_radius=RADIUS, vector=True, torque_std=0.01)
+        mean, trend = abs(found.friction - 0.12), abs(found.trend - 0.01 * 29 / 30)
+        inside.append(
+            [
+                mean < found.friction_std,
+                trend < found.trend_std,
+                mean < found.friction_interval[1] - found.friction,
+                trend < found.trend_interval[1] - found.trend,
+            ]
+        )
+    for share, held in zip((0.683, 0.683, 0.95, 0.95), np.mean(inside, axis=0), strict=True):
+        assert abs(held - share) < 3 * np.sqrt(share * (1 - share) / size)
+
+
+@pytest.mark.parametrize("change", [-0.04, 0.04])
+def test_an_offset_that_drifts_cancels(change):
+    log = make_log(np.random.default_rng(0), noise=0.0, offset_drift=change, drift=0.01)
+    found = analyse_friction(log, shaft_radius=RADIUS, vector=True)
+    npt.assert_allclose(found.friction, 0.12, rtol=1e-4)
+    npt.assert_allclose(found.trend, 0.01 * 29 / 30, rtol=2e-3)
+
+
+def test_error_of_a_pair_is_that_of_its_noise():
+    found = analyse_friction(
+        make_log(np.random.default_rng(2), noise=0.02), shaft_radius=RADIUS, vector=True
+    )
+    npt.assert_allclose(found.pairs.friction_std.median(), 0.02 / np.sqrt(2 * 80), rtol=0.15)
+    npt.assert_allclose(found.pairs.friction.std(), 0.02 / np.sqrt(2 * 80), rtol=0.4)
+
+
+def test_the_budget_adds_up():
+    found = analyse_friction(
+        make_log(np.random.default_rng(2)),
+        shaft_radius=RADIUS,
+        vector=True,
+        torque_std=0.01,
+        load_std=0.02,
+        radius_std=0.003,
+    )
+    assert list(found.budget) == ["scatter", "torque", "load", "shaft radius"]
+    npt.assert_allclose(found.friction_std, np.linalg.norm(list(found.budget.values())))
+    npt.assert_allclose(found.budget["load"], 0.02 * found.friction)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"friction": 0.0, "noise": 0.0}, "reverses at least three times"),
+        ({"friction": 0.12, "gain": np.nan}, "reverses at least three times"),
+    ],
+)
+def test_a_log_without_reversals_is_refused(changes, message):
+    log = make_log(np.random.default_rng(0), **changes)
+    if changes["friction"] == 0.0:
+        log["torque"] = log["torque"] * 0 + 1.0
+    with pytest.raises(EnduranceError, match=message):
+        analyse_friction(log, shaft_radius=RADIUS)
+
+
+def test_a_torque_without_its_sign_is_pointed_out():
+    """The size of the torque, as some instruments log it: no difference between directions."""
+    log = make_log(np.random.default_rng(0), offset=0.0)
+    for torque, told in ((log.torque, False), (abs(log.torque), True)):
+        found = analyse_friction(log.assign(torque=torque), shaft_radius=RADIUS, vector=True)
+        assert any("torque with its sign" in line for line in describe_friction(found)) == told
+
+
+def test_an_offset_above_the_friction_is_pointed_out():
+    log = make_log(np.random.default_rng(0), offset=0.2)
+    found = analyse_friction(log, shaft_radius=RADIUS, vector=True)
+    npt.assert_allclose(found.friction, 0.12, rtol=0.01)
+    assert any("torque with its sign" in line for line in describe_friction(found))
+
+
+@pytest.mark.parametrize("kept", [0.0, 0.5])
+@pytest.mark.parametrize("share", [0.15, 0.4])
+def test_dwell_at_the_reversals_is_left_out(share, kept):
+    """The motor rests for a share of each stretch; the torque keeps a part of its size."""
+    rng = np.random.default_rng(7)
+    time = np.arange(0.0, 600.0, 0.1)
+    rests = time % 10.0 >= 10.0 * (1 - share)
+    ratio = 0.12 * np.where(time % 20.0 < 10.0, 1, -1) * np.where(rests, kept, 1.0)
+    log = make_log(rng).assign(
+        torque=("time", (ratio + 0.02 + 0.01 * rng.normal(size=time.size)) * LOAD * RADIUS)
+    )
+    found = analyse_friction(log, shaft_radius=RADIUS, vector=True, speed=0.01)
+    assert found.friction == pytest.approx(0.12, abs=4 * found.friction_std)
+    assert found.friction_std < 0.001
+    assert float(found.pairs.dwell.median()) == pytest.approx(20 * share, abs=0.3)
+    assert f"dwell left out: {10 * share:.3g} s" in "\n".join(describe_friction(found))
+    # 59 of 60 stretches lie before the middle of the last pair
+    travelled = 0.01 * 590 * (1 - share)
+    assert float(found.pairs.sliding_distance[-1]) == pytest.approx(travelled, rel=0.01)
+
+
+def test_a_torque_that_follows_a_smooth_speed_has_no_dwell():
+    log = make_log(np.random.default_rng(0))
+    wave = 0.12 * LOAD * RADIUS * np.sin(2 * np.pi * log.time / 20)
+    found = analyse_friction(log.assign(torque=wave), shaft_radius=RADIUS, vector=True)
+    assert float(found.pairs.dwell.max()) == 0
+    # mean of a sine over the middle 80 % of half a period
+    npt.assert_allclose(found.friction, 0.12 * np.cos(0.1 * np.pi) / (0.4 * np.pi), rtol=0.01)
+
+
+def test_a_short_return_stroke_counts():
+    """Fifty seconds forward and two back: 4 % of the log."""
+    log = make_log(np.random.default_rng(0))
+    sense = np.where(log.time % 52 < 50, 1, -1)
+    log["torque"] = ("time", (0.12 * sense + 0.02) * LOAD * RADIUS)
+    found = analyse_friction(log, shaft_radius=RADIUS, vector=True)
+    npt.assert_allclose(found.friction, 0.12, rtol=1e-9)
+    npt.assert_allclose(found.pairs.offset, 0.02, rtol=1e-9)
+
+
+def test_friction_that_falls_to_a_seventh_is_followed():
+    log = make_log(np.random.default_rng(0))
+    true = 0.2 * np.exp(-log.time / 300)
+    log["torque"] = true * xr.where(log.time % 20 < 10, 1, -1) * LOAD * RADIUS
+    found = analyse_friction(log, shaft_radius=RADIUS, vector=True)
+    assert found.pairs.sizes["time"] == 30
+    npt.assert_allclose(found.pairs.friction, 0.2 * np.exp(-found.pairs.time / 300), rtol=0.02)
+
+
+@pytest.mark.parametrize("kept", [0.0, 0.9])
+@pytest.mark.parametrize("level", [0.0, 0.12])
+def test_noise_is_no_friction(kept, level):
+    """White or correlated noise, about zero or about the torque of one direction."""
+    log = make_log(np.random.default_rng(0))
+    noise = lfilter([1], [1, -kept], np.random.default_rng(1).normal(size=log.sizes["time"]))
+    log["torque"] = ("time", (level + 0.01 * noise) * LOAD * RADIUS)
+    with pytest.raises(EnduranceError, match="as noise does"):
+        analyse_friction(log, shaft_radius=RADIUS, vector=True)
+
+
+def test_a_scatter_of_zero_is_stated():
+    log = make_log(np.random.default_rng(0), noise=0.0)
+    log["torque"] = 0.12 * xr.where(log.time % 20 < 10, 1, -1) * LOAD * RADIUS
+    lines = describe_friction(analyse_friction(log, shaft_radius=RADIUS, vector=True))
+    assert any(line.startswith("  scatter: ") for line in lines)
+    assert not any("not stated" in line and "scatter" in line for line in lines)
+
+
+def test_a_force_needs_its_arm():
+    log = make_log(np.random.default_rng(0)).rename(torque="arm_force")
+    with pytest.raises(EnduranceError, match="--arm"):
+        analyse_friction(log, shaft_radius=RADIUS)
+    found = analyse_friction(log, shaft_radius=RADIUS, arm=0.5, vector=True)
+    npt.assert_allclose(found.friction, 0.06, rtol=0.01)
+
+
+def test_unloaded_motion_is_refused():
+    log = make_log(np.random.default_rng(0))
+    log["cells"][:, 1000:1100] = -1.0
+    with pytest.raises(EnduranceError, match="load above 0"):
+        analyse_friction(log, shaft_radius=RADIUS)
+
+
+def test_names_of_the_endurance_stage_stay_valid():
+    from erlif import endurance, friction
+
+    assert endurance.analyse_reversals is friction.analyse_friction
+    assert endurance.read_endurance_log is friction.read_torque_log
+
+
+def test_a_coefficient_that_no_bushing_has_is_doubted():
+    """A radius in m for mm."""
+    log = make_log(np.random.default_rng(0), noise=0.0)
+    assert "warning" not in "\n".join(describe_friction(analyse_friction(log, shaft_radius=RADIUS)))
+    text = "\n".join(describe_friction(analyse_friction(log, shaft_radius=1e3 * RADIUS)))
+    assert "is implausible (0.005 to 1.5 expected). Check the radius of 5 m" in text

@@ -1,0 +1,61 @@
+"""joint.toml to a design."""
+
+import tomllib
+
+import pytest
+
+import erlif
+from erlif.core.errors import ConfigError
+from erlif.io.settings import DesignSettings
+from erlif.joint.sizing.design import design, example_design, example_joint_file
+
+
+@pytest.fixture
+def path(tmp_path):
+    path = tmp_path / "joint.toml"
+    path.write_text(example_joint_file(), encoding="utf-8")
+    return path
+
+
+def test_the_example_is_sound_and_complete(path):
+    designed = erlif.design(path)
+    assert designed.sound
+    assert not designed.walk.doubtful
+    assert {step.key for step in designed.walk.missing} == {"pressure_limit"}
+    assert designed.walk.steps == example_design().walk.steps
+
+
+def test_the_sized_joint_gives_the_same_design_again():
+    first = example_design()
+    again = design(DesignSettings.model_validate(tomllib.loads(first.settings)))
+    assert again.chosen == ()
+    for one, two in zip(first.walk.steps, again.walk.steps, strict=True):
+        assert two.margin == pytest.approx(one.margin, rel=1e-9, abs=1e-9, nan_ok=True)
+
+
+def test_an_unknown_material_is_refused_with_the_nearest(path):
+    path.write_text(example_joint_file().replace("CuAl10Ni5Fe4", "CuAl10Ni5Fe5"), encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"\[bushing\] material.*did you mean 'CuAl10Ni5Fe4'"):
+        design(path)
+
+
+def test_a_table_of_the_user_is_found_beside_the_file(path):
+    table = path.parent / "own.csv"
+    table.write_text("name,yield_MPa,youngs_modulus_GPa\nown bronze,300,105\n", encoding="utf-8")
+    text = example_joint_file().replace('# materials = "materials.csv"', 'materials = "own.csv"')
+    path.write_text(text.replace('"CuAl10Ni5Fe4"', '"own bronze"'), encoding="utf-8")
+    designed = design(path)
+    assert designed.joint.bushing.yield_stress == 300e6
+    assert "hardness of [bushing]" in {step.missing for step in designed.walk.missing}
+
+
+def test_values_of_joint_toml_replace_those_of_the_table(path):
+    text = example_joint_file().replace('# hardness = "200 HB"', 'hardness = "150 HB"', 2)
+    path.write_text(text, encoding="utf-8")
+    ring = design(path).joint.bushing
+    assert (ring.name, ring.hardness_high) == ("CuAl10Ni5Fe4, changed", 150.0)
+
+
+def test_something_else_than_a_file_is_refused():
+    with pytest.raises(ConfigError, match="Expected the file of a joint"):
+        design(3)

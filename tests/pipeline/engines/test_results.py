@@ -1,0 +1,136 @@
+"""Results of triggers and frames: stored by name, summed up in notes."""
+
+import math
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+import numpy.testing as npt
+import xarray as xr
+from scenes.results import make_position, make_result
+
+from erlif.core.notes import Level
+from erlif.core.products import RatioImages
+from erlif.io.ingest import FramePairs, Page
+from erlif.pipeline.engines.results import (
+    FrameResult,
+    TriggerResult,
+    describe_frame_notes,
+    known_digests,
+    mean_drift,
+)
+
+PAIRS = FramePairs(Path(), ((), ()), (64, 64), (12, 12))
+
+
+def assert_same(one, two):
+    npt.assert_equal(asdict(one), asdict(two))
+
+
+def test_result_survives_the_way_through_arrays():
+    result = make_result(3, 9)
+    assert_same(TriggerResult.from_arrays(result.to_arrays()), result)
+
+
+def test_arrays_are_found_by_their_names():
+    """The order in a file plays no part; further arrays are left alone."""
+    arrays = make_result(3, 9).to_arrays()
+    shuffled = {"other": np.zeros(3), **dict(reversed(arrays.items()))}
+    assert_same(TriggerResult.from_arrays(shuffled), make_result(3, 9))
+
+
+def test_arrays_have_the_names_of_the_statistics():
+    arrays = make_result(3).to_arrays()
+    assert float(arrays["film_minimum_surface_std"]) == 0.04
+    assert arrays["film_mean_gradient"].tolist() == [1.0, 2.0, 3.0]
+    assert arrays["drift"].tolist() == [[0.1 * 3, -0.2 * 3]]
+    assert arrays["peaks"].tolist() == [[3003, 2003]]
+
+
+def test_position_of_the_pin_survives_the_way_through_arrays():
+    result = replace(make_result(3), position=make_position((0.01, 0.02)))
+    assert_same(TriggerResult.from_arrays(result.to_arrays()), result)
+    assert result.to_arrays()["pin_gradient"].shape == (4, 3)
+
+
+def test_result_survives_a_file(tmp_path):
+    """Arrays of a trigger are kept in one file until the film is written."""
+    result = make_result(0, 5, minimum=math.nan)
+    np.savez(tmp_path / "trigger.npz", **result.to_arrays())
+    with np.load(tmp_path / "trigger.npz") as arrays:
+        assert_same(TriggerResult.from_arrays(arrays), result)
+
+
+def test_trigger_without_frames_survives_too():
+    empty = TriggerResult.from_arrays(make_result().to_arrays())
+    assert empty.frames == ()
+
+
+def test_frame_result_takes_drift_and_peaks_from_its_ratio_image():
+    ratios = RatioImages(
+        xr.Dataset(
+            coords={
+                "drift_x": ("frame", [0.25]),
+                "drift_y": ("frame", [-0.5]),
+                "peak_camera1": ("frame", [3100]),
+                "peak_camera2": ("frame", [2100]),
+            }
+        )
+    )
+    assert FrameResult.of(7, ratios, pulse_energy=90.0) == FrameResult(
+        7, (0.25, -0.5), (3100, 2100), 90.0
+    )
+
+
+def test_frame_result_takes_the_hashes_of_its_files_where_they_were_taken():
+    coordinates = {name: ("frame", [0.0]) for name in ("drift_x", "drift_y")}
+    coordinates |= {name: ("frame", [1]) for name in ("peak_camera1", "peak_camera2")}
+    assert FrameResult.of(0, RatioImages(xr.Dataset(coords=coordinates))).digests == ("", "")
+    coordinates |= {f"digest_camera{n}": ("frame", [f"{n:064x}"]) for n in (1, 2)}
+    ratios = RatioImages(xr.Dataset(coords=coordinates))
+    assert FrameResult.of(0, ratios).digests == (f"{1:064x}", f"{2:064x}")
+
+
+def test_hashes_of_frames_are_known_by_the_files_of_the_frames():
+    pages = tuple(tuple(Page(Path(f"camera{n}", f"{k}.tif"), 0) for k in range(3)) for n in (1, 2))
+    pairs = FramePairs(Path(), pages, (64, 64), (12, 12))
+    frames = [
+        FrameResult(2, (0.0, 0.0), (1, 1), digests=("a2", "b2")),
+        FrameResult(0, (0.0, 0.0), (1, 1), digests=("a0", "")),
+    ]
+    assert known_digests(frames, pairs) == {
+        Path("camera1/2.tif"): "a2",
+        Path("camera2/2.tif"): "b2",
+        Path("camera1/0.tif"): "a0",
+    }
+
+
+def test_mean_drift_leaves_out_frames_without_common_texture():
+    frames = [
+        FrameResult(0, (0.2, 1.0), (1, 1)),
+        FrameResult(1, (math.nan, math.nan), (1, 1)),
+        FrameResult(2, (0.4, 2.0), (1, 1)),
+    ]
+    npt.assert_allclose(mean_drift(frames), [0.3, 1.5])
+    npt.assert_array_equal(mean_drift(frames[1:2]), [0, 0])
+    npt.assert_array_equal(mean_drift([]), [0, 0])
+
+
+def test_frames_without_common_texture_have_one_note_in_their_order():
+    lost = [FrameResult(k, (math.nan, math.nan), (4000, 4000)) for k in (5, 2)]
+    (note,) = describe_frame_notes([*lost, *make_result(1).frames], PAIRS)
+    assert note.level is Level.WARNING
+    assert note.subject == "frame pairs 2, 5"
+
+
+def test_counts_far_below_full_scale_have_a_note_for_their_camera():
+    """A sixteenth of 4095 is 255; the highest count of all frames decides."""
+    frames = [FrameResult(0, (0.0, 0.0), (100, 3000)), FrameResult(1, (0.0, 0.0), (255, 90))]
+    (note,) = describe_frame_notes(frames, PAIRS)
+    assert "camera1" in str(note)
+    assert "255 of 4095" in note.text
+
+
+def test_good_frames_and_no_frames_have_no_note():
+    assert describe_frame_notes(make_result(0, 1).frames, PAIRS) == []
+    assert describe_frame_notes([], PAIRS) == []

@@ -1,0 +1,170 @@
+"""Triggers to maps and results: order, resumption, progress, single frames and none."""
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import tifffile
+import xarray as xr
+from scenes.results import make_result
+
+from erlif.core.flags import Flag
+from erlif.core.progress import silent
+from erlif.io.files import PartialFilm
+from erlif.pipeline.engines.engine import Threads
+from erlif.pipeline.engines.triggers import run_triggers
+from erlif.pipeline.film import MAPS, choose_region
+from erlif.pipeline.parts import trigger_task
+
+FRAMES = [[0, 3], [1, 4], [2, 5]]
+
+
+def begin(directory, triggers=3, name="film.nc"):
+    """A film of this many triggers in the making."""
+    grid = xr.Dataset(
+        coords={"trigger": np.arange(triggers), "y": np.arange(4.0), "x": np.arange(6.0)}
+    )
+    return PartialFilm(directory / name, "key", grid, MAPS)
+
+
+def compute(frames):
+    """Maps that hold the number of the first frame."""
+    image = np.full((4, 6), float(frames[0]), np.float32)
+    names = ("thickness", "thickness_std", "thickness_std_shared")
+    maps = dict.fromkeys(names, image) | {"flags": np.zeros((4, 6), np.uint8)}
+    return maps, make_result(*frames)
+
+
+@pytest.mark.parametrize("workers", [1, 3, None])
+def test_results_stand_in_the_order_of_the_triggers(tmp_path, workers):
+    with begin(tmp_path) as unfinished:
+        results = run_triggers(
+            compute, FRAMES, unfinished, engine=Threads(workers), progress=silent
+        )
+    assert [[one.frame for one in result.frames] for result in results] == FRAMES
+
+
+def test_progress_counts_the_triggers(tmp_path):
+    steps = []
+    with begin(tmp_path) as unfinished:
+        run_triggers(
+            compute,
+            FRAMES,
+            unfinished,
+            engine=Threads(1),
+            progress=lambda *step: steps.append(step),
+        )
+    assert steps == [("film", 1, 3), ("film", 2, 3), ("film", 3, 3)]
+
+
+def test_finished_triggers_are_not_computed_again(tmp_path):
+    done, steps = [], []
+
+    def fail_at_the_third(frames):
+        done.append(frames[0])
+        if frames[0] == 2:
+            raise KeyboardInterrupt
+        return compute(frames)
+
+    with begin(tmp_path) as unfinished, pytest.raises(KeyboardInterrupt):
+        run_triggers(fail_at_the_third, FRAMES, unfinished, engine=Threads(1), progress=silent)
+    assert done == [0, 1, 2]
+
+    with begin(tmp_path) as unfinished:
+        results = run_triggers(
+            compute, FRAMES, unfinished, engine=Threads(), progress=lambda *step: steps.append(step)
+        )
+    assert steps == [("film", 3, 3)]
+    assert len(results) == 3
+
+
+def test_triggers_after_a_fault_are_not_started(tmp_path):
+    started = []
+
+    def fail(frames):
+        started.append(frames[0])
+        raise ValueError("a fault")
+
+    many = [[k] for k in range(50)]
+    with (
+        begin(tmp_path) as unfinished,
+        pytest.raises(ValueError, match="a fault"),
+    ):
+        run_triggers(fail, many, unfinished, engine=Threads(1), progress=silent)
+    assert len(started) < 50
+
+
+# the task of the small rig
+
+
+@pytest.fixture(scope="module")
+def task(run, prepared, calibration):
+    return trigger_task(run, prepared.chain, calibration)
+
+
+def test_task_has_the_region_of_the_settings(run, task):
+    assert task.region == choose_region(run.settings, (96, 128))
+    assert task.sliding_along_x
+    assert task.smoothing is None
+
+
+def test_film_of_a_frame_is_that_of_the_rig(task, truth):
+    """Errors of the valid pixels within their error bars, of which 68 % are one std."""
+    maps, result = task([2])
+    known = truth.film.values[2]
+    std = np.hypot(maps["thickness_std"], maps["thickness_std_shared"])
+    pull = ((maps["thickness"] - known) / std)[maps["flags"] == 0]
+    assert 0.5 < np.mean(np.abs(pull) < 1) < 0.8
+    assert abs(result.statistics.minimum - truth.film_min.values[2]) < (
+        4 * result.statistics.minimum_std
+    )
+
+
+def test_single_frame_keeps_drift_peaks_and_pulse_energy(task, small_rig):
+    _, result = task([2])
+    (frame,) = result.frames
+    expected = tuple(int(tifffile.imread(small_rig.frames(n)[2]).max()) for n in (1, 2))
+    assert frame.frame == 2
+    assert frame.peaks == expected
+    assert np.isfinite([*frame.drift, frame.pulse_energy]).all()
+
+
+def test_pulse_energies_of_frames_follow_the_rig(task, truth):
+    """Two frames of one trigger: the ratio of their energies is that of the pulses."""
+    _, result = task([1, 4])
+    found = [frame.pulse_energy for frame in result.frames]
+    known = truth.pulse_energy.values[[1, 4]]
+    npt.assert_allclose(found[0] / found[1], known[0] / known[1], rtol=0.03)
+
+
+def test_trigger_without_frames_is_outside_the_overlap(task):
+    maps, result = task([])
+    assert (maps["flags"] == Flag.OUTSIDE_OVERLAP).all()
+    assert np.isnan(maps["thickness"]).all()
+    assert np.isnan([result.statistics.mean, result.statistics.minimum]).all()
+    assert result.frames == ()
+
+
+def test_smoothing_changes_the_maps_and_not_the_statistics(task):
+    smooth = replace(task, smoothing=3)
+    raw_maps, raw = task([2])
+    maps, result = smooth([2])
+    assert result.to_arrays().keys() == raw.to_arrays().keys()
+    for name in result.to_arrays().keys() - {"pixels"}:
+        npt.assert_array_equal(result.to_arrays()[name], raw.to_arrays()[name])
+    valid = int((maps["flags"] == 0).sum())
+    assert result.pixels[0] == valid > raw.pixels[0]  # smoothing widens the measurable range
+    steps = [np.nanstd(np.diff(one["thickness"], axis=1)) for one in (raw_maps, maps)]
+    assert steps[1] < 0.7 * steps[0]
+
+
+def test_film_needs_the_tables_of_the_references_alone(run, prepared, calibration, task):
+    chain = pickle.loads(pickle.dumps(prepared.chain.tabulated()))  # as a worker gets it
+    assert not {"y", "x"} & chain.references.sizes.keys()
+    whole, _ = task([2])
+    whole = {name: image.copy() for name, image in whole.items()}
+    maps, _ = trigger_task(run, chain, calibration)([2])
+    for name, image in whole.items():
+        npt.assert_array_equal(maps[name], image)

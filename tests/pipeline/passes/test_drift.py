@@ -1,0 +1,128 @@
+"""The drift from binned light, held to the estimate from whole frames and to known scenes."""
+
+import pickle
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+from scenes.registration import Scene, smooth_map
+
+from erlif.core.errors import RegistrationError
+from erlif.core.flags import Flag
+from erlif.core.products import References
+from erlif.pipeline.passes.drift import DriftSearch
+from erlif.pipeline.passes.light import measure_light, tabulate
+from erlif.registration import CameraMap, MapKind, RegistrationSettings, estimate_drift, orient
+from erlif.registration.steepness import is_steep
+
+SMALL, LARGE, ODD = (160, 192), (416, 448), (411, 433)
+
+
+def known_map(shape, orientation="normal", offset=(0.0, 0.0)):
+    """The map of `smooth_map`, too small by an offset that is left as drift."""
+    y, x = np.indices(shape).astype(float)
+    dx, dy = smooth_map(shape)(x, y)
+    return CameraMap(
+        (dx - offset[0]).astype(np.float32),
+        (dy - offset[1]).astype(np.float32),
+        np.zeros(shape, np.float32),
+        np.ones(shape, bool),
+        np.zeros(shape, bool),
+        1.0,
+        MapKind.SURFACE,
+        settings=RegistrationSettings(orientation=orientation, threads=1),
+    )
+
+
+def photograph(shape, seed=1, stranger=False):
+    views = Scene(shape, seed).photograph(smooth_map(shape))
+    other = Scene(shape, 77).photograph(smooth_map(shape)) if stranger else views
+    return np.stack([views.reference, other.moving]).astype(np.uint16)
+
+
+def to_light(counts):
+    """Light of cameras without dark, flat and bad pixels that saturate at 4095."""
+    dims = ("camera", "y", "x")
+    images = {name: np.zeros(counts.shape) for name in ("dark", "dark_var", "flat_var")}
+    scalars = {"gain": 4.4, "read_noise": 9.0, "full_scale": 4095}
+    references = xr.Dataset(
+        {name: (dims, image) for name, image in images.items()}
+        | {"flat": (dims, np.ones(counts.shape)), "bad": (dims, np.zeros(counts.shape, bool))}
+        | {name: ("camera", [value] * 2) for name, value in scalars.items()}
+    )
+    return measure_light(counts, tabulate(References(references), least_signal=100.0))
+
+
+def estimate(camera_map, light):
+    """The same from whole frames."""
+    sound = (light.flags & np.uint8(Flag.SATURATED | Flag.BAD_PIXEL)) == 0
+    one, two = ((sound[n] & ~is_steep(light.light[n])).astype(np.float32) for n in range(2))
+    return estimate_drift(camera_map, *light.light, weight_reference=one, weight_moving=two)
+
+
+@pytest.mark.parametrize("shape", [SMALL, LARGE])
+def test_known_drift_is_found(shape):
+    search = DriftSearch.of(known_map(shape, offset=(4.25, -2.5)))
+    found = search.find(to_light(photograph(shape)))
+    npt.assert_allclose((found.dx, found.dy), (4.25, -2.5), atol=0.03)
+
+
+@pytest.mark.parametrize("shape", [SMALL, LARGE, ODD])
+@pytest.mark.parametrize("turn", ["normal", "mirrored_x", "rotated_180"])
+def test_drift_is_that_of_the_estimate_from_whole_frames(shape, turn):
+    """The coarse images differ a little; what is left of that is far below the noise."""
+    counts = photograph(shape, seed=3)
+    counts[1] = orient(counts[1], turn)
+    camera_map = known_map(shape, turn, offset=(0.7, -0.4))
+    light = to_light(counts)
+    found, expected = DriftSearch.of(camera_map).find(light), estimate(camera_map, light)
+    assert abs(found.dx - expected.dx) < 0.1 * expected.std_dx
+    assert abs(found.dy - expected.dy) < 0.1 * expected.std_dy
+    npt.assert_allclose(
+        (found.std_dx, found.std_dy, found.quality),
+        (expected.std_dx, expected.std_dy, expected.quality),
+        rtol=0.02,
+    )
+
+
+@pytest.mark.parametrize("shape", [SMALL, LARGE])
+def test_saturated_and_steep_light_count_as_little_as_in_whole_frames(shape):
+    """A saturated disk and a steep wedge that stay in place while camera 2 moves by 3 px."""
+    counts = photograph(shape, seed=5)
+    counts[1] = np.roll(counts[1], 3, axis=1)
+    counts[:, 30:70, 40:90] = 4095
+    wedge = np.exp(0.08 * np.arange(48)) / np.exp(0.08 * 47)
+    counts[:, -64:, :48] = 3000 * wedge
+    camera_map = known_map(shape)
+    light = to_light(counts)
+    found, expected = DriftSearch.of(camera_map).find(light), estimate(camera_map, light)
+    npt.assert_allclose((found.dx, found.dy), (3, 0), atol=0.05)
+    npt.assert_allclose((found.dx, found.dy), (expected.dx, expected.dy), atol=2e-4)
+
+
+@pytest.mark.parametrize("shape", [SMALL, LARGE])
+def test_frame_without_common_texture_has_no_drift(shape):
+    camera_map, light = known_map(shape), to_light(photograph(shape, stranger=True))
+    found = DriftSearch.of(camera_map).find(light)
+    assert np.isnan([found.dx, found.dy, found.std_dx, found.std_dy]).all()
+    with pytest.raises(RegistrationError, match="does not fit"):
+        estimate(camera_map, light)
+
+
+def test_misfired_pulse_has_no_drift():
+    """Counts of the dark alone: camera 1 sees noise, camera 2 sees the film."""
+    counts = photograph(LARGE)
+    counts[0] = np.random.default_rng(6).poisson(20, LARGE)
+    assert np.isnan(DriftSearch.of(known_map(LARGE)).find(to_light(counts)).dx)
+
+
+def test_frame_of_another_size_is_refused():
+    search = DriftSearch.of(known_map(LARGE))
+    with pytest.raises(RegistrationError, match=r"for frames of \(416, 448\), .* \(160, 192\)"):
+        search.find(to_light(photograph(SMALL)))
+
+
+def test_search_finds_the_same_in_another_process():
+    search, light = DriftSearch.of(known_map(SMALL)), to_light(photograph(SMALL))
+    assert pickle.loads(pickle.dumps(search)).find(light) == search.find(light)

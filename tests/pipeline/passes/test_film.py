@@ -1,0 +1,185 @@
+"""The pass from ratio to film, held to the plain measurement, sums and pulse energy."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+
+from erlif.calibration import Calibration
+from erlif.core.flags import Flag
+from erlif.core.products import RatioImages
+from erlif.pipeline.passes import FilmTables, PairRatio, measure_film, measure_pulse
+from erlif.thickness import measure_pulse_energy, measure_thickness
+from erlif.trend import FilmCurve, Region, sum_blocks, summarise_blocks, summarise_film
+
+K, P, Q = 0.65, 0.40, 0.25
+EPS = float(np.finfo(np.float32).eps)
+"""A single operation in single precision is rounded by at most half of this."""
+
+SHAPE = (150, 131)
+REGION = Region(slice(9, 140), slice(11, 121))
+WHOLE = Region(slice(0, SHAPE[0]), slice(0, SHAPE[1]))
+
+
+@pytest.fixture(scope="module")
+def calibration():
+    """Calibrated from 0.5 to 12 um, covered up to 14 um."""
+    curve = xr.Dataset({"curve_thickness": ("bin", np.array([0.5, 14.0]))})
+    root = 1e-3 * np.array([[1.4, 0.0, 0.0], [-1.9, 0.8, 0.0], [-0.6, 0.6, 0.3]])
+    return Calibration(K, P, Q, root @ root.T, (0.5, 12.0), (580.0, 610.0), curve, 1.0, "given")
+
+
+def pair_of(shape=SHAPE, noise=0.0135, seed=1):
+    """Films from below to above the range, with noise and flagged pixels of every kind."""
+    rng = np.random.default_rng(seed)
+    y, x = np.indices(shape)
+    film = 0.3 + 14.5 * x / shape[1] + 0.4 * y / shape[0]
+    log_ratio = np.log(K * P / Q * (1 - np.exp(-Q * film)) / (1 - np.exp(-P * film)))
+    noise = noise * (1 + 0.5 * y / shape[0])
+    log_ratio += noise * rng.standard_normal(shape)
+    variance = noise**2 * rng.uniform(0.8, 1.2, shape)
+    flags = np.where(rng.random(shape) < 0.01, Flag.BAD_PIXEL, 0).astype(np.uint8)
+    flags[:, :3] = Flag.OUTSIDE_OVERLAP
+    flags[shape[0] // 2 : shape[0] // 2 + 30, shape[1] // 3 : shape[1] // 3 + 30] = Flag.NO_FILM
+    log_ratio[flags != 0] = np.nan
+    shared = 0.1 * variance * rng.uniform(0, 1, shape)
+    shared[rng.random(shape) < 0.02] = 1.0  # the registration is poor
+    images = (log_ratio, variance, 0.1 * variance, shared)
+    light = 900.0 * (1 - np.exp(-P * film)) / P * rng.normal(1, 0.02, shape)
+    return PairRatio(
+        *(image.astype(np.float32) for image in images), flags, light.astype(np.float32), 1.2
+    )
+
+
+def plain(pair):
+    return RatioImages(pair.to_images().isel(frame=0))
+
+
+@pytest.mark.parametrize("shape", [SHAPE, (17, 40), (5, 9), (64, 1)])
+@pytest.mark.parametrize("noise", [0.004, 0.0135, 0.04])
+def test_maps_are_those_of_the_plain_measurement(calibration, shape, noise):
+    pair = pair_of(shape, noise)
+    whole = Region(slice(0, shape[0]), slice(0, shape[1]))
+    found = measure_film(pair, FilmTables.of(calibration), whole)
+    expected = measure_thickness(plain(pair), calibration)
+    npt.assert_array_equal(found.flags, expected["flags"].values)
+
+    # the log ratio in single precision, of order one, decides: thickness changes by its rate
+    rate = 1 / calibration.slope(14.0)
+    npt.assert_allclose(found.thickness, expected.thickness, rtol=2 * EPS, atol=2 * EPS * rate)
+    # the rate is that of a film that is rounded likewise, and changes by 60 % in 1 um
+    for name in ("thickness_std", "thickness_std_shared"):
+        npt.assert_allclose(getattr(found, name), expected[name], rtol=EPS * rate)
+
+
+def test_all_flags_of_the_pass_occur_in_the_test():
+    """Without them, the comparison above would show nothing about them."""
+    curve = xr.Dataset({"curve_thickness": ("bin", np.array([0.5, 14.0]))})
+    calibration = Calibration(
+        K, P, Q, 1e-8 * np.eye(3), (0.5, 12.0), (580.0, 610.0), curve, 1.0, "given"
+    )
+    flags = measure_film(pair_of(), FilmTables.of(calibration), WHOLE).flags
+    expected = {
+        0,
+        Flag.BAD_PIXEL,
+        Flag.OUTSIDE_OVERLAP,
+        Flag.NO_FILM,
+        Flag.BELOW_RANGE,
+        Flag.ABOVE_RANGE,
+        Flag.POOR_REGISTRATION,
+    }
+    assert set(np.unique(flags).tolist()) == {int(flag) for flag in expected}
+
+
+def test_maps_may_replace_the_ratio(calibration):
+    tables = FilmTables.of(calibration)
+    expected, pair = measure_film(pair_of(), tables, WHOLE), pair_of()
+    images = pair.log_ratio, pair.variance, pair.variance_shared
+    found = measure_film(replace(pair, spare=images), tables, WHOLE)
+    for name in ("thickness", "thickness_std", "thickness_std_shared", "flags"):
+        npt.assert_array_equal(getattr(found, name), getattr(expected, name))
+    for name, values in vars(expected.sums).items():
+        npt.assert_array_equal(getattr(found.sums, name), values)
+    assert found.thickness is images[0]
+
+
+@pytest.mark.parametrize("region", [REGION, WHOLE, Region(slice(60, 92), slice(0, 33))])
+def test_sums_are_those_of_the_plain_blocks(calibration, region):
+    pair = pair_of()
+    found = measure_film(pair, FilmTables.of(calibration), region).sums
+    expected = sum_blocks(plain(pair), region, measure_thickness(plain(pair), calibration))
+
+    # numbers of pixels and their places are whole numbers, and exact
+    for name in ("size", "valid", "beyond", "noise_correlation"):
+        assert getattr(found, name) == pytest.approx(getattr(expected, name), abs=0)
+    for name in ("lit", "row", "row_squared", "column", "column_squared", "measurable"):
+        npt.assert_array_equal(getattr(found, name), getattr(expected, name))
+
+    # eight numbers down the columns are added in single precision
+    for name in ("lit_var", "var", "displaced"):
+        npt.assert_allclose(getattr(found, name), getattr(expected, name), rtol=8 * EPS)
+    shift = found.offset - expected.offset
+    for name, count in (("lit_ratio", found.lit), ("ratio", found.measurable)):
+        ratio = getattr(found, name) + count * shift
+        npt.assert_allclose(ratio, getattr(expected, name), atol=64 * 8 * EPS)
+    squared = found.ratio_squared + 2 * shift * found.ratio + shift**2 * found.measurable
+    npt.assert_allclose(squared, expected.ratio_squared, atol=64 * 8 * EPS)
+
+
+def test_statistics_are_those_of_the_plain_functions(calibration):
+    pair, ratios = pair_of(), plain(pair_of())
+    maps = measure_film(pair, FilmTables.of(calibration), REGION)
+    found = summarise_blocks(maps.sums, FilmCurve.of(calibration), region=REGION)
+    expected = summarise_film(
+        ratios, measure_thickness(ratios, calibration), calibration, region=REGION
+    )
+    for name in ("mean", "minimum"):
+        off = getattr(found, name) - getattr(expected, name)
+        assert abs(off) < 1e-4 * getattr(expected, f"{name}_random_std")
+    for field in fields(expected):
+        npt.assert_allclose(
+            getattr(found, field.name), getattr(expected, field.name), rtol=1e-4, atol=1e-9
+        )
+
+
+def test_flagged_images_have_no_film(calibration):
+    pair = pair_of()
+    dark = replace(
+        pair, flags=np.full(SHAPE, Flag.DIM, np.uint8), log_ratio=np.full(SHAPE, np.nan, np.float32)
+    )
+    maps = measure_film(dark, FilmTables.of(calibration), WHOLE)
+    assert (maps.flags == Flag.DIM).all()
+    for image in (maps.thickness, maps.thickness_std, maps.thickness_std_shared):
+        assert np.isnan(image).all()
+    assert (maps.sums.lit.sum(), maps.sums.valid, maps.sums.beyond) == (0, 0, 0)
+
+
+def test_inputs_are_not_changed(calibration):
+    pair, same = pair_of(), pair_of()
+    measure_film(pair, FilmTables.of(calibration), REGION)
+    measure_pulse(pair, FilmTables.of(calibration), attenuation=P)
+    for field in fields(pair):
+        npt.assert_array_equal(getattr(pair, field.name), getattr(same, field.name))
+
+
+@pytest.mark.parametrize("shape", [SHAPE, (150, 132), (30, 41)])
+def test_pulse_energy_is_that_of_the_plain_film(calibration, shape):
+    pair = pair_of(shape)
+    maps = measure_thickness(plain(pair), calibration)
+    expected = measure_pulse_energy(
+        pair.light_one, maps.thickness.values, maps.flags.values, attenuation=P
+    )
+    found = measure_pulse(pair, FilmTables.of(calibration), attenuation=P)
+    npt.assert_allclose(found, expected, rtol=1e-5)
+
+
+def test_maps_fill_the_spare_images(calibration):
+    pair, tables = pair_of(), FilmTables.of(calibration)
+    spare = tuple(np.empty(SHAPE, np.float32) for _ in range(3))
+    maps = measure_film(replace(pair, spare=spare), tables, WHOLE)
+    plain_maps = measure_film(pair, tables, WHOLE)
+    assert maps.thickness is spare[0]
+    for name in ("thickness", "thickness_std", "thickness_std_shared", "flags"):
+        npt.assert_array_equal(getattr(maps, name), getattr(plain_maps, name))

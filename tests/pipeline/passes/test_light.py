@@ -1,0 +1,160 @@
+"""The pass from counts to light, held to the plain correction."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+
+from erlif.core.flags import Flag
+from erlif.core.neighbourhood import block_light
+from erlif.core.products import Frames, References
+from erlif.correction import correct_frames
+from erlif.pipeline.passes.light import PairLight, measure_light, tabulate
+from erlif.registration.normalise import binned
+
+EPS = float(np.finfo(np.float32).eps)
+"""A single operation in single precision is rounded by at most half of this."""
+
+
+def recording(shape, seed=5, dtype=np.uint16, full_scale=4095):
+    """Counts and references with bad, saturated and dim pixels, one of them at the corner."""
+    rng = np.random.default_rng(seed)
+    size = (2, *shape)
+    images = {
+        "dark": rng.uniform(full_scale / 64, full_scale / 60, size),
+        "dark_var": rng.uniform(0.05, 0.1, size),
+        "flat": rng.normal(1, 0.02, size),
+        "flat_var": rng.uniform(1e-6, 2e-6, size),
+    }
+    bad = rng.uniform(size=size) < 0.02
+    bad[:, 0, 0] = True
+    scalars = {"gain": [4.4, 4.1], "read_noise": [9.0, 11.0], "full_scale": [full_scale] * 2}
+    dims = ("camera", "y", "x")
+    references = xr.Dataset(
+        {name: (dims, image.astype(np.float32)) for name, image in images.items()}
+        | {"bad": (dims, bad)}
+        | {name: ("camera", values) for name, values in scalars.items()}
+    )
+
+    counts = np.clip(rng.normal(full_scale / 2, full_scale / 4, size), 0, full_scale)
+    counts[:, :, : shape[1] // 3] *= 0.05  # about the level of the dark
+    return counts.astype(dtype), References(references)
+
+
+def plain(counts, references, least_signal=100.0):
+    frames = xr.Dataset({"counts": (("camera", "frame", "y", "x"), counts[:, None])})
+    return correct_frames(Frames(frames), references, least_signal=least_signal).isel(frame=0)
+
+
+@pytest.mark.parametrize("shape", [(48, 64), (37, 51), (3, 5), (8, 1)])
+@pytest.mark.parametrize(("dtype", "full_scale"), [(np.uint16, 4095), (np.uint8, 255)])
+def test_light_is_that_of_the_plain_correction(shape, dtype, full_scale):
+    counts, references = recording(shape, dtype=dtype, full_scale=full_scale)
+    found = measure_light(counts, tabulate(references, least_signal=100.0))
+    expected = plain(counts, references)
+    npt.assert_array_equal(found.flags, expected["flags"].values)
+    npt.assert_array_equal(found.peaks, counts.max(axis=(1, 2)))
+
+    # half a unit of the last place for each operation: 3 in the light, 7 and 9 in the variances;
+    # below the dark, light is a difference, which single precision has exactly here
+    bad = references.bad.values
+    npt.assert_allclose(found.light[~bad], expected.signal.values[~bad], rtol=3 * EPS)
+    largest = 2 * float(np.abs(found.light).max())  # a filled pixel has the rounding of the others
+    npt.assert_allclose(found.light, expected.signal.values, rtol=0, atol=3 * EPS * largest)
+    npt.assert_allclose(found.variance, expected.signal_var.values, rtol=5 * EPS)
+    npt.assert_allclose(found.variance_fixed, expected.signal_var_fixed.values, rtol=6 * EPS)
+
+
+def test_threshold_of_dim_light_is_exact():
+    """Light of exactly the threshold is not dim, one count less is."""
+    counts, references = recording((4, 6))
+    references["dark"][:] = 64.0
+    references["gain"][:] = 4.0
+    counts[:] = 64 + 25
+    counts[:, 1] -= 1
+    found = measure_light(counts, tabulate(references, least_signal=100.0))
+    npt.assert_array_equal(
+        found.flags & Flag.DIM > 0, np.broadcast_to(np.arange(4)[:, None] == 1, (2, 4, 6))
+    )
+
+
+@pytest.mark.parametrize("shape", [(48, 64), (37, 51), (2, 9)])
+def test_binned_light_is_that_of_the_usable_pixels(shape):
+    counts, references = recording(shape, seed=6)
+    found = measure_light(counts, tabulate(references, least_signal=100.0))
+    for n in range(2):
+        usable = found.flags[n] & (Flag.SATURATED | Flag.BAD_PIXEL) == 0
+        half, weight = binned(found.light[n], usable.astype(np.float32), 2)
+        npt.assert_array_equal(found.half_weight[n], weight)
+        npt.assert_allclose(found.half[n], half, rtol=0, atol=4 * EPS * found.light.max())
+
+
+@pytest.mark.parametrize("shape", [(48, 64), (37, 51), (3, 5)])
+def test_blocks_have_their_mean_light(shape):
+    counts, references = recording(shape, seed=7)
+    found = measure_light(counts, tabulate(references, least_signal=100.0))
+    for light, blocks in zip(found.light, found.blocks, strict=True):
+        # a sum of 64 terms is rounded at most 64 times
+        npt.assert_allclose(
+            2 * blocks, block_light(light, light), rtol=0, atol=64 * EPS * light.max()
+        )
+
+
+def test_arrays_are_filled_in_place():
+    counts, references = recording((16, 24))
+    tables = tabulate(references, least_signal=100.0)
+    out = PairLight.empty((16, 24))
+    assert measure_light(counts, tables, out=out) is out
+    npt.assert_array_equal(out.light, measure_light(counts, tables).light)
+
+
+@pytest.mark.parametrize("dry", [False, True])
+def test_light_alone_is_the_same_without_memory_for_the_noise(dry):
+    counts, references = recording((16, 24))
+    references = with_background(references) if dry else references
+    tables = tabulate(references, least_signal=100.0)
+    out = measure_light(counts, tables, out=PairLight.empty((16, 24), with_noise=False))
+    full = measure_light(counts, tables)
+    for name in ("light", "flags", "half", "half_weight", "blocks", "peaks"):
+        npt.assert_array_equal(getattr(out, name), getattr(full, name))
+    assert out.variance.size == out.variance_fixed.size == 0
+
+
+def with_background(references, seed=8):
+    """The same references with a recording of the dry joint."""
+    rng = np.random.default_rng(seed)
+    dims, shape = ("camera", "y", "x"), references.dark.shape
+    return References(
+        references.assign(
+            background=(dims, rng.uniform(10, 40, shape).astype(np.float32)),
+            background_var=(dims, rng.uniform(1, 2, shape).astype(np.float32)),
+            background_recorded=("camera", [True, False]),
+        )
+    )
+
+
+@pytest.mark.parametrize("energy", [1.0, 1.07, 0.8])
+def test_background_is_subtracted_as_in_the_plain_correction(energy):
+    counts, references = recording((37, 51))
+    references = with_background(references)
+    found = measure_light(counts, tabulate(references, least_signal=100.0), energy=energy)
+
+    frames = xr.Dataset(
+        {"counts": (("camera", "frame", "y", "x"), counts[:, None])},
+        {"pulse_energy": ("frame", [energy])},
+    )
+    expected = correct_frames(Frames(frames), references).isel(frame=0)
+    npt.assert_array_equal(found.flags, expected["flags"].values)
+    largest = 2 * float(np.abs(found.light).max())
+    npt.assert_allclose(found.light, expected.signal.values, rtol=0, atol=5 * EPS * largest)
+    npt.assert_allclose(found.variance, expected.signal_var.values, rtol=5 * EPS)
+    # light near zero is a difference of counts, whose rounding enters twice
+    npt.assert_allclose(found.variance_fixed, expected.signal_var_fixed.values, rtol=2e-5)
+
+
+def test_without_a_background_the_energy_changes_nothing():
+    counts, references = recording((16, 24))
+    tables = tabulate(references, least_signal=100.0)
+    one, other = (measure_light(counts, tables, energy=energy) for energy in (1.0, 1.3))
+    for name in ("light", "variance", "variance_fixed", "flags", "half", "blocks"):
+        npt.assert_array_equal(getattr(one, name), getattr(other, name))

@@ -1,0 +1,142 @@
+"""The ratio pass, held to the plain functions, and its logarithm to numpy's."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.pair import EPS, as_corrected, camera_map, camera_noise, scene
+
+from erlif.core.flags import Flag
+from erlif.pipeline.passes import PairRatio
+from erlif.pipeline.passes.ratio import BAND, _take_log, empty_ratio, measure_ratio
+from erlif.pipeline.passes.warp import PairWarp, tabulate_map
+from erlif.ratio import BlurDifference, compute_ratio
+from erlif.registration import align_frames
+
+BLUR = BlurDifference(0.03, -0.02, 0.001, 0.001)
+
+
+def both(light, found, drift, blur=BLUR, share=0.25):
+    """The pass, and the plain functions."""
+    shape = light.flags.shape[1:]
+    noise, orientation = camera_noise(shape), found.settings.orientation
+    ratio = measure_ratio(
+        light,
+        tabulate_map(found),
+        (noise[0], noise[1].turned(orientation)),
+        drift,
+        blur=blur,
+        no_film_below=share,
+        warped=PairWarp.empty(shape, orientation, rows=BAND + 1),
+        out=empty_ratio(shape),
+    )
+    aligned = align_frames(as_corrected(light, noise), found, drift=np.array([drift]))
+    return ratio, PairRatio.of(compute_ratio(aligned, no_film_below=share, blur=blur))
+
+
+def check(light, found, drift, blur=BLUR):
+    ratio, plain = both(light, found, drift, blur)
+    npt.assert_array_equal(ratio.flags, plain.flags)
+    npt.assert_array_equal(ratio.light_one, plain.light_one)
+
+    # three dozen roundings from the variances of the light to those of the ratio
+    npt.assert_allclose(ratio.variance, plain.variance, rtol=20 * EPS)
+    npt.assert_allclose(ratio.variance_fixed, plain.variance_fixed, rtol=20 * EPS)
+
+    # the logarithm of a product of two lights, near 16, is rounded to 16 EPS; four differences of
+    # these, times the blur, enter the ratio, with the roundings of its own logarithm
+    largest = np.nanmax(np.abs(plain.log_ratio), initial=1.0)
+    bias = np.nanmax(plain.variance, initial=0.0)
+    atol = (4 * largest + 20 * bias + 16 * 4 * 0.05) * EPS
+    npt.assert_allclose(ratio.log_ratio, plain.log_ratio, rtol=0, atol=atol)
+
+    # differences of light that nearly cancel: rounding relative to the light, not to them
+    largest = float(np.nanmax(np.abs(plain.variance_shared), initial=0.0))
+    npt.assert_allclose(
+        ratio.variance_shared, plain.variance_shared, rtol=20 * EPS, atol=20 * EPS * largest
+    )
+
+    # sums over rows in single precision
+    npt.assert_allclose(ratio.noise_correlation, plain.noise_correlation, rtol=100 * EPS)
+
+
+@pytest.mark.parametrize("shape", [(96, 64), (37, 51), (3, 5), (9, 3), (65, 20), (150, 40)])
+@pytest.mark.parametrize("drift", [(0.0, 0.0), (0.37, -1.2), (500.0, 0.0)])
+def test_ratio_is_that_of_the_plain_functions(shape, drift):
+    check(scene(shape), camera_map(shape), drift)
+
+
+def test_ratio_without_a_difference_of_sharpness():
+    check(scene((48, 64)), camera_map((48, 64)), (0.1, 0.2), BlurDifference())
+
+
+def test_light_below_the_dark_has_no_ratio():
+    light = scene((48, 64), dark=0.2)
+    light.light[:, 10:14, 20:24] = 0.0
+    check(light, camera_map((48, 64)), (0.1, 0.2))
+    ratio, _ = both(light, camera_map((48, 64)), (0.1, 0.2))
+    assert (ratio.flags[np.isnan(ratio.log_ratio)] != 0).all()
+
+
+def test_bubbles_are_flagged_as_by_the_plain_functions():
+    light = scene((120, 160))
+    y, x = np.indices((120, 160))
+    for centre, radius in (((30, 40), 4), ((90, 120), 9), ((0, 159), 6)):
+        light.light[:, np.hypot(y - centre[0], x - centre[1]) <= radius] *= 0.02
+    found = camera_map((120, 160))
+    found.displacement_x[:], found.displacement_y[:] = 0.3, -0.4
+    ratio, plain = both(light, found, (0.0, 0.0))
+    npt.assert_array_equal(ratio.flags, plain.flags)
+    assert ratio.flags[30, 40] & Flag.NO_FILM
+    assert ratio.flags[90, 120] & Flag.NO_FILM
+
+
+def test_drift_that_is_not_known_is_flagged():
+    ratio, plain = both(scene((24, 40)), camera_map((24, 40)), (np.nan, np.nan))
+    npt.assert_array_equal(ratio.flags, plain.flags)
+    assert (ratio.flags & Flag.POOR_REGISTRATION > 0).all()
+    assert np.isnan(ratio.log_ratio).all()
+    assert np.isnan(ratio.drift).all()
+
+
+def test_displacement_may_differ_from_pixel_to_pixel():
+    check(scene((48, 64)), camera_map((48, 64), rough=True), (0.2, 0.3))
+
+
+@pytest.mark.parametrize("orientation", ["mirrored_y", "rotated_270", "antitransposed"])
+def test_camera_2_may_be_turned(orientation):
+    check(scene((40, 40)), camera_map((40, 40), orientation=orientation), (0.4, 0.1))
+
+
+def test_logarithm_is_good_to_single_precision():
+    rng = np.random.default_rng(4)
+    exact = np.concatenate([np.exp(rng.uniform(-30, 30, 5000)), rng.uniform(0.5, 2, 5000), [1.0]])
+    values = exact.astype(np.float32)
+    truth = np.log(values.astype(float))
+    _take_log(values, values.view(np.int32), np.empty_like(values))
+    npt.assert_allclose(values, truth, rtol=2 * EPS, atol=0)
+    assert values[-1] == 0
+
+
+@pytest.mark.parametrize("drift", [(0.37, -1.2), (0.2, 40.0), (0.0, -90.0), (np.nan, np.nan)])
+@pytest.mark.parametrize("rough", [False, True])
+def test_images_are_the_same_in_less_memory(drift, rough):
+    """Two bands and a part; the part of the variance that repeats may share one row."""
+    found, light = camera_map((150, 40), rough=rough), scene((150, 40))
+    separate, _ = both(light, found, drift)
+    place = np.empty((150, 40), np.float32)
+    shown = light.light[1].copy()
+    lean = measure_ratio(
+        light,
+        tabulate_map(found),
+        camera_noise((150, 40)),
+        drift,
+        blur=BLUR,
+        no_film_below=0.25,
+        warped=PairWarp.empty((150, 40), found.settings.orientation, rows=BAND + 1),
+        out=empty_ratio((150, 40), with_fixed=False, replaces=(place, light.light[1])),
+    )
+    assert np.shares_memory(lean.log_ratio, place)
+    assert not np.array_equal(light.light[1], shown)
+    for name in ("log_ratio", "variance", "variance_shared", "flags"):
+        npt.assert_array_equal(getattr(lean, name), getattr(separate, name))
+    npt.assert_array_equal(lean.variance_fixed[0], separate.variance_fixed[-1])

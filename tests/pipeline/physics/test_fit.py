@@ -1,0 +1,68 @@
+"""A virtual run of known viscosity, photographed, processed and fitted."""
+
+import pytest
+
+import erlif
+from erlif.core.errors import ErlifError
+from erlif.pipeline.physics.fit import fit_film
+from erlif.rig import RigSettings, simulate
+from erlif.show.report import summarise
+
+
+@pytest.fixture(scope="module")
+def sinking(small_rig, tmp_path_factory):
+    """A free pin that sinks in oil of 0.1 Pa s, where run.toml states another viscosity."""
+    directory = tmp_path_factory.mktemp("sinking")
+    rig = RigSettings(
+        film="reynolds",
+        tilt=0.0,
+        viscosity=0.1,
+        width=128,
+        height=96,
+        spacing=6.0,
+        fixture_frames=1,
+        dark_pages=4,
+        flat_pages=3,
+        bubbles=0,
+    )
+    simulate(directory, seed=5, rig=rig)
+    erlif.process(
+        directory / "run",
+        calibration=small_rig.fixture / "calibration.nc",
+        output=directory / "run" / "film.nc",
+        workers=1,
+    ).close()
+    return directory / "run"
+
+
+def test_free_pin_and_its_viscosity_are_found_in_photographs(sinking):
+    found = fit_film(sinking)
+    assert found.candidates[0].name == "a pin that is free sideways"
+    assert len(found.candidates) == 5
+    viscosity = found.fit.estimates["viscosity"]
+    assert abs(viscosity.value - 0.1) < 3 * viscosity.std
+    assert viscosity.std < 0.2 * 0.1
+
+
+def test_film_states_in_one_line_which_physics_carries_it(sinking):
+    with erlif.open_film(sinking / "film.nc") as film:
+        lines = [line for line in summarise(film).splitlines() if "what carries the film" in line]
+        assert str(film.attrs["physics"]) in lines[0]
+    assert "Squeeze carries the film of a pin that is free sideways" in lines[0]
+    assert "strong" in lines[0]
+
+
+def test_minima_determine_the_viscosity_where_positions_are_absent(sinking, tmp_path):
+    with erlif.open_film(sinking / "film.nc") as film:
+        film["pin_displacement"] = film["pin_displacement"] * float("nan")
+        film.to_netcdf(tmp_path / "film.nc")
+    with erlif.open_film(sinking / "film.nc", group="frames") as frames:
+        frames.to_netcdf(tmp_path / "film.nc", group="frames", mode="a")
+    viscosity = fit_film(tmp_path / "film.nc").fit.estimates["viscosity"]
+    assert abs(viscosity.value - 0.1) < 3 * viscosity.std
+    assert viscosity.std < 0.3 * 0.1
+
+
+def test_run_without_a_film_is_refused(lab):
+    with pytest.raises(ErlifError, match="Run erlif process"):
+        fit_film(lab.run)

@@ -1,0 +1,109 @@
+"""Mechanism, encoder and joint from the settings of a run, in SI."""
+
+import math
+import tomllib
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.film import RUN_TOML
+
+from erlif.core.errors import ModelError
+from erlif.io.settings import RunSettings
+from erlif.models.mechanism import CrankRocker, SliderCrank
+from erlif.pipeline.physics.joint import build_linkage, describe_joint, locate_run
+from erlif.trend import Solid, VogelLaw
+
+
+def settings(**changes):
+    raw = tomllib.loads(RUN_TOML)
+    for table, values in changes.items():
+        raw[table] = {**raw[table], **values}
+    return RunSettings.model_validate(raw)
+
+
+def test_crank_rocker_swings_by_the_angle_of_the_thesis():
+    """Links of 5.5, 44, 26 and 51 cm: 47.4095 to 71.8355 degree (Farzaneh 2002, corrected)."""
+    mechanism = build_linkage(settings().mechanism)
+    assert isinstance(mechanism, CrankRocker)
+    npt.assert_allclose(np.degrees(mechanism.limits()), [47.4095, 71.8355], atol=1e-4)
+
+
+def test_slider_crank_has_its_two_links():
+    raw = tomllib.loads(RUN_TOML)
+    raw["mechanism"] = {
+        "kind": "slider-crank",
+        "crank": "5 cm",
+        "coupler": "20 cm",
+        "crank_speed": "60 rpm",
+    }
+    assert build_linkage(RunSettings.model_validate(raw).mechanism) == SliderCrank(0.05, 0.20)
+
+
+def test_links_that_cannot_turn_are_refused():
+    with pytest.raises(ModelError, match="shortest link"):
+        build_linkage(settings(mechanism={"ground": "70 cm"}).mechanism)
+
+
+def test_joint_is_in_si_units():
+    joint = describe_joint(settings())
+    npt.assert_allclose(
+        [joint.pin_radius, joint.bushing_radius, joint.length], [33.36e-3, 33.59e-3, 0.237]
+    )
+    npt.assert_allclose(joint.radius, 4.872010, rtol=1e-6)  # m, Farzaneh (2002)
+    assert joint.pin == joint.bushing == Solid(2.7e9, 0.37, 0.2e-6)
+    npt.assert_allclose([joint.viscosity, joint.pressure_viscosity], [0.12, 20e-9])
+
+
+def test_stroke_is_the_travel_of_the_entrained_oil():
+    """Pin radius times half the swing of 24.426 degree: 7.11 mm."""
+    npt.assert_allclose(describe_joint(settings()).stroke, 7.11e-3, atol=5e-6)
+
+
+def test_vogels_law_reaches_the_joint():
+    vogel = {"a": "0.1 mPa s", "b": "900 K", "c": "-100 degC"}
+    oil = describe_joint(settings(oil={"vogel": vogel, "viscosity": None})).viscosity
+    assert isinstance(oil, VogelLaw)
+    npt.assert_allclose([oil.a, oil.b, oil.c], [1e-4, 900.0, -100.0])
+
+
+def test_frames_of_the_rig_are_located_as_it_made_them(run, truth):
+    cycle = locate_run(run)
+    assert cycle.trigger.values.tolist() == [0, 1, 2, 3, 4, 5]
+    assert cycle.cycle.values.tolist() == [0] * 6
+    npt.assert_allclose(cycle.rocker_speed, truth.rocker_speed, atol=1e-3)
+    npt.assert_allclose(cycle.sliding_speed, np.abs(truth.rocker_speed) * 33.36e-3, atol=1e-4)
+    assert math.isclose(float(cycle.encoder_angle[1]), 8.0)
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "travel"),
+    [
+        ({"kind": "rotation", "radius": "33.36 mm", "speed": "60 rpm"}, math.inf),
+        ({"kind": "sinusoidal", "stroke": "10 mm", "frequency": "5 Hz"}, 5e-3),
+    ],
+)
+def test_entrained_oil_moves_at_half_the_speed_of_the_moving_surface(mechanism, travel):
+    """A shaft never turns back; a slider of 10 mm stroke carries the oil over 5 mm."""
+    raw = tomllib.loads(RUN_TOML) | {"mechanism": mechanism}
+    joint = describe_joint(RunSettings.model_validate(raw))
+    assert joint.stroke == travel
+    npt.assert_allclose(joint.radius, 4.872010, rtol=1e-6)
+
+
+@pytest.mark.parametrize("missing", ["joint", "oil"])
+def test_without_joint_or_oil_there_is_nothing_to_predict_from(missing):
+    raw = tomllib.loads(RUN_TOML)
+    del raw[missing]
+    assert describe_joint(RunSettings.model_validate(raw)) is None
+
+
+def test_a_logged_speed_stands_in_place_of_that_of_the_linkage(run):
+    logged = np.linspace(-0.1, 0.1, run.log.sizes["frame"])
+    log = run.log.assign(sliding_speed=("frame", logged))
+    found = locate_run(replace(run, log=log))
+    npt.assert_allclose(found.sliding_speed, np.abs(logged))
+    npt.assert_allclose(found.rocker_speed, locate_run(run).rocker_speed)
+    assert found.sliding_speed.attrs["source"] == "log"
+    assert "source" not in locate_run(run).sliding_speed.attrs

@@ -1,0 +1,159 @@
+"""A background that the run itself shows: reported, and subtracted on request."""
+
+import shutil
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+
+import erlif
+from erlif.pipeline.physics.light import FrameLight, find_bleaching
+from erlif.ratio import NO_CELLS
+from erlif.rig import RigSettings, simulate
+from erlif.thickness import NO_PATCH
+
+SHARE = 0.06
+RIG = RigSettings(
+    width=128, height=96, fixture_frames=6, bubbles=0, film_reference=3.0, background=SHARE
+)
+"""Fifty triggers with films from 0.3 um on, and 6 % of the median light in every pixel."""
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory):
+    out = simulate(tmp_path_factory.mktemp("light") / "lab", seed=41, rig=RIG)
+    erlif.save_calibration(erlif.calibrate(out / "fixture"), out / "fixture" / "calibration.nc")
+    return out
+
+
+@pytest.fixture(scope="module")
+def reported(lab):
+    return erlif.process(lab / "run", workers=2)
+
+
+@pytest.fixture(scope="module")
+def corrected(lab):
+    copy = shutil.copytree(lab / "run", lab / "corrected")
+    with (copy / "run.toml").open("a") as settings:
+        settings.write('\n[light]\nbackground = "correct"\n')
+        settings.write('[reference]\nregion = { x = [4, 8], y = [4, 8] }\nthickness = "3 um"\n')
+    return erlif.process(copy, workers=1)
+
+
+@pytest.fixture(scope="module")
+def truth(lab):
+    with xr.open_dataset(lab / "truth.nc", engine="h5netcdf") as file:
+        return file.load()
+
+
+def test_background_is_found_within_its_error(reported):
+    """The unit is the median of all light, of which the background is a part."""
+    npt.assert_array_less(
+        np.abs(reported.background - SHARE / (1 + SHARE)), 3 * reported.background_std
+    )
+    assert reported.background.attrs["chi_square"] > 11.83
+    assert reported.background.attrs["subtracted"] == "false"
+    assert "do not agree without light that is not film" in reported.attrs["notes"]
+    assert 'background = "correct"' in reported.attrs["notes"]
+
+
+def test_reported_background_is_in_the_errors_of_mean_and_minimum(reported, truth):
+    """Without it the deviations would be many standard deviations."""
+    pull = (reported.film_min - truth.film_min) / reported.film_min_std
+    assert np.median(np.abs(pull)) < 2
+
+
+def test_reported_background_is_in_the_error_of_the_pin(reported, truth):
+    """The circles nearest to the true film of each trigger, by least squares over the region."""
+    x, y = reported.x.values, reported.y.values
+    inside = np.ix_((y >= 2) & (y <= 13), (x >= 4) & (x <= 15))
+    phi = (x - x.mean())[inside[1]] / np.sqrt(33.36 * 33.59)
+    z = (y - y.mean())[inside[0]]
+    shapes = [np.cos(phi) + 0 * z, np.sin(phi) + 0 * z, z * np.cos(phi), z * np.sin(phi)]
+    design = np.stack(shapes, axis=-1).reshape(-1, 4)
+    known = [
+        np.linalg.lstsq(design, 230.0 - film[inside].ravel().astype(float), rcond=None)[0][0]
+        for film in truth.film.values
+    ]
+    error = reported.pin_displacement.values[:, 0] - known
+    std = np.sqrt(reported.pin_position_cov.values[:, 0, 0])
+    assert np.nanmedian(np.abs(error)) > 0.03  # 6 % of background moves a film of 3 um by 70 nm
+    assert np.nanmax(np.abs(error) / std) < 2.5  # 5 without the background
+
+
+def test_subtracted_background_leaves_films_within_their_errors(reported, corrected, truth):
+    films = truth.film.values
+    inside = (films > 3) & (films < 4)
+    errors = []
+    for film in (reported, corrected):
+        chosen = inside & (film["flags"].values == 0)
+        errors.append((film.thickness.values - films)[chosen].mean())
+    shared = corrected.thickness_std_shared.values[inside & (corrected["flags"].values == 0)].mean()
+    assert errors[0] > 0.06
+    assert abs(errors[1]) < 2.5 * shared
+    assert abs(errors[1]) < 0.5 * errors[0]
+    assert "light that is not film subtracted" in corrected.attrs["notes"]
+
+
+def test_error_of_the_subtracted_background_is_in_the_shared_part(reported, corrected):
+    both = (reported["flags"].values == 0) & (corrected["flags"].values == 0)
+    before, after = (
+        np.median(film.thickness_std_shared.values[both]) for film in (reported, corrected)
+    )
+    assert after > 1.3 * before
+
+
+def test_error_of_the_subtracted_background_is_in_that_of_the_patch(reported, corrected):
+    """The pixels of its film have the same shared error, and that of the registration besides."""
+    film, std = corrected.reference_film.values, corrected.reference_film_std.values
+    assert np.isfinite(film).sum() > 20
+    for k in np.flatnonzero(np.isfinite(film)):
+        alike = np.abs(corrected.thickness.values[k] / film[k] - 1) < 0.02
+        if alike.any():
+            assert std[k] > 0.9 * np.median(corrected.thickness_std_shared.values[k][alike])
+
+
+def test_the_film_does_not_depend_on_the_number_of_threads(lab, corrected):
+    again = erlif.process(lab / "corrected", workers=3)
+    xr.testing.assert_identical(again.drop_attrs(), corrected.drop_attrs())
+    assert again.attrs["notes"] == corrected.attrs["notes"]
+
+
+def test_a_short_run_does_not_determine_a_background(film):
+    with erlif.open_film(film) as opened:
+        assert "background" not in opened
+        assert "do not determine light that is not film" in opened.attrs["notes"]
+
+
+@pytest.mark.parametrize("name", ["run", "corrected"])
+def test_budget_has_the_background_and_adds_up(lab, reported, corrected, name):
+    film = {"run": reported, "corrected": corrected}[name]
+    budget = erlif.budget(lab / name, trigger=10)
+    for quantity, variable in (("mean film", "film_mean"), ("minimum film", "film_min")):
+        column = budget["std"].sel(quantity=quantity)
+        assert float(column.sel(term="background")) > 0
+        npt.assert_allclose(column.sel(term="total"), film[f"{variable}_std"][10], rtol=1e-3)
+
+
+def light_of(rng, energies, *, per_frame=-1e-3):
+    """One film in all frames; the light follows the energy and fades."""
+    lights = {}
+    for frame, energy in enumerate(energies):
+        level = np.log(max(energy, 0.01)) + per_frame * frame
+        noise = 1e-4 * rng.standard_normal((2, 120))
+        cells = NO_CELLS._replace(light=7 + level + noise[0], log_ratio=0.3 + noise[1])
+        lights[frame] = FrameLight(cells, NO_PATCH)
+    return lights
+
+
+@pytest.mark.parametrize("missed", [(), (7,)])
+def test_one_missed_pulse_leaves_the_bleaching_of_the_light(missed):
+    """The log has energy 0 there; all other pulses scatter by 3 %."""
+    rng = np.random.default_rng(2)
+    energies = 1 + 0.03 * rng.standard_normal(40)
+    energies[list(missed)] = 0.0
+    found, source = find_bleaching(light_of(rng, energies), np.zeros(40, int), energies)
+    assert source == "at equal triggers"
+    npt.assert_allclose(found.light, -1e-3, atol=4 * found.light_std)
+    assert found.light_std < 2e-6

@@ -1,0 +1,319 @@
+"""The transient prediction in the film: what it needs, where it stands, what it may not break."""
+
+import tomllib
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+from scenes.film import CRANK, LOAD, RUN_TOML, minimum_film
+
+import erlif
+from erlif.core.errors import ConfigError
+from erlif.core.notes import Level
+from erlif.io.settings import RunSettings
+from erlif.pipeline.physics.prediction import (
+    NO_PREDICTION,
+    build_motion,
+    choose_theory,
+    film_along_sliding,
+    find_load_line,
+    note_correlation,
+    note_difference,
+    places_along_sliding,
+    predict_run,
+    refuse_steady,
+    swings,
+    try_prediction,
+)
+from erlif.rig import RigSettings
+from erlif.rig.film import draw_marks, list_triggers
+from erlif.rig.journal import list_gaps
+from erlif.rig.logger import frame_times
+from erlif.trend import Region
+
+SLIDER = {"kind": "slider-crank", "crank": "5 cm", "coupler": "20 cm", "crank_speed": "60 rpm"}
+PLACE = 0.06 * np.arange(300)
+VOGEL = {"a": "0.05 mPa s", "b": "1100 K", "c": "-115 degC"}
+
+
+def settings(*, without=(), mechanism=None, oil=None, axis="sliding", **options):
+    raw = tomllib.loads(RUN_TOML)
+    raw = {name: table for name, table in raw.items() if name not in without}
+    raw["optics"]["x_axis"] = axis
+    raw |= {"mechanism": mechanism} if mechanism else {}
+    raw |= {"oil": oil} if oil else {}
+    return RunSettings.model_validate(raw | {"prediction": options})
+
+
+def frames(**columns):
+    number = CRANK.size
+    columns = {"load": np.full(number, LOAD)} | columns
+    found = {name: ("frame", values) for name, values in columns.items()}
+    return xr.Dataset(
+        {
+            "trigger": ("frame", np.arange(number)),
+            "cycle": ("frame", np.zeros(number, int)),
+            "crank_angle": ("frame", CRANK),
+            "used": ("frame", np.ones(number, bool)),
+        }
+        | found
+    )
+
+
+def film():
+    std = np.full(CRANK.size, 0.05)
+    return xr.Dataset({"film_min": ("trigger", minimum_film()), "film_min_std": ("trigger", std)})
+
+
+def place(one):
+    return places_along_sliding(one, PLACE, PLACE + 1.0, Region(slice(40, 100), slice(50, 250)))
+
+
+def test_a_joint_swings_with_a_crank_rocker_and_an_oil():
+    assert swings(settings())
+    for other in (settings(without=["oil"]), settings(without=["joint", "oil"])):
+        assert not swings(other)
+        assert try_prediction(other, film(), frames(), place(other)) is NO_PREDICTION
+    slider = settings(mechanism=SLIDER)
+    assert not swings(slider)
+    with pytest.raises(ConfigError, match="crank-rocker"):
+        build_motion(slider, frames())
+
+
+def test_places_are_those_along_sliding():
+    position, within = place(settings())
+    npt.assert_array_equal(position, PLACE)
+    assert within == slice(50, 250)
+    position, within = place(settings(axis="axial"))
+    npt.assert_array_equal(position, PLACE + 1.0)
+    assert within == slice(40, 100)
+
+
+def displaced(attitude):
+    """The film of a pin that is displaced by 220 um in these directions. [degree]"""
+    angle = np.radians(attitude)
+    both = 220 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return film().assign(pin_displacement=(("trigger", "axis"), both))
+
+
+def test_the_load_line_is_that_of_the_settings_or_the_middle_of_the_swing():
+    """A free pin swings with half the bushing; 1 degree is 0.5843 mm of a radius of 33.4748 mm."""
+    free, guided = settings(), settings(sideways="guided")
+    motion = build_motion(free, frames())
+    half = np.degrees(motion.motion.angle[motion.steps]) / 2
+    assert find_load_line(free, film(), motion, PLACE) == pytest.approx(8.97)
+    given = settings(load_line="9.6 mm")
+    assert find_load_line(given, displaced(half + 2), motion, PLACE) == pytest.approx(9.6)
+
+    found = find_load_line(free, displaced(half + 2), motion, PLACE)
+    assert found == pytest.approx(8.97 + 2 * 0.58425, abs=1e-3)
+    found = find_load_line(guided, displaced(np.full(CRANK.size, -1.5)), motion, PLACE)
+    assert found == pytest.approx(8.97 - 1.5 * 0.58425, abs=1e-3)
+    lost = displaced(half * np.nan)
+    assert find_load_line(free, lost, motion, PLACE) == pytest.approx(8.97)
+
+
+def test_the_predicted_map_is_thinnest_at_its_attitude_from_the_load_line():
+    one = settings(load_line="7 mm", start_film="20 um")
+    predicted = predict_run(one, film(), frames(), place(one)).triggers
+    along = film_along_sliding(one, predicted, PLACE)
+    thinnest = 7 + 0.58425 * predicted.attitude.values
+    npt.assert_allclose(PLACE[along.argmin(axis=1)], thinnest, atol=0.031)
+
+
+def test_settings_reach_the_solver():
+    """A start film is kept, a guided pin stays on its line, and a long joint sinks less."""
+    ends = {}
+    for name, options in {
+        "free": {},
+        "guided": {"sideways": "guided"},
+        "held": {"sideways": "900 kN/mm"},
+        "long": {"long": True},
+        "against": {"direction": "against"},
+    }.items():
+        one = settings(start_film="60 um", **options)
+        ends[name] = predict_run(one, film(), frames(), place(one)).triggers
+    for one in ends.values():
+        npt.assert_allclose(one.film_predicted_min[0], 60.0, rtol=1e-6)
+    npt.assert_allclose(ends["guided"].attitude, 0.0, atol=1e-9)
+    # the film pushes sideways with a few times the load, up to 1.2 um against this spring
+    aside = np.radians(ends["held"].attitude.values) * 170
+    assert 0.1 < np.abs(aside).max() < 5 * LOAD / 900
+    assert ends["long"].film_predicted_min[-1] > ends["free"].film_predicted_min[-1] + 0.5
+    npt.assert_allclose(ends["against"].attitude, -ends["free"].attitude, atol=1e-6)
+
+
+def test_a_warmer_oil_sinks_faster():
+    """0.129 Pa s at 25 degC, 0.077 Pa s at 35 degC by Vogel's law: 1.68 times the rate."""
+    oil = {"vogel": VOGEL, "pressure_viscosity": "0 1/Pa"}
+    one, lost = settings(oil=oil, start_film="20 um"), []
+    for temperature in (25.0, 35.0):
+        warm = frames(temperature=np.full(CRANK.size, temperature))
+        found = predict_run(one, film(), warm, place(one)).triggers.film_predicted_min.values
+        lost.append((1e-3 / found[-1]) ** 0.5 - (1e-3 / 20.0) ** 0.5)
+    assert lost[1] / lost[0] == pytest.approx(np.exp(1100 / 140 - 1100 / 150), rel=0.02)
+
+
+def test_a_failure_becomes_a_note():
+    one = settings(start_film="0.5 mm")
+    found = try_prediction(one, film(), frames(), place(one))
+    assert not found.triggers
+    assert not found.frames
+    assert "the film over the cycle is not predicted: start lies outside" in str(found.notes[0])
+
+
+def steady():
+    attrs = {"units": "um", "regime": "isoviscous-rigid", "reason": "governs", "notes": ""}
+    return xr.Dataset(
+        {
+            "film_theory": ("trigger", np.full(CRANK.size, 131.0), attrs),
+            "film_hamrock_dowson": ("trigger", np.full(CRANK.size, 1.9), {"units": "um"}),
+        }
+    )
+
+
+def test_the_transient_film_is_the_theory_and_the_steady_ones_stay_for_reference():
+    one = settings()
+    predicted = predict_run(one, film(), frames(), place(one)).triggers
+    found = choose_theory(one, steady(), predicted)
+    npt.assert_array_equal(found.film_theory, predicted.film_predicted_min)
+    npt.assert_array_equal(found.film_regime_map, 131.0)
+    assert found.film_theory.attrs["regime"] == "transient Reynolds, pin free sideways"
+    assert "fitted to the measured minima" in found.film_theory.attrs["notes"]
+    # 24.426 degrees, half of 60/114 s, and 33.36 mm times half the swing (thesis, Appendix A)
+    reason = "swings by 24.4 deg in 0.263 s and carries oil 7.11 mm to and fro"
+    for name in ("film_regime_map", "film_hamrock_dowson"):
+        assert reason in found[name].attrs["comment"]
+
+
+def test_without_a_prediction_the_regime_map_is_the_theory():
+    found = choose_theory(settings(), steady(), xr.Dataset())
+    npt.assert_array_equal(found.film_theory, found.film_regime_map)
+    assert found.film_theory.attrs["regime"] == "isoviscous-rigid"
+    assert not choose_theory(settings(), xr.Dataset(), xr.Dataset())
+
+
+def test_a_note_sets_the_correlation_with_speed_beside_those_of_theory():
+    one = settings()
+    predicted = predict_run(one, film(), frames(), place(one)).triggers
+    whole = choose_theory(one, steady(), predicted).merge(film())
+    assert note_correlation(whole) == []  # no speed
+    speed = np.array([1.0, -2.0, 3.0, -4.0, 5.0, -6.0])
+    whole = whole.assign(
+        rocker_speed=("trigger", speed),
+        film_min=("trigger", 10.0 - abs(speed)),
+        film_regime_map=("trigger", 20 * abs(speed)),
+        film_predicted_min=("trigger", np.array([1.0, 2.0, 1.0, 1.0, 2.0, 1.0])),
+    )
+    # 0 for the prediction: it is symmetric about the middle of the speeds
+    text = str(note_correlation(whole)[0])
+    assert "correlation of -1.00" in text
+    assert "prediction gives +0.00, the steady regime map +1.00" in text
+    assert note_correlation(whole.drop_vars("film_predicted_min")) == []
+
+
+KNOWN_TO = 0.04  # um
+
+
+@pytest.fixture(scope="module")
+def rig_films():
+    """Frames, and minimum film by the solver of the rig, 24 turns after loading."""
+    found = {}
+    for held in ("free", "guided"):
+        rig = RigSettings(film="reynolds", tilt=0.0, marks=0.0, sideways=held)
+        triggers = list_triggers(rig)
+        gaps = list_gaps(triggers, rig, draw_marks(rig, np.random.default_rng(0)))
+        number = len(gaps)
+        columns = {
+            "trigger": np.arange(number),
+            "cycle": np.zeros(number, int),
+            "crank_angle": triggers.crank_angle,
+            "time": frame_times(triggers, rig),
+            "load": triggers.load,
+            "used": np.ones(number, bool),
+        }
+        noise = np.random.default_rng(3).normal(0, KNOWN_TO, number)
+        measured = np.array([gap.film_min for gap in gaps]) + noise
+        found[held] = (
+            xr.Dataset({name: ("frame", values) for name, values in columns.items()}),
+            xr.Dataset(
+                {
+                    "film_min": ("trigger", measured),
+                    "film_min_std": ("trigger", np.full(number, KNOWN_TO)),
+                }
+            ),
+        )
+    return found
+
+
+@pytest.mark.parametrize(
+    ("true", "taken", "other"),
+    [
+        ("free", "free", None),
+        ("guided", "guided", None),
+        ("guided", "free", "guided"),
+        ("free", "guided", "free"),
+    ],
+)
+def test_a_pin_that_is_held_otherwise_is_a_warning(rig_films, true, taken, other):
+    rig_frames, measured = rig_films[true]
+    one = settings(sideways=taken)
+    found = try_prediction(one, measured, rig_frames, place(one))
+    notes = note_difference(measured.merge(found.triggers), one.prediction)
+    assert [note.level for note in notes] == ([Level.WARNING] if other else [])
+    if other:
+        assert "erlif predict RUN_DIR --fit" in str(notes[0])
+        assert f'sideways = "{other}" in [prediction]; check the load' in str(notes[0])
+
+
+def test_a_difference_is_a_warning_beyond_error_and_share_of_the_film():
+    """Up and down by a size is an rms of that size; a shift of all triggers is none."""
+    up = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+    predicted = xr.Dataset({"film_predicted_min": ("trigger", np.full(6, 10.0))})
+
+    def warned(course, std):
+        columns = {"film_min": 10.0 + course, "film_min_std": np.full(6, std)}
+        films = predicted.assign({name: ("trigger", one) for name, one in columns.items()})
+        return bool(note_difference(films, settings().prediction))
+
+    assert warned(0.5 * up, 0.04)
+    assert warned(3.0 + 0.5 * up, 0.04)
+    assert not warned(0.5 * up, 0.2)  # within the error
+    assert not warned(0.1 * up, 0.001)  # 1 % of the film
+    assert not warned(np.full(6, 3.0), 0.01)
+    assert not warned(np.where(up > 0, [0.0, 0, 1, 0, 2, 0], np.nan), 0.01)  # too few triggers
+    assert note_difference(predicted, settings().prediction) == []
+
+
+def test_deflecting_surfaces_are_named_as_a_limit():
+    one = settings(sideways="12 N/mm", start_film="20 um")
+    elastic = steady()
+    elastic.film_theory.attrs["regime"] = "piezoviscous-elastic"
+    predicted = predict_run(one, film(), frames(), place(one)).triggers
+    attrs = choose_theory(one, elastic, predicted).film_theory.attrs
+    assert "takes the surfaces as rigid" in attrs["notes"]
+    assert "20 um at the first frame, as given" in attrs["notes"]
+    assert attrs["regime"].endswith("pin held sideways by 12 N/mm")
+
+
+def test_a_film_is_kept_whose_prediction_fails(lab):
+    lab.edit("run/run.toml", ("[joint]", '[prediction]\nstart_film = "1 mm"\n[joint]'))
+    film = erlif.process(lab.run)
+    assert "film_predicted_min" not in film
+    assert np.isfinite(film.film_min).all()
+    npt.assert_array_equal(film.film_theory, film.film_regime_map)
+    assert "[prediction]: the film over the cycle is not predicted" in film.attrs["notes"]
+
+
+@pytest.mark.parametrize(
+    ("chosen", "words"),
+    [
+        (settings(without=["oil"]), r"the pressure .* run.toml has no \[oil\]"),
+        (settings(without=["oil", "joint"]), r"no \[joint\] and \[oil\]"),
+        (settings(mechanism=SLIDER), 'this run has kind "slider-crank"'),
+    ],
+)
+def test_what_a_joint_lacks_to_swing_is_named(chosen, words):
+    with pytest.raises(ConfigError, match=words):
+        refuse_steady(chosen, "the pressure")

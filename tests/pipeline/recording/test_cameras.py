@@ -1,0 +1,102 @@
+"""Darks, flats and counts of both cameras, read from the files of the small rig."""
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import tifffile
+
+import erlif
+from erlif.core.errors import FrameError
+from erlif.io.ingest import open_run
+from erlif.pipeline.recording.cameras import (
+    characterise_cameras,
+    declared_noise,
+    look_at_frames,
+    measure_cameras,
+)
+
+
+def test_histogram_counts_all_pixels_of_all_frames(run, small_rig):
+    """Six frames are fewer than the eight that are searched."""
+    for camera, look in enumerate(look_at_frames(run.pairs), 1):
+        frames = np.stack([tifffile.imread(path) for path in small_rig.frames(camera)])
+        npt.assert_array_equal(look.histogram, np.bincount(frames.ravel(), minlength=4096))
+        npt.assert_allclose(look.view.centre, frames.mean(axis=0), rtol=1e-6)
+
+
+def test_pairs_that_were_left_out_are_not_counted(run):
+    without = replace(run.pairs, skipped={0: "damaged", 3: "damaged"})
+    for look in look_at_frames(without):
+        assert look.histogram.sum() == 4 * 128 * 96
+
+
+def test_declared_noise_is_that_of_the_settings(run):
+    for declared in declared_noise(run):
+        assert (declared.gain, declared.read_noise) == (4.4, 9.0)
+
+
+def test_dark_of_each_pixel_is_the_mean_of_the_pages(run, small_rig):
+    for camera, measured in enumerate(measure_cameras(run), 1):
+        pages = tifffile.imread(small_rig.run / f"camera{camera}_dark.tif")
+        npt.assert_allclose(measured.darks.mean, pages.mean(axis=0), rtol=1e-6)
+        assert measured.darks.pages == len(pages)
+        assert measured.has_flat
+
+
+def test_level_in_the_settings_replaces_darks(lab):
+    lab.edit("run/run.toml", ('dark = "camera1_dark.tif"', 'offset = "61 DN"'))
+    one, two = measure_cameras(open_run(lab.run))
+    npt.assert_array_equal(one.darks.mean, 61.0)
+    assert (one.darks.pages, two.darks.pages) == (0, 4)
+
+
+def test_camera_without_a_flat_has_an_even_response(lab):
+    lab.edit("run/run.toml", ('flat = "camera2_flat.tif"', ""))
+    references = characterise_cameras(open_run(lab.run)).references
+    assert references.has_flat.values.tolist() == [True, False]
+    npt.assert_array_equal(references.flat[1], 1.0)
+
+
+def test_declared_gain_is_used_whatever_the_flats_give(lab):
+    lab.edit("run/run.toml", ('gain = "4.4 electron/DN"', 'gain = "4.9 electron/DN"'))
+    references = characterise_cameras(open_run(lab.run)).references
+    npt.assert_allclose(references.gain, [4.9, 4.4])
+    assert references.gain_known.values.all()
+
+
+def test_missing_darks_are_refused_with_their_camera(lab):
+    (lab.run / "camera2_dark.tif").unlink()
+    with pytest.raises(FrameError, match="camera2"):
+        measure_cameras(open_run(lab.run))
+
+
+def exchange(one, two):
+    aside = one.with_name("aside")
+    one.rename(aside)
+    two.rename(one)
+    aside.rename(two)
+
+
+@pytest.mark.parametrize("command", ["process", "check"])
+def test_exchanged_folders_are_recognised_by_the_pixels_of_the_flats(lab, refused, command):
+    """Whatever the ratio of the films, and before the cameras are registered."""
+    exchange(lab.run / "camera1", lab.run / "camera2")
+    if command == "process":
+        assert "The cameras look swapped" in refused("process", lab.run)
+        return
+    last = erlif.check(lab.run)[-1]
+    assert (last.level, last.subject) == ("error", "darks and flats")
+    assert "The cameras look swapped" in last.text
+
+
+def test_exchanged_flats_of_a_fixture_are_refused(lab, refused):
+    exchange(lab.fixture / "camera1_flat.tif", lab.fixture / "camera2_flat.tif")
+    message = refused("calibrate", lab.fixture, "-o", lab.fixture / "new.nc")
+    assert "camera1 show the pixels of the flat of camera2" in message
+
+
+def test_dark_and_flat_exchanged_are_refused(lab, refused):
+    exchange(lab.run / "camera1_flat.tif", lab.run / "camera1_dark.tif")
+    assert "flat" in refused("process", lab.run)

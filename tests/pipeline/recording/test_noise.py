@@ -1,0 +1,257 @@
+"""Gain and read noise estimated from the frames of a rig whose photons are counted."""
+
+import re
+import shutil
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import tifffile
+import xarray as xr
+from scenes.tiff_pages import rewrite
+
+import erlif
+from erlif.core.notes import Level, join_notes
+from erlif.core.progress import silent
+from erlif.io.ingest import open_fixture, open_run
+from erlif.pipeline.recording.cameras import characterise_cameras
+from erlif.pipeline.recording.prepare import prepare_chain
+from erlif.rig import RigSettings, simulate
+
+GAIN, READ = 4.4, 9.0  # of the virtual rig
+
+
+def forget(path, *keys, camera=r"12"):
+    """Take keys out of the tables of the cameras in a settings file."""
+    text = path.read_text(encoding="utf-8")
+    for table in re.findall(rf"^\[camera[{camera}]\]\n(?:.+\n)*", text, flags=re.MULTILINE):
+        text = text.replace(
+            table, re.sub(rf"^(?:{'|'.join(keys)}) = .*\n", "", table, flags=re.MULTILINE)
+        )
+    path.write_text(text, encoding="utf-8")
+
+
+def estimate(directory):
+    """The chain of a recording, and the notes on its cameras."""
+    recording = (open_run if (directory / "run.toml").is_file() else open_fixture)(directory)
+    return prepare_chain(recording, silent)
+
+
+def texts(prepared, level=None):
+    return join_notes(note for note in prepared.notes if level in (None, note.level))
+
+
+def test_declared_cameras_keep_their_references(small_rig):
+    recording = open_run(small_rig.run)
+    declared = characterise_cameras(recording)
+    prepared = prepare_chain(recording, silent)
+    assert prepared.notes == declared.notes
+    xr.testing.assert_identical(prepared.chain.references, declared.references)
+
+
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory):
+    """Never to be changed; take `laboratory` for a copy."""
+    out = tmp_path_factory.mktemp("rig")
+    simulate(
+        out,
+        seed=811,
+        rig=RigSettings(width=160, height=128, spacing=6.0, fixture_frames=4, light=0.5),
+    )
+    return out
+
+
+@pytest.fixture
+def laboratory(rig, tmp_path):
+    shutil.copytree(rig, tmp_path / "rig")
+    return tmp_path / "rig"
+
+
+@pytest.mark.parametrize("kind", ["fixture", "run"])
+@pytest.mark.parametrize("lost", [("gain", "flat"), ("gain", "flat", "read_noise")], ids="-".join)
+def test_gain_is_estimated_from_the_frames_where_nothing_else_determines_it(laboratory, kind, lost):
+    forget(laboratory / kind / f"{kind}.toml", *lost)
+    prepared = estimate(laboratory / kind)
+    references = prepared.chain.references
+    gain, std = references.gain.values, references.gain_std.values
+    npt.assert_allclose(gain[0], gain[1], rtol=0.05)
+    assert np.all(np.abs(gain - GAIN) < 3 * std)
+    # 20 480 pixels in four frames determine two gains and a pattern
+    assert np.all(std < 0.12 * GAIN)
+    assert texts(prepared, Level.WARNING).count("with a probability of") == 2
+    assert "will be estimated" not in texts(prepared)
+
+
+def test_read_noise_is_estimated_from_the_frames_where_darks_are_too_few(laboratory):
+    """One dark page, gain declared; in dim frames the read noise shows."""
+    for n in (1, 2):
+        path = laboratory / "run" / f"camera{n}_dark.tif"
+        with tifffile.TiffFile(path) as file:
+            page = file.pages[0].asarray()
+        tifffile.imwrite(path, page)
+    forget(laboratory / "run" / "run.toml", "read_noise")
+    prepared = estimate(laboratory / "run")
+    references = prepared.chain.references
+    npt.assert_array_equal(references.gain, GAIN)
+    assert np.all(np.abs(references.read_noise - READ) < 3 * references.read_noise_std)
+    assert np.all(references.read_noise_std < READ)
+    assert "camera1: read noise estimated" in texts(prepared, Level.WARNING)
+    assert texts(prepared, Level.WARNING).count("one read noise [DN] for both") == 2
+
+
+@pytest.fixture
+def unlike(tmp_path):
+    """Camera 2 counts every electron twice: its gain is half that of camera 1."""
+    simulate(
+        tmp_path / "rig",
+        seed=812,
+        rig=RigSettings(width=240, height=192, spacing=6.0, fixture_frames=1, light=0.5),
+    )
+    run = tmp_path / "rig" / "run"
+    for path in (*run.glob("camera2/*.tif"), *run.glob("camera2_*.tif")):
+        rewrite(path, lambda counts: np.minimum(2 * counts, 4095))
+    return run
+
+
+def test_gain_of_one_camera_follows_from_that_of_the_other(unlike):
+    forget(unlike / "run.toml", "gain", "flat", camera="2")
+    forget(unlike / "run.toml", "flat", camera="1")
+    prepared = estimate(unlike)
+    references = prepared.chain.references
+    assert references.gain[0] == GAIN
+    assert abs(references.gain[1] - GAIN / 2) < 3 * references.gain_std[1]
+    assert references.gain_std[1] < 0.15 * GAIN / 2
+    assert "equal gains" not in texts(prepared)
+    assert "one read noise" not in texts(prepared)
+
+
+def test_unequal_gains_are_covered_by_their_uncertainties(unlike):
+    forget(unlike / "run.toml", "gain", "flat")
+    prepared = estimate(unlike)
+    references = prepared.chain.references
+    truth = np.array([GAIN, GAIN / 2])
+    assert np.all(np.abs(references.gain.values - truth) < 3 * references.gain_std.values)
+    assert references.gain[0] > 1.3 * references.gain[1]
+
+
+def test_film_with_estimated_gain_has_a_note_and_does_not_depend_on_the_workers(lab):
+    forget(lab.run / "run.toml", "gain", "flat")
+    once = erlif.process(lab.run, output=lab.directory / "one.nc", workers=1)
+    erlif.process(lab.run, output=lab.directory / "three.nc", workers=3).close()
+    assert "gain estimated from the noise" in once.attrs["notes"]
+    once.close()
+    assert (lab.directory / "one.nc").read_bytes() == (lab.directory / "three.nc").read_bytes()
+
+
+def test_check_reports_that_the_gain_will_be_estimated(lab, command):
+    forget(lab.run / "run.toml", "gain", "flat")
+    assert (
+        "warning darks and flats: camera1: neither gain nor flats"
+        in command("check", lab.run).stdout
+    )
+
+
+def test_calibration_with_estimated_gain_has_a_note(laboratory):
+    forget(laboratory / "fixture" / "fixture.toml", "gain", "flat")
+    calibration = erlif.calibrate(laboratory / "fixture")
+    assert any("gain estimated from the noise" in str(note) for note in calibration.notes)
+
+
+def test_without_a_flat_the_spread_of_the_response_becomes_noise(laboratory):
+    """The rig's pixels differ by 1 %. The drift of camera 2 shows its spread, taken for both."""
+    forget(laboratory / "run" / "run.toml", "flat")
+    prepared = estimate(laboratory / "run")
+    chain = prepared.chain
+    npt.assert_array_equal(chain.references.gain, GAIN)
+    npt.assert_allclose(chain.references.response_spread, 0.01, rtol=0.25)
+    npt.assert_allclose(
+        chain.references.flat_var, chain.references.response_spread.values[0] ** 2, rtol=1e-5
+    )
+    assert "pixel response of both cameras varies by" in texts(prepared, Level.WARNING)
+
+
+def test_response_of_camera_1_alone_without_a_flat_is_not_estimated(laboratory):
+    """Its pixels do not move against the grid in which frames are compared."""
+    forget(laboratory / "run" / "run.toml", "gain", camera="2")
+    forget(laboratory / "run" / "run.toml", "gain", "flat", camera="1")
+    prepared = estimate(laboratory / "run")
+    references = prepared.chain.references
+    assert np.isnan(references.response_spread[0])
+    npt.assert_array_equal(references.flat_var[0], 0.0)
+    npt.assert_allclose(references.response_spread[1], 0.01, rtol=0.1)
+    lines = texts(prepared).splitlines()
+    (both,) = [line for line in lines if line.startswith("cameras: ")]
+    assert "response spread" not in both.split("; ")[0]
+    one = [line for line in lines if line.startswith("warning: camera1: ")]
+    assert not any("response spread" in line for line in one)
+    assert any("no flat; vignetting and pixel response are not corrected" in line for line in one)
+
+
+@pytest.mark.parametrize("vibration", [0.0, 0.05])
+@pytest.mark.parametrize("seed", [812, 813])
+def test_cameras_at_rest_leave_the_spread_of_the_response_open(tmp_path, seed, vibration):
+    """A pattern at rest cancels in the differences of frames; little motion determines nothing."""
+    simulate(
+        tmp_path / "rig",
+        seed=seed,
+        rig=RigSettings(
+            width=160, height=128, spacing=6.0, fixture_frames=1, light=0.5, vibration=vibration
+        ),
+    )
+    run = tmp_path / "rig" / "run"
+    forget(run / "run.toml", "flat")
+    prepared = estimate(run)
+    references = prepared.chain.references
+    npt.assert_array_equal(references.response_spread, np.nan)
+    npt.assert_array_equal(references.flat_var, 0.0)
+    assert "pixel response is neither corrected" in texts(prepared, Level.WARNING)
+    assert "response spread" not in texts(prepared)
+    assert "varies by" not in texts(prepared)
+
+
+def test_gain_is_estimated_without_a_pattern_where_frames_do_not_move(laboratory, monkeypatch):
+    """Drift of exactly zero: the pattern cancels in the differences."""
+    monkeypatch.setattr(
+        "erlif.ratio.camera_noise._overlap",
+        lambda kernel, first, second: np.full(first.shape[1:], 0.5),
+    )
+    forget(laboratory / "run" / "run.toml", "gain", "flat")
+    prepared = estimate(laboratory / "run")
+    references = prepared.chain.references
+    assert np.all(np.isfinite(references.gain))
+    npt.assert_array_equal(references.response_spread, np.nan)
+
+
+def test_single_frame_without_gain_is_refused(lab, refused):
+    forget(lab.fixture / "fixture.toml", "gain", "flat")
+    for camera in (1, 2):
+        for path in sorted((lab.fixture / f"camera{camera}").iterdir())[1:]:
+            path.unlink()
+    message = refused("calibrate", lab.fixture, "-o", lab.directory / "new.nc")
+    assert "camera1 has no gain" in message
+    assert "expected two or more frames" in message
+    assert "flats" in message
+
+
+@pytest.mark.slow
+def test_gain_is_right_to_five_per_cent_and_its_uncertainty_covers(tmp_path):
+    """Images of the usual size; fixtures and runs of three seeds, in full and in dim light."""
+    errors, pulls = [], []
+    # the part that is not examined is short
+    for seed, light, kinds, short in (
+        (821, 1.0, ["fixture"], {"spacing": 10.0}),
+        (822, 0.3, ["run"], {"fixture_frames": 1}),
+        (823, 0.6, ["fixture", "run"], {}),
+    ):
+        out = tmp_path / str(seed)
+        simulate(out, seed=seed, rig=RigSettings(**{"spacing": 6.0, "light": light} | short))
+        for kind in kinds:
+            forget(out / kind / f"{kind}.toml", "gain", "flat")
+            prepared = estimate(out / kind)
+            references = prepared.chain.references
+            errors += (references.gain.values / GAIN - 1).tolist()
+            pulls += ((references.gain.values - GAIN) / references.gain_std.values).tolist()
+    assert np.abs(errors).max() < 0.05
+    assert np.abs(pulls).max() < 3
+    # four independent pairs of correlated errors exceed this once in thirty
+    assert np.sqrt(np.mean(np.square(pulls))) < 1.6

@@ -1,0 +1,86 @@
+"""The camera map of a recording: found on its frames, or taken from a calibration."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from erlif.core.errors import CalibrationError, RegistrationError
+from erlif.core.progress import silent
+from erlif.io.settings import RegistrationOptions
+from erlif.pipeline.chain import registration_light
+from erlif.pipeline.recording.register import LitPairs, register_cameras, stored_map
+
+REUSE = RegistrationOptions(reuse=True)
+
+
+def test_map_of_the_frames_is_that_of_the_rig(prepared, truth):
+    """Both components together, off the edge of the image, within 0.1 px rms."""
+    found, inner = prepared.chain.camera_map, (slice(8, -8), slice(8, -8))
+    squares = [
+        (getattr(found, name) - truth[name].values)[inner] ** 2
+        for name in ("displacement_x", "displacement_y")
+    ]
+    assert np.sqrt(np.nanmean(squares[0] + squares[1])) < 0.1
+    assert not found.stored
+
+
+def test_calibration_without_reuse_gives_no_map(calibration):
+    assert stored_map(calibration.camera_map, RegistrationOptions()) is None
+
+
+def test_calibration_gives_its_map_on_request(calibration):
+    assert stored_map(calibration.camera_map, REUSE) is calibration.camera_map
+
+
+def test_calibration_without_a_map_is_refused_on_request():
+    with pytest.raises(CalibrationError, match="Calibrate again, or set reuse = false"):
+        stored_map(None, REUSE)
+
+
+def test_stored_map_that_fits_is_used_unchanged(prepared):
+    chain = prepared.chain
+    used = register_cameras(chain.correct, REUSE, stored=chain.camera_map, progress=silent)
+    np.testing.assert_array_equal(used.displacement_x, chain.camera_map.displacement_x)
+    assert used.stored
+
+
+def test_stored_map_for_another_frame_size_is_refused(prepared):
+    chain = prepared.chain
+    cut = {
+        name: getattr(chain.camera_map, name)[:-2]
+        for name in ("displacement_x", "displacement_y", "displacement_std", "overlap", "poor")
+    }
+    other = replace(chain.camera_map, **cut)
+    with pytest.raises(RegistrationError, match=r"\(96, 128\).*\(94, 128\)"):
+        register_cameras(chain.correct, REUSE, stored=other, progress=silent)
+
+
+def test_stored_map_of_another_magnification_is_refused(prepared):
+    """A stretch of 5 % is no drift: it leaves 3 px at the edge of 128 columns."""
+    chain = prepared.chain
+    stretch = 0.05 * (np.arange(128, dtype=np.float32) - 63.5)
+    other = replace(chain.camera_map, displacement_x=chain.camera_map.displacement_x + stretch)
+    with pytest.raises(RegistrationError, match="stored"):
+        register_cameras(chain.correct, REUSE, stored=other, progress=silent)
+
+
+def test_pairs_are_read_one_by_one_and_reported(prepared):
+    steps = []
+    lit = LitPairs(prepared.chain.correct, [0, 4], lambda *step: steps.append(step))
+    assert len(lit) == 2
+    assert steps == []
+    assert all(image.shape == (96, 128) for image in lit[1])
+    assert steps == [("registration", 2, 2)]
+
+
+def test_texture_is_left_when_the_slow_light_is_divided_out(prepared):
+    """The beam changes the light by a factor across the image; the quotient lies about 1."""
+    light = registration_light(prepared.chain.correct(0))
+    one, two, _, _ = LitPairs(prepared.chain.correct, [0], silent)[0]
+    for before, after in ((light.one, one), (light.two, two)):
+        blocks = [
+            image.reshape(6, 16, 8, 16).mean(axis=(1, 3)) / image.mean()
+            for image in (before, after)
+        ]
+        assert np.std(blocks[1]) < 0.5 * np.std(blocks[0])

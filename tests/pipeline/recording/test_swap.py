@@ -1,0 +1,58 @@
+"""Runs whose cameras are exchanged in run.toml, with films whose ratio lies near 1."""
+
+import pytest
+
+import erlif
+from erlif.core.errors import CalibrationError
+from erlif.core.progress import silent
+from erlif.io.ingest import open_run
+from erlif.pipeline.parts import KnownMap, prepare_run
+from erlif.pipeline.physics.joint import locate_run
+from erlif.rig import RigSettings, simulate
+
+NEAR_ONE = {"film_reference": 9.5, "film_floor": 8.0}
+"""Films of 9 to 11 um: ratio and inverse both lie in the calibrated range."""
+
+SMALL = {"width": 160, "height": 128, "spacing": 8.0, "fixture_frames": 4}
+
+
+def exchange_cameras(run):
+    """Exchange frames, darks and flats of the two cameras; the bands stay."""
+    path = run / "run.toml"
+    text = path.read_text(encoding="utf-8")
+    for name in ("/", "_dark", "_flat"):
+        one, two, other = f'"camera1{name}', f'"camera2{name}', f'"other{name}'
+        text = text.replace(one, other).replace(two, one).replace(other, two)
+    path.write_text(text, encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def rehearsal(tmp_path_factory):
+    out = tmp_path_factory.mktemp("near-one")
+    return simulate(out, seed=3, rig=RigSettings(**SMALL, **NEAR_ONE))
+
+
+@pytest.fixture(scope="module")
+def calibration(rehearsal):
+    return erlif.calibrate(rehearsal / "fixture")
+
+
+def prepare(run_dir, calibration):
+    """The part of the way to a film in which exchanged cameras are refused."""
+    run = open_run(run_dir)
+    known = KnownMap.of(calibration, run.settings)
+    return prepare_run(run, locate_run(run), calibration, known, silent)
+
+
+def test_exchanged_cameras_are_recognised_by_their_map(rehearsal, calibration):
+    assert erlif.process(rehearsal / "run", calibration=calibration).film_mean.mean() > 9
+    exchange_cameras(rehearsal / "run")
+    with pytest.raises(CalibrationError, match="look swapped: exchange the files"):
+        erlif.process(rehearsal / "run", calibration=calibration)
+
+
+@pytest.mark.parametrize("seed", range(20, 25))
+def test_cameras_in_order_are_never_taken_for_exchanged(tmp_path, seed):
+    rig = RigSettings(**SMALL, **NEAR_ONE, vibration=0.2 * (seed - 20))
+    simulate(tmp_path, seed=seed, rig=rig)
+    prepare(tmp_path / "run", erlif.calibrate(tmp_path / "fixture"))

@@ -1,0 +1,228 @@
+"""A plan against its rehearsal: the virtual rig shares no code with the prediction."""
+
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+
+import erlif
+from erlif.core.errors import ConfigError
+from erlif.core.flags import Flag
+from erlif.io.settings import PlanSettings
+from erlif.planning import Aim, find_optimum, log_ratio, measurable_range, signal, thickness_std
+from erlif.planning.plan import (
+    best_settings,
+    design_of,
+    example_plan,
+    film_of,
+    moved_settings,
+    plan,
+    rig_of,
+)
+from erlif.rig import simulate
+from erlif.rig.dyes import signals_of
+from erlif.show.plots import example_plan_results
+
+
+def settings_of(*changes):
+    text = example_plan()
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    return PlanSettings.model_validate(tomllib.loads(text))
+
+
+@pytest.fixture(scope="module")
+def planned():
+    return example_plan_results()  # that of the command is in tests/commands
+
+
+@pytest.fixture(scope="module")
+def rehearsal(tmp_path_factory):
+    """Film, truth and calibration of the example plan.
+
+    The beam is even, the pulse has its mean energy, and camera 2 is turned so far that the pixels
+    have all sub-pixel positions, as the plan assumes.
+    """
+    folder = tmp_path_factory.mktemp("rehearsal") / "rig"
+    rig = replace(
+        rig_of(settings_of()),
+        width=160,
+        height=128,
+        fixture_frames=6,
+        vignetting=(1.0, 1.0),
+        beam_corner=1.0,
+        dust=0,
+        marks=0.0,
+        pulse_jitter=0.0,
+        rotation=1.5,
+    )
+    simulate(folder, seed=3, rig=rig)
+    calibration = erlif.calibrate(folder / "fixture")
+    film = erlif.process(folder / "run", calibration=calibration)
+    with xr.open_dataset(folder / "truth.nc", engine="h5netcdf") as truth:
+        return film, truth.film.values[0], calibration
+
+
+def test_standard_deviation_is_that_of_the_rehearsal(rehearsal):
+    film, true, _ = rehearsal
+    design = design_of(settings_of(), Path())
+    chosen = (film.flags.values[0] == 0) & (true > 2) & (true < 10)
+    predicted = thickness_std(design, true[chosen])
+    stated = film.thickness_std.values[0][chosen]
+    assert np.median(stated / predicted) == pytest.approx(1.0, abs=0.05)
+
+    # the error of the calibration is the same for all pixels of one thickness
+    pull = (film.thickness.values[0][chosen] - true[chosen]) / predicted
+    like = np.digitize(true[chosen], np.geomspace(2, 10, 13))
+    spread = [np.std(pull[like == number]) for number in range(1, 13)]
+    assert np.sqrt(np.mean(np.square(spread))) == pytest.approx(1.0, abs=0.05)
+
+
+def test_range_is_that_of_the_rehearsal(rehearsal):
+    film, true, calibration = rehearsal
+    wanted = replace(film_of(settings_of()), covered=calibration.covered_range)
+    low, high = measurable_range(design_of(settings_of(), Path()), wanted)
+    flags = film.flags.values[0]
+    true = np.where(flags & Flag.OUTSIDE_OVERLAP, np.nan, true)
+    valid = flags == 0
+    assert valid[(true > 1.15 * low) & (true < high / 1.15)].mean() > 0.97
+    outside = (true < low / 1.3) | (true > 1.3 * high)
+    assert not outside.any() or valid[outside].mean() < 0.05
+
+
+def test_ratio_is_that_of_the_fixture(rehearsal):
+    *_, calibration = rehearsal
+    films = np.linspace(1, 12, 12)
+    planned = np.exp(log_ratio(design_of(settings_of(), Path()), films))
+    # the flats of both cameras have one lamp, so that the ratio has no factor
+    npt.assert_allclose(calibration.predict(films) / planned, 1.0, atol=0.01)
+
+
+def test_the_rig_has_the_dyes_of_the_plan():
+    settings = settings_of(('"0.008 mol/L"', '"0.004 mol/L"'), ('"0.024 mol/L"', '"0.03 mol/L"'))
+    design, rig = design_of(settings, Path()), rig_of(settings)
+    films = np.array([0.5, 3.0, 12.0, 40.0])
+    for number, of_rig in enumerate(signals_of(rig.dyes), start=1):
+        npt.assert_allclose(
+            rig.thick_film_signal[number - 1] * of_rig(films),
+            signal(design, number, films),
+            rtol=2e-3,
+        )
+
+
+def test_a_plan_is_a_dataset_with_units(planned):
+    assert planned.attrs["title"] == "example rig"
+    for name, variable in planned.data_vars.items():
+        assert "units" in variable.attrs or variable.dtype.kind in "UO", name
+        assert variable.attrs["long_name"], name
+    design = design_of(settings_of(), Path())
+    npt.assert_allclose(planned.thickness_std, thickness_std(design, planned.thickness))
+    npt.assert_allclose(planned.attenuation_camera1, 0.40, rtol=0.02)
+
+
+def test_the_best_plan_is_as_good_as_predicted(planned):
+    better = PlanSettings.model_validate(tomllib.loads(planned.attrs["optimum_settings"]))
+    design = design_of(better, Path())
+    npt.assert_allclose(
+        thickness_std(design, planned.thickness), planned.optimum_thickness_std, rtol=5e-3
+    )
+
+
+def test_the_best_plan_keeps_the_light_of_its_pulse_energy():
+    settings = settings_of(('"11000 electron"', '"90000 electron"'))
+    design, film = design_of(settings, Path()), film_of(settings)
+    best = find_optimum(design, film, Aim())
+    again = design_of(best_settings(settings, best), Path())
+    assert best.design.energy < 1
+    films = np.array([2.0, 10.0])
+    for number in (1, 2):
+        npt.assert_allclose(
+            signal(again, number, films), signal(best.design, number, films), rtol=5e-3
+        )
+
+
+def test_coefficients_and_files_give_the_plan_of_the_spectra(tmp_path):
+    names = [f"{number}_{kind}" for number in (605, 650) for kind in ("absorption", "emission")]
+    source = Path(erlif.__file__).parent / "planning" / "dyes"
+    for name in names:
+        (tmp_path / f"{name}.csv").write_bytes((source / f"synthetic_{name}.csv").read_bytes())
+    changes = [
+        (
+            f'spectra = "synthetic {number}"',
+            f'absorption = "{number}_absorption.csv"\nemission = "{number}_emission.csv"',
+        )
+        for number in (605, 650)
+    ]
+    settings = settings_of(*changes)
+    expected = design_of(settings_of(), Path())
+    films = np.array([1.0, 5.0, 12.0])
+    npt.assert_allclose(log_ratio(design_of(settings, tmp_path), films), log_ratio(expected, films))
+    moved = moved_settings(settings, tmp_path, tmp_path / "results")
+    assert moved.dye1.absorption == "../605_absorption.csv"
+    with pytest.raises(ConfigError, match="cannot be read"):
+        design_of(settings, tmp_path / "elsewhere")
+
+
+def test_light_follows_from_optics():
+    table = '[optics]\npixel_pitch = "60 um"\nnumerical_aperture = 0.02\n\n[references]'
+    settings = settings_of(
+        ('thick_film = "11000 electron"', "efficiency = 0.1"),
+        ('thick_film = "11500 electron"', "efficiency = 0.1"),
+        ('# beam_diameter = "25 mm"', 'beam_diameter = "25 mm"'),
+        ("[references]", table),
+        ('"50 mJ"', '"1 mJ"'),
+    )
+    design = design_of(settings, Path())
+    twice = design_of(
+        settings.model_copy(
+            update={"laser": settings.laser.model_copy(update={"pulse_energy": 2e-3})}
+        ),
+        Path(),
+    )
+    npt.assert_allclose(signal(twice, 1, 5.0), 2 * signal(design, 1, 5.0))
+    assert 1e3 < signal(design, 1, 5.0) < 1e6
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ([('"610 nm"', '"850 nm"')], "covers 490 to 800 nm"),
+        ([('"610 nm"', '"580 nm"'), ('"580 nm"', '"610 nm"')], "Exchange the filters"),
+    ],
+)
+def test_filters_that_do_not_fit_are_refused(changes, expected):
+    text = example_plan()
+    if len(changes) == 2:  # both at once
+        text = text.replace('"610 nm"', "later").replace('"580 nm"', '"610 nm"')
+        text = text.replace("later", '"580 nm"')
+    else:
+        text = text.replace(*changes[0])
+    with pytest.raises(ConfigError, match=expected):
+        design_of(PlanSettings.model_validate(tomllib.loads(text)), Path())
+
+
+def test_films_beyond_the_reach_of_the_virtual_rig_are_refused():
+    settings = settings_of(
+        ('thickest = "10 um"', 'thickest = "10 mm"'), ('thickest = "18 um"', 'thickest = "20 mm"')
+    )
+    with pytest.raises(ConfigError, match="differ by at most 716 um"):
+        rig_of(settings)
+
+
+def test_what_is_no_plan_is_refused():
+    with pytest.raises(ConfigError, match="got dict"):
+        plan({})
+
+
+def test_the_rig_has_two_cameras_of_one_kind():
+    settings = settings_of(("# bit_depth = 12", "bit_depth = 14"))
+    with pytest.raises(ConfigError, match="bit_depth is 14"):
+        rig_of(settings)
+    other = settings.camera1.model_copy(update={"bit_depth": 12, "gain": 2.0})
+    with pytest.raises(ConfigError, match="gain, bit_depth differ"):
+        rig_of(settings.model_copy(update={"camera1": other}))

@@ -1,0 +1,54 @@
+"""Calibrations that do not fit the run, or are older than their fixture."""
+
+import numpy as np
+import pytest
+
+import erlif
+from erlif.review.audit.calibration import note_age, note_range
+
+
+@pytest.fixture(scope="module")
+def calibration(small_rig):
+    return erlif.open_calibration(small_rig.fixture / "calibration.nc")
+
+
+@pytest.mark.parametrize(("shift", "level"), [(0.0, "note"), (0.5, "warning"), (-0.8, "warning")])
+def test_ratios_are_compared_with_the_calibrated_range(calibration, shift, level):
+    low, high = calibration.predict_log(calibration.thickness_range)
+    ratios = np.linspace(low, high, 1000) + shift
+    (note,) = note_range(calibration, ratios)
+    assert note.level == level
+    assert ("Calibrate again" in note.text) == (level == "warning")
+
+
+def test_shares_beyond_the_range_are_those_that_a_map_flags(calibration):
+    low, high = calibration.predict_log(calibration.thickness_range)
+    beyond = high + 0.01 * (high - low)
+    ratios = np.append(np.linspace(low, high, 800)[1:-1], np.full(200, beyond))
+    (note,) = note_range(calibration, ratios)
+    assert "0% lie below and 20% above" in note.text
+
+
+def test_a_run_without_ratios_is_a_warning(calibration):
+    (note,) = note_range(calibration, np.array([]))
+    assert note.level == "warning"
+
+
+def test_a_calibration_of_the_files_beside_it_is_no_finding(small_rig, calibration):
+    path = small_rig.fixture / "calibration.nc"
+    assert list(note_age(calibration, path, allow_outside=False)) == []
+
+
+def test_a_profile_that_has_changed_since_is_named(lab, calibration):
+    with (lab.fixture / "profile.csv").open("a", encoding="utf-8") as file:
+        file.write("20.0,18.9,0.01\n")
+    (note,) = note_age(calibration, lab.fixture / "calibration.nc", allow_outside=False)
+    assert note.level == "warning"
+    assert "it was made from other files than the fixture has now: profile.csv changed" in note.text
+    assert "erlif calibrate" in note.text
+
+
+def test_a_fixture_that_cannot_be_read_is_a_warning(lab, calibration):
+    lab.edit("fixture/fixture.toml", ("12", "twelve"))
+    (note,) = note_age(calibration, lab.fixture / "calibration.nc", allow_outside=False)
+    assert "the fixture beside it cannot be read" in note.text

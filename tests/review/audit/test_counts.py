@@ -1,0 +1,136 @@
+"""Bits, copies, light and sharpness of the counts."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+
+from erlif.correction import count_pixels
+from erlif.review.audit.counts import (
+    CountSurvey,
+    FrameCounts,
+    find_bit_faults,
+    find_copies,
+    note_bad_pixels,
+    note_bits,
+    note_copies,
+    note_counts,
+    note_light,
+    survey_counts,
+)
+
+
+def counts(seed=1, size=200_000):
+    """A camera of 12 bits: light from 300 to 3000 DN."""
+    return np.random.default_rng(seed).integers(300, 3000, size).astype(np.uint16)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda c: c, None),
+        (lambda c: c // 16 * 16, "the lowest 4 bits are never set: counts are multiples of 16"),
+        (lambda c: c & ~np.uint16(1), "the lowest bit is never set: counts are multiples of 2"),
+        (lambda c: c & ~np.uint16(64), "bit 6 (value 64) is never set"),
+        (lambda c: c | np.uint16(8), "bit 3 (value 8) is always set"),
+        (lambda c: np.rint(c // 16 * 16.06).astype(np.uint16), "only "),
+    ],
+)
+def test_bits_that_do_not_move_are_named(change, words):
+    found = find_bit_faults(count_pixels(change(counts()), 4095))
+    assert found == [] if words is None else [words in text for text in found] == [True]
+
+
+@pytest.mark.parametrize("light", [5, 60, 1500])
+def test_poisson_light_of_any_level_has_no_fault(light):
+    rng = np.random.default_rng(2)
+    image = np.rint(64 + rng.poisson(4.4 * light, (96, 128)) / 4.4 + rng.normal(0, 2, (96, 128)))
+    assert find_bit_faults(count_pixels(image.astype(np.uint16), 4095)) == []
+
+
+def frame(number, *, level=(500.0, 600.0), sharpness=(0.04, 0.04), digest=None):
+    digest = (f"one {number}", f"two {number}") if digest is None else digest
+    return FrameCounts(number, level, (0.0, 0.0), sharpness, digest)
+
+
+def survey(*frames):
+    empty = np.zeros(4096, np.int64)
+    return CountSurvey(frames, (empty, empty))
+
+
+@pytest.mark.parametrize(("bad", "level"), [(96, "note"), (97, "warning")])
+def test_the_share_of_bad_pixels_is_stated(bad, level):
+    """97 of 9600 pixels are more than one per cent."""
+    pixels = np.zeros((2, 96, 100), bool)
+    pixels[1].flat[:bad] = True
+    one, two = note_bad_pixels(xr.Dataset({"bad": (("camera", "y", "x"), pixels)}))
+    assert (one.level, two.level) == ("note", level)
+    assert one.text.startswith("camera1: 0.00% of the pixels are hot, noisy or dead")
+    assert two.text.startswith(f"camera2: {bad / 96:.2f}% of the pixels")
+
+
+def test_copies_of_either_camera_are_grouped():
+    found = survey(frame(0), frame(1, digest=("one 0", "two 1")), frame(2))
+    assert find_copies(found) == [(0, 1)]
+    (note,) = note_copies(found)
+    assert (note.level, note.subject) == ("warning", "pairs")
+    assert note.text.startswith("frame pairs 0, 1 show the same image")
+
+
+def test_one_image_for_all_pairs_is_an_error():
+    found = survey(*(frame(n, digest=("one", "two")) for n in range(3)))
+    (note,) = note_copies(found)
+    assert note.level == "error"
+    assert "all 3 frame pairs" in note.text
+
+
+@pytest.mark.parametrize("camera", [1, 2])
+def test_one_image_for_all_frames_of_a_camera_is_an_error_that_names_it(camera):
+    digests = [("one", f"two {n}") if camera == 1 else (f"one {n}", "two") for n in range(3)]
+    (note,) = note_copies(survey(*(frame(n, digest=one) for n, one in enumerate(digests))))
+    assert note.level == "error"
+    assert f"all 3 frames of camera{camera} that were read" in note.text
+
+
+def test_one_image_in_both_cameras_is_an_error():
+    first, *_ = note_copies(survey(frame(0, digest=("same", "same")), frame(1)))
+    assert first.level == "error"
+    assert "both cameras show the same image in frame pairs 0" in first.text
+
+
+def test_light_is_counted_above_the_dark_level():
+    note, *others = note_light(survey(frame(0), frame(1, level=(700.0, 600.0))), (64.0, 60.0))
+    assert "camera1: median light of a frame 436 to 636 DN" in note.text
+    assert others == []
+
+
+def test_a_missed_pulse_and_a_blurred_frame_are_named():
+    frames = [frame(n) for n in range(6)]
+    frames[2] = frame(2, level=(70.0, 62.0), sharpness=(0.01, 0.01))  # dim, and blurred by that
+    frames[4] = frame(4, sharpness=(0.04, 0.02))
+    _, dim, blurred = note_light(survey(*frames), (64.0, 60.0))
+    assert "frame pairs 2 have less than 10% of the light" in dim.text
+    assert "frame pairs 4 have less than 60% of the fine structure" in blurred.text
+
+
+def test_counts_of_the_rig_are_those_of_its_files(run, small_rig):
+    import tifffile
+
+    found = survey_counts(run.pairs, [1, 3])
+    for camera in (1, 2):
+        images = [tifffile.imread(small_rig.frames(camera)[k]) for k in (1, 3)]
+        expected = np.bincount(np.concatenate(images, axis=None), minlength=4096)
+        npt.assert_array_equal(found.histograms[camera - 1], expected)
+        assert [one.level[camera - 1] for one in found.frames] == [np.median(i) for i in images]
+    assert list(note_bits(found)) == []
+    assert [note.level for note in note_counts(found, run.pairs)] == ["note", "note"]
+
+
+def test_a_blurred_image_has_less_fine_structure(run):
+    import cv2
+
+    from erlif.io.ingest import read_pair
+    from erlif.review.audit.counts import _sharpness
+
+    counts = read_pair(run.pairs, 2).counts[0]
+    assert _sharpness(cv2.GaussianBlur(counts, (0, 0), 1.0)) < 0.6 * _sharpness(counts)

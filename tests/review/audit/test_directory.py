@@ -1,0 +1,140 @@
+"""The audit of a directory: findings in order, warnings where a result suffers, the first error."""
+
+import logging
+
+import numpy as np
+import pytest
+from scenes.tiff_pages import rewrite
+
+import erlif
+from erlif.core.notes import Level
+from erlif.io.ingest import frames
+from erlif.review.audit import audit
+
+content_of = frames.read_content
+
+
+def about(notes, subject):
+    return [note for note in notes if note.subject == subject]
+
+
+def test_a_good_run_is_described_in_the_order_of_the_audit(lab):
+    notes = erlif.check(lab.run)
+    subjects = list(dict.fromkeys(note.subject for note in notes))
+    main = ["frames", "counts", "pairs", "darks and flats", "registration", "encoder log"]
+    assert [subject for subject in subjects if subject in main] == main
+    assert subjects[-2:] == ["calibration", "ratio"]
+    assert all(note.level is Level.NOTE for note in notes)
+
+
+def test_triggers_cycles_and_speed_are_those_of_the_rig(lab):
+    """The rig turns a crank of 5.5 cm at 114 rpm and records six triggers."""
+    (note,) = about(erlif.check(lab.run), "encoder log")
+    assert note.text.startswith("6 triggers in 1 cycle, joint speed up to ")
+    speed = float(note.text.split()[-2])
+    omega = 114 * 2 * np.pi / 60
+    assert 0.9 * 5.5 / 26 < speed / omega < 1.5 * 5.5 / 26  # crank over rocker, and some more
+
+
+def test_highest_counts_and_saturation_of_each_camera_are_reported(lab):
+    def saturate(counts):
+        counts = counts.copy()
+        counts[:2] = 4095  # two of 96 rows
+        return counts
+
+    rewrite(lab.frames(2)[3], saturate)
+    one, two = about(erlif.check(lab.run), "counts")
+    assert one.level is Level.NOTE
+    assert two.level is Level.WARNING
+    assert "highest count 4095 of 4095, at most 2.08% of a frame saturated. Shorten" in two.text
+
+
+def test_the_calibration_is_opened_and_its_range_reported(lab):
+    low, high = erlif.open_calibration(lab.fixture / "calibration.nc").thickness_range
+    (note,) = about(erlif.check(lab.run), "calibration")
+    assert note.text == f"'virtual wedge', calibrated range {low:.2f} to {high:.2f} um"
+
+
+def test_a_calibration_that_the_fixture_can_give_is_no_warning(lab):
+    (lab.fixture / "calibration.nc").unlink()
+    (note,) = about(erlif.check(lab.run), "calibration")
+    assert note.level is Level.NOTE
+    assert "process will make it" in note.text
+
+
+@pytest.mark.parametrize("line", ["", 'calibration = "nowhere/calibration.nc"\n'])
+def test_a_missing_calibration_is_a_warning(lab, line):
+    lab.edit("run/run.toml", ('calibration = "../fixture/calibration.nc"\n', line))
+    (note,) = about(erlif.check(lab.run), "calibration")
+    assert note.level is Level.WARNING
+    assert "--calibration" in note.text
+
+
+def test_the_profile_of_a_fixture_is_described(lab):
+    rows = (lab.fixture / "profile.csv").read_text().splitlines()[1:]
+    thickness = [float(row.split(",")[1]) for row in rows]
+    note = about(erlif.check(lab.fixture), "profile")[-1]
+    assert note.text == (f"{len(rows)} points from {min(thickness):.2f} to {max(thickness):.2f} um")
+
+
+def test_a_profile_out_of_order_is_a_warning_with_one_mention_of_its_subject(lab):
+    path = lab.fixture / "profile.csv"
+    header, *rows = path.read_text().splitlines()
+    path.write_text("\n".join([header, *reversed(rows)]))
+    note = about(erlif.check(lab.fixture), "profile")[0]
+    assert note.level is Level.WARNING
+    assert "sorted" in note.text
+    assert str(note).count("profile:") == 1
+
+
+@pytest.mark.parametrize(
+    ("remove", "subject"),
+    [("camera1_flat.tif", "darks and flats"), ("encoder.csv", "settings and files")],
+)
+def test_the_audit_ends_with_the_first_error_and_its_subject(lab, remove, subject):
+    (lab.run / remove).unlink()
+    notes = erlif.check(lab.run)
+    assert [note.level for note in notes].index(Level.ERROR) == len(notes) - 1
+    assert notes[-1].subject == subject
+    assert remove in notes[-1].text
+
+
+def test_the_parts_of_the_audit_are_logged_with_their_times(lab, caplog):
+    with caplog.at_level(logging.INFO, logger="erlif"):
+        erlif.check(lab.run)
+    assert "check of counts: started" in caplog.messages
+    assert any(message.startswith("check of encoder log: finished") for message in caplog.messages)
+
+
+def test_the_record_holds_findings_pairs_and_frames(lab):
+    record = audit(lab.run).to_record()
+    assert (record["errors"], record["warnings"]) == (0, 0)
+    assert record["notes"][0] == {
+        "level": "note",
+        "subject": "frames",
+        "text": "6 pairs of 128 x 96 pixels, 'virtual straight bushing'",
+    }
+    assert record["pairs"][0]["camera2"] == "frame_0000.tif"
+    assert [one["frame"] for one in record["frames"]] == list(range(6))
+
+
+def test_frames_of_a_long_recording_are_read_a_bounded_number_of_times(lab, monkeypatch):
+    """One hundred pairs, all of them the six of the rig."""
+    content = {n: [path.read_bytes() for path in lab.frames(n)] for n in (1, 2)}
+    for n in (1, 2):
+        for k in range(100):
+            path = lab.run / f"camera{n}" / f"frame_{k:04d}.tif"
+            path.write_bytes(content[n][k % 6])
+    text = "frame,angle_deg\n" + "".join(f"{k},{10.0 * (k % 36)}\n" for k in range(100))
+    (lab.run / "encoder.csv").write_text(text)
+    lab.edit("run/run.toml", ('"rocker"', '"crank"'), ("triggers_per_cycle = 6", ""))
+
+    read = []
+    monkeypatch.setattr(
+        frames, "read_content", lambda *a, **k: read.append(a) or content_of(*a, **k)
+    )
+    found = audit(lab.run)
+    assert "counts of 24 of them, evenly spread, are examined" in found.notes[0].text
+    assert len(found.survey.frames) == 24
+    # 24 for the counts, 8 for darks and flats (twice), 12 to register, 4 as a sample, 16 in a row
+    assert len(read) <= 2 * (24 + 8 + 8 + 12 + 4 + 16)

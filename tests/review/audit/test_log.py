@@ -1,0 +1,114 @@
+"""Steps of a log against the mechanism; temperature, load and pulse energy."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from erlif.review.audit.log import note_conditions, note_energy, note_motion
+
+RPM = 114.0
+
+
+def settings(*, linkage=True, load=222.0):
+    links = SimpleNamespace(crank_speed=RPM * 2 * np.pi / 60)
+    return SimpleNamespace(
+        linkage=links if linkage else None, joint=SimpleNamespace(load=load) if load else None
+    )
+
+
+def disc(frames=24, *, rpm=RPM):
+    """An encoder on the crank, read every 15 degrees."""
+    crank = 15.0 * np.arange(frames)
+    log = xr.Dataset({"angle": ("frame", crank % 360), "time": ("frame", crank / (6 * rpm))})
+    return log, xr.Dataset({"crank_angle": ("frame", crank % 360)})
+
+
+def motion(log, located, **options):
+    return list(note_motion(log, located, settings(**options)))
+
+
+def warnings(notes):
+    return [note.text for note in notes if note.level == "warning"]
+
+
+def test_an_even_turn_has_no_warning_and_its_speed():
+    notes = motion(*disc())
+    assert warnings(notes) == []
+    assert "the crank turns at 114 rpm by angles and times, 114 rpm in run.toml" in notes[-1].text
+
+
+def test_another_speed_than_that_of_the_settings_is_reported():
+    (text,) = warnings(motion(*disc(rpm=100.0)))
+    assert text.startswith("the crank turns at 100 rpm by angles and times, 114 rpm in run.toml")
+
+
+@pytest.mark.parametrize("frame", [5, 17])
+def test_a_missed_trigger_is_found_between_its_neighbours(frame):
+    log, located = disc(25)
+    kept = np.delete(np.arange(25), frame)
+    texts = warnings(motion(log.isel(frame=kept), located.isel(frame=kept)))
+    assert any(f"jumps between frames {frame - 1} and {frame} (30 deg)" in text for text in texts)
+
+
+def test_triggers_of_a_swinging_link_in_time_have_no_gap():
+    """Its steps follow the speed, and vanish where it turns back."""
+    phase = np.linspace(0, 4 * np.pi, 50, endpoint=False)
+    log = xr.Dataset({"angle": ("frame", 12 * np.sin(phase)), "time": ("frame", 0.02 * phase)})
+    assert warnings(motion(log, xr.Dataset(), linkage=False)) == []
+
+
+def test_triggers_of_the_rocker_are_uneven_on_the_crank():
+    """Even steps of a swing to and fro: at its ends the crank turns by far more."""
+    swing = np.concatenate([np.linspace(-0.95, 0.95, 12), np.linspace(0.95, -0.95, 12)])
+    rising = np.arange(24) < 12
+    crank = np.degrees(np.where(rising, np.arcsin(swing), np.pi - np.arcsin(swing)))
+    log = xr.Dataset({"angle": ("frame", crank % 360), "time": ("frame", crank / (6 * RPM))})
+    assert warnings(motion(log, xr.Dataset(), linkage=False)) == []
+
+
+def test_an_encoder_that_stands_still_is_reported():
+    log, located = disc()
+    log.angle.values[10:14] = log.angle.values[10]
+    texts = warnings(motion(log, located))
+    assert any("the angle stays at 150 deg in frames 10 to 12" in text for text in texts)
+
+
+def test_a_pause_is_reported():
+    log, located = disc()
+    log["time"] = ("frame", log["time"].values + 2.0 * (np.arange(24) > 7))
+    texts = warnings(motion(log, located))
+    assert any("pauses between frames 7 and 8" in text for text in texts)
+
+
+@pytest.mark.parametrize(
+    ("column", "values", "words"),
+    [
+        ("temperature", [25.0, 25.2], None),
+        ("temperature", [298.0, 298.2], "no oil of a rig has that"),
+        ("temperature", [25.0, 60.0], "it changes by 35.0 K from frame 0 to 1"),
+        ("load", [220.0, 225.0], None),
+        ("load", [50.0, 51.0], "0.23 times the load in [joint]"),
+    ],
+)
+def test_conditions_are_compared_with_what_a_rig_has(column, values, words):
+    (note,) = note_conditions(xr.Dataset({column: ("frame", values)}), settings())
+    assert (note.level == "warning") == (words is not None)
+    assert words is None or words in note.text
+
+
+@pytest.mark.parametrize("shift", [0, 1])
+def test_energies_of_other_pulses_are_recognised_by_the_light(shift):
+    rng = np.random.default_rng(3)
+    energy = 50 * (1 + 0.03 * rng.normal(size=30))
+    film = 1 + 0.3 * np.sin(np.linspace(0, 6, 30))
+    light = 1000 * film * np.roll(energy, shift) / 50
+    log = xr.Dataset({"laser_mJ": ("frame", energy)})
+    (note,) = note_energy(log, range(30), np.stack([light, light], axis=1))
+    assert note.level == ("warning" if shift else "note")
+    assert note.subject == "conditions"
+
+
+def test_a_log_without_energies_is_not_compared():
+    assert list(note_energy(xr.Dataset(), [], np.zeros((0, 2)))) == []

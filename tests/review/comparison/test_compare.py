@@ -1,0 +1,77 @@
+"""Runs compared, as one dataset."""
+
+from pathlib import Path
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+import erlif
+from erlif.core.errors import ErlifError, OutputError
+from erlif.io.files import open_netcdf, write_dataset
+from erlif.review.comparison import compare
+from erlif.show.plots import example_film, write_example
+
+
+def test_a_known_difference_is_found_with_its_sign(film, other):
+    found = erlif.compare([film, other])
+    npt.assert_allclose(found.difference.values, 0.5)
+    assert found.differs.values.all()
+    assert found["first"].item() == "example (1)"
+    npt.assert_allclose(found.map_difference.mean(), 0.5, atol=0.01)
+    assert found.attrs["map_first_run"] == "example (1)"
+
+
+def test_equal_runs_do_not_differ_and_all_units_are_stated(film, tmp_path):
+    found = compare([film, film])
+    assert not found.differs.values.any()
+    assert (found.difference_std > 0).all()
+    write_dataset(found, tmp_path / "compare.nc")
+    with open_netcdf(tmp_path / "compare.nc") as read:
+        for name in read.data_vars:
+            if read[name].dtype.kind == "f":
+                assert "units" in read[name].attrs, name
+
+
+def test_the_page_lists_every_variable(film, other):
+    page = (Path(__file__).parents[3] / "docs" / "compare.md").read_text(encoding="utf-8")
+    later = film.attrs["calibration"].replace('"date": ""', '"date": "2026-05-01"')
+    later = later.replace("0.66", "0.67")
+    patch = {"reference_film": ("trigger", np.linspace(4.9, 5.1, 6), {"units": "um"})}
+    films = [film.assign(patch), other.assign(patch).assign_attrs(calibration=later)]
+    found = compare(films)
+    assert {"patch_ratio", "calibration_ratio", "duty", "film_theory"} <= set(found.data_vars)
+    assert not [name for name in found.data_vars if f"`{name}`" not in page]
+
+
+def test_films_are_read_from_files_and_the_map_is_that_of_the_angle(film, other, tmp_path):
+    path = write_example(tmp_path / "film.nc")
+    found = compare([path, other], angle=112.0, pair=(1, 0))
+    assert found.attrs["map_first_trigger"] == 4
+    assert found.attrs["map_first_run"] == "example (2)"
+    npt.assert_allclose(found.map_difference.mean(), -0.5, atol=0.01)
+
+
+def test_what_is_no_pair_of_runs_is_refused(film, other, tmp_path):
+    with pytest.raises(ErlifError, match="Name the films"):
+        compare([film])
+    with pytest.raises(ErlifError, match="two different films from 0 to 1"):
+        compare([film, other], pair=(0, 2))
+    with pytest.raises(ErlifError, match="a film as films=, got a pressure"):
+        compare([film, erlif.plots.example_pressure()])
+    calibration = tmp_path / "calibration.nc"
+    erlif.save_calibration(erlif.plots.example_calibration(), calibration)
+    with pytest.raises(OutputError, match=r"calibration\.nc holds a calibration, which"):
+        compare([film, calibration])
+
+
+def test_films_without_a_motion_are_compared_trigger_by_trigger():
+    film = example_film()
+    gone = ["crank_angle", "encoder_angle", "rocker_speed", "sliding_speed", "stroke", "load"]
+    text = film.attrs["settings"]
+    start, end = text.index("[mechanism]"), text.index("[oil]")
+    still = film.drop_vars([name for name in film.variables if name in gone])
+    still = still.assign_attrs(settings=text[:start] + text[end:])
+    found = compare([still, still.assign(film_min=still.film_min + np.float64(0.1))])
+    assert "duty" not in found
+    npt.assert_allclose(found.difference.sel(statistic="film_min"), 0.1)

@@ -1,0 +1,155 @@
+"""The budget adds up to the error bars of the maps and of the statistics."""
+
+import re
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import tifffile
+from click.testing import CliRunner
+
+import erlif
+from erlif.calibration import BackgroundError
+from erlif.commands.main import main
+from erlif.review.budget import split_calibration
+from erlif.rig import RigSettings, simulate
+from erlif.show.plots import example_calibration
+from erlif.show.report import render_budget
+
+ROOT = Path(__file__).parents[3]
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory):
+    out = tmp_path_factory.mktemp("lab")
+    rig = RigSettings(
+        width=224, height=160, field_width=13.44, spacing=7.0, fixture_frames=4, cycles=2
+    )
+    simulate(out, seed=71, rig=rig)
+    calibration = erlif.calibrate(out / "fixture")
+    film = erlif.process(out / "run", calibration=calibration)
+    budget = erlif.budget(out / "run", trigger=2, calibration=calibration, films=(6.0, 8.0))
+    return film, budget, out, calibration
+
+
+def test_terms_add_up_to_the_error_bars_of_the_pixels(lab):
+    film, budget, _, _ = lab
+    one = film.isel(trigger=2)
+    for n, wanted in enumerate((6.0, 8.0)):
+        near = np.abs(one.thickness.values / wanted - 1) < 0.05
+        sums = budget["std"].isel(quantity=n)
+        npt.assert_allclose(
+            sums.sel(term="random part"), np.median(one.thickness_std.values[near]), rtol=0.05
+        )
+        npt.assert_allclose(
+            sums.sel(term="shared part"),
+            np.median(one.thickness_std_shared.values[near]),
+            rtol=0.05,
+        )
+
+
+def test_pixels_that_some_frames_lack_have_a_budget_too(lab, tmp_path):
+    """With one of two frames black, the terms are those of the other frame alone."""
+    _, whole, out, calibration = lab
+    copy = shutil.copytree(out / "run", tmp_path / "run")
+    triggers = len(list((copy / "camera1").iterdir())) // 2
+    for camera in ("camera1", "camera2"):
+        path = sorted((copy / camera).iterdir())[2 + triggers]
+        tifffile.imwrite(path, np.full_like(tifffile.imread(path), 64))
+    budget = erlif.budget(copy, trigger=2, calibration=calibration, films=(6.0, 8.0))
+    assert np.isfinite(budget["std"].sel(term="total")).all()
+    photons = [b["std"].isel(quantity=0).sel(term="photons, camera 1") for b in (budget, whole)]
+    npt.assert_allclose(photons[0] / photons[1], np.sqrt(2), rtol=0.05)
+    named = erlif.budget(copy, trigger=2, calibration=calibration)
+    assert named.sizes["quantity"] == 5
+
+
+def test_terms_add_up_to_the_error_bars_of_the_statistics(lab):
+    film, budget, _, _ = lab
+    for name, title in (("film_mean", "mean film"), ("film_min", "minimum film")):
+        column = budget.sel(quantity=title)
+        npt.assert_allclose(column["value"], film[name].values[2], rtol=1e-6)
+        npt.assert_allclose(
+            column["std"].sel(term="total"), film[f"{name}_std"].values[2], rtol=1e-4
+        )
+
+
+def test_photons_are_the_square_root_of_their_number(lab):
+    """Shot noise of a pixel from the counts in the files and the gain alone."""
+    film, budget, out, calibration = lab
+    pages = [tifffile.imread(path) for path in sorted((out / "run" / "camera1").iterdir())]
+    triggers = film.sizes["trigger"]
+    electrons = (
+        np.mean([page.astype(float) - 64 for page in pages[2::triggers]], axis=0) * 4.4 * 2
+    )  # of two frames together
+    near = np.abs(film.thickness.values[2] / 6.0 - 1) < 0.05
+    expected = np.median(1 / np.sqrt(electrons[near])) / float(calibration.slope(6.0))
+    term = float(budget["std"].isel(quantity=0).sel(term="photons, camera 1"))
+    npt.assert_allclose(term, expected, rtol=0.05)
+
+
+def test_trigger_and_film_that_are_not_there_are_refused(lab):
+    _, _, out, calibration = lab
+    with pytest.raises(erlif.ErlifError, match="Expected a trigger from 0 to"):
+        erlif.budget(out / "run", trigger=99, calibration=calibration)
+    with pytest.raises(erlif.ErlifError, match="Expected at least 50 valid pixels of 40 um"):
+        erlif.budget(out / "run", trigger=2, calibration=calibration, films=(40.0,))
+
+
+def numbers(table):
+    """Titles, terms and numbers of a table in Markdown."""
+    rows = [
+        line.replace("*", "").strip("|").split("|")
+        for line in table.splitlines()
+        if line.startswith("|")
+    ]
+    cells = [[cell.strip() for cell in row] for row in rows]
+    words = [[cell for cell in row if not re.fullmatch(r"[\d.]+", cell)] for row in cells]
+    return words, np.array(
+        [float(cell) for row in cells for cell in row if re.fullmatch(r"[\d.]+", cell)]
+    )
+
+
+@pytest.mark.slow
+def test_documented_budget_is_that_of_the_sample():
+    """docs/uncertainty.md holds what `erlif budget data_samples/straight_bushing` prints.
+
+    After a change of method, docs/make_budget.py renews it.
+    """
+    text = (ROOT / "docs" / "uncertainty.md").read_text(encoding="utf-8")
+    documented = text.split("<!-- budget -->")[1].split("<!-- end of budget -->")[0]
+    sample = ROOT / "data_samples" / "straight_bushing"
+    result = CliRunner().invoke(main, ["budget", str(sample)])
+    assert result.exit_code == 0, result.output
+    words, values = numbers(documented)
+    words_now, values_now = numbers(result.output)
+    assert words == words_now
+    npt.assert_allclose(values, values_now, rtol=0.05, atol=0.1)
+
+
+def test_budget_prints_nanometres(lab):
+    _, budget, _, _ = lab
+    table = render_budget(budget)
+    assert "| **total** |" in table
+    total = float(budget["std"].sel(term="total", quantity="minimum film"))
+    assert f"**{1000 * total:.0f}**" in table or f"**{1000 * total:.1f}**" in table
+
+
+@pytest.mark.parametrize("correlation", [-0.9, 0.0, 0.9])
+@pytest.mark.parametrize("size", [0.01, 0.1])
+def test_calibration_and_background_add_up_however_they_are_correlated(correlation, size):
+    """A background that is found with the calibration may compensate a part of its error."""
+    plain = example_calibration()
+    shares = size**2 * np.diag([1e-2, 1e-2])
+    empty = BackgroundError(1000.0, (3000.0, 2000.0), shares, np.zeros((3, 2)))
+    gradient = replace(plain, background=empty).gradient(3.0)
+    own, other = plain.full_covariance @ gradient[:3], shares @ gradient[3:]
+    scale = correlation / np.sqrt((gradient[:3] @ own) * (gradient[3:] @ other))
+    both = replace(plain, background=replace(empty, cross=scale * np.outer(own, other)))
+
+    terms = split_calibration(gradient, both)
+    total = gradient @ both.full_covariance @ gradient
+    npt.assert_allclose(terms["calibration"] ** 2 + terms["background"] ** 2, total)

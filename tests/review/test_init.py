@@ -1,0 +1,462 @@
+"""A first settings file from the files in a directory, and the way from there to a film."""
+
+import re
+import shutil
+import tomllib
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import tifffile
+import xarray as xr
+from scenes.camera_files import random_frames, write_im7, write_mraw
+
+import erlif
+from conftest import SMALL
+from erlif.core.errors import FrameError, OutputError
+from erlif.core.notes import Level
+from erlif.rig import RigSettings, simulate
+
+
+def photograph(directory: Path, *names: str, highest: int = 4000, shape=(64, 80)) -> None:
+    """Write frames with counts from 60 to `highest`."""
+    counts = np.linspace(60, highest, shape[0] * shape[1]).reshape(shape).astype(np.uint16)
+    for name in names:
+        path = directory / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        tifffile.imwrite(path, counts)
+
+
+def frames(pattern: str, count: int = 4) -> list[str]:
+    return [pattern.format(number) for number in range(count)]
+
+
+def read(directory: Path, name: str = "run.toml") -> dict:
+    return tomllib.loads((directory / name).read_text(encoding="utf-8"))
+
+
+def warnings(notes) -> str:
+    return "\n".join(str(note) for note in notes if note.level is Level.WARNING)
+
+
+@pytest.fixture
+def folder(tmp_path) -> Path:
+    """Two cameras with four frames each, in a folder without settings."""
+    directory = tmp_path / "bushing_7"
+    photograph(directory, *frames("cam1_580nm/{}.tif"), *frames("cam2_610nm/{}.tif"))
+    return directory
+
+
+def fill_gaps(path: Path, values: dict[str, str]) -> None:
+    """Fill in a settings file as a user does: line by line, by the names of table and key."""
+    table, lines = "", []
+    for line in path.read_text(encoding="utf-8").splitlines():
+        if match := re.fullmatch(r"\[(.+)\]", line):
+            table = match[1]
+        if match := re.fullmatch(r'(\w+) = "\?\?.*"', line):
+            line = f"{match[1]} = {values[f'{table}.{match[1]}']}"
+        lines.append(line)
+    path.write_text("\n".join(lines), encoding="utf-8")
+
+
+# from a simulated run to its film
+
+KNOWN = {
+    "optics.pixel_pitch": '"150 um"',
+    "mechanism.crank": '"5.5 cm"',
+    "mechanism.coupler": '"44 cm"',
+    "mechanism.rocker": '"26 cm"',
+    "mechanism.ground": '"51 cm"',
+    "mechanism.crank_speed": '"114 rpm"',
+    "joint.pin_radius": '"33.36 mm"',
+    "joint.bushing_radius": '"33.59 mm"',
+    "joint.length": '"237 mm"',
+    "joint.pin.youngs_modulus": '"2.7 GPa"',
+    "joint.pin.poissons_ratio": "0.37",
+    "joint.bushing.youngs_modulus": '"2.7 GPa"',
+    "joint.bushing.poissons_ratio": "0.37",
+    "oil.viscosity": '"0.12 Pa s"',
+    "oil.pressure_viscosity": '"20 1/GPa"',
+    "fixture.origin": "[0.0, 0.0]",
+    "camera1.band": '"580 nm"',
+    "camera2.band": '"610 nm"',
+}
+
+
+def test_a_run_without_settings_becomes_the_same_film_once_the_gaps_are_filled(lab, film, command):
+    original = (lab.run / "run.toml").read_text()
+    zero, roi = (re.search(rf"{key} = .*", original)[0] for key in ("zero", "roi"))
+    (lab.run / "run.toml").unlink()
+
+    printed = command("init", lab.run).stdout
+    assert f"{len(KNOWN) - 1} gaps are left" in printed  # the origin is that of the fixture
+    assert read(lab.run)["calibration"] == "../fixture/calibration.nc"
+    fill_gaps(lab.run / "run.toml", KNOWN)
+
+    # optional keys, which the original has too
+    noise = (('# gain = "4.4', 'gain = "4.4'), ('# read_noise = "9', 'read_noise = "9'))
+    lab.edit("run/run.toml", *noise, *noise, ('# zero = "0 deg"', zero), ("# roi =", f"{roi} # "))
+
+    assert "error" not in command("check", lab.run).stdout
+    found = erlif.process(lab.run)
+    with erlif.open_film(film) as expected:
+        for name in ("thickness", "thickness_std", "flags", "film_min", "film_mean", "crank_angle"):
+            xr.testing.assert_equal(found[name], expected[name])
+
+
+@pytest.mark.slow
+def test_a_run_with_a_log_in_time_goes_from_init_to_the_report(small_rig, film, tmp_path, command):
+    """The frames of the same seed; a log at 10 kHz in the form of another logger."""
+    simulate(tmp_path, seed=11, rig=RigSettings(**{**vars(SMALL), "log": "continuous"}))
+    run = tmp_path / "run"
+    shutil.copy(small_rig.fixture / "calibration.nc", tmp_path / "fixture" / "calibration.nc")
+    (run / "run.toml").unlink()
+
+    command("init", run)
+    table = read(run)["encoder"]
+    assert table["angle"] == "Encoder [deg]"
+    assert table["pulse"] == "Trigger [V]"
+    fill_gaps(run / "run.toml", KNOWN)
+    assert "error" not in command("check", run).stdout
+    command("process", run)
+    command("report", run / "film.nc")
+    assert "zero fitted to the dead points" in (run / "report.html").read_text(encoding="utf-8")
+
+    # the zero is fitted here and given there; the marks are symmetric about the dead points
+    with erlif.open_film(run / "film.nc") as found, erlif.open_film(film) as expected:
+        np.testing.assert_array_equal(found.stroke, expected.stroke)
+        np.testing.assert_allclose(found.rocker_speed, expected.rocker_speed, atol=0.05)
+        np.testing.assert_allclose(found.film_min, expected.film_min, rtol=0.02)
+
+
+def test_a_fixture_without_settings_is_ready_once_its_gaps_are_filled(lab, command):
+    (lab.fixture / "fixture.toml").unlink()
+    notes = erlif.init(lab.fixture, fixture=True)
+    assert read(lab.fixture, "fixture.toml")["fixture"]["profile"] == "profile.csv"
+    rows = len((lab.fixture / "profile.csv").read_text().splitlines()) - 1
+    assert f"profile.csv, {rows} points" in "\n".join(map(str, notes))
+    assert read(lab.fixture, "fixture.toml")["fixture"]["origin"] == "??"
+    fill_gaps(lab.fixture / "fixture.toml", KNOWN)
+    assert "error" not in command("check", lab.fixture).stdout
+
+
+# what is found out
+
+
+def test_patterns_bands_depth_and_name_are_filled_in(folder):
+    notes = erlif.init(folder)
+    settings = read(folder)
+    assert settings["run"]["name"] == "bushing 7"
+    assert settings["camera1"]["files"] == "cam1_580nm/*.tif"
+    assert settings["camera2"]["files"] == "cam2_610nm/*.tif"
+    assert [settings[f"camera{n}"]["band"] for n in (1, 2)] == ["580 nm", "610 nm"]
+    assert settings["camera1"]["bit_depth"] == 12
+    assert str(notes[0]) == "camera1: 4 frames of 80 x 64 uint16, cam1_580nm/*.tif"
+
+
+def test_cameras_are_exchanged_where_their_wavelengths_demand_it(tmp_path):
+    photograph(tmp_path, *frames("cam1_610nm/{}.tif"), *frames("cam2_580nm/{}.tif"))
+    erlif.init(tmp_path)
+    assert read(tmp_path)["camera1"] == {
+        **read(tmp_path)["camera1"],
+        "band": "580 nm",
+        "files": "cam2_580nm/*.tif",
+    }
+
+
+def test_without_darks_the_dark_level_is_a_gap(folder):
+    assert "no dark frames" in warnings(erlif.init(folder))
+    assert read(folder)["camera1"]["offset"] == "?? DN"
+
+
+@pytest.mark.parametrize("bits", [10, 12, 14])
+def test_left_aligned_counts_are_noticed(tmp_path, bits):
+    counts = np.linspace(100, (1 << bits) - 1, 64 * 80).reshape(64, 80).astype(np.uint16)
+    for name in ("cam1.tif", "cam2.tif"):
+        tifffile.imwrite(tmp_path / name, counts << (16 - bits))
+    assert "left-aligned" not in warnings(erlif.init(tmp_path))
+    assert read(tmp_path)["camera1"]["bit_depth"] == bits
+    assert read(tmp_path)["camera1"]["alignment"] == "left"
+
+
+def test_counts_of_ten_bits_at_the_high_end_of_twelve_are_reported(tmp_path):
+    counts = (np.arange(64 * 80).reshape(64, 80) % 1024).astype(np.uint16) << 2
+    for name in ("cam1.tif", "cam2.tif"):
+        tifffile.imwrite(tmp_path / name, counts)
+    text = warnings(erlif.init(tmp_path))
+    assert "left-aligned. Divide the counts by 4" in text
+    assert "alignment" not in read(tmp_path)["camera1"]
+
+
+def test_recordings_of_a_camera_have_the_depth_of_their_headers(tmp_path):
+    counts = np.linspace(60, 200, 4 * 64 * 80).reshape(4, 64, 80).astype(np.uint16)
+    for camera in (1, 2):
+        write_mraw(tmp_path / f"camera{camera}.mraw", counts, stored=16, depth=12)
+    erlif.init(tmp_path)
+    assert read(tmp_path)["camera2"]["files"] == "camera2.mraw"
+    assert read(tmp_path)["camera2"]["bit_depth"] == 12
+    text = (tmp_path / "run.toml").read_text(encoding="utf-8")
+    assert "After the headers; largest count 200 in 4 images." in text
+
+
+def test_two_cameras_in_each_file_are_told_apart_by_their_channel(tmp_path):
+    (tmp_path / "images").mkdir()
+    for number in range(3):
+        pair = random_frames(np.random.default_rng(number), frames=2, rows=64, columns=80)
+        write_im7(tmp_path / "images" / f"B{number:05}.im7", pair, packing=1)
+    erlif.init(tmp_path)
+    for number in (1, 2):
+        table = read(tmp_path)[f"camera{number}"]
+        assert table["files"] == "images/*.im7"
+        assert table["part"] == f"channel {number}"
+    text = (tmp_path / "run.toml").read_text(encoding="utf-8")
+    assert text.count("3 frames of 80 x 64 uint16.") == 2
+
+
+def test_the_columns_of_the_log_decide_whether_a_load_is_needed(folder):
+    log = folder / "encoder.csv"
+    log.write_text("frame,angle_deg\n" + "".join(f"{k},{k}\n" for k in range(4)))
+    erlif.init(folder)
+    assert read(folder)["encoder"]["file"] == "encoder.csv"
+    assert read(folder)["joint"]["load"] == "?? lbf"
+    log.write_text("frame,angle_deg,load_N\n" + "".join(f"{k},{k},9\n" for k in range(4)))
+    erlif.init(folder, overwrite=True)
+    assert "load" not in read(folder)["joint"]
+
+
+def test_triggers_per_cycle_and_crank_speed_come_from_the_log(folder):
+    photograph(folder, *frames("cam1_580nm/{}.tif", 36), *frames("cam2_610nm/{}.tif", 36))
+    rows = [f"{k},{k * 0.05:.3f},{20 * np.sin(np.radians(30 * k)):.4f}" for k in range(36)]
+    (folder / "encoder.csv").write_text("frame,time_s,angle_deg\n" + "\n".join(rows))
+    erlif.init(folder)
+    assert read(folder)["encoder"]["triggers_per_cycle"] == 12
+    assert read(folder)["encoder"]["mounted_on"] == "rocker"
+    assert read(folder)["mechanism"]["crank_speed"] == "?? rpm"
+    # twelve triggers of 50 ms: a turn in 0.6 s
+    assert "The times of the log give 100 rpm." in (folder / "run.toml").read_text()
+
+
+def test_the_fixture_beside_the_run_is_named_as_its_calibration(lab):
+    (lab.run / "run.toml").unlink()
+    (lab.fixture / "calibration.nc").unlink()
+    erlif.init(lab.run)
+    assert read(lab.run)["calibration"] == "../fixture/calibration.nc"
+    text = (lab.run / "run.toml").read_text()
+    assert "The calibration has 150 um" in text
+    assert read(lab.run)["optics"]["pixel_pitch"] == "?? um"  # a hint, not a value
+
+
+# what is missing or does not fit
+
+
+def test_an_empty_folder_is_refused(tmp_path, refused):
+    assert "no image file" in refused("init", tmp_path)
+
+
+def test_a_folder_that_does_not_exist_is_refused(tmp_path):
+    with pytest.raises(FrameError, match="is not a directory"):
+        erlif.init(tmp_path / "nowhere")
+
+
+def test_one_camera_only_is_reported_and_the_other_a_gap(tmp_path):
+    photograph(tmp_path, *frames("cam1/{}.tif"))
+    assert "one camera only" in warnings(erlif.init(tmp_path))
+    assert read(tmp_path)["camera2"]["files"] == "??"
+
+
+def test_three_cameras_are_reported_with_their_names(tmp_path):
+    photograph(tmp_path, *(name for n in (1, 2, 3) for name in frames(f"cam{n}/{{}}.tif")))
+    assert "3 groups of frames" in warnings(erlif.init(tmp_path))
+
+
+def test_unequal_numbers_of_frames_are_reported_with_both_counts(folder):
+    (folder / "cam2_610nm" / "2.tif").unlink()
+    text = warnings(erlif.init(folder))
+    assert "camera1 has 4 frames, camera2 has 3" in text
+
+
+def test_frames_of_different_size_are_reported(folder):
+    photograph(folder, *frames("cam2_610nm/{}.tif"), shape=(70, 90))
+    assert "80 x 64 uint16, camera2 of 90 x 70 uint16" in warnings(erlif.init(folder))
+
+
+def test_a_log_with_other_columns_is_reported_with_its_header(folder):
+    (folder / "log.csv").write_text("index,angle\n0,1\n")
+    text = warnings(erlif.init(folder))
+    assert "frame, angle_deg" in text
+    assert "log.csv (index, angle)" in text
+
+
+def test_rows_of_the_log_that_do_not_fit_the_frames_are_reported(folder):
+    (folder / "encoder.csv").write_text("frame,angle_deg\n0,1\n1,2\n2,3\n")
+    assert "3 rows for 4 frames" in warnings(erlif.init(folder))
+
+
+def test_existing_settings_are_kept_unless_overwriting_is_allowed(folder):
+    (folder / "run.toml").write_text("mine")
+    with pytest.raises(OutputError, match="--overwrite"):
+        erlif.init(folder)
+    assert (folder / "run.toml").read_text() == "mine"
+    erlif.init(folder, overwrite=True)
+    assert read(folder)["run"]["name"] == "bushing 7"
+
+
+def test_a_failure_while_writing_leaves_the_old_settings(folder, monkeypatch):
+    (folder / "run.toml").write_text("mine")
+
+    def fail(*arguments, **options):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", fail)
+    with pytest.raises(OutputError, match="No space left"):
+        erlif.init(folder, overwrite=True)
+    assert (folder / "run.toml").read_text() == "mine"
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "cam1_580nm",
+        "cam2_610nm",
+        "run.toml",
+    ]
+
+
+# what is left to do
+
+
+def test_check_lists_every_gap_with_table_key_unit_and_meaning(folder):
+    shutil.rmtree(folder / "cam2_610nm")
+    photograph(folder, *frames("cam2_610nm/{}.tif"))
+    erlif.init(folder)
+    (note,) = erlif.check(folder)
+    assert note.level is Level.ERROR
+    lines = note.text.splitlines()
+    gaps = sum('= "??' in line for line in (folder / "run.toml").read_text().splitlines())
+    assert len(lines) == 1 + gaps
+    (pitch,) = [line for line in lines if "[optics] pixel_pitch" in line]
+    assert '"60 um"' in pitch
+    assert "Size of a pixel" in pitch
+    assert any("[joint.pin] poissons_ratio" in line for line in lines)
+    assert any("[encoder] file" in line for line in lines)
+
+
+def test_check_of_a_directory_without_settings_proposes_init(folder):
+    (note,) = erlif.check(folder)
+    assert f"erlif init {folder}" in note.text
+
+
+def test_editors_find_the_schema_beside_the_file(folder):
+    erlif.init(folder)
+    first = (folder / "run.toml").read_text().splitlines()[0]
+    assert (folder / first.removeprefix("#:schema ")).is_file()
+
+
+def test_columns_of_a_log_of_another_form_are_proposed(folder):
+    rows = "".join(f"{k / 10};{10 * (k % 2)}\n".replace(".", ",") for k in range(4))
+    (folder / "rig.txt").write_text(f"Time [s];Encoder [deg]\n{rows}")
+    notes = erlif.init(folder)
+    table = read(folder)["encoder"]
+    assert table["file"] == "rig.txt"
+    assert table["angle"] == "Encoder [deg]"
+    assert table["time"] == "Time [s]"
+    assert "rig.txt, 4 rows: Time [s], Encoder [deg]" in "\n".join(map(str, notes))
+    assert "columns separated by semicolons; decimal commas" in (folder / "run.toml").read_text()
+
+
+def test_columns_with_names_of_another_language_are_gaps_that_list_them(folder):
+    rows = "".join(f"{k / 10};{k % 7};5\n".replace(".", ",") for k in range(40))
+    path = folder / "messung7.csv"
+    path.write_text(f"Messung 7;;\nZeit;Drehgeber;Kraft\n{rows}", encoding="utf-16")
+    text = warnings(erlif.init(folder))
+    assert "messung7.csv is known by its name as angle or time: choose from 'Zeit', " in text
+    table = read(folder)["encoder"]
+    assert (table["file"], table["angle"], table["time"]) == ("messung7.csv", "??", "??")
+    assert "One of the columns 'Zeit', 'Drehgeber', 'Kraft'." in (folder / "run.toml").read_text()
+
+
+def test_darks_that_belong_to_no_camera_are_named_where_they_are_missed(folder):
+    (folder / "darks").mkdir()
+    photograph(folder, "darks/A.tif", "darks/B.tif", highest=100)
+    text = warnings(erlif.init(folder))
+    assert "there are darks/A.tif, darks/B.tif: in [camera1], write dark =" in text
+
+
+def test_a_log_in_time_needs_the_times_of_the_frames(folder):
+    rows = "".join(f"{k / 10},{k % 7}\n" for k in range(40))
+    (folder / "rig.txt").write_text(f"t [s],angle\n{rows}")
+    text = warnings(erlif.init(folder))
+    assert "column 'angle' has no unit that is known" in text
+    (folder / "rig.txt").write_text(f"t [s],angle [deg]\n{rows}")
+    text = warnings(erlif.init(folder, overwrite=True))
+    assert "40 rows for 4 frames, a log in time" in text
+    assert read(folder)["encoder"]["mounted_on"] == "rocker"
+
+
+# both cameras in one file
+
+
+def test_alternating_pages_and_their_darks_are_proposed(tmp_path):
+    rng = np.random.default_rng(1)
+    counts = rng.integers(60, 4000, (8, 64, 80), dtype=np.uint16)
+    tifffile.imwrite(tmp_path / "recording.tif", counts, photometric="minisblack")
+    tifffile.imwrite(tmp_path / "dark.tif", counts[:4] // 60, photometric="minisblack")
+    rows = "".join(f"{k},{k}\n" for k in range(4))
+    (tmp_path / "encoder.csv").write_text("frame,angle_deg\n" + rows)
+
+    notes = erlif.init(tmp_path)
+    settings = read(tmp_path)
+    for number, part in ((1, "odd"), (2, "even")):
+        camera = settings[f"camera{number}"]
+        assert (camera["files"], camera["part"]) == ("recording.tif", part)
+        assert camera["dark"] == "dark.tif"
+    assert "4 frames of 80 x 64 uint16" in "\n".join(map(str, notes))
+    assert "rows for" not in warnings(notes)
+
+
+def test_datasets_of_one_file_are_proposed(tmp_path):
+    with h5py.File(tmp_path / "run.h5", "w") as file:
+        for camera in (1, 2):
+            for name in ("counts", "dark"):
+                file[f"camera{camera}/{name}"] = np.full((3, 64, 80), 9 * camera, np.uint16)
+    erlif.init(tmp_path)
+    camera = read(tmp_path)["camera2"]
+    assert (camera["files"], camera["dark"]) == ("run.h5", "run.h5")
+    assert (camera["dataset"], camera["dark_dataset"]) == ("/camera2/counts", "/camera2/dark")
+    assert "part" not in camera
+
+
+# other tribometers
+
+
+def test_columns_of_a_logger_serve_a_disc(folder):
+    """Angle and time give the speed, so that the radius is the only gap of the motion."""
+    rows = [f"{k / 10};{30 * k};20" for k in range(4)]
+    text = "Time [s];Encoder [deg];Force [N]\n" + "\n".join(rows) + "\n"
+    (folder / "logger.csv").write_text(text, encoding="utf-8")
+    erlif.init(folder, kind="rotation")
+    settings = read(folder)
+    assert settings["mechanism"] == {"kind": "rotation", "radius": "?? mm"}
+    assert settings["encoder"]["file"] == "logger.csv"
+    assert settings["encoder"]["angle"] == "Encoder [deg]"
+    assert "mounted_on" not in settings["encoder"]
+    assert not {"joint", "oil"} & set(settings)
+
+
+def test_a_disc_without_a_log_needs_its_speed(folder):
+    text = " ".join(map(str, erlif.init(folder, kind="rotation")))
+    assert "none was found; each frame is a trigger" in text
+    assert read(folder)["mechanism"]["speed"] == "?? rpm"
+    assert "encoder" not in read(folder)
+
+
+def test_a_slider_without_an_angle_needs_its_zero(folder):
+    (folder / "encoder.csv").write_text("frame,time_s\n0,0\n1,0.1\n2,0.2\n3,0.3\n")
+    erlif.init(folder, kind="sinusoidal")
+    assert read(folder)["encoder"] == {"file": "encoder.csv", "zero": "?? deg"}
+    assert read(folder)["mechanism"]["stroke"] == "?? mm"
+    assert read(folder)["mechanism"]["frequency"] == "?? Hz"
+
+
+def test_a_static_film_needs_nothing_of_a_motion(folder):
+    erlif.init(folder, kind="static")
+    gaps = [line for line in (folder / "run.toml").read_text().splitlines() if '= "??' in line]
+    assert not any("speed" in line or "crank" in line for line in gaps)
+    assert not {"encoder", "mechanism", "joint", "oil"} & set(read(folder))

@@ -1,0 +1,81 @@
+"""The attribute `erlif` of a film."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+
+import erlif
+from erlif.core.errors import ErlifError
+from erlif.core.flags import Flag
+from erlif.show.plots import example_film
+
+
+@pytest.fixture(scope="module")
+def example():
+    return example_film()
+
+
+def test_masks_are_those_of_the_flags(example):
+    flags = example.flags.values
+    npt.assert_array_equal(example.erlif.mask("no_film"), flags & Flag.NO_FILM > 0)
+    both = (flags & (Flag.NO_FILM | Flag.OUTSIDE_OVERLAP)) > 0
+    npt.assert_array_equal(example.erlif.mask("no_film", "outside_overlap"), both)
+    npt.assert_array_equal(example.erlif.mask(), ~example.erlif.valid)
+    npt.assert_array_equal(example.erlif.valid, np.isfinite(example.thickness))
+
+
+def test_a_mask_of_one_trigger_needs_no_other(example):
+    assert example.isel(trigger=2).erlif.mask("no_film").dims == ("y", "x")
+
+
+def test_a_flag_that_does_not_exist_is_refused_with_those_that_do(example):
+    with pytest.raises(ErlifError, match="got bubble") as found:
+        example.erlif.mask("bubble")
+    assert "no_film" in str(found.value)
+
+
+def test_groups_of_a_film_come_from_its_file(film):
+    with erlif.open_film(film) as opened:
+        assert opened.erlif.frames.sizes["frame"] == 6
+        assert "displacement_x" in opened.erlif.registration
+
+
+def test_a_film_without_a_file_names_the_way_to_its_groups(example):
+    with pytest.raises(ErlifError, match=r"open_film\(.*group=\"frames\"\)"):
+        _ = example.erlif.frames
+
+
+def test_a_map_is_drawn_with_y_downwards_in_the_axes_given(example):
+    from matplotlib.figure import Figure
+
+    ax = Figure().subplots()
+    drawn = example.erlif.plot_map("thickness_std", trigger=1, ax=ax)
+    assert drawn.get_cmap() == erlif.plots.thickness_map(example, trigger=1).get_cmap()
+    assert example.erlif.plot_map(trigger=1, cmap="gray").get_cmap().name == "gray"
+    assert drawn.axes is ax
+    assert ax.yaxis_inverted()
+    assert ax.get_aspect() == 1
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda film: film.erlif.plot_map(), "Give trigger="),
+        (lambda film: film.erlif.plot_map(trigger=6), "from 0 to 5"),
+        (lambda film: film.erlif.plot_map("pressure", trigger=0), "with pressure"),
+        (lambda film: film.thickness.erlif.plot(), r"isel\(trigger=3\)"),
+        (lambda film: film.erlif.region(x=(1, 2)), "at least 32 x 32 pixels"),
+        (lambda film: film[["film_min"]].erlif.region(), "erlif.open_film"),
+        (lambda film: film[["film_min"]].erlif.valid, "holds"),
+    ],
+)
+def test_what_is_not_there_is_named_with_the_next_step(example, call, message):
+    with pytest.raises(ErlifError, match=message):
+        call(example)
+
+
+def test_any_dataset_can_be_shown():
+    other = xr.Dataset({"counts": ("x", [1, 2])})
+    assert "holds counts" in repr(other.erlif)
+    assert "erlif.open_film" in other.erlif._repr_html_()

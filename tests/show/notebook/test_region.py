@@ -1,0 +1,64 @@
+"""Mean and minimum of a rectangle from the maps of a film."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import erlif
+from erlif.show.notebook import summarise_region
+
+
+@pytest.fixture(scope="module")
+def opened(film):
+    with erlif.open_film(film) as dataset:
+        return dataset.load()
+
+
+def test_the_region_of_the_settings_has_the_statistics_of_the_film(opened):
+    roi = erlif.files.region_of(opened)
+    found = summarise_region(opened, x=roi.x, y=roi.y)
+    for name in ("film_mean", "film_min"):
+        difference = np.abs(found[name] - opened[name]) / opened[f"{name}_std"]
+        assert float(difference.max()) < 0.5
+        ratio = found[f"{name}_std"] / opened[f"{name}_std"]
+        assert float(np.abs(ratio - 1).max()) < 0.1
+
+
+def test_the_mean_of_a_part_is_that_of_the_known_film(opened, small_rig):
+    x, y = (2.0, 12.0), (3.0, 11.0)
+    found = summarise_region(opened, x=x, y=y)
+    with xr.open_dataset(small_rig.directory / "truth.nc", engine="h5netcdf") as truth:
+        known = truth.film.values
+    inside = (opened.x.values >= x[0]) & (opened.x.values <= x[1])
+    down = (opened.y.values >= y[0]) & (opened.y.values <= y[1])
+    part = np.where(opened.flags.values == 0, known, np.nan)[:, down][:, :, inside]
+    pull = (found.film_mean.values - np.nanmean(part, axis=(1, 2))) / found.film_mean_std.values
+    assert np.abs(pull).max() < 4
+    assert found.pixels.values.tolist() == np.isfinite(part).sum(axis=(1, 2)).tolist()
+
+
+def test_the_minimum_lies_where_the_true_gap_has_it(opened, small_rig):
+    """The vertex to 1 px, 60 um, in spite of marks; across, the edge of the film or of the part."""
+    rows, columns = slice(10, 60), slice(16, 72)
+    with xr.open_dataset(small_rig.directory / "truth.nc", engine="h5netcdf") as truth:
+        lines = truth.film.values[:, rows].argmin(axis=2)
+    x, y = opened.x.values[columns], opened.y.values[rows]
+    part = summarise_region(opened, x=(x[0], x[-1]), y=(y[0], y[-1]))
+    roi = erlif.files.region_of(opened)
+    for found, row in ((opened, np.searchsorted(opened.y, roi.y[0])), (part, rows.start)):
+        np.testing.assert_allclose(found.film_min_x, np.median(lines, axis=1), atol=1.0)
+        np.testing.assert_array_equal(found.film_min_y, row)
+
+
+def test_both_parts_of_the_error_make_the_whole(opened):
+    found = summarise_region(opened.isel(trigger=[1]))
+    for name in ("film_mean_std", "film_min_std"):
+        parts = np.hypot(found[f"{name}_random"], found[f"{name}_shared"])
+        np.testing.assert_allclose(parts, found[name])
+    assert "crank_angle" in found.film_mean.coords
+
+
+def test_one_trigger_gives_numbers(opened):
+    found = summarise_region(opened.isel(trigger=2))
+    assert found.film_mean.ndim == 0
+    assert 0 < float(found.share_valid) <= 1

@@ -1,0 +1,46 @@
+"""A film at a glance."""
+
+import numpy as np
+import pytest
+
+from erlif.show.notebook.summary import describe_in_html, describe_in_text
+from erlif.show.plots import example_film
+
+
+@pytest.fixture
+def film():
+    return example_film().assign_attrs(notes="warning: no flat\nset by <b>hand</b>")
+
+
+def test_the_numbers_are_those_of_the_film(film):
+    text = describe_in_text(film)
+    low, high = float(film.film_min.min()), float(film.film_min.max())
+    assert f"{low:.2f} to {high:.2f} um" in text
+    assert "222.4 N" in text
+    assert "warning: no flat" in text
+
+
+def test_names_from_files_stay_text(film):
+    evil = "<script>alert(1)</script>"
+    film.attrs["settings"] = film.attrs["settings"].replace('"example"', f'"{evil}"')
+    film.attrs["notes"] = f"warning: {evil}"
+    film.film_theory.attrs["regime"] = evil
+    page = describe_in_html(film)
+    assert "<script" not in page
+    assert page.count("&lt;script&gt;") == 3
+
+
+def test_a_page_of_a_film_is_small(film):
+    assert len(describe_in_html(film)) < 60_000
+
+
+def test_a_film_without_values_or_theory_is_shown(film):
+    bare = film.drop_vars(["film_theory", "load", "crank_angle"])
+    bare["thickness"] = bare.thickness * np.nan
+    assert "<img" not in describe_in_html(bare)
+    assert "minimum film" in describe_in_text(bare.isel(trigger=0))
+
+
+def test_a_film_without_settings_has_the_name_of_its_title(film):
+    del film.attrs["settings"]
+    assert "oil-film thickness, example" in describe_in_text(film)

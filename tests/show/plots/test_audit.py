@@ -1,0 +1,88 @@
+"""Pictures of an audit show its numbers."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.review.audit.cameras import Picture
+from erlif.review.audit.counts import CountSurvey, FrameCounts
+from erlif.review.audit.log import Steps
+from erlif.show.plots.audit import (
+    difference_figure,
+    histogram_figure,
+    light_figure,
+    pair_figure,
+    steps_figure,
+)
+
+
+@pytest.fixture
+def picture():
+    light = np.arange(48.0, dtype=np.float32).reshape(6, 8)
+    difference = (0.01 * np.sin(light)).astype(np.float32)
+    difference[0] = np.nan
+    return Picture(7, (light, 2 * light), difference)
+
+
+@pytest.fixture
+def survey():
+    frames = tuple(
+        FrameCounts(n, (164.0 + n, 260.0 + n), (0.0, 0.0), (0.04, 0.03), ("", "")) for n in range(5)
+    )
+    one, two = np.zeros(4096, np.int64), np.zeros(4096, np.int64)
+    one[100], two[4095] = 30, 50
+    return CountSurvey(frames, (one, two))
+
+
+def test_both_cameras_are_shown(picture):
+    left, right = pair_figure(picture).axes[:2]
+    npt.assert_array_equal(left.images[0].get_array(), picture.light[0])
+    npt.assert_array_equal(right.images[0].get_array(), picture.light[1])
+    assert right.get_title() == "camera 2, pair 7"
+
+
+def test_the_difference_is_in_per_cent_about_zero(picture):
+    image = difference_figure(picture).axes[0].images[0]
+    npt.assert_allclose(image.get_array()[1:], 100 * picture.difference[1:])
+    low, high = image.get_clim()
+    assert low == -high
+
+
+def test_a_picture_without_valid_pixels_is_drawn():
+    empty = np.full((6, 8), np.nan, np.float32)
+    assert difference_figure(Picture(0, (empty, empty), empty)).axes
+    assert pair_figure(Picture(0, (empty, empty), empty)).axes
+
+
+def test_bars_hold_all_pixels(survey):
+    steps = histogram_figure(survey).axes[0].patches
+    assert [patch.get_data().values.sum() for patch in steps] == [30, 50]
+    assert steps[1].get_data().values[-1] == 50
+
+
+def test_full_scale_is_marked_for_either_depth(survey):
+    deeper = CountSurvey(survey.frames, (survey.histograms[0], np.ones(65536, np.int64)))
+    marks = [line.get_xdata()[0] for line in histogram_figure(deeper).axes[0].lines]
+    assert sorted(marks) == [4095, 65535]
+
+
+def test_light_is_drawn_above_the_dark_level(survey):
+    upper, lower = light_figure(survey, (64.0, 60.0)).axes
+    npt.assert_allclose(upper.lines[0].get_ydata(), 100 + np.arange(5))
+    npt.assert_allclose(upper.lines[1].get_ydata(), 200 + np.arange(5))
+    npt.assert_allclose(lower.lines[1].get_ydata(), 3.0)
+
+
+def test_angles_and_steps_of_time_are_drawn():
+    upper, lower = steps_figure(Steps(np.array([0.0, 1, 3]), np.array([0.0, 0.01, 0.03]))).axes
+    npt.assert_allclose(upper.lines[0].get_ydata(), [0, 1, 3])
+    npt.assert_allclose(lower.lines[0].get_ydata(), [10, 20])
+    assert steps_figure(Steps(None, None)) is None
+
+
+def test_rounded_times_are_drawn_as_even_steps():
+    time = np.round(np.arange(20) / 24.003, 6)
+    (ax,) = steps_figure(Steps(None, time)).axes
+    low, high = ax.get_ylim()
+    assert high - low > 0.02 * 41.66
+    assert ax.yaxis.get_major_formatter().get_useOffset() is False

@@ -1,0 +1,186 @@
+"""Figures of a calibration: points, fit, band, range and residuals are those of the calibration."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes import film as scene
+
+from erlif.calibration import Profile, calibration_of
+from erlif.calibration.departure import Departure
+from erlif.show import plots
+
+
+def bars_of(points):
+    """Lower and upper ends of the error bars of points."""
+    (container,) = [box for box in points.axes.containers if box.lines[0] is points]
+    segments = np.array([path.vertices for path in container.lines[2][0].get_paths()])
+    return segments[:, 0, 1], segments[:, 1, 1]
+
+
+def labels_of(ax):
+    return [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def test_points_lie_on_the_curve_but_for_their_residuals(calibration):
+    fit, _, points = plots.ratio_against_thickness(calibration)
+    t, r = fit.get_data()
+    npt.assert_allclose(r, scene.true_ratio(t), rtol=1e-9)
+    npt.assert_allclose(
+        points.get_ydata() - scene.true_ratio(points.get_xdata()),
+        calibration.curve.curve_residual,
+        atol=1e-12,
+    )
+
+
+def test_bars_of_the_points_are_one_standard_deviation(calibration):
+    *_, points = plots.ratio_against_thickness(calibration)
+    low, high = bars_of(points)
+    npt.assert_allclose(high - points.get_ydata(), 2e-3)
+    npt.assert_allclose(points.get_ydata() - low, 2e-3)
+
+
+def test_residuals_are_in_per_cent_of_the_ratio(calibration):
+    points = plots.ratio_residuals(calibration)[-1]
+    ratio = scene.true_ratio(calibration.curve.curve_thickness.values)
+    npt.assert_allclose(points.get_ydata(), 100 * calibration.curve.curve_residual / ratio)
+    low, high = bars_of(points)
+    npt.assert_allclose(high - low, 2 * 100 * 2e-3 / ratio)
+    assert points.axes.get_ylabel() == "residual [% of ratio]"
+
+
+def test_axes_name_quantity_and_unit(calibration):
+    for draw, label in (
+        (plots.ratio_against_thickness, "ratio 610 nm / 580 nm [1]"),
+        (plots.ratio_residuals, "residual [% of ratio]"),
+    ):
+        ax = draw(calibration)[0].axes
+        assert ax.get_xlabel() == "thickness [µm]"
+        assert ax.get_ylabel() == label
+
+
+def test_band_of_the_fit_holds_the_scatter_of_its_parameters(calibration):
+    rng = np.random.default_rng(3)
+    drawn = rng.multivariate_normal([scene.K, scene.P, scene.Q], calibration.covariance, 4000)
+    k, p, q = (drawn[:, n, None] for n in range(3))
+    t = np.array([1.0, 5.0, 15.0])
+    ratio = k * (p / q) * (1 - np.exp(-q * t)) / (1 - np.exp(-p * t))
+    vertices = plots.ratio_against_thickness(calibration)[1].get_paths()[0].vertices
+    for n, thickness in enumerate(t):
+        closest = vertices[np.argmin(np.abs(vertices[:, 0] - thickness)), 0]
+        half = np.ptp(vertices[vertices[:, 0] == closest, 1]) / 2
+        npt.assert_allclose(half, 1.96 * ratio[:, n].std(), rtol=0.06)
+
+
+def test_band_of_the_residuals_is_that_of_the_fit(calibration):
+    """Both panels have one band, in units of the ratio and in per cent."""
+    fit, above, _ = plots.ratio_against_thickness(calibration)
+    _, below, _ = plots.ratio_residuals(calibration)
+    t, r = fit.get_data()
+    for thickness in (t[50], t[200], t[350]):
+        ratio = r[t == thickness]
+        ends = above.get_paths()[0].vertices, below.get_paths()[0].vertices
+        half = [np.ptp(end[end[:, 0] == thickness, 1]) / 2 for end in ends]
+        npt.assert_allclose(half[1], 100 * half[0] / ratio, rtol=1e-3)
+
+
+def test_shaded_range_is_the_calibrated_range(calibration):
+    ax = plots.ratio_against_thickness(calibration)[0].axes
+    (shade,) = ax.patches
+    npt.assert_allclose([shade.get_x(), shade.get_x() + shade.get_width()], [0.5, 15.0])
+    assert "calibrated range" in labels_of(ax)
+
+
+def test_curve_reaches_all_points(calibration):
+    fit, *_ = plots.ratio_against_thickness(calibration)
+    npt.assert_allclose([fit.get_xdata().min(), fit.get_xdata().max()], [0.3, 15.5])
+
+
+def test_parameters_are_written_with_their_standard_deviations(calibration):
+    ax = plots.ratio_against_thickness(calibration)[0].axes
+    (text,) = ax.texts
+    assert text.get_text().split("\n") == [
+        "K = 0.6600 ± 0.0010",
+        "p = 0.3900 ± 0.0020 µm⁻¹",
+        "q = 0.2450 ± 0.0010 µm⁻¹",
+        "reduced χ² = 1.10",
+    ]
+
+
+def test_spline_is_named_and_the_model_alone_is_drawn(calibration):
+    """A constant spline of 1 % lifts the fit, so that the model alone lies 1 % below."""
+    knots = np.array([0.0] * 4 + [20.0] * 4)
+    departure = Departure(knots, np.full(4, 0.01), 1e-8 * np.eye(4))
+    lifted = replace(calibration, departure=departure)
+    fit, *_ = plots.ratio_against_thickness(lifted)
+    t, r = fit.get_data()
+    npt.assert_allclose(r, np.exp(0.01) * scene.true_ratio(t), rtol=1e-9)
+    assert fit.get_label() == "reabsorption model and spline"
+    _, _, alone, _ = plots.ratio_residuals(lifted)
+    npt.assert_allclose(alone.get_ydata(), 100 * (np.exp(-0.01) - 1))
+    assert labels_of(alone.axes) == ["fit, 95 % band", "model alone"]
+
+
+def test_curve_of_a_film_is_drawn_without_points(film):
+    """A film stores the curve and its range, and no points."""
+    kept = calibration_of(film)
+    artists = plots.ratio_against_thickness(kept)
+    assert len(artists) == 2
+    npt.assert_allclose(artists[0].get_ydata(), scene.true_ratio(artists[0].get_xdata()))
+    npt.assert_allclose(artists[0].get_xdata()[[0, -1]], [0.2, 16.0])
+    assert "χ²" not in artists[0].axes.texts[0].get_text()
+    assert len(plots.ratio_residuals(kept)) == 2
+
+
+def test_profile_of_a_line_has_points_bars_and_range(calibration):
+    line = Profile(np.linspace(0, 10, 9), np.linspace(0, 8, 9), np.full(9, 0.1))
+    points, shade = plots.fixture_profile(line, calibration=calibration)
+    npt.assert_array_equal(points.get_xdata(), line.position)
+    npt.assert_array_equal(points.get_ydata(), line.thickness)
+    low, high = bars_of(points)
+    npt.assert_allclose((high - low) / 2, 0.1)
+    npt.assert_allclose([shade.get_y(), shade.get_y() + shade.get_height()], [0.5, 15.0])
+    assert points.axes.get_xlabel() == "profile x [mm]"
+    assert points.axes.get_ylabel() == "thickness by CMM [µm]"
+    assert labels_of(points.axes) == ["calibrated range", "CMM, bars 1 s.d."]
+
+
+def test_profile_without_uncertainty_has_no_bars():
+    line = Profile(np.linspace(0, 10, 9), np.linspace(0, 8, 9), None)
+    (points,) = plots.fixture_profile(line)
+    (container,) = points.axes.containers
+    assert container.lines[2] == ()
+    assert labels_of(points.axes) == ["CMM"]
+
+
+def test_profile_of_a_surface_is_drawn_as_coloured_points():
+    x, y = (grid.ravel() for grid in np.meshgrid(np.arange(4.0), np.arange(3.0)))
+    surface = Profile(np.stack([x, y], axis=1), x + y, None)
+    (points,) = plots.fixture_profile(surface)
+    npt.assert_array_equal(points.get_offsets(), surface.position)
+    npt.assert_array_equal(points.get_array(), surface.thickness)
+    ax = points.axes
+    assert ax.get_aspect() == 1
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("profile x [mm]", "profile y [mm]")
+    assert [bar.get_ylabel() for bar in ax.child_axes] == ["thickness by CMM [µm]"]
+
+
+def test_panels_of_the_figure_share_the_axis_of_thickness(calibration):
+    figure = plots.calibration_figure(calibration)
+    above, below = figure.axes
+    assert above.get_xlim() == below.get_xlim()
+    assert (above.get_xlabel(), below.get_xlabel()) == ("", "thickness [µm]")
+    assert figure.get_suptitle() == "calibration with known wedge"
+    assert [ax.get_title(loc="left") for ax in figure.axes] == ["(a)", "(b)"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "first"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")]
+)
+def test_figure_is_written_by_the_suffix(calibration, tmp_path, kind, first):
+    path = plots.write_calibration_figure(calibration, tmp_path / f"calibration.{kind}")
+    assert path == tmp_path / f"calibration.{kind}"
+    assert path.read_bytes().startswith(first)

@@ -1,0 +1,102 @@
+"""Figures of a design."""
+
+import tomllib
+
+import numpy as np
+import pytest
+from scenes.pictures import picture, without_texts
+
+from erlif.io.settings import DesignSettings
+from erlif.joint.sizing.design import design, example_design, example_joint_file
+from erlif.show.plots import (
+    design_figure,
+    design_margins,
+    design_margins_figure,
+    design_pressure,
+    design_pv,
+    design_temperature,
+    design_wear,
+)
+
+
+def changed(*changes):
+    text = example_joint_file()
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new, 1)
+    return design(DesignSettings.model_validate(tomllib.loads(text)))
+
+
+def test_bars_are_what_is_used_of_the_limits():
+    designed = example_design()
+    steps = [
+        step
+        for step in designed.walk.steps
+        if step.kind in ("limit", "recommendation") and step.margin == step.margin
+    ]
+    bars = design_margins(designed)
+    assert [bar.get_width() for bar in bars] == pytest.approx(
+        [1 / (1 + step.margin) for step in steps]
+    )
+
+
+def test_the_pressure_has_its_peak_under_the_load():
+    persson = design_pressure(example_design())[0]
+    angle, pressure = persson.get_data()
+    assert angle[np.argmax(pressure)] == 0
+    assert pressure.max() == pytest.approx(example_design().walk.step("pressure_peak").present)
+
+
+def test_the_point_of_the_pv_diagram():
+    largest, mean = design_pv(example_design())
+    walk = example_design().walk
+    x, y = mean.get_data()
+    assert x[0] * y[0] / 1e3 == pytest.approx(walk.step("pv").present)
+    assert largest.get_xdata()[0] == pytest.approx(walk.step("pressure_projected").present)
+
+
+def test_loads_that_are_alike_are_one_point():
+    (point,) = design_pv(changed(('mean_force = "80 kN"', "")))
+    assert point.get_label() == "largest and mean load"
+
+
+def test_the_legend_of_the_temperature_covers_no_shading():
+    ax = design_temperature(example_design())[0].axes
+    ax.figure.canvas.draw()
+    assert ax.get_legend().get_window_extent().y0 >= ax.get_window_extent().y1 - 1
+
+
+def test_the_wear_reaches_its_value_at_the_end_of_the_life():
+    (line,) = design_wear(example_design())
+    hours, depth = line.get_data()
+    assert np.interp(5000, hours, depth) == pytest.approx(
+        example_design().walk.step("wear").present
+    )
+
+
+@pytest.mark.parametrize("play", ["-200 um", "0 um", "3 mm"])
+def test_interference_and_large_play_are_drawn(play):
+    lines = design_pressure(changed(('# play = "160 um"', f'play = "{play}"')))
+    assert all(np.isfinite(line.get_ydata()).all() for line in lines)
+
+
+def test_what_is_not_known_is_stated():
+    text = example_joint_file()
+    still = text[: text.index("[motion]")] + text[text.index("[life]") :]
+    designed = design(DesignSettings.model_validate(tomllib.loads(still)))
+    for draw in (design_pv, design_temperature, design_wear):
+        assert draw(designed) == []
+    assert len(design_figure(designed).axes) == 4
+
+
+def test_an_exceeded_limit_and_a_doubtful_one_look_different():
+    bars = design_margins(changed(('# diameter = "80 mm"', 'diameter = "20 mm"')))
+    assert len({bar.get_edgecolor() for bar in bars}) == 3
+    fast = design_margins(changed(('"8 s"', '"0.5 s"')))
+    assert any(bar.get_hatch() for bar in fast)
+    assert len(design_margins_figure(example_design()).axes) == 1
+
+
+@picture
+def test_picture_of_a_design():
+    return without_texts(design_figure(example_design()))

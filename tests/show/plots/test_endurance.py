@@ -1,0 +1,119 @@
+"""Figures of endurance tests."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scenes.pictures import picture, without_texts
+
+import erlif.show.plots.endurance
+from erlif.core.errors import EnduranceError
+from erlif.joint.endurance.example import example_test
+from erlif.show.plots import (
+    endurance_figure,
+    failure_figure,
+    friction_over_test,
+    load_profile,
+    name_figures,
+    name_overviews,
+    torque_over_test,
+    write_endurance_figures,
+)
+
+
+def test_onset_and_stages_are_marked():
+    result = example_test()
+    line, mark = friction_over_test(result)
+    assert mark.get_xdata()[0] == pytest.approx(result.onset.time / 60)
+    drawn = np.isfinite(line.get_ydata())
+    assert drawn.sum() == sum(stage.last - stage.first + 1 for stage in result.loaded)
+
+
+def test_a_survivor_has_no_mark():
+    assert len(friction_over_test(example_test(galls=False))) == 1
+
+
+def test_stages_are_numbered():
+    line, *_ = load_profile(example_test())
+    assert [text.get_text() for text in line.axes.texts] == ["1", "2", "3", "4", "5", "6"]
+
+
+def test_panels_are_those_of_the_log():
+    result = example_test()
+    labels = [ax.get_ylabel() for ax in endurance_figure(result).axes]
+    assert labels == [
+        "load [kN]",
+        "torque [N m]",
+        "friction coefficient",
+        "temperature [°C]",
+        "vibration [g]",
+    ]
+
+
+def test_the_figure_of_the_failure_shows_the_interval_of_the_onset():
+    result = example_test()
+    _, friction = failure_figure(result).axes
+    before = friction.lines[2]
+    assert before.get_ydata()[0] == pytest.approx(result.onset.friction_before)
+    assert friction.get_xlim()[0] > result.onset.earliest - 100
+    with pytest.raises(EnduranceError, match="survived"):
+        failure_figure(example_test(galls=False))
+
+
+def test_figures_have_names_by_what_they_show():
+    assert "example_failure.png" in name_figures(example_test())
+    assert "example_failure.png" not in name_figures(example_test(galls=False))
+
+
+def test_no_overview_has_the_name_of_another_figure():
+    names = ["run", "run_load", "run_load_all", "designs"]
+    panels = {f"{name}_{kind}.png" for name in names for kind in ("load", "friction", "failure")}
+    overviews = name_overviews(names)
+    assert len({*overviews.values(), *panels, "designs.png"}) == 4 + len(panels) + 1
+    assert overviews["run"] == "run.png"
+
+
+def test_axes_of_large_torques_have_no_offset():
+    """Torques that differ little were labelled by their difference from 1e3."""
+    result = example_test()
+    test = result.test.copy(deep=True)
+    test["torque"][:] = 1234.0 + 0.01 * np.arange(test.sizes["time"])
+    ax = torque_over_test(replace(result, test=test))[0].axes
+    ax.figure.canvas.draw()
+    assert ax.yaxis.get_offset_text().get_text() == ""
+    assert ax.yaxis.get_ticklabels()[1].get_text().startswith("1")
+
+
+def test_marks_have_keys_and_the_onset_both_units_of_time():
+    result = example_test()
+    (legend,) = endurance_figure(result).legends
+    stage, onset = [text.get_text() for text in legend.get_texts()]
+    assert stage == "stage under load"
+    seconds = result.onset.time
+    assert f"{seconds / 60:.2f} min = {seconds:.1f} s" in onset
+
+
+def test_the_load_begins_at_zero():
+    assert load_profile(example_test())[0].axes.get_ylim()[0] == 0
+
+
+def test_friction_is_drawn_a_second_time_without_the_jump(tmp_path, monkeypatch):
+    drawn = {}
+    monkeypatch.setattr(
+        erlif.plots.endurance, "save_figure", lambda figure, path: drawn.update({path.name: figure})
+    )
+    result = example_test()
+    write_endurance_figures(result, tmp_path)
+    whole, before = drawn["example_friction.png"].axes
+    after = result.onset.friction_before + result.onset.rise
+    assert before.get_ylim()[1] < after < whole.get_ylim()[1]
+
+
+@picture
+def test_picture_of_a_test():
+    return without_texts(endurance_figure(example_test()))
+
+
+@picture
+def test_picture_of_a_failure():
+    return without_texts(failure_figure(example_test()))

@@ -1,0 +1,87 @@
+"""The film of the documentation follows from the formulas that it is described by."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.calibration import calibration_of
+from erlif.core.flags import Flag
+from erlif.io.files import open_film
+from erlif.show import plots
+from erlif.trend import average_across_sliding, rigid_gap
+
+
+@pytest.fixture(scope="module")
+def film():
+    return plots.example_film()
+
+
+def test_speed_is_the_derivative_of_the_angle():
+    """Kinematics of the crank-rocker by the scene of the tests, which shares no code with erlif."""
+    from scenes import film as scene
+
+    film = plots.example_film()
+    npt.assert_allclose(film.rocker_speed, scene.rocker_speed(film.crank_angle.values), rtol=1e-5)
+    angle = scene.rocker_angle(film.crank_angle.values) - 47.4095
+    npt.assert_allclose(film.encoder_angle, angle, atol=1e-6)
+
+
+def test_gap_is_that_of_two_cylinders(film):
+    """0.2053 um/mm2 where circles of 33.59 and 33.36 mm touch, less where the film is thicker."""
+    for trigger in range(film.sizes["trigger"]):
+        gap = rigid_gap(average_across_sliding(film, trigger=trigger), film)
+        bend = 0.20525 * (1 - float(film.film_min[trigger]) / 230)
+        assert abs(gap.curvature - bend) < 4 * gap.curvature_std
+        npt.assert_allclose(gap.minimum, film.film_min[trigger], atol=0.05)
+
+
+def test_scatter_is_that_of_the_error_bars(film):
+    x = film.x.values - film.x.values.mean()
+    bend = 0.20525 * (1 - film.film_min / 230)
+    truth = film.film_min + bend * film.x.copy(data=x) ** 2 / 2
+    pull = ((film.thickness - truth) / film.thickness_std).values
+    pull = pull[np.isfinite(pull)]
+    assert 0.95 < pull.std() < 1.05
+    assert abs(pull.mean()) < 0.05
+
+
+def test_thickness_is_missing_exactly_where_a_flag_is_set(film):
+    npt.assert_array_equal(np.isnan(film.thickness), film.flags != 0)
+    assert set(np.unique(film.flags)) == {0, Flag.OUTSIDE_OVERLAP, Flag.NO_FILM}
+
+
+def test_images_invert_to_the_map(film):
+    images = plots.example_images(film, trigger=4)
+    valid = images.flags.values == 0
+    inverted = calibration_of(film).invert(images.log_ratio.values[valid])
+    npt.assert_allclose(inverted, film.thickness.values[4][valid], rtol=1e-4)
+    npt.assert_allclose(
+        np.log(images.light.values[1] / images.light.values[0])[valid],
+        images.log_ratio.values[valid],
+    )
+
+
+def test_displacement_is_a_small_turn():
+    """A turn moves rows along x and columns along y by the same angle, with opposite sign."""
+    registration = plots.example_registration()
+    along_y = np.diff(registration.displacement_x, axis=0)
+    along_x = np.diff(registration.displacement_y, axis=1)
+    npt.assert_allclose(along_y, -5e-3)
+    npt.assert_allclose(along_x, 5e-3)
+
+
+def test_written_film_reads_back(film, tmp_path):
+    path = plots.write_example(tmp_path / "film.nc")
+    with open_film(path) as found:
+        npt.assert_array_equal(found.thickness, film.thickness)
+    with open_film(path, group="frames") as frames:
+        npt.assert_array_equal(frames.drift_x, plots.example_frames().drift_x)
+
+
+def test_points_of_the_calibration_lie_on_its_curve():
+    calibration = plots.example_calibration()
+    t = calibration.curve.curve_thickness.values
+    expected = 0.66 * (0.39 / 0.245) * np.expm1(-0.245 * t) / np.expm1(-0.39 * t)
+    npt.assert_allclose(calibration.curve.curve_ratio, expected)

@@ -1,0 +1,368 @@
+"""The set of figures: which are drawn, from which directories, and what is written."""
+
+from __future__ import annotations
+
+import logging
+import shutil
+
+import matplotlib
+import numpy as np
+import numpy.testing as npt
+import pytest
+from matplotlib.figure import Figure
+from scenes import film as scene
+from scenes.pictures import picture, without_texts
+
+from erlif.calibration import save_calibration
+from erlif.core.errors import ErlifError, FrameError, OutputError
+from erlif.pipeline import restore_images
+from erlif.show import plots
+from erlif.show.plots import files as plot_files
+from erlif.show.plots.files import DRAWN, find_source, reason_missing
+from erlif.show.plots.style import figure_bytes
+
+NEED_A_DIRECTORY = {"fixture_profile", "processed_images", "ratio_image"}
+
+
+@pytest.fixture
+def alone(film_path, tmp_path):
+    """The film without its run directory."""
+    return shutil.copy(film_path, tmp_path / "film.nc")
+
+
+def write_fixture(directory):
+    """Write a fixture directory as far as the figures read it."""
+    directory.mkdir()
+    cameras = "".join(
+        f'[camera{n}]\nfiles = "camera{n}/*.tif"\nband = "{band} nm"\noffset = "64 DN"\n'
+        for n, band in ((1, 580), (2, 610))
+    )
+    (directory / "fixture.toml").write_text(
+        '[fixture]\nname = "known wedge"\nprofile = "profile.csv"\n'
+        + cameras
+        + '[optics]\npixel_pitch = "200 um"\n'
+    )
+    rows = "".join(f"{x:.1f},{0.8 * x:.2f},0.05\n" for x in np.linspace(0, 20, 41))
+    (directory / "profile.csv").write_text(f"x_mm,thickness_um,uncertainty_um\n{rows}")
+    return directory
+
+
+@pytest.fixture
+def fixture_dir(tmp_path):
+    """A fixture directory that a test may change."""
+    return write_fixture(tmp_path / "fixture")
+
+
+@pytest.fixture(scope="module")
+def all_drawn(film_path, tmp_path_factory):
+    """All figures by name, and their files at 50 dpi, which fix the layout."""
+    folder = tmp_path_factory.mktemp("all")
+    figures = {}
+
+    def keeping(name):
+        def draw(source):
+            figures[name] = DRAWN[name](source)
+            return figures[name]
+
+        return draw
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(plot_files, "DRAWN", {name: keeping(name) for name in DRAWN})
+        directories = {"fixture_dir": write_fixture(folder / "fixture")}
+        paths = plots.write_figures(film_path, folder, formats=("png",), dpi=50, **directories)
+    return figures, paths
+
+
+def few(monkeypatch, *names):
+    """Draw some of the figures only."""
+    monkeypatch.setattr(plot_files, "DRAWN", {name: DRAWN[name] for name in names})
+
+
+def source_of(film_path, film, **directories):
+    options = {"run_dir": None, "fixture_dir": None} | directories
+    return find_source(film_path, film, None, options["run_dir"], options["fixture_dir"])
+
+
+def test_all_figures_are_written(all_drawn):
+    _, paths = all_drawn
+    assert [path.stem for path in paths] == list(DRAWN)
+    for path in paths:
+        assert path.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+
+
+@pytest.fixture(scope="module")
+def second_source(film_path, film):
+    """The film of the scene, with the run directory."""
+    return source_of(film_path, film)
+
+
+@pytest.mark.parametrize("name", [name for name in DRAWN if name != "fixture_profile"])
+@picture
+def test_figure(second_source, name, all_drawn):
+    """Drawn again, a figure has the same bytes, and the look of the stored picture."""
+    figure = DRAWN[name](second_source)
+    (path,) = (path for path in all_drawn[1] if path.stem == name)
+    assert figure_bytes(figure, kind="png", dpi=50) == path.read_bytes()
+    return without_texts(figure)
+
+
+def test_all_axes_name_their_units(all_drawn):
+    figures, _ = all_drawn
+    assert list(figures) == list(DRAWN)
+    for name, figure in figures.items():
+        panels = [child for ax in figure.axes for child in (ax, *ax.child_axes)]
+        labels = [label for ax in panels for label in (ax.get_xlabel(), ax.get_ylabel()) if label]
+        strokes = {"outward", "return"} if name == "map_sheet" else set()
+        assert set(labels) - strokes
+        assert all("[" in label and "]" in label for label in set(labels) - strokes), labels
+
+
+def test_no_label_is_cut_off(all_drawn):
+    """Text of titles, axes and legends lies within the figure."""
+    figures, _ = all_drawn
+    assert list(figures) == list(DRAWN)
+    for name, figure in figures.items():
+        figure.draw_without_rendering()
+        width, height = figure.bbox.width, figure.bbox.height
+        panels = [child for ax in figure.axes for child in (ax, *ax.child_axes)]
+        texts = [t for ax in panels for t in (ax.title, ax.xaxis.label, ax.yaxis.label)]
+        texts += [t for legend in figure.legends for t in legend.get_texts()]
+        for text in texts:
+            if text.get_text() and text.get_visible():
+                box = text.get_window_extent()
+                inside = box.x0 > -1 and box.y0 > -1 and box.x1 < width + 1 and box.y1 < height + 1
+                assert inside, (name, text.get_text())
+
+
+def test_formats_are_written_side_by_side(film_path, tmp_path, monkeypatch):
+    few(monkeypatch, "calibration")
+    paths = plots.write_figures(film_path, tmp_path, formats=("svg", "pdf"))
+    assert [path.name for path in paths] == ["calibration.svg", "calibration.pdf"]
+
+
+def test_without_the_run_the_rest_is_drawn_and_the_log_gives_the_reason(
+    alone, tmp_path, caplog, monkeypatch
+):
+    few(monkeypatch, *NEED_A_DIRECTORY, "speed_against_angle")
+    with caplog.at_level(logging.WARNING, logger="erlif"):
+        written = plots.write_figures(alone, tmp_path, formats=("svg",))
+    assert [path.name for path in written] == ["speed_against_angle.svg"]
+    assert all(any(name in message for message in caplog.messages) for name in NEED_A_DIRECTORY)
+
+
+def test_missing_figures_have_reasons(alone, film_path, fixture_dir):
+    missing = plots.missing_figures(alone)
+    assert set(missing) == NEED_A_DIRECTORY
+    assert "run directory" in missing["ratio_image"]
+    assert "fixture directory" in missing["fixture_profile"]
+    assert set(plots.missing_figures(alone, run_dir=film_path.parent)) == {"fixture_profile"}
+    given = {"run_dir": film_path.parent, "fixture_dir": fixture_dir}
+    assert plots.missing_figures(alone, **given) == {}
+
+
+def test_damaged_profile_is_the_reason_of_its_figure(film_path, film, fixture_dir):
+    (fixture_dir / "profile.csv").write_text("nothing of use\n")
+    source = source_of(film_path, film, fixture_dir=fixture_dir)
+    assert "profile.csv" in reason_missing("fixture_profile", source)
+
+
+def test_frames_of_another_run_are_the_reason_of_their_figures(film_path, film, tmp_path):
+    scene.make_run(tmp_path / "other")
+    for camera in (1, 2):
+        (tmp_path / "other" / f"camera{camera}" / "frame_05.tif").unlink()
+    log = (tmp_path / "other" / "encoder.csv").read_text().splitlines()[:-1]
+    (tmp_path / "other" / "encoder.csv").write_text("\n".join(log) + "\n")
+    with pytest.raises(FrameError, match="6 frames of 80 x 64"):
+        restore_images(film_path, tmp_path / "other", trigger=0)
+    source = source_of(film_path, film, run_dir=tmp_path / "other")
+    assert "could not be read again" in reason_missing("processed_images", source)
+
+
+def test_images_are_those_of_the_pipeline(film_path, film):
+    source = source_of(film_path, film)
+    images = restore_images(film_path, film_path.parent, trigger=source.trigger)
+    npt.assert_array_equal(source.images.log_ratio, images.log_ratio)
+    assert source.images is source.images  # computed once for two figures
+
+
+def test_run_directory_is_recognised_by_the_name_of_the_run(film_path, film, tmp_path):
+    assert plots.find_run(film_path, film) == film_path.parent
+    assert plots.find_run(tmp_path / "film.nc", film) is None
+    (tmp_path / "run.toml").write_text(scene.RUN_TOML.replace("known", "other"))
+    assert plots.find_run(tmp_path / "film.nc", film) is None
+    assert plots.find_run(tmp_path / "film.nc", film, film_path.parent) == film_path.parent
+
+
+def test_fixture_is_found_where_the_settings_name_its_calibration(with_settings, tmp_path):
+    named = with_settings(("[run]", 'calibration = "../wedge/calibration.nc"\n\n[run]'))
+    run = tmp_path / "run"
+    run.mkdir()
+    assert plots.find_fixture(named, run) is None  # no such directory
+    (tmp_path / "wedge").mkdir()
+    (tmp_path / "wedge" / "fixture.toml").write_text("")
+    assert plots.find_fixture(named, run).resolve() == tmp_path / "wedge"
+    assert plots.find_fixture(named, None) is None
+    assert plots.find_fixture(named, run, tmp_path) == tmp_path
+
+
+def test_calibration_with_points_is_taken_if_it_is_that_of_the_film(
+    film_path, film, fixture_dir, calibration
+):
+    save_calibration(calibration, fixture_dir / "calibration.nc")
+    found = source_of(film_path, film, fixture_dir=fixture_dir).calibration
+    npt.assert_array_equal(found.curve.curve_ratio, calibration.curve.curve_ratio)
+
+
+def test_points_of_another_calibration_are_not_drawn(film_path, film, fixture_dir, caplog):
+    """The fixture was calibrated again after the film was made."""
+    other = plots.example_calibration()
+    changed = type(other)(**{**vars(other), "ratio_at_zero": 0.7})
+    save_calibration(changed, fixture_dir / "calibration.nc")
+    with caplog.at_level(logging.WARNING, logger="erlif"):
+        found = source_of(film_path, film, fixture_dir=fixture_dir).calibration
+    assert "curve_ratio" not in found.curve
+    assert "not the calibration that the film was made with" in caplog.text
+
+
+def test_damaged_calibration_is_passed_over(film_path, film, fixture_dir, caplog):
+    (fixture_dir / "calibration.nc").write_bytes(b"no calibration")
+    with caplog.at_level(logging.WARNING, logger="erlif"):
+        found = source_of(film_path, film, fixture_dir=fixture_dir).calibration
+    npt.assert_allclose(found.parameters, [scene.K, scene.P, scene.Q])
+    assert "calibration.nc" in caplog.text
+
+
+def test_default_trigger_is_the_fastest_outward_one(film_path, film):
+    speed = scene.rocker_speed(scene.CRANK)
+    assert source_of(film_path, film).trigger == int(np.argmax(speed))
+
+
+def test_trigger_that_the_film_lacks_is_refused(film_path, tmp_path):
+    with pytest.raises(ErlifError, match="from 0 to 5"):
+        plots.write_figures(film_path, tmp_path / "figures", trigger=6)
+    assert not (tmp_path / "figures").exists()
+
+
+def test_existing_figures_are_kept_without_overwrite(film_path, tmp_path):
+    (tmp_path / "calibration.svg").write_text("mine")
+    with pytest.raises(OutputError, match="--overwrite"):
+        plots.write_figures(film_path, tmp_path, formats=("svg",))
+    assert [path.name for path in tmp_path.iterdir()] == ["calibration.svg"]
+    assert (tmp_path / "calibration.svg").read_text() == "mine"
+
+
+def test_existing_figures_are_replaced_on_request(film_path, tmp_path, monkeypatch):
+    few(monkeypatch, "calibration")
+    target = tmp_path / "calibration.pdf"
+    plots.write_calibration_figure(plots.example_calibration(), target)
+    earlier = target.read_bytes()
+    plots.write_figures(film_path, tmp_path, formats=("pdf",), overwrite=True)
+    assert target.read_bytes() != earlier
+
+
+def test_unknown_format_is_refused_before_the_work(film_path, tmp_path):
+    with pytest.raises(OutputError, match="gif"):
+        plots.write_figures(film_path, tmp_path / "figures", formats=("gif",))
+    assert not (tmp_path / "figures").exists()
+
+
+def test_chosen_trigger_is_drawn(film_path, film, tmp_path, monkeypatch):
+    """Figures of one trigger show the one that is asked for."""
+    shown = []
+    monkeypatch.setattr(
+        plot_files,
+        "DRAWN",
+        {"thickness_map": lambda source: shown.append(source.trigger) or Figure()},
+    )
+    plots.write_figures(film_path, tmp_path, trigger=4, formats=("pdf",))
+    assert shown == [4]
+
+
+def test_ratio_is_titled_with_its_trigger(film_path, film):
+    source = source_of(film_path, film)
+    (ax,) = DRAWN["ratio_image"](source).axes
+    assert ax.get_title().startswith(f"trigger {source.trigger}, ")
+    drawn = ax.images[0].get_array()
+    valid = source.images.flags.values == 0
+    npt.assert_allclose(np.log(drawn[valid]), source.images.log_ratio.values[valid], rtol=1e-5)
+
+
+def test_profile_is_drawn_with_the_range_of_its_calibration(film_path, film, fixture_dir):
+    source = source_of(film_path, film, fixture_dir=fixture_dir)
+    (ax,) = DRAWN["fixture_profile"](source).axes
+    (shade,) = ax.patches
+    npt.assert_allclose([shade.get_y(), shade.get_y() + shade.get_height()], [0.2, 16.0])
+    (points,) = (box.lines[0] for box in ax.containers)
+    npt.assert_allclose(points.get_ydata(), 0.8 * points.get_xdata(), atol=0.005)
+
+
+def test_groups_stay_in_memory_when_the_file_is_gone(film_path, film, tmp_path):
+    copy = shutil.copy(film_path, tmp_path / "film.nc")
+    source = source_of(copy, film)
+    frames = source.group("frames")
+    copy.unlink()
+    assert frames.drift_x.sizes["frame"] == scene.TRIGGERS
+
+
+def test_film_without_its_run_is_drawn_from_zarr(tmp_path, monkeypatch):
+    """A film in zarr has the figures of one in netCDF."""
+    film = plots.example_film().drop_vars(["axis", "parameter", "film_regime"])  # fixed text
+    path = tmp_path / "film.zarr"
+    film.to_zarr(path, consolidated=False, zarr_format=3)
+    few(monkeypatch, "speed_against_angle", "map_sheet")
+    written = plots.write_figures(path, tmp_path / "figures", formats=("png",))
+    assert [path.stem for path in written] == ["speed_against_angle", "map_sheet"]
+
+
+def test_chosen_figures_are_written_in_their_style_and_resolution(film_path, tmp_path):
+    """85 mm at 100 pixels an inch, and 16:9 at 60."""
+    seen = []
+    paths = plots.write_figures(
+        film_path,
+        tmp_path / "paper",
+        only=["calibration"],
+        formats=["png"],
+        style="paper",
+        dpi=100,
+        progress=lambda *step: seen.append(step),
+    )
+    assert [path.name for path in paths] == ["calibration.png"]
+    assert seen == [("figures", 0, 1), ("figures", 1, 1)]
+    assert int.from_bytes(paths[0].read_bytes()[16:20], "big") == int(85 / 25.4 * 100)
+    (slide,) = plots.write_figures(
+        film_path, tmp_path, only=["film_over_cycle"], formats=["png"], style="slides", dpi=60
+    )
+    size = slide.read_bytes()[16:24]
+    assert [int.from_bytes(size[:4], "big"), int.from_bytes(size[4:], "big")] == [799, 450]
+
+
+def test_files_do_not_depend_on_settings_of_the_caller(film_path, tmp_path):
+    options = {"only": ["film_over_cycle"], "formats": ["svg", "pdf"]}
+    plain = plots.write_figures(film_path, tmp_path / "a", **options)
+    with matplotlib.rc_context({"font.size": 13, "lines.linewidth": 4, "svg.hashsalt": "mine"}):
+        other = plots.write_figures(film_path, tmp_path / "b", **options)
+    assert [path.read_bytes() for path in plain] == [path.read_bytes() for path in other]
+
+
+def test_style_sheet_of_the_user_is_taken(film_path, tmp_path):
+    sheet = tmp_path / "mine.mplstyle"
+    sheet.write_text("figure.figsize: 4.0, 3.0\nfont.size: 9\n")
+    (path,) = plots.write_figures(
+        film_path, tmp_path, only=["speed_against_angle"], formats=["png"], style=sheet, dpi=50
+    )
+    assert int.from_bytes(path.read_bytes()[16:20], "big") == 200
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"only": ["nonsense"]}, "pin_orbit"),
+        ({"only": ["fixture_profile"]}, "CMM profile"),
+        ({"style": "nonsense"}, "paper, slides"),
+        ({"dpi": 3}, "20 to 2400"),
+    ],
+)
+def test_unknown_choice_is_refused_with_what_there_is(film_path, tmp_path, options, message):
+    with pytest.raises(OutputError, match=message):
+        plots.write_figures(film_path, tmp_path / "figures", **options)
+    assert not (tmp_path / "figures").exists()

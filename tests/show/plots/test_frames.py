@@ -1,0 +1,114 @@
+"""Figures of the images behind a map: the light and the ratio are drawn as they were computed."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes import film as scene
+
+from erlif.core.flags import Flag
+from erlif.pipeline import restore_images
+from erlif.show import plots
+
+TRIGGER = 3
+
+
+@pytest.fixture(scope="module")
+def images(film_path):
+    return restore_images(film_path, film_path.parent, trigger=TRIGGER)
+
+
+def test_restored_images_are_the_light_and_the_ratio_of_the_scene(images):
+    valid = images.flags.values == 0
+    assert valid.mean() > 0.9
+    assert not valid[:, :3].any()
+    npt.assert_allclose(images.light.values[0], 1000, atol=0.5)
+    # one count of a thousand in both bands, and the correction of the bias of the logarithm
+    expected = np.log(scene.true_ratio(scene.true_film()[TRIGGER]))
+    npt.assert_allclose(images.log_ratio.values[valid], expected[valid], atol=2e-3)
+
+
+@pytest.mark.parametrize(("camera", "band"), [(1, "580 nm"), (2, "610 nm")])
+def test_band_image_shows_the_light_of_its_camera(images, film, camera, band):
+    image = plots.band_images(images, film, camera=camera)
+    npt.assert_array_equal(image.get_array(), images.light.values[camera - 1])
+    ax = image.axes
+    assert ax.get_title() == f"camera {camera}, {band}"
+    assert [bar.get_ylabel() for bar in ax.child_axes] == ["corrected light [DN]"]
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("x (sliding) [mm]", "y (axial) [mm]")
+
+
+def test_colour_scale_is_that_of_the_valid_pixels(images, film):
+    """A lamp in a flagged pixel does not darken the rest of the image."""
+    bright = images.copy(deep=True)
+    bright.light.values[0, 30, 30] = 1e6
+    bright.flags.values[30, 30] = Flag.SATURATED
+    _, high = plots.band_images(bright, film, camera=1).get_clim()
+    assert high < 2000
+
+
+def test_half_of_a_per_cent_lies_beyond_either_end_of_the_scale(images, film):
+    ramp = images.copy(deep=True)
+    ramp.light.values[0] = np.arange(scene.ROWS * scene.COLUMNS).reshape(scene.ROWS, scene.COLUMNS)
+    ramp.flags.values[:] = 0
+    low, high = plots.band_images(ramp, film, camera=1).get_clim()
+    last = scene.ROWS * scene.COLUMNS - 1
+    npt.assert_allclose([low, high], [0.005 * last, 0.995 * last])
+
+
+def test_pixels_that_camera_2_does_not_see_have_no_colour_of_the_scale(images, film):
+    moved = images.copy(deep=True)
+    moved.light.values[1, :, :5] = np.nan
+    image = plots.band_images(moved, film, camera=2)
+    colours = image.to_rgba(image.get_array())
+    npt.assert_allclose(colours[0, 0], (0xD9 / 255, 0xD9 / 255, 0xD9 / 255, 1))
+
+
+def test_image_lies_at_the_positions_of_the_film(images, film):
+    image = plots.ratio_image(images, film)
+    left, right, bottom, top = image.get_extent()
+    half = scene.PITCH / 2
+    npt.assert_allclose([left, top], [-half, -half])
+    npt.assert_allclose(
+        [right, bottom],
+        [scene.PITCH * scene.COLUMNS - half, scene.PITCH * scene.ROWS - half],
+    )
+
+
+def test_ratio_is_drawn_where_no_flag_is_set(images, film):
+    image = plots.ratio_image(images, film)
+    drawn = np.ma.filled(image.get_array(), np.nan)
+    npt.assert_array_equal(np.isnan(drawn), images.flags.values != 0)
+    expected = scene.true_ratio(scene.true_film()[TRIGGER])
+    valid = images.flags.values == 0
+    npt.assert_allclose(drawn[valid], expected[valid], rtol=2e-3)
+    assert [bar.get_ylabel() for bar in image.axes.child_axes] == [
+        "ratio 610 nm / 580 nm [1]\ngrey: flagged"
+    ]
+
+
+def test_ratio_image_without_valid_pixels_is_drawn(images, film):
+    blind = images.copy(deep=True)
+    blind.flags.values[:] = Flag.POOR_REGISTRATION
+    assert np.ma.count(plots.ratio_image(blind, film).get_array()) == 0
+
+
+def test_both_images_have_one_colour_scale(images, film):
+    """The scale of all valid pixels of both cameras."""
+    figure = plots.band_images_figure(images, film, trigger=TRIGGER)
+    valid = images.light.values[:, images.flags.values == 0]
+    for ax in figure.axes:
+        npt.assert_allclose(ax.images[0].get_clim(), np.percentile(valid, (0.5, 99.5)))
+
+
+def test_figure_names_trigger_and_frame(images, film):
+    figure = plots.band_images_figure(images, film, trigger=TRIGGER)
+    assert "; trigger 3, " in figure.get_suptitle()
+    assert figure.get_suptitle().endswith(", frame pair 3")
+    left, right = figure.axes
+    assert [left.get_title(loc="left"), right.get_title(loc="left")] == ["(a)", "(b)"]
+    assert (left.get_ylabel(), right.get_ylabel()) == ("y (axial) [mm]", "")
+    both = images.assign_attrs(frames=[3, 9])
+    figure = plots.band_images_figure(both, film, trigger=TRIGGER)
+    assert figure.get_suptitle().endswith(", mean of 2 frame pairs")

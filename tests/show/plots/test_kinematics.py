@@ -1,0 +1,212 @@
+"""Speed and film thickness over a cycle: curves are the linkage, points are the triggers."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes import film as scene
+
+from erlif.show import plots
+from erlif.show.plots.kinematics import linkage_cycle
+
+
+def test_speed_curve_is_the_linkage_and_goes_through_the_triggers(film):
+    curve, outward, back = plots.speed_against_angle(film)
+    angle, speed = curve.get_data()
+    npt.assert_allclose(np.ptp(angle), 24.4260, atol=2e-3)  # swing by two other linkage programs
+    # the interior angle runs the other way
+    npt.assert_allclose([speed.max(), -speed.min()], [2.552104, 2.540492], rtol=1e-5)
+    for points in (outward, back):
+        for x, y in zip(*points.get_data(), strict=True):
+            assert np.hypot((angle - x) / 24, (speed - y) / 5).min() < 5e-3
+    assert len(outward.get_xdata()) + len(back.get_xdata()) == scene.TRIGGERS
+
+
+def test_strokes_differ_in_marker_and_are_named(film):
+    curve, outward, back = plots.speed_against_angle(film)
+    assert (outward.get_ydata() > 0).all()
+    assert (back.get_ydata() < 0).all()
+    assert outward.get_marker() != back.get_marker()
+    assert back.get_markerfacecolor() == "white"
+    labels = [text.get_text() for text in curve.axes.get_legend().get_texts()]
+    assert labels == ["kinematics of the linkage", "outward", "return"]
+
+
+@pytest.mark.parametrize("draw", [plots.speed_against_angle, plots.speed_over_cycle])
+def test_second_axis_is_the_sliding_speed(film, draw):
+    """The surface of a pin of 33.36 mm radius moves by 33.36 mm/s at 1 rad/s."""
+    ax = draw(film)[0].axes
+    (second,) = ax.child_axes
+    ax.get_figure().draw_without_rendering()
+    npt.assert_allclose(second.get_ylim(), np.array(ax.get_ylim()) * 33.36, rtol=1e-12)
+    assert second.get_ylabel() == "sliding speed [mm/s]"
+    assert ax.get_ylabel() == "joint speed [rad/s]"
+
+
+def test_speed_over_the_cycle_is_that_of_the_law_of_cosines(film):
+    curve, outward, back = plots.speed_over_cycle(film)
+    crank, speed = curve.get_data()
+    interpolated = np.interp(scene.CRANK, crank, speed)
+    npt.assert_allclose(interpolated, scene.rocker_speed(scene.CRANK), atol=1e-3)
+    drawn = np.sort(np.concatenate([outward.get_xdata(), back.get_xdata()]))
+    npt.assert_array_equal(drawn, np.sort(scene.CRANK))
+    assert curve.axes.get_xlabel() == "crank angle [°]"
+    assert curve.axes.get_xlim() == (0, 360)
+
+
+def test_reading_of_an_encoder_on_the_crank_is_the_crank_angle(film, with_settings):
+    mounted = with_settings(
+        ('mounted_on = "rocker"', 'mounted_on = "crank"'), ("zero = ", 'zero = "0 rad" # ')
+    )
+    cycle = linkage_cycle(mounted)
+    npt.assert_allclose(cycle.reading, cycle.crank_angle % 360, atol=1e-9)
+    curve, *_ = plots.speed_against_angle(mounted)
+    # the jump from 360 to 0 degree is not joined by a line
+    x = curve.get_xdata()
+    assert np.isnan(x).sum() == 1
+    assert np.nanmax(np.abs(np.diff(x))) < 1
+
+
+def test_readings_without_a_zero_are_centred_between_the_dead_points(film, with_settings):
+    free = with_settings(("zero = ", "# zero = "))
+    reading = linkage_cycle(free).reading
+    logged = film.encoder_angle.values
+    npt.assert_allclose(reading.min() + reading.max(), logged.min() + logged.max(), atol=2e-3)
+    npt.assert_allclose(np.ptp(reading), 24.4260, atol=2e-3)
+
+
+def test_film_over_the_cycle_is_in_the_order_of_the_crank(film):
+    artists = plots.film_over_cycle(film)
+    lines = artists[1::2]
+    for line in lines:
+        assert (np.diff(line.get_xdata()) > 0).all()
+    mean, minimum = lines[: len(lines) // 2], lines[len(lines) // 2 :]
+    for name, parts in (("film_mean", mean), ("film_min", minimum)):
+        x = np.concatenate([line.get_xdata() for line in parts])
+        y = np.concatenate([line.get_ydata() for line in parts])
+        order = np.argsort(scene.CRANK)
+        npt.assert_array_equal(x, scene.CRANK[order])
+        npt.assert_array_equal(y, film[name].values[order])
+
+
+def test_lines_stop_where_the_stroke_changes(film):
+    """Between the strokes the film was not measured."""
+    lines = plots.film_over_cycle(film)[1::2]
+    for line in lines:
+        speeds = scene.rocker_speed(line.get_xdata())
+        assert len(set(np.sign(speeds))) == 1
+
+
+def test_bands_are_95_per_cent_of_the_standard_deviation(film):
+    artists = plots.film_over_cycle(film)
+    for band, line in zip(artists[0::2], artists[1::2], strict=True):
+        edges = np.concatenate([path.vertices for path in band.get_paths()])
+        std = 0.02 if line.get_color() == artists[1].get_color() else 0.03
+        for x in line.get_xdata():
+            npt.assert_allclose(np.ptp(edges[edges[:, 0] == x, 1]), 2 * 1.96 * std)
+
+
+@pytest.mark.parametrize(("low", "high"), [(6.0, 6.2), (0.5, 6.0)])
+def test_film_over_the_cycle_fills_its_axes_unless_it_comes_close_to_contact(film, low, high):
+    """From zero, a film of 6.0 to 6.2 um would take 3 % of the axes."""
+    films = np.linspace(low, high, scene.TRIGGERS)
+    known = film.assign(film_min=("trigger", films), film_mean=("trigger", films))
+    ax = plots.film_over_cycle(known)[0].axes
+    bottom, top = ax.get_ylim()
+    assert (bottom == 0) == (low < 1)
+    drawn = (low - 1.96 * 0.03, high + 1.96 * 0.03)
+    assert bottom <= drawn[0]
+    assert drawn[1] < top
+    assert drawn[1] - max(drawn[0], 0.0) > 0.5 * (top - bottom)
+
+
+def test_film_thickness_is_named(film):
+    ax = plots.film_over_cycle(film)[0].axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("crank angle [°]", "film thickness [µm]")
+    legend = ax.get_legend()
+    assert [text.get_text() for text in legend.get_texts()] == ["mean of the region", "minimum"]
+    assert legend.get_title().get_text() == "95 % errors: within markers"
+
+
+def test_bands_are_announced_where_they_are_wider_than_the_markers(film):
+    wide = film.assign(film_mean_std=film.film_mean_std + 0.5, film_min_std=film.film_min_std + 0.5)
+    legend = plots.film_over_cycle(wide)[0].axes.get_legend()
+    assert legend.get_title().get_text() == "bands: 95 %"
+
+
+def test_film_over_the_cycle_without_a_value_states_why(film):
+    empty = scene.without_valid_pixels(film)
+    nothing = 0 * empty.film_min + np.nan
+    ax = plots.film_over_cycle(empty.assign(film_mean=nothing, film_min=nothing))[0].axes
+    assert "100 % above range" in ax.texts[0].get_text()
+
+
+@pytest.mark.parametrize("draw", [plots.cycle_figure, plots.film_over_cycle])
+@pytest.mark.parametrize("thinnest", [0.05, 1.0])
+def test_legend_covers_no_film(film, draw, thinnest):
+    """Near the second dead point, at 200 degrees of the crank, the film is close to contact."""
+    thick = thinnest + 3.0 * np.sin(np.radians(scene.CRANK - 200) / 2) ** 2
+    known = film.assign(film_min=("trigger", thick), film_mean=("trigger", thick + 0.5))
+    drawn = draw(known)
+    ax = drawn[0].axes if isinstance(drawn, list) else drawn.axes[0]
+    ax.get_figure().draw_without_rendering()
+
+    box = ax.get_legend().get_window_extent()
+    curves = [line.get_xydata() for line in ax.lines if len(line.get_xdata()) > 2]
+    bands = [path.vertices for band in ax.collections for path in band.get_paths()]
+    points = ax.transData.transform(np.concatenate([*curves, *bands]))
+    assert not any(box.contains(*xy) for xy in points)
+
+
+def test_dotted_lines_stand_at_the_dead_points(film):
+    figure = plots.cycle_figure(film)
+    crank = np.arange(0.0, 360.0, 0.1)
+    speed = scene.rocker_speed(crank)
+    turns = crank[1:][np.diff(np.sign(speed)) != 0]
+    assert turns.size == 2
+    for ax in figure.axes:
+        dotted = [line.get_xdata()[0] for line in ax.lines if line.get_linestyle() == ":"]
+        npt.assert_allclose(dotted, turns, atol=0.5)
+
+
+def test_panels_of_the_cycle_share_the_crank_angle(film):
+    above, below = plots.cycle_figure(film).axes
+    assert above.get_xlim() == below.get_xlim() == (0, 360)
+    assert (above.get_xlabel(), below.get_xlabel()) == ("", "crank angle [°]")
+    assert [ax.get_title(loc="left") for ax in (above, below)] == ["(a)", "(b)"]
+
+
+def test_cycle_without_valid_films_shows_the_speed(film):
+    above, below = plots.cycle_figure(scene.without_valid_pixels(film)).axes
+    assert all(
+        np.isnan(line.get_ydata()).all() for line in above.lines if line.get_label()[0] != "_"
+    )
+    npt.assert_allclose(below.lines[0].get_ydata().max(), 2.552104, rtol=1e-5)
+
+
+def test_joint_of_a_slider_crank_turns_by_crank_less_rod(with_settings):
+    """The rod is inclined by arcsin(-a/l sin t); the crank pin turns against it (Mukras 2008)."""
+    slider = with_settings(
+        ('kind = "crank-rocker"', 'kind = "slider-crank"'),
+        ('rocker = "26 cm"', ""),
+        ('ground = "51 cm"', ""),
+        ('mounted_on = "rocker"', 'mounted_on = "crank"'),
+    )
+    cycle = linkage_cycle(slider)
+    t, step = np.radians(cycle.crank_angle), 1e-5
+    omega = 114 * np.pi / 30
+
+    def rod(angle):
+        return np.arcsin(-0.055 / 0.44 * np.sin(angle))
+
+    expected = omega * (1 - (rod(t + step) - rod(t - step)) / (2 * step))
+    npt.assert_allclose(cycle.speed, expected, rtol=1e-6)
+    assert cycle.speed.min() > 0
+    # a joint that turns one way only has no line at speed zero
+    horizontal = [
+        line
+        for line in plots.speed_over_cycle(slider)[0].axes.lines
+        if set(line.get_ydata()) == {0}
+    ]
+    assert horizontal == []

@@ -1,0 +1,419 @@
+"""Maps and profiles: what is drawn is the film, at its place, with its flags and its error bars."""
+
+from __future__ import annotations
+
+import matplotlib.pyplot as plt
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from scenes import film as scene
+
+from erlif.core.errors import ErlifError
+from erlif.core.flags import Flag
+from erlif.show import plots
+from erlif.show.plots.maps import (
+    best_columns,
+    common_limits,
+    first_flag,
+    flag_swatch,
+    flag_title,
+    image_height,
+    pixel_edges,
+)
+from erlif.show.plots.style import FLAG_COLOURS
+from erlif.trend import average_across_sliding, rigid_gap
+
+SHOWN = list(FLAG_COLOURS)
+
+
+def labels_of(ax):
+    return [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def drawn(image):
+    return np.ma.filled(image.get_array(), np.nan)
+
+
+def test_map_shows_the_film_thickness(film):
+    image = plots.thickness_map(film, trigger=2)
+    npt.assert_array_equal(drawn(image), film.thickness.isel(trigger=2).values)
+    assert [bar.get_ylabel() for bar in image.axes.child_axes] == ["film thickness [µm]"]
+
+
+def test_image_lies_at_the_positions_of_its_pixels(film):
+    """Pixel centres lie at x and y, so that the edges lie half a pixel further."""
+    image = plots.thickness_map(film, trigger=2)
+    left, right, bottom, top = image.get_extent()
+    npt.assert_allclose([left, right, top, bottom], [-0.1, 15.9, -0.1, 12.7])
+    npt.assert_allclose(pixel_edges(film), [left, right, bottom, top])
+    assert image.axes.get_ylim() == pytest.approx((12.7, -0.1))  # y runs down
+    npt.assert_allclose(image_height(film, 8.0), 8.0 * scene.ROWS / scene.COLUMNS)
+
+
+def test_axes_are_named_by_the_direction_of_sliding(film, with_settings):
+    ax = plots.thickness_map(film, trigger=2).axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("x (sliding) [mm]", "y (axial) [mm]")
+    turned = with_settings(('x_axis = "sliding"', 'x_axis = "axial"'))
+    ax = plots.thickness_map(turned, trigger=2).axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("x (axial) [mm]", "y (sliding) [mm]")
+
+
+def test_title_names_trigger_angle_stroke_and_speed(film):
+    title = plots.thickness_map(film, trigger=0).axes.get_title()
+    angle = scene.rocker_angle(scene.CRANK[:1])[0] - scene.INNER_ANGLE
+    speed = scene.rocker_speed(scene.CRANK[:1])[0]
+    assert title == f"trigger 0, {angle:.2f}°, outward, {speed:.2f} rad/s"
+
+
+def test_flagged_pixels_have_the_colour_of_their_flag(film):
+    overlay = plots.thickness_map(film, trigger=2).axes.images[1]
+    shown = overlay.get_array()
+    assert shown[30, 1] == 1 + SHOWN.index(Flag.OUTSIDE_OVERLAP)
+    assert shown[5, 40] == 1 + SHOWN.index(Flag.BAD_PIXEL)  # bad and dim
+    assert shown[30, 30] == 0
+    colours = overlay.to_rgba(shown)
+    assert to_hex(colours[30, 1]).upper() == FLAG_COLOURS[Flag.OUTSIDE_OVERLAP]
+    assert colours[30, 30, 3] == 0  # transparent, so that the film is seen
+    assert overlay.get_extent() == plots.thickness_map(film, trigger=2).get_extent()
+
+
+def test_legend_gives_the_share_of_each_flag(film):
+    labels = labels_of(plots.thickness_map(film, trigger=1).axes)
+    pixels = scene.ROWS * scene.COLUMNS
+    assert f"no film, {100 * 16 / pixels:.2f} %" in labels
+    assert "outside overlap, 3.75 %" in labels  # 3 of 80 columns
+    assert not any(label.startswith("saturated") for label in labels)
+
+
+def test_every_flag_has_a_colour_of_its_own():
+    assert set(FLAG_COLOURS) == set(Flag)
+    assert len(set(FLAG_COLOURS.values())) == len(Flag)
+    for flag in Flag:
+        assert first_flag(np.array([int(flag)], np.uint8))[0] == 1 + SHOWN.index(flag)
+    assert first_flag(np.zeros(1, np.uint8))[0] == 0
+
+
+def test_first_of_several_flags_is_shown():
+    for n, flag in enumerate(SHOWN):
+        rest = int(np.bitwise_or.reduce([int(other) for other in SHOWN[n:]]))
+        assert first_flag(np.array([rest], np.uint8))[0] == 1 + SHOWN.index(flag)
+
+
+def test_flags_are_written_as_plain_text_and_web_colour():
+    assert flag_title(Flag.OUTSIDE_OVERLAP) == "outside overlap"
+    for flag, colour in FLAG_COLOURS.items():
+        assert flag_swatch(flag) == colour.lower()
+
+
+def test_colour_scale_is_the_one_given(film):
+    assert plots.thickness_map(film, trigger=0, limits=(2.0, 9.0)).get_clim() == (2.0, 9.0)
+
+
+def test_colour_scale_leaves_half_a_per_cent_beyond_either_end(film):
+    low, high = common_limits(film, [0])
+    values = film.thickness.values[0][np.isfinite(film.thickness.values[0])]
+    assert 0.001 < (values < low).mean() < 0.01
+    assert 0.001 < (values > high).mean() < 0.01
+    assert plots.thickness_map(film, trigger=0).get_clim() == (low, high)
+
+
+def test_even_map_has_a_colour_scale_of_some_width(film):
+    even = film.assign(thickness=xr.full_like(film.thickness, 3.0))
+    low, high = common_limits(even)
+    assert low == 3.0
+    assert high > low
+
+
+def test_region_of_interest_is_outlined_at_its_place(film):
+    ax = plots.thickness_map(film, trigger=2).axes
+    for line in ax.lines:
+        x, y = line.get_data()
+        assert (min(x), max(x), min(y), max(y)) == (3, 13, 1, 11)
+        assert (x[0], y[0]) == (x[-1], y[-1])
+    assert "region of interest" in labels_of(ax)
+    bare = plots.thickness_map(film, trigger=2, region=False).axes
+    assert len(bare.lines) == 0
+    assert "region of interest" not in labels_of(bare)
+
+
+def test_map_is_drawn_into_the_given_axes(film):
+    ax = Figure().add_subplot()
+    assert plots.thickness_map(film, trigger=0, ax=ax).axes is ax
+
+
+@pytest.mark.parametrize("trigger", [-1, scene.TRIGGERS])
+@pytest.mark.parametrize(
+    "draw", [plots.thickness_map, plots.sliding_profile, plots.thickness_figure]
+)
+def test_trigger_that_the_film_lacks_is_refused(film, draw, trigger):
+    with pytest.raises(ErlifError, match="from 0 to 5"):
+        draw(film, trigger=trigger)
+
+
+def test_profile_finds_the_gap_within_its_error_bars(film):
+    for trigger in range(scene.TRIGGERS):
+        profile = average_across_sliding(film, trigger=trigger)
+        y = scene.PITCH * np.arange(scene.ROWS)
+        truth = scene.true_film()[trigger][(y >= 1) & (y <= 11)].mean(axis=0)
+        pull = ((profile.thickness - truth) / profile.thickness_std).values
+        pull = pull[np.isfinite(pull)]
+        assert pull.size > 40
+        assert abs(pull.mean()) < 4 / np.sqrt(pull.size)
+        assert 0.7 < pull.std() < 1.3
+        assert np.isnan(profile.thickness.values[:3]).all()  # outside the overlap
+        npt.assert_allclose(profile.thickness_std_shared.values[20], 0.02, rtol=1e-3)
+
+
+def test_rigid_gap_has_radius_place_and_minimum_of_the_scene(film):
+    for trigger in (1, 4):
+        gap = rigid_gap(average_across_sliding(film, trigger=trigger), film)
+        npt.assert_allclose(gap.radius, scene.RADIUS, rtol=1e-6)
+        npt.assert_allclose(gap.position_of_minimum, scene.PLACE, atol=0.1)
+        npt.assert_allclose(gap.minimum, scene.minimum_film()[trigger], atol=0.05)
+        assert abs(gap.curvature - 0.20525) < 4 * gap.curvature_std  # 1/R of 4.872 m
+        assert gap.curvature_std < 0.02
+
+
+def test_part_of_a_profile_beyond_the_range_is_not_shown(film):
+    names = ["thickness", "thickness_std", "thickness_std_shared", "flags"]
+    cut = film[names].load().copy(deep=True)
+    cut.attrs = film.attrs
+    cut.flags.values[0, 8:12, 30] = Flag.ABOVE_RANGE
+    cut.flags.values[0, 8:12, 31] = Flag.NO_FILM
+    line, *_ = plots.sliding_profile(cut, trigger=0)
+    assert np.isnan(line.get_ydata()[30])
+    assert np.isfinite(line.get_ydata()[31])
+
+
+def test_profile_is_drawn_with_its_error_bars(film):
+    line, band, above, below, _ = plots.sliding_profile(film, trigger=1)
+    profile = average_across_sliding(film, trigger=1)
+    h = profile.thickness.values
+    npt.assert_array_equal(line.get_xdata(), film.x.values)
+    npt.assert_array_equal(line.get_ydata(), h)
+
+    at = int(np.nanargmin(h))
+    edges = np.concatenate([path.vertices for path in band.get_paths()])
+    ends = edges[np.isclose(edges[:, 0], film.x.values[at]), 1]
+    npt.assert_allclose(np.ptp(ends), 2 * 1.96 * profile.thickness_std.values[at])
+    shared = 1.96 * profile.thickness_std_shared.values
+    npt.assert_allclose(above.get_ydata() - h, shared)
+    npt.assert_allclose(h - below.get_ydata(), shared)
+
+
+def test_profile_names_its_axes_and_curves(film, with_settings):
+    line, *_ = plots.sliding_profile(film, trigger=1)
+    assert line.axes.get_ylabel() == "film thickness [µm]"
+    assert line.axes.get_xlabel() == "x (sliding) [mm]"
+    assert labels_of(line.axes) == ["measured", "random, 95 %", "shared, 95 %", "rigid gap"]
+    turned = with_settings(('x_axis = "sliding"', 'x_axis = "axial"'))
+    line, *_ = plots.sliding_profile(turned, trigger=1)
+    assert line.axes.get_xlabel() == "y (sliding) [mm]"
+    npt.assert_array_equal(line.get_xdata(), film.y.values)
+
+
+def test_curvature_is_written_beside_that_of_the_rigid_gap(film):
+    line, *_, gap = plots.sliding_profile(film, trigger=1)
+    curvature, rigid, minimum = line.axes.texts[0].get_text().split("\n")
+    distance = scene.CLEARANCE - scene.minimum_film()[1]  # um, of the middles of the circles
+    shown = float(rigid.removeprefix("of the rigid gap ").removesuffix(" µm/mm²;"))
+    npt.assert_allclose(shown, distance / (33.36 * 33.59), atol=2e-4)
+    value, std = (
+        float(part) for part in curvature.removeprefix("curvature ").strip(",").split("±")
+    )
+    assert abs(value - 0.20525) < 4 * std
+    number = float(minimum.removeprefix("its minimum ").removesuffix(" µm"))
+    npt.assert_allclose(number, gap.get_ydata().min(), atol=0.01)  # between two pixels
+
+
+def test_limits_follow_the_measured_profile(film):
+    """The rigid gap rises steeply beside the measured part and may leave the panel."""
+    line, *_ = plots.sliding_profile(film, trigger=1)
+    low, high = line.axes.get_ylim()
+    assert low < np.nanmin(line.get_ydata())
+    span = np.ptp(line.get_ydata()[np.isfinite(line.get_ydata())])
+    assert np.nanmax(line.get_ydata()) < high < np.nanmax(line.get_ydata()) + 0.2 * span
+
+
+def test_residual_is_the_profile_less_the_rigid_gap(film):
+    line, *_, gap = plots.sliding_profile(film, trigger=1)
+    residual, _, above, below, zero = plots.profile_residual(film, trigger=1)
+    npt.assert_allclose(residual.get_ydata(), line.get_ydata() - gap.get_ydata(), atol=1e-12)
+    npt.assert_allclose(above.get_ydata(), -below.get_ydata())  # the shared error lies about zero
+    npt.assert_array_equal(zero.get_ydata(), 0)
+    assert residual.axes.get_ylabel() == "measured −\nrigid gap [µm]"
+
+
+def test_figure_joins_map_profile_and_residual(film):
+    figure = plots.thickness_figure(film, trigger=1)
+    panels = {ax.get_title(loc="left"): ax for ax in figure.axes}
+    assert list(panels) == ["(a)", "(b)", "(c)"]
+    npt.assert_array_equal(drawn(panels["(a)"].images[0]), film.thickness.values[1])
+    profile = average_across_sliding(film, trigger=1)
+    npt.assert_array_equal(panels["(b)"].lines[0].get_ydata(), profile.thickness.values)
+    assert panels["(b)"].get_xlim() == panels["(c)"].get_xlim()
+    assert "222 N, 0.12 Pa s; trigger 1, " in figure.get_suptitle()
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "outside overlap, 3.75 %" in labels
+    assert panels["(a)"].get_legend() is None
+
+
+def test_film_without_valid_pixels_is_drawn_as_such(film):
+    empty = scene.without_valid_pixels(film)
+    overlay = plots.thickness_map(empty, trigger=0).axes.images[1].get_array()
+    assert (overlay == 1 + SHOWN.index(Flag.ABOVE_RANGE)).all()
+    profile = average_across_sliding(empty, trigger=0)
+    assert rigid_gap(profile, empty) is None
+    assert len(plots.sliding_profile(empty, trigger=0)) == 4  # no rigid gap
+    sheet = plots.map_sheet_figure(empty)
+    assert all(np.ma.count(ax.images[0].get_array()) == 0 for ax in sheet.axes if ax.images)
+
+
+def test_map_without_valid_pixels_states_why(film):
+    empty = scene.without_valid_pixels(film)
+    ax = plots.thickness_map(empty, trigger=0).axes
+    assert ax.texts[0].get_text() == "no valid pixel\n100 % above range"
+    profile = plots.sliding_profile(empty, trigger=0)[0].axes
+    assert profile.texts[0].get_text() == "no valid pixel in the region of interest"
+    maps = [ax for ax in plots.map_sheet_figure(empty).axes if ax.images]
+    assert {ax.texts[0].get_text() for ax in maps} == {"no valid\npixel"}
+
+
+def test_sheet_of_a_cycle_that_begins_within_a_stroke_starts_with_the_stroke(film):
+    """The scene begins at the start of the outward stroke; here it begins one trigger later."""
+    names = [ax.get_title() for ax in plots.map_sheet_figure(film).axes if ax.images]
+    later = film.isel(trigger=np.roll(np.arange(scene.TRIGGERS), -1))
+    figure = plots.map_sheet_figure(later)
+    assert [ax.get_title() for ax in figure.axes if ax.images] == names
+
+
+def test_label_longer_than_its_colour_bar_is_broken(film):
+    """A strip of an image, eight times as wide as high."""
+    image = plots.thickness_map(film.isel(y=slice(0, 8)), trigger=1)
+    figure = image.axes.get_figure()
+    figure.draw_without_rendering()
+    (bar,) = image.axes.child_axes
+    assert "\n" in bar.get_ylabel()
+    box = bar.yaxis.label.get_window_extent()
+    assert box.y0 > 0
+    assert box.y1 < figure.bbox.height
+
+
+def test_sheet_shows_every_map_with_its_angle(film):
+    figure = plots.map_sheet_figure(film)
+    maps = [ax for ax in figure.axes if ax.images]
+    outward = [k for k in range(scene.TRIGGERS) if film.stroke.values[k] > 0]
+    back = [k for k in range(scene.TRIGGERS) if film.stroke.values[k] < 0]
+    for ax, trigger in zip(maps, outward + back, strict=True):
+        npt.assert_array_equal(drawn(ax.images[0]), film.thickness.values[trigger])
+        assert ax.get_title() == f"{film.encoder_angle.values[trigger]:.2f}°"
+    assert maps[0].get_ylabel() == "outward"
+    assert maps[len(outward)].get_ylabel() == "return"
+
+
+def test_maps_of_a_sheet_have_one_colour_scale(film):
+    figure = plots.map_sheet_figure(film)
+    scales = {ax.images[0].get_clim() for ax in figure.axes if ax.images}
+    assert scales == {common_limits(film)}
+    bars = [ax.get_ylabel() for ax in figure.axes if not ax.images and ax.get_ylabel()]
+    assert bars == ["film thickness [µm]; grey: flagged"]
+    assert "16.0 mm × 12.8 mm" in figure.get_supxlabel()
+
+
+def test_sheet_of_a_long_cycle_shows_sixty_maps(film):
+    many = film.isel(trigger=np.resize(np.arange(scene.TRIGGERS), 90), x=slice(0, 8), y=slice(0, 6))
+    figure = plots.map_sheet_figure(many)
+    assert sum(bool(ax.images) for ax in figure.axes) == 60
+
+
+def test_sheet_of_one_stroke_has_one_group(film):
+    outward = film.isel(trigger=film.stroke.values > 0)
+    figure = plots.map_sheet_figure(outward)
+    labels = {ax.get_ylabel() for ax in figure.axes if ax.images} - {""}
+    assert labels == {"outward"}
+
+
+def test_large_maps_of_a_sheet_are_thinned_to_what_print_resolves(film):
+    """Every second pixel of 480 columns; the place of the image stays that of the film."""
+    wide = film.isel(x=np.resize(np.arange(scene.COLUMNS), 480), y=slice(0, 6))
+    wide = wide.assign_coords(x=scene.PITCH * np.arange(480))
+    image = plots.map_sheet_figure(wide).axes[0].images[0]
+    assert image.get_array().shape == (3, 240)
+    npt.assert_allclose(image.get_extent(), pixel_edges(wide))
+
+
+@pytest.mark.parametrize(
+    ("sizes", "columns"), [([24, 26], 9), ([7, 7], 7), ([3], 3), ([10, 10], 10), ([16, 16], 8)]
+)
+def test_rows_of_a_sheet_leave_few_gaps(sizes, columns):
+    """24 and 26 maps leave 3 and 1 places in rows of 9; no other width from 7 to 10 has fewer."""
+    assert best_columns(sizes) == columns
+
+
+def test_profile_of_a_film_that_slides_along_y_is_that_of_the_turned_film(film, with_settings):
+    """A film that is mirrored at its diagonal has the same profile along y as along x before."""
+    turned = with_settings(
+        ('x_axis = "sliding"', 'x_axis = "axial"'),
+        ("x = [3.0, 13.0]", "x = [1.0, 11.0]"),
+        ("y = [1.0, 11.0]", "y = [3.0, 13.0]"),
+    )
+    turned = turned.rename({"x": "y", "y": "x"}).transpose("trigger", "y", "x", ...)
+    line, *_ = plots.sliding_profile(film, trigger=1)
+    other, *_ = plots.sliding_profile(turned, trigger=1)
+    npt.assert_allclose(other.get_ydata(), line.get_ydata())
+    assert other.axes.get_xlabel() == "y (sliding) [mm]"
+
+
+def test_curves_of_a_profile_differ_in_look(film):
+    line, band, above, below, gap = plots.sliding_profile(film, trigger=1)
+    assert line.get_color() != gap.get_color()
+    assert above.get_linestyle() == below.get_linestyle() != line.get_linestyle()
+    assert band.get_alpha() < 1
+    assert below.get_label().startswith("_")  # one key for both limits
+
+
+def test_colour_scale_of_chosen_triggers_leaves_the_others_out(film):
+    """One map of 2 um and one of 9 um: the scale of the first does not reach the second."""
+    thickness = np.full((2, *film.thickness.shape[1:]), 2.0)
+    thickness[1] = 9.0
+    two = film.isel(trigger=[0, 1]).assign(thickness=(film.thickness.dims, thickness))
+    assert common_limits(two, [0])[1] < 9.0
+    assert common_limits(two) == (2.0, 9.0)
+
+
+def test_image_keeps_the_proportions_of_the_joint(film):
+    """Twice the pitch along y doubles the height at the same width."""
+    tall = film.assign_coords(y=2 * film.y)
+    assert image_height(tall, 3.0) == pytest.approx(2 * image_height(film, 3.0))
+
+
+@pytest.mark.parametrize("size", [(7.0, 3.0), (4.5, 6.0)])
+@pytest.mark.parametrize("layout", [None, "constrained"])
+def test_map_in_axes_of_ones_own_covers_no_label_and_leaves_no_figure(film, size, layout):
+    columns = 2 if size[0] > size[1] else 1
+    figure, panels = plt.subplots(3 - columns, columns, figsize=size, layout=layout)
+    ax = plots.thickness_map(film, trigger=2, ax=panels[0]).axes
+    # an image of fixed aspect is in its place after the second round of the layout
+    for _ in range(2):
+        figure.draw_without_rendering()
+
+    legend, label = ax.get_legend().get_window_extent(), ax.xaxis.get_tightbbox()
+    assert legend.y1 <= label.y0 + 1
+    bar = ax.child_axes[0].get_tightbbox()
+    whole, other = figure.bbox, panels[1].bbox
+    for box in (legend, label, bar):
+        assert box.y0 >= whole.y0
+        assert box.x1 <= whole.x1
+        assert not box.overlaps(other)
+
+
+def test_text_in_axes_of_ones_own_has_the_size_of_their_labels(film):
+    _, ax = plt.subplots(figsize=(5, 5))
+    plots.thickness_map(film, trigger=2, ax=ax)
+    assert ax.xaxis.label.get_fontsize() == 10
+    assert ax.title.get_fontsize() == 10
+    assert 9 <= ax.get_legend().get_texts()[0].get_fontsize() <= 10
+    assert ax.child_axes[0].yaxis.label.get_fontsize() == 10

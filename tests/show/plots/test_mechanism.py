@@ -1,0 +1,42 @@
+"""The mechanism drawn at a trigger: true positions and direction of motion."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes import film as scene
+from scenes.motion import DISC, film_of, slider_film, static_film
+
+from erlif.show.plots import draw_mechanism
+from erlif.show.plots.mechanism import place_joints
+
+CRANK, COUPLER, ROCKER, GROUND = 0.055, 0.44, 0.26, 0.51  # m
+
+
+def test_links_keep_their_lengths(film):
+    places = place_joints(film, np.linspace(0, 2 * np.pi, 50)).places
+    lengths = np.hypot(*np.diff(places, axis=1).T)
+    npt.assert_allclose(lengths, np.array([[CRANK], [COUPLER], [ROCKER]]) * np.ones(50))
+    npt.assert_allclose(places[:, 3], [[GROUND, 0.0]] * 50)
+
+
+def test_rocker_has_the_angle_of_the_scene(film):
+    """The rocker angle is counted from the ground link at the pivot of the rocker."""
+    view = draw_mechanism(film, trigger=2)
+    x, y = view.links.get_data()
+    angle = np.degrees(np.arctan2(y[2] - y[3], x[3] - x[2]))
+    npt.assert_allclose(angle, scene.INNER_ANGLE + film.encoder_angle.values[2], atol=0.01)
+
+
+@pytest.mark.parametrize("trigger", range(scene.TRIGGERS))
+def test_arrow_points_where_the_joint_moves(film, trigger):
+    """A rising rocker angle takes the rocker pin away from the crank."""
+    view = draw_mechanism(film, trigger=trigger)
+    assert np.sign(view.arrow.U[0]) == np.sign(scene.rocker_speed(scene.CRANK)[trigger])
+
+
+def test_slider_and_disc_are_drawn_simply_and_a_film_at_rest_not():
+    slider = draw_mechanism(slider_film(), trigger=0)
+    npt.assert_allclose(slider.links.get_xdata(), 5e-3 * np.sin(np.radians(20)))
+    disc = draw_mechanism(film_of(DISC), trigger=0)
+    npt.assert_allclose(np.hypot(*np.array(disc.links.get_data())), [0, 0.02], atol=1e-12)
+    assert draw_mechanism(static_film(), trigger=0) is None

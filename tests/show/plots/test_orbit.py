@@ -1,0 +1,94 @@
+"""The orbit of the pin: points, ellipses and clearance are where the positions are."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from matplotlib.patches import Ellipse
+from scenes import film as scene
+
+from erlif.core.errors import ConfigError
+from erlif.show import plots
+from erlif.show.plots.orbit import has_position
+
+RADII = 2.4477  # std: 95 % of a normal distribution in two dimensions (chi-square table, 5.991)
+
+
+def test_points_are_the_displacements_towards_the_load_downwards(film):
+    wall, outward, back, *_ = plots.pin_orbit(film)
+    side = np.concatenate([outward.get_xdata(), back.get_xdata()])
+    load = np.concatenate([outward.get_ydata(), back.get_ydata()])
+    npt.assert_allclose(np.sort(load), np.sort(230.0 - scene.minimum_film()))
+    npt.assert_allclose(side, 0.2 / 33.475 * load, rtol=1e-4)
+    low, high = wall.axes.get_ylim()
+    assert low > high
+    # the pin touches where both displacements together are the clearance
+    npt.assert_allclose(np.hypot(*wall.get_data()), 230.0)
+
+
+def test_ellipses_cover_95_per_cent(film):
+    """Of the displacements in um; of the angle in degrees and the film nearly so, at 230 um."""
+    ellipses = [artist for artist in plots.pin_orbit(film) if isinstance(artist, Ellipse)]
+    assert len(ellipses) == scene.TRIGGERS
+    load, side = 2 * RADII * scene.RANDOM_STD[:2]
+    npt.assert_allclose([ellipses[0].width, ellipses[0].height], [side, load], rtol=1e-4)
+    npt.assert_allclose(ellipses[0].angle % 180, 0, atol=1e-9)
+
+    unrolled = [artist for artist in plots.closest_film(film) if isinstance(artist, Ellipse)]
+    assert len(unrolled) == scene.TRIGGERS + 1
+    whole = np.hypot(scene.RANDOM_STD, scene.SHARED_STD)[:2]
+    for ellipse, std, k in ((unrolled[0], scene.RANDOM_STD[:2], 0), (unrolled[-1], whole, -1)):
+        distance = 230.0 - scene.minimum_film()[k]
+        expected = 2 * RADII * np.array([std[0], np.degrees(std[1] / distance)])
+        npt.assert_allclose(sorted([ellipse.width, ellipse.height]), sorted(expected), rtol=2e-3)
+
+
+def test_ellipse_of_correlated_errors_is_turned(film):
+    """Equal variances with a positive correlation lie along the diagonal."""
+    changed = film.load().copy(deep=True)
+    changed.pin_position_cov_random.values[:, :2, :2] = [[1.0, 0.6], [0.6, 1.0]]
+    *_, last = plots.pin_orbit(changed)
+    npt.assert_allclose(last.angle % 180, 45)
+    npt.assert_allclose([last.width, last.height], 2 * RADII * np.sqrt([1.6, 0.4]), rtol=1e-4)
+
+
+def test_closest_film_is_the_clearance_less_the_distance_of_the_axes(film):
+    outward, back, *_ = plots.closest_film(film)
+    closest = np.concatenate([outward.get_ydata(), back.get_ydata()])
+    away = 0.2 / 33.475  # rad, of the thinnest film from the middle of the image
+    expected = 230.0 - (230.0 - scene.minimum_film()) * np.hypot(1, away)
+    npt.assert_allclose(np.sort(closest), np.sort(expected), atol=1e-6)
+    npt.assert_allclose(outward.get_xdata(), np.degrees(np.arctan(away)), rtol=1e-4)
+
+
+def test_curvature_is_drawn_beside_that_of_circles(film):
+    *points, circles = plots.gap_curvature(film)
+    assert len(points) == 2
+    expected = (230.0 - scene.minimum_film()) / (33.36 * 33.59)
+    curve = circles.get_ydata()
+    npt.assert_allclose(np.sort(curve[np.isfinite(curve)]), np.sort(expected))
+    assert np.isnan(curve).sum() == 1  # no line from one stroke to the other
+    drawn = np.concatenate([one.get_ydata() for one in points])
+    npt.assert_allclose(np.sort(drawn), np.sort(expected + 0.002))
+
+
+def test_trigger_without_a_position_is_left_out(film):
+    changed = film.load().copy(deep=True)
+    changed.pin_displacement.values[0] = np.nan
+    ellipses = [artist for artist in plots.pin_orbit(changed) if isinstance(artist, Ellipse)]
+    assert len(ellipses) == scene.TRIGGERS - 1
+
+
+def test_figure_has_three_panels_with_letters(film):
+    figure = plots.pin_figure(film)
+    assert [ax.get_title(loc="left") for ax in figure.axes] == ["(a)", "(b)", "(c)"]
+
+
+def test_film_without_positions_is_refused(film):
+    empty = scene.without_valid_pixels(film)
+    for without in (film.drop_vars("pin_displacement"), empty, film.isel(trigger=[0])):
+        assert not has_position(without)
+        for draw in (plots.pin_orbit, plots.closest_film, plots.gap_curvature):
+            with pytest.raises(ConfigError, match=r"\[joint\]"):
+                draw(without)

@@ -1,0 +1,133 @@
+"""Figures of a slider and of a film at rest: labels of the motion, and no empty panel."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.motion import DISC, THEORY, film_of, slider_film, static_film
+
+from erlif.core.errors import ConfigError
+from erlif.io.files import describe_trigger, fastest_trigger, motion_of
+from erlif.show import plots
+from erlif.show.plots.files import DRAWN, FigureSource, reason_missing
+from erlif.show.report.captions import caption_of
+from erlif.show.report.tables import results_table, trigger_table
+
+SHARES = np.full(6, 0.9)
+
+
+def labels(figure):
+    return [(ax.get_xlabel(), ax.get_ylabel()) for ax in figure.axes]
+
+
+def test_speed_of_a_slider_is_an_ellipse_over_its_position():
+    """5 mm and 157.1 mm/s: pi times 5 Hz times 10 mm."""
+    curve, outward, back = plots.speed_against_angle(slider_film())
+    x, v = curve.get_data()
+    npt.assert_allclose((x / 5) ** 2 + (v / 157.0796) ** 2, 1.0, rtol=1e-6)
+    for points, sign in ((outward, 1), (back, -1)):
+        x, v = points.get_data()
+        npt.assert_allclose(v, sign * 157.0796 * np.sqrt(1 - (x / 5) ** 2), rtol=1e-6)
+    assert curve.axes.get_xlabel() == "position from mid-stroke [mm]"
+    assert curve.axes.get_ylabel() == "sliding speed [mm/s]"
+
+
+def test_cycle_of_a_slider_turns_back_at_its_ends():
+    figure = plots.cycle_figure(slider_film())
+    assert labels(figure)[1] == ("drive angle [°]", "sliding speed [mm/s]")
+    dotted = [line for line in figure.axes[0].lines if line.get_linestyle() == ":"]
+    assert sorted(line.get_xdata()[0] for line in dotted) == [90.0, 270.0]
+
+
+def test_film_at_rest_is_drawn_against_the_trigger_alone():
+    assert labels(plots.cycle_figure(static_film())) == [("trigger", "film thickness [µm]")]
+    with pytest.raises(ConfigError, match="with a speed"):
+        plots.speed_against_angle(static_film())
+    with pytest.raises(ConfigError, match="no linkage"):
+        plots.kinematics.linkage_cycle(static_film())
+
+
+def test_map_at_rest_has_no_sliding_direction_and_no_rigid_gap():
+    figure = plots.thickness_figure(static_film(), trigger=0)
+    named = [pair for pair in labels(figure) if pair[0]]
+    assert named == [("x [mm]", "y [mm]"), ("x [mm]", "film thickness [µm]")]
+
+
+def test_sheet_of_maps_names_what_stands_above_them():
+    titles = [ax.get_title() for ax in plots.map_sheet_figure(static_film()).axes]
+    assert titles[:6] == ["0", "1", "2", "3", "4", "5"]
+    timed = static_film().assign(time=("trigger", 0.25 * np.arange(6)))
+    titles = [ax.get_title() for ax in plots.map_sheet_figure(timed).axes]
+    assert titles[:3] == ["0 s", "0.25 s", "0.5 s"]
+
+
+def test_film_without_theory_has_one_panel_against_sliding_speed():
+    figure = plots.speed_figure(slider_film())
+    label = "sliding speed over load, v/F [10⁻³ m s⁻¹ N⁻¹]"
+    assert labels(figure) == [(label, "film thickness [µm]")]
+    x = np.abs(slider_film().sliding_speed / slider_film()["load"])
+    npt.assert_allclose(plots.trend.speed_over_load(slider_film()), x)
+
+
+def test_trigger_is_described_by_what_is_known():
+    assert describe_trigger(static_film(), 2) == "trigger 2"
+    assert describe_trigger(slider_film(), 0).endswith("outward, 148 mm/s")
+    timed = static_film().assign(time=("trigger", np.arange(6.0)))
+    assert describe_trigger(timed, 1) == "trigger 1, 1.000 s"
+
+
+def test_example_trigger_is_the_fastest_or_the_first():
+    assert fastest_trigger(static_film()) == 0
+    film = film_of(DISC, without=["rocker_speed", "stroke"], sliding_speed=[1, 2, 5, 3, 2, 1.0])
+    assert fastest_trigger(film) == 2
+
+
+@pytest.mark.parametrize(
+    ("film", "missing"),
+    [
+        (slider_film(), {}),
+        (
+            static_film(),
+            {
+                "speed_against_angle": "the film has no speed",
+                "film_against_speed": "the film has no speed and no load",
+            },
+        ),
+        (
+            film_of(
+                DISC, without=["rocker_speed", "stroke", *THEORY], sliding_speed=np.full(6, 0.25)
+            ),
+            {
+                "speed_against_angle": "the sliding speed is the same at all triggers to 1 %, "
+                "250 mm/s",
+                "film_against_speed": "speed over load varies by less than 10%",
+            },
+        ),
+    ],
+    ids=["slider", "static", "steady disc"],
+)
+def test_figures_that_would_be_empty_are_left_out_with_the_reason(film, missing, tmp_path):
+    source = FigureSource(tmp_path / "film.nc", film, 0, None, None)
+    of_motion = ("speed_against_angle", "film_against_speed", "film_over_cycle", "map_sheet")
+    found = {name: reason_missing(name, source) for name in of_motion}
+    assert {name: reason for name, reason in found.items() if reason} == missing
+
+
+def test_captions_describe_the_panels_that_there_are():
+    for name in DRAWN:
+        assert "(b) speed" not in caption_of(name, static_film()).text
+        assert "linkage" not in caption_of(name, slider_film()).text
+    assert caption_of("film_over_cycle", static_film()).title == "Film thickness over the run"
+    assert "(c)" not in caption_of("thickness_map", static_film()).text
+    assert "theory" not in caption_of("film_against_speed", slider_film()).text
+    assert "Dotted: the slider turns back" in caption_of("film_over_cycle", slider_film()).text
+
+
+def test_tables_have_the_columns_of_the_motion():
+    assert motion_of(static_film()) == ""
+    table = trigger_table(static_film(), SHARES)
+    for title in ("Stroke", "[°]", "[rad/s]", "Load", "Theory"):
+        assert title not in table
+    table = trigger_table(slider_film(), SHARES)
+    assert all(title in table for title in ("Drive [°]", "Position [mm]", "Sliding [mm/s]"))
+    assert "Load" not in results_table(static_film(), 0.9)
+    assert "over the run" in results_table(static_film(), 0.9)

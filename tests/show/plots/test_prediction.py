@@ -1,0 +1,112 @@
+"""Measured and predicted film: what is drawn where, on which scales."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.core.errors import ConfigError, ErlifError
+from erlif.show.plots import (
+    example_film,
+    example_frames,
+    film_and_prediction,
+    film_and_theory,
+    film_over_run,
+    predicted_map,
+    prediction_figure,
+    prediction_map_figure,
+)
+
+FILM = example_film()
+FRAMES = example_frames()
+
+
+def without(film):
+    names = [name for name in film if str(name).startswith(("film_predicted", "ecc", "attitude"))]
+    return film.drop_vars(names)
+
+
+def test_the_prediction_is_a_line_cut_between_the_strokes():
+    *points, line = film_and_prediction(FILM)
+    x, y = line.get_data()
+    cut = np.isnan(x)
+    order = np.argsort(FILM.crank_angle.values)
+    npt.assert_array_equal(x[~cut], FILM.crank_angle[order])
+    npt.assert_array_equal(y[~cut], FILM.film_predicted_min[order])
+    assert cut.tolist() == [False, False, False, True, False, False, False]
+    drawn = np.concatenate([one.get_ydata() for one in points])
+    npt.assert_array_equal(np.sort(drawn), np.sort(FILM.film_min.values))
+
+
+def test_a_trigger_of_several_frames_lies_at_their_mean_turn():
+    frames = FRAMES.isel(frame=[0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5])
+    turns = frames.elapsed_cycles.values + np.repeat([0.0, 1.0], 6)
+    frames = frames.assign(elapsed_cycles=("frame", turns))
+    outward, back, line = film_over_run(FILM, frames)
+    expected = FRAMES.elapsed_cycles.values + 0.5
+    rising = FILM.stroke.values > 0
+    npt.assert_allclose(outward.get_xdata(), expected[rising])
+    npt.assert_allclose(back.get_xdata(), expected[~rising])
+    drawn = line.get_xdata()
+    npt.assert_array_equal(drawn[np.isfinite(drawn)], np.sort(turns))
+    assert np.isnan(drawn).sum() == 3  # at the dead points of both turns
+
+
+def test_the_figure_states_both_correlations():
+    left = prediction_figure(FILM, FRAMES).axes[0]
+    speed = np.abs(FILM.rocker_speed.values)
+    measured, predicted = (
+        np.corrcoef(speed, FILM[name].values)[0, 1] for name in ("film_min", "film_predicted_min")
+    )
+    measured, predicted = (round(float(value), 2) for value in (measured, predicted))
+    text = left.texts[0].get_text().replace("−", "-")
+    assert text.endswith(f"measured {measured:+.2f}, predicted {predicted:+.2f}")
+
+
+def test_measured_and_predicted_map_have_one_scale_and_the_difference_one_about_zero():
+    figure = prediction_map_figure(FILM, trigger=2)
+    measured, predicted, difference = (ax.images[0] for ax in figure.axes[:3])
+    assert measured.get_clim() == predicted.get_clim()
+    low, high = difference.get_clim()
+    assert low == -high
+    npt.assert_allclose(
+        np.ma.filled(difference.get_array(), np.nan),
+        FILM.thickness.values[2] - predicted_map(FILM, trigger=2),
+        atol=1e-6,
+    )
+
+
+def test_the_predicted_map_is_the_gap_of_circles():
+    x = 1e-3 * (FILM.x.values - FILM.attitude.attrs["load_line"])
+    turned = x / np.sqrt(0.03336 * 0.03359) - np.radians(float(FILM.attitude[4]))
+    expected = 230 * (1 - float(FILM.eccentricity[4]) * np.cos(turned))
+    found = predicted_map(FILM, trigger=4)
+    npt.assert_allclose(found, np.broadcast_to(expected, found.shape), rtol=1e-5)
+
+
+def test_the_transient_film_is_drawn_beside_the_steady_ones():
+    *_, transient, steady, formula = film_and_theory(FILM)
+    npt.assert_array_equal(transient.get_ydata(), FILM.film_predicted_min)
+    npt.assert_allclose(np.sort(steady.get_ydata()), np.sort(FILM.film_regime_map.values))
+    assert formula.get_label().startswith("2.65")
+    labels = [one.get_label() for one in film_and_theory(without(FILM))]
+    assert "transient film over the cycle" not in labels
+
+
+def test_a_film_without_a_prediction_is_refused():
+    bare = without(FILM)
+    for draw in (
+        lambda: film_and_prediction(bare),
+        lambda: film_over_run(bare, FRAMES),
+        lambda: predicted_map(bare, trigger=0),
+    ):
+        with pytest.raises(ConfigError, match="prediction; this one has none"):
+            draw()
+    with pytest.raises(ErlifError, match="a trigger from 0 to 5"):
+        prediction_map_figure(FILM, trigger=6)
+
+
+def test_a_correlation_that_is_not_known_is_a_word():
+    film = FILM.assign(film_min=FILM.film_min * np.nan)
+    text = prediction_figure(film, FRAMES).axes[0].texts[0].get_text()
+    assert "measured none, predicted" in text
+    assert "nan" not in text

@@ -1,0 +1,112 @@
+"""Displacement and drift are drawn as the film stores them, in pixels."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes import film as scene
+
+from erlif.io.files import open_film
+from erlif.show import plots
+
+
+@pytest.fixture
+def registration(film_path):
+    with open_film(film_path, group="registration") as group:
+        return group.load()
+
+
+@pytest.fixture
+def frames(film_path):
+    with open_film(film_path, group="frames") as group:
+        return group.load()
+
+
+@pytest.mark.parametrize(("component", "shift"), [("x", 3.0), ("y", -2.5)])
+def test_displacement_is_drawn_less_its_mean(registration, component, shift):
+    name = f"displacement_{component}"
+    slope = 0.01 * (np.arange(scene.COLUMNS) - 39.5)
+    registration[name] = registration[name] + shift + slope
+    image = plots.displacement_map(registration, component=component)
+    npt.assert_allclose(image.get_array(), np.broadcast_to(slope, (64, 80)), atol=1e-6)
+    sign = "+3.00" if shift > 0 else "−2.50"
+    assert image.axes.get_title() == f"mean Δ{component} = {sign} px"
+    (bar,) = image.axes.child_axes
+    assert bar.get_ylabel() == f"Δ{component} less its mean [px]"
+
+
+def test_colour_scale_of_the_displacement_is_centred_on_the_mean(registration):
+    """White of a diverging colour map is the mean."""
+    slope = 0.01 * np.arange(scene.COLUMNS) ** 2
+    registration["displacement_x"] = registration.displacement_x + slope
+    low, high = plots.displacement_map(registration, component="x").get_clim()
+    assert low == -high
+    npt.assert_allclose(high, np.max(np.abs(slope - slope.mean())), rtol=1e-5)
+
+
+def test_even_displacement_has_a_colour_scale_of_some_width(registration):
+    low, high = plots.displacement_map(registration, component="x").get_clim()
+    assert low < 0 < high
+
+
+def test_displacement_beyond_camera_2_is_grey(registration):
+    registration.displacement_x.values[:, :2] = np.nan
+    image = plots.displacement_map(registration, component="x")
+    colours = image.to_rgba(image.get_array())
+    npt.assert_allclose(colours[0, 0, :3], 0x8C / 255)  # darker than any small displacement
+    assert "nan" not in image.axes.get_title()
+
+
+def test_edge_of_the_overlap_is_outlined(registration):
+    """Camera 2 does not see the first three columns, so that the edge lies at 2.5."""
+    ax = plots.displacement_map(registration, component="x").axes
+    (edge,) = ax.collections
+    npt.assert_allclose(edge.get_paths()[0].vertices[:, 0], 2.5)
+    registration.overlap.values[:] = 1
+    assert len(plots.displacement_map(registration, component="x").axes.collections) == 0
+
+
+def test_poor_registration_is_outlined_in_another_colour(registration):
+    registration.poor.values[10:20, 30:50] = 1
+    overlap, poor = plots.displacement_map(registration, component="x").axes.collections
+    assert not np.array_equal(overlap.get_edgecolor(), poor.get_edgecolor())
+    x, y = poor.get_paths()[0].vertices.T
+    npt.assert_allclose([x.min(), x.max(), y.min(), y.max()], [29.5, 49.5, 9.5, 19.5])
+
+
+def test_rows_run_down_and_are_counted_in_pixels(registration):
+    ax = plots.displacement_map(registration, component="y").axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("column [px]", "row [px]")
+    assert ax.get_ylim() == (63.5, -0.5)
+
+
+def test_drift_is_drawn_by_frame_with_its_rms(frames):
+    """A drift of alternating sign has its amplitude as rms."""
+    frames.drift_x.values[:] = 0.25 * (-1.0) ** np.arange(scene.TRIGGERS)
+    along_x, along_y = plots.drift_of_frames(frames)
+    npt.assert_array_equal(along_x.get_xdata(), np.arange(scene.TRIGGERS))
+    npt.assert_array_equal(along_x.get_ydata(), frames.drift_x.values)
+    npt.assert_array_equal(along_y.get_ydata(), 0)
+    assert along_x.get_label() == "along x, rms 0.25 px"
+    assert along_y.get_label() == "along y, rms 0.00 px"
+    assert along_x.axes.get_ylabel() == "drift of camera 2 [px]"
+    assert along_x.axes.get_xlabel() == "number of the frame pair [1]"
+
+
+def test_frame_without_drift_is_a_gap(frames):
+    frames.drift_x.values[2] = np.nan
+    along_x, _ = plots.drift_of_frames(frames)
+    assert np.isnan(along_x.get_ydata()[2])
+    frames.drift_x.values[:] = np.nan
+    along_x, _ = plots.drift_of_frames(frames)
+    assert "rms nan" in along_x.get_label()
+
+
+def test_figure_names_quality_and_model(registration, frames):
+    figure = plots.registration_figure(registration, frames)
+    panels = {ax.get_title(loc="left"): ax for ax in figure.axes}
+    assert list(panels) == ["(a)", "(b)", "(c)"]
+    assert panels["(c)"].get_title() == "correlation of the aligned textures 0.970; model: surface"
+    assert panels["(a)"].get_title().startswith("mean Δx")
+    assert panels["(b)"].get_title().startswith("mean Δy")

@@ -1,0 +1,216 @@
+"""The look of the figures and their files: nothing depends on the day or changes the caller."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import matplotlib
+import matplotlib.style
+import numpy as np
+import numpy.testing as npt
+import pytest
+from fontTools import subset
+from matplotlib.figure import Figure
+
+from erlif.core.errors import OutputError
+from erlif.show import plots
+from erlif.show.plots.style import (
+    ONE_COLUMN,
+    STROKES,
+    TWO_COLUMNS,
+    add_colour_bar,
+    colour_map,
+    figure_bytes,
+    frame_legend,
+    given_or_new,
+    letter,
+    new_figure,
+    room_for,
+    signed,
+)
+
+
+@pytest.mark.parametrize("kind", ["png", "pdf", "svg"])
+def test_figure_gives_the_same_file_twice(calibration, tmp_path, kind):
+    one, two = (plots.write_calibration_figure(calibration, tmp_path / f"{n}.{kind}") for n in "ab")
+    assert one.read_bytes() == two.read_bytes()
+    assert b"CreationDate" not in one.read_bytes()
+    assert one.stat().st_size > 5000
+
+
+def test_file_does_not_change_with_the_time(calibration, monkeypatch):
+    """The build time that matplotlib takes from the environment does not reach the file."""
+    figure = plots.calibration_figure(calibration)
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "0")
+    early = figure_bytes(figure, kind="pdf")
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1000000000")
+    assert figure_bytes(figure, kind="pdf") == early
+
+
+def test_previous_figure_is_kept_where_writing_fails(calibration, tmp_path):
+    target = tmp_path / "missing" / "figure.png"
+    target.parent.write_text("a file where the directory should be")
+    with pytest.raises((OutputError, OSError)):
+        plots.write_calibration_figure(calibration, target)
+    assert target.parent.read_text() == "a file where the directory should be"
+
+
+def test_fonts_are_embedded_where_fonttools_has_no_list_of_dropped_tables(monkeypatch):
+    """fontTools does not document the list, so that another version may lack it."""
+    figure = new_figure()
+    figure.add_subplot().set_xlabel("angle [°]")
+    small = figure_bytes(figure, kind="pdf")
+
+    # such a fontTools has its list elsewhere
+    listed, make = subset.Options._drop_tables_default, subset.Options.__init__
+    monkeypatch.delattr(subset.Options, "_drop_tables_default")
+
+    def make_options(self, **kwargs):
+        self._drop_tables_default = listed
+        make(self, **kwargs)
+
+    monkeypatch.setattr(subset.Options, "__init__", make_options)
+    large = figure_bytes(figure, kind="pdf")
+    assert large[:4] == b"%PDF"
+    assert len(large) > len(small)
+
+
+@pytest.mark.parametrize(("dpi", "width"), [(100.0, 354), (300.0, 1062)])
+def test_picture_has_the_width_of_a_column(dpi, width):
+    figure = new_figure()
+    figure.add_subplot()
+    content = figure_bytes(figure, kind="png", dpi=dpi)
+    assert int.from_bytes(content[16:20], "big") == width  # the header of a PNG
+
+
+def test_columns_are_90_and_190_millimetres_wide():
+    npt.assert_allclose([25.4 * ONE_COLUMN, 25.4 * TWO_COLUMNS], [90, 190])
+
+
+def test_settings_of_the_caller_are_left_alone(film):
+    before = dict(matplotlib.rcParams)
+    plots.thickness_map(film, trigger=0)
+    plots.calibration_figure(plots.example_calibration())
+    assert dict(matplotlib.rcParams) == before
+
+
+def test_style_reaches_a_figure_that_is_written_later(film, tmp_path):
+    """Text is drawn when the file is written; fonts are those of the style even then."""
+    image = plots.thickness_map(film, trigger=0)
+    assert image.axes.title.get_fontsize() == 7.0
+    assert image.axes.title.get_fontname() == "DejaVu Sans"
+
+
+def test_drawing_and_viewer_are_loaded_only_when_needed_and_open_no_window():
+    """One new process for both, as loading erlif takes most of the time."""
+    code = (
+        "import sys, erlif, erlif.pipeline, erlif.view, erlif.commands.main\n"
+        "late = {'matplotlib', 'tornado', 'tomlkit', 'erlif.show.view.handlers'}\n"
+        "assert not late & set(sys.modules), late & set(sys.modules)\n"
+        "import erlif.show.plots, erlif.report\n"
+        "assert 'matplotlib.pyplot' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_thicker_film_is_brighter():
+    """Lightness of batlow rises throughout (Crameri 2018), which print in grey preserves."""
+    red, green, blue, _ = colour_map("batlow")(np.linspace(0, 1, 64)).T
+    luminance = 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2
+    lightness = 116 * np.cbrt(luminance) - 16
+    assert (np.diff(lightness) > 0).all()
+    assert np.ptp(lightness) > 60
+
+
+def test_colour_of_missing_values_is_the_one_given():
+    colours = colour_map("vik", bad="#123456")
+    npt.assert_allclose(colours(np.ma.masked), (0x12 / 255, 0x34 / 255, 0x56 / 255, 1))
+
+
+def test_colour_bar_has_the_height_of_the_image():
+    ax = new_figure().add_subplot()
+    image = ax.imshow(np.arange(6.0).reshape(2, 3))
+    add_colour_bar(image, ax, "counts [DN]", extend="neither")
+    ax.get_figure().draw_without_rendering()
+    (bar,) = ax.child_axes
+    own, beside = ax.get_window_extent(), bar.get_window_extent()
+    npt.assert_allclose([beside.y0, beside.y1], [own.y0, own.y1], atol=0.6)
+    assert beside.x0 > own.x1
+    assert bar.get_ylabel() == "counts [DN]"
+
+
+def test_strokes_differ_in_print_without_colour():
+    one, other = STROKES[1], STROKES[-1]
+    assert one["marker"] != other["marker"]
+    assert one["markerfacecolor"] != "white" == other["markerfacecolor"]
+
+
+def test_legend_covers_the_lines_behind_it():
+    ax = new_figure().add_subplot()
+    (line,) = ax.plot([0, 1], [0, 1], label="line")
+    frame_legend(ax, loc="center")
+    assert ax.get_legend().get_zorder() > line.get_zorder()
+    assert ax.get_legend().get_frame().get_alpha() == 1.0
+
+
+def test_letter_of_a_panel_is_bold_beside_a_long_title_as_well():
+    """Signs of mathematics in the title stay text."""
+    for title, place in (
+        ("", "(c)"),
+        ("a title of fifty letters, in $ and in $ " * 2, r"$\mathbf{(c)}$"),
+    ):
+        ax = new_figure().add_subplot(title=title)
+        letter(ax, "c")
+        drawn = ax.get_title(loc="left")
+        assert drawn.startswith(place)
+        assert title.replace("$", r"\$") in drawn
+        ax.get_figure().draw_without_rendering()
+
+
+def test_given_axes_are_used():
+    ax = Figure().add_subplot()
+    assert given_or_new(ax) is ax
+    npt.assert_allclose(given_or_new(None, height=2.0).get_figure().get_size_inches()[1], 2.0)
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"), [(3.0, 2, "+3.00"), (-0.25, 1, "−0.2"), (-3.14159, 3, "−3.142")]
+)
+def test_numbers_are_written_with_their_sign(value, digits, text):
+    assert signed(value, digits) == text
+
+
+def test_style_of_the_caller_is_kept(film):
+    """A larger text takes lines and markers with it."""
+    with matplotlib.rc_context({"font.size": 14.0}):
+        image = plots.thickness_map(film, trigger=0)
+        assert image.axes.title.get_fontsize() == 14.0
+        assert image.axes.spines["left"].get_linewidth() == pytest.approx(1.2)
+    with matplotlib.style.context("erlif.show.plots.paper"):
+        ax = plots.film_over_cycle(film)[0].axes
+    npt.assert_allclose(25.4 * ax.get_figure().get_figwidth(), 85, atol=0.01)
+    assert ax.xaxis.label.get_fontsize() == 8.0
+
+
+def test_figure_of_several_panels_shows_itself_and_fits_into_another(film):
+    figure = plots.cycle_figure(film)
+    assert figure._repr_png_()[:4] == b"\x89PNG"
+    whole = Figure(figsize=(8, 4), layout="constrained")
+    left, right = whole.subfigures(1, 2)
+    assert plots.cycle_figure(film, figure=left) is left
+    assert plots.pin_figure(film, figure=right) is right
+    assert figure_bytes(right, kind="png", dpi=50)[:4] == b"\x89PNG"
+    assert len(whole.axes) == 5
+
+
+def test_ticks_of_a_figure_keep_its_look(film):
+    """Ticks are made when a figure is drawn, in a notebook after the function has returned."""
+    ax = plots.film_over_cycle(film)[0].axes
+    ax.get_figure().draw_without_rendering()
+    assert ax.get_xticklabels()[0].get_fontsize() == 6.5
+
+
+@pytest.mark.parametrize(("lines", "room"), [(0.0, 0.0), (1000.0, 1.0)])
+def test_room_for_text_is_bounded(lines, room):
+    assert room_for(new_figure().add_subplot(), lines) == room

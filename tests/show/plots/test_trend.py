@@ -1,0 +1,218 @@
+"""Film thickness against speed over load: points, bars, powers and theory are those of the film."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes import film as scene
+
+from erlif.show import plots
+from erlif.show.plots.style import MEAN, MINIMUM, MUTED
+from erlif.show.plots.trend import speed_over_load
+
+SPEED_OVER_LOAD = 1e3 * np.abs(scene.rocker_speed(scene.CRANK)) / scene.LOAD
+
+
+def labels_of(ax):
+    return [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def points_of(artists, colour):
+    """All points of one colour, in the order of their places."""
+    x = np.concatenate([line.get_xdata() for line in artists if line.get_color() == colour])
+    y = np.concatenate([line.get_ydata() for line in artists if line.get_color() == colour])
+    order = np.argsort(x)
+    return x[order], y[order]
+
+
+@pytest.fixture
+def changed(film):
+    """A copy of the film that a test may change."""
+    return film.load().copy(deep=True)
+
+
+def test_speed_over_load_has_no_sign(film):
+    npt.assert_allclose(1e3 * speed_over_load(film), SPEED_OVER_LOAD, rtol=1e-6)
+
+
+def test_points_are_the_statistics_of_the_triggers(film):
+    artists = plots.film_against_speed(film)[:-2]
+    order = np.argsort(SPEED_OVER_LOAD)
+    for name, colour in (("film_mean", MEAN), ("film_min", MINIMUM)):
+        x, y = points_of(artists, colour)
+        npt.assert_allclose(x, SPEED_OVER_LOAD[order], rtol=1e-6)
+        npt.assert_array_equal(y, film[name].values[order])
+
+
+def test_bars_are_one_standard_deviation(film):
+    ax = plots.film_against_speed(film)[0].axes
+    half = set()
+    for box in ax.containers:
+        segments = np.array([path.vertices for path in box.lines[2][0].get_paths()])
+        half |= set(np.round(np.ptp(segments[:, :, 1], axis=1) / 2, 6))
+    assert half == {0.02, 0.03}
+
+
+def test_drawn_power_goes_through_the_films(film):
+    *_, line = plots.film_against_speed(film)
+    x, y = line.get_data()
+    npt.assert_allclose(np.polyfit(np.log(x), np.log(y), 1)[0], scene.POWER, rtol=1e-6)
+    drawn = np.exp(np.interp(np.log(np.sort(SPEED_OVER_LOAD)), np.log(x), np.log(y)))
+    npt.assert_allclose(drawn, np.sort(scene.minimum_film()), rtol=1e-6)
+    npt.assert_allclose([x.min(), x.max()], [SPEED_OVER_LOAD.min(), SPEED_OVER_LOAD.max()])
+
+
+def test_legend_gives_the_powers_and_the_strokes(film):
+    ax = plots.film_against_speed(film)[0].axes
+    assert labels_of(ax) == [
+        "mean, n = 0.400 ± 0.010",
+        "minimum, n = 0.600 ± 0.010",
+        "outward",
+        "return",
+    ]
+
+
+def test_axes_are_logarithmic_and_name_their_units(film):
+    for draw in (plots.film_against_speed, plots.film_and_theory):
+        ax = draw(film)[0].axes
+        assert (ax.get_xscale(), ax.get_yscale()) == ("log", "log")
+        assert ax.get_xlabel() == "speed over load, |ω|/F [10⁻³ rad s⁻¹ N⁻¹]"
+        assert ax.get_ylabel() == "film thickness [µm]"
+
+
+def test_ticks_are_plain_numbers(film):
+    ax = plots.film_against_speed(film)[0].axes
+    ax.get_figure().draw_without_rendering()
+    texts = [text.get_text() for text in ax.get_yticklabels() if text.get_text()]
+    assert len(texts) >= 2
+    assert all(text == f"{float(text):g}" for text in texts)
+
+
+def test_triggers_too_slow_for_the_fit_are_grey(changed):
+    changed.rocker_speed.values[0] *= 0.02
+    artists = plots.film_against_speed(changed)
+    x, y = points_of(artists[:-2], MUTED)
+    npt.assert_array_equal(np.sort(y), np.sort([changed.film_mean[0], changed.film_min[0]]))
+    npt.assert_allclose(x, 1e3 * abs(float(changed.rocker_speed[0])) / scene.LOAD)
+    # the fitted line ends at the slowest trigger of the fit
+    assert artists[-1].get_xdata().min() > x.max()
+
+
+def test_trigger_without_a_film_is_not_drawn(changed):
+    changed.film_min.values[1] = np.nan
+    changed.film_min.values[2] = -0.1
+    _, y = points_of(plots.film_against_speed(changed)[:-2], MINIMUM)
+    assert y.size == scene.TRIGGERS - 2
+
+
+def test_power_that_was_not_fitted_is_not_drawn(changed):
+    changed["speed_exponent"] = changed.speed_exponent * np.nan
+    changed["speed_exponent_mean"] = changed.speed_exponent_mean * np.nan
+    ax = plots.film_against_speed(changed)[0].axes
+    # mean and minimum keep their colours in the legend, without a power
+    assert labels_of(ax) == ["mean", "minimum", "outward", "return"]
+
+
+def test_theory_is_drawn_with_the_film(film):
+    *points, transient, theory, formula = plots.film_and_theory(film)
+    npt.assert_array_equal(transient.get_ydata(), scene.sunken_film())
+    order = np.argsort(np.abs(scene.rocker_speed(scene.CRANK)))
+    npt.assert_allclose(theory.get_ydata(), 20 * scene.minimum_film()[order])
+    npt.assert_allclose(formula.get_ydata(), 0.3 * scene.minimum_film()[order])
+    npt.assert_allclose(theory.get_xdata(), SPEED_OVER_LOAD[order], rtol=1e-6)
+    measured = np.concatenate([line.get_ydata() for line in points])
+    npt.assert_array_equal(np.sort(measured), np.sort(film.film_min.values))
+
+
+def test_legend_names_regime_and_formula(film):
+    low, high = scene.minimum_film().min(), scene.minimum_film().max()
+    ax = plots.film_and_theory(film)[0].axes
+    assert labels_of(ax) == [
+        "transient film over the cycle",
+        f"regime map, isoviscous-rigid\nbeyond the axis: {20 * low:.3g} to {20 * high:.3g} µm",
+        f"2.65 formula, piezoviscous-elastic\npartly beyond the axis: {0.3 * low:.3g} to "
+        f"{0.3 * high:.3g} µm",
+        "measured minimum, outward",
+        "measured minimum, return",
+    ]
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.5, 20.0])
+def test_axis_holds_the_film_with_its_bars_and_theory_that_is_near(changed, factor):
+    """Theory twenty times as thick would press measurement and prediction into a line."""
+    *measured, transient, theory, _ = plots.film_and_theory(
+        changed.assign(film_regime_map=factor * changed.film_min)
+    )
+    low, high = transient.axes.get_ylim()
+    least = np.min([line.get_ydata().min() for line in (*measured, transient)])
+    most = np.max([line.get_ydata().max() for line in (*measured, transient)])
+    assert low < least - 0.03
+    assert high > most + 0.03
+    assert low > least / 4
+    assert (low < theory.get_ydata().min() and theory.get_ydata().max() < high) == (factor < 3)
+    assert ("beyond" in theory.get_label()) == (factor > 3)
+
+
+def test_figure_has_both_panels_even_without_a_film(film):
+    for one in (film, scene.without_valid_pixels(film)):
+        figure = plots.speed_figure(one)
+        assert [ax.get_title(loc="left") for ax in figure.axes] == ["(a)", "(b)"]
+
+
+@pytest.mark.parametrize(("decades", "fewest"), [(0.3, 3), (1.2, 3), (4.0, 4)])
+def test_axis_of_any_length_has_ticks_to_read(changed, decades, fewest):
+    """Ticks follow the range: every digit over part of a decade, decades over many."""
+    factor = np.geomspace(1, 10**decades, scene.TRIGGERS)
+    for name in ("film_min", "film_mean"):
+        changed[name] = changed[name].copy(data=factor)
+    ax = plots.film_against_speed(changed)[0].axes
+    ax.get_figure().draw_without_rendering()
+    low, high = ax.get_ylim()
+    inside = [tick for tick in ax.get_yticks() if low <= tick <= high]
+    assert fewest <= len(inside) <= 12
+
+
+def test_load_of_each_trigger_enters_the_axis(changed):
+    """Half the load is twice the speed over load."""
+    changed["load"] = changed["load"].copy(data=np.full(scene.TRIGGERS, scene.LOAD / 2))
+    x, _ = points_of(plots.film_against_speed(changed)[:-2], MINIMUM)
+    npt.assert_allclose(x, 2 * np.sort(SPEED_OVER_LOAD), rtol=1e-6)
+
+
+def test_the_speed_of_the_exponent_is_drawn(film):
+    """A film of a linkage whose log has the speed."""
+    logged = film.copy()
+    logged["speed_exponent"] = film.speed_exponent.assign_attrs(speed="sliding_speed")
+    ax = plots.film_against_speed(logged)[0].axes
+    assert ax.get_xlabel().startswith("sliding speed over load")
+    assert plots.film_against_speed(film)[0].axes.get_xlabel().startswith("speed over load")
+
+
+def test_the_transient_film_is_seen_round_and_below_the_points(film):
+    *points, transient, _, _ = plots.film_and_theory(film)
+    assert transient.get_markerfacecolor() == "none"
+    for line in points:
+        assert transient.get_markersize() > line.get_markersize()
+        assert transient.get_zorder() < line.get_zorder()
+
+
+def test_a_statistic_without_a_point_is_not_in_the_legend(changed):
+    """Here the mean, and the return stroke of the minimum, have none."""
+    changed["film_mean"] = changed.film_mean * np.nan
+    for name in ("speed_exponent_mean", "speed_exponent_mean_std"):
+        changed[name] = changed[name] * np.nan
+    assert not [text for text in labels_of(draw(changed)) if text.startswith("mean")]
+    changed["film_min"] = changed.film_min.where(changed.stroke > 0)
+    labels = labels_of(plots.film_and_theory(changed)[0].axes)
+    assert "measured minimum, outward" in labels
+    assert "measured minimum, return" not in labels
+
+
+def draw(film):
+    return plots.film_against_speed(film)[0].axes
+
+
+def test_a_falling_power_has_the_minus_of_the_figures(changed):
+    changed.speed_exponent.values[()] = -0.25
+    assert "minimum, n = −0.250 ± 0.010" in labels_of(draw(changed))

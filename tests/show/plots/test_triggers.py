@@ -1,0 +1,78 @@
+"""What the triggers are drawn against, by the motion and by what the film holds."""
+
+import numpy as np
+import pytest
+from scenes.motion import DISC, SLIDER, film_of
+
+from erlif.show.plots.triggers import (
+    broken,
+    choose_abscissa,
+    find_gaps,
+    has_varying_speed,
+    in_order,
+    stroke_looks,
+)
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "label"),
+    [(DISC, "disc angle [°]"), (SLIDER, "drive angle [°]")],
+)
+def test_the_angle_is_named_after_the_motion(mechanism, label):
+    along = choose_abscissa(film_of(mechanism))
+    assert along.label == label
+    assert along.whole_turn
+
+
+def test_a_disc_that_turns_several_times_is_drawn_against_time():
+    turning = np.arange(6) * 250.0 % 360
+    time = 0.1 * np.arange(6)
+    along = choose_abscissa(film_of(DISC, crank_angle=turning, time=time))
+    assert along.label == "time [s]"
+    assert along.values.tolist() == time.tolist()
+    assert choose_abscissa(film_of(DISC, crank_angle=turning)).label == "disc angle [°]"
+
+
+def test_without_a_motion_time_angle_or_trigger_are_taken_in_this_order():
+    film = film_of(None, without=["crank_angle"], time=np.arange(6.0))
+    assert choose_abscissa(film).label == "time [s]"
+    film = film.drop_vars("time")
+    assert choose_abscissa(film).label == "encoder angle [°]"
+    film = film.drop_vars("encoder_angle")
+    assert choose_abscissa(film).label == "trigger"
+    assert choose_abscissa(film).values.tolist() == [0, 1, 2, 3, 4, 5]
+
+
+def test_without_strokes_all_triggers_look_alike():
+    ((members, look),) = stroke_looks(film_of(DISC, without=["stroke"]))
+    assert members.all()
+    assert look["label"] == "trigger"
+
+
+@pytest.mark.parametrize(("speed", "varies"), [([0.25] * 6, False), (np.arange(6.0), True)])
+def test_a_steady_speed_is_recognised(speed, varies):
+    film = film_of(DISC, without=["rocker_speed"], sliding_speed=np.asarray(speed))
+    assert has_varying_speed(film) is varies
+    assert not has_varying_speed(film.drop_vars("sliding_speed"))
+
+
+def test_a_stroke_without_a_trigger_has_no_marker():
+    film = film_of(DISC).assign(stroke=("trigger", np.ones(6)))
+    assert [look["label"] for _, look in stroke_looks(film)] == ["outward"]
+
+
+@pytest.mark.parametrize("left_out", [5, 12, 20])
+def test_a_trigger_left_out_of_a_cycle_breaks_the_line(left_out):
+    """Even angles of a rocker, which a sine stands for, are uneven angles of the crank."""
+    crank = np.degrees(np.arcsin(np.linspace(-0.96, 0.96, 26)))
+    assert not find_gaps(crank).any()
+    assert np.flatnonzero(find_gaps(np.delete(crank, left_out))).tolist() == [left_out - 1]
+
+
+def test_stretches_end_with_their_stroke():
+    film = film_of(DISC).assign(stroke=("trigger", [1, 1, -1, -1, -1, 1]))
+    parts = in_order(film, np.arange(6.0)[::-1])
+    assert [part.tolist() for part in parts] == [[5], [4, 3, 2], [1, 0]]
+    line = broken(parts, np.arange(6))
+    assert line[~np.isnan(line)].tolist() == [5, 4, 3, 2, 1, 0]
+    assert np.flatnonzero(np.isnan(line)).tolist() == [1, 5]

@@ -1,0 +1,91 @@
+"""A film by formula, its report with a few figures, and a reader of pages."""
+
+from __future__ import annotations
+
+from html.parser import HTMLParser
+
+import pytest
+from scenes import film as scene
+
+from erlif.io.files import open_film
+from erlif.show.report import figures, write_report
+
+VOID = {"meta", "img", "input", "br"}
+DRAWN_FEW = ("speed_against_angle", "fixture_profile", "thickness_map")
+
+
+class Page(HTMLParser):
+    """Elements of a page and their text; an element that is closed out of order fails."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.source = text
+        self.open, self.elements, self.texts = [], [], {}
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append((tag, dict(attrs).get("id")))
+
+    def handle_endtag(self, tag):
+        assert self.open[-1][0] == tag, f"{tag} closes {self.open[-1]}"
+        self.open.pop()
+
+    def handle_data(self, data):
+        for tag, name in self.open:
+            for key in (tag, name):
+                if key is not None:
+                    self.texts[key] = self.texts.get(key, "") + data
+
+    def all(self, tag):
+        """Attributes of all elements of a kind."""
+        return [attrs for name, attrs in self.elements if name == tag]
+
+
+@pytest.fixture(scope="package")
+def film_path(tmp_path_factory):
+    """The film in its run directory."""
+    return scene.make_film(tmp_path_factory.mktemp("run"))
+
+
+@pytest.fixture(scope="package")
+def film(film_path):
+    """The film of `film_path`; never to be changed."""
+    with open_film(film_path) as film:
+        yield film
+
+
+@pytest.fixture
+def changed(film):
+    """A copy of the film that a test may change."""
+    return film.load().copy(deep=True)
+
+
+@pytest.fixture(scope="package")
+def text(film_path):
+    """The page as text, with one figure of each kind and one that is left out."""
+    few = {name: figures.DRAWN[name] for name in DRAWN_FEW}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(figures, "DRAWN", few)
+        path = write_report(film_path, film_path.with_name("report.html"))
+    return path.read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="package")
+def page(text):
+    """The page of `text`, read."""
+    return Page(text)
+
+
+@pytest.fixture
+def read_page():
+    """Read a page."""
+    return Page
+
+
+@pytest.fixture
+def without_figures(monkeypatch):
+    """Leave out the figures, which take most of the time of a page."""
+    monkeypatch.setattr(figures, "DRAWN", {})

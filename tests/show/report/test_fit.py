@@ -1,0 +1,51 @@
+"""The summary of a comparison: order of the models, values with errors, and limits."""
+
+import numpy as np
+
+from erlif.prediction import Candidate, Comparison, Estimate, MotionFit
+from erlif.show.report.fit import summarise_comparison
+
+
+def comparison(viscosity, inflation=1.0):
+    none = np.zeros(0)
+    estimates = {
+        "viscosity": viscosity,
+        "start_film": Estimate(6.268e-6, 14e-9, 6.24e-6, 6.30e-6, "m"),
+    }
+    fit = MotionFit(
+        "free", estimates, (), none, none, none, 1.0, 1, inflation, 0.0, none, none, none
+    )
+    candidates = (
+        Candidate("a pin that is free sideways", 0.0, 4, 1.0, 37.6e-9),
+        Candidate("a guided pin", 1020.7, 4, 300.0, 9.67e-6),
+    )
+    return Comparison(candidates, "Squeeze carries the film.", fit, 1.0)
+
+
+def test_the_verdict_stands_first_and_models_in_their_order():
+    lines = summarise_comparison(
+        comparison(Estimate(0.1198, 0.0006, 0.1186, 0.121, "Pa s"))
+    ).splitlines()
+    assert lines[0] == "Squeeze carries the film."
+    assert lines[2].split() == ["a", "pin", "that", "is", "free", "sideways", "0", "37.6"]
+    assert lines[3].split() == ["a", "guided", "pin", "1021", "9.67e+03"]
+
+
+def test_values_have_their_errors_in_the_units_of_the_laboratory():
+    text = summarise_comparison(comparison(Estimate(0.1198, 0.0006, 0.1186, 0.121, "Pa s")))
+    assert "viscosity: 0.11980 ± 0.00060 Pa s" in text
+    assert "film at the first frame: 6.268 ± 0.014 um" in text
+
+
+def test_a_bound_is_given_as_one():
+    text = summarise_comparison(comparison(Estimate(36.9, 84.8, 7.69, np.inf, "Pa s")))
+    assert "viscosity: above 7.69 (95 %) Pa s" in text
+
+
+def test_no_error_is_given_where_the_model_does_not_describe_the_positions():
+    """The scatter about a wrong model is not an error of its viscosity."""
+    viscosity = Estimate(0.0191, 0.0022, 0.015, 0.024, "Pa s")
+    text = summarise_comparison(comparison(viscosity, inflation=151.0))
+    assert "viscosity: about 0.019 Pa s" in text
+    assert "the model does not describe the positions" in text
+    assert "±" not in text

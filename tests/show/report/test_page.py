@@ -1,0 +1,152 @@
+"""The page is well formed, loads nothing, and is the same for the same film."""
+
+from __future__ import annotations
+
+import re
+import shutil
+
+import pytest
+from scenes import film as scene
+
+from erlif.core.errors import OutputError
+from erlif.io.files import open_film
+from erlif.show.plots.files import DRAWN
+from erlif.show.report import figures, write_report
+
+DRAWN_FEW = ("speed_against_angle", "fixture_profile", "thickness_map")  # those of `text`
+
+
+def test_page_is_well_formed(page):
+    assert page.open == []
+    assert [tag for tag, _ in page.elements if tag == "h1"] == ["h1"]
+    names = [attrs["id"] for _, attrs in page.elements if "id" in attrs]
+    assert len(names) == len(set(names))
+    assert page.all("html")[0]["lang"] == "en"
+
+
+def test_links_lead_to_sections_of_the_page(page):
+    sections = {attrs["id"] for attrs in page.all("section")}
+    links = [link["href"] for link in page.all("a") if "download" not in link]
+    assert {link.removeprefix("#") for link in links} == sections
+    headings = {attrs["id"] for attrs in page.all("h2")}
+    assert {attrs["aria-labelledby"] for attrs in page.all("section")} == headings
+
+
+def test_page_loads_nothing(text, page):
+    own = re.sub(r"data:[^\"]*|<script type=\"text/plain\".*", "", text)
+    assert not re.search(r"https?://|//[a-z]+\.[a-z]", own)
+    assert page.all("link") == []
+    assert all("src" not in attrs for attrs in page.all("script"))
+    assert all(attrs["src"].startswith("data:image/") for attrs in page.all("img"))
+    assert not re.search(r"fetch\(|XMLHttpRequest|import\(|url\(|@import", text)
+
+
+def test_names_are_shown_as_written_and_not_as_markup(text, page):
+    """The run is called "a film <known> & small"."""
+    assert page.texts["h1"] == "a film <known> & small"
+    assert page.texts["title"].startswith("a film <known> & small")
+    assert "<known>" not in text.split("<script")[0]
+
+
+def test_name_cannot_end_the_script_that_holds_the_data(film_path, tmp_path, read_page, film):
+    """Settings in the page are escaped even where they look like the end of an element."""
+    hostile = film.assign_attrs(history="</script><script>alert(1)</script>")
+    target = copy_with(film_path, hostile, tmp_path)
+    page = read_page(write_report(target, tmp_path / "page.html").read_text(encoding="utf-8"))
+    assert page.open == []
+    assert "alert(1)" in page.texts["provenance"]
+    plain = [attrs for attrs in page.all("script") if "type" not in attrs]
+    assert len(plain) == 1  # the viewer
+
+
+@pytest.fixture(autouse=True)
+def quick(without_figures):
+    """The figures have tests of their own."""
+
+
+def copy_with(film_path, film, directory):
+    """Write a changed film with the groups of the original."""
+    target = directory / "film.nc"
+    film.load().to_netcdf(target, engine="h5netcdf")
+    for name in ("frames", "registration"):
+        with open_film(film_path, group=name) as group:
+            group.load().to_netcdf(target, engine="h5netcdf", mode="a", group=name)
+    return target
+
+
+def test_page_is_described_by_its_summary(page):
+    summary = page.texts["summary"]
+    assert "0.600 ± 0.010" in summary  # power of the minimum film thickness
+    assert "the largest governs" in summary
+    assert "0.6600 ± 0.0010" in summary  # K
+    assert "0.970" in summary  # registration
+    assert "gain < measured" in summary  # a note
+    assert "3.75 %" in summary  # 3 of 80 columns outside the overlap
+    assert "erlif 0.1.0" in page.texts["header"]
+
+
+def test_every_trigger_has_a_row_and_a_map(page):
+    rows = re.findall(r"(outward|return)", page.texts["triggers"])
+    assert len(rows) == scene.TRIGGERS
+    embedded = [attrs["id"] for attrs in page.all("script") if attrs.get("type") == "text/plain"]
+    assert embedded == [f"map-{k}" for k in range(scene.TRIGGERS)]
+
+
+def test_film_without_valid_pixels_is_reported_as_such(film_path, film, tmp_path, read_page):
+    target = copy_with(film_path, scene.without_valid_pixels(film), tmp_path)
+    page = read_page(write_report(target, tmp_path / "report.html").read_text(encoding="utf-8"))
+    assert "not known" in page.texts["summary"]
+    assert "100.00 %" in page.texts["summary"]
+    assert "nan" not in page.texts["summary"] + page.texts["triggers"]
+
+
+@pytest.fixture(scope="module")
+def plain(film_path, tmp_path_factory):
+    """The page without figures."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(figures, "DRAWN", {})
+        path = write_report(film_path, tmp_path_factory.mktemp("plain") / "a.html")
+    return path.read_bytes()
+
+
+def test_same_film_gives_the_same_page_wherever_it_lies(film_path, tmp_path, plain):
+    shutil.copytree(film_path.parent, tmp_path / "elsewhere")
+    page = write_report(tmp_path / "elsewhere" / "film.nc", tmp_path / "b.html")
+    assert page.read_bytes() == plain
+
+
+def test_existing_page_is_kept_without_overwrite(film_path, tmp_path, plain):
+    target = tmp_path / "report.html"
+    earlier = '<!DOCTYPE html><meta name="generator" content="erlif">mine'
+    target.write_text(earlier)
+    with pytest.raises(OutputError, match="--overwrite"):
+        write_report(film_path, target)
+    assert target.read_text() == earlier
+    write_report(film_path, target, overwrite=True)
+    assert target.read_bytes() == plain
+
+    # a page may be written again over itself
+    write_report(film_path, target, overwrite=True)
+    assert target.read_bytes() == plain
+
+
+def test_a_page_of_somebody_else_is_never_replaced(film_path, tmp_path):
+    target = tmp_path / "report.html"
+    target.write_text("<!DOCTYPE html>mine")
+    with pytest.raises(OutputError, match="something else"):
+        write_report(film_path, target, overwrite=True)
+    assert target.read_text() == "<!DOCTYPE html>mine"
+
+
+def test_missing_film_is_refused_and_nothing_is_written(tmp_path):
+    with pytest.raises(OutputError, match="does not exist"):
+        write_report(tmp_path / "film.nc", tmp_path / "report.html")
+    assert not (tmp_path / "report.html").exists()
+
+
+def test_page_with_figures_is_the_same_twice(film_path, tmp_path, monkeypatch, text):
+    """A drawing and an image; all of them are compared with the figures."""
+    monkeypatch.setattr(figures, "DRAWN", {name: DRAWN[name] for name in DRAWN_FEW})
+    again = write_report(film_path, tmp_path / "a.html").read_text(encoding="utf-8")
+    assert again == text
+    assert text.count("<figure ") == 2  # without the profile of a fixture

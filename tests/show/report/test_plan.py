@@ -1,0 +1,170 @@
+"""A plan in sentences, tables and files."""
+
+import csv
+import io
+import re
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.core.errors import OutputError
+from erlif.io.settings import PlanSettings, read_plan_settings
+from erlif.planning.plan import example_plan, plan
+from erlif.show.plots import example_plan_results
+from erlif.show.plots.style import new_figure
+from erlif.show.report import check_plan_output, summarise_plan, write_plan
+from erlif.show.report.plan import table_of_films, table_of_tolerances
+
+
+def planned_with(*changes):
+    text = example_plan()
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    return plan(PlanSettings.model_validate(tomllib.loads(text)))
+
+
+@pytest.fixture(scope="module")
+def planned():
+    return example_plan_results()
+
+
+def test_summary_states_range_frames_optimum_and_tolerances(planned):
+    text = summarise_plan(planned)
+    assert "optically thick (Farzaneh 2002)" in text
+    assert "The spectra are invented" in text
+    assert "One pixel of one frame is measurable from 0.8" in text
+    assert "5 % of the film over the whole range needs 20 frame pairs" in text
+    assert "Best concentrations: 0.00517 and 0.0476 mol/L" in text
+    assert text.index("gain of camera 1") < text.index("full well")
+
+
+def test_a_plan_beyond_its_range_is_reported():
+    text = summarise_plan(
+        planned_with(
+            ('thinnest = "2 um"', 'thinnest = "0.2 um"'),
+            ('thickest = "10 um"', 'thickest = "15 um"'),
+            ("# frames = 1", "frames = 4"),
+            ("# uncertainty = 0.05", "uncertainty = 0.001"),
+            ('"11000 electron"', '"30000 electron"'),
+            ("# beam_diameter", "beam_diameter"),
+            ("# fill = 0.75", "fill = 0.1"),
+        )
+    )
+    assert "The wanted range, 0.2 to 15 um, is not covered by single pixels." in text
+    assert "cannot be reached over the whole range" in text
+    assert "cannot be reached over the whole range: a camera saturates." in text
+    assert "Camera 1 saturates" in text
+    assert "With 4 frames it is measurable" in text
+    assert "the dyes saturate at about 1.1 mJ/cm2" in text
+    assert re.search(r"They need \d\d\.\d% of the pulse energy, or a camera would saturate", text)
+
+
+def test_the_heading_has_the_films_of_the_plan_and_not_those_of_another():
+    text = summarise_plan(planned_with(('thickest = "10 um"', 'thickest = "16 um"')))
+    assert text.startswith("Plan: example rig, films of 2 to 16 um\n")
+    assert "10 um" not in text
+
+
+def test_frames_are_given_for_the_best_concentrations_too(planned):
+    """The best concentrations need fewer frames over the whole range, film by film as computed."""
+    text = summarise_plan(planned)
+    head, *rows = (line for line in text.splitlines() if re.match(r" +(film um|\d)", line))
+    assert head.split()[-4:] == ["frames", "needed", "best", "conc."]
+    films = np.array([float(row.split()[0]) for row in rows])
+    best = [int(row.split()[-1]) for row in rows]
+    assert len(films) == 7
+    known = planned.optimum_frames_needed.sel(thickness=films, method="nearest")
+    npt.assert_allclose(best, known, atol=1)
+    assert max(best) < max(int(row.split()[-2]) for row in rows)
+    table = list(csv.DictReader(io.StringIO(table_of_films(planned))))
+    npt.assert_allclose(
+        [float(row["optimum_frames_needed"]) for row in table], planned.optimum_frames_needed
+    )
+
+
+def test_weak_reabsorption_behind_wide_filters():
+    """Light of a thick film: 11,000 and 11,500 electrons, whatever dyes and filters."""
+    wide = planned_with(
+        ('"0.024 mol/L"', '"0.003 mol/L"'), ('# bandwidth = "10 nm"', 'bandwidth = "60 nm"')
+    )
+    npt.assert_allclose(wide.ratio_thick, 11500 / 11000, rtol=1e-6)
+    text = summarise_plan(wide)
+    assert "to 1.05 (very thick film)" in text
+    assert "not optically thick" in text
+
+
+def test_what_is_not_known_is_a_dash_and_no_optimum_is_offered():
+    text = summarise_plan(
+        planned_with(
+            ('thickest = "10 um"', 'thickest = "10 mm"'),
+            ('thickest = "18 um"', 'thickest = "20 mm"'),
+        )
+    )
+    assert "nan" not in text
+    assert "No concentrations give a film over the whole wanted range" in text
+    assert "Best concentrations" not in text
+
+
+def test_tables_hold_the_numbers_of_the_plan(planned):
+    rows = list(csv.DictReader(io.StringIO(table_of_films(planned))))
+    npt.assert_allclose([float(row["std_um"]) for row in rows], planned.thickness_std, rtol=1e-5)
+    rows = list(csv.DictReader(io.StringIO(table_of_tolerances(planned))))
+    assert [row["tolerance"] for row in rows] == list(planned.tolerance.values)
+    npt.assert_allclose(
+        [float(row["film_error"]) for row in rows], planned.tolerance_film, rtol=1e-3
+    )
+
+
+def test_files_are_complete_and_read_back(planned, tmp_path, monkeypatch):
+    # tests/plots looks at the figure, and the command writes it
+    monkeypatch.setattr(
+        "erlif.show.plots.plan_figure", lambda _: new_figure(1.0, 1.0).subplots().figure
+    )
+    output = tmp_path / "plan"
+    paths = write_plan(planned, output)
+    assert {path.name for path in output.iterdir()} == {path.name for path in paths}
+    assert read_plan_settings(output / "plan.toml").name == "example rig"
+    best = read_plan_settings(output / "optimum.toml")
+    npt.assert_allclose(
+        [best.dye1.concentration, best.dye2.concentration],
+        planned.optimum_concentration,
+        rtol=5e-3,
+    )
+
+    # an earlier plan is replaced on request alone
+    with pytest.raises(OutputError, match="exists already"):
+        write_plan(planned, output)
+    check_plan_output(output, overwrite=True)
+    assert not list(tmp_path.glob(".*"))
+
+
+def test_a_directory_of_something_else_is_never_replaced(tmp_path):
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(OutputError, match=r"holds notes\.txt"):
+        check_plan_output(tmp_path, overwrite=True)
+    with pytest.raises(OutputError, match=r"notes\.txt"):
+        check_plan_output(tmp_path / "notes.txt", overwrite=True)
+
+
+def test_the_plan_itself_is_never_replaced(planned, tmp_path):
+    source = tmp_path / "plan.toml"
+    source.write_text("# my remarks")
+    with pytest.raises(OutputError, match=r"other than that of plan\.toml"):
+        check_plan_output(tmp_path, overwrite=True, source=source)
+    with pytest.raises(OutputError, match="name of a directory"):
+        check_plan_output(Path(), overwrite=True)
+    with pytest.raises(OutputError, match="name of a directory"):
+        write_plan(planned, Path(), overwrite=True)
+
+
+def test_frames_of_the_table_are_those_of_the_nearest_film(planned):
+    lines = summarise_plan(planned).splitlines()
+    (head,) = [n for n, line in enumerate(lines) if line.startswith(" film um")]
+    first = lines[head + 1].split()
+    assert float(first[0]) == 2.0
+    assert float(first[-2]) == 20
+    assert np.isfinite(float(first[4]))

@@ -1,0 +1,93 @@
+"""The lines on the predicted film."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from scenes import film as scene
+
+from erlif.show.report import summarise_prediction
+from erlif.show.report.prediction import (
+    carrying_sentences,
+    compare_correlations,
+    correlation_lines,
+    difference_lines,
+)
+
+SPEED = np.array([-2.0, -1.0, 1.0, 2.0])
+ATTRS = {
+    "title": "predicted oil-film thickness, test",
+    "model": "transient Reynolds, pin guided",
+    "start_film": 4.5,
+    "start_film_fitted": 1,
+}
+
+
+def films(**columns):
+    return xr.Dataset({name: ("trigger", values) for name, values in columns.items()}, attrs=ATTRS)
+
+
+def test_correlations_are_those_with_the_size_of_the_speed():
+    film = films(rocker_speed=SPEED, film_min=abs(SPEED), film_predicted_min=-abs(SPEED))
+    np.testing.assert_allclose(compare_correlations(film), (1.0, -1.0))
+    assert correlation_lines(film) == [
+        "  correlation with |speed|    measured +1.00, predicted -1.00"
+    ]
+    alone = film.drop_vars("film_min")
+    assert correlation_lines(alone)[0].endswith("measured none, predicted -1.00")
+    assert correlation_lines(film.drop_vars("rocker_speed")) == []
+
+
+def test_the_difference_is_measured_less_predicted():
+    film = films(film_min=[3.0, np.nan, 5.0], film_predicted_min=[2.0, 2.0, 2.0])
+    assert difference_lines(film) == ["  measured less predicted     mean +2 um, rms 2.24 um"]
+    assert difference_lines(film.drop_vars("film_min")) == []
+    assert difference_lines(films(film_min=[np.nan], film_predicted_min=[2.0])) == []
+
+
+def test_a_prediction_is_summarised_beside_the_measured_film():
+    film = films(
+        rocker_speed=SPEED, film_min=[4.0, 5.0, 5.5, 6.0], film_predicted_min=[4.5, 4.4, 4.3, 4.2]
+    )
+    lines = summarise_prediction(film).splitlines()
+    assert lines[0] == "test: transient Reynolds, pin guided, 4 triggers"
+    assert lines[1].endswith("4.2 to 4.5 um")
+    assert lines[2].endswith("4 to 6 um")
+    assert lines[3].endswith("4.5 um, fitted to the measured minima")
+    assert len(lines) == 6
+
+
+def held(sideways):
+    """Settings of a joint whose pin is held so."""
+    table = f"[prediction]\nsideways = {sideways}\n[joint]"
+    return scene.RUN_TOML.replace("[joint]", table, 1)
+
+
+@pytest.mark.parametrize(
+    ("sideways", "assumed", "words"),
+    [
+        ('"free"', "pin free sideways", "squeeze carries the film, and the pin sinks"),
+        ('"guided"', "pin guided", "cavities form in the widening part of the gap"),
+        ('"12 N/mm"', "pin held sideways by 12 N/mm", "between that of a free pin"),
+    ],
+)
+def test_what_carries_the_film_is_stated_as_an_assumption(sideways, assumed, words):
+    film = films(film_min=[3.0, np.nan, 1.0], film_predicted_min=[2.0, 2.0, 4.0])
+    sentences = carrying_sentences(film.assign_attrs(settings=held(sideways)))
+    assert sentences[0] == f"Assumed: {assumed} ([prediction])."
+    assert words in sentences[1]
+    # +1 and -3 um: sqrt((1 + 9)/2) = 2.24
+    assert sentences[2].endswith("mean −1 µm, rms 2.2 µm.")
+    assert "erlif predict FILM --fit" in sentences[3]
+    assert carrying_sentences(film.drop_vars("film_predicted_min")) == []
+
+
+def test_a_pin_that_is_held_otherwise_is_a_warning_of_the_prediction():
+    film = films(
+        film_min=[16.0, 18.0, 16.0, 18.0],
+        film_min_std=[0.04] * 4,
+        film_predicted_min=[17.2, 17.1, 17.0, 16.9],
+    )
+    text = summarise_prediction(film.assign_attrs(settings=held('"free"')))
+    assert "warning: theory: the course of the minimum film" in text
+    near = film.assign(film_min=film.film_predicted_min + 0.5)
+    assert "warning" not in summarise_prediction(near.assign_attrs(settings=held('"free"')))

@@ -1,0 +1,168 @@
+"""The lines for the terminal: numbers of the film in plain words."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scenes import film as scene
+
+from erlif.calibration.departure import Departure
+from erlif.core.notes import Level, Note
+from erlif.show import plots
+from erlif.show.report import describe_calibration, summarise, summarise_in_a_line
+
+
+def line_of(text, title):
+    """The text behind a title."""
+    (line,) = [line for line in text.splitlines() if line.startswith(f"  {title} ")]
+    return line.removeprefix(f"  {title}").strip()
+
+
+def test_first_line_names_run_and_size(film):
+    first = summarise(film).splitlines()[0]
+    assert first == "a film <known> & small: 6 triggers from 6 frame pairs of 80 x 64 pixels"
+
+
+def test_thickness_is_given_over_the_cycle(film):
+    minimum = scene.minimum_film()
+    thin, thick = int(minimum.argmin()), int(minimum.argmax())
+    assert line_of(summarise(film), "minimum film thickness") == (
+        f"{minimum[thin]:.2f} ± 0.03 um (trigger {thin}) to "
+        f"{minimum[thick]:.2f} ± 0.03 um (trigger {thick})"
+    )
+
+
+def test_displacement_of_the_pin_is_given_over_the_cycle(film):
+    """Towards the load the clearance less the film, with 3 and 15 nm; sideways 40 and 30 nm."""
+    load = 230.0 - scene.minimum_film()
+    side = 0.2 / np.sqrt(33.36 * 33.59) * load
+    assert line_of(summarise(film), "displacement of the pin") == (
+        f"{load.min():.2f} to {load.max():.2f} ± 0.02 um towards the load, "
+        f"{side.min():.2f} to {side.max():.2f} ± 0.05 um sideways"
+    )
+    assert "displacement of the pin" not in summarise(film.drop_vars("pin_displacement"))
+    assert "displacement of the pin" not in summarise(scene.without_valid_pixels(film))
+
+
+def test_shares_of_valid_and_flagged_pixels_are_those_of_the_maps(film):
+    text = summarise(film)
+    valid = 100 * (film.flags.values == 0).mean()
+    assert line_of(text, "valid pixels") == f"{valid:.1f}%"
+    assert "outside_overlap 3.75%" in line_of(text, "flagged pixels")
+    assert "saturated" not in text
+
+
+def test_powers_are_given_with_their_standard_deviations(film):
+    assert line_of(summarise(film), "power of speed over load") == (
+        "minimum: n = 0.600 ± 0.010, mean: n = 0.400 ± 0.010; 6 triggers"
+    )
+
+
+def test_a_power_that_is_not_known_is_given_in_words(film):
+    """First the mean film has no power, then the power of the minimum no error."""
+    unknown = film.assign(
+        speed_exponent_mean=film.speed_exponent_mean * np.nan,
+        speed_exponent_mean_std=film.speed_exponent_mean_std * np.nan,
+    )
+    line = line_of(summarise(unknown), "power of speed over load")
+    assert line == "minimum: n = 0.600 ± 0.010, mean: not fitted; 6 triggers"
+    unknown = film.assign(speed_exponent_std=film.speed_exponent_std * np.nan)
+    line = line_of(summarise(unknown), "power of speed over load")
+    assert line.startswith("minimum: n = 0.600, error unknown, mean: n = 0.400 ± 0.010")
+    assert "nan" not in summarise_in_a_line(unknown)
+
+
+def test_theory_is_that_of_the_highest_speed(film):
+    speeds = scene.rocker_speed(scene.CRANK)
+    top = int(np.abs(speeds).argmax())
+    theory = line_of(summarise(film), "theory at the highest speed")
+    assert theory.startswith(f"{20 * scene.minimum_film()[top]:.3g} um, isoviscous-rigid")
+    assert f"({0.03336 * abs(speeds[top]):.3f} m/s, 222 N)" in theory
+    assert theory.endswith(f"2.65 line-contact formula: {0.3 * scene.minimum_film()[top]:.3g} um")
+    assert "the largest governs" in summarise(film)
+
+
+def test_notes_stand_below_each_other(film):
+    lines = summarise(film.assign_attrs(notes="one\ntwo")).splitlines()[-2:]
+    assert [line.strip().split()[-1] for line in lines] == ["one", "two"]
+    assert lines[0].index("one") == lines[1].index("two")
+
+
+def test_film_without_valid_pixels_is_described(film):
+    text = summarise(scene.without_valid_pixels(film))
+    none = "none: no trigger has enough valid pixels in the region of interest"
+    assert line_of(text, "minimum film thickness") == none
+    assert line_of(text, "valid pixels") == "0.0%"
+    assert "not fitted: it takes five triggers of differing speed over load; " in text
+
+
+@pytest.fixture
+def calibration():
+    return plots.example_calibration()
+
+
+def test_parameters_are_given_with_their_standard_deviations(calibration):
+    text = describe_calibration(calibration)
+    assert line_of(text, "K, ratio of a vanishing film") == "0.66000 ± 0.00100"
+    assert line_of(text, "p, attenuation camera 1 [1/um]") == "0.39000 ± 0.00200"
+    assert line_of(text, "q, attenuation camera 2 [1/um]") == "0.24500 ± 0.00100"
+    assert line_of(text, "calibrated range") == "0.30 to 16.00 um"
+    assert line_of(text, "reduced chi-square") == "1.00"
+
+
+def test_shared_error_is_given_at_a_tenth_and_at_half_of_the_range(calibration):
+    text = line_of(describe_calibration(calibration), "error shared by all pixels")
+    thin, middle = text.split(", ")
+    assert thin.endswith("% at 1.9 um")
+    assert middle.endswith("% at 8.2 um")
+    expected = 100 * float(calibration.thickness_std(8.15)) / 8.15
+    assert float(middle.split()[0]) == pytest.approx(expected, abs=0.006)
+
+
+def test_spline_is_described_by_its_range(calibration):
+    """A constant spline of 1 % of the logarithm lifts the ratio by 1.01 %."""
+    knots = np.array([0.0] * 4 + [20.0] * 4)
+    departure = Departure(knots, np.full(4, 0.01), 1e-8 * np.eye(4))
+    text = describe_calibration(replace(calibration, departure=departure))
+    assert line_of(text, "departure from the model").startswith("+1.01 to +1.01 % of the ratio")
+    assert "departure from the model" not in describe_calibration(calibration)
+
+
+def test_notes_of_a_calibration_are_listed(calibration):
+    notes = (Note(Level.NOTE, "camera1", "one"), Note(Level.WARNING, "", "two"))
+    text = describe_calibration(replace(calibration, notes=notes))
+    assert text.splitlines()[-2:] == ["  warning: two", "  note: camera1: one"]  # warnings first
+
+
+# one line
+
+
+def test_a_line_gives_the_range_of_the_minimum_and_the_exponent(film):
+    minimum = scene.minimum_film()
+    assert summarise_in_a_line(film) == (
+        f"minimum film thickness {minimum.min():.2f} to {minimum.max():.2f} um, "
+        "n = 0.600 ± 0.010, 6 triggers from 6 frame pairs"
+    )
+
+
+def test_a_line_of_a_film_without_valid_triggers_has_no_numbers(film):
+    empty = film.assign(film_min=film.film_min * np.nan, speed_exponent=np.nan)
+    line = summarise_in_a_line(empty)
+    assert line.startswith("minimum film thickness no film, n = not fitted, 6 triggers")
+
+
+def test_a_single_trigger_has_one_value(film):
+    text = summarise(film.isel(trigger=[0]))
+    assert ": 1 trigger from 1 frame pair of" in text
+    assert " to " not in line_of(text, "minimum film thickness")
+
+
+def test_a_mean_over_a_part_of_the_region_is_described_as_such(film):
+    shares = np.zeros(film.sizes["trigger"])
+    shares[int(np.argmin(film.film_mean.values))] = 0.28
+    film = film.copy()
+    film["share_beyond_range"] = ("trigger", shares)
+    text = line_of(summarise(film), "mean film thickness")
+    assert text.count("over the 72% of the region within the calibrated range") == 1

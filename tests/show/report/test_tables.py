@@ -1,0 +1,192 @@
+"""Tables of the report: numbers are those of the film, with units and standard deviations."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from scenes import film as scene
+
+from erlif.core.flags import Flag
+from erlif.io.files import open_film
+from erlif.show.plots.files import find_source
+from erlif.show.report.tables import (
+    calibration_table,
+    flag_key,
+    flag_table,
+    make_table,
+    registration_table,
+    results_table,
+    trigger_table,
+    with_digits,
+    with_error,
+    with_span,
+)
+
+
+def rows_of(table):
+    """Cells of a table as text, row by row."""
+    rows = re.findall(r"<tr>(.*?)</tr>", table)
+    cells = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row) for row in rows]
+    return [[re.sub(r"<[^>]*>", "", cell) for cell in row] for row in cells]
+
+
+@pytest.fixture
+def groups(film_path):
+    loaded = []
+    for name in ("registration", "frames"):
+        with open_film(film_path, group=name) as group:
+            loaded.append(group.load())
+    return loaded
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "text"),
+    [
+        (5.1234, 0.0149, "5.123 ± 0.015"),
+        (0.39320, 0.0021, "0.3932 ± 0.0021"),
+        (-2.0, 0.5, "−2.00 ± 0.50"),
+        (120.4, 12.0, "120 ± 12"),
+        (float("nan"), 0.1, "not known"),
+        (3.14159, float("nan"), "3.142"),
+        (3.14159, 0.0, "3.142"),
+    ],
+)
+def test_values_have_two_digits_of_their_standard_deviation(value, std, text):
+    assert with_error(value, std) == text
+
+
+def test_unit_follows_the_standard_deviation():
+    assert with_error(0.39, 0.002, "µm⁻¹") == "0.3900 ± 0.0020 µm⁻¹"
+
+
+def test_range_is_that_of_the_known_values():
+    assert with_span(np.array([3.0, np.nan, 1.5])) == "1.5 to 3"
+    assert with_span(np.array([2.0, 2.0])) == "2"
+    assert with_span(np.array([np.nan])) == "not known"
+
+
+def test_digits_are_fixed():
+    assert with_digits(-1.0, 3) == "−1.000"
+    assert with_digits(float("nan"), 3) == "not known"
+
+
+def test_columns_of_numbers_are_aligned_at_the_right():
+    table = make_table([("a", "1")], head=("name", "value"), caption="title", numbers=[1])
+    assert rows_of(table) == [["name", "value"], ["a", "1"]]
+    assert table.count('class="n"') == 2
+    assert "<caption>title</caption>" in table
+
+
+def test_results_give_the_range_over_the_cycle(film):
+    rows = dict(rows_of(results_table(film, 0.9)))
+    low, high = scene.minimum_film().min(), scene.minimum_film().max()
+    assert rows["Valid pixels"] == "90.0 %"
+    assert rows["Minimum film thickness, over the cycle"] == (
+        f"{low:.3f} ± 0.030 to {high:.3f} ± 0.030 µm"
+    )
+    assert rows["Load"] == "222.4 N"
+    power = "Power of speed over load, minimum film thickness"
+    assert rows[power] == "0.600 ± 0.010 (6 triggers)"
+
+
+def test_results_set_the_film_against_theory(film):
+    """Theory of the scene is twenty times the minimum film thickness."""
+    rows = dict(rows_of(results_table(film, 0.9)))
+    assert rows["Range of the theory"].endswith("measured minimum over theory: 0.05 (median)")
+    assert rows["Theory"] == "steady film"
+    assert rows["Reason for this theory"] == "the largest governs"
+
+
+def test_limits_of_the_theory_stand_below_the_results(changed):
+    assert "Limits of the theory" not in results_table(changed, 0.9)
+    changed.film_theory.attrs["notes"] = "stroke < contact width"
+    assert "Limits of the theory: stroke &lt; contact width" in results_table(changed, 0.9)
+    changed.film_theory.attrs["notes"] = "fitted to the minima\nrigid bodies"
+    assert "fitted to the minima; rigid bodies" in results_table(changed, 0.9)
+
+
+def test_calibration_is_described_with_units(film_path, film):
+    source = find_source(film_path, film, None, None, None)
+    rows = dict(rows_of(calibration_table(source)))
+    assert rows["Calibrated range"] == "0.20 to 16.00 µm"
+    assert rows["Attenuation of camera 1, p"] == "0.3900 ± 0.0020 µm⁻¹"
+    assert rows["Ratio"] == "610 nm over 580 nm (camera 2 over camera 1)"
+    assert "Reduced χ²" not in rows  # a film does not store it
+
+
+def test_drift_is_its_length(groups):
+    """3 px along x and 4 px along y are 5 px."""
+    registration, frames = groups
+    frames.drift_x.values[:], frames.drift_y.values[:] = 3.0, 4.0
+    rows = dict(rows_of(registration_table(registration, frames)))
+    assert rows["Drift of camera 2"] == "5.00 px rms, 5.00 px at most"
+    assert rows["Correlation of the aligned textures"] == "0.970"
+    assert rows["Standard deviation of the map"] == "0.010 px (median)"
+    assert rows["Spread of the pulse energy"] == "0.0 %"
+
+
+def test_frames_without_drift_are_counted(groups):
+    registration, frames = groups
+    frames.drift_x.values[1:3] = np.nan
+    rows = dict(rows_of(registration_table(registration, frames)))
+    assert rows["Frame pairs without drift, or left out"] == "2"
+    frames.drift_x.values[:] = np.nan
+    assert "Drift of camera 2" not in dict(rows_of(registration_table(registration, frames)))
+
+
+def test_flags_that_occur_are_listed_with_their_share():
+    shares = np.zeros(len(Flag))
+    shares[list(Flag).index(Flag.NO_FILM)] = 0.0123
+    head, row = rows_of(flag_table(shares))
+    assert head == ["Flag", "Reason", "Share"]
+    assert row == ["no film", "bubble or bare wall: both bands are without fluorescence", "1.23 %"]
+    assert flag_table(np.zeros(len(Flag))) == "<p>All pixels are valid.</p>"
+
+
+def test_every_flag_has_a_reason_and_a_key():
+    assert len(rows_of(flag_table(np.ones(len(Flag))))) == 1 + len(Flag)
+    assert flag_key().count("<li>") == len(Flag)
+
+
+def test_triggers_have_their_numbers(film):
+    head, *rows = rows_of(trigger_table(film, np.full(scene.TRIGGERS, 0.5)))
+    assert len(rows) == scene.TRIGGERS
+    assert all(len(row) == len(head) for row in rows)
+    speeds = scene.rocker_speed(scene.CRANK)
+    for k, row in enumerate(rows):
+        one = dict(zip(head, row, strict=True))
+        assert one["Trigger"] == f"{k}"
+        assert one["Stroke"] == ("outward" if speeds[k] > 0 else "return")
+        assert one["Crank [°]"] == f"{scene.CRANK[k]:.2f}"
+        assert one["Speed [rad/s]"] == f"{speeds[k]:.3f}".replace("-", "−")
+        assert one["Sliding [mm/s]"] == f"{33.36 * abs(speeds[k]):.1f}"
+        assert one["Minimum film thickness [µm]"] == f"{scene.minimum_film()[k]:.3f} ± 0.030"
+        assert one["Valid pixels"] == "50.0 %"
+    assert "Oil [°C]" not in head
+
+
+def test_theory_has_three_significant_digits(changed):
+    changed["film_theory"] = changed.film_theory.copy(
+        data=np.resize([0.04567, 7.654, 123.4], scene.TRIGGERS)
+    )
+    changed["film_min_x"] = ("trigger", np.full(scene.TRIGGERS, 68.5))
+    changed["film_min_y"] = ("trigger", np.full(scene.TRIGGERS, 13.0))
+    head, *rows = rows_of(trigger_table(changed, np.ones(scene.TRIGGERS)))
+    found = [row[head.index("Theory [µm]")] for row in rows[:3]]
+    assert found == ["0.0457", "7.65", "123"]
+    assert rows[0][head.index("at column, row [px]")] == "68, 13"
+
+
+def test_temperature_is_listed_where_it_was_logged(changed):
+    changed["temperature"] = ("trigger", np.full(scene.TRIGGERS, 40.0))
+    changed["operator"] = ("trigger", np.full(scene.TRIGGERS, "A. N."))
+    head, row, *_ = rows_of(trigger_table(changed, np.ones(scene.TRIGGERS)))
+    assert row[head.index("Oil [°C]")] == "40.00"
+
+
+def test_what_carries_the_film_stands_below_the_results(film):
+    text = results_table(film, 0.9)
+    assert "What carries the film: Assumed: pin free sideways" in text
+    assert "What carries" not in results_table(film.drop_vars("film_predicted_min"), 0.9)

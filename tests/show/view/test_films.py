@@ -1,0 +1,67 @@
+"""Films that are read trigger by trigger."""
+
+import numpy as np
+import pytest
+
+from erlif.core.errors import ErlifError, FrameError
+from erlif.show.plots import example_film
+from erlif.show.view import films
+from erlif.show.view.films import check_one_grid, open_films
+
+
+@pytest.fixture
+def reader(example_path):
+    (found,) = open_films([example_path])
+    yield found
+    found.close()
+
+
+def test_maps_are_those_of_the_film(reader):
+    for name in ("thickness", "thickness_std", "thickness_std_shared"):
+        values, flags = reader.read(name, 4)
+        np.testing.assert_array_equal(values, example_film()[name].values[4])
+        np.testing.assert_array_equal(flags, example_film().flags.values[4])
+
+
+def test_few_maps_stay_in_memory(reader, monkeypatch):
+    monkeypatch.setattr(films, "KEPT", 5 * 24 * 64 * 5)
+    for trigger in range(6):
+        reader.read("thickness", trigger)
+    assert {trigger for _, trigger in reader._kept} == {1, 2, 3, 4, 5}
+
+
+def test_images_need_the_run(reader):
+    assert not reader.has_images
+    with pytest.raises(FrameError, match="--run-dir"):
+        reader.read("log_ratio", 0)
+
+
+def test_images_are_those_behind_the_map(film, small_rig):
+    (found,) = open_films([film], [small_rig.run])
+    ratio, flags = found.read("log_ratio", 1)
+    light, none = found.read("camera2", 1)
+    found.close()
+    assert np.isfinite(ratio[flags == 0]).all()  # the film is the inverse of the ratio
+    assert not none.any()
+    assert 10 < np.nanmedian(light) < 4096
+
+
+@pytest.mark.parametrize(("layer", "trigger"), [("thickness", 6), ("thickness", -1), ("load", 0)])
+def test_what_a_film_lacks_is_refused(reader, layer, trigger):
+    with pytest.raises(ErlifError, match="Choose one of them"):
+        reader.read(layer, trigger)
+
+
+def test_a_directory_without_a_run_is_refused(example_path, tmp_path):
+    with pytest.raises(FrameError, match="--run-dir"):
+        open_films([example_path], [tmp_path])
+    with pytest.raises(ErlifError, match="at most one --run-dir"):
+        open_films([example_path], [tmp_path, tmp_path])
+
+
+def test_films_of_two_grids_have_no_difference(reader, film):
+    (other,) = open_films([film])
+    with pytest.raises(ErlifError, match="on one grid"):
+        check_one_grid(reader, other)
+    other.close()
+    check_one_grid(reader, reader)

@@ -1,0 +1,158 @@
+"""Requests over the wire: what is refused, and what never leaves."""
+
+import http.client
+import json
+import socket
+
+import pytest
+
+from erlif.show.plots.example import example_film
+from erlif.show.view import handlers
+from erlif.show.view.access import HEADERS
+from erlif.show.view.handlers import PAGE
+
+
+@pytest.fixture(scope="module")
+def door(serve, example_path):
+    return serve(example_path)
+
+
+@pytest.fixture
+def send(door):
+    """A request with the right token and host, or others; gives status, headers and body."""
+
+    def request(path, *, method="GET", token=None, headers=None, body=None):
+        connection = http.client.HTTPConnection("127.0.0.1", door.port, timeout=10)
+        try:
+            connection.request(
+                method, f"/{token or door.token}/{path}", body=body, headers=headers or {}
+            )
+            response = connection.getresponse()
+            return response.status, dict(response.getheaders()), response.read()
+        finally:
+            connection.close()
+
+    return request
+
+
+@pytest.mark.parametrize("name", PAGE)
+def test_the_page_comes_with_headers_that_keep_it_here(send, name):
+    status, headers, body = send(name)
+    assert status == 200
+    assert body
+    assert HEADERS.items() <= headers.items()
+    assert "Access-Control-Allow-Origin" not in headers
+
+
+def test_the_page_names_no_other_place(send):
+    for name in ("", "view.css", "view.js", "map.js", "charts.js"):
+        text = send(name)[2].decode()
+        assert "//" not in text.replace("// ", "")
+
+
+def test_a_wrong_token_is_refused(send, door):
+    for token in ("wrong", door.token[:-1], door.token + "a", "%00"):
+        for path in ("", "films", "map?film=0", "view.js", "nothing"):
+            status, _, body = send(path, token=token)
+            assert status == 403
+            assert b"token" in body
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"Host": "evil.example"},
+        {"Host": "evil.example:80"},
+        {"Origin": "https://evil.example"},
+        {"Origin": "null"},
+        {"Sec-Fetch-Site": "cross-site"},
+    ],
+)
+def test_another_page_is_refused_even_with_the_token(send, headers):
+    for method, path in (("GET", "films"), ("POST", "settings"), ("GET", ""), ("GET", "none")):
+        status, _, body = send(path, method=method, headers=headers, body="{}")
+        assert status == 403
+        assert b"example film" not in body
+
+
+@pytest.mark.parametrize("origin", ["https://evil.example", "http://127.0.0.1:1", None])
+def test_a_websocket_is_refused(send, origin):
+    headers = {
+        "Upgrade": "websocket",
+        "Connection": "Upgrade",
+        "Sec-WebSocket-Version": "13",
+        "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==",
+    }
+    if origin:
+        headers["Origin"] = origin
+    for path in ("", "films", "ws"):
+        assert send(path, headers=headers)[0] == 403
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "../films.py",
+        "..%2fhandlers.py",
+        "%2e%2e/%2e%2e/pyproject.toml",
+        "index.html",
+        "page/index.html",
+        "/etc/passwd",
+        "%2fetc%2fpasswd",
+        "view.js/",
+        "uPlot.LICENSE",
+    ],
+)
+def test_no_other_file_is_served(send, path):
+    status, _, body = send(path)
+    assert status in (403, 404)
+    assert b"import" not in body
+    assert b"root:" not in body
+
+
+def test_bad_values_are_refused_in_a_sentence(send):
+    status, _, body = send("map?film=7&trigger=0&layer=thickness&window=0,0,1,1&room=9,9")
+    assert status == 400
+    assert "Expected a film from 0 to 0" in json.loads(body)["message"]
+
+
+def test_a_defect_shows_nothing_of_this_machine(send, monkeypatch):
+    def fail(request):
+        raise RuntimeError("/home/secret")
+
+    monkeypatch.setitem(handlers.READING, "films", fail)
+    status, _, body = send("films")
+    assert status == 500
+    assert b"secret" not in body
+    assert b"Traceback" not in body
+
+
+def test_a_large_body_is_refused(send):
+    try:
+        status = send("settings", method="POST", body="x" * 2**17)[0]
+    except OSError:  # the connection is closed while the body is sent
+        status = 400
+    assert status == 400
+
+
+def test_the_viewer_listens_on_the_loopback_alone(door):
+    """The address of this machine on its network is found without sending a packet."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("10.255.255.255", 1))
+        except OSError:
+            pytest.skip("this machine has no network address")
+        address = probe.getsockname()[0]
+    if address.startswith("127."):
+        pytest.skip("this machine has no network address")
+    with pytest.raises(OSError, match=r"."):
+        socket.create_connection((address, door.port), 2)
+
+
+def test_films_are_described(send):
+    found = json.loads(send("films")[2])
+    (film,) = found["films"]
+    assert film["name"] == "example"
+    assert (film["width"], film["height"]) == (64, 24)
+    assert film["triggers"] == example_film().sizes["trigger"]
+    assert [flag["bit"] for flag in found["flags"]].count(128) == 1

@@ -1,0 +1,54 @@
+"""Means of squares of pixels."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.show.view.levels import Window, choose_step, reduce_map
+
+
+@pytest.mark.parametrize("step", [2, 3, 4, 7])
+def test_a_plane_stays_a_plane(step):
+    """The mean of a plane over a square is its value at the centre of the square."""
+    rows, columns = 4 * step, 5 * step
+    plane = np.add.outer(3.0 * np.arange(rows), np.arange(columns)).astype(np.float32)
+    values, flags = reduce_map(plane, np.zeros(plane.shape, np.uint8), step=step)
+    centre = np.arange(5) * step + (step - 1) / 2
+    npt.assert_allclose(values, np.add.outer(3 * centre[:4], centre), rtol=1e-6)
+    assert not flags.any()
+
+
+def test_squares_that_are_cut_have_the_mean_of_what_is_left():
+    values, _ = reduce_map(
+        np.arange(15, dtype=np.float32).reshape(3, 5), np.zeros((3, 5), np.uint8), step=2
+    )
+    npt.assert_allclose(values, [[3, 5, 6.5], [10.5, 12.5, 14]])
+
+
+def test_flagged_pixels_do_not_enter_the_mean():
+    flags = np.array([[0, 0, 4], [0, 64, 2], [1, 1, 0]], np.uint8)
+    values = np.where(flags == 0, 5, 1e6).astype(np.float32)
+    mean, found = reduce_map(values, flags, step=3)
+    assert np.isnan(mean).all()  # 4 of 9 pixels are valid
+    assert found.tolist() == [[1 | 2 | 4 | 64]]
+    mean, found = reduce_map(values[:2, :2], flags[:2, :2], step=2)
+    assert mean.tolist() == [[5]]
+    assert not found.any()
+
+
+def test_the_screen_loses_no_detail_that_it_could_show():
+    whole = Window(0, 0, 1280, 1024)
+    assert choose_step(whole, (1280, 1024)) == 1
+    assert choose_step(whole, (800, 640)) == 1
+    assert choose_step(whole, (700, 560)) == 2  # 1.8 pixels of the map on one of the screen
+    assert choose_step(whole, (320, 256)) == 4
+    assert choose_step(whole, (320, 256), coarse=True) == 8
+    assert choose_step(Window(100, 100, 200, 200), (640, 512), coarse=True) == 1
+
+
+@pytest.mark.parametrize("corners", [(-9, -9, -5, -5), (1e9, 1e9, 2e9, 2e9), (5.5, 5.5, 5.5, 5.5)])
+def test_a_window_always_has_pixels_of_the_map(corners):
+    window = Window.within((100, 200), corners)
+    assert 0 <= window.left < window.right <= 200
+    assert 0 <= window.top < window.bottom <= 100
+    assert window.cut(np.zeros((100, 200))).size

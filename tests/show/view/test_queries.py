@@ -1,0 +1,146 @@
+"""What the page receives."""
+
+import json
+import struct
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.core.errors import ErlifError
+from erlif.show.plots import example_film
+from erlif.show.view import queries
+from erlif.show.view.films import open_films
+from erlif.show.view.queries import Request
+
+MAP = {"film": "0", "trigger": "2", "layer": "thickness", "window": "0,0,64,24", "room": "640,240"}
+
+
+@pytest.fixture(scope="module")
+def films(example_path):
+    found = open_films([example_path, example_path])
+    yield found
+    for one in found:
+        one.close()
+
+
+@pytest.fixture
+def ask(films):
+    """A request with some values changed."""
+    return lambda **values: Request(films, {**MAP, **{k: str(v) for k, v in values.items()}})
+
+
+def unpack(message):
+    (length,) = struct.unpack("<I", message[:4])
+    about = json.loads(message[4 : 4 + length])
+    count = about["shape"][0] * about["shape"][1]
+    values = np.frombuffer(message, "<f4", count, 4 + length).reshape(about["shape"])
+    flags = np.frombuffer(message, np.uint8, count, 4 + length + 4 * count)
+    return about, values, flags.reshape(about["shape"])
+
+
+def test_a_map_arrives_as_it_is_stored(ask):
+    about, values, flags = unpack(queries.pack_map(ask()))
+    film = example_film().isel(trigger=2)
+    npt.assert_array_equal(values, film.thickness.values)
+    npt.assert_array_equal(flags, film.flags.values)
+    assert about["text"].startswith("trigger 2, ")
+    assert sum(about["shares"]) == pytest.approx(np.count_nonzero(film.flags) / film.flags.size)
+    low, high = about["limits"]
+    assert np.nanmin(values) <= low < high <= np.nanmax(values)
+
+
+def test_a_small_screen_receives_means(ask):
+    about, values, _ = unpack(queries.pack_map(ask(room="16,6", window="16,0,64,24")))
+    assert (about["step"], about["shape"], about["window"]) == (4, [6, 12], [16, 0, 64, 24])
+    stored = example_film().thickness.values[2][:, 16:]
+    expected = stored.astype(float).reshape(6, 4, 12, 4).mean((1, 3))
+    npt.assert_allclose(values, expected, rtol=1e-6)
+
+
+def test_a_difference_is_that_of_the_films(ask):
+    values = unpack(queries.pack_map(ask(layer="difference", film2=1, trigger2=5)))[1]
+    film = example_film().thickness.values
+    npt.assert_allclose(values, film[5] - film[2], rtol=1e-6)
+    about, pull, _ = unpack(queries.pack_map(ask(layer="significance", film2=1, trigger2=5)))
+    npt.assert_allclose(pull, values / np.float32(0.05 * 2**0.5), rtol=1e-5)
+    assert about["limits"][0] == -about["limits"][1]
+
+
+def test_profile_region_and_pixel_agree_with_the_film(ask):
+    film = example_film().isel(trigger=2)
+    profile = queries.send_profile(ask(line="0,3,15.75,3", width=1))
+    row = film.thickness.values[12]
+    assert profile["value"][:2] == [None, None]  # outside the overlap
+    npt.assert_allclose(profile["value"][2:], row[2:], rtol=1e-5)
+
+    region = queries.send_region(ask(region="5,10,3,5"))
+    inside = film.thickness.sel(x=slice(5, 10), y=slice(3, 5)).values
+    assert region["count"] == inside.size
+    assert region["mean"] == pytest.approx(float(inside.astype(float).mean()))
+    assert region["mean_std"] == pytest.approx(0.05 / inside.size**0.5, rel=1e-5)
+
+    text = queries.send_pixel(ask(place="10.05,3.04"))["text"]
+    assert f"{row[40]:.4g} µm ± 0.05 µm random ± 0.02 µm shared" in text
+    assert "flagged, no film" in queries.send_pixel(ask(place="2.75,1"))["text"]
+
+
+def test_every_export_has_a_name_without_signs(ask):
+    line, region = {"line": "0,3,15,3", "width": 1}, {"region": "5,10,3,5"}
+    wanted = [("map", "csv"), ("map", "tiff")]
+    wanted += [(what, "csv") for what in ("profile", "region", "cycle")]
+    for what, kind in wanted:
+        found = queries.export(ask(what=what, kind=kind, **line, **region))
+        assert found.name.replace("_", "").replace(".", "").isalnum()
+        assert len(found.content) > 40
+    with pytest.raises(ErlifError, match="Expected an export"):
+        queries.export(ask(what="map", kind="exe"))
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"film": 2},
+        {"film": -1},
+        {"trigger": 6},
+        {"trigger": ""},
+        {"layer": "../film"},
+        {"window": "0,0,nan,1"},
+        {"window": "0,0,1"},
+        {"room": "a,b"},
+        {"layer": "difference"},
+        {"layer": "difference", "film2": 1, "trigger2": 99},
+        {"layer": "log_ratio"},
+    ],
+)
+def test_a_request_for_something_else_is_refused(ask, values):
+    with pytest.raises(ErlifError, match="Expected"):
+        queries.pack_map(ask(**values))
+
+
+@pytest.mark.parametrize("body", [b"", b"[]", b"{}", b'{"film": 0, "region": [1, 2]}', b"\xff"])
+def test_a_body_that_is_no_region_is_refused(films, body):
+    with pytest.raises(ErlifError, match="Reload the page"):
+        queries.change_region(films, body)
+
+
+def test_a_region_is_shown_before_it_is_written(film, tmp_path):
+    file = tmp_path / "run.toml"
+    file.write_text("[run]\nname = 'a'\n")
+    films = open_films([film], [tmp_path])
+    wanted = {"film": 0, "region": [1.0, 6.5, 0.0, 5.0]}
+
+    def send(**more):
+        return queries.change_region(films, json.dumps({**wanted, **more}).encode())
+
+    shown = send()
+    assert "roi" not in file.read_text()
+    assert "+roi = {x = [1.0, 6.5], y = [0.0, 5.0]}" in shown["change"]
+    with pytest.raises(ErlifError, match="Write the region again"):
+        send(confirmed=True)
+    with pytest.raises(ErlifError, match="32 x 32 pixels"):
+        send(confirmed=True, before=shown["before"], region=[1, 1.2, 0, 5])
+    assert "roi" not in file.read_text()
+    send(confirmed=True, before=shown["before"])
+    assert "roi = {x = [1.0, 6.5], y = [0.0, 5.0]}" in file.read_text()
+    films[0].close()

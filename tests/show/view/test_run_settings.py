@@ -1,0 +1,95 @@
+"""The region in run.toml: one line changes, and no other byte."""
+
+import os
+import tomllib
+
+import pytest
+
+from erlif.core.errors import ConfigError
+from erlif.show.view.run_settings import propose_region, write_region
+
+REGION = (1.25, 9.0, 2.0, 8.12345)
+WANTED = {"x": [1.25, 9.0], "y": [2.0, 8.123]}
+
+FORMS = {
+    "inline": "a = 1\n[thickness] # maps\nroi = { x = [4, 15], y = [2, 13] }  # mm\n\n[run]\n",
+    "spaced": "[thickness]\n  roi={x=[4,15],y=[2,13]}\nleast_signal   =  '100 electron' # dim\n",
+    "table": "[thickness.roi]\n# of the bushing\nx = [4, 15]\n\ny = [2, 13]\n[oil]\nname='x'\n",
+    "dotted": "[thickness]\nroi.x = [4, 15]\nroi.y = [2, 13] # mm\n",
+    "absent": "[run]\nname = 'a'\n\n[thickness]\nleast_signal = '80 electron'\n# end\n",
+    "no table": "# first\n[run]\nname = 'a'   # last line has no end",
+    "empty": "",
+    "windows": "[run]\r\nname = 'a'\r\n[thickness]\r\nroi = { x = [4, 15], y = [2, 13] }\r\n",
+    "accents": "[run]\nname = 'Prüfstand µ'\n[thickness]\nroi = { x = [4, 15], y = [2, 13] }\n",
+}
+
+
+def write(tmp_path, text):
+    path = tmp_path / "run.toml"
+    path.write_bytes(text.encode())
+    return path
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_the_region_changes_and_all_else_stays(tmp_path, form):
+    path = write(tmp_path, FORMS[form])
+    change = propose_region(tmp_path, REGION)
+    assert path.read_bytes() == FORMS[form].encode()  # nothing is written yet
+    write_region(change, before=change.before)
+
+    old, new = tomllib.loads(FORMS[form]), tomllib.loads(path.read_bytes().decode())
+    assert new["thickness"].pop("roi") == WANTED
+    old.setdefault("thickness", {}).pop("roi", None)
+    assert new == old
+
+    # every line that does not hold the region is there, byte for byte and in its order
+    lines = FORMS[form].encode().splitlines(keepends=True)
+    left = path.read_bytes()
+    for line in (line for line in lines if b"15]" not in line and b"13]" not in line):
+        assert line in left
+        left = left[left.index(line) + len(line) :]
+
+
+def test_a_comment_behind_the_region_stays(tmp_path):
+    path = write(tmp_path, FORMS["inline"])
+    change = propose_region(tmp_path, REGION)
+    write_region(change, before=change.before)
+    assert b"y = [2.0, 8.123] }  # mm\n" in path.read_bytes()
+    assert [line[0] for line in change.lines.splitlines() if line[1:4] == "roi"] == ["-", "+"]
+
+
+def test_a_file_that_has_changed_meanwhile_is_left_alone(tmp_path):
+    path = write(tmp_path, FORMS["inline"])
+    shown = propose_region(tmp_path, REGION)
+    path.write_text("[run]\nname = 'edited'\n")
+    with pytest.raises(ConfigError, match="Write the region again"):
+        write_region(propose_region(tmp_path, REGION), before=shown.before)
+    assert path.read_text() == "[run]\nname = 'edited'\n"
+
+
+def test_links_and_permissions_stay(tmp_path):
+    path = write(tmp_path, FORMS["inline"])
+    path.chmod(0o640)
+    run = tmp_path / "run"
+    run.mkdir()
+    (run / "run.toml").symlink_to(path)
+    change = propose_region(run, REGION)
+    write_region(change, before=change.before)
+    assert (run / "run.toml").is_symlink()
+    assert tomllib.loads(path.read_text())["thickness"]["roi"] == WANTED
+    assert os.stat(path).st_mode & 0o777 == 0o640
+
+
+@pytest.mark.parametrize("text", ["[thickness\n", "thickness = 3\n", "[thickness]\nroi = 5\n"])
+def test_a_file_that_cannot_be_changed_is_refused(tmp_path, text):
+    path = write(tmp_path, text)
+    with pytest.raises(ConfigError, match="by hand"):
+        propose_region(tmp_path, REGION)
+    assert path.read_text() == text
+
+
+def test_without_run_toml_nothing_is_written(tmp_path):
+    for place in (tmp_path, None):
+        with pytest.raises(ConfigError, match="Start erlif view with --run-dir"):
+            propose_region(place, REGION)
+    assert not list(tmp_path.iterdir())

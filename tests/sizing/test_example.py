@@ -1,8 +1,0 @@
-"""The joint of the examples."""
-
-from erlif.sizing import example_joint, walk_guide
-
-
-def test_all_steps_but_those_that_need_a_test_are_computed():
-    missing = {step.key for step in walk_guide(example_joint()).missing}
-    assert missing == {"pressure_limit"}
