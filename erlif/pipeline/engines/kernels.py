@@ -40,7 +40,7 @@ def compile_aside() -> None:
         return
     # the same package in both: the cache finds kernels by their file, and -P leaves out a copy in
     # the working directory, such as the one that an installed erlif came from
-    own = str(Path(__file__).parents[2])
+    own = str(Path(__file__).parents[3])
     paths = os.pathsep.join(filter(None, (own, os.environ.get("PYTHONPATH"))))
     try:
         _Second.process = subprocess.Popen(

@@ -132,4 +132,4 @@ def test_the_second_process_runs_the_same_package_beside_a_copy_of_its_sources(
     assert kernels._Second.process is not None
     assert kernels._Second.process.wait(60) == 0
     monkeypatch.setattr(kernels._Second, "process", None)
-    assert Path(found.read_text()) == Path(kernels.__file__).parents[1] / "__init__.py"
+    assert Path(found.read_text()) == Path(kernels.__file__).parents[2] / "__init__.py"

@@ -105,10 +105,10 @@ def test_style_reaches_a_figure_that_is_written_later(film, tmp_path):
 def test_drawing_and_viewer_are_loaded_only_when_needed_and_open_no_window():
     """One new process for both, as loading erlif takes most of the time."""
     code = (
-        "import sys, erlif, erlif.pipeline, erlif.view, erlif.commands.main\n"
+        "import sys, erlif, erlif.pipeline, erlif.show.view, erlif.commands.main\n"
         "late = {'matplotlib', 'tornado', 'tomlkit', 'erlif.show.view.handlers'}\n"
         "assert not late & set(sys.modules), late & set(sys.modules)\n"
-        "import erlif.show.plots, erlif.report\n"
+        "import erlif.show.plots, erlif.show.report\n"
         "assert 'matplotlib.pyplot' not in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
