@@ -1,4 +1,4 @@
-"""Torque ratios against their integrals, friction from reversing torque, simulated galling."""
+"""Torque ratios against their integrals, friction from reversing torque."""
 
 import numpy as np
 import numpy.testing as npt
@@ -18,7 +18,6 @@ from erlif.core.errors import ModelError, UnitWarning
 from erlif.models.contact import persson_pressure, winkler_contact
 from erlif.models.friction import (
     STEADY_WEAR_TORQUE_RATIO,
-    analyse_endurance,
     average_reversals,
     cosine_torque_ratio,
     elliptic_torque_ratio,
@@ -30,9 +29,6 @@ from erlif.models.friction import (
     truncated_cosine_torque_ratio,
     uniform_torque_ratio,
 )
-
-# its own test below; the function stays for one release
-pytestmark = pytest.mark.filterwarnings("ignore:.*use erlif.analyse_endurance:DeprecationWarning")
 
 LBF = 4.4482216152605
 
@@ -160,139 +156,6 @@ def test_standard_error_of_reversals_matches_their_scatter():
     assert abs(np.mean(pulls)) < 0.2
     with pytest.raises(ModelError, match="0 backward"):
         average_reversals(np.ones(5), load=1.0, radius=1.0, direction=np.ones(5))
-
-
-def endurance_log(rng, *, end, galls_at=None, friction=0.15, galled=0.27, noise=0.01, step=2.0):
-    """A log as of Farzaneh (2002), chapter 4.
-
-    Stages of ten minutes from 8 klbf up by 4 klbf, half a minute unloaded between them.
-    """
-    time = np.arange(0.0, end, step)
-    stage, within = np.divmod(time, 630.0)
-    load = np.where(within < 600, (8e3 + 4e3 * stage) * LBF, 0.0) * (
-        1 + rng.normal(0, 0.01, time.size)
-    )
-    coefficient = np.full(time.size, friction)
-    temperature = 298.15 + 5e-3 * time
-    if galls_at is not None:
-        coefficient[time >= galls_at] = galled
-        temperature[time >= galls_at] += 5.0
-    torque = (coefficient + rng.normal(0, noise, time.size)) * load * 0.03336
-    return {"time": time, "load": load, "torque": torque, "temperature": temperature}
-
-
-OPTIONS = {"radius": 0.03336, "load_step": 4e3 * LBF, "least_load": 1e3 * LBF}
-
-
-def test_stages_of_the_thesis_are_found():  # Farzaneh (2002), section 4: 8 + 4 (n - 1) klbf
-    log = endurance_log(np.random.default_rng(1), end=6 * 630.0)
-    found = analyse_endurance(**log, **OPTIONS)
-    assert [stage.number for stage in found.stages] == [1, 2, 3, 4, 5, 6]
-    npt.assert_allclose(
-        [stage.load / LBF for stage in found.stages], [8e3, 12e3, 16e3, 20e3, 24e3, 28e3], rtol=2e-3
-    )
-    npt.assert_allclose([stage.friction for stage in found.stages], 0.15, atol=2e-3)
-    npt.assert_allclose([stage.friction_spread for stage in found.stages], 0.01, rtol=0.25)
-    npt.assert_allclose([stage.start for stage in found.stages], 630.0 * np.arange(6), atol=2.1)
-    npt.assert_allclose([stage.end - stage.start for stage in found.stages], 598, atol=4)
-    assert np.all(np.diff([stage.temperature for stage in found.stages]) > 0)
-    assert found.galling is None
-
-
-@pytest.mark.parametrize(
-    ("galls_at", "end", "stage", "galled"),
-    [
-        (5 * 630 + 540.0, 5 * 630 + 570.0, 6, 0.27),  # run 1: nine minutes into the sixth stage
-        (5 * 630 + 60.0, 5 * 630 + 90.0, 6, 0.28),  # run 2: one minute into it
-        (4 * 630 + 300.0, 4 * 630 + 330.0, 5, 0.28),  # run 3: in the fifth
-    ],
-)
-def test_galling_is_found_where_it_began(galls_at, end, stage, galled):
-    """Farzaneh (2002), section 4.1."""
-    log = endurance_log(np.random.default_rng(2), end=end, galls_at=galls_at, galled=galled)
-    found = analyse_endurance(**log, **OPTIONS).galling
-    assert found is not None
-    assert found.time == galls_at
-    assert found.earliest <= galls_at <= found.latest
-    assert found.latest - found.earliest < 10
-    assert found.stage == stage
-    assert found.p_value < 1e-4
-    npt.assert_allclose([found.friction_before, found.friction_after], [0.15, galled], atol=6e-3)
-    assert found.temperature_after > found.temperature_before
-
-
-def test_interval_of_the_onset_holds_the_truth_in_95_percent_of_the_records():
-    rng = np.random.default_rng(3)
-    inside = []
-    for _ in range(200):
-        galls_at = float(rng.integers(200, 400)) * 2.0
-        log = endurance_log(
-            rng, end=1200.0, galls_at=galls_at, friction=0.10, galled=0.13, noise=0.02
-        )
-        found = analyse_endurance(**log, **OPTIONS).galling
-        inside.append(found is not None and found.earliest <= galls_at <= found.latest)
-    assert 0.90 <= np.mean(inside) <= 1.0  # 0.95 with a binomial scatter of 0.015
-
-
-def test_steady_friction_rarely_raises_an_alarm():
-    rng = np.random.default_rng(4)
-    alarms = [
-        analyse_endurance(
-            **endurance_log(rng, end=630.0, noise=0.05),
-            **OPTIONS,
-            least_rise=0.0,
-            significance=0.05,
-        ).galling
-        for _ in range(200)
-    ]
-    assert np.mean([alarm is not None for alarm in alarms]) <= 0.05
-
-
-def test_falling_friction_is_no_galling():
-    log = endurance_log(np.random.default_rng(6), end=1200.0, galls_at=700.0, galled=0.08)
-    assert analyse_endurance(**log, **OPTIONS).galling is None
-
-
-@pytest.mark.parametrize(
-    ("change", "named"),
-    [
-        ({"time": np.zeros(600)}, "time must rise"),
-        ({"torque": np.full(600, np.nan)}, "torque must hold no missing"),
-        ({"load": np.zeros(600)}, "load must hold at least one stage"),
-        ({"temperature": np.zeros(5)}, "columns of one length"),
-        ({"load": np.full(600, np.inf)}, "load must hold no missing values and no infinite"),
-        ({"radius": np.full(2, 0.03)}, "^radius must be one number"),
-        ({"load_step": np.inf}, "^load_step must be finite"),
-        ({"significance": np.nan}, "^significance must be a number"),
-    ],
-)
-def test_unusable_logs_are_refused(change, named):
-    log = {**endurance_log(np.random.default_rng(7), end=1200.0), **change}
-    with pytest.raises(ModelError, match=named):
-        analyse_endurance(**OPTIONS | log)
-
-
-def test_the_simple_analysis_names_its_successor():
-    log = endurance_log(np.random.default_rng(8), end=700.0)
-    with pytest.warns(DeprecationWarning, match=r"use erlif\.analyse_endurance") as caught:
-        analyse_endurance(**log, **OPTIONS)
-    assert caught[0].filename == __file__
-
-
-def test_temperature_log_in_degrees_celsius_warns():
-    log = endurance_log(np.random.default_rng(8), end=1200.0)
-    log["temperature"] = log["temperature"] - 273.15
-    with pytest.warns(UnitWarning, match=r"temperature = 25 K .* degrees Celsius"):
-        analyse_endurance(**log, **OPTIONS)
-
-
-def test_log_as_data_arrays_gives_the_same_stages():
-    log = endurance_log(np.random.default_rng(9), end=1200.0)
-    columns = {name: xr.DataArray(column, dims="sample") for name, column in log.items()}
-    lists = {name: column.tolist() for name, column in log.items()}
-    expected = analyse_endurance(**log, **OPTIONS)
-    assert analyse_endurance(**columns, **OPTIONS) == expected
-    assert analyse_endurance(**lists, **OPTIONS) == expected
 
 
 def test_reversals_of_another_length_are_refused():

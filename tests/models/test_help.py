@@ -11,7 +11,7 @@ from dataclasses import fields, is_dataclass
 
 from erlif import models
 
-NOT_THEORY = {"arguments", "coverage", "sources"}
+NOT_THEORY = {"arguments", "sources"}
 NUMBER = re.compile(r"\b(float|array|Values)\b")
 # flags, other objects, and text in arrays
 NO_NUMBER = re.compile(r"\b(bool|Groove|FILM_REGIMES)\b")

@@ -13,7 +13,7 @@ import pytest
 import erlif.models
 
 MODULES = [f"erlif.models.{module.name}" for module in pkgutil.iter_modules(erlif.models.__path__)]
-THEORY = set(erlif.models.__all__) - {"arguments", "coverage", "sources"}
+THEORY = set(erlif.models.__all__) - {"arguments", "sources"}
 FUNCTIONS = [
     pytest.param(function, id=f"{name}.{function.__name__}")
     for name in MODULES

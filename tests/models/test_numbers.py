@@ -106,7 +106,6 @@ OTHERS = {
     "film.line_contact_film": "text among its results; tests/models/test_film.py has its arrays",
     "film.lubrication_regimes": "text; a tuple of names for one number",
     "fluorescence.log_band_ratio_gradient": "a gradient; test_fluorescence.py has its arrays",
-    "friction.analyse_endurance": "a time series",
     "friction.average_reversals": "a time series",
     "friction.torque_ratio": "an integral over the last axis",
     "linkage.choose_motor": "one rating of a series",
@@ -140,7 +139,7 @@ OTHERS = {
 }
 """Public functions that are no formulas of numbers that broadcast, with the reason."""
 
-NOT_THEORY = {"arguments", "coverage", "sources"}
+NOT_THEORY = {"arguments", "sources"}
 
 EVERY_FORMULA = pytest.mark.parametrize(
     ("formula", "case"), FORMULAS.items(), ids=[formula.__name__ for formula in FORMULAS]
