@@ -296,7 +296,7 @@ def test_threads_and_scheduler_together_are_refused():
 
 def test_dask_is_not_imported_without_a_scheduler():
     code = (
-        "import sys, erlif.pipeline.run, erlif.pipeline.batch, erlif.report\n"
+        "import sys, erlif.pipeline.run, erlif.pipeline.batch, erlif.show.report\n"
         "from erlif.pipeline.engines.engine import open_engine\n"
         "with open_engine(workers=1): pass\n"
         "print(*{name.split('.')[0] for name in sys.modules} & {'dask', 'distributed'})\n"
