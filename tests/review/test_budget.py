@@ -19,7 +19,7 @@ from erlif.rig import RigSettings, simulate
 from erlif.show.plots import example_calibration
 from erlif.show.report import render_budget
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
