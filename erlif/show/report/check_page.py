@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from html import escape
 from pathlib import Path
 
+from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from erlif.core.notes import Level, Note
+from erlif.core.units import count_of
 from erlif.core.version import __version__
 from erlif.io.files import refuse_existing, replacing
 from erlif.review.audit import Audit
@@ -21,10 +22,14 @@ from erlif.show.plots.audit import (
     steps_figure,
 )
 from erlif.show.report.captions import Caption
-from erlif.show.report.layout import arrange_figures, compose_page, embed_figure
-from erlif.show.report.tables import make_table, print_text
-
-_ORDER = (Level.ERROR, Level.WARNING, Level.NOTE)
+from erlif.show.report.layout import (
+    Table,
+    arrange_figures,
+    compose_page,
+    embed_figure,
+    print_units,
+    render,
+)
 
 _TITLES = {Level.ERROR: "Errors", Level.WARNING: "Warnings", Level.NOTE: "Found"}
 
@@ -86,38 +91,32 @@ def _make_page(audit: Audit) -> str:
     )
 
 
-def _findings(audit: Audit) -> str:
+def _findings(audit: Audit) -> Markup:
     """Verdict, then errors, warnings and notes; the pairs have a table of their own."""
     counted = Counter(note.level for note in audit.notes)
     errors, warnings = counted[Level.ERROR], counted[Level.WARNING]
-    verdict = f"{errors} error{'s' * (errors != 1)}, {warnings} warning{'s' * (warnings != 1)}."
-    parts = [f"<p><strong>{verdict}</strong></p>"]
-    for level in _ORDER:
-        rows = [note for note in audit.notes if note.level is level and not _is_pair(note)]
-        if rows:
-            body = "".join(
-                f"<tr><th scope=row>{escape(note.subject)}</th>"
-                f"<td>{print_text(note.text)}</td></tr>"
-                for note in rows
-            )
-            parts.append(
-                f'<div class="wide"><table class="findings"><caption>{_TITLES[level]}</caption>'
-                f"<tbody>{body}</tbody></table></div>"
-            )
-    return "\n".join(parts)
+    tables = []
+    for level, title in _TITLES.items():
+        notes = [note for note in audit.notes if note.level is level and not _is_pair(note)]
+        tables.append(Table([(note.subject, print_units(note.text)) for note in notes], (), title))
+    return render(
+        "findings.html",
+        verdict=f"{count_of(errors, 'error')}, {count_of(warnings, 'warning')}.",
+        findings=[one for one in tables if one.rows],
+    )
 
 
 def _is_pair(note: Note) -> bool:
     return note.level is Level.NOTE and note.subject == "pairs"
 
 
-def _pair_table(audit: Audit) -> str:
+def _pair_table(audit: Audit) -> Markup:
     """The first, the last and all odd pairs."""
     rows = [
         [
             str(row.pair),
-            escape(row.camera1),
-            escape(row.camera2),
+            row.camera1,
+            row.camera2,
             "" if row.row is None else str(row.row),
             "" if row.angle is None else f"{row.angle:.2f}",
             "" if row.time is None else f"{row.time:.6g}",
@@ -125,9 +124,7 @@ def _pair_table(audit: Audit) -> str:
         for row in audit.pairs
     ]
     head = ("pair", "camera 1", "camera 2", "log frame", "angle [deg]", "time [s]")
-    caption = "First, last and odd pairs"
-    table = make_table(rows, head=head, caption=caption, numbers=(0, 3, 4, 5))
-    return f'<div class="wide">{table}</div>'
+    return render("pairs.html", pairs=Table(rows, head, "First, last and odd pairs", (0, 3, 4, 5)))
 
 
 def _figures(audit: Audit) -> Iterator[tuple[str, Figure, Caption]]:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import base64
 import csv
 import io
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 from pathlib import Path
 
+from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from erlif.core.version import __version__
@@ -28,9 +28,17 @@ from erlif.show.report.design import (
     verdict,
     within,
 )
-from erlif.show.report.download import download_link, file_name
-from erlif.show.report.layout import PageFigure, arrange_figures, compose_page, embed_figure
-from erlif.show.report.tables import make_table, print_text
+from erlif.show.report.layout import (
+    PageFigure,
+    Table,
+    arrange_figures,
+    compose_page,
+    download_link,
+    embed_figure,
+    file_name,
+    render,
+)
+from erlif.show.report.layout import print_units as print_text
 
 _FIGURE = Caption(
     "Pressure, pv, temperature and wear",
@@ -119,11 +127,23 @@ def make_design_page(design: BearingDesign) -> str:
         ("joint", "The joint as a file", _settings(design)),
     ]
     return compose_page(
-        [section for section in sections if section[2]],
+        [(key, title, Markup(text)) for key, title, text in sections if text],
         name=design.name,
         subject="design",
         subtitle=f"Design of a pin joint after Strand (2005), chapter 2; erlif {__version__}",
     )
+
+
+def make_table(
+    rows: Iterable[Sequence[str]],
+    *,
+    head: Sequence[str] = (),
+    caption: str = "",
+    numbers: Sequence[int] = (),
+) -> Markup:
+    """Make a table of cells that are HTML already."""
+    cells = [[Markup(cell) for cell in row] for row in rows]
+    return render("table.html", one=Table(cells, head, caption, numbers))
 
 
 def _result(design: BearingDesign) -> str:
@@ -178,9 +198,7 @@ def _step_table(design: BearingDesign) -> str:
     # a narrow window shows the first columns, which matter most
     head = ("Step", "Margin", "State", "Present", "Allowed", "Source", "Quantity")
     table = make_table(rows, head=head, numbers=(1, 3, 4))
-    link = download_link(
-        _steps_csv(design.walk.steps), name=file_name(design.name, "steps.csv"), label="Save as CSV"
-    )
+    link = download_link(_steps_csv(design.walk.steps), name=file_name(design.name, "steps.csv"))
     note = (
         "Margin: allowed over present value less 1; 0 at the limit, negative where it is exceeded. "
         "Strengths are divided by the safety factor. Doubtful: outside of the validity of the "
@@ -360,9 +378,12 @@ def _cell(value: float | None, scale: float) -> str:
 
 def _settings(design: BearingDesign) -> str:
     """The joint with all its dimensions, to be saved and designed again."""
-    encoded = base64.b64encode(design.settings.encode()).decode("ascii")
-    name = escape(file_name(design.name, "joint.toml"))
-    link = f'<a download="{name}" href="data:application/toml;base64,{encoded}">Save as TOML</a>'
+    link = download_link(
+        design.settings,
+        name=file_name(design.name, "joint.toml"),
+        label="Save as TOML",
+        media="application/toml",
+    )
     return (
         f"<p>All dimensions, chosen and given. {link}.</p>"
         f"<details><summary>Show</summary><pre>{escape(design.settings)}</pre></details>"

@@ -1,82 +1,120 @@
-"""Head, sections and style of a page, and figures in its text."""
+"""Templates of the pages, their style, and figures in their text."""
 
 from __future__ import annotations
 
 import base64
+import functools
+import re
 from collections.abc import Iterable, Sequence
-from html import escape
 from importlib import resources
 from itertools import groupby
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
 
 from erlif.show.plots.style import ONE_COLUMN, AnyFigure, figure_bytes
 from erlif.show.report.captions import Caption
 
 _MEDIA = {"svg": "image/svg+xml", "png": "image/png"}
 _LARGE = 400_000  # bytes of a drawing that is kept as an image of pixels
+_LONGEST = 80  # characters of the name of a run in the name of a file
+
+
+class Table(NamedTuple):
+    """A table of a page, as the macro `table` draws it.
+
+    Attributes
+    ----------
+    rows : sequence of sequence of str
+        Plain text, which the template escapes; Markup passes as it is.
+    head : sequence of str
+        Titles of the columns.
+    caption : str
+        Plain text.
+    numbers : sequence of int
+        Columns that are aligned at the right.
+    """
+
+    rows: Sequence[Sequence[str]]
+    head: Sequence[str] = ()
+    caption: str = ""
+    numbers: Sequence[int] = ()
+
+
+def render(template: str, **content: Any) -> Markup:
+    """Fill a template of the folder ``templates``; plain text in `content` is escaped."""
+    return Markup(_templates().get_template(template).render(**content))
+
+
+@functools.cache
+def _templates() -> Environment:
+    environment = Environment(
+        loader=PackageLoader("erlif.show.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["units"] = print_units
+    return environment
+
+
+def print_units(text: str) -> Markup:
+    """Escape a text of the command line, with the units of print.
+
+    Examples
+    --------
+    >>> print_units("steps of 2 um < 3 um")
+    Markup('steps of 2 µm &lt; 3 µm')
+    """
+    return Markup(re.sub(r"\bum\b", "µm", re.sub(r"\bdegC\b", "°C", str(escape(text)))))
 
 
 def compose_page(
-    sections: Sequence[tuple[str, str, str]],
+    sections: Sequence[tuple[str, str, Markup]],
     *,
     name: str,
     subject: str,
     subtitle: str,
-    after: str = "",
+    after: Markup | str = "",
 ) -> str:
     """Compose a page that needs no other file.
 
     Parameters
     ----------
-    sections : sequence of (str, str, str)
-        Identifier, title and content, HTML, of each section.
+    sections : sequence of (str, str, Markup)
+        Identifier, title and content of each section.
     name : str
         Heading, plain text.
     subject : str
         What the page is about, for the title of the window.
     subtitle : str
         Line below the heading, plain text.
-    after : str
-        Scripts behind the sections, HTML; empty or ending with a new line.
+    after : Markup
+        Scripts behind the sections.
 
     Returns
     -------
     str
     """
-    contents = "".join(f'<li><a href="#{key}">{title}</a></li>' for key, title, _ in sections)
-    body = "\n".join(
-        f'<section id="{key}" aria-labelledby="{key}-title"><h2 id="{key}-title">{title}</h2>\n'
-        f"{content}\n</section>"
-        for key, title, content in sections
+    return str(
+        render(
+            "page.html",
+            sections=sections,
+            name=name,
+            subject=subject,
+            subtitle=subtitle,
+            style=read_resource("page.css"),
+            after=after,
+        )
     )
-    name = escape(name)
-    return f"""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="generator" content="erlif">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{name}: {subject}</title>
-<style>
-{read_resource("page.css")}</style>
-</head>
-<body>
-<header>
-<h1>{name}</h1>
-<p class="quiet">{escape(subtitle)}</p>
-<nav aria-label="Contents"><ul>{contents}</ul></nav>
-</header>
-<main>
-{body}
-</main>
-{after}</body>
-</html>
-"""
 
 
-def read_resource(name: str) -> str:
+def read_resource(name: str) -> Markup:
     """A file of this folder: style or script of a page."""
-    return resources.files("erlif.show.report").joinpath(name).read_text(encoding="utf-8")
+    folder = resources.files("erlif.show.report")
+    return Markup(folder.joinpath(name).read_text(encoding="utf-8"))
 
 
 class PageFigure(NamedTuple):
@@ -86,17 +124,20 @@ class PageFigure(NamedTuple):
     ----------
     name : str
         Name within the page.
-    image : str
-        HTML of the image.
-    caption : str
-        HTML of the caption.
+    source : str
+        The image itself, as an address.
+    title : str
+        First words of the caption, plain text.
+    text : str
+        The rest of the caption.
     wide : bool
         Whether it is two columns wide.
     """
 
     name: str
-    image: str
-    caption: str
+    source: str
+    title: str
+    text: str
     wide: bool
 
 
@@ -108,17 +149,13 @@ def embed_figure(name: str, figure: AnyFigure, caption: Caption, text: str) -> P
     if kind == "svg" and len(image) > _LARGE:
         kind = "png"
         image = figure_bytes(figure, kind=kind, dpi=caption.dpi)
-    encoded = base64.b64encode(image).decode("ascii")
-    title, text = escape(caption.title), escape(text)
-    return PageFigure(
-        name,
-        f'<img src="data:{_MEDIA[kind]};base64,{encoded}" alt="{title}. {text}">',
-        f"<figcaption><strong>{title}.</strong> {text}</figcaption>",
-        figure.bbox.width > 1.5 * ONE_COLUMN * figure.dpi,
-    )
+    wide = figure.bbox.width > 1.5 * ONE_COLUMN * figure.dpi
+    return PageFigure(name, _embed(image, _MEDIA[kind]), caption.title, text, wide)
 
 
-def arrange_figures(figures: Iterable[PageFigure]) -> str:
+def arrange_figures(
+    figures: Iterable[PageFigure], missing: Sequence[tuple[str, str]] = ()
+) -> Markup:
     """Arrange figures in two columns, in their order.
 
     A wide one takes both columns. A narrow one without a partner takes them too, with its caption
@@ -127,20 +164,43 @@ def arrange_figures(figures: Iterable[PageFigure]) -> str:
     Parameters
     ----------
     figures : iterable of PageFigure
+    missing : sequence of (str, str)
+        Titles of figures that are left out, with the reason.
 
     Returns
     -------
-    str
-        HTML; empty without figures.
+    Markup
+        Empty without either.
     """
-    parts = []
+    arranged = []
     for wide, run in groupby(figures, key=lambda figure: figure.wide):
         members = list(run)
         for n, figure in enumerate(members):
             lone = len(members) % 2 == 1 and n == len(members) - 1
-            kind = "two" if wide else "one lone" if lone else "one"
-            parts.append(
-                f'<figure id="figure-{figure.name}" class="{kind}">'
-                f'<div class="wide">{figure.image}</div>{figure.caption}</figure>'
-            )
-    return '<div class="figures">\n' + "\n".join(parts) + "\n</div>" if parts else ""
+            arranged.append((figure, "two" if wide else "one lone" if lone else "one"))
+    return render("figures.html", figures=arranged, missing=missing)
+
+
+def download_link(
+    text: str, *, name: str, label: str = "Save as CSV", media: str = "text/csv;charset=utf-8"
+) -> Markup:
+    """Make a link by which a browser saves a text; name and label are plain text."""
+    link = Markup('<a download="{}" href="{}">{}</a>')
+    return link.format(name, _embed(text.encode(), media), label)
+
+
+def _embed(content: bytes, media: str) -> str:
+    """An address that is the content itself."""
+    return f"data:{media};base64,{base64.b64encode(content).decode('ascii')}"
+
+
+def file_name(run: str, suffix: str) -> str:
+    """Make the name of a file from that of a run.
+
+    Examples
+    --------
+    >>> file_name("a <b> & c", "triggers.csv")
+    'a_b_c_triggers.csv'
+    """
+    words = re.findall(r"[\w.-]+", run)
+    return "_".join([*filter(None, ["_".join(words)[:_LONGEST].strip("._-")]), suffix])

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
 import xarray as xr
+from markupsafe import Markup
 
 from erlif.calibration import calibration_of
 from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
-from erlif.core.progress import Progress, ShowProgress, choose_progress
+from erlif.core.notes import Level
+from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.core.version import __version__
 from erlif.io.files import (
+    describe_trigger,
     fastest_trigger,
     flag_shares,
     open_film,
@@ -22,18 +26,26 @@ from erlif.io.files import (
     settings_of,
     takes,
 )
-from erlif.show.plots.files import FigureSource, find_source
+from erlif.show.plots.files import DRAWN, FigureSource, find_source, reason_missing
 from erlif.show.plots.prediction import has_prediction, predicted_map
-from erlif.show.report.figures import figures_section
-from erlif.show.report.layout import compose_page, read_resource
+from erlif.show.plots.style import in_style
+from erlif.show.report.captions import caption_of
+from erlif.show.report.layout import (
+    Table,
+    arrange_figures,
+    compose_page,
+    embed_figure,
+    read_resource,
+    render,
+)
 from erlif.show.report.maps import embed_map
-from erlif.show.report.provenance import notes_list, provenance_section
 from erlif.show.report.tables import (
     calibration_table,
     flag_table,
     registration_table,
     results_table,
-    trigger_table,
+    theory_sentences,
+    trigger_section,
 )
 from erlif.show.report.thinning import KeptMaps, choose_maps
 from erlif.show.report.viewer import viewer_data, viewer_section
@@ -47,6 +59,7 @@ _FIGURES = 0.6  # of the page, for figures at most
 _TABLE = 0.2  # of the page, for the file of the triggers; as base64 it is a third longer
 _FRAME = 60_000  # bytes of style, script, palettes and controls
 _LESS = 0.97  # of the room that was exceeded, in another attempt
+_OF_ONE_TRIGGER = ("processed_images", "ratio_image", "thickness_map", "prediction_map")
 
 
 @takes(film_path="film file", out_path="path")
@@ -152,7 +165,7 @@ def _make_page(source: FigureSource, triggers: range, max_size: float, progress:
     shares = flag_shares(film)
     summary = _summary_section(source, shares)
     figures = figures_section(source, progress, room=_FIGURES * limit)
-    table = trigger_table(film, shares[:, 0], most=_TABLE * limit)
+    table = trigger_section(film, shares[:, 0], most=_TABLE * limit)
     provenance = provenance_section(film)
 
     # what is left belongs to the maps; their size is measured, and fewer are kept if it is large
@@ -183,13 +196,12 @@ def _make_page(source: FigureSource, triggers: range, max_size: float, progress:
     ]
     # nothing of the time or the place of the report enters: the same film gives the same page
     version = str(film.attrs.get("erlif_version", __version__))
-    scripts = f"""<script type="application/json" id="film-data">{
-        viewer_data(film, kept.coding, triggers=kept.triggers)
-    }</script>
-{embedded}
-<script>
-{read_resource("viewer.js")}</script>
-"""
+    scripts = render(
+        "scripts.html",
+        data=Markup(viewer_data(film, kept.coding, triggers=kept.triggers)),
+        maps=embedded,
+        script=read_resource("viewer.js"),
+    )
     return compose_page(
         sections,
         name=settings_of(film).name,
@@ -199,30 +211,99 @@ def _make_page(source: FigureSource, triggers: range, max_size: float, progress:
     )
 
 
-def _embedded_maps(film: xr.Dataset, kept: KeptMaps, progress: Progress) -> str:
+def _embedded_maps(film: xr.Dataset, kept: KeptMaps, progress: Progress) -> Markup:
     """Write every kept map as text in a script element of its own."""
     scripts = []
     for done, trigger in enumerate(kept.triggers):
         predicted = predicted_map(film, trigger=trigger) if has_prediction(film) else None
         text = embed_map(film, trigger=trigger, coding=kept.coding, predicted=predicted)
-        scripts.append(f'<script type="text/plain" id="map-{trigger}">{text}</script>')
+        element = Markup('<script type="text/plain" id="map-{}">{}</script>')
+        scripts.append(element.format(trigger, text))
         progress("maps", done + 1, len(kept.triggers))
-    return "\n".join(scripts)
+    return Markup("\n").join(scripts)
 
 
-def _summary_section(source: FigureSource, shares: Array) -> str:
+def _summary_section(source: FigureSource, shares: Array) -> Markup:
     """Write the tables of the summary, and the notes."""
     film = source.film
     valid, flagged = float(shares[:, 0].mean()), shares[:, 1:].mean(axis=0)
-    return "\n".join(
-        [
-            '<div class="columns"><div>',
-            results_table(film, valid),
-            "</div><div>",
-            calibration_table(source),
-            registration_table(source.group("registration"), source.group("frames")),
-            "</div></div>",
-            flag_table(flagged),
-            notes_list(film),
-        ]
+    return render(
+        "summary.html",
+        results=results_table(film, valid),
+        **theory_sentences(film),
+        calibration=calibration_table(source),
+        registration=registration_table(source.group("registration"), source.group("frames")),
+        flags=flag_table(flagged),
+        notes=_split_notes(film),
+    )
+
+
+def _split_notes(film: xr.Dataset) -> list[tuple[str, str]]:
+    """Level, if it is a warning, and text of the notes of a film, each once."""
+    notes = []
+    for note in dict.fromkeys(filter(None, str(film.attrs.get("notes", "")).split("\n"))):
+        level, _, rest = note.partition(": ")
+        serious = level in (Level.WARNING, Level.ERROR)
+        notes.append((level.capitalize(), rest) if serious else ("", note))
+    return notes
+
+
+def figures_section(
+    source: FigureSource, progress: Progress = silent, *, room: float = float("inf")
+) -> Markup:
+    """Draw all figures of a film, and list those that are left out with the reason.
+
+    Parameters
+    ----------
+    source : FigureSource
+    progress : Progress
+        Called before each figure.
+    room : float
+        Bytes that all figures may take; the largest are left out until the others fit.
+
+    Returns
+    -------
+    Markup
+    """
+    parts, missing = [], []
+    for done, (name, draw) in enumerate(DRAWN.items()):
+        progress("figures", done, len(DRAWN))
+        caption = caption_of(name, source.film)
+        reason = reason_missing(name, source)
+        if reason is not None:
+            missing.append((caption.title, reason))
+            continue
+        text = caption.text
+        if name in _OF_ONE_TRIGGER:
+            text = f"{describe_trigger(source.film, source.trigger).capitalize()}. {text}"
+        with in_style(None):
+            parts.append(embed_figure(name, draw(source), caption, text))
+    progress("figures", len(DRAWN), len(DRAWN))
+
+    reason = Markup(
+        "too large for this page; <code>erlif figures</code> draws it, <code>--max-size</code> "
+        "allows a larger page"
+    )
+    while sum(len(one.source) for one in parts) > room:
+        largest = max(parts, key=lambda one: len(one.source))
+        parts.remove(largest)
+        missing.append((largest.title, reason))
+    return arrange_figures(parts, missing)
+
+
+def provenance_section(film: xr.Dataset) -> Markup:
+    """Write history, settings and the hashes of all inputs."""
+    calibration = json.loads(str(film.attrs.get("calibration", "{}")))
+    inputs = {
+        "Inputs of the run": json.loads(str(film.attrs.get("input_hashes", "{}"))),
+        "Inputs of the calibration": calibration.get("input_hashes", {}),
+    }
+    tables = {
+        title: Table(list(hashes.items()), ("File", "SHA-256")) for title, hashes in inputs.items()
+    }
+    return render(
+        "provenance.html",
+        history=film.attrs.get("history", ""),
+        settings=film.attrs["settings"],
+        inputs=tables.items(),
     )

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from html import escape
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from markupsafe import Markup
 
 from erlif.core.errors import ErlifError
 from erlif.core.progress import Progress, ShowProgress, choose_progress
@@ -30,10 +31,17 @@ from erlif.show.plots.comparison import comparison_figure
 from erlif.show.plots.maps import common_limits, thickness_map
 from erlif.show.plots.style import in_style
 from erlif.show.report.captions import Caption
-from erlif.show.report.download import download_link, runs_csv
-from erlif.show.report.layout import PageFigure, arrange_figures, compose_page, embed_figure
+from erlif.show.report.layout import (
+    PageFigure,
+    Table,
+    arrange_figures,
+    compose_page,
+    download_link,
+    embed_figure,
+    render,
+)
 from erlif.show.report.page import MAX_SIZE, check_size
-from erlif.show.report.tables import make_table, with_error, with_span
+from erlif.show.report.tables import with_error, with_span, write_csv
 
 _PER_MB = 1e6  # bytes
 _FRAME = 40_000  # bytes of style and headings
@@ -115,23 +123,23 @@ def write_runs_report(
 
     labels = label_films([values["run"] for values in numbers], paths)
     for cells, values, label in zip(rows, numbers, labels, strict=True):
-        cells[0], values["run"] = escape(label), label
+        cells[0] = values["run"] = label
 
-    link = download_link(runs_csv(numbers), name="runs.csv", label="Save as CSV")
-    table = make_table(rows, head=_HEAD, numbers=[1, 3, 4, 5, 6, 7, 8, 9])
-    look = 'class="wide dense" tabindex="0" role="region" aria-label="Table of the runs"'
+    columns = {name: [values[name] for values in numbers] for name in numbers[0]}
+    table = render(
+        "runs.html",
+        runs=Table(rows, _HEAD, numbers=[1, 3, 4, 5, 6, 7, 8, 9]),
+        link=download_link(write_csv(columns), name="runs.csv"),
+    )
     compared = _compare_runs(paths)
-    room = max_size * _PER_MB - _FRAME - len((table + link + compared).encode())
+    room = max_size * _PER_MB - _FRAME - len((table + compared).encode())
     ends = (min(low for low, _ in limits), max(high for _, high in limits))
+    maps = _map_section(paths, labels, ends, room, report)
     text = compose_page(
         [
-            ("runs", "Runs", f"<p>{link}</p><div {look}>{table}</div>"),
+            ("runs", "Runs", table),
             ("compared", "Comparison", compared),
-            (
-                "maps",
-                "Maps at the fastest trigger",
-                _map_section(paths, labels, ends, room, report),
-            ),
+            ("maps", "Maps at the fastest trigger", maps),
         ],
         name=f"{len(paths)} runs",
         subject="oil-film thickness",
@@ -143,65 +151,57 @@ def write_runs_report(
     return out_path
 
 
-def _describe_run(film: xr.Dataset) -> tuple[list[str], dict[str, str]]:
-    """Cells of the table, as HTML, and the same numbers with more digits."""
+def _describe_run(film: xr.Dataset) -> tuple[list[str], dict[str, Any]]:
+    """Cells of the table, and the same numbers with more digits."""
     settings, fastest = settings_of(film), fastest_trigger(film)
-    least, mean = film.film_min.values, film.film_mean.values
-    thinnest = int(np.nanargmin(least)) if np.isfinite(least).any() else 0
-    valid = float(flag_shares(film)[:, 0].mean())
-    notes = dict.fromkeys(str(film.attrs.get("notes", "")).split("\n"))
-    warnings = sum(note.startswith("warning: ") for note in notes)
     oil = "" if settings.oil is None else settings.oil.name or ""
-    load = film["load"].values if "load" in film else np.array([np.nan])
-    speed = 1e3 * np.abs(film.sliding_speed.values) if "sliding_speed" in film else [np.nan]
-    power, power_std = (
+    unknown = np.array([np.nan])
+    load = film["load"].values if "load" in film else unknown
+    speed = 1e3 * np.abs(film.sliding_speed.values) if "sliding_speed" in film else unknown
+    values: dict[str, Any] = {"run": settings.name, "oil": oil}
+    for name, each in (("load [N]", load), ("speed [mm/s]", speed)):
+        finite = each[np.isfinite(each)]
+        values[f"lowest {name}"] = finite.min() if finite.size else np.nan
+        values[f"highest {name}"] = finite.max() if finite.size else np.nan
+
+    # the thinnest film of the run, the mean one at the fastest trigger, and the power
+    least = film.film_min.values
+    thinnest = int(np.nanargmin(least)) if np.isfinite(least).any() else 0
+    shown = []
+    for name, trigger in (("film_min", thinnest), ("film_mean", fastest)):
+        pair = float(film[name][trigger]), float(film[f"{name}_std"][trigger])
+        values |= {f"{name} [um]": pair[0], f"{name}_std [um]": pair[1]}
+        shown.append(with_error(*pair))
+    power, std = (
         float(film[name]) if name in film else math.nan
         for name in ("speed_exponent", "speed_exponent_std")
     )
-    films = [
-        (float(least[thinnest]), float(film.film_min_std[thinnest])),
-        (float(mean[fastest]), float(film.film_mean_std[fastest])),
-    ]
-    triggers = film.sizes["trigger"]
+    values |= {"speed_exponent [1]": power, "speed_exponent_std [1]": std}
+
+    valid, triggers = float(flag_shares(film)[:, 0].mean()), film.sizes["trigger"]
+    notes = dict.fromkeys(str(film.attrs.get("notes", "")).split("\n"))
+    warnings = sum(note.startswith("warning: ") for note in notes)
+    values |= {"valid share [1]": valid, "triggers": triggers, "warnings": warnings}
+    unbroken = Markup('<span style="white-space:nowrap">{}</span>').format(oil)
     cells = [
-        *(escape(settings.name), with_span(load), _unbroken(oil), with_span(np.asarray(speed))),
-        *(with_error(value, std) for value, std in (*films, (power, power_std))),
+        *(settings.name, with_span(load), unbroken, with_span(speed)),
+        *(*shown, with_error(power, std)),
         *(f"{100 * valid:.1f} %", f"{triggers}", f"{warnings}"),
     ]
-    known = {
-        "load [N]": np.asarray(load),
-        "speed [mm/s]": np.asarray(speed),
-    }
-    values = {"run": settings.name, "oil": oil}
-    for name, each in known.items():
-        finite = each[np.isfinite(each)]
-        for end, pick in (("lowest", np.min), ("highest", np.max)):
-            values[f"{end} {name}"] = f"{pick(finite):.9g}" if finite.size else "NaN"
-    titles = ("film_min [um]", "film_min_std [um]", "film_mean [um]", "film_mean_std [um]")
-    for title, number in zip(titles, (*films[0], *films[1]), strict=True):
-        values[title] = f"{number:.9g}".replace("nan", "NaN")
-    for title, number in (("speed_exponent [1]", power), ("speed_exponent_std [1]", power_std)):
-        values[title] = f"{number:.9g}".replace("nan", "NaN")
-    values |= {"valid share [1]": f"{valid:.9g}", "triggers": f"{triggers}"}
-    return cells, values | {"warnings": f"{warnings}"}
+    return cells, values
 
 
-def _unbroken(text: str) -> str:
-    """HTML of a short name that stays in one line."""
-    return f'<span style="white-space:nowrap">{escape(text)}</span>'
-
-
-def _compare_runs(paths: list[Path]) -> str:
+def _compare_runs(paths: list[Path]) -> Markup:
     """The figure of all runs, or the reason why there is none."""
     if len(paths) > _MOST_COMPARED:
-        return (
+        return Markup(
             f"<p>The figure shows at most {_MOST_COMPARED} runs; <code>erlif compare</code> "
             "compares all.</p>"
         )
     try:
         found = compare(list(paths))
     except ErlifError as error:
-        return f"<p>The runs are not compared: {escape(str(error))}</p>"
+        return Markup("<p>The runs are not compared: {}</p>").format(error)
     with in_style(None):
         figure = comparison_figure(found)
         return arrange_figures([embed_figure("compared", figure, _COMPARED, _COMPARED.text)])
@@ -213,16 +213,16 @@ def _map_section(
     limits: tuple[float, float],
     room: float,
     progress: Progress,
-) -> str:
+) -> Markup:
     """Maps of the runs on one colour scale, as many as there is room for."""
     parts: list[PageFigure] = []
     for done, path in enumerate(paths):
         with reading_film(path), open_film(path) as film:
             part = _draw_map(film, labels[done], done, limits)
-        room -= len((part.image + part.caption).encode())
+        room -= len((part.source + part.text).encode())
         if room < 0:
             left = len(paths) - done
-            note = (
+            note = Markup(
                 f"<p>Maps of the last {left} of {len(paths)} runs are left out for the size of the "
                 "page; <code>--max-size</code> allows a larger one, <code>erlif report FILM</code> "
                 "makes a page of one run.</p>"

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import math
-import re
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from html import escape
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from markupsafe import Markup
 
-from erlif.core.arrays import Array
+from erlif.core.arrays import AnyArray, Array
 from erlif.core.flags import Flag, describe_share
+from erlif.io.conversion import trigger_columns
 from erlif.io.files import motion_of, settings_of
 from erlif.show.plots.files import FigureSource
 from erlif.show.plots.maps import flag_swatch, flag_title
-from erlif.show.plots.style import FLAG_COLOURS
-from erlif.show.report.download import download_link, file_name, trigger_csv
+from erlif.show.report.layout import Table, download_link, file_name, render
 from erlif.show.report.prediction import carrying_sentences, compare_correlations
 
 _REASONS = {
@@ -60,66 +61,7 @@ def with_digits(value: float, digits: int) -> str:
     return f"{value:.{digits}f}".replace("-", "−") if math.isfinite(value) else _UNKNOWN
 
 
-def print_text(text: str) -> str:
-    """Write a text of the command line as HTML, with the units of print.
-
-    Examples
-    --------
-    >>> print_text("a film < 2 um at 40 degC")
-    'a film &lt; 2 µm at 40 °C'
-    """
-    return re.sub(r"\bum\b", "µm", re.sub(r"\bdegC\b", "°C", escape(text)))
-
-
-def make_table(
-    rows: Iterable[Sequence[str]],
-    *,
-    head: Sequence[str] = (),
-    caption: str = "",
-    numbers: Iterable[int] = (),
-) -> str:
-    """Make an HTML table of cells that are HTML already.
-
-    Parameters
-    ----------
-    rows : iterable of sequence of str
-        The cells; the first of each row is its heading.
-    head : sequence of str
-        Headings of the columns.
-    caption : str
-        Title of the table.
-    numbers : iterable of int
-        Columns that are aligned at the right.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> make_table([("Load", "222 N")])
-    '<table><tbody><tr><th scope="row">Load</th><td>222 N</td></tr></tbody></table>'
-    """
-    right = set(numbers)
-
-    def look(column: int) -> str:
-        return ' class="n"' if column in right else ""
-
-    parts = ["<table>", f"<caption>{caption}</caption>" if caption else ""]
-    if head:
-        cells = "".join(f'<th scope="col"{look(n)}>{cell}</th>' for n, cell in enumerate(head))
-        parts.append(f"<thead><tr>{cells}</tr></thead>")
-
-    parts.append("<tbody>")
-    for row in rows:
-        cells = f'<th scope="row"{look(0)}>{row[0]}</th>'
-        cells += "".join(f"<td{look(n)}>{cell}</td>" for n, cell in enumerate(row[1:], 1))
-        parts.append(f"<tr>{cells}</tr>")
-    parts.append("</tbody></table>")
-    return "".join(parts)
-
-
-def results_table(film: xr.Dataset, valid: float) -> str:
+def results_table(film: xr.Dataset, valid: float) -> Table:
     """Make the table of the results; `valid` is the mean share of valid pixels."""
     rows = [
         ("Triggers, frame pairs", f"{film.sizes['trigger']}, {int(film.frames_used.sum())}"),
@@ -136,16 +78,17 @@ def results_table(film: xr.Dataset, valid: float) -> str:
     if "load" in film:
         rows.append(("Load", f"{with_span(film['load'].values)} N"))
 
-    # limits of the theory are sentences, too long for a cell
-    caption = "Results (± is one standard deviation, random and shared)"
-    limits_of = film.film_theory.attrs if "film_theory" in film else {}
-    notes = str(limits_of.get("notes", "")).split("\n")
-    limits = "; ".join(print_text(note) for note in notes if note)
-    below = f"<p class='quiet'>Limits of the theory: {limits}</p>" if limits else ""
-    sentences = [str(film.attrs.get("physics", "")), *carrying_sentences(film)]
-    carried = " ".join(print_text(sentence) for sentence in sentences if sentence)
-    below += f"<p class='quiet'>What carries the film: {carried}</p>" if carried else ""
-    return make_table(rows, caption=caption) + below
+    return Table(rows, caption="Results (± is one standard deviation, random and shared)")
+
+
+def theory_sentences(film: xr.Dataset) -> dict[str, list[str]]:
+    """Limits of the theory and what carries the film: sentences, too long for a cell."""
+    attrs = film.film_theory.attrs if "film_theory" in film else {}
+    carried = [str(film.attrs.get("physics", "")), *carrying_sentences(film)]
+    return {
+        "limits": [note for note in str(attrs.get("notes", "")).split("\n") if note],
+        "carried": [sentence for sentence in carried if sentence],
+    }
 
 
 def _film_rows(film: xr.Dataset) -> list[tuple[str, str]]:
@@ -193,13 +136,13 @@ def _theory_rows(film: xr.Dataset) -> list[tuple[str, str]]:
     span = f"{with_span(theory.values)} µm; measured minimum over theory: {median}"
     steady = []
     if "film_predicted_min" in film:
-        regime = escape(str(film.film_regime_map.attrs.get("regime", "")))
+        regime = film.film_regime_map.attrs.get("regime", "")
         text = f"{with_span(film.film_regime_map.values)} µm, {regime}"
         steady = [*_correlation_rows(film), ("Regime map for steady motion", text)]
     return [
-        ("Theory", escape(str(theory.attrs.get("long_name", "")))),
+        ("Theory", str(theory.attrs.get("long_name", ""))),
         ("Range of the theory", span),
-        ("Reason for this theory", escape(str(theory.attrs.get("reason", "")))),
+        ("Reason for this theory", str(theory.attrs.get("reason", ""))),
         *steady,
         ("2.65 line-contact formula", f"{with_span(film.film_hamrock_dowson.values)} µm"),
     ]
@@ -216,15 +159,15 @@ def _correlation_rows(film: xr.Dataset) -> list[tuple[str, str]]:
     return [("Correlation of film with |speed|", f"measured {measured}, predicted {predicted}")]
 
 
-def calibration_table(source: FigureSource) -> str:
+def calibration_table(source: FigureSource) -> Table:
     """Make the table of the calibration."""
     calibration = source.calibration
     values, stds = calibration.parameters.tolist(), calibration.standard_deviations.tolist()
     low, high = calibration.thickness_range
     one, two = calibration.bands
-    date = f", {escape(calibration.date)}" if calibration.date else ""
+    date = f", {calibration.date}" if calibration.date else ""
     rows = [
-        ("Fixture", escape(calibration.fixture) + date),
+        ("Fixture", calibration.fixture + date),
         ("Ratio", f"{two:g} nm over {one:g} nm (camera 2 over camera 1)"),
         ("Ratio of a vanishing film, K", with_error(values[0], stds[0])),
         ("Attenuation of camera 1, p", with_error(values[1], stds[1], "µm⁻¹")),
@@ -233,16 +176,16 @@ def calibration_table(source: FigureSource) -> str:
     ]
     if math.isfinite(calibration.reduced_chi_square):
         rows.append(("Reduced χ²", f"{calibration.reduced_chi_square:.2f}"))
-    return make_table(rows, caption="Calibration")
+    return Table(rows, caption="Calibration")
 
 
-def registration_table(registration: xr.Dataset, frames: xr.Dataset) -> str:
+def registration_table(registration: xr.Dataset, frames: xr.Dataset) -> Table:
     """Make the table of the registration from the groups of a film."""
     quality = float(registration.attrs["registration_quality"])
     std = float(np.nanmedian(registration.displacement_std.values))
     rows = [
         ("Correlation of the aligned textures", f"{quality:.3f}"),
-        ("Model", escape(str(registration.attrs["registration_model"]))),
+        ("Model", str(registration.attrs["registration_model"])),
         ("Standard deviation of the map", f"{std:.3f} px (median)"),
     ]
 
@@ -257,83 +200,81 @@ def registration_table(registration: xr.Dataset, frames: xr.Dataset) -> str:
     skipped = int(np.isnan(frames.drift_x.values).sum())
     if skipped:
         rows.append(("Frame pairs without drift, or left out", f"{skipped}"))
-    return make_table(rows, caption="Registration")
+    return Table(rows, caption="Registration")
 
 
-def flag_table(shares: Array) -> str:
+def flag_table(shares: Array) -> Table:
     """Make the table of the flags that occur; `shares` in the order of `Flag`."""
+    swatch = Markup('<span class="swatch" style="background:{}"></span>{}')
     rows = [
-        (_swatch(flag) + flag_title(flag), _REASONS[flag], describe_share(float(share)))
+        (
+            swatch.format(flag_swatch(flag), flag_title(flag)),
+            _REASONS[flag],
+            describe_share(float(share)),
+        )
         for flag, share in zip(Flag, shares, strict=True)
         if share > 0
     ]
-    if not rows:
-        return "<p>All pixels are valid.</p>"
     caption = "Flagged pixels (one pixel may have several flags)"
-    return make_table(rows, head=("Flag", "Reason", "Share"), caption=caption, numbers=[2])
+    return Table(rows, ("Flag", "Reason", "Share"), caption, numbers=[2])
 
 
-def flag_key() -> str:
-    """Make the key of the colours of all flags, in the order in which a map shows them."""
-    return "".join(f"<li>{_swatch(flag)}{flag_title(flag)}</li>" for flag in FLAG_COLOURS)
+_Cells = Callable[[xr.Dataset, str], list[str]]
 
 
-def _swatch(flag: Flag) -> str:
-    return f'<span class="swatch" style="background:{flag_swatch(flag)}"></span>'
+def _fixed(digits: int, scale: float = 1.0) -> _Cells:
+    """Cells of a fixed number of digits."""
+    return lambda film, name: [
+        with_digits(scale * value, digits) for value in film[name].values.tolist()
+    ]
 
 
-@dataclass(frozen=True)
-class _Column:
-    """A column of the table of the triggers: shown where the film has all its variables."""
-
-    title: str
-    needs: tuple[str, ...]
-    write: Callable[[dict[str, float]], str]
-
-
-def _number(name: str, digits: int, scale: float = 1.0) -> Callable[[dict[str, float]], str]:
-    return lambda one: with_digits(scale * one[name], digits)
-
-
-def _significant(name: str) -> Callable[[dict[str, float]], str]:
-    """Three significant digits, without an exponent."""
-
-    def write(one: dict[str, float]) -> str:
-        size = abs(one[name])
+def _significant(film: xr.Dataset, name: str) -> list[str]:
+    """Cells of three significant digits, without an exponent."""
+    cells = []
+    for value in film[name].values.tolist():
+        size = abs(value)
         before = math.floor(math.log10(size)) if math.isfinite(size) and size > 0 else 0
-        return with_digits(one[name], max(2 - before, 0))
-
-    return write
-
-
-def _film(name: str) -> Callable[[dict[str, float]], str]:
-    return lambda one: with_error(one[name], one[f"{name}_std"])
+        cells.append(with_digits(value, max(2 - before, 0)))
+    return cells
 
 
-def _place(one: dict[str, float]) -> str:
-    x, y = one["film_min_x"], one["film_min_y"]
-    return f"{x:.0f}, {y:.0f}" if math.isfinite(x) else "–"
+def _film_cells(film: xr.Dataset, name: str) -> list[str]:
+    """Cells of a film statistic with its standard deviation."""
+    pairs = zip(film[name].values, film[f"{name}_std"].values, strict=True)
+    return [with_error(value, std) for value, std in pairs]
 
 
-_COLUMNS = (
-    _Column("Stroke", ("stroke",), lambda one: "outward" if one["stroke"] > 0 else "return"),
-    _Column("Time [s]", ("time",), _number("time", 3)),
-    _Column("Encoder [°]", ("encoder_angle",), _number("encoder_angle", 2)),
-    _Column("Crank [°]", ("crank_angle",), _number("crank_angle", 2)),
-    _Column("Position [mm]", ("position",), _number("position", 3)),
-    _Column("Speed [rad/s]", ("rocker_speed",), _number("rocker_speed", 3)),
-    _Column("Sliding [mm/s]", ("sliding_speed",), _number("sliding_speed", 1, 1e3)),
-    _Column("Load [N]", ("load",), _number("load", 1)),
-    _Column("Oil [°C]", ("temperature",), _number("temperature", 2)),
-    _Column("Frame pairs", ("frames_used",), lambda one: f"{int(one['frames_used'])}"),
-    _Column("Mean film thickness [µm]", ("film_mean",), _film("film_mean")),
-    _Column("Minimum film thickness [µm]", ("film_min",), _film("film_min")),
-    _Column("at column, row [px]", ("film_min_x", "film_min_y"), _place),
-    _Column("Theory [µm]", ("film_theory",), _significant("film_theory")),
-    _Column("2.65 formula [µm]", ("film_hamrock_dowson",), _significant("film_hamrock_dowson")),
-    _Column("Λ", ("film_parameter",), _number("film_parameter", 1)),
-)
+def _places(film: xr.Dataset, name: str) -> list[str]:
+    """Cells of the place of the minimum film thickness."""
+    places = zip(film[name].values, film.film_min_y.values, strict=True)
+    return [f"{x:.0f}, {y:.0f}" if math.isfinite(x) else "–" for x, y in places]
 
+
+def _strokes(film: xr.Dataset, name: str) -> list[str]:
+    """Cells of the stroke."""
+    return ["outward" if sign > 0 else "return" for sign in film[name].values]
+
+
+_COLUMNS: dict[str, tuple[str, _Cells]] = {
+    "Stroke": ("stroke", _strokes),
+    "Time [s]": ("time", _fixed(3)),
+    "Encoder [°]": ("encoder_angle", _fixed(2)),
+    "Crank [°]": ("crank_angle", _fixed(2)),
+    "Position [mm]": ("position", _fixed(3)),
+    "Speed [rad/s]": ("rocker_speed", _fixed(3)),
+    "Sliding [mm/s]": ("sliding_speed", _fixed(1, 1e3)),
+    "Load [N]": ("load", _fixed(1)),
+    "Oil [°C]": ("temperature", _fixed(2)),
+    "Frame pairs": ("frames_used", _fixed(0)),
+    "Mean film thickness [µm]": ("film_mean", _film_cells),
+    "Minimum film thickness [µm]": ("film_min", _film_cells),
+    "at column, row [px]": ("film_min_x", _places),
+    "Theory [µm]": ("film_theory", _significant),
+    "2.65 formula [µm]": ("film_hamrock_dowson", _significant),
+    "Λ": ("film_parameter", _fixed(1)),
+}
+"""Columns of the table of the triggers, each where the film has its variable."""
 
 _ROWS = 500  # triggers of the table at most
 
@@ -341,8 +282,8 @@ _ANGLES = {"rotation": "Disc [°]", "sinusoidal": "Drive [°]"}
 """Title of the column of the crank angle by the kind of motion."""
 
 
-def trigger_table(film: xr.Dataset, valid: Array, *, most: float = float("inf")) -> str:
-    """Make the table of the triggers, with a link that saves their numbers as CSV.
+def trigger_section(film: xr.Dataset, valid: Array, *, most: float = float("inf")) -> Markup:
+    """Write the table of the triggers, with a link that saves their numbers as CSV.
 
     Parameters
     ----------
@@ -354,49 +295,71 @@ def trigger_table(film: xr.Dataset, valid: Array, *, most: float = float("inf"))
 
     Returns
     -------
-    str
-        HTML. A long table has evenly chosen rows.
+    Markup
+        A long table has evenly chosen rows.
     """
-    columns = [column for column in _COLUMNS if all(name in film for name in column.needs)]
-    titles = [column.title for column in columns]
-    if "Crank [°]" in titles:
-        titles[titles.index("Crank [°]")] = _ANGLES.get(motion_of(film), "Crank [°]")
-
-    # columns of text from the log are not part of the table
-    shown = {
-        str(name): film[name].values
-        for name in film.variables
-        if film[name].dims == ("trigger",) and film[name].dtype.kind in "fiu"
-    }
     count = film.sizes["trigger"]
-    rows = []
     every = -(-count // _ROWS)
-    for k in range(0, count, every):
-        one = {name: float(values[k]) for name, values in shown.items()}
-        cells = [column.write(one) for column in columns]
-        rows.append([f"{k}", *cells, f"{100 * valid[k]:.1f} %"])
+    chosen = film.drop_dims(["y", "x"], errors="ignore").isel(trigger=slice(None, None, every))
 
-    head = ["Trigger", *titles, "Valid pixels"]
-    numbers = [n for n, title in enumerate(head) if title != "Stroke"]
-    table = make_table(rows, head=head, numbers=numbers)
-    look = 'class="wide dense" tabindex="0" role="region" aria-label="Table of the triggers"'
-    return f"{_download(film, valid, every, most)}<div {look}>{table}</div>"
+    columns = {"Trigger": [f"{k}" for k in range(0, count, every)]}
+    for title, (name, write) in _COLUMNS.items():
+        if name in film:
+            title = _ANGLES.get(motion_of(film), title) if name == "crank_angle" else title
+            columns[title] = write(chosen, name)
+    columns["Valid pixels"] = [f"{100 * share:.1f} %" for share in valid[::every]]
+    numbers = [n for n, title in enumerate(columns) if title != "Stroke"]
 
-
-def _download(film: xr.Dataset, valid: Array, every: int, most: float) -> str:
-    """The link, and what of the triggers table and file hold."""
-    count = film.sizes["trigger"]
-    text = trigger_csv(film, valid, np.arange(count))
-    held = 1
+    text, held = trigger_csv(film, valid, np.arange(count)), 1
     if len(text) > most:
         held = int(-(-len(text) // most))
         text = trigger_csv(film, valid, np.arange(0, count, held))
-    link = download_link(
-        text, name=file_name(settings_of(film).name, "triggers.csv"), label="Save as CSV"
+    return render(
+        "triggers.html",
+        triggers=Table(list(zip(*columns.values(), strict=True)), tuple(columns), numbers=numbers),
+        link=download_link(text, name=file_name(settings_of(film).name, "triggers.csv")),
+        every=every,
+        held=held,
+        count=count,
     )
-    notes = [f"The table holds one of {every} triggers."] if every > 1 else []
-    if held > 1:
-        notes.append(f"The CSV file holds one of {held}; <code>erlif export</code> writes all.")
-    elif every > 1:
-        notes.append(f"The CSV file holds all {count}.")
-    return f"<p>{link}. {' '.join(notes)}</p>".replace(". </p>", "</p>")
+
+
+def trigger_csv(film: xr.Dataset, valid: Array, triggers: AnyArray) -> str:
+    """Write the numbers of triggers as CSV, one row for each; `valid` are shares of pixels.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> text = trigger_csv(example_film(), np.full(6, 0.5), np.arange(6))
+    >>> text.splitlines()[0][:38]
+    'trigger,frames_used [1],film_mean [um]'
+    """
+    # covariances and other numbers with further dims are left to erlif export
+    columns = {
+        each.heading: each.values
+        for each in trigger_columns(film)
+        if each.name in film.variables and each.values.dtype.kind in "iufb"
+    }
+    columns["valid share [1]"] = valid
+    return write_csv({name: values[triggers].tolist() for name, values in columns.items()})
+
+
+def write_csv(columns: Mapping[str, Sequence[Any]]) -> str:
+    """Write columns as CSV, numbers with the nine digits that single precision holds.
+
+    Examples
+    --------
+    >>> write_csv({"run": ["a"], "load [N]": [222.0]}).splitlines()
+    ['run,load [N]', 'a,222']
+    """
+    file = io.StringIO()
+    writer = csv.writer(file)
+    writer.writerow(columns)
+    writer.writerows(zip(*(map(_cell, values) for values in columns.values()), strict=True))
+    return file.getvalue()
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, str):
+        return value
+    return "NaN" if math.isnan(value) else f"{value:.9g}"

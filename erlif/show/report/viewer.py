@@ -8,14 +8,15 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from markupsafe import Markup
 
 from erlif.core.arrays import Array
 from erlif.io.files import describe_trigger, region_of
 from erlif.show.plots.maps import axis_labels, common_limits, flag_swatch, flag_title
 from erlif.show.plots.prediction import has_prediction, predicted_map
 from erlif.show.plots.style import FLAG_COLOURS, colour_map
+from erlif.show.report.layout import render
 from erlif.show.report.maps import MapCoding, describe_coding
-from erlif.show.report.tables import flag_key
 
 _COLOURS = 256  # of the palette
 _SAMPLES = 12  # maps that the limits of the colour scales are taken from
@@ -40,8 +41,8 @@ def viewer_section(
     triggers: Sequence[int] | None = None,
     opening: int = 0,
     limit: float | None = None,
-) -> str:
-    """Write the controls of the viewer as HTML.
+) -> Markup:
+    """Write the controls of the viewer.
 
     Parameters
     ----------
@@ -57,56 +58,30 @@ def viewer_section(
 
     Returns
     -------
-    str
+    Markup
     """
-    kept = range(film.sizes["trigger"]) if triggers is None else triggers
-    layers = "".join(
-        f'<option value="{name}">{title}</option>'
+    count = film.sizes["trigger"]
+    kept = range(count) if triggers is None else triggers
+    layers = {
+        name: title
         for name, title in LAYERS.items()
         if name not in _OF_PREDICTION or has_prediction(film)
-    )
-    return f"""<p>Move over the map to read its values; click, or use the arrow keys
-(with Shift ten at a time), to draw the profile of a row. The dashed box is the region of interest.
-{_describe_thinning(film, coding, len(kept), limit)}Thickness is rounded
-to {1e3 * coding.step:g} nm; standard deviations are those of single pixels, medians of 4 × 4.</p>
-<p><strong id="trigger-title" aria-live="polite"></strong></p>
-<div class="controls">
-<label for="trigger">Trigger</label>
-<button type="button" id="previous">Previous</button>
-<input type="range" id="trigger" min="0" max="{len(kept) - 1}" step="1"
- value="{list(kept).index(opening)}">
-<button type="button" id="next">Next</button>
-</div>
-<div class="controls">
-<label for="layer">Map</label>
-<select id="layer">{layers}</select>
-</div>
-<div class="viewer">
-<div><canvas id="map" tabindex="0" role="img"
- aria-label="Map of the chosen quantity at the chosen trigger"></canvas></div>
-<div><canvas id="profile" role="img"
- aria-label="The chosen quantity along the chosen row"></canvas>
-<output id="readout" for="trigger layer"></output></div>
-</div>
-<ul class="key" aria-label="Colours of flagged pixels">{flag_key()}</ul>
-<noscript><p>The viewer needs JavaScript; the figures below do not.</p></noscript>"""
+    }
 
-
-def _describe_thinning(film: xr.Dataset, coding: MapCoding, kept: int, limit: float | None) -> str:
-    """What the page does not hold, and how to see it; empty where it holds all."""
-    held, count = [], film.sizes["trigger"]
-    if kept < count:
-        held.append(f"the maps of {kept} of {count} triggers")
+    # what the page does not hold
+    held = [f"the maps of {len(kept)} of {count} triggers"] if len(kept) < count else []
     if coding.stride > 1:
         ordinal = {2: "2nd", 3: "3rd"}.get(coding.stride, f"{coding.stride}th")
         held.append(f"every {ordinal} pixel along each axis")
-    if not held:
-        return ""
-    size = "" if limit is None else f", to be at most {limit:g} MB"
-    return (
-        f"<strong>The page holds {' and '.join(held)}{size}; the film file holds all.</strong> "
-        "<code>erlif view FILM</code> shows all of them; <code>erlif report FILM --triggers "
-        "100-149</code> makes a page of some triggers, <code>--max-size</code> a larger one. "
+    return render(
+        "viewer.html",
+        held=held,
+        limit=None if limit is None else f"{limit:g}",
+        rounding=f"{1e3 * coding.step:g}",
+        last=len(kept) - 1,
+        opening=list(kept).index(opening),
+        layers=layers,
+        flags=[(flag_swatch(flag), flag_title(flag)) for flag in FLAG_COLOURS],
     )
 
 

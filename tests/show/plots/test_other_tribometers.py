@@ -10,7 +10,7 @@ from erlif.io.files import describe_trigger, fastest_trigger, motion_of
 from erlif.show import plots
 from erlif.show.plots.files import DRAWN, FigureSource, reason_missing
 from erlif.show.report.captions import caption_of
-from erlif.show.report.tables import results_table, trigger_table
+from erlif.show.report.tables import results_table, trigger_section
 
 SHARES = np.full(6, 0.9)
 
@@ -124,10 +124,11 @@ def test_captions_describe_the_panels_that_there_are():
 
 def test_tables_have_the_columns_of_the_motion():
     assert motion_of(static_film()) == ""
-    table = trigger_table(static_film(), SHARES)
+    table = trigger_section(static_film(), SHARES)
     for title in ("Stroke", "[°]", "[rad/s]", "Load", "Theory"):
         assert title not in table
-    table = trigger_table(slider_film(), SHARES)
+    table = trigger_section(slider_film(), SHARES)
     assert all(title in table for title in ("Drive [°]", "Position [mm]", "Sliding [mm/s]"))
-    assert "Load" not in results_table(static_film(), 0.9)
-    assert "over the run" in results_table(static_film(), 0.9)
+    rows = dict(results_table(static_film(), 0.9).rows)
+    assert "Load" not in rows
+    assert any(title.endswith("over the run") for title in rows)

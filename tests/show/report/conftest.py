@@ -8,7 +8,8 @@ import pytest
 from scenes import film as scene
 
 from erlif.io.files import open_film
-from erlif.show.report import figures, write_report
+from erlif.show.report import page as pages
+from erlif.show.report import write_report
 
 VOID = {"meta", "img", "input", "br"}
 DRAWN_FEW = ("speed_against_angle", "fixture_profile", "thickness_map")
@@ -21,7 +22,7 @@ class Page(HTMLParser):
         super().__init__()
         self.source = text
         self.open, self.elements, self.texts = [], [], {}
-        self.feed(text)
+        self.feed(str(text))
         self.close()
 
     def handle_starttag(self, tag, attrs):
@@ -66,9 +67,9 @@ def changed(film):
 @pytest.fixture(scope="package")
 def text(film_path):
     """The page as text, with one figure of each kind and one that is left out."""
-    few = {name: figures.DRAWN[name] for name in DRAWN_FEW}
+    few = {name: pages.DRAWN[name] for name in DRAWN_FEW}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(figures, "DRAWN", few)
+        patch.setattr(pages, "DRAWN", few)
         path = write_report(film_path, film_path.with_name("report.html"))
     return path.read_text(encoding="utf-8")
 
@@ -88,4 +89,4 @@ def read_page():
 @pytest.fixture
 def without_figures(monkeypatch):
     """Leave out the figures, which take most of the time of a page."""
-    monkeypatch.setattr(figures, "DRAWN", {})
+    monkeypatch.setattr(pages, "DRAWN", {})

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import json
 import re
 import shutil
 
@@ -9,9 +11,10 @@ import pytest
 from scenes import film as scene
 
 from erlif.core.errors import OutputError
-from erlif.io.files import open_film
-from erlif.show.plots.files import DRAWN
-from erlif.show.report import figures, write_report
+from erlif.io.files import flag_shares, open_film
+from erlif.show.plots.files import DRAWN, find_source
+from erlif.show.report import page as pages
+from erlif.show.report import write_report
 
 DRAWN_FEW = ("speed_against_angle", "fixture_profile", "thickness_map")  # those of `text`
 
@@ -104,7 +107,7 @@ def test_film_without_valid_pixels_is_reported_as_such(film_path, film, tmp_path
 def plain(film_path, tmp_path_factory):
     """The page without figures."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(figures, "DRAWN", {})
+        patch.setattr(pages, "DRAWN", {})
         path = write_report(film_path, tmp_path_factory.mktemp("plain") / "a.html")
     return path.read_bytes()
 
@@ -146,7 +149,72 @@ def test_missing_film_is_refused_and_nothing_is_written(tmp_path):
 
 def test_page_with_figures_is_the_same_twice(film_path, tmp_path, monkeypatch, text):
     """A drawing and an image; all of them are compared with the figures."""
-    monkeypatch.setattr(figures, "DRAWN", {name: DRAWN[name] for name in DRAWN_FEW})
+    monkeypatch.setattr(pages, "DRAWN", {name: DRAWN[name] for name in DRAWN_FEW})
     again = write_report(film_path, tmp_path / "a.html").read_text(encoding="utf-8")
     assert again == text
     assert text.count("<figure ") == 2  # without the profile of a fixture
+
+
+def test_images_are_embedded_in_their_kind(page):
+    sources = [attrs["src"] for attrs in page.all("img")]
+    kinds = [source.split(";")[0] for source in sources]
+    assert kinds == ["data:image/svg+xml", "data:image/png"]
+    drawn = [base64.b64decode(source.split(",")[1]) for source in sources]
+    assert drawn[0].startswith(b"<?xml")
+    assert drawn[1].startswith(b"\x89PNG")
+
+
+def test_pictures_have_a_text_in_their_place(page):
+    assert all(len(attrs["alt"]) > 40 for attrs in page.all("img"))
+    assert all(attrs.get("aria-label") for attrs in page.all("canvas"))
+
+
+def test_figures_of_one_trigger_name_it(page):
+    by_name = dict(
+        zip((a["id"] for a in page.all("figure")), (a["alt"] for a in page.all("img")), strict=True)
+    )
+    assert "Trigger 1, " in by_name["figure-thickness_map"]
+    assert "Trigger" not in by_name["figure-speed_against_angle"]
+
+
+def test_figures_are_as_wide_as_their_columns(page):
+    classes = {attrs["id"]: attrs["class"] for attrs in page.all("figure")}
+    assert classes == {"figure-speed_against_angle": "one lone", "figure-thickness_map": "two"}
+
+
+def test_figure_that_is_left_out_has_a_reason(page):
+    assert "Profile of the calibration fixture: it needs the CMM profile" in page.texts["figures"]
+
+
+def test_without_figures_the_section_is_empty(film_path, film):
+    section = pages.figures_section(find_source(film_path, film, None, None, None))
+    assert "<figure" not in section
+    assert "Left out" not in section
+
+
+def test_settings_and_hashes_are_on_the_page(page):
+    assert "[mechanism]" in page.texts["provenance"]
+    assert "ab" * 32 in page.texts["provenance"]
+    assert "made by formula" in page.texts["provenance"]
+
+
+def test_inputs_of_the_calibration_are_listed_apart(film):
+    kept = json.loads(film.attrs["calibration"]) | {"input_hashes": {"profile.csv": "cd" * 32}}
+    section = pages.provenance_section(film.assign_attrs(calibration=json.dumps(kept)))
+    run, calibration = section.split("Inputs of the calibration")
+    assert "ab" * 32 in run
+    assert "cd" * 32 in calibration
+    assert "Inputs of the calibration" not in pages.provenance_section(film)
+
+
+def test_notes_are_listed_once_and_escaped(film_path, film):
+    def notes_of(text):
+        source = find_source(film_path, film.assign_attrs(notes=text), None, None, None)
+        return pages._summary_section(source, flag_shares(film)).partition("<h3>Notes</h3>")[2]
+
+    assert notes_of("gain < measured").count("<li>gain &lt; measured</li>") == 1
+    assert notes_of("one\ntwo\none").count("<li>") == 2
+    assert notes_of("") == ""
+    text = notes_of("warning: camera2: no <flat>\ncamera1: dark")
+    assert "<li><strong>Warning: </strong>camera2: no &lt;flat&gt;</li>" in text
+    assert "<li>camera1: dark</li>" in text

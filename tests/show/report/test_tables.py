@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import base64
+import csv
+import io
 import re
 
 import numpy as np
+import numpy.testing as npt
 import pytest
 from scenes import film as scene
 
@@ -13,23 +17,15 @@ from erlif.io.files import open_film
 from erlif.show.plots.files import find_source
 from erlif.show.report.tables import (
     calibration_table,
-    flag_key,
     flag_table,
-    make_table,
     registration_table,
     results_table,
-    trigger_table,
+    theory_sentences,
+    trigger_section,
     with_digits,
     with_error,
     with_span,
 )
-
-
-def rows_of(table):
-    """Cells of a table as text, row by row."""
-    rows = re.findall(r"<tr>(.*?)</tr>", table)
-    cells = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row) for row in rows]
-    return [[re.sub(r"<[^>]*>", "", cell) for cell in row] for row in cells]
 
 
 @pytest.fixture
@@ -72,15 +68,8 @@ def test_digits_are_fixed():
     assert with_digits(float("nan"), 3) == "not known"
 
 
-def test_columns_of_numbers_are_aligned_at_the_right():
-    table = make_table([("a", "1")], head=("name", "value"), caption="title", numbers=[1])
-    assert rows_of(table) == [["name", "value"], ["a", "1"]]
-    assert table.count('class="n"') == 2
-    assert "<caption>title</caption>" in table
-
-
 def test_results_give_the_range_over_the_cycle(film):
-    rows = dict(rows_of(results_table(film, 0.9)))
+    rows = dict(results_table(film, 0.9).rows)
     low, high = scene.minimum_film().min(), scene.minimum_film().max()
     assert rows["Valid pixels"] == "90.0 %"
     assert rows["Minimum film thickness, over the cycle"] == (
@@ -93,23 +82,21 @@ def test_results_give_the_range_over_the_cycle(film):
 
 def test_results_set_the_film_against_theory(film):
     """Theory of the scene is twenty times the minimum film thickness."""
-    rows = dict(rows_of(results_table(film, 0.9)))
+    rows = dict(results_table(film, 0.9).rows)
     assert rows["Range of the theory"].endswith("measured minimum over theory: 0.05 (median)")
     assert rows["Theory"] == "steady film"
     assert rows["Reason for this theory"] == "the largest governs"
 
 
 def test_limits_of_the_theory_stand_below_the_results(changed):
-    assert "Limits of the theory" not in results_table(changed, 0.9)
-    changed.film_theory.attrs["notes"] = "stroke < contact width"
-    assert "Limits of the theory: stroke &lt; contact width" in results_table(changed, 0.9)
+    assert theory_sentences(changed)["limits"] == []
     changed.film_theory.attrs["notes"] = "fitted to the minima\nrigid bodies"
-    assert "fitted to the minima; rigid bodies" in results_table(changed, 0.9)
+    assert theory_sentences(changed)["limits"] == ["fitted to the minima", "rigid bodies"]
 
 
 def test_calibration_is_described_with_units(film_path, film):
     source = find_source(film_path, film, None, None, None)
-    rows = dict(rows_of(calibration_table(source)))
+    rows = dict(calibration_table(source).rows)
     assert rows["Calibrated range"] == "0.20 to 16.00 µm"
     assert rows["Attenuation of camera 1, p"] == "0.3900 ± 0.0020 µm⁻¹"
     assert rows["Ratio"] == "610 nm over 580 nm (camera 2 over camera 1)"
@@ -120,7 +107,7 @@ def test_drift_is_its_length(groups):
     """3 px along x and 4 px along y are 5 px."""
     registration, frames = groups
     frames.drift_x.values[:], frames.drift_y.values[:] = 3.0, 4.0
-    rows = dict(rows_of(registration_table(registration, frames)))
+    rows = dict(registration_table(registration, frames).rows)
     assert rows["Drift of camera 2"] == "5.00 px rms, 5.00 px at most"
     assert rows["Correlation of the aligned textures"] == "0.970"
     assert rows["Standard deviation of the map"] == "0.010 px (median)"
@@ -130,28 +117,30 @@ def test_drift_is_its_length(groups):
 def test_frames_without_drift_are_counted(groups):
     registration, frames = groups
     frames.drift_x.values[1:3] = np.nan
-    rows = dict(rows_of(registration_table(registration, frames)))
+    rows = dict(registration_table(registration, frames).rows)
     assert rows["Frame pairs without drift, or left out"] == "2"
     frames.drift_x.values[:] = np.nan
-    assert "Drift of camera 2" not in dict(rows_of(registration_table(registration, frames)))
+    assert "Drift of camera 2" not in dict(registration_table(registration, frames).rows)
 
 
 def test_flags_that_occur_are_listed_with_their_share():
     shares = np.zeros(len(Flag))
+    assert flag_table(shares).rows == []
     shares[list(Flag).index(Flag.NO_FILM)] = 0.0123
-    head, row = rows_of(flag_table(shares))
-    assert head == ["Flag", "Reason", "Share"]
-    assert row == ["no film", "bubble or bare wall: both bands are without fluorescence", "1.23 %"]
-    assert flag_table(np.zeros(len(Flag))) == "<p>All pixels are valid.</p>"
+    ((name, *row),) = flag_table(shares).rows
+    assert name.endswith(">no film")
+    assert row == ["bubble or bare wall: both bands are without fluorescence", "1.23 %"]
+    assert len(flag_table(np.ones(len(Flag))).rows) == len(Flag)
 
 
-def test_every_flag_has_a_reason_and_a_key():
-    assert len(rows_of(flag_table(np.ones(len(Flag))))) == 1 + len(Flag)
-    assert flag_key().count("<li>") == len(Flag)
+def rows_of(section):
+    """Cells of the table of the triggers as text, row by row."""
+    rows = re.findall(r"<tr>(.*?)</tr>", section)
+    return [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row) for row in rows]
 
 
 def test_triggers_have_their_numbers(film):
-    head, *rows = rows_of(trigger_table(film, np.full(scene.TRIGGERS, 0.5)))
+    head, *rows = rows_of(trigger_section(film, np.full(scene.TRIGGERS, 0.5)))
     assert len(rows) == scene.TRIGGERS
     assert all(len(row) == len(head) for row in rows)
     speeds = scene.rocker_speed(scene.CRANK)
@@ -173,7 +162,7 @@ def test_theory_has_three_significant_digits(changed):
     )
     changed["film_min_x"] = ("trigger", np.full(scene.TRIGGERS, 68.5))
     changed["film_min_y"] = ("trigger", np.full(scene.TRIGGERS, 13.0))
-    head, *rows = rows_of(trigger_table(changed, np.ones(scene.TRIGGERS)))
+    head, *rows = rows_of(trigger_section(changed, np.ones(scene.TRIGGERS)))
     found = [row[head.index("Theory [µm]")] for row in rows[:3]]
     assert found == ["0.0457", "7.65", "123"]
     assert rows[0][head.index("at column, row [px]")] == "68, 13"
@@ -182,11 +171,64 @@ def test_theory_has_three_significant_digits(changed):
 def test_temperature_is_listed_where_it_was_logged(changed):
     changed["temperature"] = ("trigger", np.full(scene.TRIGGERS, 40.0))
     changed["operator"] = ("trigger", np.full(scene.TRIGGERS, "A. N."))
-    head, row, *_ = rows_of(trigger_table(changed, np.ones(scene.TRIGGERS)))
+    head, row, *_ = rows_of(trigger_section(changed, np.ones(scene.TRIGGERS)))
     assert row[head.index("Oil [°C]")] == "40.00"
 
 
 def test_what_carries_the_film_stands_below_the_results(film):
-    text = results_table(film, 0.9)
-    assert "What carries the film: Assumed: pin free sideways" in text
-    assert "What carries" not in results_table(film.drop_vars("film_predicted_min"), 0.9)
+    first, *_ = theory_sentences(film)["carried"]
+    assert first.startswith("Assumed: pin free sideways")
+    assert theory_sentences(film.drop_vars("film_predicted_min"))["carried"] == []
+
+
+def saved(page):
+    """Name and rows of the file of a page."""
+    (link,) = [attrs for attrs in page.all("a") if "download" in attrs]
+    head, _, content = link["href"].partition(",")
+    assert head == "data:text/csv;charset=utf-8;base64"
+    text = base64.b64decode(content).decode("utf-8")
+    return link["download"], list(csv.DictReader(io.StringIO(text)))
+
+
+def test_file_of_the_page_has_the_numbers_of_the_film(page, film):
+    name, rows = saved(page)
+    assert name == "a_film_known_small_triggers.csv"
+    assert [int(row["trigger"]) for row in rows] == list(range(scene.TRIGGERS))
+    found = [float(row["crank_angle [degree]"]) for row in rows]
+    npt.assert_allclose(found, scene.CRANK, rtol=1e-9)
+    for variable in ("film_min", "film_min_std", "film_mean", "load", "rocker_speed"):
+        unit = film[variable].attrs["units"]
+        found = [float(row[f"{variable} [{unit}]"]) for row in rows]
+        npt.assert_allclose(found, film[variable].values, rtol=5e-9)
+    shares = (film.flags == 0).mean(("y", "x")).values
+    npt.assert_allclose([float(row["valid share [1]"]) for row in rows], shares, rtol=5e-9)
+
+
+def test_numbers_that_are_not_known_are_nan(changed, read_page):
+    changed.film_min.values[2] = np.nan
+    _, rows = saved(read_page(trigger_section(changed, np.ones(6))))
+    assert rows[2]["film_min [um]"] == "NaN"
+
+
+def test_file_and_table_of_many_triggers_are_thinned_and_say_so(changed, read_page):
+    many = changed[["frames_used", "film_min", "film_min_std"]].isel(
+        trigger=np.arange(2000) % scene.TRIGGERS
+    )
+    many = many.assign_coords(trigger=np.arange(2000)).assign_attrs(changed.attrs)
+    page = read_page(trigger_section(many, np.ones(2000), most=20_000))
+    _, rows = saved(page)
+    numbers = [int(row["trigger"]) for row in rows]
+    step = numbers[1]
+    assert numbers == list(range(0, 2000, step))
+    text = " ".join(page.texts["p"].split())
+    assert f"The CSV file holds one of {step}; erlif export writes all." in text
+    assert "The table holds one of 4 triggers." in text
+    assert len(page.all("tr")) == 501
+
+
+def test_all_triggers_are_in_the_file_where_the_table_is_thinned(changed, read_page):
+    many = changed[["frames_used", "film_min"]].isel(trigger=np.arange(1200) % 6)
+    many = many.assign_coords(trigger=np.arange(1200)).assign_attrs(changed.attrs)
+    page = read_page(trigger_section(many.drop_vars("film_min"), np.ones(1200)))
+    assert "The CSV file holds all 1200." in page.texts["p"]
+    assert len(saved(page)[1]) == 1200

@@ -11,7 +11,8 @@ from scenes.long_film import phase_map, phases, write_long_film
 from erlif.core.errors import ErlifError
 from erlif.io.files import open_film
 from erlif.show.plots.files import DRAWN
-from erlif.show.report import decode_map, embed_map, figures, write_report
+from erlif.show.report import decode_map, embed_map, write_report
+from erlif.show.report import page as pages
 from erlif.show.report.maps import MapCoding
 from erlif.show.report.thinning import choose_maps, spread_evenly
 
@@ -31,7 +32,7 @@ def long_film(tmp_path_factory):
 def small(long_film):
     """A page of at most 1 MB, without figures."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(figures, "DRAWN", {})
+        patch.setattr(pages, "DRAWN", {})
         return write_report(long_film, long_film.with_name("small.html"), max_size=1.0)
 
 
@@ -123,7 +124,7 @@ def test_evenly_chosen_triggers_are_as_many_as_allowed(count):
 
 def test_large_figures_are_left_out_with_a_reason(film_path, tmp_path, monkeypatch, read_page):
     few = {name: DRAWN[name] for name in ("speed_against_angle", "thickness_map")}
-    monkeypatch.setattr(figures, "DRAWN", few)
+    monkeypatch.setattr(pages, "DRAWN", few)
     monkeypatch.setattr("erlif.show.report.page._FIGURES", 0.15)
     path = write_report(film_path, tmp_path / "a.html", max_size=0.5)
     page = read_page(path.read_text(encoding="utf-8"))
