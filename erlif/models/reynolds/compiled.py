@@ -6,13 +6,135 @@ form, to which tests hold this one. A step that does not converge is given back 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
+from erlif.core.arrays import Array, Mask
 from erlif.models.reynolds.flow import ROUGHNESS_AMPLITUDE, ROUGHNESS_DECAY, SMALLEST_FLUIDITY
 
+# parts of `march`, laid in line: calls with so many arrays cost a tenth of the time
+_part = njit(error_model="numpy", inline="always")
 
-@njit(cache=True, nogil=True, error_model="numpy")
+
+class Limits(NamedTuple):
+    """Tolerances of `balance` and `transient` under their names there.
+
+    They are arguments, because the cache of compiled code follows this file alone.
+    """
+
+    switch: float
+    residual: float
+    approach: float
+    iterations: int
+    thinnest: float
+
+
+class Joint(NamedTuple):
+    """What does not change from step to step.
+
+    Attributes
+    ----------
+    gap_cells, gap_faces : array, (axial,), (axial + 1,)
+        Gap of a centred pin. [m]
+    dx, dz : float
+        Sizes of a cell along and across. [m]
+    images : int
+        As `Medium.images`.
+    radius : float
+        Radius at which the film lies. [m]
+    ways_across : array, (axial + 1,)
+        Width over length of the flow across. [1]
+    end_weights : array, (2, 2)
+        As `Grid.end_weights`; the second is zero at a closed end.
+    viscosity, pressure_viscosity, roughness, floor : float
+        As of `Fluid`, and the reduced cavitation pressure.
+    guided : bool
+        Whether the pin moves along one line alone.
+    stiffness, rest : float
+        Spring aside of that line, and where it is without force. [N/m; m]
+    toward : float
+        Direction of the line. [rad]
+    grooves : array, (groove, 2)
+        Angles and widths. [rad]
+    """
+
+    gap_cells: Array
+    gap_faces: Array
+    dx: float
+    dz: float
+    images: int
+    radius: float
+    ways_across: Array
+    end_weights: Array
+    viscosity: float
+    pressure_viscosity: float
+    roughness: float
+    floor: float
+    guided: bool
+    stiffness: float
+    rest: float
+    toward: float
+    grooves: Array
+
+
+class Drive(NamedTuple):
+    """What drives the film: times [s], angles of the cells [rad], speeds of the moving surface
+    [m/s], all (step,), and the load along and across the direction of the mount, (2, step) [N]."""
+
+    time: Array
+    turned: Array
+    speeds: Array
+    loads: Array
+
+
+class Film(NamedTuple):
+    """The film after the last step, changed in place.
+
+    Attributes
+    ----------
+    position, earlier : array, (2,), (3,)
+        Displacement; that of the step before, and the time of that step.
+    pressure, full, content, void : array, (along, across)
+        As of `State`, with reduced pressures.
+    """
+
+    position: Array
+    earlier: Array
+    pressure: Array
+    full: Mask
+    content: Array
+    void: Array
+
+
+class _Work(NamedTuple):
+    """The iterate of one step: directions of cells and faces, film, flow, and linear equations."""
+
+    place: Array  # displacement, (2,)
+    pressure: Array
+    full: Mask
+    supplied: Mask  # columns, (along,)
+    cells: Array  # cosine and sine of the cells, (2, along)
+    faces: Array
+    pulls: Array  # of the cells in the middle of the step
+    taken: Array  # film that the displacement before the step took at cells and faces, (2, along)
+    film: Array
+    along: Array  # conductance of the face before each cell
+    along_slope: Array  # and its change with the film
+    across: Array
+    across_slope: Array
+    steps_along: Array  # steps of the reduced pressure over the faces
+    steps_across: Array
+    inflow: Array
+    oil: Array  # content that this inflow leaves
+    force: Array  # (2,)
+    missing: Array  # (2,)
+    band: Array
+    sides: Array  # right sides: the error, then its change with each displacement
+
+
+@_part
 def _mobility(film, viscosity, roughness):  # type: ignore[no-untyped-def]
     """As `Fluid.mobility`, for one film."""
     square = film * film / (12 * viscosity)
@@ -24,7 +146,7 @@ def _mobility(film, viscosity, roughness):  # type: ignore[no-untyped-def]
     return smooth * (1 - missing), slope
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@_part
 def _solve(band, sides, width):  # type: ignore[no-untyped-def]
     """Solve a band in place, without exchange of rows: every column has its largest term first."""
     rows, count = sides.shape
@@ -49,7 +171,7 @@ def _solve(band, sides, width):  # type: ignore[no-untyped-def]
             sides[r, s] /= band[r, width]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@_part
 def _supply(supplied, grooves, turned):  # type: ignore[no-untyped-def]
     """As `covered`, for cells that have turned."""
     n = supplied.size
@@ -66,75 +188,439 @@ def _supply(supplied, grooves, turned):  # type: ignore[no-untyped-def]
         supplied[nearest] = True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _turn(directions, angle, cosine, sine):  # type: ignore[no-untyped-def]
+@_part
+def _compass(number, shift):  # type: ignore[no-untyped-def]
+    """Cosine and sine of cells at rest, or of their faces with a shift of half a cell."""
+    found = np.empty((2, number))
+    step = 2 * np.pi / number
+    for i in range(number):
+        angle = i * step - shift * step
+        found[0, i], found[1, i] = np.cos(angle), np.sin(angle)
+    return found
+
+
+@_part
+def _turn(directions, angle, turned):  # type: ignore[no-untyped-def]
     """Cosine and sine of directions after a rotation, in place."""
     c, s = np.cos(angle), np.sin(angle)
-    for i in range(cosine.size):
-        cosine[i] = directions[0, i] * c - directions[1, i] * s
-        sine[i] = directions[1, i] * c + directions[0, i] * s
+    for i in range(turned.shape[1]):
+        turned[0, i] = directions[0, i] * c - directions[1, i] * s
+        turned[1, i] = directions[1, i] * c + directions[0, i] * s
+
+
+@_part
+def _begin(joint, drive, film, work, compass, k):  # type: ignore[no-untyped-def]
+    """Directions and supply of a step, and the last film as its first guess."""
+    n, nz = film.pressure.shape
+    cells, faces = compass
+    position = film.position
+    _turn(cells, drive.turned[k - 1] - joint.toward, work.cells)
+    _turn(faces, drive.turned[k - 1] - joint.toward, work.faces)
+    for i in range(n):
+        work.taken[0, i] = position[0] * work.cells[0, i] + position[1] * work.cells[1, i]
+        work.taken[1, i] = position[0] * work.faces[0, i] + position[1] * work.faces[1, i]
+    middle = 0.5 * (drive.turned[k] + drive.turned[k - 1])
+    _turn(cells, middle - joint.toward, work.pulls)
+    _turn(cells, drive.turned[k] - joint.toward, work.cells)
+    _turn(faces, drive.turned[k] - joint.toward, work.faces)
+    _supply(work.supplied, joint.grooves, drive.turned[k])
+
+    # the last film, moved on as it moved before where enough of it remains
+    dt = drive.time[k] - drive.time[k - 1]
+    ex, ey = position[0], position[1]
+    work.place[0], work.place[1] = ex, ey
+    if film.earlier[2] > 0:
+        ahead_x = ex + (ex - film.earlier[0]) * dt / film.earlier[2]
+        ahead_y = ey
+        if not joint.guided:
+            ahead_y = ey + (ey - film.earlier[1]) * dt / film.earlier[2]
+        now, then = np.inf, np.inf
+        for i in range(n):
+            now = min(now, -ex * work.cells[0, i] - ey * work.cells[1, i])
+            then = min(then, -ahead_x * work.cells[0, i] - ahead_y * work.cells[1, i])
+        least = joint.gap_cells.min()
+        if least + then >= 0.3 * (least + now):
+            work.place[0], work.place[1] = ahead_x, ahead_y
+    for i in range(n):
+        for j in range(nz):
+            work.pressure[i, j], work.full[i, j] = film.pressure[i, j], film.full[i, j]
+            if work.supplied[i]:
+                work.pressure[i, j], work.full[i, j] = 0.0, True
+
+
+@_part
+def _conduct(joint, work, single):  # type: ignore[no-untyped-def]
+    """Film, and conductances of the film in the middle of the step; the smallest film."""
+    n, nz = work.film.shape
+    ex, ey = work.place[0], work.place[1]
+    way_along = joint.dz / joint.dx
+    gap_cells, gap_faces, film = joint.gap_cells, joint.gap_faces, work.film
+    viscosity, roughness, ways_across = joint.viscosity, joint.roughness, joint.ways_across
+    cosine, sine, face_cosine, face_sine = (
+        work.cells[0],
+        work.cells[1],
+        work.faces[0],
+        work.faces[1],
+    )
+    taken_before, taken_face_before = work.taken[0], work.taken[1]
+    along, along_slope = work.along, work.along_slope
+    across, across_slope = work.across, work.across_slope
+    thinnest = np.inf
+    for i in range(n):
+        taken = ex * cosine[i] + ey * sine[i]
+        taken_face = ex * face_cosine[i] + ey * face_sine[i]
+        for j in range(nz):
+            film[i, j] = gap_cells[j] - taken
+            face = gap_cells[j] - taken_face
+            thinnest = min(thinnest, film[i, j], face)
+            face = gap_cells[j] - 0.5 * (taken_face + taken_face_before[i])
+            a, b = _mobility(face, viscosity, roughness)
+            along[i, j], along_slope[i, j] = a * way_along, b * way_along
+        if single:
+            continue
+        for j in range(nz + 1):
+            face = gap_faces[j] - 0.5 * (taken + taken_before[i])
+            a, b = _mobility(face, viscosity, roughness)
+            across[i, j] = a * ways_across[j]
+            across_slope[i, j] = b * ways_across[j]
+    return thinnest
+
+
+@_part
+def _flow(joint, work, content, storage, single):  # type: ignore[no-untyped-def]
+    """Flow into each cell, and the oil that it leaves there."""
+    n, nz = work.film.shape
+    p, steps_along, steps_across = work.pressure, work.steps_along, work.steps_across
+    weights = joint.end_weights
+    full, along, across = work.full, work.along, work.across
+    inflow, oil = work.inflow, work.oil
+    for i in range(n):
+        before = i - 1 if i > 0 else n - 1
+        for j in range(nz):
+            steps_along[i, j] = p[i, j] - p[before, j]
+        if single:
+            continue
+        for j in range(1, nz):
+            steps_across[i, j] = p[i, j] - p[i, j - 1]
+        steps_across[i, 0] = p[i, 0]
+        if weights[0, 1] != 0.0 and full[i, 0]:
+            steps_across[i, 0] = weights[0, 0] * p[i, 0] - weights[0, 1] * p[i, 1]
+        steps_across[i, nz] = -p[i, nz - 1]
+        if weights[1, 1] != 0.0 and full[i, nz - 1]:
+            steps_across[i, nz] = -(weights[1, 0] * p[i, nz - 1] - weights[1, 1] * p[i, nz - 2])
+    for i in range(n):
+        behind = i + 1 if i < n - 1 else 0
+        for j in range(nz):
+            flow = along[behind, j] * steps_along[behind, j]
+            flow -= along[i, j] * steps_along[i, j]
+            if not single:
+                flow += across[i, j + 1] * steps_across[i, j + 1]
+                flow -= across[i, j] * steps_across[i, j]
+            inflow[i, j] = flow
+            oil[i, j] = content[i, j] + flow / storage
+
+
+@_part
+def _switch(work, floor, tolerance):  # type: ignore[no-untyped-def]
+    """Exchange cells with a negative pressure or void; whether any were."""
+    n, nz = work.film.shape
+    highest, changed = 1.0, False
+    pressure, full, film, oil = work.pressure, work.full, work.film, work.oil
+    for i in range(n):
+        for j in range(nz):
+            highest = max(highest, abs(pressure[i, j]))
+    for i in range(n):
+        for j in range(nz):
+            if full[i, j]:
+                if pressure[i, j] < floor - tolerance * highest:
+                    full[i, j], pressure[i, j], changed = False, floor, True
+            elif film[i, j] - oil[i, j] < -tolerance * film[i, j]:
+                full[i, j], changed = True, True
+    return changed
+
+
+@_part
+def _unbalanced(joint, drive, film, work, storage, k):  # type: ignore[no-untyped-def]
+    """Largest error of the balance of a full cell or of the forces, relative."""
+    n, nz = work.film.shape
+    alpha, area, force, missing = (
+        joint.pressure_viscosity,
+        joint.dx * joint.dz,
+        work.force,
+        work.missing,
+    )
+    worst = 0.0
+    pressure, pulls, full, inflow = work.pressure, work.pulls, work.full, work.inflow
+    supplied, gap, content, images = work.supplied, work.film, film.content, joint.images
+    force[:] = 0.0
+    for i in range(n):
+        for j in range(nz):
+            if alpha > 0:
+                rest = max(1 - alpha * pressure[i, j], SMALLEST_FLUIDITY)
+                here = -np.log(rest) / alpha * area * images
+            else:
+                here = pressure[i, j] * area * images
+            force[0] += here * pulls[0, i]
+            force[1] += here * pulls[1, i]
+            if full[i, j] and not supplied[i]:
+                kept = storage * (gap[i, j] - content[i, j])
+                error = abs(inflow[i, j] - kept)
+                worst = max(worst, error / (storage * gap[i, j]))
+
+    # an unloaded film has no scale but its own pressure
+    load = 0.5 * (drive.loads[0, k] + drive.loads[0, k - 1])
+    aside = 0.0 if joint.guided else 0.5 * (drive.loads[1, k] + drive.loads[1, k - 1])
+    scale = max(max(np.hypot(load, aside), 1e-9), 1e-3 * abs(force[0]))
+    missing[0], missing[1] = load - force[0], 0.0
+    if not joint.guided:
+        missing[1] = aside - force[1] - joint.stiffness * (work.place[1] - joint.rest)
+        scale = max(scale, 1e-3 * abs(force[1]))
+    return max(worst, max(abs(missing[0]), abs(missing[1])) / scale)
+
+
+@_part
+def _known_column(work):  # type: ignore[no-untyped-def]
+    """A column whose cells are all known, where the ring is cut; -1 where there is none."""
+    n, nz = work.film.shape
+    for i in range(n):
+        known = True
+        for j in range(nz):
+            known = known and (work.supplied[i] or not work.full[i, j])
+        if known:
+            return i
+    return -1
+
+
+@_part
+def _link(joint, work, cut, single):  # type: ignore[no-untyped-def]
+    """Coefficients of the balances by the pressures of a cell and its neighbours."""
+    n, nz = work.film.shape
+    full, supplied, along, across = work.full, work.supplied, work.along, work.across
+    band, weights = work.band, joint.end_weights
+    band[:] = 0.0
+    for c in range(n):
+        i = c + cut if c + cut < n else c + cut - n
+        before = i - 1 if i > 0 else n - 1
+        behind = i + 1 if i < n - 1 else 0
+        for j in range(nz):
+            r = c * nz + j
+            if supplied[i] or not full[i, j]:
+                band[r, nz] = 1.0
+                continue
+            centre = -along[i, j] - along[behind, j]
+            if c > 0 and full[before, j] and not supplied[before]:
+                band[r, 0] += along[i, j]
+            if c < n - 1 and full[behind, j] and not supplied[behind]:
+                band[r, 2 * nz] += along[behind, j]
+            if not single:
+                lower, upper = across[i, j], across[i, j + 1]
+                centre -= lower + upper
+                if j == 0 and weights[0, 1] != 0.0:
+                    centre -= (weights[0, 0] - 1) * lower
+                    upper += weights[0, 1] * lower
+                if j == nz - 1 and weights[1, 1] != 0.0:
+                    centre -= (weights[1, 0] - 1) * upper
+                    lower += weights[1, 1] * upper
+                if j > 0 and full[i, j - 1]:
+                    band[r, nz - 1] += lower
+                if j < nz - 1 and full[i, j + 1]:
+                    band[r, nz + 1] += upper
+            band[r, nz] += centre
+
+
+@_part
+def _derive(film, work, storage, cut, single):  # type: ignore[no-untyped-def]
+    """The errors of the balances, and their changes with the displacements."""
+    n, nz = work.film.shape
+    sides, faces, cells = work.sides, work.faces, work.cells
+    guided = sides.shape[1] == 2
+    sides[:] = 0.0
+    along_slope, steps_along = work.along_slope, work.steps_along
+    across_slope, steps_across = work.across_slope, work.steps_across
+    gap, content, inflow, full, supplied = (
+        work.film,
+        film.content,
+        work.inflow,
+        work.full,
+        work.supplied,
+    )
+    for c in range(n):
+        i = c + cut if c + cut < n else c + cut - n
+        behind = i + 1 if i < n - 1 else 0
+        for j in range(nz):
+            r = c * nz + j
+            if supplied[i] or not full[i, j]:
+                continue
+            kept = storage * (gap[i, j] - content[i, j])
+            sides[r, 0] = -(inflow[i, j] - kept)
+            first = 0.5 * along_slope[behind, j] * steps_along[behind, j]
+            second = 0.5 * along_slope[i, j] * steps_along[i, j]
+            side = 0.0
+            if not single:
+                side = 0.5 * across_slope[i, j + 1] * steps_across[i, j + 1]
+                side -= 0.5 * across_slope[i, j] * steps_across[i, j]
+            sides[r, 1] = (
+                first * faces[0, behind] - second * faces[0, i] + (side - storage) * cells[0, i]
+            )
+            if not guided:
+                sides[r, 2] = (
+                    first * faces[1, behind] - second * faces[1, i] + (side - storage) * cells[1, i]
+                )
+
+
+@_part
+def _shift(joint, work, cut, shift):  # type: ignore[no-untyped-def]
+    """Displacements that restore the forces, in place; whether there are any."""
+    n, nz = work.film.shape
+    area, alpha = joint.dx * joint.dz, joint.pressure_viscosity
+    push = np.zeros((work.sides.shape[1], 2))
+    sides, pulls, pressure, images = work.sides, work.pulls, work.pressure, joint.images
+    for c in range(n):
+        i = c + cut if c + cut < n else c + cut - n
+        for j in range(nz):
+            slope = area * images
+            if alpha > 0:
+                slope /= max(1 - alpha * pressure[i, j], SMALLEST_FLUIDITY)
+            for s in range(push.shape[0]):
+                here = slope * sides[c * nz + j, s]
+                push[s, 0] += here * pulls[0, i]
+                push[s, 1] += here * pulls[1, i]
+    shift[:] = 0.0
+    if joint.guided:
+        if push[1, 0] == 0.0:
+            return False
+        shift[0] = (work.missing[0] - push[0, 0]) / push[1, 0]
+        return True
+    a, b = push[1, 0], push[2, 0]
+    c1, d = push[1, 1], push[2, 1] + joint.stiffness
+    left, right = work.missing[0] - push[0, 0], work.missing[1] - push[0, 1]
+    determinant = a * d - b * c1
+    if determinant == 0.0:
+        return False
+    shift[0] = (left * d - b * right) / determinant
+    shift[1] = (a * right - c1 * left) / determinant
+    return True
+
+
+@_part
+def _move(work, cut, shift, approach):  # type: ignore[no-untyped-def]
+    """Take a Newton step, or the share of it that leaves enough film everywhere."""
+    n, nz = work.film.shape
+    nearest = 0.0
+    cells, film, sides, pressure = work.cells, work.film, work.sides, work.pressure
+    for i in range(n):
+        nearer = shift[0] * cells[0, i] + shift[1] * cells[1, i]
+        for j in range(nz):
+            nearest = max(nearest, nearer / film[i, j])
+    share = 1.0 if nearest <= approach else approach / nearest
+    work.place[0] += share * shift[0]
+    work.place[1] += share * shift[1]
+    for c in range(n):
+        i = c + cut if c + cut < n else c + cut - n
+        for j in range(nz):
+            delta = sides[c * nz + j, 0]
+            for s in range(sides.shape[1] - 1):
+                delta += shift[s] * sides[c * nz + j, s + 1]
+            pressure[i, j] += share * delta
+
+
+@_part
+def _advance(joint, drive, film, work, limits, single, k):  # type: ignore[no-untyped-def]
+    """Newton steps until a step is solved: their number and the smallest film; -1 if it is not."""
+    n, nz = work.film.shape
+    storage = joint.dx * joint.dz * (1 / (drive.time[k] - drive.time[k - 1]))
+    shift = np.zeros(2)
+
+    # an edge of a cavity may have to move cell by cell through the film
+    for iteration in range(limits.iterations + n + nz):
+        thinnest = _conduct(joint, work, single)
+        if not thinnest > 0:
+            return -1, thinnest
+        _flow(joint, work, film.content, storage, single)
+        changed = _switch(work, joint.floor, limits.switch)
+        if changed:
+            _flow(joint, work, film.content, storage, single)
+        error = _unbalanced(joint, drive, film, work, storage, k)
+        if not changed and error <= limits.residual:
+            return iteration, thinnest
+        cut = _known_column(work)
+        if cut < 0:
+            return -1, thinnest
+        _link(joint, work, cut, single)
+        _derive(film, work, storage, cut, single)
+        _solve(work.band, work.sides, nz)
+        if not _shift(joint, work, cut, shift):
+            return -1, thinnest
+        _move(work, cut, shift, limits.approach)
+    return -1, thinnest
+
+
+@_part
+def _keep(joint, drive, film, work, single, k, row):  # type: ignore[no-untyped-def]
+    """Take over the film of a solved step, its content by the flow, and write its numbers."""
+    n, nz = work.film.shape
+    viscosity, alpha, area = joint.viscosity, joint.pressure_viscosity, joint.dx * joint.dz
+    ex, ey = work.place[0], work.place[1]
+    dt = drive.time[k] - drive.time[k - 1]
+    storage = area * (1 / dt)
+    p = work.pressure
+    supply, volume, shear, drag, heat, out, peak = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -np.inf
+    for i in range(n):
+        before = i - 1 if i > 0 else n - 1
+        for j in range(nz):
+            gap = work.film[i, j]
+            if work.supplied[i]:
+                supply += storage * (gap - film.content[i, j]) - work.inflow[i, j]
+                film.content[i, j] = gap
+            else:
+                film.content[i, j] = work.oil[i, j]
+            film.void[i, j] = 0.0 if work.full[i, j] else gap - work.oil[i, j]
+            here, thick, other = p[i, j], viscosity, p[before, j]
+            if alpha > 0:
+                here = -np.log(1 - alpha * here) / alpha
+                other = -np.log(1 - alpha * other) / alpha
+                thick = viscosity * np.exp(alpha * here)
+            peak = max(peak, here)
+            volume += film.content[i, j]
+
+            # shear and pressure belong to the film in the middle of the step
+            taken = ex * work.cells[0, i] + ey * work.cells[1, i] + work.taken[0, i]
+            middle = joint.gap_cells[j] - 0.5 * taken
+            shear += thick * (1 - min(max(film.void[i, j] / gap, 0.0), 1.0)) / middle
+            taken = ex * work.faces[0, i] + ey * work.faces[1, i] + work.taken[1, i]
+            drag += (joint.gap_cells[j] - 0.5 * taken) * (here - other)
+            heat += work.along[i, j] * work.steps_along[i, j] * (here - other)
+            film.pressure[i, j], film.full[i, j] = p[i, j], work.full[i, j]
+        if not single:
+            near = work.across[i, 0] * work.steps_across[i, 0]
+            out += near - work.across[i, nz] * work.steps_across[i, nz]
+            for j in range(nz + 1):
+                drop = work.steps_across[i, j]
+                if alpha > 0 and 0 < j < nz:
+                    drop = np.log((1 - alpha * p[i, j - 1]) / (1 - alpha * p[i, j])) / alpha
+                heat += work.across[i, j] * work.steps_across[i, j] * drop
+    shear *= drive.speeds[k] * area * joint.images
+    film.earlier[0], film.earlier[1], film.earlier[2] = film.position[0], film.position[1], dt
+    film.position[0], film.position[1] = ex, ey
+    row[0], row[1] = ex, ey
+    row[3], row[4], row[5] = peak, work.force[0], work.force[1]
+    row[6] = joint.radius * (shear + 0.5 * joint.images * joint.dz * drag)
+    row[7], row[8] = joint.images * out, joint.images * supply
+    row[9], row[10] = joint.images * area * volume, joint.images * heat + drive.speeds[k] * shear
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def march(  # type: ignore[no-untyped-def]
-    first,
-    last,
-    time,
-    turned,
-    toward,
-    loads,
-    speeds,
-    mount,
-    gap_cells,
-    gap_faces,
-    sizes,
-    ways_across,
-    end_weights,
-    fluid,
-    limits,
-    grooves,
-    position,
-    earlier,
-    pressure,
-    full,
-    content,
-    void,
-    rows,
-):
+def march(first, last, joint, drive, film, limits, rows):  # type: ignore[no-untyped-def]
     """Make the steps from `first` to `last`, in place; the first step that was not made.
 
     Parameters
     ----------
     first, last : int
         Steps from and to which, the last one left out.
-    time, turned, speeds : array, (step,)
-        Times, angles of the cells, and speeds of the moving surface. [s; rad; m/s]
-    toward : float
-        Direction of the mount. [rad]
-    loads : array, (2, step)
-        Load along and across that direction. [N]
-    mount : array, (3,)
-        Whether the pin is guided, stiffness and rest. [1; N/m; m]
-    gap_cells, gap_faces : array, (axial,), (axial + 1,)
-        Gap of a centred pin. [m]
-    sizes : array, (4,)
-        Sizes of a cell along and across, images of the cells, radius. [m; m; 1; m]
-    ways_across : array, (axial + 1,)
-        Width over length of the flow across. [1]
-    end_weights : array, (2, 2)
-        As `Grid.end_weights`.
-    fluid : array, (4,)
-        Viscosity, pressure-viscosity, roughness, reduced cavitation pressure.
-    limits : array, (5,)
-        SWITCH_TOLERANCE, RESIDUAL_TOLERANCE, LARGEST_APPROACH and MOST_ITERATIONS of `balance`,
-        THINNEST_FILM of `transient`: arguments, because the cache of compiled code follows this
-        file alone.
-    grooves : array, (groove, 2)
-        Angles and widths. [rad]
-    position, earlier : array, (2,), (3,)
-        Displacement; that of the step before, and the time of that step.
-    pressure, full, content, void : array, (along, across)
-        The film, with reduced pressures.
+    joint : Joint
+    drive : Drive
+    film : Film
+    limits : Limits
     rows : array, (step, column)
         Results in the order of `transient.SERIES`; displacements and reactions along the axes of
         the mount.
@@ -144,324 +630,41 @@ def march(  # type: ignore[no-untyped-def]
     int
         `last`, or the step that the plain form must make.
     """
-    n, nz = pressure.shape
-    dx, dz, images, radius = sizes
-    viscosity, alpha, roughness, floor = fluid
-    switch_tolerance, residual_tolerance, largest_approach, most_iterations, thinnest_film = limits
-    guided = mount[0] > 0
-    free = 1 if guided else 2
-    way_along = dz / dx
-    area = dx * dz
-    single = nz == 1 and ways_across[0] == 0.0 and ways_across[1] == 0.0
-    step_angle = 2 * np.pi / n
-    most = int(most_iterations) + n + nz
-
-    # directions of cells and faces; those after a rotation are sums of products of these
-    cells, faces = np.empty((2, n)), np.empty((2, n))
-    for i in range(n):
-        angle = i * step_angle
-        cells[0, i], cells[1, i] = np.cos(angle), np.sin(angle)
-        angle -= step_angle / 2
-        faces[0, i], faces[1, i] = np.cos(angle), np.sin(angle)
-
-    cosine, sine = np.empty(n), np.empty(n)  # of the new film
-    pull_cosine, pull_sine = np.empty(n), np.empty(n)  # of the middle of the step
-    taken_before, taken_face_before = np.empty(n), np.empty(n)
-    face_cosine, face_sine = np.empty(n), np.empty(n)
-    film = np.empty((n, nz))
-    along, along_slope = np.empty((n, nz)), np.empty((n, nz))
-    across, across_slope = np.zeros((n, nz + 1)), np.zeros((n, nz + 1))
-    inflow, oil = np.empty((n, nz)), np.empty((n, nz))
-    supplied = np.zeros(n, dtype=np.bool_)
-    p, filled = np.empty((n, nz)), np.empty((n, nz), dtype=np.bool_)
-    band = np.zeros((n * nz, 2 * nz + 1))
-    sides = np.empty((n * nz, free + 1))
-    force, missing = np.zeros(2), np.zeros(2)
-    push = np.zeros((free + 1, 2))
-    shift = np.zeros(2)
-    steps_along = np.empty((n, nz))
-    steps_across = np.zeros((n, nz + 1))
-
+    n, nz = film.pressure.shape
+    cells, faces = (n, nz), (n, nz + 1)
+    sides = 2 if joint.guided else 3
+    work = _Work(
+        place=np.zeros(2),
+        pressure=np.empty(cells),
+        full=np.empty(cells, dtype=np.bool_),
+        supplied=np.zeros(n, dtype=np.bool_),
+        cells=np.empty((2, n)),
+        faces=np.empty((2, n)),
+        pulls=np.empty((2, n)),
+        taken=np.empty((2, n)),
+        film=np.empty(cells),
+        along=np.empty(cells),
+        along_slope=np.empty(cells),
+        across=np.zeros(faces),
+        across_slope=np.zeros(faces),
+        steps_along=np.empty(cells),
+        steps_across=np.zeros(faces),
+        inflow=np.empty(cells),
+        oil=np.empty(cells),
+        force=np.zeros(2),
+        missing=np.zeros(2),
+        band=np.zeros((n * nz, 2 * nz + 1)),
+        sides=np.empty((n * nz, sides)),
+    )
+    single = nz == 1 and joint.ways_across[0] == 0.0 and joint.ways_across[1] == 0.0
+    compass = _compass(n, 0.0), _compass(n, 0.5)
     for k in range(first, last):
-        dt = time[k] - time[k - 1]
-        rate = 1 / dt
-        storage = area * rate
-        _turn(cells, turned[k - 1] - toward, cosine, sine)
-        _turn(faces, turned[k - 1] - toward, face_cosine, face_sine)
-        for i in range(n):
-            taken_before[i] = position[0] * cosine[i] + position[1] * sine[i]
-            taken_face_before[i] = position[0] * face_cosine[i] + position[1] * face_sine[i]
-        _turn(cells, 0.5 * (turned[k] + turned[k - 1]) - toward, pull_cosine, pull_sine)
-        _turn(cells, turned[k] - toward, cosine, sine)
-        _turn(faces, turned[k] - toward, face_cosine, face_sine)
-        _supply(supplied, grooves, turned[k])
-
-        # the last film, moved on as it moved before where enough of it remains
-        ex, ey = position[0], position[1]
-        if earlier[2] > 0:
-            ahead_x = ex + (ex - earlier[0]) * dt / earlier[2]
-            ahead_y = ey + (ey - earlier[1]) * dt / earlier[2] if not guided else ey
-            now, then = np.inf, np.inf
-            for i in range(n):
-                now = min(now, -ex * cosine[i] - ey * sine[i])
-                then = min(then, -ahead_x * cosine[i] - ahead_y * sine[i])
-            least = gap_cells.min()
-            if least + then >= 0.3 * (least + now):
-                ex, ey = ahead_x, ahead_y
-        for i in range(n):
-            for j in range(nz):
-                p[i, j], filled[i, j] = pressure[i, j], full[i, j]
-                if supplied[i]:
-                    p[i, j], filled[i, j] = 0.0, True
-
-        solved = False
-        iterations = 0
-        load = 0.5 * (loads[0, k] + loads[0, k - 1])
-        load_aside = 0.5 * (loads[1, k] + loads[1, k - 1]) if not guided else 0.0
-        size = max(np.hypot(load, load_aside), 1e-9)
-        for iteration in range(most):
-            iterations = iteration
-            # film and conductances
-            thinnest = np.inf
-            for i in range(n):
-                taken = ex * cosine[i] + ey * sine[i]
-                taken_face = ex * face_cosine[i] + ey * face_sine[i]
-                for j in range(nz):
-                    film[i, j] = gap_cells[j] - taken
-                    face = gap_cells[j] - taken_face
-                    thinnest = min(thinnest, film[i, j], face)
-                    face = gap_cells[j] - 0.5 * (taken_face + taken_face_before[i])
-                    a, b = _mobility(face, viscosity, roughness)
-                    along[i, j], along_slope[i, j] = a * way_along, b * way_along
-                if not single:
-                    for j in range(nz + 1):
-                        face = gap_faces[j] - 0.5 * (taken + taken_before[i])
-                        a, b = _mobility(face, viscosity, roughness)
-                        across[i, j], across_slope[i, j] = a * ways_across[j], b * ways_across[j]
-            if not thinnest > 0:
-                return k
-
-            # flow, and the cells that change; once more after a change
-            changed = False
-            for attempt in range(2):
-                highest = 1.0
-                for i in range(n):
-                    before = i - 1 if i > 0 else n - 1
-                    for j in range(nz):
-                        steps_along[i, j] = p[i, j] - p[before, j]
-                        highest = max(highest, abs(p[i, j]))
-                    if not single:
-                        for j in range(1, nz):
-                            steps_across[i, j] = p[i, j] - p[i, j - 1]
-                        steps_across[i, 0] = p[i, 0]
-                        if end_weights[0, 1] != 0.0 and filled[i, 0]:
-                            steps_across[i, 0] = (
-                                end_weights[0, 0] * p[i, 0] - end_weights[0, 1] * p[i, 1]
-                            )
-                        steps_across[i, nz] = -p[i, nz - 1]
-                        if end_weights[1, 1] != 0.0 and filled[i, nz - 1]:
-                            steps_across[i, nz] = -(
-                                end_weights[1, 0] * p[i, nz - 1] - end_weights[1, 1] * p[i, nz - 2]
-                            )
-                for i in range(n):
-                    behind = i + 1 if i < n - 1 else 0
-                    for j in range(nz):
-                        flow = along[behind, j] * steps_along[behind, j]
-                        flow -= along[i, j] * steps_along[i, j]
-                        if not single:
-                            flow += across[i, j + 1] * steps_across[i, j + 1]
-                            flow -= across[i, j] * steps_across[i, j]
-                        inflow[i, j] = flow
-                        oil[i, j] = content[i, j] + flow / storage
-                if attempt == 1:
-                    break
-                for i in range(n):
-                    for j in range(nz):
-                        if filled[i, j]:
-                            if p[i, j] < floor - switch_tolerance * highest:
-                                filled[i, j], p[i, j], changed = False, floor, True
-                        elif film[i, j] - oil[i, j] < -switch_tolerance * film[i, j]:
-                            filled[i, j], changed = True, True
-                if not changed:
-                    break
-
-            # what does not balance
-            worst = 0.0
-            force[:] = 0.0
-            for i in range(n):
-                for j in range(nz):
-                    if alpha > 0:
-                        rest = max(1 - alpha * p[i, j], SMALLEST_FLUIDITY)
-                        here = -np.log(rest) / alpha * area * images
-                    else:
-                        here = p[i, j] * area * images
-                    force[0] += here * pull_cosine[i]
-                    force[1] += here * pull_sine[i]
-                    if filled[i, j] and not supplied[i]:
-                        error = abs(inflow[i, j] - storage * (film[i, j] - content[i, j]))
-                        worst = max(worst, error / (storage * film[i, j]))
-            missing[0] = load - force[0]
-            missing[1] = load_aside - force[1] - mount[1] * (ey - mount[2]) if not guided else 0.0
-            scale = max(size, 1e-3 * abs(force[0]))
-            if not guided:
-                scale = max(scale, 1e-3 * abs(force[1]))
-            unbalanced = max(abs(missing[0]), abs(missing[1])) / scale
-            if not changed and max(worst, unbalanced) <= residual_tolerance:
-                solved = True
-                break
-
-            # the ring is cut at a column whose cells are all known
-            cut = -1
-            for i in range(n):
-                known = True
-                for j in range(nz):
-                    known = known and (supplied[i] or not filled[i, j])
-                if known:
-                    cut = i
-                    break
-            if cut < 0:
-                return k
-            for c in range(n):
-                i = (c + cut) % n
-                before = i - 1 if i > 0 else n - 1
-                behind = i + 1 if i < n - 1 else 0
-                for j in range(nz):
-                    r = c * nz + j
-                    for b in range(2 * nz + 1):
-                        band[r, b] = 0.0
-                    if supplied[i] or not filled[i, j]:
-                        band[r, nz] = 1.0
-                        for s in range(free + 1):
-                            sides[r, s] = 0.0
-                        continue
-
-                    centre = -along[i, j] - along[behind, j]
-                    if c > 0 and filled[before, j] and not supplied[before]:
-                        band[r, 0] += along[i, j]
-                    if c < n - 1 and filled[behind, j] and not supplied[behind]:
-                        band[r, 2 * nz] += along[behind, j]
-                    if not single:
-                        lower, upper = across[i, j], across[i, j + 1]
-                        centre -= lower + upper
-                        if j == 0 and end_weights[0, 1] != 0.0:
-                            centre -= (end_weights[0, 0] - 1) * lower
-                            upper += end_weights[0, 1] * lower
-                        if j == nz - 1 and end_weights[1, 1] != 0.0:
-                            centre -= (end_weights[1, 0] - 1) * upper
-                            lower += end_weights[1, 1] * upper
-                        if j > 0 and filled[i, j - 1]:
-                            band[r, nz - 1] += lower
-                        if j < nz - 1 and filled[i, j + 1]:
-                            band[r, nz + 1] += upper
-                    band[r, nz] += centre
-
-                    # the error, and its changes with the displacements
-                    sides[r, 0] = -(inflow[i, j] - storage * (film[i, j] - content[i, j]))
-                    first_flow = 0.5 * along_slope[behind, j] * steps_along[behind, j]
-                    second_flow = 0.5 * along_slope[i, j] * steps_along[i, j]
-                    side_flow = 0.0
-                    if not single:
-                        side_flow = 0.5 * across_slope[i, j + 1] * steps_across[i, j + 1]
-                        side_flow -= 0.5 * across_slope[i, j] * steps_across[i, j]
-                    sides[r, 1] = (
-                        first_flow * face_cosine[behind]
-                        - second_flow * face_cosine[i]
-                        + (side_flow - storage) * cosine[i]
-                    )
-                    if not guided:
-                        sides[r, 2] = (
-                            first_flow * face_sine[behind]
-                            - second_flow * face_sine[i]
-                            + (side_flow - storage) * sine[i]
-                        )
-            _solve(band, sides, nz)
-
-            # displacements that restore the forces
-            push[:] = 0.0
-            for c in range(n):
-                i = (c + cut) % n
-                for j in range(nz):
-                    slope = area * images
-                    if alpha > 0:
-                        slope /= max(1 - alpha * p[i, j], SMALLEST_FLUIDITY)
-                    for s in range(free + 1):
-                        here = slope * sides[c * nz + j, s]
-                        push[s, 0] += here * pull_cosine[i]
-                        push[s, 1] += here * pull_sine[i]
-            shift[:] = 0.0
-            if guided:
-                if push[1, 0] == 0.0:
-                    return k
-                shift[0] = (missing[0] - push[0, 0]) / push[1, 0]
-            else:
-                a, b = push[1, 0], push[2, 0]
-                c1, d = push[1, 1], push[2, 1] + mount[1]
-                left, right = missing[0] - push[0, 0], missing[1] - push[0, 1]
-                determinant = a * d - b * c1
-                if determinant == 0.0:
-                    return k
-                shift[0] = (left * d - b * right) / determinant
-                shift[1] = (a * right - c1 * left) / determinant
-            nearest = 0.0
-            for i in range(n):
-                nearer = shift[0] * cosine[i] + shift[1] * sine[i]
-                for j in range(nz):
-                    nearest = max(nearest, nearer / film[i, j])
-            share = 1.0 if nearest <= largest_approach else largest_approach / nearest
-            ex += share * shift[0]
-            ey += share * shift[1]
-            for c in range(n):
-                i = (c + cut) % n
-                for j in range(nz):
-                    delta = sides[c * nz + j, 0]
-                    for s in range(free):
-                        delta += shift[s] * sides[c * nz + j, s + 1]
-                    p[i, j] += share * delta
-        least = gap_cells.min() - np.hypot(ex, ey)
-        if not solved or alpha * p.max() >= 1 - SMALLEST_FLUIDITY or least < thinnest_film:
+        _begin(joint, drive, film, work, compass, k)
+        iterations, thinnest = _advance(joint, drive, film, work, limits, single, k)
+        least = joint.gap_cells.min() - np.hypot(work.place[0], work.place[1])
+        beyond = joint.pressure_viscosity * work.pressure.max() >= 1 - SMALLEST_FLUIDITY
+        if iterations < 0 or beyond or least < limits.thinnest:
             return k
-
-        # the step is made: content by the flow, and its numbers
-        supply, volume, shear, drag, heat, out, peak = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -np.inf
-        for i in range(n):
-            before = i - 1 if i > 0 else n - 1
-            for j in range(nz):
-                gap = film[i, j]
-                if supplied[i]:
-                    supply += storage * (gap - content[i, j]) - inflow[i, j]
-                    content[i, j] = gap
-                else:
-                    content[i, j] = oil[i, j]
-                void[i, j] = 0.0 if filled[i, j] else gap - oil[i, j]
-                here, thick, other = p[i, j], viscosity, p[before, j]
-                if alpha > 0:
-                    here = -np.log(1 - alpha * here) / alpha
-                    other = -np.log(1 - alpha * other) / alpha
-                    thick = viscosity * np.exp(alpha * here)
-                peak = max(peak, here)
-                volume += content[i, j]
-                middle = gap_cells[j] - 0.5 * (ex * cosine[i] + ey * sine[i] + taken_before[i])
-                shear += thick * (1 - min(max(void[i, j] / gap, 0.0), 1.0)) / middle
-                face = gap_cells[j] - 0.5 * (
-                    ex * face_cosine[i] + ey * face_sine[i] + taken_face_before[i]
-                )
-                drag += face * (here - other)
-                heat += along[i, j] * steps_along[i, j] * (here - other)
-                pressure[i, j], full[i, j] = p[i, j], filled[i, j]
-            if not single:
-                out += across[i, 0] * steps_across[i, 0] - across[i, nz] * steps_across[i, nz]
-                for j in range(nz + 1):
-                    drop = steps_across[i, j]
-                    if alpha > 0 and 0 < j < nz:
-                        drop = np.log((1 - alpha * p[i, j - 1]) / (1 - alpha * p[i, j])) / alpha
-                    heat += across[i, j] * steps_across[i, j] * drop
-        shear *= speeds[k] * area * images
-        earlier[0], earlier[1], earlier[2] = position[0], position[1], dt
-        position[0], position[1] = ex, ey
-        rows[k, 0], rows[k, 1], rows[k, 2] = ex, ey, thinnest
-        rows[k, 3], rows[k, 4], rows[k, 5] = peak, force[0], force[1]
-        rows[k, 6] = radius * (shear + 0.5 * images * dz * drag)
-        rows[k, 7], rows[k, 8] = images * out, images * supply
-        rows[k, 9], rows[k, 10] = images * area * volume, images * heat + speeds[k] * shear
-        rows[k, 11] = iterations
+        _keep(joint, drive, film, work, single, k, rows[k])
+        rows[k, 2], rows[k, 11] = thinnest, iterations
     return last

@@ -432,59 +432,64 @@ class Ride:
         from erlif.models.reynolds import compiled  # only here, because numba loads slowly
 
         bearing, motion, state, mount = self.bearing, self.motion, self.state, self.mount
-        journal, medium, grid = bearing.journal, bearing.medium, bearing.medium.grid
-        apart = motion.load_direction - self.toward
-        position = np.array([*state.position, *self.held[state.position.size :]])
-        earlier = np.zeros(3)
-        if self.earlier is not None:
-            earlier[2], earlier[: state.position.size] = self.earlier
-        reduced, full = state.reduced.copy(), state.full.copy()
-        content, void = state.content.copy(), state.void.copy()
-        rows = np.empty((motion.time.size, len(SERIES)))
+        medium, grid = bearing.medium, bearing.medium.grid
         fluid, sides = medium.fluid, np.array(grid.open_sides[2:])[:, np.newaxis]
-        done = compiled.march(
-            first,
-            last,
-            _owned(motion.time),
-            _owned(motion.angle / 2),
-            self.toward,
-            _owned(motion.load * [np.cos(apart), np.sin(apart)]),
-            _owned(self.speed * journal.radius),
-            _owned([mount.guided, 0.0 if mount.guided else mount.stiffness, self.rest]),
-            _owned(np.broadcast_to(bearing.rigid.centre[0], grid.across)),
-            _owned(np.broadcast_to(bearing.rigid.across[0], grid.across + 1)),
-            _owned([grid.dx, grid.dz[0], medium.images, journal.radius]),
-            _owned(grid.ways_across),
-            _owned(np.array(grid.end_weights) * np.concatenate([sides | True, sides], axis=1)),
-            _owned([fluid.viscosity, fluid.pressure_viscosity, fluid.roughness, medium.floor]),
-            _owned(
-                [
-                    SWITCH_TOLERANCE,
-                    RESIDUAL_TOLERANCE,
-                    LARGEST_APPROACH,
-                    MOST_ITERATIONS,
-                    THINNEST_FILM,
-                ]
+        joint = compiled.Joint(
+            gap_cells=_owned(np.broadcast_to(bearing.rigid.centre[0], grid.across)),
+            gap_faces=_owned(np.broadcast_to(bearing.rigid.across[0], grid.across + 1)),
+            dx=float(grid.dx),
+            dz=float(grid.dz[0]),
+            images=medium.images,
+            radius=bearing.journal.radius,
+            ways_across=_owned(grid.ways_across),
+            end_weights=_owned(
+                np.array(grid.end_weights) * np.concatenate([sides | True, sides], axis=1)
             ),
-            _owned(np.reshape([[each.angle, each.width] for each in bearing.grooves], (-1, 2))),
-            position,
-            earlier,
-            reduced,
-            full,
-            content,
-            void,
-            rows,
+            viscosity=float(fluid.viscosity),
+            pressure_viscosity=float(fluid.pressure_viscosity),
+            roughness=float(fluid.roughness),
+            floor=medium.floor,
+            guided=mount.guided,
+            stiffness=float(mount.stiffness),
+            rest=float(self.rest),
+            toward=float(self.toward),
+            grooves=_owned(
+                np.reshape([[one.angle, one.width] for one in bearing.grooves], (-1, 2))
+            ),
         )
+        apart = motion.load_direction - self.toward
+        drive = compiled.Drive(
+            time=_owned(motion.time),
+            turned=_owned(motion.angle / 2),
+            speeds=_owned(self.speed * bearing.journal.radius),
+            loads=_owned(motion.load * [np.cos(apart), np.sin(apart)]),
+        )
+        free = state.position.size
+        film = compiled.Film(
+            position=np.array([*state.position, *self.held[free:]]),
+            earlier=np.zeros(3),
+            pressure=state.reduced.copy(),
+            full=state.full.copy(),
+            content=state.content.copy(),
+            void=state.void.copy(),
+        )
+        if self.earlier is not None:
+            film.earlier[2], film.earlier[:free] = self.earlier
+        limits = compiled.Limits(
+            SWITCH_TOLERANCE, RESIDUAL_TOLERANCE, LARGEST_APPROACH, MOST_ITERATIONS, THINNEST_FILM
+        )
+        rows = np.empty((motion.time.size, len(SERIES)))
+        done = compiled.march(first, last, joint, drive, film, limits, rows)
         if done == first:
             return first
 
         # the film of the last step that was made, and the numbers of all
         made = slice(first, done)
-        self.instant, free = self.moment(done - 1, 1.0), state.position.size
+        self.instant, position = self.moment(done - 1, 1.0), film.position[:free]
         step = self.step(self.instant, None)
-        self.earlier = (float(earlier[2]), earlier[:free].copy())
+        self.earlier = (float(film.earlier[2]), film.earlier[:free].copy())
         self.state = State(
-            position[:free], reduced, void, full, content, displaced(step, position[:free])
+            position, film.pressure, film.void, film.full, film.content, displaced(step, position)
         )
         for place, name in enumerate(SERIES):
             self.table[name][made] = rows[made, place]
