@@ -19,9 +19,22 @@ _part = njit(error_model="numpy", inline="always")
 
 
 class Limits(NamedTuple):
-    """Tolerances of `balance` and `transient` under their names there.
+    """Tolerances of `balance` and `transient`.
 
     They are arguments, because the cache of compiled code follows this file alone.
+
+    Attributes
+    ----------
+    switch : float
+        SWITCH_TOLERANCE.
+    residual : float
+        RESIDUAL_TOLERANCE.
+    approach : float
+        LARGEST_APPROACH.
+    iterations : int
+        MOST_ITERATIONS.
+    thinnest : float
+        THINNEST_FILM. [m]
     """
 
     switch: float
@@ -36,28 +49,40 @@ class Joint(NamedTuple):
 
     Attributes
     ----------
-    gap_cells, gap_faces : array, (axial,), (axial + 1,)
-        Gap of a centred pin. [m]
-    dx, dz : float
-        Sizes of a cell along and across. [m]
+    gap_cells : Array
+        Gap of a centred pin at the cells, (axial,). [m]
+    gap_faces : Array
+        And at their faces, (axial + 1,). [m]
+    dx : float
+        Size of a cell along. [m]
+    dz : float
+        Size of a cell across. [m]
     images : int
         As `Medium.images`.
     radius : float
         Radius at which the film lies. [m]
-    ways_across : array, (axial + 1,)
-        Width over length of the flow across. [1]
-    end_weights : array, (2, 2)
-        As `Grid.end_weights`; the second is zero at a closed end.
-    viscosity, pressure_viscosity, roughness, floor : float
-        As of `Fluid`, and the reduced cavitation pressure.
+    ways_across : Array
+        Width over length of the flow across, (axial + 1,). [1]
+    end_weights : Array
+        As `Grid.end_weights`, (2, 2); the second is zero at a closed end.
+    viscosity : float
+        As of `Fluid`. [Pa s]
+    pressure_viscosity : float
+        As of `Fluid`. [1/Pa]
+    roughness : float
+        As of `Fluid`. [m]
+    floor : float
+        Reduced cavitation pressure. [Pa]
     guided : bool
         Whether the pin moves along one line alone.
-    stiffness, rest : float
-        Spring aside of that line, and where it is without force. [N/m; m]
+    stiffness : float
+        Spring aside of that line. [N/m]
+    rest : float
+        Where that spring is without force. [m]
     toward : float
         Direction of the line. [rad]
-    grooves : array, (groove, 2)
-        Angles and widths. [rad]
+    grooves : Array
+        Angles and widths, (groove, 2). [rad]
     """
 
     gap_cells: Array
@@ -80,8 +105,19 @@ class Joint(NamedTuple):
 
 
 class Drive(NamedTuple):
-    """What drives the film: times [s], angles of the cells [rad], speeds of the moving surface
-    [m/s], all (step,), and the load along and across the direction of the mount, (2, step) [N]."""
+    """What drives the film.
+
+    Attributes
+    ----------
+    time : Array
+        (step,). [s]
+    turned : Array
+        Angles of the cells, (step,). [rad]
+    speeds : Array
+        Speeds of the moving surface, (step,). [m/s]
+    loads : Array
+        Load along and across the direction of the mount, (2, step). [N]
+    """
 
     time: Array
     turned: Array
@@ -94,10 +130,18 @@ class Film(NamedTuple):
 
     Attributes
     ----------
-    position, earlier : array, (2,), (3,)
-        Displacement; that of the step before, and the time of that step.
-    pressure, full, content, void : array, (along, across)
-        As of `State`, with reduced pressures.
+    position : Array
+        Displacement, (2,). [m]
+    earlier : Array
+        That of the step before, and the time of that step, (3,). [m, m, s]
+    pressure : Array
+        Reduced pressure, (along, across). [Pa]
+    full : Mask
+        Cells without void.
+    content : Array
+        Height of the oil. [m]
+    void : Array
+        Height of the void. [m]
     """
 
     position: Array
