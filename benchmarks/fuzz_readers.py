@@ -4,7 +4,7 @@ Run with ``python benchmarks/fuzz_readers.py --minutes 10 tiff "tiff lzw"``; wit
 all formats are run. ``--list`` shows them. Each damaged file of a camera must give counts of the
 stated kind or FrameError, within a second and 100 MB; each damaged product, settings file or log
 a result as documented or an ErlifError, within 20 s and 1 GB. A file that does not is kept in the
-folder of ``--keep``, to be made a test. The damages are those of tests/io/readers/mutations.py and
+folder of ``--keep``, to be made a test. The damages are those of tests/scenes/mutations.py and
 tests/damages/at_random.py; CI runs each for a second.
 
 The files are read in a second process, because a library may end the process that reads.
@@ -41,8 +41,7 @@ from scenes.mutations import SAMPLES, check_reader, mutate
 import erlif
 
 # compiled decoders are loaded here, so that their memory is not that of a file
-import erlif.io.readers.lzw
-import erlif.io.readers.unpack
+import erlif.io.readers.imx
 from erlif.core.errors import ErlifError
 from erlif.rig import RigSettings, simulate
 

@@ -20,16 +20,9 @@ from erlif.io.ingest.counts import STORED_TYPES, align_right, convert_counts
 from erlif.io.ingest.selection import WHOLE, Selection
 from erlif.io.readers import FrameKind, borrow_frames, open_frames
 from erlif.io.readers.base import TRUNCATED, describe_shape
-from erlif.io.readers.plain_tiff import decode_plain_page, read_plain_page
-from erlif.io.readers.tiff import TiffFrames
 
 _FEW_LEVELS = 16
 """Distinct counts below which a frame is too uniform to judge the alignment of its bits."""
-
-
-_LARGEST_HASHED = 2**28
-"""Size up to which a file with one frame is hashed in memory, as it is read; a larger one is hashed
-later, in pieces. [byte]"""
 
 
 @dataclass(frozen=True)
@@ -42,8 +35,6 @@ class Page:
         File that holds the image.
     index : int
         Position in a multi-page file, counted from 0.
-    header : int
-        Where its directory begins in a plain TIFF file; 0 where that is not known. [byte]
     alone : bool
         Whether the file is known to hold no other image.
     selection : Selection
@@ -52,7 +43,6 @@ class Page:
 
     path: Path
     index: int
-    header: int = field(default=0, compare=False)
     alone: bool = field(default=False, compare=False)
     selection: Selection = WHOLE
 
@@ -92,8 +82,7 @@ class PageContent(NamedTuple):
     counts : Counts
         (y, x), uint8 or uint16. [DN]
     digest : str
-        SHA-256 of the file, hexadecimal; empty where other pages or readers share the file, and for
-        a file above 256 MiB.
+        SHA-256 of the file, hexadecimal; empty where other pages or readers share the file.
     """
 
     counts: Counts
@@ -210,11 +199,11 @@ def find_pages(
             times.append(None)
             continue
 
-        for index, kind, header in zip(read.places, read.kinds, read.headers, strict=True):
+        for index, kind in zip(read.places, read.kinds, strict=True):
             if kind == TRUNCATED:
                 kind = UNREADABLE
                 found.faults.setdefault(len(found.pages), "the file is truncated")
-            found.pages.append(Page(path, index, header, read.alone, selection))
+            found.pages.append(Page(path, index, read.alone, selection))
             found.kinds.append(kind)
 
         times.append(read.times)
@@ -300,19 +289,22 @@ def read_content(
 
 def _decode(page: Page, *, digest: bool) -> PageContent:
     """Image of a page as it is stored; the hash belongs to the bytes that are decoded."""
-    if not digest or not page.alone or page.path.stat().st_size > _LARGEST_HASHED:
-        image = read_plain_page(page.path, page.header) if page.header else None
-        return PageContent(page.selection.crop(_read_frame(page) if image is None else image))
+    if not digest or not page.alone:
+        return PageContent(page.selection.crop(_read_frame(page)))
 
-    data = page.path.read_bytes()
-    hashed = hashlib.sha256(data).hexdigest()
-    image = decode_plain_page(data, page.header) if page.header else None
-    if image is None:
-        # this reader opens the file again: it must find the same bytes
-        image = _read_frame(page)
-        if page.path.read_bytes() != data:
-            raise FrameError("the file has changed while it was read")
+    before = _stamp(page.path)
+    with page.path.open("rb") as file:
+        hashed = hashlib.file_digest(file, "sha256").hexdigest()
+    image = _read_frame(page)
+    if _stamp(page.path) != before:
+        raise FrameError("the file has changed while it was read")
     return PageContent(page.selection.crop(image), hashed)
+
+
+def _stamp(path: Path) -> tuple[int, int, int]:
+    """Size, time of change and place on the disk."""
+    found = path.stat()
+    return found.st_size, found.st_mtime_ns, found.st_ino
 
 
 def _read_frame(page: Page) -> AnyArray:
@@ -410,7 +402,6 @@ class _Headers(NamedTuple):
 
     places: Sequence[int]
     kinds: Sequence[FrameKind]
-    headers: Sequence[int]
     alone: bool
     times: Array | None
     companions: Sequence[Path]
@@ -423,7 +414,6 @@ def _read_headers(path: Path, selection: Selection) -> _Headers:
     file = open_frames(path, dataset=selection.dataset)
     try:
         places = selection.pages(file)
-        headers = file.headers if isinstance(file, TiffFrames) else []
         kinds = [file.kinds[k] for k in places]
         crops = {kind: _crop_kind(kind, selection) for kind in set(kinds)}
 
@@ -434,7 +424,6 @@ def _read_headers(path: Path, selection: Selection) -> _Headers:
         return _Headers(
             places,
             [crops[kind] for kind in kinds],
-            [headers[k] for k in places] if headers else [0] * len(places),
             len(file.kinds) == 1 and not file.companions,
             None if times is None else times[places] - times[places[0]],
             file.companions,

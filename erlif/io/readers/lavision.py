@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 import struct
+import zlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -19,7 +20,6 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import FrameError
 from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile, FrameKind, SameKinds, check_claim
-from erlif.io.readers.inflate import inflate
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 
@@ -121,10 +121,11 @@ class CompressedImage(FrameFile):
     def _read_zlib(self, dtype: np.dtype[np.generic], count: int) -> AnyArray:
         (length,) = struct.unpack("<i", self._source.read(_HEADER_SIZE, 4))
         stream = self._source.read(_HEADER_SIZE + 4, length)
+        expander = zlib.decompressobj()
         try:
             # one more byte, so that the end is found and its checksum verified
-            data = inflate(stream, count * dtype.itemsize + 1)
-        except FrameError as error:
+            data = expander.decompress(stream, count * dtype.itemsize + 1)
+        except zlib.error as error:
             raise FrameError(f"the compressed counts are damaged ({error})") from error
         if len(data) < count * dtype.itemsize:
             raise FrameError("the compressed counts end within the frame")

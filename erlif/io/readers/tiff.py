@@ -1,13 +1,15 @@
-"""TIFF files: images, stacks, BigTIFF, OME and ImageJ, whatever their suffix."""
+"""TIFF files: images, stacks, BigTIFF, OME and ImageJ, whatever their suffix.
+
+tifffile reads the pages and imagecodecs decompresses them. Before them go the checks without which
+a damaged or hostile file would take minutes or gigabytes: of the chain of directories, and of the
+sizes that each of them claims.
+"""
 
 from __future__ import annotations
 
-import importlib.util
 import logging
-import math
+import struct
 import threading
-from collections.abc import Sequence
-from itertools import accumulate
 from pathlib import Path
 
 import numpy as np
@@ -16,17 +18,15 @@ import tifffile
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError, reason_of
 from erlif.io.readers.base import (
+    MOST_FRAMES,
     TRUNCATED,
     Format,
     FrameFile,
     FrameKind,
-    describe_shape,
+    check_claim,
 )
-from erlif.io.readers.plain_tiff import PlainPage, read_plain_directories, read_plain_page
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
-from erlif.io.readers.strips import NONE, PACKBITS, Segments, read_segments
-from erlif.io.readers.tiff_chain import count_directories
 from erlif.io.readers.tiff_metadata import read_description
 
 # faults of a file are raised; without a handler Python would print what tifffile logs about them
@@ -35,8 +35,14 @@ logging.getLogger("tifffile").addHandler(logging.NullHandler())
 _STARTS = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 """First bytes of TIFF and of BigTIFF in both byte orders."""
 
-_DENSEST = 1500
-"""Pixels per byte of a file that LZW can reach; a header that claims more is damaged."""
+_TYPE_SIZES = dict(enumerate((0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8, 8)))
+"""Sizes of the values of an entry by its type; TIFF 6.0, section 2, and BigTIFF. [byte]"""
+
+_MOST_UNKNOWN = 16
+"""Entries of unknown type in a directory; later versions of the format may add some."""
+
+_DENSEST = 3000
+"""Decoded bytes per byte of a file that LZW can reach; a header that claims more is damaged."""
 
 _PALETTE = 3
 """Value of the tag PhotometricInterpretation."""
@@ -44,18 +50,15 @@ _PALETTE = 3
 _SEPARATE = 2
 """Value of the tag PlanarConfiguration: each colour by itself."""
 
+_NONE, _PACKBITS = 1, 32773
+"""Values of the tag Compression with which the tag Predictor has no meaning."""
+
 _LOSSY = {
-    6: "JPEG",
-    7: "JPEG",
-    33003: "JPEG 2000",
-    33005: "JPEG 2000",
-    33007: "JPEG",
-    34712: "JPEG 2000",
+    **dict.fromkeys((6, 7, 33007, 34892), "JPEG"),
+    **dict.fromkeys((33003, 33005, 34712), "JPEG 2000"),
+    **dict.fromkeys((50002, 52546), "JPEG XL"),
     34887: "LERC",
-    34892: "JPEG",
     50001: "WebP",
-    50002: "JPEG XL",
-    52546: "JPEG XL",
 }
 """Values of the tag Compression that need not preserve counts."""
 
@@ -68,110 +71,71 @@ class TiffFrames(FrameFile):
 
     Attributes
     ----------
-    headers : list[int]
-        Where the directory of each page begins where all pages are plain; else empty. [byte]
     images : int
         Number of images by the description; 0 where it has none.
     stack : tuple[FrameLayout, int] | None
         Layout and place of the first image; None where it is compressed or scattered.
-    description : Description
-        What OME or ImageJ wrote.
     """
 
-    headers: list[int]
-    stack: tuple[FrameLayout, int] | None = None
+    _file: tifffile.TiffFile | None = None
 
     def __init__(self, path: Path) -> None:
-        self.path, self.headers = path, []
-        self._file: tifffile.TiffFile | None = None
-        self._source: Source | None = None
-        self._pages: list[Segments | tifffile.TiffPage] = []
-        self._lock = threading.Lock()
+        with Source(path) as source:
+            self._places, size = _find_directories(source), source.size
+        if not self._places:
+            raise FrameError("the file holds no image")
+        self._lock = threading.RLock()
         try:
-            text = self._open_plain()
-            if not self.headers:
-                text = self._open_other()
-            self._check_sizes()
-            self._describe(text)
-        except BaseException:
+            self._file = tifffile.TiffFile(path)
+            first = self._page(0)
+            self.kinds = [_kind_of(self._page(k), size) for k in range(len(self._places))]
+            self.stack = _contiguous(first, self._file.byteorder)
+            bits = int(first.bitspersample)
+            self.bits = bits if 8 < bits < 16 else None
+            self._describe(first.description.encode("utf-8", "replace"), path.name)
+        except (OSError, FrameError):
             self.close()
             raise
+        except Exception as error:  # tifffile raises exceptions of many types on damaged bytes
+            self.close()
+            raise FrameError(f"the file is damaged or not a TIFF ({reason_of(error)})") from error
 
     def read(self, index: int) -> AnyArray:
         """As `FrameFile.read`."""
-        if self.kinds[index] == TRUNCATED:
+        kind = self.kinds[index]
+        if kind == TRUNCATED:
             raise FrameError("the file is truncated")
-        if self._source is None:
-            image = read_plain_page(self.path, self.headers[index])
-            if image is None:
-                raise FrameError("a strip of the image is damaged")
-            return image
-        page = self._pages[index]
-        if isinstance(page, Segments):
-            return read_segments(self._source, page)
-
         try:
+            # threads share one place in the file: each holds it while it reads, not to decode
             with self._lock:
-                image = np.asarray(page.asarray())
-        except Exception as error:  # decoders of damaged bytes raise exceptions of many types
-            raise FrameError(_reason(error, page)) from error
-        if len(self.kinds[index].shape) == 3 and page.planarconfig == _SEPARATE:
+                page = self._page(index)
+            image = np.asarray(page.asarray(lock=self._lock, maxworkers=1))
+        except Exception as error:  # as above
+            raise FrameError(f"a strip of the image is damaged ({reason_of(error)})") from error
+        if len(kind.shape) == 3 and page.planarconfig == _SEPARATE:
             image = np.moveaxis(image, 0, 2)
-        if image.shape != self.kinds[index].shape:
+        if image.shape != kind.shape:
             raise FrameError("the image has another shape than its header")
-        return image.astype(image.dtype.newbyteorder("="), copy=False)
+        return image.astype(kind.dtype, copy=False)
 
     def close(self) -> None:
         """As `FrameFile.close`."""
-        for file in (self._file, self._source):
-            if file is not None:
-                file.close()
+        if self._file is not None:
+            self._file.close()
 
-    def _open_plain(self) -> bytes:
-        """Take the pages as plain ones if all are; the description of the first one."""
-        pages, text = read_plain_directories(self.path)
-        if pages is not None:
-            self.headers = [page.header for page in pages]
-            self.kinds = [FrameKind(page.shape, page.dtype) for page in pages]
-            self.stack = _contiguous(pages[0])
-        return text
+    def _page(self, index: int) -> tifffile.TiffPage:
+        """Read a directory; a list of all pages would take gigabytes for a long recording."""
+        assert self._file is not None
+        self._file.filehandle.seek(self._places[index])
+        page = tifffile.TiffPage(self._file, index=index)
+        if page.compression in (_NONE, _PACKBITS):
+            page.predictor = 1  # libtiff writes and reads it so
+        return page
 
-    def _open_other(self) -> bytes:
-        """Find the pages by tifffile; the description of the first one."""
-        # a general reader might follow the chain out of the file, and in circles
-        count = count_directories(self.path)
-        try:
-            self._file = tifffile.TiffFile(self.path)
-            self._source = Source(self.path)
-            pages = [_full(self._file.pages[k]) for k in range(count)]
-            if not pages:
-                raise FrameError("the file holds no image")
-            self.kinds = [_kind_of(page, self._source.size) for page in pages]
-            order = self._file.byteorder
-            self._pages = [_segments_of(page, order) or page for page in pages]
-            self.bits = _packed_bits(self._pages)
-            text = pages[0].description
-        except (OSError, FrameError):
-            raise
-        except Exception as error:  # tifffile raises exceptions of many types on damaged bytes
-            raise FrameError(f"the file is damaged or not a TIFF ({reason_of(error)})") from error
-        self.stack = _contiguous(self._pages[0])
-        return text.encode("utf-8", "replace")
-
-    def _check_sizes(self) -> None:
-        """Refuse pages and tiles that claim sizes that no memory holds."""
-        size = self.path.stat().st_size
-        tiles = {page.part for page in self._pages if isinstance(page, Segments)}
-        for shape in {kind.shape for kind in self.kinds} | tiles:
-            if math.prod(shape) > _DENSEST * size:
-                raise FrameError(
-                    f"the file is damaged: {size} bytes cannot hold {describe_shape(shape)} pixels"
-                )
-
-    def _describe(self, text: bytes) -> None:
-        """Take channels and times from the description."""
+    def _describe(self, text: bytes, name: str) -> None:
+        """Take channels and times from what OME or ImageJ wrote."""
         text = text if len(text) <= _LONGEST else b""
-        self.description = read_description(text, name=self.path.name, pages=len(self.kinds))
+        self.description = read_description(text, name=name, pages=len(self.kinds))
         self.images = self.description.frames
         if self.images in (0, len(self.kinds)):
             self.channels, self.times = self.description.channels, self.description.times
@@ -219,12 +183,51 @@ TIFF = Format(
 )
 
 
-def _full(page: tifffile.TiffPage | tifffile.TiffFrame) -> tifffile.TiffPage:
-    return page if isinstance(page, tifffile.TiffPage) else page.aspage()
+def _find_directories(source: Source) -> list[int]:
+    """Places of the whole directories of a file, before the first that is cut off.
+
+    A damaged file may chain thousands of directories through its own pixels, each with thousands
+    of entries. Directories that do not overlap take no more than the file; those that do, or that
+    form a ring, are refused.
+    """
+    head = source.read(0, min(16, source.size))
+    order = {b"II": "<", b"MM": ">"}.get(head[:2], "")
+    if not order or len(head) < 8:
+        raise FrameError("the file is damaged or not a TIFF")
+    big = struct.unpack_from(f"{order}H", head, 2)[0] == 43
+    if big and len(head) < 16:
+        raise FrameError("the file is truncated")
+    number, entry, following = (
+        struct.Struct(order + form)
+        for form in (("Q", "HHQ8s", "Q") if big else ("H", "HHI4s", "I"))
+    )
+    (place,) = following.unpack_from(head, 8 if big else 4)
+
+    places: list[int] = []
+    taken = 0
+    while place and place + number.size <= source.size:
+        (entries,) = number.unpack(source.read(place, number.size))
+        size = entries * entry.size
+        start = place + number.size
+        if start + size + following.size > source.size:
+            break
+        table = source.read(start, size + following.size)
+        unknown = 0
+        for _, kind, count, _ in entry.iter_unpack(table[:size]):
+            unknown += not _TYPE_SIZES.get(kind)
+            if count * _TYPE_SIZES.get(kind, 0) > source.size or unknown > _MOST_UNKNOWN:
+                raise FrameError("the file is damaged: a directory is no list of entries")
+
+        places.append(place)
+        taken += number.size + len(table)
+        if taken > source.size or len(places) > MOST_FRAMES:
+            raise FrameError("the file is damaged: its directories form a ring or overlap")
+        (place,) = following.unpack_from(table, size)
+    return places
 
 
 def _kind_of(page: tifffile.TiffPage, size: int) -> FrameKind:
-    """Kind of a page; refuses pages whose values are no counts."""
+    """Kind of a page; refuses values that are no counts, and sizes that no memory holds."""
     if page.photometric == _PALETTE:
         raise FrameError(
             "it is a palette image, whose values are no counts. Save the raw counts as grey TIFF."
@@ -238,70 +241,27 @@ def _kind_of(page: tifffile.TiffPage, size: int) -> FrameKind:
     if page.dtype is None or page.imagedepth != 1:
         raise FrameError("its images have a type that is not read. Save them as 16-bit grey TIFF.")
 
-    # data behind the end of the file were cut off; a page without data has none at all
-    ends = [a + b for a, b in zip(page.dataoffsets, page.databytecounts, strict=False) if a and b]
-    if not ends or len(ends) != len(page.dataoffsets) or max(ends) > size:
-        return TRUNCATED
     colours = (int(page.samplesperpixel),) if page.samplesperpixel > 1 else ()
     shape = (int(page.imagelength), int(page.imagewidth), *colours)
-    return FrameKind(shape, np.dtype(page.dtype).name)
+    tile = (int(page.tilelength), int(page.tilewidth)) if page.is_tiled else ()
+    kind = FrameKind(shape, np.dtype(page.dtype).name)
+    for claimed in (kind, FrameKind(tile or shape, kind.dtype)):
+        check_claim(1, claimed, size, packing=_DENSEST)
+
+    # data behind the end of the file were cut off; a page without data has none at all
+    counts = page.databytecounts
+    ends = [a + b for a, b in zip(page.dataoffsets, counts, strict=False) if a and b]
+    if not ends or len(ends) != len(page.dataoffsets) or max(ends) > size:
+        return TRUNCATED
+    if page.is_contiguous and sum(counts) < page.nbytes:
+        return TRUNCATED
+    return kind
 
 
-def _segments_of(page: tifffile.TiffPage, order: str) -> Segments | None:
-    """The strips or tiles of a page; None where tifffile has to decode it."""
-    if page.samplesperpixel != 1 or page.fillorder != 1 or np.dtype(page.dtype).kind not in "iuf":
-        return None
-    rows, columns = int(page.imagelength), int(page.imagewidth)
-    part = (min(int(page.rowsperstrip), rows), columns) if not page.is_tiled else None
-    # without LZW or deflate the predictor has no meaning; libtiff writes and reads it so
-    predictor = 1 if page.compression in (NONE, PACKBITS) else int(page.predictor)
-    found = Segments(
-        (rows, columns),
-        np.dtype(page.dtype).newbyteorder(order).str,  # type: ignore[arg-type]
-        int(page.bitspersample),
-        int(page.compression),
-        predictor,
-        part or (int(page.tilelength), int(page.tilewidth)),
-        bool(page.is_tiled),
-        tuple(int(n) for n in page.dataoffsets),
-        tuple(int(n) for n in page.databytecounts),
-    )
-    return found if min(found.part) > 0 and found.decodable else None
-
-
-def _packed_bits(pages: Sequence[Segments | tifffile.TiffPage]) -> int | None:
-    """Bits of packed counts; None where counts take whole bytes, which may hold fewer bits."""
-    depths = {page.bits if isinstance(page, Segments) else 0 for page in pages}
-    return depths.pop() if len(depths) == 1 and not depths & {0, 8, 16, 32, 64} else None
-
-
-def _contiguous(page: object) -> tuple[FrameLayout, int] | None:
+def _contiguous(page: tifffile.TiffPage, order: str) -> tuple[FrameLayout, int] | None:
     """Layout and place of an uncompressed page; None where its strips do not follow each other."""
-    if isinstance(page, PlainPage):
-        dtype, plain = "<" + np.dtype(page.dtype).str[1:], page.compression == NONE
-    elif isinstance(page, Segments):
-        dtype, plain = page.dtype, page.compression == NONE and not page.padded
-        plain = plain and page.bits == 8 * np.dtype(dtype).itemsize
-    else:
+    if not page.is_contiguous or page.samplesperpixel != 1 or page.fillorder != 1:
         return None
-    ends = list(accumulate(page.lengths, initial=page.offsets[0]))
-    if not plain or ends[:-1] != list(page.offsets):
-        return None
-    return FrameLayout(page.shape, dtype), page.offsets[0]
-
-
-def _reason(error: Exception, page: tifffile.TiffPage) -> str:
-    """Why a page cannot be decoded, with the package that is missing where one is."""
-    text = reason_of(error)
-    if "imagecodecs" not in text and not isinstance(error, ModuleNotFoundError):
-        return text
-    name = getattr(page.compression, "name", page.compression)
-    if importlib.util.find_spec("imagecodecs") is None:
-        return (
-            f"its compression, {name}, needs the Python package imagecodecs, which is not "
-            "installed. Install it with: pip install 'erlif[formats]'."
-        )
-    return (
-        f"the installed Python package imagecodecs does not decode its compression, {name}. Save "
-        "the images uncompressed, or with LZW or deflate."
-    )
+    dtype = np.dtype(page.dtype).newbyteorder(order)  # type: ignore[arg-type]
+    shape = (int(page.imagelength), int(page.imagewidth))
+    return FrameLayout(shape, dtype.str), int(page.dataoffsets[0])

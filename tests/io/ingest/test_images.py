@@ -330,13 +330,13 @@ def test_a_recording_of_two_files_keeps_its_times(tmp_path):
     assert find_pages(tmp_path, "*.mraw", "x").times is None
 
 
-def test_a_frame_in_a_file_of_a_gigabyte_takes_no_gigabyte(tmp_path):
+def test_a_file_longer_than_its_frame_is_not_taken_into_memory(tmp_path):
     """A file may be longer than its frame; it was read whole for its hash."""
     path = tmp_path / "a.npy"
     image = np.arange(64 * 80, dtype=np.uint16).reshape(64, 80)
     np.save(path, image)
     with path.open("ab") as file:
-        file.truncate(2**30)
+        file.truncate(2**28)
     (page,) = find_pages(tmp_path, "a.npy", "x").pages
     tracemalloc.start()
     content = read_content(page, tmp_path, (64, 80), digest=True)
@@ -344,4 +344,3 @@ def test_a_frame_in_a_file_of_a_gigabyte_takes_no_gigabyte(tmp_path):
     tracemalloc.stop()
     assert peak < 10_000_000
     np.testing.assert_array_equal(content.counts, image)
-    assert content.digest == ""
