@@ -17,19 +17,13 @@ CHOICES = {
 """Settings that are one of several words."""
 SIDEWAYS = ("free", "guided")
 """How a pin without a spring is held at right angles to the load."""
-LARGEST_SPACING = 10.0
-"""Largest trigger spacing; the rocker turns by 24 degrees. [degree]"""
-LARGEST_SCALE = 0.2
-"""Largest difference of the magnification of the cameras. [1]"""
-LARGEST_ROTATION = 10.0
-"""Largest rotation of camera 2. [degree]"""
-LARGEST_DISTORTION = 10.0
-"""Largest distortion of camera 2. [pixel]"""
 MOST_FRAMES = 1_000_000
 """Largest number of frame pairs of a run; a week of simulation at 320 x 256."""
 SWING = 24.0
 """Angle through which the rocker of the thesis turns; the default one differs little. [degree]"""
 LIMITS = {
+    "spacing": (1e-9, 10),  # the rocker turns by 24 degrees
+    "cycles": (1, math.inf),
     "pictures": (1, MOST_FRAMES),
     "track_radius": (1e-3, 1e6),
     "disc_speed": (1e-6, 1e6),
@@ -71,13 +65,18 @@ LIMITS = {
     "background_pages": (0, 10_000),
     "reference": (0, 1000),
     "vibration": (0, 20),
+    "bleaching": (0, 1 - 1e-9),
+    # beyond these the search for the object points of camera 2 may not converge
+    "scale": (0.8, 1.2),
+    "rotation": (-10, 10),
+    "distortion": (-10, 10),
     "fixture_frames": (1, 100_000),
     "wedge_form": (0, 100),
     "cmm_noise": (0, 100),
     "dark_pages": (1, 10_000),
     "flat_pages": (1, 10_000),
 }
-"""Smallest and largest value of the settings that are single numbers, in their units; beyond them
+"""Smallest and largest value of the settings, of each number of a pair, in their units; beyond them
 random numbers, memory or the search for object points fail."""
 
 
@@ -386,21 +385,17 @@ class RigSettings:
     flat_levels: tuple[float, ...] = (0.25, 0.5, 0.8)
 
     def __post_init__(self) -> None:
-        self._check_numbers()
-        self._check_picture()
-        self._check_motion()
-        self._check_film()
-        self._check_optics()
+        self._check_each()
+        self._check_run()
+        self._check_joint()
 
-    def _check_numbers(self) -> None:
-        """Refuse numbers that are not finite or that no rig has."""
+    def _check_each(self) -> None:
+        """Refuse numbers that are not finite or that no rig has, and unknown words."""
         for name, value in vars(self).items():
-            numbers = value if isinstance(value, tuple) else (value,)
-            finite = all(math.isfinite(one) for one in numbers if isinstance(one, int | float))
             low, high = LIMITS.get(name, (-math.inf, math.inf))
-            if value is None:  # an optional setting that is not used
-                continue
-            if not finite or (name in LIMITS and not low <= value <= high):
+            numbers = value if isinstance(value, tuple) else (value,)
+            numbers = [one for one in numbers if isinstance(one, int | float)]
+            if not all(math.isfinite(one) and low <= one <= high for one in numbers):
                 among = f" from {low:g} to {high:g}" if name in LIMITS else ""
                 raise ModelError(
                     f"Expected {name} of the virtual rig as a number{among}; got {value}. "
@@ -412,6 +407,9 @@ class RigSettings:
                     f"Expected {name} of the virtual rig as one of {', '.join(words)}; got "
                     f"{getattr(self, name)!r}. Choose one of them."
                 )
+
+    def _check_run(self) -> None:
+        """Refuse a run that is too long, references without a level, and a log without linkage."""
         linked = self.mechanism == "crank-rocker"
         logger = (self.log, self.reading, self.encoder, self.pulses_per_cycle)
         if not linked and logger != ("frames", "degrees", "rocker", 0.0):
@@ -419,7 +417,7 @@ class RigSettings:
                 "Expected log, reading, encoder and pulses_per_cycle of the virtual rig with a "
                 f"linkage alone; the mechanism is {self.mechanism!r}. Leave them out."
             )
-        in_turn = self.pulses_per_cycle or 2 * SWING / max(self.spacing, 1e-12)
+        in_turn = self.pulses_per_cycle or 2 * SWING / self.spacing
         in_turn = in_turn if linked else self.pictures
         if in_turn * self.cycles > MOST_FRAMES:
             raise ModelError(
@@ -427,28 +425,11 @@ class RigSettings:
                 f"{self.spacing:g} degrees and {self.cycles} cycles have more. Choose a larger "
                 "spacing or fewer cycles."
             )
+        if not self.flat_levels:
+            raise ModelError("The virtual rig needs at least one flat level. Choose 1 or more.")
 
-    def _check_picture(self) -> None:
-        """Refuse a picture or a session that is too small."""
-        if min(self.width, self.height) < SMALLEST_PICTURE:
-            raise ModelError(
-                f"The virtual cameras need at least {SMALLEST_PICTURE} x {SMALLEST_PICTURE} "
-                f"pixels, got {self.width} x {self.height}. Choose a larger size."
-            )
-        pages = (self.fixture_frames, self.dark_pages, self.flat_pages, len(self.flat_levels))
-        if min(self.cycles, *pages) < 1:
-            raise ModelError(
-                "The virtual rig needs at least one cycle, fixture frame, dark page, flat page "
-                "and level. Choose 1 or more of each."
-            )
-
-    def _check_motion(self) -> None:
-        """Refuse a linkage that cannot turn and a joint that does not fit."""
-        if not 0 < self.spacing <= LARGEST_SPACING:
-            raise ModelError(
-                f"The trigger spacing must lie above 0 and at most at {LARGEST_SPACING:g} degrees, "
-                f"got {self.spacing:g}. Choose another spacing."
-            )
+    def _check_joint(self) -> None:
+        """Refuse a linkage that cannot turn, bodies that do not fit, and a film without theory."""
         # Grashof: the crank turns if it is the shortest link and the frame is long enough
         if self.crank + self.ground >= self.coupler + self.rocker or self.crank >= min(
             self.coupler, self.rocker
@@ -461,57 +442,27 @@ class RigSettings:
             raise ModelError(
                 "The pin radius must be smaller than the bushing radius. Correct one of them."
             )
-
-    def _check_film(self) -> None:
-        """Refuse a film of theory together with another motion, a table or a tilt."""
+        if not 0 <= self.wedge[0] < self.wedge[1]:
+            raise ModelError(
+                f"The wedge must rise from a film of 0 um or more, got {self.wedge}. "
+                "Choose other ends."
+            )
         held = self.sideways
         if held not in SIDEWAYS and (isinstance(held, str) or held <= 0):
             raise ModelError(
                 f"Expected sideways of the virtual rig as {', '.join(SIDEWAYS)} or a stiffness "
                 f"above 0 in N/m; got {held!r}. Choose one of them."
             )
-        if self.film != "reynolds":
-            return
-        if self.mechanism != "crank-rocker":
-            raise ModelError(
-                "Expected the mechanism crank-rocker for the film reynolds, which is that of a "
-                f"journal bearing; got {self.mechanism!r}. Choose another film or mechanism."
-            )
-        if self.film_table is not None or self.tilt != 0:
-            raise ModelError(
-                "Expected the film reynolds without film_table and with a tilt of 0, because pin "
-                f"and bushing are parallel; got a tilt of {self.tilt:g} um. Leave them out."
-            )
 
-    def _check_optics(self) -> None:
-        """Refuse light, film and displacement outside the range of the simulation."""
-        if self.light <= 0 or self.gain <= 0 or self.film_floor <= 0 or self.film_reference <= 0:
-            raise ModelError(
-                "light, gain, film_reference and film_floor of the virtual rig must be above zero. "
-                "Choose larger numbers."
-            )
-        extra = (self.background, self.background_beam, self.background_pages, self.reference)
-        if min(extra) < 0 or not all(0 <= share < 1 for share in self.bleaching):
-            raise ModelError(
-                "background, background_beam, background_pages and reference of the virtual rig "
-                "must be 0 or more, and the two shares of bleaching lie from 0 to below 1. "
-                "Choose other numbers."
-            )
-        # beyond these the search for the object points of camera 2 may not converge
-        if (
-            max(abs(scale - 1) for scale in self.scale) > LARGEST_SCALE
-            or abs(self.rotation) > LARGEST_ROTATION
-            or abs(self.distortion) > LARGEST_DISTORTION
+        # the film of theory is that of a journal bearing whose pin and bushing are parallel
+        if self.film == "reynolds" and (
+            self.mechanism != "crank-rocker" or self.film_table is not None or self.tilt != 0
         ):
             raise ModelError(
-                f"Camera 2 may differ by at most {LARGEST_SCALE:g} in scale, "
-                f"{LARGEST_ROTATION:g} degrees in rotation and {LARGEST_DISTORTION:g} px in "
-                "distortion. Choose smaller differences."
-            )
-        if not 0 <= self.wedge[0] < self.wedge[1]:
-            raise ModelError(
-                f"The wedge must rise from a film of 0 um or more, got {self.wedge}. "
-                "Choose other ends."
+                "Expected the film reynolds, that of a journal bearing, with the mechanism "
+                "crank-rocker, without film_table and with a tilt of 0; got "
+                f"{self.mechanism!r} and a tilt of {self.tilt:g} um. Choose another film, or leave "
+                "them out."
             )
 
     @property

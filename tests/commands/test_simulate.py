@@ -30,7 +30,7 @@ def test_a_picture_size_that_cannot_be_read_is_refused_with_an_example(tmp_path)
     [
         ("--bubbles", "-1", "Expected bubbles"),
         ("--cycles", "1000000000", "at most 1000000 frame pairs"),
-        ("--cycles", "-3", "at least one cycle"),
+        ("--cycles", "-3", "cycles of the virtual rig as a number from 1"),
         ("--exponent", "inf", "Expected exponent"),
         ("--film", "nan", "Expected film_reference"),
         ("--film", "-2", "Expected film_reference"),

@@ -10,32 +10,36 @@ from erlif.core.errors import ModelError
 from erlif.rig import RigSettings
 
 
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        {"width": 8},
-        {"cycles": 0},
-        {"light": 0.0},
-        {"spacing": 0.0},
-        {"crank": 30.0},
-        {"pin_radius": 34.0},
-        {"wedge": (5.0, 1.0)},
-        {"scale": (2.0, 1.0)},
-        {"rotation": -20.0},
-        {"distortion": 11.0},
-        {"flat_levels": ()},
-        {"crank": 27.0},
-        {"film_floor": 0.0},
-        {"background": -0.01},
-        {"background_beam": -0.01},
-        {"background_pages": -1},
-        {"reference": -1.0},
-        {"bleaching": (0.0, 1.0)},
-    ],
+IMPOSSIBLE = (
+    {"width": 8},
+    {"cycles": 0},
+    {"light": 0.0},
+    {"spacing": 0.0},
+    {"crank": 30.0},
+    {"crank": 27.0},
+    {"pin_radius": 34.0},
+    {"wedge": (5.0, 1.0)},
+    {"scale": (2.0, 1.0)},
+    {"rotation": -20.0},
+    {"distortion": 11.0},
+    {"flat_levels": ()},
+    {"film_floor": 0.0},
+    {"background": -0.01},
+    {"background_pages": -1},
+    {"bleaching": (0.0, 1.0)},
+    {"sideways": "glued"},
+    {"sideways": -1.0},
+    {"film": "reynolds"},
+    {"mechanism": "rotation", "log": "continuous"},
+    {"spacing": 1e-9},
+    {"cycles": 10**9},
 )
-def test_a_rig_that_cannot_work_is_refused(wrong):
-    with pytest.raises(ModelError):
-        RigSettings(**wrong)
+
+
+def test_a_rig_that_cannot_work_is_refused():
+    for wrong in IMPOSSIBLE:
+        with pytest.raises(ModelError):
+            RigSettings(**wrong)
 
 
 def test_pitch_divides_the_field_among_the_columns():
@@ -70,22 +74,18 @@ NUMBERS = [
 ]
 
 
-@pytest.mark.parametrize("field", NUMBERS, ids=lambda field: field.name)
-@pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf])
-def test_a_number_that_is_not_finite_is_refused_by_name(field, wrong):
-    given = (wrong,) * len(field.default) if isinstance(field.default, tuple) else wrong
-    with pytest.raises(ModelError, match=f"Expected {field.name} of the virtual rig"):
-        RigSettings(**{field.name: given})
-
-
-@pytest.mark.parametrize("wrong", [{"spacing": 1e-9}, {"cycles": 10**9}])
-def test_a_run_longer_than_a_disk_is_refused(wrong):
-    with pytest.raises(ModelError, match="at most 1000000 frame pairs"):
-        RigSettings(**wrong)
+def test_a_number_that_is_not_finite_is_refused_by_name():
+    for field in NUMBERS:
+        for wrong in (math.nan, math.inf, -math.inf):
+            given = (wrong,) * len(field.default) if isinstance(field.default, tuple) else wrong
+            with pytest.raises(ModelError, match=f"Expected {field.name} of the virtual rig"):
+                RigSettings(**{field.name: given})
 
 
 def test_a_refusal_names_the_limit():
     with pytest.raises(ModelError, match="Expected width of the virtual rig as a number from 32"):
         RigSettings(width=16, height=64)
-    with pytest.raises(ModelError, match=r"at most at 10 degrees, got 12\."):
+    with pytest.raises(
+        ModelError, match="spacing of the virtual rig as a number from 1e-09 to 10; got 12"
+    ):
         RigSettings(spacing=12.0)
