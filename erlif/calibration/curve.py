@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -310,11 +309,13 @@ class Calibration:
                 curve=dataset[names].reset_coords(drop=True).drop_attrs(deep=False),
                 reduced_chi_square=float(dataset.reduced_chi_square),
                 fixture=str(attrs["fixture"]),
-                notes=_read_notes(attrs),
-                # files written by earlier versions lack some of these
-                input_hashes=json.loads(attrs.get("input_hashes", "{}")),
-                profile_file=str(attrs.get("profile_file", "")),
-                date=str(attrs.get("date", "")),
+                notes=tuple(
+                    Note(Level(level), subject, text)
+                    for level, subject, text in json.loads(attrs["note_records"])
+                ),
+                input_hashes=json.loads(attrs["input_hashes"]),
+                profile_file=str(attrs["profile_file"]),
+                date=str(attrs["date"]),
                 departure=Departure.from_dataset(dataset),
                 pose=pose,
             )
@@ -323,15 +324,6 @@ class Calibration:
                 f"Expected a calibration as erlif calibrate writes it; {error} is missing from "
                 "this file. Make one with: erlif calibrate FIXTURE_DIR"
             ) from error
-
-
-def _read_notes(attrs: Mapping[Any, Any]) -> tuple[Note, ...]:
-    """Notes from the attributes; files of earlier versions store their lines only."""
-    if "note_records" in attrs:
-        records = json.loads(attrs["note_records"])
-        return tuple(Note(Level(level), subject, text) for level, subject, text in records)
-    lines = str(attrs.get("notes", "")).split("\n")
-    return tuple(Note(Level.NOTE, "", line) for line in lines if line)
 
 
 @dataclass(frozen=True)

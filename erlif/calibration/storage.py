@@ -302,9 +302,7 @@ erlif process writes it; there is none. Make the film again with: erlif process 
 
 def _read_record(kept: dict[str, Any], settings: RunSettings) -> Calibration:
     """A calibration from the record that `record_calibration` writes."""
-    # films written by earlier versions lack the covered range, the hashes and the departure
     low, high = kept["thickness_range"]
-    covered = kept.get("covered_range", [low, high])
     departure = None
     if "departure" in kept:
         departure = Departure(
@@ -320,10 +318,10 @@ def _read_record(kept: dict[str, Any], settings: RunSettings) -> Calibration:
         covariance=np.asarray(kept["covariance"], float),
         thickness_range=(float(low), float(high)),
         bands=(settings.camera1.band, settings.camera2.band),
-        curve=xr.Dataset({"curve_thickness": ("bin", covered, {"units": "um"})}),
+        curve=xr.Dataset({"curve_thickness": ("bin", kept["covered_range"], {"units": "um"})}),
         reduced_chi_square=math.nan,
         fixture=str(kept["fixture"]),
-        input_hashes=dict(kept.get("input_hashes", {})),
-        date=str(kept.get("date", "")),
+        input_hashes=dict(kept["input_hashes"]),
+        date=str(kept["date"]),
         departure=departure,
     )

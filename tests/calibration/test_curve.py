@@ -167,19 +167,6 @@ def test_notes_keep_level_and_subject(exact):
     assert Calibration.from_dataset(dataset).notes == notes
 
 
-def test_notes_of_an_earlier_version_are_read_as_notes(exact):
-    dataset = stored(exact).assign_attrs(notes="camera1: gain differs\n2 points left")
-    del dataset.attrs["note_records"], dataset.attrs["profile_file"]
-    back = Calibration.from_dataset(dataset)
-    assert back.notes == (
-        Note(Level.NOTE, "", "camera1: gain differs"),
-        Note(Level.NOTE, "", "2 points left"),
-    )
-    assert back.profile_file == ""
-    del dataset.attrs["notes"]
-    assert Calibration.from_dataset(dataset).notes == ()
-
-
 def test_ratio_the_other_way_round_is_refused(exact):
     dataset = stored(exact).assign_attrs(ratio_direction="camera1/camera2")
     with pytest.raises(CalibrationError, match=r"camera1/camera2"):

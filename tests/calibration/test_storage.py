@@ -11,7 +11,6 @@ from scenes import film as film_scene
 from scenes.fixture import WEDGE, calibrate, calibrate_wedge, image, log_ratio, wedge_profile
 
 from erlif.calibration import (
-    Calibration,
     calibration_of,
     open_calibration,
     record_calibration,
@@ -110,19 +109,6 @@ def test_record_names_every_field(wedge, departing):
     record = json.loads(record_calibration(departing))
     assert set(record) == names | {"departure"}
     assert set(record["departure"]) == {"knots", "coefficients", "covariance"}
-
-
-def test_film_of_an_earlier_version_lacks_some_fields(wedge, tmp_path):
-    record = json.loads(record_calibration(wedge))
-    for name in ("covered_range", "input_hashes", "date"):
-        del record[name]
-    with open_film(film_scene.make_film(tmp_path)) as film:
-        film.attrs["calibration"] = json.dumps(record)
-        again = calibration_of(film)
-    assert isinstance(again, Calibration)
-    assert again.covered_range == wedge.thickness_range
-    assert again.date == ""
-    assert again.departure is None
 
 
 def test_a_film_without_calibration_is_refused():

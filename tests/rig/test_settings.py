@@ -9,7 +9,6 @@ import pytest
 from erlif.core.errors import ModelError
 from erlif.rig import RigSettings
 
-
 IMPOSSIBLE = (
     {"width": 8},
     {"cycles": 0},
