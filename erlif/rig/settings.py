@@ -393,8 +393,8 @@ class RigSettings:
         """Refuse numbers that are not finite or that no rig has, and unknown words."""
         for name, value in vars(self).items():
             low, high = LIMITS.get(name, (-math.inf, math.inf))
-            numbers = value if isinstance(value, tuple) else (value,)
-            numbers = [one for one in numbers if isinstance(one, int | float)]
+            values = value if isinstance(value, tuple) else (value,)
+            numbers = [one for one in values if isinstance(one, int | float)]
             if not all(math.isfinite(one) and low <= one <= high for one in numbers):
                 among = f" from {low:g} to {high:g}" if name in LIMITS else ""
                 raise ModelError(

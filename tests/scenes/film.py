@@ -189,6 +189,9 @@ def make_film(directory: Path) -> Path:
         "attenuation_camera2": Q,
         "covariance": (np.diag([1e-3, 2e-3, 1e-3]) ** 2).tolist(),
         "thickness_range": [0.2, 16.0],
+        "covered_range": [0.2, 16.0],
+        "input_hashes": {},
+        "date": "",
     }
     film.attrs.update(
         title=f"oil-film thickness, {settings.name}",
