@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gc
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -15,11 +15,10 @@ ANNOUNCEMENT = "compiling, once per machine"
 
 
 @contextmanager
-def announced_compiling(*, first: Callable[[], None] | None = None) -> Iterator[None]:
+def announced_compiling() -> Iterator[None]:
     """Announce on standard error, in one line, that kernels are compiled.
 
-    Nothing is written where all of them come from the cache. `first` is called before the first of
-    them is compiled.
+    Nothing is written where all of them come from the cache.
     """
     from numba.core import event
 
@@ -34,8 +33,6 @@ def announced_compiling(*, first: Callable[[], None] | None = None) -> Iterator[
             if not self.announced:
                 self.announced = True
                 _announce(ANNOUNCEMENT)
-                if first is not None:
-                    first()
 
             # most objects of the compiler stay, and searching them for garbage takes an eighth of
             # its time; numba compiles in one thread at a time, so the depth is that of one kernel

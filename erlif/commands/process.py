@@ -54,7 +54,6 @@ def process(
     """
     with large_imports():
         from erlif import pipeline
-        from erlif.pipeline.engines.kernels import compile_aside, second_compiler
         from erlif.show.report import summarise
 
     # a name that promises another format is refused before the work starts
@@ -63,11 +62,7 @@ def process(
 
     source = calibration or _named_calibration(run_dir)
     found = source is None or source.exists()
-    with (
-        second_compiler(),
-        announced_compiling(first=compile_aside),
-        show_progress() as progress,
-    ):
+    with announced_compiling(), show_progress() as progress:
         film = pipeline.process(
             run_dir,
             calibration=calibration,

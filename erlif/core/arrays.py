@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -24,3 +24,6 @@ Mask = npt.NDArray[np.bool_]
 
 AnyArray = npt.NDArray[Any]
 """An array in the precision of its input."""
+
+FAST: Final = {"nsz", "arcp", "contract", "afn", "reassoc"}
+"""Floating-point freedoms of a compiled loop that keep NaN a NaN."""

@@ -5,7 +5,9 @@ from erlif.correction.background import Background, reduce_background
 from erlif.correction.camera import CameraMeasurement, measure_camera
 from erlif.correction.darks import Darks, declare_darks, reduce_darks
 from erlif.correction.flats import FlatField, make_flat_field
-from erlif.correction.frames import correct_frames
+from erlif.correction.frames import correct_frames, gather_light
+from erlif.correction.light import CameraTables, PairLight
+from erlif.correction.light_noise import NoiseTables
 from erlif.correction.pages import PageStack
 from erlif.correction.photon_transfer import (
     LightLevel,
@@ -28,12 +30,15 @@ __all__ = [
     "Background",
     "CameraMeasurement",
     "CameraNoise",
+    "CameraTables",
     "Cameras",
     "Darks",
     "DeclaredNoise",
     "FlatField",
     "LightLevel",
+    "NoiseTables",
     "PageStack",
+    "PairLight",
     "PhotonTransfer",
     "correct_frames",
     "count_pixels",
@@ -41,6 +46,7 @@ __all__ = [
     "find_pile_up",
     "find_reference_faults",
     "fit_photon_transfer",
+    "gather_light",
     "make_flat_field",
     "make_references",
     "measure_camera",

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import numba
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 
-from erlif.core.arrays import Array, FlagImage, Image
-from erlif.core.detector import QUANTISATION_VAR
-from erlif.core.flags import FLAG_ATTRS, Flag
+from erlif.core.arrays import AnyArray
+from erlif.core.flags import FLAG_ATTRS
 from erlif.core.products import CorrectedFrames, Frames, References, require
-
-_SATURATED, _DIM, _BAD_PIXEL = int(Flag.SATURATED), int(Flag.DIM), int(Flag.BAD_PIXEL)
-
-_FARTHEST = 5
-"""Rings of neighbours searched for good pixels: larger defects stay as they were read. [px]"""
+from erlif.correction.light import PairLight, measure_light, tabulate
 
 
 def correct_frames(
@@ -63,168 +59,58 @@ def correct_frames(
     """
     require(frames, "counts")
     require(references, "dark", "flat", "bad", "gain", "read_noise", "full_scale")
+    tables = tabulate(references, least_signal=least_signal)
     counts = frames.counts.values
-
-    # single precision: relative rounding of 6e-8 against a noise of 1e-2
-    signal = np.empty(counts.shape, np.float32)
-    variance = np.empty(counts.shape, np.float32)
-    fixed = np.empty(counts.shape, np.float32)
-    flags = np.empty(counts.shape, np.uint8)
     energies = np.ones(counts.shape[1])
     if "pulse_energy" in frames.coords:
         energies = frames.pulse_energy.values
-
-    for camera in range(counts.shape[0]):
-        reference = references.isel(camera=camera)
-        bad = reference.bad.values
-        rows, columns = np.nonzero(bad)
-        per_flat = 1.0 / reference.flat.values.astype(float)
-        for n in range(counts.shape[1]):
-            energy = float(energies[n])
-            light, bits = signal[camera, n], flags[camera, n]
-            _correct(
-                counts[camera, n],
-                reference.dark.values,
-                reference.flat.values,
-                bad,
-                float(reference.gain),
-                int(reference.full_scale),
-                least_signal,
-                light,
-                bits,
-            )
-            if "background" in reference:
-                subtract_background(
-                    light,
-                    bits,
-                    background=reference.background.values,
-                    per_flat=per_flat,
-                    energy=energy,
-                    least=least_signal / float(reference.gain),
-                )
-            fill_from_neighbours(light, bad, rows, columns)
-            variance[camera, n], fixed[camera, n] = _measure_noise(
-                light, reference, per_flat=per_flat, energy=energy
-            )
-
-    dims = ("camera", "frame", "y", "x")
-    units = {"units": "DN", "ancillary_variables": "signal_var signal_var_fixed flags"}
-    return CorrectedFrames(
-        xr.Dataset(
-            {
-                "signal": (dims, signal, units),
-                "signal_var": (dims, variance, {"units": "DN2"}),
-                "signal_var_fixed": (dims, fixed, {"units": "DN2"}),
-                "flags": (dims, flags, FLAG_ATTRS),
-            },
-            frames.coords,
-        )
-    )
+    pairs = [
+        measure_light(counts[:, n], tables, energy=float(energies[n]))
+        for n in range(counts.shape[1])
+    ]
+    return CorrectedFrames(gather_light(pairs).assign_coords(frames.coords))
 
 
-@numba.njit(nogil=True, cache=True)
-def _correct(  # type: ignore[no-untyped-def]
-    counts, dark, flat, bad, gain, full_scale, least_signal, signal, flags
-):
-    # the threshold is given in electrons, the image is in counts
-    least = least_signal / gain
-    for i in range(counts.shape[0]):
-        for j in range(counts.shape[1]):
-            light = counts[i, j] - dark[i, j]
-            signal[i, j] = light / flat[i, j]
-
-            flag = 0
-            if counts[i, j] >= full_scale:
-                flag |= _SATURATED
-            if light < least:
-                flag |= _DIM
-            if bad[i, j]:
-                flag |= _BAD_PIXEL
-            flags[i, j] = flag
-
-
-def _measure_noise(
-    signal: Image, reference: xr.Dataset, *, per_flat: Array, energy: float
-) -> tuple[Array, Array]:
-    """Variances of the light of one camera, new in every frame and the same in every frame.
-
-    The error of the dark remains with the factor 1 - energy where a background is subtracted that
-    was recorded above the same dark, that of the background with energy.
-    """
-    # read noise is given in electrons, the image is in counts
-    gain, square = float(reference.gain), per_flat**2
-    read_var = (float(reference.read_noise) / gain) ** 2 + QUANTISATION_VAR
-    light, of_dark = signal / per_flat, np.asarray(reference.dark_var.values, float)
-    if "background" in reference:
-        light = light + energy * reference.background.values
-        of_dark = (1 - energy * float(reference.background_recorded)) ** 2 * of_dark
-        of_dark = of_dark + energy**2 * reference.background_var.values
-
-    # shot noise of light below dark is zero, and the flat scales every part alike
-    variance = (np.maximum(light, 0.0) / gain + read_var) * square
-    of_flat = np.square(signal, dtype=float) * reference.flat_var.values
-    return variance, (of_dark + of_flat) * square
-
-
-def subtract_background(
-    signal: Image,
-    flags: FlagImage,
-    *,
-    background: Image,
-    per_flat: Array,
-    energy: float,
-    least: float,
-) -> None:
-    """Take the light of the dry joint from a corrected frame of one camera, in place.
-
-    Light is (counts - dark - energy (page - dark))/flat, where page is the mean of the dry joint.
+def gather_light(pairs: Sequence[PairLight]) -> CorrectedFrames:
+    """Light of frame pairs as a dataset.
 
     Parameters
     ----------
-    signal : array, (y, x)
-        Light above the dark over the flat. [DN]
-    flags : array, (y, x)
-        The bit of dim pixels is made anew.
-    background : array, (y, x)
-        Light of the dry joint. [DN]
-    per_flat : array, (y, x)
-        One over the flat. [1]
-    energy : float
-        Pulse energy relative to that of the dry joint. [1]
-    least : float
-        Light below which a pixel is dim. [DN]
+    pairs : sequence of PairLight
+        With their variances.
+
+    Returns
+    -------
+    CorrectedFrames
+        On dims camera, frame, y, x; the coordinates peak_camera1 and peak_camera2 (frame) are the
+        highest counts [DN].
 
     Examples
     --------
-    >>> signal, one = np.full((1, 1), 1000.0, np.float32), np.ones((1, 1), np.float32)
-    >>> subtract_background(
-    ...     signal, np.zeros((1, 1), np.uint8), background=10 * one, per_flat=np.ones((1, 1)),
-    ...     energy=1.1, least=20.0
-    ... )
-    >>> float(signal[0, 0])
-    989.0
+    >>> gather_light([PairLight.empty((2, 3))]).signal.shape
+    (2, 1, 2, 3)
     """
-    signal -= (energy * background) * per_flat
-    dim = signal < least * per_flat
-    flags[dim] |= np.uint8(_DIM)
-    flags[~dim] &= np.uint8(0xFF ^ _DIM)
+    dims = ("camera", "frame", "y", "x")
+    ancillary = {"units": "DN", "ancillary_variables": "signal_var signal_var_fixed flags"}
+    peaks = np.array([pair.peaks for pair in pairs], int).reshape(-1, 2)
 
+    def joined(name: str) -> AnyArray:
+        """All frames along the second axis; a single one is not copied."""
+        images = [getattr(pair, name)[:, None] for pair in pairs]
+        return images[0] if len(images) == 1 else np.concatenate(images, axis=1)
 
-@numba.njit(nogil=True, cache=True)
-def fill_from_neighbours(signal, bad, rows, columns):  # type: ignore[no-untyped-def]
-    """Replace each bad pixel by the mean of the good pixels of the smallest ring that has some."""
-    height, width = signal.shape
-    for n in range(rows.size):
-        i, j = rows[n], columns[n]
-        for reach in range(1, _FARTHEST + 1):
-            total = 0.0
-            count = 0
-            for k in range(max(i - reach, 0), min(i + reach + 1, height)):
-                for m in range(max(j - reach, 0), min(j + reach + 1, width)):
-                    if not bad[k, m]:
-                        total += signal[k, m]
-                        count += 1
-
-            if count > 0:
-                signal[i, j] = total / count
-                break
+    return CorrectedFrames(
+        xr.Dataset(
+            {
+                "signal": (dims, joined("light"), ancillary),
+                "signal_var": (dims, joined("variance"), {"units": "DN2"}),
+                "signal_var_fixed": (dims, joined("variance_fixed"), {"units": "DN2"}),
+                "flags": (dims, joined("flags"), FLAG_ATTRS),
+            },
+            {
+                "camera": [1, 2],
+                "peak_camera1": ("frame", peaks[:, 0]),
+                "peak_camera2": ("frame", peaks[:, 1]),
+            },
+        )
+    )

@@ -15,21 +15,19 @@ from typing import Any
 
 import cv2
 import numpy as np
-import xarray as xr
 
-from erlif.core.arrays import AnyArray, Array, Image
-from erlif.core.errors import RegistrationError
-from erlif.core.flags import FLAG_ATTRS, Flag
+from erlif.core.arrays import AnyArray, Array
 from erlif.core.pickling import PickledByFields
 from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, References
+from erlif.correction import CameraTables, NoiseTables, PairLight, gather_light
+from erlif.correction.light import measure_light, tabulate
 from erlif.io.ingest import FramePairs, read_pair
-from erlif.pipeline.passes import DriftSearch, PairLight, PairRatio
-from erlif.pipeline.passes.light import CameraTables, measure_light, tabulate
-from erlif.pipeline.passes.noise import CameraNoise
-from erlif.pipeline.passes.ratio import BAND, empty_ratio, measure_ratio
-from erlif.pipeline.passes.warp import MapTables, PairWarp, Warp, tabulate_map
-from erlif.ratio import BlurDifference, compute_ratio
-from erlif.registration import CameraMap, align_frames, estimate_drift, is_steep
+from erlif.pipeline.passes.drift import DriftSearch
+from erlif.pipeline.passes.ratio import BAND, measure_ratio
+from erlif.pipeline.passes.warp import MapTables, PairWarp, tabulate_map, turn_noise
+from erlif.ratio import BlurDifference, PairRatio, compute_ratio
+from erlif.ratio.log_ratio import empty_ratio
+from erlif.registration import CameraMap, align_frames
 
 
 @dataclass(frozen=True)
@@ -85,35 +83,6 @@ class FrameCorrection(PickledByFields):
     def energy(self, frame: int) -> float:
         """Energy of a pulse over the mean of the run; 1 where it is not known."""
         return 1.0 if self.energies is None else float(self.energies[frame])
-
-    def __call__(self, frame: int) -> CorrectedFrames:
-        """One corrected frame pair.
-
-        The coordinates peak_camera1 and peak_camera2 on dim frame are its highest counts [DN].
-        """
-        return CorrectedFrames(as_frames(self.light(frame)).assign_coords(frame=[frame]))
-
-
-def as_frames(light: PairLight) -> CorrectedFrames:
-    """Light of one frame pair as a dataset, without a copy."""
-    dims = ("camera", "frame", "y", "x")
-    ancillary = {"units": "DN", "ancillary_variables": "signal_var signal_var_fixed flags"}
-    one, two = light.peaks
-    return CorrectedFrames(
-        xr.Dataset(
-            {
-                "signal": (dims, light.light[:, None], ancillary),
-                "signal_var": (dims, light.variance[:, None], {"units": "DN2"}),
-                "signal_var_fixed": (dims, light.variance_fixed[:, None], {"units": "DN2"}),
-                "flags": (dims, light.flags[:, None], FLAG_ATTRS),
-            },
-            {
-                "camera": [1, 2],
-                "peak_camera1": ("frame", [int(one)]),
-                "peak_camera2": ("frame", [int(two)]),
-            },
-        )
-    )
 
 
 @dataclass(frozen=True)
@@ -198,64 +167,37 @@ class FrameChain(PickledByFields):
         return tabulate_map(self.camera_map)
 
     @cached_property
-    def noise(self) -> tuple[CameraNoise, CameraNoise]:
+    def noise(self) -> tuple[NoiseTables, NoiseTables]:
         """What the variances of both cameras need, that of camera 2 turned as its image is."""
         one, two = self.correct.tables
-        return one.noise(), two.noise().turned(self.tables.orientation)
+        return one.noise(), turn_noise(two.noise(), self.tables.orientation)
 
     @cached_property
     def search(self) -> DriftSearch:
         """The search for the drift of each frame against the map."""
         return DriftSearch.of(self.camera_map)
 
-    def align(self, corrected: CorrectedFrames, *, drift: Array | None = None) -> AlignedFrames:
-        """Camera 2 of one corrected frame pair on the pixel grid of camera 1.
+    def align(self, frame: int) -> tuple[CorrectedFrames, AlignedFrames]:
+        """Light of one frame pair, and the same with camera 2 on the pixels of camera 1.
 
-        The drift (x, y) [px] is estimated where it is not given. The coordinates drift_x and
-        drift_y on dim frame hold it, NaN where the cameras show no common texture.
+        The coordinates drift_x and drift_y (frame) hold the drift of camera 2, NaN where the
+        cameras show no common texture. [px]
         """
-        shift = (self._estimate_drift(corrected) if drift is None else drift)[None]
-        aligned = align_frames(corrected, self.camera_map, drift=shift)
-        return AlignedFrames(
-            aligned.assign_coords(drift_x=("frame", shift[:, 0]), drift_y=("frame", shift[:, 1]))
+        light = self.correct.light(frame)
+        drift = np.array([self._find_drift(light)])
+        frames = gather_light([light]).assign_coords(
+            frame=[frame], drift_x=("frame", drift[:, 0]), drift_y=("frame", drift[:, 1])
         )
+        corrected = CorrectedFrames(frames)
+        return corrected, align_frames(corrected, self.camera_map, drift=drift)
 
-    def align_like(self, frames: CorrectedFrames, aligned: AlignedFrames) -> AlignedFrames:
-        """Apply the alignment of a frame to other light or variances of the same frame."""
-        drift = np.column_stack([aligned.drift_x.values, aligned.drift_y.values])
-        moved = align_frames(frames, self.camera_map, drift=drift)
-        return AlignedFrames(moved.assign_coords(drift_x=aligned.drift_x, drift_y=aligned.drift_y))
-
-    def _estimate_drift(self, corrected: CorrectedFrames) -> Array:
-        light = registration_light(corrected)
-        try:
-            drift = estimate_drift(
-                self.camera_map,
-                light.one,
-                light.two,
-                weight_reference=light.weight_one,
-                weight_moving=light.weight_two,
-                threads=1,
-            )
-        except RegistrationError:  # a misfired pulse: no drift, and no film
-            return np.full(2, np.nan)
-        return np.array([drift.dx, drift.dy])
-
-    def compute_ratio(self, aligned: AlignedFrames) -> RatioImages:
-        """The ratio image of an aligned frame pair."""
+    def divide(self, aligned: AlignedFrames) -> RatioImages:
+        """The ratio images of aligned frame pairs."""
         ratios = compute_ratio(aligned, no_film_below=self.no_film_below, blur=self.blur)
         if self.ratio_drift:
             for n, frame in enumerate(ratios.frame.values):
-                ratios.log_ratio.values[n] -= self.ratio_drift * int(frame)
+                ratios.log_ratio.values[n] -= np.float32(self.ratio_drift * int(frame))
         return ratios
-
-    def ratio(self, frame: int) -> RatioImages:
-        """The ratio image of one frame pair, its files hashed as they are read.
-
-        Coordinates are those of `erlif.pipeline.passes.PairRatio.to_images`.
-        """
-        buffers = _Buffers.empty(self.pairs.shape, self.tables.orientation, with_fixed=True)
-        return self._measure(frame, buffers).to_images()
 
     def measure(self, frame: int, *, with_fixed: bool = True) -> PairRatio:
         """The ratio of one frame pair as plain arrays, its files hashed as they are read.
@@ -305,80 +247,9 @@ class FrameChain(PickledByFields):
             out=buffers.ratio,
         )
 
-    def warp(self, frame: int) -> AlignedFrames:
-        """Light of one frame pair on the pixels of camera 1, as `align` gives it."""
-        (whole,) = self.warp_bands(frame, [slice(0, self.pairs.shape[0])])
-        return whole
-
-    def warp_bands(self, frame: int, bands: Sequence[slice]) -> list[AlignedFrames]:
-        """Some rows of the same, each band by itself."""
-        light = self.correct.light(frame)
-        warped = PairWarp.empty(self.pairs.shape, self.tables.orientation)
-        drift = self._find_drift(light)
-        longest = max(band.stop - band.start for band in bands)
-        warp = Warp(light, self.tables, self.noise[1], drift, warped, band=longest)
-        for band in bands:
-            warp.fill(band.start, band.stop)
-
-        lost = np.uint8(Flag.POOR_REGISTRATION if np.isnan(drift[0]) else 0)
-        aligned = []
-        for band in bands:
-            flags = warped.flags[band] | self.tables.flags[band] | lost
-            both = replace(
-                light,
-                light=np.stack([light.light[0, band], warped.light[band]]),
-                variance=np.stack([light.variance[0, band], warped.variance[band]]),
-                variance_fixed=np.stack(
-                    [light.variance_fixed[0, band], warped.variance_fixed[band]]
-                ),
-                flags=np.stack([light.flags[0, band], flags]),
-            )
-            std = self.camera_map.displacement_std[band]
-            aligned.append(
-                as_frames(both).assign(
-                    displacement_std=(("y", "x"), std, {"units": "px"}),
-                    interpolation=("frame", [warp.averaging], {"units": "1"}),
-                )
-            )
-        return [AlignedFrames(one) for one in aligned]
-
     def _find_drift(self, light: PairLight) -> tuple[float, float]:
         drift = self.search.find(light)
         return drift.dx, drift.dy
-
-
-@dataclass(frozen=True)
-class RegistrationLight:
-    """Light of one frame pair, as a registration needs it.
-
-    Attributes
-    ----------
-    one : Image
-        Light of camera 1. [DN]
-    two : Image
-        Light of camera 2. [DN]
-    weight_one : Image
-        1 where a pixel of camera 1 can be used, else 0.
-    weight_two : Image
-        The same for camera 2.
-    """
-
-    one: Image
-    two: Image
-    weight_one: Image
-    weight_two: Image
-
-
-def registration_light(corrected: CorrectedFrames) -> RegistrationLight:
-    """Light of both cameras in one frame pair, and the pixels that a registration can use.
-
-    Saturated and bad pixels are left out, and places where the light is too steep.
-    """
-    lit = (corrected.flags.values[:, 0] & (Flag.SATURATED | Flag.BAD_PIXEL)) == 0
-    one, two = corrected.signal.values[:, 0]
-    weight_one = (lit[0] & ~is_steep(one)).astype(np.float32)
-    weight_two = (lit[1] & ~is_steep(two)).astype(np.float32)
-    return RegistrationLight(one, two, weight_one, weight_two)
 
 
 @contextmanager

@@ -40,7 +40,7 @@ from erlif.pipeline.engines.results import (
 )
 from erlif.pipeline.recording.prepare import prepare_chain
 from erlif.pipeline.recording.pulse_order import check_pulses, refuse_stuck_cameras
-from erlif.ratio import RatioSum, sample_pulse
+from erlif.ratio import RatioSum
 from erlif.registration import move_map
 
 _logger = logging.getLogger(__name__)
@@ -144,14 +144,11 @@ def combine_all(chain: FrameChain, progress: Progress) -> tuple[RatioImages, lis
     usable = chain.pairs.usable
     with one_thread_per_frame():
         for done, frame in enumerate(usable, 1):
-            ratios = chain.ratio(frame)
-            total.add(ratios)
-            pulse = sample_pulse(
-                *(ratios[name].values[0] for name in ("signal_camera1", "log_ratio", "flags"))
-            )
-            frames.append(FrameResult.of(frame, ratios, pulse=pulse))
+            pair = chain.measure(frame)
+            total.add(pair)
+            frames.append(FrameResult.of(frame, pair))
             progress("ratio", done, len(usable))
-    return total.mean(), frames
+    return RatioImages(total.mean().to_images().isel(frame=0)), frames
 
 
 def find_calibration(

@@ -4,15 +4,11 @@ from erlif.ratio.accumulation import RatioSum, combine_frames
 from erlif.ratio.bubbles import find_bubbles
 from erlif.ratio.camera_noise import NoiseEstimate, NoiseView, estimate_camera_noise
 from erlif.ratio.cells import NO_CELLS, LightCells, cell_places, sample_cells
-from erlif.ratio.log_ratio import compute_ratio, log_gradient
+from erlif.ratio.log_ratio import compute_ratio
 from erlif.ratio.noise_fit import NoiseUnknowns
+from erlif.ratio.pair import PairRatio
 from erlif.ratio.pulses import NO_PULSE, PulseFault, PulseSample, find_pulse_faults, sample_pulse
-from erlif.ratio.sharpness import (
-    BlurDifference,
-    BlurMoments,
-    measure_blur_difference,
-    take_out_ghost,
-)
+from erlif.ratio.sharpness import BlurDifference, BlurMoments, measure_blur_difference
 from erlif.ratio.smoothing import smooth_ratio
 
 __all__ = [
@@ -24,6 +20,7 @@ __all__ = [
     "NoiseEstimate",
     "NoiseUnknowns",
     "NoiseView",
+    "PairRatio",
     "PulseFault",
     "PulseSample",
     "RatioSum",
@@ -33,10 +30,8 @@ __all__ = [
     "estimate_camera_noise",
     "find_bubbles",
     "find_pulse_faults",
-    "log_gradient",
     "measure_blur_difference",
     "sample_cells",
     "sample_pulse",
     "smooth_ratio",
-    "take_out_ghost",
 ]

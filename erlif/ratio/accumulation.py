@@ -1,20 +1,24 @@
-"""Ratio images of several frames, combined with inverse-variance weights."""
+"""Ratios of several frames, combined with inverse-variance weights."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
+import cv2
 import numba
 import numpy as np
-import xarray as xr
 
-from erlif.core.arrays import Array, FlagImage, Image, Mask
-from erlif.core.flags import FLAG_ATTRS
-from erlif.core.neighbourhood import mean_of_surroundings
+from erlif.core.arrays import Array, Image
 from erlif.core.products import RatioImages, require
+from erlif.ratio.pair import PairRatio
+
+_WIDTH = 9
+"""Width of the surroundings whose mean variance gives the weight of a pixel. [px]"""
+
+_SAMPLE = 97
+"""Step between the pixels whose median is the offset of the sums; a prime, to avoid columns."""
+
+_ZERO, _ONE, _NAN = np.float32(0), np.float32(1), np.float32(np.nan)
 
 
-@dataclass
 class RatioSum:
     """Frames of one trigger, summed with inverse-variance weights without keeping them.
 
@@ -23,193 +27,73 @@ class RatioSum:
     surroundings. Its own variance is correlated with its noise, and a mean weighted by it would be
     biased. A pixel is valid if it is valid in any frame; otherwise it keeps the flags of all.
 
-    Attributes
+    Parameters
     ----------
     shape : tuple[int, int]
         Rows and columns of the images. [px]
-    frames : int
-        Frames that were added.
-    weight : Array
-        Sum of the weights w, (y, x). [1]
-    total : Array
-        Sum of w times log_ratio, (y, x). [1]
-    total_var : Array
-        Sum of w^2 times the variance that is new in every frame, (y, x). [1]
-    total_var_fixed : Array
-        Sum of w times the variance that repeats from frame to frame, (y, x). [1]
-    total_var_shared : Array
-        Sum of w times the variance by the registration, (y, x). [1]
-    correlation : float
-        Sum of the noise correlation of the frames. [1]
-    flags : FlagImage
-        Flags of all frames, (y, x).
-    valid : Mask
-        Pixels that are valid in a frame at least, (y, x).
 
     Examples
     --------
-    Without frames no pixel is valid, and the mean is NaN:
+    A frame with a quarter of the variance has four times the weight:
 
-    >>> total = RatioSum((480, 640))
-    >>> int(total.valid.sum()), float(total.mean().log_ratio[240, 320])
-    (0, nan)
+    >>> image = np.ones((16, 16), np.float32)
+    >>> flags = np.zeros(image.shape, np.uint8)
+    >>> total, none = RatioSum(image.shape), 0 * image
+    >>> for value, variance in ((0.5, 4e-4), (1.0, 1e-4)):
+    ...     weight = total.add(
+    ...         PairRatio(value * image, variance * image, none, none, flags, image)
+    ...     )
+    >>> round(float(total.mean().log_ratio[8, 8]), 6)
+    0.9
     """
 
-    shape: tuple[int, int]
-    frames: int = 0
-    weight: Array = field(init=False)
-    total: Array = field(init=False)
-    total_var: Array = field(init=False)
-    total_var_fixed: Array = field(init=False)
-    total_var_shared: Array = field(init=False)
-    correlation: float = 0.0
-    flags: FlagImage = field(init=False)
-    valid: Mask = field(init=False)
+    def __init__(self, shape: tuple[int, int]) -> None:
+        self.shape = shape
+        """Rows and columns. [px]"""
+        self.frames = 0
+        """Frames that were added."""
+        self.weight: Array = np.zeros(shape)
+        """Sum of the weights, (y, x). [1]"""
+        # of the ratio, of the variance that is new in every frame, of both others
+        self._sums = tuple(np.zeros(shape) for _ in range(4))
+        self._flags = np.zeros(shape, np.uint8)
+        self._correlation = 0.0
 
-    def __post_init__(self) -> None:
-        """Set the sums to zero."""
-        self.weight, self.total, self.total_var, self.total_var_fixed, self.total_var_shared = (
-            np.zeros(self.shape) for _ in range(5)
-        )
-        self.flags = np.zeros(self.shape, np.uint8)
-        self.valid = np.zeros(self.shape, bool)
-
-    def add(self, ratios: RatioImages) -> None:
-        """Add ratio images of the same trigger.
+    def add(self, pair: PairRatio) -> Image:
+        """Add a frame pair.
 
         Parameters
         ----------
-        ratios : RatioImages
-            log_ratio (frame, y, x) with its variances and flags, and noise_correlation (frame).
-
-        Raises
-        ------
-        ErlifError
-            If a variable is missing.
-        """
-        require(
-            ratios,
-            "log_ratio",
-            "log_ratio_var",
-            "log_ratio_var_fixed",
-            "log_ratio_var_shared",
-            "flags",
-        )
-        correlated = "noise_correlation" in ratios
-        for n in range(ratios.sizes["frame"]):
-            self.frames += 1
-            self.correlation += float(ratios.noise_correlation[n]) if correlated else 1.0
-
-            _add_frame(
-                ratios.log_ratio.values[n],
-                self.weigh(ratios, n),
-                _new_variance(ratios, n),
-                ratios.log_ratio_var_fixed.values[n],
-                ratios.log_ratio_var_shared.values[n],
-                ratios.flags.values[n],
-                self.weight,
-                self.total,
-                self.total_var,
-                self.total_var_fixed,
-                self.total_var_shared,
-                self.flags,
-                self.valid,
-            )
-
-    @staticmethod
-    def weigh(ratios: RatioImages, frame: int) -> Image:
-        """Weights of the pixels of a frame.
-
-        Parameters
-        ----------
-        ratios : RatioImages
-            log_ratio_var, log_ratio_var_fixed and flags (frame, y, x).
-        frame : int
-            Position of the frame among them.
+        pair : PairRatio
 
         Returns
         -------
         array, (y, x)
-            One over the mean of the surroundings of the variance that is new in this frame; 0 where
-            the pixel is flagged. [1]
+            Weights of its pixels: one over the mean of the surroundings of the variance that is new
+            in this frame; 0 where the pixel is flagged. [1]
         """
-        sound = ratios.flags.values[frame] == 0
-        expected = mean_of_surroundings(_new_variance(ratios, frame), sound)
-        return np.divide(1, expected, out=np.zeros(sound.shape, np.float32), where=sound)
+        weight = _weigh(pair)
+        images = pair.log_ratio, pair.variance, pair.variance_fixed, pair.variance_shared
+        _add_frame(weight, images, pair.flags, self.weight, self._sums, self._flags)
+        self.frames += 1
+        self._correlation += pair.noise_correlation
+        return weight
 
-    def mean(self) -> RatioImages:
-        """Weighted mean of the frames that were added.
+    def mean(self) -> PairRatio:
+        """Weighted mean of the frames that were added; its light is unknown.
 
         Returns
         -------
-        RatioImages
-            Without a frame dimension; NaN with the flags of all frames where a pixel is valid in
-            none.
+        PairRatio
+            NaN with the flags of all frames where a pixel is valid in none.
         """
-        # the variance of independent errors falls with the weights, that of repeated ones does not
-        with np.errstate(divide="ignore", invalid="ignore"):
-            var_fixed = self.total_var_fixed / self.weight
-            means = {
-                "log_ratio": self.total / self.weight,
-                "log_ratio_var": self.total_var / self.weight**2 + var_fixed,
-                "log_ratio_var_fixed": var_fixed,
-                "log_ratio_var_shared": self.total_var_shared / self.weight,
-            }
-
-        dims = ("y", "x")
-        images = {
-            name: (
-                dims,
-                np.where(self.weight > 0, image, np.nan).astype(np.float32),
-                {"units": "1"},
-            )
-            for name, image in means.items()
-        }
-        flags = np.where(self.valid, 0, self.flags).astype(np.uint8)
-        correlation = ((), self.correlation / max(self.frames, 1), {"units": "1"})
-        return RatioImages(
-            xr.Dataset(
-                images | {"flags": (dims, flags, FLAG_ATTRS), "noise_correlation": correlation}
-            )
-        )
-
-
-def _new_variance(ratios: RatioImages, frame: int) -> Image:
-    """Variance of the pixels of a frame without the part that repeats from frame to frame."""
-    variance = ratios.log_ratio_var.values[frame] - ratios.log_ratio_var_fixed.values[frame]
-    return np.asarray(variance)
-
-
-@numba.njit(nogil=True, cache=True)
-def _add_frame(  # type: ignore[no-untyped-def]
-    log_ratio,
-    frame_weight,
-    variance,
-    variance_fixed,
-    variance_shared,
-    flag,
-    weight,
-    total,
-    total_var,
-    total_var_fixed,
-    total_var_shared,
-    flags,
-    valid,
-):
-    """Add the first six images to the sums in the others."""
-    for i in range(log_ratio.shape[0]):
-        for j in range(log_ratio.shape[1]):
-            flags[i, j] |= flag[i, j]
-            if flag[i, j] == 0:
-                w = frame_weight[i, j]
-                weight[i, j] += w
-                total[i, j] += w * log_ratio[i, j]
-                valid[i, j] = True
-
-                # errors of one frame add in quadrature, those common to all frames linearly
-                total_var[i, j] += w * w * variance[i, j]
-                total_var_fixed[i, j] += w * variance_fixed[i, j]
-                total_var_shared[i, j] += w * variance_shared[i, j]
+        log_ratio, variance, fixed, shared = np.empty((4, *self.shape), np.float32)
+        flags = np.empty(self.shape, np.uint8)
+        images = log_ratio, variance, fixed, shared
+        _average(self.weight, self._sums, self._flags, images, flags)
+        unknown = np.broadcast_to(_NAN, self.shape)
+        correlation = self._correlation / max(self.frames, 1)
+        return PairRatio(log_ratio, variance, fixed, shared, flags, unknown, correlation)
 
 
 def combine_frames(ratios: RatioImages) -> RatioImages:
@@ -236,6 +120,7 @@ def combine_frames(ratios: RatioImages) -> RatioImages:
     --------
     A frame with a quarter of the variance has four times the weight:
 
+    >>> import xarray as xr
     >>> dims = ("frame", "y", "x")
     >>> variance = np.ones((2, 4, 4)) * [[[4e-4]], [[1e-4]]]
     >>> ratios = RatioImages(xr.Dataset({
@@ -249,7 +134,95 @@ def combine_frames(ratios: RatioImages) -> RatioImages:
     >>> round(float(mean.log_ratio[0, 0]), 6), round(float(mean.log_ratio_var[0, 0]), 6)
     (0.9, 8e-05)
     """
-    height, width = ratios.sizes["y"], ratios.sizes["x"]
-    total = RatioSum((height, width))
-    total.add(ratios)
-    return total.mean()
+    names = ("log_ratio", "log_ratio_var", "log_ratio_var_fixed", "log_ratio_var_shared", "flags")
+    require(ratios, *names)
+    total = RatioSum((ratios.sizes["y"], ratios.sizes["x"]))
+    for n in range(ratios.sizes["frame"]):
+        total.add(PairRatio.of(ratios, n))
+    mean = total.mean().to_images().isel(frame=0, drop=True)
+    return RatioImages(mean[[*names, "noise_correlation"]].reset_coords(drop=True))
+
+
+def _weigh(pair: PairRatio) -> Image:
+    """Weights of the pixels of a frame; sums over squares from OpenCV's box filter."""
+    # differences from the median: in single precision, sums of large values lose digits
+    sample = _sample_variance(pair.variance, pair.variance_fixed, pair.flags, _SAMPLE)
+    middle = np.float32(np.median(sample)) if sample.size else _ZERO
+    values: Image = np.empty(pair.flags.shape, np.float32)
+    count = np.empty_like(values)
+    _split(pair.variance, pair.variance_fixed, pair.flags, middle, values, count)
+    for image in (values, count):
+        size, border = (_WIDTH, _WIDTH), cv2.BORDER_CONSTANT
+        cv2.boxFilter(image, -1, size, dst=image, normalize=False, borderType=border)
+    _invert_mean(values, count, pair.flags, middle)
+    return values
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _sample_variance(variance, fixed, flags, step):  # type: ignore[no-untyped-def]
+    """The new variance of every so many sound pixels."""
+    sample = np.empty(flags.size // step + 1, np.float32)
+    sound = 0
+    for i in range(flags.shape[0]):
+        for j in range(flags.shape[1]):
+            if flags[i, j] == 0:
+                if sound % step == 0:
+                    sample[sound // step] = variance[i, j] - fixed[i, j]
+                sound += 1
+    return sample[: (sound + step - 1) // step]
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _split(variance, fixed, flags, middle, values, count):  # type: ignore[no-untyped-def]
+    """The new variance of sound pixels less the middle, and 1 for each of them."""
+    for i in range(flags.shape[0]):
+        for j in range(flags.shape[1]):
+            sound = flags[i, j] == 0
+            values[i, j] = (variance[i, j] - fixed[i, j]) - middle if sound else _ZERO
+            count[i, j] = _ONE if sound else _ZERO
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _invert_mean(values, count, flags, middle):  # type: ignore[no-untyped-def]
+    """Replace sums over squares by one over the mean variance; 0 at flagged pixels."""
+    for i in range(flags.shape[0]):
+        for j in range(flags.shape[1]):
+            expected = middle + values[i, j] / max(count[i, j], _ONE)
+            values[i, j] = _ONE / expected if flags[i, j] == 0 else _ZERO
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _add_frame(frame_weight, images, flag, weight, sums, flags):  # type: ignore[no-untyped-def]
+    """Add the images of a frame to the sums."""
+    log_ratio, variance, fixed, shared = images
+    ratio, new, total_fixed, total_shared = sums
+    for i in range(flag.shape[0]):
+        for j in range(flag.shape[1]):
+            flags[i, j] |= flag[i, j]
+            if flag[i, j] == 0:
+                w = frame_weight[i, j]
+                weight[i, j] += w
+                ratio[i, j] += w * log_ratio[i, j]
+
+                # errors of one frame add in quadrature, those common to all frames linearly
+                new[i, j] += w * w * (variance[i, j] - fixed[i, j])
+                total_fixed[i, j] += w * fixed[i, j]
+                total_shared[i, j] += w * shared[i, j]
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _average(weight, sums, total_flags, images, flags):  # type: ignore[no-untyped-def]
+    """Fill the images of the mean, and its flags."""
+    ratio, new, total_fixed, total_shared = sums
+    log_ratio, variance, fixed, shared = images
+    for i in range(flags.shape[0]):
+        for j in range(flags.shape[1]):
+            w = weight[i, j]
+            some = w > 0
+            # the variance of independent errors falls with the weights, of repeated ones it stays
+            repeated = total_fixed[i, j] / w
+            log_ratio[i, j] = np.float32(ratio[i, j] / w) if some else _NAN
+            variance[i, j] = np.float32(new[i, j] / (w * w) + repeated) if some else _NAN
+            fixed[i, j] = np.float32(repeated) if some else _NAN
+            shared[i, j] = np.float32(total_shared[i, j] / w) if some else _NAN
+            flags[i, j] = 0 if some else total_flags[i, j]

@@ -10,13 +10,37 @@ import numba
 import numpy as np
 import xarray as xr
 
-from erlif.core.arrays import Image
+from erlif.core.arrays import FAST, Image
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.products import AlignedFrames, RatioImages, require
 from erlif.ratio.bubbles import find_bubbles
-from erlif.ratio.sharpness import BlurDifference, take_out_ghost
+from erlif.ratio.pair import PairRatio
+from erlif.ratio.sharpness import BlurDifference
 
-_DIM, _NO_FILM = int(Flag.DIM), int(Flag.NO_FILM)
+_NAN, _ZERO, _HALF, _ONE, _TWO = (np.float32(value) for value in (np.nan, 0, 0.5, 1, 2))
+_DIM, _NO_FILM, _NONE = np.uint8(Flag.DIM), np.uint8(Flag.NO_FILM), np.uint8(0)
+_at = np.uint64  # an index that cannot count from the end, as in `erlif.registration.interpolation`
+
+# logarithm of 1 + f, f from sqrt(1/2) - 1 to sqrt(2) - 1, after f - f^2/2 (Cephes library, logf);
+# the logarithm of 2 in two parts, so that whole multiples of the first are exact
+_LOG = tuple(
+    np.float32(c)
+    for c in (
+        7.0376836292e-2,
+        -1.1514610310e-1,
+        1.1676998740e-1,
+        -1.2420140846e-1,
+        1.4249322787e-1,
+        -1.6668057665e-1,
+        2.0000714765e-1,
+        -2.4999993993e-1,
+        3.3333331174e-1,
+    )
+)
+_L0, _L1, _L2, _L3, _L4, _L5, _L6, _L7, _L8 = _LOG
+_LN2_LOW, _LN2_HIGH = np.float32(-2.12194440e-4), np.float32(0.693359375)
+_ROOT_HALF_BITS = np.int32(np.float32(np.sqrt(0.5)).view(np.int32))
+_MANTISSA_BITS = np.int32(23)
 
 
 def compute_ratio(
@@ -70,45 +94,57 @@ def compute_ratio(
     0.01414
     """
     require(frames, "signal", "signal_var", "signal_var_fixed", "flags", "displacement_std")
-    signal, variance, flags = frames.signal.values, frames.signal_var.values, frames.flags.values
-    variance_fixed = frames.signal_var_fixed.values
-    displacement_std = frames.displacement_std.values
+    signal, variance, fixed = (
+        np.ascontiguousarray(frames[name].values, np.float32)
+        for name in ("signal", "signal_var", "signal_var_fixed")
+    )
+    camera_flags = frames.flags.values
+    map_var = np.square(frames.displacement_std.values, dtype=float).astype(np.float32)
+    no_flags = np.zeros(map_var.shape, np.uint8)  # those of the map are among those of camera 2
+    along = (blur.x, blur.y) if blur is not None and blur.significant else (0.0, 0.0)
 
-    shape = signal.shape[1:]
-    log_ratio, var, var_fixed, var_shared = (np.empty(shape, np.float32) for _ in range(4))
-    correlation = np.ones(shape[0])
-    flag = flags[0] | flags[1]
-    for n in range(shape[0]):
+    ratios = [empty_ratio(map_var.shape) for _ in range(signal.shape[1])]
+    correlation = np.ones(len(ratios))
+    for n, ratio in enumerate(ratios):
         one, two = signal[:, n]
-        share_of_two = _log_ratio(
+        total, of_two = divide_rows(
             one,
             two,
-            variance[:, n],
-            variance_fixed[:, n],
-            log_ratio[n],
-            var[n],
-            var_fixed[n],
-            flag[n],
+            variance[0, n],
+            fixed[0, n],
+            variance[1, n],
+            fixed[1, n],
+            camera_flags[0, n],
+            camera_flags[1, n],
+            no_flags,
+            map_var,
+            np.float32(along[0]),
+            np.float32(along[1]),
+            ratio.log_ratio,
+            ratio.variance,
+            ratio.variance_fixed,
+            ratio.variance_shared,
+            ratio.flags,
+            0,
+            0,
+            len(one),
         )
-
-        # interpolation lowers the variance of single pixels of camera 2, not that of their mean
+        ratio.flags[find_bubbles(one, two, share=no_film_below)] |= _NO_FILM
         if "interpolation" in frames:
-            correlation[n] = 1 + share_of_two * (1 / float(frames.interpolation[n]) - 1)
-        if blur is not None and blur.significant:
-            take_out_ghost(log_ratio[n], one, two, blur.x, blur.y)
-        flag[n][find_bubbles(one, two, share=no_film_below)] |= _NO_FILM
-        var_shared[n] = (displacement_std * log_gradient(two)) ** 2
+            correlation[n] = correlate_noise(total, of_two, float(frames.interpolation[n]))
 
     dims = ("frame", "y", "x")
-    ancillary = {"ancillary_variables": "log_ratio_var flags"}
+    images = {
+        "log_ratio": [ratio.log_ratio for ratio in ratios],
+        "log_ratio_var": [ratio.variance for ratio in ratios],
+        "log_ratio_var_fixed": [ratio.variance_fixed for ratio in ratios],
+        "log_ratio_var_shared": [ratio.variance_shared for ratio in ratios],
+    }
     return RatioImages(
         xr.Dataset(
-            {
-                "log_ratio": (dims, log_ratio, {"units": "1"} | ancillary),
-                "log_ratio_var": (dims, var, {"units": "1"}),
-                "log_ratio_var_fixed": (dims, var_fixed, {"units": "1"}),
-                "log_ratio_var_shared": (dims, var_shared, {"units": "1"}),
-                "flags": (dims, flag, FLAG_ATTRS),
+            {name: (dims, np.stack(each), {"units": "1"}) for name, each in images.items()}
+            | {
+                "flags": (dims, np.stack([ratio.flags for ratio in ratios]), FLAG_ATTRS),
                 "signal_camera1": (dims, signal[0], {"units": "DN"}),
                 "noise_correlation": ("frame", correlation, {"units": "1"}),
             },
@@ -117,74 +153,218 @@ def compute_ratio(
     )
 
 
-@numba.njit(nogil=True, cache=True)
-def _log_ratio(  # type: ignore[no-untyped-def]
-    one, two, var, var_fixed, log_ratio, ratio_var, ratio_var_fixed, flag
-):
-    """Fill the last four arguments; return the share of camera 2 in the variance of valid pixels.
+def correlate_noise(total: float, of_two: float, averaging: float) -> float:
+    """Variance of a mean over many pixels, relative to that of independent pixels.
 
-    Variances of the light are those of cameras 1 and 2, (camera, y, x).
-    """
-    total, of_two = 0.0, 0.0
-    for i in range(one.shape[0]):
-        for j in range(one.shape[1]):
-            a, b = one[i, j], two[i, j]
-            if not (a > 0.0 and b > 0.0):
-                log_ratio[i, j] = np.nan
-                ratio_var[i, j] = np.nan
-                ratio_var_fixed[i, j] = np.nan
-                if flag[i, j] == 0:
-                    flag[i, j] |= _DIM
-                continue
-
-            # the mean of log(1 + e) is -var(e)/2 for a small relative error e
-            relative_one = (var[0, i, j] + var_fixed[0, i, j]) / (a * a)
-            relative_two = (var[1, i, j] + var_fixed[1, i, j]) / (b * b)
-            log_ratio[i, j] = np.log(b / a) + 0.5 * (relative_two - relative_one)
-            ratio_var[i, j] = relative_one + relative_two
-            ratio_var_fixed[i, j] = var_fixed[0, i, j] / (a * a) + var_fixed[1, i, j] / (b * b)
-            if flag[i, j] == 0:
-                total += relative_one + relative_two
-                of_two += relative_two
-    return of_two / total if total > 0.0 else 0.0
-
-
-def log_gradient(signal: Image) -> Image:
-    """Size of the gradient of the logarithm of an image, by Sobel's operator.
+    Interpolation lowers the variance of single pixels of camera 2, not that of their mean.
 
     Parameters
     ----------
-    signal : array, (y, x)
-        Light. [DN]
+    total, of_two : float
+        Variance of the log ratio, summed over the valid pixels, and its part by camera 2. [1]
+    averaging : float
+        Mean factor by which the interpolation lowers the variance of camera 2. [1]
 
     Returns
     -------
-    array, (y, x)
-        0 at the border, and beside a pixel that is not positive or not finite. [1/px]
+    float
+        [1]
 
     Examples
     --------
-    >>> x = np.arange(6) * np.ones((3, 1))
-    >>> np.round(log_gradient(np.exp(0.05 * x).astype(np.float32))[1], 3)
-    array([0.  , 0.05, 0.05, 0.05, 0.05, 0.  ], dtype=float32)
+    >>> correlate_noise(2.0, 1.0, 0.5)
+    1.5
     """
-    return np.asarray(_log_gradient(signal))
+    share = of_two / total if total > 0 else 0.0
+    return 1 + share * (1 / averaging - 1)
 
 
-@numba.njit(nogil=True, cache=True)
-def _log_gradient(signal):  # type: ignore[no-untyped-def]
-    height, width = signal.shape
-    size = np.zeros((height, width), np.float32)
-    for i in range(1, height - 1):
-        for j in range(1, width - 1):
-            a, b, c = signal[i - 1, j - 1], signal[i - 1, j], signal[i - 1, j + 1]
-            d, e, f = signal[i, j - 1], signal[i, j], signal[i, j + 1]
-            g, h, k = signal[i + 1, j - 1], signal[i + 1, j], signal[i + 1, j + 1]
-            along_x = (c - a) + 2 * (f - d) + (k - g)
-            along_y = (g - a) + 2 * (h - b) + (k - c)
+def empty_ratio(
+    shape: tuple[int, int],
+    *,
+    with_fixed: bool = True,
+    replaces: tuple[Image, Image] | None = None,
+) -> PairRatio:
+    """Arrays for frames of a shape (y, x), to be filled by `divide_rows`.
 
-            # light changes little over three pixels: its relative gradient is that of the logarithm
-            mean = (a + c + g + k + 2 * (b + d + f + h) + 4 * e) * np.float32(0.5)
-            if mean > 0:  # false for NaN
-                size[i, j] = np.sqrt(along_x * along_x + along_y * along_y) / mean
-    return size
+    Parameters
+    ----------
+    shape : tuple of int
+        Rows and columns.
+    with_fixed : bool
+        Whether `variance_fixed` is kept; otherwise all rows share one.
+    replaces : tuple of two array, optional
+        Memory for the ratio, and for its variance. The latter may be the light of camera 2 in the
+        `PairLight` that `divide_rows` reads: a row is replaced when it is not needed any more.
+
+    Returns
+    -------
+    PairRatio
+    """
+    if replaces is None:
+        replaces = np.empty(shape, np.float32), np.empty(shape, np.float32)
+    log_ratio, variance = replaces
+    shared = np.empty(shape, np.float32)
+    fixed = np.empty((shape[0] if with_fixed else 1, shape[1]), np.float32)
+    light_one = np.zeros((0, 0), np.float32)
+    return PairRatio(log_ratio, variance, fixed, shared, np.empty(shape, np.uint8), light_one)
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath={"contract"})
+def _take_log(values, bits, exponents):  # type: ignore[no-untyped-def]
+    """Replace values by their logarithms; `bits` is the same memory as whole numbers."""
+    for t in range(values.size):
+        x = _at(t)
+        exponent = np.int32(np.int32(bits[x] - _ROOT_HALF_BITS) >> _MANTISSA_BITS)
+        exponents[x] = np.float32(exponent)
+        bits[x] = np.int32(bits[x] - np.int32(exponent << _MANTISSA_BITS))
+    for t in range(values.size):
+        x = _at(t)
+        f = values[x] - _ONE
+        square = f * f
+        y = ((((_L0 * f + _L1) * f + _L2) * f + _L3) * f + _L4) * f + _L5
+        y = (((y * f + _L6) * f + _L7) * f + _L8) * f * square
+        y += exponents[x] * _LN2_LOW - _HALF * square
+        values[x] = exponents[x] * _LN2_HIGH + (f + y)
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def divide_rows(  # type: ignore[no-untyped-def]
+    one,
+    two,
+    var_one,
+    fixed_one,
+    var_two,
+    fixed_two,
+    flags_one,
+    flags_two,
+    map_flags,
+    map_var,
+    along_x,
+    along_y,
+    log_ratio,
+    variance,
+    fixed,
+    shared,
+    flags,
+    first,
+    start,
+    stop,
+):
+    """Fill rows of a log ratio, its three variances and its flags.
+
+    Parameters
+    ----------
+    one, two : array, (y, x)
+        Light of both cameras on one grid. [DN]
+    var_one, fixed_one : array, (row, x)
+        Variances of camera 1; row j is stored as row j modulo their number of rows. [DN2]
+    var_two, fixed_two, flags_two : array, (row, x)
+        Variances and flags of camera 2, from row `first` of the image on.
+    flags_one, map_flags : array, (y, x)
+        Flags of camera 1 and of the map.
+    map_var : array, (y, x)
+        Variance of one component of the displacement. [px2]
+    along_x, along_y : float32
+        Difference of sharpness, whose ghost is subtracted. [px2]
+    log_ratio, variance, fixed, shared, flags : array, (y, x)
+        Receive the rows; `fixed` may have a single row.
+    first, start, stop : int
+
+    Returns
+    -------
+    tuple of two float
+        Sums of the variance over the valid pixels, of both cameras and of camera 2. [1]
+    """
+    height, width = one.shape
+    ghost = along_x != _ZERO or along_y != _ZERO
+    total, of_two = 0.0, 0.0
+    values = np.empty((2, width), np.float32)
+    bits = values.view(np.int32)
+    spare = np.empty((4, width), np.float32)  # logarithms of products of three rows, and one more
+
+    # the ratio of each row, and for the ghost the product of both cameras in the row below
+    for below in range(max(start - 1, 0) if ghost else start + 1, stop + 1):
+        row = below - 1
+        y, z, kept = _at(row), _at(below), _at(row - first)
+        if row >= start:
+            for t in range(width):
+                x = _at(t)
+                a, b = one[y, x], two[y, x]
+                values[0, x] = b / a if (a > _ZERO) & (b > _ZERO) else _ONE
+        if ghost and below < height:
+            for t in range(width):
+                x = _at(t)
+                product = one[z, x] * two[z, x]
+                values[1, x] = product if product > _ZERO else _ONE
+        for q in range(0 if row >= start else 1, 2 if ghost and below < height else 1):
+            _take_log(values[q], bits[q], spare[3])
+        if ghost and below < height:
+            for t in range(width):
+                x = _at(t)
+                lit = one[z, x] * two[z, x] > _ZERO
+                spare[_at(below % 3), x] = values[1, x] if lit else _NAN
+        if row < start:
+            continue
+
+        # the mean of log(1 + e) is -var(e)/2 for a small relative error e
+        only, n = _at(row % var_one.shape[0]), _at(row % fixed.shape[0])
+        for t in range(width):
+            x = _at(t)
+            a, b = one[y, x], two[y, x]
+            light = (a > _ZERO) & (b > _ZERO)
+            per_a, per_b = _ONE / (a * a), _ONE / (b * b)
+            of_a = (var_one[only, x] + fixed_one[only, x]) * per_a
+            of_b = (var_two[kept, x] + fixed_two[kept, x]) * per_b
+            spare[3, x] = of_b
+            variance[y, x] = of_a + of_b if light else _NAN
+            repeats = fixed_one[only, x] * per_a + fixed_two[kept, x] * per_b
+            fixed[n, x] = repeats if light else _NAN
+            values[0, x] = values[0, x] + _HALF * (of_b - of_a) if light else _NAN
+        for t in range(width):
+            x = _at(t)
+            log_ratio[y, x] = values[0, x]
+
+        for t in range(width):
+            x = _at(t)
+            flag = flags_one[y, x] | flags_two[kept, x] | map_flags[y, x]
+            lightless = (flag == _NONE) & (values[0, x] != values[0, x])
+            flags[y, x] = _DIM if lightless else flag
+        sum_all, sum_two = _ZERO, _ZERO
+        for t in range(width):
+            x = _at(t)
+            valid = flags[y, x] == _NONE
+            sum_all += variance[y, x] if valid else _ZERO
+            sum_two += spare[3, x] if valid else _ZERO
+        total += float(sum_all)
+        of_two += float(sum_two)
+
+        # half the logarithm of the product is the mean of both cameras' logarithms
+        inside = row > 0 and row < height - 1
+        if ghost and inside:
+            up, mid, down = _at((row - 1) % 3), _at(row % 3), _at((row + 1) % 3)
+            for t in range(1, width - 1):
+                x = _at(t)
+                here = spare[mid, x]
+                bend_x = (spare[mid, _at(t - 1)] - here) + (spare[mid, _at(t + 1)] - here)
+                bend_y = (spare[up, x] - here) + (spare[down, x] - here)
+                left_over = _HALF * (along_x * bend_x + along_y * bend_y)
+                log_ratio[y, x] -= left_over if left_over == left_over else _ZERO
+
+        # Sobel's gradient of camera 2, over the light: the gradient of the logarithm
+        for t in range(width):
+            x = _at(t)
+            shared[y, x] = map_var[y, x] * _ZERO
+        if inside:
+            up, down = _at(row - 1), _at(row + 1)
+            for t in range(1, width - 1):
+                x, left, right = _at(t), _at(t - 1), _at(t + 1)
+                a, b, c = two[up, left], two[up, x], two[up, right]
+                d, e, f = two[y, left], two[y, x], two[y, right]
+                g, h, k = two[down, left], two[down, x], two[down, right]
+                in_x = (c - a) + _TWO * (f - d) + (k - g)
+                in_y = (g - a) + _TWO * (h - b) + (k - c)
+                mean = (a + c + g + k + _TWO * (b + d + f + h) + _TWO * _TWO * e) * _HALF
+                size = (in_x * in_x + in_y * in_y) / (mean * mean)
+                shared[y, x] = map_var[y, x] * (size if mean > _ZERO else _ZERO)
+    return total, of_two

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, Image, Mask
@@ -280,48 +279,3 @@ def _bend(values: Array) -> tuple[Array, Array]:
 def _dot(one: Array, two: Array) -> float:
     """Sum of the products; the order of the sum does not depend on the number of processors."""
     return float(np.einsum("yx,yx->", one, two))
-
-
-def take_out_ghost(
-    log_ratio: Image, one: Image, two: Image, along_x: float, along_y: float
-) -> None:
-    """Subtract the ghost of the texture from the logarithm of the ratio, in place.
-
-    Parameters
-    ----------
-    log_ratio : array, (y, x)
-        Logarithm of camera 2 over camera 1, changed in place. [1]
-    one, two : array, (y, x)
-        Light of the two cameras on one grid. [DN]
-    along_x, along_y : float
-        The blur difference, camera 2 less camera 1. [px2]
-
-    Examples
-    --------
-    The logarithm of light exp(a x^2) has the second derivative 2 a, and blur raises it by 2 a times
-    half the variance:
-
-    >>> light = np.exp(0.01 * (np.arange(5.0) - 2) ** 2) * np.ones((3, 1))
-    >>> log_ratio = np.full((3, 5), 0.02 * 0.05)
-    >>> take_out_ghost(log_ratio, light, light, 0.05, 0.05)
-    >>> bool(np.allclose(log_ratio[1, 1:4], 0, atol=1e-12))
-    True
-    """
-    _subtract_ghost(log_ratio, one, two, along_x, along_y)
-
-
-@numba.njit(nogil=True, cache=True)
-def _subtract_ghost(log_ratio, one, two, along_x, along_y):  # type: ignore[no-untyped-def]
-    height, width = one.shape
-    for i in range(1, height - 1):
-        for j in range(1, width - 1):
-            centre = one[i, j] * two[i, j]
-            left, right = one[i, j - 1] * two[i, j - 1], one[i, j + 1] * two[i, j + 1]
-            above, below = one[i - 1, j] * two[i - 1, j], one[i + 1, j] * two[i + 1, j]
-            if centre > 0 and left > 0 and right > 0 and above > 0 and below > 0:
-                # half the logarithm of the product is the mean of both cameras' logarithms
-                square = centre * centre
-                log_ratio[i, j] -= 0.5 * (
-                    along_x * np.log(left * right / square)
-                    + along_y * np.log(above * below / square)
-                )

@@ -14,7 +14,7 @@ from erlif.core.arrays import AnyArray, Array
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.products import AlignedFrames, CorrectedFrames, require
 from erlif.registration.camera_map import CameraMap
-from erlif.registration.interpolation import FARTHEST, interpolation_variance_factor, warp
+from erlif.registration.interpolation import NOTHING_BAD, sample_rows, spline_coefficients
 from erlif.registration.settings import orient
 
 _OUTSIDE, _POOR = int(Flag.OUTSIDE_OVERLAP), int(Flag.POOR_REGISTRATION)
@@ -72,7 +72,9 @@ def align_frames(
     """
     names = ("signal", "signal_var", "signal_var_fixed", "flags")
     require(frames, *names)
-    aligned = {name: np.empty_like(frames[name].values) for name in names}
+    shape = frames.signal.shape
+    aligned = {name: np.empty(shape, np.float32) for name in names[:3]}
+    aligned["flags"] = np.empty(shape, np.uint8)
     for name, out in aligned.items():
         out[0] = frames[name].values[0]  # camera 1 keeps its pixels
 
@@ -85,25 +87,22 @@ def align_frames(
     )
     averaging = np.ones(count)
 
-    for n, (x, y) in enumerate(offsets.tolist()):
-        own = {
-            name: np.ascontiguousarray(orient(frames[name].values[1, n], turn)) for name in names
-        }
-        aligned["signal"][1, n] = warp(own["signal"], dx, dy, (x, y))
-
-        # the spline averages the noise of neighbouring pixels; their variance changes slowly
-        factor = interpolation_variance_factor(dx, dy, (x, y))
-        drifted = np.float32(x), np.float32(y)
-        for name in ("signal_var", "signal_var_fixed"):
-            _gather(own[name], dx, dy, *drifted, factor, aligned[name][1, n])
-        seen = np.isfinite(aligned["signal_var"][1, n])
-        averaging[n] = np.mean(factor[seen], dtype=float) if seen.any() else 1.0
+    for n, (x, y) in enumerate(offsets.astype(np.float32)):
+        light, variance, fixed, flags = (
+            np.ascontiguousarray(orient(frames[name].values[1, n], turn)) for name in names
+        )
+        spread = np.empty(flags.shape, np.uint8)
+        spread_flags(flags, spread)
+        moved = tuple(aligned[name][1, n] for name in names)
+        noise = np.asarray(variance, np.float32), np.asarray(fixed, np.float32), spread
+        total, points = sample_rows(  # type: ignore[call-arg]
+            spline_coefficients(light), dx, dy, x, y, NOTHING_BAD, *noise, *moved, 0, 0, len(dx)
+        )
+        averaging[n] = total / points if points else 1.0
 
         # NaN drift leaves no pixel valid, and the reason belongs in the flags
-        flags = aligned["flags"][1, n]
-        _gather_flags(own["flags"], dx, dy, *drifted, flags)
-        flags[~camera_map.overlap] |= _OUTSIDE
-        flags[camera_map.poor | np.isnan(x)] |= _POOR
+        aligned["flags"][1, n][~camera_map.overlap] |= _OUTSIDE
+        aligned["flags"][1, n][camera_map.poor | np.isnan(x)] |= _POOR
 
     dims = ("camera", "frame", "y", "x")
     described = {
@@ -142,63 +141,3 @@ def spread_flags(flags: AnyArray, out: AnyArray) -> None:
         if i >= 2:
             for j in range(width):
                 out[i - 2, j] = four[0, j] | four[1, j] | four[2, j] | four[3, j]
-
-
-@numba.njit(nogil=True, cache=True)
-def _locate(place: int, shift: np.float32, size: int) -> tuple[int, np.float32]:
-    """Pixel before a point and its distance from it; -1 outside an image.
-
-    As `erlif.registration.interpolation.sample_rows` has it, in single precision.
-    """
-    if not abs(shift) < FARTHEST:
-        return -1, np.float32(0)
-    whole = np.floor(shift)
-    pixel, part = place + int(whole), np.float32(shift - whole)
-    if pixel == size - 1 and part == 0:  # the last pixel is reached from the one before it
-        return pixel - 1, np.float32(1)
-    return (pixel, part) if 0 <= pixel < size - 1 else (-1, np.float32(0))
-
-
-@numba.njit(nogil=True, cache=True)
-def _gather_flags(
-    flags: AnyArray,
-    displacement_x: AnyArray,
-    displacement_y: AnyArray,
-    drift_x: np.float32,
-    drift_y: np.float32,
-    out: AnyArray,
-) -> None:
-    """All flags of the 4 x 4 pixels about each point."""
-    height, width = flags.shape
-    spread = np.empty((height, width), flags.dtype)
-    spread_flags(flags, spread)
-    for i in range(out.shape[0]):
-        for j in range(out.shape[1]):
-            m, _ = _locate(j, displacement_x[i, j] + drift_x, width)
-            k, _ = _locate(i, displacement_y[i, j] + drift_y, height)
-            out[i, j] = spread[k, m] if k >= 0 and m >= 0 else _OUTSIDE
-
-
-@numba.njit(nogil=True, cache=True)
-def _gather(
-    variance: AnyArray,
-    displacement_x: AnyArray,
-    displacement_y: AnyArray,
-    drift_x: np.float32,
-    drift_y: np.float32,
-    factor: AnyArray,
-    out: AnyArray,
-) -> None:
-    """Variance about each point by bilinear interpolation, times `factor`; NaN outside."""
-    height, width = variance.shape
-    for i in range(out.shape[0]):
-        for j in range(out.shape[1]):
-            m, u = _locate(j, displacement_x[i, j] + drift_x, width)
-            k, v = _locate(i, displacement_y[i, j] + drift_y, height)
-            if k < 0 or m < 0:
-                out[i, j] = np.nan
-                continue
-
-            top = variance[k, m] + u * (variance[k, m + 1] - variance[k, m])
-            bottom = variance[k + 1, m] + u * (variance[k + 1, m + 1] - variance[k + 1, m])
-            out[i, j] = (top + v * (bottom - top)) * factor[i, j]

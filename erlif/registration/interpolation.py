@@ -10,13 +10,10 @@ from typing import Final
 import numpy as np
 from numba import njit
 
-from erlif.core.arrays import AnyArray, Image
+from erlif.core.arrays import FAST, AnyArray, Image
 from erlif.core.errors import RegistrationError
 from erlif.core.flags import Flag
 from erlif.registration.bands import in_bands
-
-FAST: Final = {"nsz", "arcp", "contract", "afn", "reassoc"}
-"""Floating-point freedoms that keep NaN a NaN."""
 
 _POLE: Final = np.float32(np.sqrt(3.0) - 2.0)
 """Pole of the filter that turns samples into cubic B-spline coefficients."""

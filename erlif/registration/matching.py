@@ -14,9 +14,8 @@ import cv2
 import numpy as np
 from numba import njit
 
-from erlif.core.arrays import AnyArray, Array, Image
+from erlif.core.arrays import FAST, AnyArray, Array, Image
 from erlif.registration.bands import in_bands
-from erlif.registration.interpolation import FAST
 
 # Layout of the cell sums, the last axis of an array (row, column, SUMS).
 

@@ -9,9 +9,8 @@ import cv2
 import numpy as np
 from numba import njit
 
-from erlif.core.arrays import AnyArray, Image
+from erlif.core.arrays import FAST, AnyArray, Image
 from erlif.registration.bands import in_bands
-from erlif.registration.interpolation import FAST
 
 CELL: Final = 4
 """Side of the cells from which the local mean and rms are averaged. [px]"""

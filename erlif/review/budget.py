@@ -35,7 +35,8 @@ from erlif.pipeline.recording.clock import fit_start
 from erlif.pipeline.recording.prepare import prepare_chain
 from erlif.pipeline.recording.pulses import read_energies
 from erlif.pipeline.recording.register import stored_map
-from erlif.ratio import RatioSum
+from erlif.ratio import PairRatio, RatioSum
+from erlif.registration import align_frames
 from erlif.thickness import measure_thickness
 from erlif.trend import FilmStatistics, summarise_film
 
@@ -229,19 +230,17 @@ def _split_variance(chain: FrameChain, frames: Sequence[int]) -> _Sources:
     averaging = []
     with one_thread_per_frame():
         for frame in frames:
-            corrected = chain.correct(frame)
-            aligned = chain.align(corrected)
-            ratios = chain.compute_ratio(aligned)
-            weight = total.weigh(ratios, 0).astype(float)
+            corrected, aligned = chain.align(frame)
+            weight = total.add(PairRatio.of(chain.divide(aligned))).astype(float)
             _add_sources(variances, chain, corrected, aligned, weight)
             averaging.append(float(aligned.interpolation[0]))
-            total.add(ratios)
 
     # random errors of frames add in quadrature, those of dark and flat linearly
     weight = np.where(total.weight > 0, total.weight, np.inf)
     for source, variance in variances.items():
         variance /= weight**2 if source.kind == RANDOM else weight
-    return _Sources(variances, total.mean(), float(np.mean(averaging)))
+    ratio = RatioImages(total.mean().to_images().isel(frame=0))
+    return _Sources(variances, ratio, float(np.mean(averaging)))
 
 
 def _add_sources(
@@ -279,6 +278,7 @@ def _add_sources(
 
     # two sources at a time take the places of the two variances in the alignment
     dims = corrected.signal.dims
+    drift = np.column_stack([corrected.drift_x.values, corrected.drift_y.values])
     names = list(sources)
     if not of_page.any():
         names.remove(_DRY)
@@ -287,7 +287,7 @@ def _add_sources(
             signal_var=(dims, sources[one].astype(np.float32)),
             signal_var_fixed=(dims, sources[other or one].astype(np.float32)),
         )
-        moved = chain.align_like(CorrectedFrames(single), aligned)
+        moved = align_frames(CorrectedFrames(single), chain.camera_map, drift=drift)
         images = {one: moved.signal_var, other: moved.signal_var_fixed}
         for name, image in images.items():
             with np.errstate(divide="ignore", invalid="ignore"):  # pixels without light or weight

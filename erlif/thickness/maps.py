@@ -1,17 +1,25 @@
-"""Ratio images to maps of film thickness, with two kinds of uncertainty and flags."""
+"""Log ratio to film thickness, and which pixels determine one."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numba
 import numpy as np
 import xarray as xr
 
 from erlif.calibration import Calibration
-from erlif.core.flags import FLAG_ATTRS, Flag
+from erlif.core.arrays import AnyArray, FlagImage, Image
+from erlif.core.flags import FLAG_ATTRS
 from erlif.core.products import RatioImages, ThicknessMaps, require
-from erlif.thickness.measurable import find_range
+from erlif.thickness.surroundings import PAD, Surroundings, decide, enter_row
+from erlif.thickness.tables import FilmTables
 
-_BELOW, _ABOVE, _POOR = int(Flag.BELOW_RANGE), int(Flag.ABOVE_RANGE), int(Flag.POOR_REGISTRATION)
+_ZERO, _NAN = np.float32(0), np.float32(np.nan)
+_at = np.uint64  # an index that cannot count from the end, as in `erlif.registration.interpolation`
+
+_STEPS = (61, 67)
+"""Rows and columns between the pixels whose median is the offset of the sums: some hundreds."""
 
 _ATTRS: dict[str, dict[str, str]] = {
     "thickness": {
@@ -32,7 +40,7 @@ def measure_thickness(ratios: RatioImages, calibration: Calibration) -> Thicknes
     """Convert ratio images to film thickness, pixel by pixel.
 
     A pixel is flagged, and not extrapolated, where its surroundings lie beyond the measurable range
-    (`erlif.thickness.measurable`) or its own ratio beyond what the fixture covers. It is flagged
+    (`erlif.thickness.surroundings`) or its own ratio beyond what the fixture covers. It is flagged
     poor_registration where the error of the registration exceeds the noise.
 
     Parameters
@@ -76,96 +84,188 @@ def measure_thickness(ratios: RatioImages, calibration: Calibration) -> Thicknes
     0.01
     """
     require(ratios, "log_ratio", "log_ratio_var", "log_ratio_var_shared", "flags")
-    table = calibration.inverse
+    tables = FilmTables.of(calibration)
     shape = ratios.log_ratio.shape
     thickness, std, std_shared, near = (np.empty(shape, np.float32) for _ in range(4))
-    flags = ratios.flags.values.copy()
+    flags = np.empty(shape, np.uint8)
+    log_ratio, variance, displaced = (
+        np.ascontiguousarray(ratios[name].values, np.float32)
+        for name in ("log_ratio", "log_ratio_var", "log_ratio_var_shared")
+    )
     for n in np.ndindex(shape[:-2]):
-        log_ratio, variance, displaced = (
-            ratios[name].values[n]
-            for name in ("log_ratio", "log_ratio_var", "log_ratio_var_shared")
-        )
-
-        # flags that the surroundings decide, before those of the pixels themselves
-        flags[n][(flags[n] == 0) & (displaced > variance)] = _POOR
-        near[n], beyond = find_range(log_ratio, variance, flags[n], calibration)
-        flags[n] |= np.where(flags[n] == 0, beyond, 0).astype(np.uint8)
-        near[n][flags[n] != 0] = np.nan
-
-        _invert(
-            log_ratio,
-            variance,
-            displaced,
+        images = log_ratio[n], variance[n], displaced[n], ratios.flags.values[n]
+        offset, noise = find_medians(images[0], images[1], images[3])
+        surroundings = Surroundings.of(shape[-1], offset=offset, variance=noise)
+        maps = thickness[n], std[n], std_shared[n], flags[n]
+        _measure(
+            images,
+            (tables.start, tables.per_step, tables.last),
+            (tables.thickness, tables.pairs),
+            tables.limits,
+            tuple(surroundings),
+            tuple(LookUpRows.of(shape[-1])),
             near[n],
-            table.start,
-            table.step,
-            table.thickness,
-            table.per_log_ratio,
-            table.calibration_std,
-            thickness[n],
-            std[n],
-            std_shared[n],
-            flags[n],
+            maps,
         )
 
-    images = {
+    images_by_name = {
         "thickness": thickness,
         "thickness_std": std,
         "thickness_std_shared": std_shared,
         "log_ratio_near": near,
     }
     dims = ratios.log_ratio.dims
-    maps = {name: (dims, image, _ATTRS[name]) for name, image in images.items()}
-    return ThicknessMaps(xr.Dataset(maps | {"flags": (dims, flags, FLAG_ATTRS)}, ratios.coords))
+    described = {name: (dims, image, _ATTRS[name]) for name, image in images_by_name.items()}
+    return ThicknessMaps(
+        xr.Dataset(described | {"flags": (dims, flags, FLAG_ATTRS)}, ratios.coords)
+    )
 
 
-@numba.njit(nogil=True, cache=True)
-def _interpolate(table, place):  # type: ignore[no-untyped-def]
-    """Value of a table at a position between its rows."""
-    k = min(int(place), table.size - 2)
-    return table[k] + (place - k) * (table[k + 1] - table[k])
+class LookUpRows(NamedTuple):
+    """Rows of the table look-up that stay in cache, (x,).
+
+    Attributes
+    ----------
+    around : AnyArray
+        Flags by the surroundings.
+    near : Image
+        Log ratio half-way to the mean of the surroundings; then the rate there.
+    entry : AnyArray
+        Entry of the tables, for the ratio itself and that near it, (2, x).
+    part : Image
+        Distance from that entry, (2, x).
+    film : Image
+        Film at the entry below and above, two numbers for each pixel.
+    pairs : AnyArray
+        The same of rate and calibration, as pairs in one number.
+    slopes : Image
+        Memory of `pairs` in single precision.
+    own : Image
+        Part of the calibration.
+    """
+
+    around: AnyArray
+    near: Image
+    entry: AnyArray
+    part: Image
+    film: Image
+    pairs: AnyArray
+    slopes: Image
+    own: Image
+
+    @classmethod
+    def of(cls, width: int) -> LookUpRows:
+        """Empty rows of an image of some width."""
+        near, own = (np.empty(width, np.float32) for _ in range(2))
+        around, entry = np.empty(width, np.uint8), np.empty((2, width), np.uint32)
+        part, film = np.empty((2, width), np.float32), np.empty(2 * width, np.float32)
+        pairs = np.empty(2 * width, np.float64)
+        return cls(around, near, entry, part, film, pairs, pairs.view(np.float32), own)
 
 
-@numba.njit(nogil=True, cache=True)
-def _invert(  # type: ignore[no-untyped-def]
-    log_ratio,
-    variance,
-    variance_shared,
-    near,
-    start,
-    step,
-    table,
-    per_log_ratio,
-    calibration_std,
-    thickness,
-    std,
-    std_shared,
-    flags,
+def find_medians(log_ratio: Image, variance: Image, flags: FlagImage) -> tuple[float, float]:
+    """Median log ratio and variance of some hundred sound pixels, of all where none of them is.
+
+    Parameters
+    ----------
+    log_ratio, variance, flags : array, (y, x)
+
+    Returns
+    -------
+    tuple of two float
+    """
+    for steps in (_STEPS, (1, 1)):
+        sample = slice(None, None, steps[0]), slice(None, None, steps[1])
+        sound = flags[sample] == 0
+        if sound.any():
+            images = log_ratio[sample], variance[sample]
+            middle, noise = (float(np.median(image[sound])) for image in images)
+            return middle, noise
+    return 0.0, 0.0
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")
+def look_up(log_ratio, i, tables, scale, rows):  # type: ignore[no-untyped-def]
+    """Entries for the film at the ratio of row i, and for rate and calibration at the row near."""
+    _, near, entry, part, film, pairs, _, _ = rows
+    films, slopes = tables
+    start, per_step, last = scale
+    y = _at(i)
+    for q in range(2):
+        # entry of the table below each value, and the distance from it in entries
+        row = _at(q)
+        for t in range(near.size):
+            x = _at(t)
+            place = ((log_ratio[y, x] if q == 0 else near[x]) - start) * per_step
+            place = place if place > _ZERO else _ZERO  # NaN becomes 0
+            place = place if place < last else last
+            below = np.uint32(place)
+            entry[row, x] = below
+            part[row, x] = place - np.float32(below)
+    for t in range(near.size):
+        n = entry[_at(0), _at(t)]
+        film[_at(2 * t)] = films[_at(n)]
+        film[_at(2 * t + 1)] = films[_at(n) + _at(1)]
+    for t in range(near.size):
+        n = entry[_at(1), _at(t)]
+        pairs[_at(2 * t)] = slopes[_at(n)]
+        pairs[_at(2 * t + 1)] = slopes[_at(n) + _at(1)]
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")
+def fill_maps(variance, displaced, i, rows, maps):  # type: ignore[no-untyped-def]
+    """Row i of the maps; NaN where it is flagged."""
+    _, rate, _, part, film, _, slopes, own = rows
+    thickness, std, std_shared, flags = maps
+    y, first, second = _at(i), _at(0), _at(1)
+
+    # few rows a loop: more would need more comparisons of addresses than the compiler accepts
+    for t in range(flags.shape[1]):
+        x = _at(t)
+        below = film[_at(2 * t)]
+        value = below + part[first, x] * (film[_at(2 * t + 1)] - below)
+        thickness[y, x] = value if flags[y, x] == 0 else _NAN
+    for t in range(flags.shape[1]):
+        x = _at(t)
+        below, also = slopes[_at(4 * t)], slopes[_at(4 * t + 1)]
+        rate[x] = below + part[second, x] * (slopes[_at(4 * t + 2)] - below)
+        own[x] = also + part[second, x] * (slopes[_at(4 * t + 3)] - also)
+
+    # the maps may be in the memory of the ratio, which loops in vector registers do not expect
+    for t in range(flags.shape[1]):
+        x = _at(t)
+        film[x] = rate[x] * np.sqrt(variance[y, x]) if flags[y, x] == 0 else _NAN
+    for t in range(flags.shape[1]):
+        x = _at(t)
+        shared = np.sqrt(own[x] * own[x] + rate[x] * rate[x] * displaced[y, x])
+        own[x] = shared if flags[y, x] == 0 else _NAN
+    for t in range(flags.shape[1]):
+        x = _at(t)
+        std[y, x] = film[x]
+    for t in range(flags.shape[1]):
+        x = _at(t)
+        std_shared[y, x] = own[x]
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _measure(  # type: ignore[no-untyped-def]
+    images, scale, tables, limits, surroundings, rows, near, maps
 ):
-    """Fill the last four arguments from the tables of the calibration over log ratio."""
-    last = table.size - 1
-    for i in range(log_ratio.shape[0]):
-        for j in range(log_ratio.shape[1]):
-            thickness[i, j] = np.nan
-            std[i, j] = np.nan
-            std_shared[i, j] = np.nan
-            if flags[i, j] != 0:
-                continue
+    """Fill the maps, and the mean log ratio about each pixel.
 
-            place = (log_ratio[i, j] - start) / step
-            if place < 0.0:
-                flags[i, j] |= _BELOW
-                continue
-            if place > last:
-                flags[i, j] |= _ABOVE
-                continue
-            thickness[i, j] = _interpolate(table, place)
+    The film pass of the pipeline does the same, and sums over blocks beside it.
+    """
+    log_ratio, variance, displaced, _ = images
+    bits_around, half_way, flags = rows[0], rows[1], maps[3]
+    for u in range(log_ratio.shape[0] + PAD):
+        enter_row(images, u, surroundings)
 
-            # the slope of a curve at a noisy ratio is correlated with its error; half-way to the
-            # mean of the surroundings it is that of the chord between both
-            near_place = (near[i, j] - start) / step
-            place = min(max(0.5 * (place + near_place), 0.0), float(last))
-            rate = _interpolate(per_log_ratio, place)
-            own = _interpolate(calibration_std, place)
-            std[i, j] = rate * np.sqrt(variance[i, j])
-            std_shared[i, j] = np.sqrt(own * own + rate * rate * variance_shared[i, j])
+        # row i is in the middle of the squares
+        i = u - PAD
+        if i >= 0:
+            decide(log_ratio, i, limits, surroundings, bits_around, half_way, flags)
+            for j in range(log_ratio.shape[1]):
+                mean = half_way[j] + (half_way[j] - log_ratio[i, j])
+                near[i, j] = mean if bits_around[j] == 0 else _NAN
+            look_up(log_ratio, i, tables, scale, rows)
+            fill_maps(variance, displaced, i, rows, maps)

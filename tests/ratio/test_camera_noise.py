@@ -4,13 +4,13 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.plain import subtract_ghost
 from scipy import ndimage
 
 from erlif.core.errors import FrameError
 from erlif.core.products import AlignedFrames, RatioImages, References
 from erlif.ratio import BlurDifference, NoiseUnknowns, NoiseView, estimate_camera_noise
 from erlif.ratio.camera_noise import _overlap, cell_size
-from erlif.ratio.sharpness import take_out_ghost
 from erlif.registration import CameraMap, MapKind, interpolation_variance_factor
 
 GAIN = 4.4  # [electron/DN]
@@ -118,7 +118,7 @@ def test_noise_that_the_removed_ghost_adds_is_not_taken_for_shot_noise():
     for _ in range(6):
         one, two = (np.rint(rng.poisson(GAIN * image) / GAIN) for image in LIGHT)
         log_ratio = np.log(two / one)
-        take_out_ghost(log_ratio, one, two, blur.x, blur.y)
+        subtract_ghost(log_ratio, one, two, blur)
         taken.append(NoiseView(log_ratio, 1 / LIGHT, 1 / LIGHT**2, np.zeros((2, *CELLS))))
     found = estimate_camera_noise(
         taken,

@@ -8,7 +8,7 @@ import xarray as xr
 from erlif.core.errors import ErlifError
 from erlif.core.flags import Flag
 from erlif.core.products import AlignedFrames
-from erlif.ratio import compute_ratio, log_gradient
+from erlif.ratio import compute_ratio
 
 GAIN = 4.4  # [electron/DN]
 
@@ -79,13 +79,6 @@ def test_registration_error_enters_by_the_gradient_of_the_light():
     )
 
 
-def test_log_gradient_of_an_exponential_ramp():
-    y, x = np.indices((40, 50))
-    npt.assert_allclose(
-        log_gradient(np.exp(0.03 * x + 0.04 * y).astype(np.float32))[2:-2, 2:-2], 0.05, rtol=1e-3
-    )
-
-
 def test_a_pixel_without_light_above_the_dark_level_is_dim(light):
     light[1, 0, 5, 5] = -3.0
     ratios = compute_ratio(aligned(*light, *np.abs(light) / GAIN))
@@ -104,14 +97,6 @@ def test_registration_error_is_found_from_camera_2(light):
     ramp = np.broadcast_to(1000 * np.exp(0.05 * np.arange(72)), (1, 64, 72))
     ratios = compute_ratio(aligned(ramp, even, displacement_std=0.2))
     npt.assert_array_equal(ratios.log_ratio_var_shared, 0.0)
-
-
-def test_log_gradient_is_zero_beside_pixels_without_light():
-    light = np.exp(0.05 * np.arange(20) * np.ones((15, 1))).astype(np.float32)
-    light[7, 10] = np.nan
-    gradient = log_gradient(light)
-    npt.assert_array_equal(gradient[6:9, 9:12], 0.0)
-    npt.assert_allclose(gradient[4, 1:-1], 0.05, rtol=1e-3)
 
 
 def test_flags_of_both_cameras_are_kept(light):

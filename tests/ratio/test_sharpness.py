@@ -10,7 +10,6 @@ from erlif.ratio import (
     BlurMoments,
     compute_ratio,
     measure_blur_difference,
-    take_out_ghost,
 )
 
 SHAPE = (200, 240)
@@ -149,22 +148,3 @@ def test_flagged_pixels_take_no_part():
     pair = frames(scene(waves(rng), 0, 0), scene(waves(rng), 0.1, 0.1), rng)
     pair.flags.values[1] = 1
     assert measure_blur_difference(pair) == BlurDifference()
-
-
-def test_the_ghost_of_a_parabola_is_its_constant_curvature():
-    """Logarithm a x^2 + b y^2, second derivatives 2 a and 2 b."""
-    y, x = np.indices((20, 30)) - 10.0
-    light = np.exp(0.01 * x**2 - 0.02 * y**2)
-    log_ratio = np.zeros(light.shape)
-    take_out_ghost(log_ratio, light, light, 0.05, 0.03)
-    npt.assert_allclose(log_ratio[1:-1, 1:-1], -(0.05 * 0.02 - 0.03 * 0.04), atol=1e-12)
-    npt.assert_array_equal(log_ratio[[0, -1]], 0.0)
-
-
-def test_pixels_without_light_keep_their_ratio():
-    light = np.exp(0.01 * np.arange(9.0) ** 2) * np.ones((7, 1))
-    light[3, 4] = np.nan
-    log_ratio = np.zeros(light.shape)
-    take_out_ghost(log_ratio, light, light, 0.05, 0.05)
-    npt.assert_array_equal(log_ratio[[2, 3, 3, 3, 4], [4, 3, 4, 5, 4]], 0.0)
-    assert log_ratio[1, 4] != 0

@@ -8,8 +8,7 @@ import xarray as xr
 
 from erlif.core.flags import FLAG_ATTRS
 from erlif.core.products import CorrectedFrames
-from erlif.pipeline.passes.light import PairLight
-from erlif.pipeline.passes.noise import CameraNoise
+from erlif.correction import NoiseTables, PairLight
 from erlif.registration import CameraMap, MapKind, RegistrationSettings
 
 EPS = float(np.finfo(np.float32).eps)
@@ -37,7 +36,7 @@ def camera_noise(shape, *, seed=6):
         images = (image.astype(np.float32) for image in (per_flat, dark_var, flat_var))
         # reading 100 DN2, so that variances of neighbours differ by less than a factor of ten
         none, numbers = np.zeros((0, 0), np.float32), np.array([0.23, 100, 0], np.float32)
-        noise.append(CameraNoise(*images, none, none, numbers))
+        noise.append(NoiseTables(*images, none, none, numbers))
     return tuple(noise)
 
 

@@ -9,7 +9,7 @@ from scipy.integrate import quad
 from erlif.calibration import Calibration
 from erlif.core.flags import Flag
 from erlif.core.products import RatioImages
-from erlif.thickness import CLEAR, find_range, measure_thickness
+from erlif.thickness import CLEAR, measure_thickness
 
 K, P, Q = 0.65, 0.40, 0.25
 SHAPE = (400, 600)
@@ -85,16 +85,23 @@ def test_limits_follow_the_noise_and_the_slope(calibration):
     npt.assert_array_equal(thick, Flag.ABOVE_RANGE)
 
 
+def map_of(log_ratio, variance, flags, calibration):
+    dims = ("y", "x")
+    images = {
+        "log_ratio": (dims, log_ratio),
+        "log_ratio_var": (dims, np.full_like(log_ratio, variance)),
+        "log_ratio_var_shared": (dims, np.zeros_like(log_ratio)),
+        "flags": (dims, np.asarray(flags, np.uint8)),
+    }
+    return measure_thickness(RatioImages(xr.Dataset(images)), calibration)
+
+
 def test_the_range_of_a_pixel_does_not_depend_on_its_own_value(calibration):
-    """A pixel far too bright or far too dim in even surroundings."""
-    film = np.full((40, 40), 5.0)
-    log_ratio = log_ratio_of(np.array([4.0, 5.0, 6.0]))[1] * np.ones(film.shape, np.float32)
-    variance = np.full(film.shape, 1e-4, np.float32)
+    """A pixel far too bright or far too dim in even surroundings: it is measurable by them."""
     for own in (-1.0, 1.0):
-        image = log_ratio.astype(np.float32)
+        image = uniform(5.0)
         image[20, 20] += own
-        _, beyond = find_range(image, variance, np.zeros(film.shape, np.uint8), calibration)
-        assert beyond[20, 20] == 0
+        assert np.isfinite(map_of(image, 1e-4, 0 * image, calibration).log_ratio_near).all()
 
 
 def test_average_over_the_measurable_range_is_that_of_its_films(calibration):
@@ -115,27 +122,17 @@ def uniform(film, shape=(40, 40)):
 def test_a_film_beyond_the_calibrated_range_is_flagged_in_full_light(calibration):
     """13 um is covered by the fixture, but not calibrated."""
     image = uniform(13.0)
-    flags = np.zeros(image.shape, np.uint8)
-    found = find_range(image, np.full_like(image, 1e-8), flags, calibration)
-    npt.assert_array_equal(found.beyond, Flag.ABOVE_RANGE)
-    npt.assert_allclose(found.surroundings, image, rtol=1e-5)
+    maps = map_of(image, 1e-8, 0 * image, calibration)
+    npt.assert_array_equal(maps.flags, Flag.ABOVE_RANGE)
+    assert np.isnan(maps.log_ratio_near).all()
 
 
 def test_flagged_pixels_do_not_affect_the_range_of_others(calibration):
-    image = uniform(5.0)
-    flags = np.zeros(image.shape, np.uint8)
+    image, flags = uniform(5.0), np.zeros((40, 40), np.uint8)
     image[10:14], flags[10:14] = -3.0, Flag.NO_FILM
-    found = find_range(image, np.full_like(image, 1e-4), flags, calibration)
-    npt.assert_array_equal(found.beyond, 0)
-    npt.assert_allclose(found.surroundings, uniform(5.0), rtol=1e-5)
-
-
-def test_a_pixel_without_valid_surroundings_has_no_range(calibration):
-    image = uniform(5.0)
-    flags = np.full(image.shape, Flag.DIM, np.uint8)
-    found = find_range(image, np.full_like(image, 1e-4), flags, calibration)
-    npt.assert_array_equal(found.beyond, 0)
-    assert np.isnan(found.surroundings).all()
+    maps = map_of(image, 1e-4, flags, calibration)
+    npt.assert_array_equal(maps.flags, flags)
+    npt.assert_allclose(maps.log_ratio_near, np.where(flags == 0, uniform(5.0), np.nan), rtol=1e-5)
 
 
 @pytest.mark.parametrize(("factor", "expected"), [(0.9, 0), (1.1, int(Flag.BELOW_RANGE))])
@@ -144,6 +141,4 @@ def test_the_margin_is_two_standard_deviations_of_a_pixel(calibration, factor, e
     image = uniform(0.5)
     end = log_ratio_of(np.array([0.1, 18.0]))[0]
     std = factor * (image[0, 0] - end) / CLEAR
-    flags = np.zeros(image.shape, np.uint8)
-    found = find_range(image, np.full_like(image, std**2), flags, calibration)
-    npt.assert_array_equal(found.beyond, expected)
+    npt.assert_array_equal(map_of(image, std**2, 0 * image, calibration).flags, expected)

@@ -11,9 +11,8 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Level, Note
-from erlif.core.products import RatioImages
 from erlif.io.ingest import FramePairs, depth_warning
-from erlif.ratio import NO_CELLS, NO_PULSE, LightCells, PulseSample
+from erlif.ratio import NO_CELLS, NO_PULSE, LightCells, PairRatio, PulseSample, sample_pulse
 from erlif.thickness import NO_PATCH, PatchMean
 from erlif.trend import FilmStatistics, PinPosition
 
@@ -59,23 +58,21 @@ class FrameResult:
     def of(
         cls,
         frame: int,
-        ratios: RatioImages,
+        pair: PairRatio,
         *,
-        pulse_energy: float = float("nan"),
-        pulse: PulseSample = NO_PULSE,
+        cells: LightCells = NO_CELLS,
+        patch: PatchMean = NO_PATCH,
     ) -> FrameResult:
-        """Result of one frame pair, from the coordinates of its ratio image."""
-        one, two = (
-            str(ratios[name].values[0]) if name in ratios.coords else ""
-            for name in ("digest_camera1", "digest_camera2")
-        )
+        """Result of one frame pair, whose pulse is sampled from its ratio."""
+        pulse = sample_pulse(pair.light_one, pair.log_ratio, pair.flags)
         return cls(
             frame,
-            (float(ratios.drift_x[0]), float(ratios.drift_y[0])),
-            (int(ratios.peak_camera1[0]), int(ratios.peak_camera2[0])),
-            pulse_energy,
-            (one, two),
-            pulse,
+            pair.drift,
+            pair.peaks,
+            digests=pair.digests,
+            pulse=pulse,
+            cells=cells,
+            patch=patch,
         )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import platform
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
@@ -15,17 +15,16 @@ from erlif.core.arrays import AnyArray
 from erlif.core.errors import ClusterError
 from erlif.core.flags import Flag, count_flags
 from erlif.core.pickling import PickledByFields
-from erlif.core.products import RatioImages
 from erlif.core.progress import Progress
 from erlif.io.files import MapStore, PartialFilm
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Engine
 from erlif.pipeline.engines.results import FrameResult, TriggerResult
 from erlif.pipeline.film import MAPS
-from erlif.pipeline.passes import FilmTables, PairRatio, PairSum, measure_film, measure_pulse
-from erlif.pipeline.physics.light import FrameLight, sample_light, sample_reference
-from erlif.ratio import NO_CELLS, sample_pulse, smooth_ratio
-from erlif.thickness import measure_pulse_energy, measure_thickness
+from erlif.pipeline.passes import measure_film, measure_pulse
+from erlif.pipeline.physics.light import sample_light, sample_reference
+from erlif.ratio import NO_CELLS, PairRatio, RatioSum, smooth_ratio
+from erlif.thickness import FilmTables, measure_pulse_energy
 from erlif.trend import FilmCurve, PinView, Region, find_pin_in_blocks, summarise_blocks
 
 EARLY = 24
@@ -84,28 +83,19 @@ class TriggerTask(PickledByFields):
         attenuation = self.calibration.attenuation_camera1
         if len(frames) == 1:  # the film of the trigger is that of its only frame
             ratio = self.chain.measure(frames[0], with_fixed=self.smoothing is not None)
-            pulse = sample_pulse(ratio.light_one, ratio.log_ratio, ratio.flags)
-            light = self._sample(frames[0], ratio)
+            only = self._keep(frames[0], ratio)  # the maps may take the place of the ratio
             film = measure_film(ratio, self.tables, self.region)
             energy = measure_pulse_energy(
                 ratio.light_one, film.thickness, film.flags, attenuation=attenuation
             )
-            kept.append(
-                FrameResult(
-                    frames[0], ratio.drift, ratio.peaks, energy, ratio.digests, pulse, *light
-                )
-            )
+            kept.append(replace(only, pulse_energy=energy))
         else:
-            total = PairSum(self.chain.pairs.shape)
+            total = RatioSum(self.chain.pairs.shape)
             for frame in frames:
                 pair = self.chain.measure(frame)
                 total.add(pair)
-                pulse = sample_pulse(pair.light_one, pair.log_ratio, pair.flags)
-                light = self._sample(frame, pair)
                 energy = measure_pulse(pair, self.tables, attenuation=attenuation)
-                kept.append(
-                    FrameResult(frame, pair.drift, pair.peaks, energy, pair.digests, pulse, *light)
-                )
+                kept.append(replace(self._keep(frame, pair), pulse_energy=energy))
             ratio = total.mean()
             if not frames:
                 ratio.flags[:] = Flag.OUTSIDE_OVERLAP
@@ -118,21 +108,19 @@ class TriggerTask(PickledByFields):
             position = find_pin_in_blocks(film.sums, self.curve, region=self.region, view=self.view)
 
         # the statistics above need pixels with independent noise, so smoothing comes last
-        if self.smoothing is None:
-            maps = {variable.name: getattr(film, variable.name) for variable in MAPS}
-        else:
-            images = RatioImages(ratio.to_images().isel(frame=0))
-            smooth = smooth_ratio(images, resolution=self.smoothing)
-            measured = measure_thickness(smooth, self.calibration)
-            maps = {variable.name: measured[variable.name].values for variable in MAPS}
+        if self.smoothing is not None:
+            smooth = smooth_ratio(ratio.to_images(), resolution=self.smoothing)
+            film = measure_film(PairRatio.of(smooth), self.tables, self.region)
+        maps = {variable.name: getattr(film, variable.name) for variable in MAPS}
         pixels = tuple(count_flags(maps["flags"]))
         return maps, TriggerResult(statistics, tuple(kept), pixels, position)
 
-    def _sample(self, frame: int, pair: PairRatio) -> FrameLight:
-        """Light of a frame in the cells of the image and in the reference patch."""
-        if frame in self.sampled:
-            return sample_light(pair, self.patch)
-        return FrameLight(NO_CELLS, sample_reference(pair, self.patch))
+    def _keep(self, frame: int, pair: PairRatio) -> FrameResult:
+        """What is kept of a frame, with its light in the cells of the image and in the patch."""
+        sampled = frame in self.sampled
+        light = sample_light(pair, self.patch) if sampled else None
+        cells, patch = light or (NO_CELLS, sample_reference(pair, self.patch))
+        return FrameResult.of(frame, pair, cells=cells, patch=patch)
 
     @cached_property
     def tables(self) -> FilmTables:

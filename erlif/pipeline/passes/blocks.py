@@ -1,7 +1,7 @@
 """Sums over the blocks of a region, added up row by row beside the maps.
 
-The reference is `erlif.trend.sum_blocks`. Rows of one block are added down the columns first, and
-along the row once the block is complete.
+`erlif.trend.sum_blocks` makes the same sums from finished maps. Rows of one block are added down
+the columns first, and along the row once the block is complete.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ from erlif.core.arrays import AnyArray, Image
 from erlif.core.errors import RegistrationError
 from erlif.core.flags import Flag
 from erlif.core.neighbourhood import BLOCK
-from erlif.pipeline.passes.light import PairLight
+from erlif.correction import PairLight
 from erlif.registration import CameraMap, orient
 from erlif.registration.drift import LARGE, Drift, Matching, binned_field, match_textures
 from erlif.registration.normalise import MOST, REACH, binned, normalise

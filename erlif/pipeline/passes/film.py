@@ -1,8 +1,6 @@
 """Ratio of a trigger to its maps and to the sums for its statistics, in one pass over rows.
 
-The reference is `erlif.thickness.measure_thickness`, and `erlif.trend.sum_blocks` for the sums.
-Sums over surroundings differ from it by up to 1e-7 of log ratio. The flag of a pixel whose
-surroundings are as near to a limit as that, one in some millions, may differ.
+`erlif.thickness.measure_thickness` makes the same maps without the sums.
 """
 
 from __future__ import annotations
@@ -12,20 +10,13 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from erlif.core.arrays import AnyArray, FlagImage, Image
+from erlif.core.arrays import FlagImage, Image
 from erlif.pipeline.passes.blocks import BlockRows, add_to_blocks
-from erlif.pipeline.passes.buffers import empty_image
-from erlif.pipeline.passes.pair import PairRatio
-from erlif.pipeline.passes.surroundings import PAD, Surroundings, decide, enter_row
-from erlif.pipeline.passes.tables import FilmTables
-from erlif.thickness import compare_light, middle_of
+from erlif.ratio import PairRatio
+from erlif.thickness import FilmTables, compare_light, middle_of
+from erlif.thickness.maps import LookUpRows, fill_maps, find_medians, look_up
+from erlif.thickness.surroundings import PAD, Surroundings, decide, enter_row
 from erlif.trend import BlockSums, Region
-
-_ZERO, _NAN = np.float32(0), np.float32(np.nan)
-_at = np.uint64  # an index that cannot count from the end, as in `erlif.registration.interpolation`
-
-_STEPS = (61, 67)
-"""Rows and columns between the pixels whose median is the offset of the sums: some hundreds."""
 
 _NOWHERE = Region(slice(0, 0), slice(0, 0))
 
@@ -52,33 +43,6 @@ class FilmMaps(NamedTuple):
     thickness_std_shared: Image
     flags: FlagImage
     sums: BlockSums
-
-
-class _Rows(NamedTuple):
-    """Rows of the table look-up that stay in cache, (x,).
-
-    `entry` and `part` have two rows, for the ratio itself and that near it. `film` has two numbers
-    for each pixel: the entries of the table below and above. So has `pairs`, whose numbers are
-    pairs of rate and calibration; `slopes` is the same memory.
-    """
-
-    around: AnyArray
-    near: Image
-    entry: AnyArray
-    part: Image
-    film: Image
-    pairs: AnyArray
-    slopes: Image
-    own: Image
-
-    @classmethod
-    def of(cls, width: int) -> _Rows:
-        """Empty rows of an image of some width."""
-        near, own = (np.empty(width, np.float32) for _ in range(2))
-        around, entry = np.empty(width, np.uint8), np.empty((2, width), np.uint32)
-        part, film = np.empty((2, width), np.float32), np.empty(2 * width, np.float32)
-        pairs = np.empty(2 * width, np.float64)
-        return cls(around, near, entry, part, film, pairs, pairs.view(np.float32), own)
 
 
 def measure_film(pair: PairRatio, tables: FilmTables, region: Region) -> FilmMaps:
@@ -109,10 +73,10 @@ def measure_film(pair: PairRatio, tables: FilmTables, region: Region) -> FilmMap
     (3.0, 64)
     """
     shape = pair.log_ratio.shape
-    thickness, std, std_shared = pair.spare or tuple(empty_image(shape) for _ in range(3))
-    flags = empty_image(shape, np.uint8)
+    thickness, std, std_shared = pair.spare or tuple(np.empty((3, *shape), np.float32))
+    flags = np.empty(shape, np.uint8)
 
-    offset, variance = _find_medians(pair)
+    offset, variance = find_medians(pair.log_ratio, pair.variance, pair.flags)
 
     # plain tuples are types of numba's own, see `_measure`
     blocks = BlockRows.of(shape, region)
@@ -123,24 +87,12 @@ def measure_film(pair: PairRatio, tables: FilmTables, region: Region) -> FilmMap
         (tables.thickness, tables.pairs),
         tables.limits,
         tuple(Surroundings.of(shape[1], offset=offset, variance=variance)),
-        tuple(_Rows.of(shape[1])),
+        tuple(LookUpRows.of(shape[1])),
         tuple(blocks),
         (thickness, std, std_shared, flags),
     )
     sums = blocks.named(offset, pair.noise_correlation)
     return FilmMaps(thickness, std, std_shared, flags, sums)
-
-
-def _find_medians(pair: PairRatio) -> tuple[float, float]:
-    """Median log ratio and variance of some hundred sound pixels, of all where none of them is."""
-    for steps in (_STEPS, (1, 1)):
-        sample = slice(None, None, steps[0]), slice(None, None, steps[1])
-        sound = pair.flags[sample] == 0
-        if sound.any():
-            images = pair.log_ratio[sample], pair.variance[sample]
-            ratio, variance = (float(np.median(image[sound])) for image in images)
-            return ratio, variance
-    return 0.0, 0.0
 
 
 def measure_pulse(pair: PairRatio, tables: FilmTables, *, attenuation: float) -> float:
@@ -201,69 +153,6 @@ def measure_pulse(pair: PairRatio, tables: FilmTables, *, attenuation: float) ->
     )
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")
-def _look_up(log_ratio, i, tables, scale, rows):  # type: ignore[no-untyped-def]
-    """Entries for the film at the ratio of row i, and for rate and calibration at the row near."""
-    _, near, entry, part, film, pairs, _, _ = rows
-    films, slopes = tables
-    start, per_step, last = scale
-    y = _at(i)
-    for q in range(2):
-        # entry of the table below each value, and the distance from it in entries
-        row = _at(q)
-        for t in range(near.size):
-            x = _at(t)
-            place = ((log_ratio[y, x] if q == 0 else near[x]) - start) * per_step
-            place = place if place > _ZERO else _ZERO  # NaN becomes 0
-            place = place if place < last else last
-            below = np.uint32(place)
-            entry[row, x] = below
-            part[row, x] = place - np.float32(below)
-    for t in range(near.size):
-        n = entry[_at(0), _at(t)]
-        film[_at(2 * t)] = films[_at(n)]
-        film[_at(2 * t + 1)] = films[_at(n) + _at(1)]
-    for t in range(near.size):
-        n = entry[_at(1), _at(t)]
-        pairs[_at(2 * t)] = slopes[_at(n)]
-        pairs[_at(2 * t + 1)] = slopes[_at(n) + _at(1)]
-
-
-@numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")
-def _fill(variance, displaced, i, rows, maps):  # type: ignore[no-untyped-def]
-    """Row i of the maps; NaN where it is flagged."""
-    _, rate, _, part, film, _, slopes, own = rows
-    thickness, std, std_shared, flags = maps
-    y, first, second = _at(i), _at(0), _at(1)
-
-    # few rows a loop: more would need more comparisons of addresses than the compiler accepts
-    for t in range(flags.shape[1]):
-        x = _at(t)
-        below = film[_at(2 * t)]
-        value = below + part[first, x] * (film[_at(2 * t + 1)] - below)
-        thickness[y, x] = value if flags[y, x] == 0 else _NAN
-    for t in range(flags.shape[1]):
-        x = _at(t)
-        below, also = slopes[_at(4 * t)], slopes[_at(4 * t + 1)]
-        rate[x] = below + part[second, x] * (slopes[_at(4 * t + 2)] - below)
-        own[x] = also + part[second, x] * (slopes[_at(4 * t + 3)] - also)
-
-    # the maps may be in the memory of the ratio, which loops in vector registers do not expect
-    for t in range(flags.shape[1]):
-        x = _at(t)
-        film[x] = rate[x] * np.sqrt(variance[y, x]) if flags[y, x] == 0 else _NAN
-    for t in range(flags.shape[1]):
-        x = _at(t)
-        shared = np.sqrt(own[x] * own[x] + rate[x] * rate[x] * displaced[y, x])
-        own[x] = shared if flags[y, x] == 0 else _NAN
-    for t in range(flags.shape[1]):
-        x = _at(t)
-        std[y, x] = film[x]
-    for t in range(flags.shape[1]):
-        x = _at(t)
-        std_shared[y, x] = own[x]
-
-
 @numba.njit(nogil=True, cache=True, error_model="numpy")
 def _measure(  # type: ignore[no-untyped-def]
     images, offset, scale, tables, limits, surroundings, rows, blocks, maps
@@ -284,6 +173,6 @@ def _measure(  # type: ignore[no-untyped-def]
         i = u - PAD
         if i >= 0:
             decide(log_ratio, i, limits, surroundings, around, near, flags)
-            _look_up(log_ratio, i, tables, scale, rows)
+            look_up(log_ratio, i, tables, scale, rows)
             add_to_blocks(images, i, offset, around, flags, blocks)
-            _fill(variance, displaced, i, rows, maps)
+            fill_maps(variance, displaced, i, rows, maps)

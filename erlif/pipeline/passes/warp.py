@@ -1,18 +1,20 @@
-"""Camera 2 of one frame pair on the pixels of camera 1, row by row.
+"""Camera 2 of one frame pair on the pixels of camera 1, in bands of rows.
 
-The reference is `erlif.registration.align_frames`.
+`erlif.registration.align_frames` does the same for whole images of the variances; here few rows of
+them are kept.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, FlagImage, Image
 from erlif.core.flags import Flag
-from erlif.pipeline.passes.light import PairLight
-from erlif.pipeline.passes.noise import CameraNoise, NoiseRows
+from erlif.correction import NoiseTables, PairLight
+from erlif.correction.light_noise import fill_noise
 from erlif.registration import CameraMap, orient, spline_coefficients
 from erlif.registration.alignment import spread_flags
 from erlif.registration.interpolation import FARTHEST, NOTHING_BAD, sample_rows
@@ -108,6 +110,84 @@ def tabulate_map(camera_map: CameraMap) -> MapTables:
     )
 
 
+def turn_noise(noise: NoiseTables, orientation: str) -> NoiseTables:
+    """Tables of the noise for an image that is turned first.
+
+    Parameters
+    ----------
+    noise : NoiseTables
+    orientation : str
+        One of `erlif.registration.settings.ORIENTATIONS`.
+
+    Returns
+    -------
+    NoiseTables
+    """
+    if orientation == "normal":
+        return noise
+
+    def turned(image: Image) -> Image:
+        return np.ascontiguousarray(orient(image, orientation))
+
+    return NoiseTables(
+        turned(noise.per_flat),
+        turned(np.broadcast_to(noise.dark_var, noise.per_flat.shape)),
+        turned(noise.flat_var),
+        turned(noise.dry_light),
+        turned(noise.dry_var),
+        noise.numbers,
+    )
+
+
+class NoiseRows:
+    """Both variances of some rows of an image, computed when they are first needed.
+
+    Row j is stored as row j modulo the number of rows that are kept.
+    """
+
+    def __init__(self) -> None:
+        self.variance: Image = np.empty((0, 0), np.float32)
+        """New in every frame. [DN2]"""
+        self.fixed: Image = np.empty((0, 0), np.float32)
+        """Of dark and flat. [DN2]"""
+        self._fill: Callable[[int, int], object] = lambda start, stop: None
+        self._first = self._stop = 0
+
+    def begin(self, light: Image, noise: NoiseTables, energy: Array, *, rows: int) -> None:
+        """Start with another image.
+
+        Parameters
+        ----------
+        light : array, (y, x)
+            [DN]
+        noise : NoiseTables
+        energy : array, (1)
+            Energy of the pulse over the mean of the run. [1]
+        rows : int
+            Rows to keep at least.
+        """
+        rows = min(rows, light.shape[0])
+        if self.variance.shape[0] < rows or self.variance.shape[1] != light.shape[1]:
+            self.variance, self.fixed = (
+                np.empty((rows, light.shape[1]), np.float32) for _ in range(2)
+            )
+        tables, scale = tuple(noise), np.float32(energy[0])
+        self._fill = lambda start, stop: fill_noise(
+            light, tables, scale, self.variance, self.fixed, start, stop
+        )
+        self._first = self._stop = 0
+
+    def hold(self, first: int, stop: int) -> None:
+        """Have the rows from `first` to `stop`, no more than are kept."""
+        # rows that are there stay; a gap, or rows above, mean a new beginning
+        if not self._first <= first <= self._stop:
+            self._first = self._stop = first
+        if stop > self._stop:
+            self._fill(self._stop, stop)
+            self._stop = stop
+            self._first = max(self._first, stop - self.variance.shape[0])
+
+
 @dataclass(frozen=True)
 class PairWarp:
     """Camera 2 of one frame pair on the pixels of camera 1; images are (y, x).
@@ -176,7 +256,7 @@ class Warp:
     ----------
     light : PairLight
     tables : MapTables
-    noise : CameraNoise
+    noise : NoiseTables
         Of camera 2, turned as its image is.
     drift : tuple of float
         Translation (x, y) on top of the map; NaN leaves no pixel. [px]
@@ -190,7 +270,7 @@ class Warp:
         self,
         light: PairLight,
         tables: MapTables,
-        noise: CameraNoise,
+        noise: NoiseTables,
         drift: tuple[float, float],
         out: PairWarp,
         *,

@@ -18,10 +18,9 @@ from erlif.io.settings import LightOptions
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Threads
 from erlif.pipeline.engines.results import FrameResult, TriggerResult
-from erlif.pipeline.passes import PairRatio
 from erlif.pipeline.physics.position import AXES
 from erlif.pipeline.recording.reference import describe_reference, find_patch
-from erlif.ratio import LightCells, cell_places, sample_cells
+from erlif.ratio import LightCells, PairRatio, cell_places, sample_cells
 from erlif.thickness import NO_PATCH, PatchMean, sample_patch
 from erlif.trend import (
     BackgroundEstimate,

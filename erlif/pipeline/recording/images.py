@@ -21,10 +21,9 @@ from erlif.io.files import check_trigger, open_film, settings_of, takes
 from erlif.io.ingest import Run, open_run
 from erlif.io.settings import RunSettings
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
-from erlif.pipeline.passes import PairSum
 from erlif.pipeline.recording.clock import fit_start
 from erlif.pipeline.recording.prepare import prepare_with_map
-from erlif.ratio import BlurDifference, smooth_ratio
+from erlif.ratio import BlurDifference, RatioSum, smooth_ratio
 from erlif.registration import CameraMap
 
 _RATIO = ("log_ratio", "log_ratio_var", "log_ratio_var_fixed", "log_ratio_var_shared")
@@ -171,7 +170,7 @@ def _check_run(run: Run, stored: _Stored) -> None:
 def _combine(chain: FrameChain, stored: _Stored, frames: list[int], trigger: int) -> xr.Dataset:
     """Mean light and combined ratio of the frames of a trigger."""
     shape = chain.pairs.shape
-    total = PairSum(shape)
+    total = RatioSum(shape)
     light = np.zeros((2, *shape))
     seen = np.zeros_like(light)
     with one_thread_per_frame():

@@ -14,6 +14,7 @@ from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.recording.sample import FrameSample, compare_sharpness, sample_frames
 from erlif.ratio import NoiseEstimate, NoiseUnknowns, NoiseView, estimate_camera_noise
 from erlif.ratio.camera_noise import cell_size
+from erlif.registration import align_frames
 
 _LARGE = 500_000
 """Pixels from which fewer frames hold enough cells. [px]"""
@@ -134,9 +135,8 @@ def _views(chain: FrameChain, frames: Sequence[int]) -> Iterator[NoiseView]:
     size = cell_size(chain.pairs.shape)
     flat = chain.references.flat.values[:, None]
     for frame in frames:
-        corrected = chain.correct(frame)
-        aligned = chain.align(corrected)
-        ratio = chain.compute_ratio(aligned)
+        corrected, aligned = chain.align(frame)
+        ratio = chain.divide(aligned)
 
         # variances of unit noise go through the alignment in place of the true ones
         dims, signal = corrected.signal.dims, corrected.signal.values
@@ -144,7 +144,8 @@ def _views(chain: FrameChain, frames: Sequence[int]) -> Iterator[NoiseView]:
             signal_var=(dims, np.maximum(signal, 0) / flat),
             signal_var_fixed=(dims, np.broadcast_to(flat**-2.0, signal.shape)),
         )
-        unit = chain.align_like(CorrectedFrames(units), aligned)
+        drift = np.column_stack([corrected.drift_x.values, corrected.drift_y.values])
+        unit = align_frames(CorrectedFrames(units), chain.camera_map, drift=drift)
         yield NoiseView.of(ratio, unit, chain.camera_map, size=size)
 
 

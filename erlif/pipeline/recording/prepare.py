@@ -14,7 +14,6 @@ from erlif.core.timing import stage
 from erlif.correction import CameraMeasurement, find_reference_faults, make_references
 from erlif.io.ingest import Fixture, Run
 from erlif.pipeline.chain import FrameChain, FrameCorrection
-from erlif.pipeline.engines.kernels import wait_for_kernels
 from erlif.pipeline.recording.cameras import declared_noise, measure_cameras
 from erlif.pipeline.recording.noise import NoiseCompletion, complete_noise, find_unknowns
 from erlif.pipeline.recording.pulses import read_energies
@@ -88,7 +87,6 @@ def prepare_chain(
     release_memory()
 
     chain = FrameChain(correct, camera_map, no_film_below=settings.thickness.no_film_below)
-    wait_for_kernels()
     with stage("sharpness and noise", _logger):
         sample = sample_frames(chain)
         chain = replace(chain, blur=compare_sharpness(sample))

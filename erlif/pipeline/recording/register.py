@@ -13,9 +13,9 @@ from erlif.core.errors import CalibrationError, RegistrationError
 from erlif.core.flags import Flag
 from erlif.core.neighbourhood import BLOCK
 from erlif.core.progress import Progress
+from erlif.correction import PairLight
 from erlif.io.settings import RegistrationOptions
 from erlif.pipeline.chain import FrameCorrection
-from erlif.pipeline.passes import PairLight
 from erlif.registration import (
     CameraMap,
     RegistrationSettings,

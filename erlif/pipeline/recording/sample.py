@@ -52,11 +52,14 @@ def sample_frames(chain: FrameChain) -> tuple[FrameSample, ...]:
     tuple of FrameSample
     """
     bands = choose_bands(chain.pairs.shape)
+    sample = []
     with one_thread_per_frame():
-        return tuple(
-            FrameSample(frame, tuple(chain.warp_bands(frame, bands)))
-            for frame in chain.pairs.spread(_FRAMES)
-        )
+        for frame in chain.pairs.spread(_FRAMES):
+            _, aligned = chain.align(frame)
+            # copies: a view would keep the whole frame
+            parts = [aligned.isel(y=band).copy(deep=True) for band in bands]
+            sample.append(FrameSample(frame, tuple(AlignedFrames(part) for part in parts)))
+    return tuple(sample)
 
 
 def choose_bands(shape: tuple[int, int]) -> list[slice]:

@@ -110,7 +110,7 @@ def _check_ratio(
         found: list[Image] = []
         noise: list[Image] = []
         for band in one.bands:
-            ratios = chain.compute_ratio(band)
+            ratios = chain.divide(band)
             good = ratios.flags.values == 0
             found.append(ratios.log_ratio.values[good])
             noise.append(np.sqrt(ratios.log_ratio_var.values[good]))

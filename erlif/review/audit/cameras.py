@@ -10,7 +10,6 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, Image
 from erlif.core.notes import Level, Note, list_numbers
-from erlif.core.products import RatioImages
 from erlif.core.progress import silent
 from erlif.core.statistics import robust_std
 from erlif.io.ingest import Fixture, FramePairs, Run
@@ -19,7 +18,7 @@ from erlif.pipeline.engines.results import FrameResult
 from erlif.pipeline.recording.prepare import prepare_chain
 from erlif.pipeline.recording.pulse_order import check_pulses
 from erlif.pipeline.recording.sample import FrameSample
-from erlif.ratio import sample_pulse
+from erlif.ratio import PairRatio
 from erlif.registration import orient
 
 WHOLE = 60
@@ -123,17 +122,13 @@ def survey_cameras(recording: Run | Fixture) -> CameraSurvey:
     frames, lights, kept = [], [], []
     with one_thread_per_frame():
         for frame in numbers:
-            ratios = chain.ratio(frame)
-            light, log_ratio, flags = (
-                ratios[name].values[0] for name in ("signal_camera1", "log_ratio", "flags")
-            )
-            pulse = sample_pulse(light, log_ratio, flags)
-            frames.append(FrameResult.of(frame, ratios, pulse=pulse))
-            lights.append(_median_light(light, log_ratio, flags))
+            pair = chain.measure(frame)
+            frames.append(FrameResult.of(frame, pair))
+            lights.append(_median_light(pair.light_one, pair.log_ratio, pair.flags))
             if frame in shown:
-                kept.append(_valid(log_ratio, flags))
+                kept.append(_valid(pair.log_ratio, pair.flags))
             if frame == middle:
-                picture = _draw(frame, ratios)
+                picture = _draw(frame, pair)
     return CameraSurvey(
         chain, prepared.sample, tuple(frames), np.array(lights), np.concatenate(kept), picture
     )
@@ -170,15 +165,12 @@ def _valid(log_ratio: Image, flags: AnyArray) -> Array:
     return np.asarray(log_ratio[::step, ::step][flags[::step, ::step] == 0], float)
 
 
-def _draw(frame: int, ratios: RatioImages) -> Picture:
+def _draw(frame: int, pair: PairRatio) -> Picture:
     """The pair as it is shown on the page."""
-    light, log_ratio, flags = (
-        ratios[name].values[0] for name in ("signal_camera1", "log_ratio", "flags")
-    )
     # flagged pixels hold numbers that mean nothing
-    valid = flags == 0
-    one = np.where(valid, light, np.nan).astype(np.float32)
-    clean = np.where(valid, log_ratio, 0).astype(np.float32)
+    valid = pair.flags == 0
+    one = np.where(valid, pair.light_one, np.nan).astype(np.float32)
+    clean = np.where(valid, pair.log_ratio, 0).astype(np.float32)
     two = one * np.exp(clean)
 
     # the film is smooth over 9 pixels, what registration leaves is not

@@ -6,11 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import numpy.testing as npt
-import xarray as xr
 from scenes.results import make_position, make_result
 
 from erlif.core.notes import Level
-from erlif.core.products import RatioImages
 from erlif.io.ingest import FramePairs, Page
 from erlif.pipeline.engines.results import (
     FrameResult,
@@ -19,6 +17,7 @@ from erlif.pipeline.engines.results import (
     known_digests,
     mean_drift,
 )
+from erlif.ratio import PairRatio
 
 PAIRS = FramePairs(Path(), ((), ()), (64, 64), (12, 12))
 
@@ -66,29 +65,14 @@ def test_trigger_without_frames_survives_too():
     assert empty.frames == ()
 
 
-def test_frame_result_takes_drift_and_peaks_from_its_ratio_image():
-    ratios = RatioImages(
-        xr.Dataset(
-            coords={
-                "drift_x": ("frame", [0.25]),
-                "drift_y": ("frame", [-0.5]),
-                "peak_camera1": ("frame", [3100]),
-                "peak_camera2": ("frame", [2100]),
-            }
-        )
-    )
-    assert FrameResult.of(7, ratios, pulse_energy=90.0) == FrameResult(
-        7, (0.25, -0.5), (3100, 2100), 90.0
-    )
-
-
-def test_frame_result_takes_the_hashes_of_its_files_where_they_were_taken():
-    coordinates = {name: ("frame", [0.0]) for name in ("drift_x", "drift_y")}
-    coordinates |= {name: ("frame", [1]) for name in ("peak_camera1", "peak_camera2")}
-    assert FrameResult.of(0, RatioImages(xr.Dataset(coords=coordinates))).digests == ("", "")
-    coordinates |= {f"digest_camera{n}": ("frame", [f"{n:064x}"]) for n in (1, 2)}
-    ratios = RatioImages(xr.Dataset(coords=coordinates))
-    assert FrameResult.of(0, ratios).digests == (f"{1:064x}", f"{2:064x}")
+def test_frame_result_takes_drift_peaks_and_hashes_from_its_ratio():
+    image = np.ones((64, 64), np.float32)
+    flags, digests = np.zeros(image.shape, np.uint8), (f"{1:064x}", f"{2:064x}")
+    pair = PairRatio(*[image] * 4, flags, image, 1.0, (0.25, -0.5), (3100, 2100), digests)
+    found = FrameResult.of(7, pair)
+    assert (found.frame, found.drift, found.peaks) == (7, (0.25, -0.5), (3100, 2100))
+    assert found.digests == digests
+    npt.assert_array_equal(found.pulse.log_ratio, 1)
 
 
 def test_hashes_of_frames_are_known_by_the_files_of_the_frames():

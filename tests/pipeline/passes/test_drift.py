@@ -11,8 +11,8 @@ from scenes.registration import Scene, smooth_map
 from erlif.core.errors import RegistrationError
 from erlif.core.flags import Flag
 from erlif.core.products import References
+from erlif.correction.light import measure_light, tabulate
 from erlif.pipeline.passes.drift import DriftSearch
-from erlif.pipeline.passes.light import measure_light, tabulate
 from erlif.registration import CameraMap, MapKind, RegistrationSettings, estimate_drift, orient
 from erlif.registration.steepness import is_steep
 

@@ -6,12 +6,14 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.plain import measure_thickness
 
 from erlif.calibration import Calibration
 from erlif.core.flags import Flag
 from erlif.core.products import RatioImages
-from erlif.pipeline.passes import FilmTables, PairRatio, measure_film, measure_pulse
-from erlif.thickness import measure_pulse_energy, measure_thickness
+from erlif.pipeline.passes import measure_film, measure_pulse
+from erlif.ratio import PairRatio
+from erlif.thickness import FilmTables, measure_pulse_energy
 from erlif.trend import FilmCurve, Region, sum_blocks, summarise_blocks, summarise_film
 
 K, P, Q = 0.65, 0.40, 0.25

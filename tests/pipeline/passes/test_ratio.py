@@ -4,13 +4,13 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes.pair import EPS, as_corrected, camera_map, camera_noise, scene
+from scenes.plain import align_frames, compute_ratio
 
 from erlif.core.flags import Flag
-from erlif.pipeline.passes import PairRatio
-from erlif.pipeline.passes.ratio import BAND, _take_log, empty_ratio, measure_ratio
-from erlif.pipeline.passes.warp import PairWarp, tabulate_map
-from erlif.ratio import BlurDifference, compute_ratio
-from erlif.registration import align_frames
+from erlif.pipeline.passes.ratio import BAND, measure_ratio
+from erlif.pipeline.passes.warp import PairWarp, tabulate_map, turn_noise
+from erlif.ratio import BlurDifference, PairRatio
+from erlif.ratio.log_ratio import _take_log, empty_ratio
 
 BLUR = BlurDifference(0.03, -0.02, 0.001, 0.001)
 
@@ -22,7 +22,7 @@ def both(light, found, drift, blur=BLUR, share=0.25):
     ratio = measure_ratio(
         light,
         tabulate_map(found),
-        (noise[0], noise[1].turned(orientation)),
+        (noise[0], turn_noise(noise[1], orientation)),
         drift,
         blur=blur,
         no_film_below=share,
@@ -30,7 +30,9 @@ def both(light, found, drift, blur=BLUR, share=0.25):
         out=empty_ratio(shape),
     )
     aligned = align_frames(as_corrected(light, noise), found, drift=np.array([drift]))
-    return ratio, PairRatio.of(compute_ratio(aligned, no_film_below=share, blur=blur))
+    plain = compute_ratio(aligned, no_film_below=share, blur=blur)
+    plain = plain.expand_dims("frame").assign(signal_camera1=aligned.signal.isel(camera=0))
+    return ratio, PairRatio.of(plain)
 
 
 def check(light, found, drift, blur=BLUR):

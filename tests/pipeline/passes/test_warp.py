@@ -4,10 +4,11 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes.pair import EPS, as_corrected, camera_map, camera_noise, scene
+from scenes.plain import align_frames
 
-from erlif.pipeline.passes.noise import fill_noise
-from erlif.pipeline.passes.warp import PairWarp, Warp, tabulate_map
-from erlif.registration import align_frames
+from erlif.correction.light_noise import fill_noise
+from erlif.pipeline.passes.warp import NoiseRows, PairWarp, Warp, tabulate_map, turn_noise
+from erlif.registration import orient
 from erlif.registration.settings import ORIENTATIONS
 
 
@@ -16,7 +17,7 @@ def both(light, found, drift):
     shape = light.flags.shape[1:]
     out = PairWarp.empty(shape, found.settings.orientation)
     tables, noise = tabulate_map(found), camera_noise(shape)
-    warp = Warp(light, tables, noise[1].turned(found.settings.orientation), drift, out)
+    warp = Warp(light, tables, turn_noise(noise[1], found.settings.orientation), drift, out)
     for start in range(0, shape[0], 16):
         warp.fill(start, min(start + 16, shape[0]))
     plain = align_frames(as_corrected(light, noise), found, drift=np.array([drift])).isel(frame=0)
@@ -75,3 +76,31 @@ def test_unknown_drift_leaves_no_pixel():
     assert np.isnan(out.light).all()
     assert np.isnan(out.variance).all()
     assert warp.averaging == 1.0 == float(plain.interpolation)
+
+
+def fill(light, noise, rows):
+    """All rows, of which as many are kept."""
+    kept = np.zeros((2, rows, light.shape[1]), np.float32)
+    fill_noise(light, tuple(noise), np.float32(1), *kept, 0, light.shape[0])
+    return kept
+
+
+def test_turned_tables_belong_to_the_turned_image():
+    light, noise = scene((37, 51)).light[1], camera_noise((37, 51))[1]
+    turned = np.ascontiguousarray(orient(light, "rotated_90"))
+    found = fill(turned, turn_noise(noise, "rotated_90"), 51)
+    for image, upright in zip(found, fill(light, noise, 37), strict=True):
+        npt.assert_allclose(image, orient(upright, "rotated_90"), rtol=EPS)
+
+
+def test_rows_are_there_wherever_they_are_asked_for():
+    """Forwards, with a gap, and back; never more at a time than are kept."""
+    light, noise = scene((37, 51)).light[0], camera_noise((37, 51))[0]
+    whole = fill(light, noise, 37)
+    rows = NoiseRows()
+    rows.begin(light, noise, np.ones(1), rows=9)
+    for first, stop in ((0, 5), (3, 12), (4, 9), (8, 17), (25, 34), (2, 6), (0, 0), (28, 37)):
+        rows.hold(first, stop)
+        for row in range(first, stop):
+            npt.assert_array_equal(rows.variance[row % 9], whole[0, row])
+            npt.assert_array_equal(rows.fixed[row % 9], whole[1, row])

@@ -8,7 +8,6 @@ import pytest
 from erlif.core.errors import CalibrationError, RegistrationError
 from erlif.core.progress import silent
 from erlif.io.settings import RegistrationOptions
-from erlif.pipeline.chain import registration_light
 from erlif.pipeline.recording.register import LitPairs, register_cameras, stored_map
 
 REUSE = RegistrationOptions(reuse=True)
@@ -76,9 +75,9 @@ def test_pairs_are_read_one_by_one_and_reported(prepared):
 
 def test_texture_is_left_when_the_slow_light_is_divided_out(prepared):
     """The beam changes the light by a factor across the image; the quotient lies about 1."""
-    light = registration_light(prepared.chain.correct(0))
+    light = prepared.chain.correct.light(0).light
     one, two, _, _ = LitPairs(prepared.chain.correct, [0], silent)[0]
-    for before, after in ((light.one, one), (light.two, two)):
+    for before, after in ((light[0], one), (light[1], two)):
         blocks = [
             image.reshape(6, 16, 8, 16).mean(axis=(1, 3)) / image.mean()
             for image in (before, after)

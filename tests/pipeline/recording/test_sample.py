@@ -27,7 +27,7 @@ def test_a_sample_holds_the_aligned_frames(prepared):
     chain = prepared.chain
     found = sample_frames(chain)
     assert [one.frame for one in found] == chain.pairs.spread(4)
-    whole = chain.warp(found[1].frame)
+    whole = chain.align(found[1].frame)[1]
     (band,) = found[1].bands
     xr.testing.assert_equal(band.signal, whole.signal)
     xr.testing.assert_equal(band.flags, whole.flags)
@@ -38,7 +38,7 @@ def test_bands_hold_the_rows_of_the_whole_frame(prepared, monkeypatch):
     bands = [slice(8, 30), slice(60, 90)]
     monkeypatch.setattr(module, "choose_bands", lambda shape: bands)
     one = sample_frames(chain)[2]
-    whole = chain.warp(one.frame)
+    whole = chain.align(one.frame)[1]
     for band, rows in zip(one.bands, bands, strict=True):
         for name in ("signal", "signal_var", "signal_var_fixed", "flags"):
             xr.testing.assert_equal(band[name], whole[name].isel(y=rows))
@@ -48,7 +48,7 @@ def test_sharpness_of_bands_is_that_of_the_frames_within_its_uncertainty(prepare
     chain = prepared.chain
     moments = BlurMoments.empty()
     for frame in chain.pairs.usable:
-        moments.add(chain.warp(frame))
+        moments.add(chain.align(frame)[1])
     whole = moments.solve()
     monkeypatch.setattr(module, "choose_bands", lambda shape: [slice(20, 60)])
     found = compare_sharpness(sample_frames(chain))

@@ -5,8 +5,7 @@ import numpy.testing as npt
 import pytest
 from scenes.pair import EPS, camera_noise, scene, variances
 
-from erlif.pipeline.passes.noise import NoiseRows, fill_noise
-from erlif.registration import orient
+from erlif.correction.light_noise import fill_noise
 
 SHAPE = (37, 51)
 
@@ -49,24 +48,3 @@ def test_dry_joint_adds_its_shot_noise_and_that_of_its_page(recorded, energy):
     of_dark = (1 - energy * recorded) ** 2 * noise.dark_var * scale**2
     repeated = of_dark + energy**2 * page + light.astype(float) ** 2 * noise.flat_var
     npt.assert_allclose(found, [new, repeated], rtol=6 * EPS)
-
-
-def test_turned_tables_belong_to_the_turned_image():
-    light, noise = scene(SHAPE).light[1], camera_noise(SHAPE)[1]
-    turned = np.ascontiguousarray(orient(light, "rotated_90"))
-    found = fill(turned, noise.turned("rotated_90"), SHAPE[1])
-    for image, upright in zip(found, fill(light, noise, SHAPE[0]), strict=True):
-        npt.assert_allclose(image, orient(upright, "rotated_90"), rtol=EPS)
-
-
-def test_rows_are_there_wherever_they_are_asked_for():
-    """Forwards, with a gap, and back; never more at a time than are kept."""
-    light, noise = scene(SHAPE).light[0], camera_noise(SHAPE)[0]
-    whole = fill(light, noise, SHAPE[0])
-    rows = NoiseRows()
-    rows.begin(light, noise, np.ones(1), rows=9)
-    for first, stop in ((0, 5), (3, 12), (4, 9), (8, 17), (25, 34), (2, 6), (0, 0), (28, 37)):
-        rows.hold(first, stop)
-        for row in range(first, stop):
-            npt.assert_array_equal(rows.variance[row % 9], whole[0, row])
-            npt.assert_array_equal(rows.fixed[row % 9], whole[1, row])

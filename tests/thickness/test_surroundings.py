@@ -3,12 +3,12 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.plain import find_range
 
 from erlif.core.flags import Flag
-from erlif.pipeline.passes import FilmTables
-from erlif.pipeline.passes.surroundings import PAD, Surroundings, decide, enter_row
 from erlif.show.plots import example_calibration
-from erlif.thickness.measurable import find_range
+from erlif.thickness import FilmTables
+from erlif.thickness.surroundings import PAD, Surroundings, decide, enter_row
 
 EPS = float(np.finfo(np.float32).eps)
 

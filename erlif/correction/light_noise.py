@@ -1,26 +1,23 @@
 """Variances of the light of one camera from the light itself, for the rows that are needed.
 
-The reference is `erlif.correction.correct_frames`. A whole image of either variance takes as long
-to write and read as to compute, so that none is kept between two passes.
+A whole image of either variance takes as long to write and read as to compute, so that the pipeline
+keeps none between two steps.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numba
 import numpy as np
 
-from erlif.core.arrays import Array, Image
-from erlif.registration import orient
-from erlif.registration.interpolation import FAST
+from erlif.core.arrays import FAST, Image
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 _at = np.uint64  # an index that cannot count from the end, as in `erlif.registration.interpolation`
 
 
-class CameraNoise(NamedTuple):
+class NoiseTables(NamedTuple):
     """What the variances of one camera need besides its light; images are (y, x).
 
     Attributes
@@ -47,82 +44,6 @@ class CameraNoise(NamedTuple):
     dry_var: Image
     numbers: Image
 
-    def turned(self, orientation: str) -> CameraNoise:
-        """The same for an image that is turned first.
-
-        Parameters
-        ----------
-        orientation : str
-            One of `erlif.registration.settings.ORIENTATIONS`.
-
-        Returns
-        -------
-        CameraNoise
-        """
-        if orientation == "normal":
-            return self
-
-        def turned(image: Image) -> Image:
-            return np.ascontiguousarray(orient(image, orientation))
-
-        return CameraNoise(
-            turned(self.per_flat),
-            turned(np.broadcast_to(self.dark_var, self.per_flat.shape)),
-            turned(self.flat_var),
-            turned(self.dry_light),
-            turned(self.dry_var),
-            self.numbers,
-        )
-
-
-class NoiseRows:
-    """Both variances of some rows of an image, computed when they are first needed.
-
-    Row j is stored as row j modulo the number of rows that are kept.
-    """
-
-    def __init__(self) -> None:
-        self.variance: Image = np.empty((0, 0), np.float32)
-        """New in every frame. [DN2]"""
-        self.fixed: Image = np.empty((0, 0), np.float32)
-        """Of dark and flat. [DN2]"""
-        self._fill: Callable[[int, int], object] = lambda start, stop: None
-        self._first = self._stop = 0
-
-    def begin(self, light: Image, noise: CameraNoise, energy: Array, *, rows: int) -> None:
-        """Start with another image.
-
-        Parameters
-        ----------
-        light : array, (y, x)
-            [DN]
-        noise : CameraNoise
-        energy : array, (1)
-            Energy of the pulse over the mean of the run. [1]
-        rows : int
-            Rows to keep at least.
-        """
-        rows = min(rows, light.shape[0])
-        if self.variance.shape[0] < rows or self.variance.shape[1] != light.shape[1]:
-            self.variance, self.fixed = (
-                np.empty((rows, light.shape[1]), np.float32) for _ in range(2)
-            )
-        tables, scale = tuple(noise), np.float32(energy[0])
-        self._fill = lambda start, stop: fill_noise(
-            light, tables, scale, self.variance, self.fixed, start, stop
-        )
-        self._first = self._stop = 0
-
-    def hold(self, first: int, stop: int) -> None:
-        """Have the rows from `first` to `stop`, no more than are kept."""
-        # rows that are there stay; a gap, or rows above, mean a new beginning
-        if not self._first <= first <= self._stop:
-            self._first = self._stop = first
-        if stop > self._stop:
-            self._fill(self._stop, stop)
-            self._stop = stop
-            self._first = max(self._first, stop - self.variance.shape[0])
-
 
 @numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def fill_noise(light, noise, energy, variance, fixed, start, stop):  # type: ignore[no-untyped-def]
@@ -133,7 +54,7 @@ def fill_noise(light, noise, energy, variance, fixed, start, stop):  # type: ign
     light : array, (y, x)
         [DN]
     noise : tuple of array
-        `CameraNoise` as a plain tuple.
+        `NoiseTables` as a plain tuple.
     energy : float32
         Energy of the pulse over the mean of the run; it scales the light of the dry joint. [1]
     variance, fixed : array, (row, x)

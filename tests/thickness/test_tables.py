@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from erlif.pipeline.passes import FilmTables
 from erlif.show.plots import example_calibration
+from erlif.thickness import FilmTables
 
 
 @pytest.fixture(scope="module")

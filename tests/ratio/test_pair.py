@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from erlif.pipeline.passes import PairRatio
+from erlif.ratio import PairRatio
 
 
 def test_dataset_and_arrays_say_the_same():

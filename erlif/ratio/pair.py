@@ -1,8 +1,11 @@
-"""The ratio of one frame pair as plain arrays, as the passes hand it on."""
+"""The ratio of one frame pair as plain arrays, as the pipeline hands it on."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
 
 from erlif.core.arrays import FlagImage, Image
 from erlif.core.flags import FLAG_ATTRS
@@ -77,13 +80,19 @@ class PairRatio:
         def text(name: str) -> str:
             return str(ratios[name].values[frame]) if name in ratios.variables else ""
 
+        def image(name: str) -> Image:
+            return np.ascontiguousarray(ratios[name].values[frame], np.float32)
+
+        log_ratio = image("log_ratio")
+        known = "signal_camera1" in ratios
+        light = image("signal_camera1") if known else np.full_like(log_ratio, np.nan)
         return cls(
-            ratios.log_ratio.values[frame],
-            ratios.log_ratio_var.values[frame],
-            ratios.log_ratio_var_fixed.values[frame],
-            ratios.log_ratio_var_shared.values[frame],
+            log_ratio,
+            image("log_ratio_var"),
+            image("log_ratio_var_fixed"),
+            image("log_ratio_var_shared"),
             ratios.flags.values[frame],
-            ratios.signal_camera1.values[frame],
+            light,
             number("noise_correlation", 1.0),
             (number("drift_x", 0.0), number("drift_y", 0.0)),
             (int(number("peak_camera1", 0)), int(number("peak_camera2", 0))),
@@ -98,8 +107,6 @@ class PairRatio:
         RatioImages
             As `erlif.ratio.compute_ratio` returns them, with the coordinates that `of` reads.
         """
-        import xarray as xr
-
         dims, unit = ("frame", "y", "x"), {"units": "1"}
         images = {
             "log_ratio": self.log_ratio,

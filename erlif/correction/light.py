@@ -1,8 +1,7 @@
 """Counts of one frame pair to light, with the binned light that a drift needs.
 
-The reference is `erlif.correction.correct_frames`, and `erlif.registration.normalise.binned` for
-the binned light. The variances of a pixel follow from its light, so that later passes compute them
-where they need them, see `erlif.pipeline.passes.noise`.
+The variances of a pixel follow from its light, so that later steps compute them where they need
+them, see `erlif.correction.light_noise`.
 """
 
 from __future__ import annotations
@@ -14,20 +13,21 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from erlif.core.arrays import AnyArray, Array, FlagImage, Image
+from erlif.core.arrays import FAST, AnyArray, Array, FlagImage, Image
 from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.flags import Flag
 from erlif.core.neighbourhood import BLOCK
 from erlif.core.products import References
-from erlif.correction.frames import fill_from_neighbours
-from erlif.pipeline.passes.noise import CameraNoise, fill_noise
-from erlif.registration.interpolation import FAST
+from erlif.correction.light_noise import NoiseTables, fill_noise
 
 _SATURATED, _DIM, _BAD_PIXEL = (
     np.uint8(flag) for flag in (Flag.SATURATED, Flag.DIM, Flag.BAD_PIXEL)
 )
 _UNUSABLE = np.uint8(_SATURATED | _BAD_PIXEL)
 _ZERO, _ONE, _NONE = np.float32(0), np.float32(1), np.uint8(0)
+
+_FARTHEST = 5
+"""Rings of neighbours searched for good pixels: larger defects stay as they were read. [px]"""
 
 
 @dataclass(frozen=True)
@@ -172,16 +172,16 @@ class CameraTables:
     full_scale: int
     background: BackgroundTables | None = None
 
-    def noise(self) -> CameraNoise:
+    def noise(self) -> NoiseTables:
         """What the variances of the light need.
 
         Returns
         -------
-        CameraNoise
+        NoiseTables
         """
         dry = self.background
         none = np.zeros((0, 0), np.float32)
-        return CameraNoise(
+        return NoiseTables(
             self.per_flat,
             self.dark_var,
             self.flat_var,
@@ -291,7 +291,7 @@ def measure_light(
         if table.background is not None:
             dry = table.background
             _subtract(light, out.flags[n], dry.light, dry.least, np.float32(energy))
-        fill_from_neighbours(light, table.bad, table.rows, table.columns)
+        _fill_from_neighbours(light, table.bad, table.rows, table.columns)
         _bin(light, out.flags[n], out.half[n], out.half_weight[n], out.blocks[n])
         if out.variance.size:
             noise, height = tuple(table.noise()), light.shape[0]
@@ -326,13 +326,36 @@ def _measure(  # type: ignore[no-untyped-def]
 
 @numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def _subtract(light, flags, background, least, energy):  # type: ignore[no-untyped-def]
-    """Take the light of the dry joint away; see `correction.frames.subtract_background`."""
+    """Take the light of the dry joint away, (counts - dark - energy (page - dark))/flat.
+
+    The bit of dim pixels is made anew; page is the mean of the dry joint.
+    """
     keep = np.uint8(0xFF) ^ _DIM
     for i in range(light.shape[0]):
         for j in range(light.shape[1]):
             value = light[i, j] - energy * background[i, j]
             light[i, j] = value
             flags[i, j] = (flags[i, j] & keep) | (_DIM if value < least[i, j] else _NONE)
+
+
+@numba.njit(nogil=True, cache=True)
+def _fill_from_neighbours(signal, bad, rows, columns):  # type: ignore[no-untyped-def]
+    """Replace each bad pixel by the mean of the good pixels of the smallest ring that has some."""
+    height, width = signal.shape
+    for n in range(rows.size):
+        i, j = rows[n], columns[n]
+        for reach in range(1, _FARTHEST + 1):
+            total = 0.0
+            count = 0
+            for k in range(max(i - reach, 0), min(i + reach + 1, height)):
+                for m in range(max(j - reach, 0), min(j + reach + 1, width)):
+                    if not bad[k, m]:
+                        total += signal[k, m]
+                        count += 1
+
+            if count > 0:
+                signal[i, j] = total / count
+                break
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)

@@ -1,15 +1,15 @@
-"""The pass from counts to light, held to the plain correction."""
+"""Counts to light, held to the plain correction."""
 
 import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.plain import correct_frames
 
 from erlif.core.flags import Flag
 from erlif.core.neighbourhood import block_light
 from erlif.core.products import Frames, References
-from erlif.correction import correct_frames
-from erlif.pipeline.passes.light import PairLight, measure_light, tabulate
+from erlif.correction.light import PairLight, measure_light, tabulate
 from erlif.registration.normalise import binned
 
 EPS = float(np.finfo(np.float32).eps)
