@@ -17,8 +17,6 @@ from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
 
 ROOT = Path(__file__).resolve().parents[1]
-DRAW = os.environ.get("ERLIF_DOCS_DRAW", "yes") == "yes"
-"""Whether scripts of the gallery and the tutorial are run; the checks run them as tests instead."""
 
 sys.path.insert(0, str(ROOT))
 sys.path.insert(0, str(ROOT / "docs" / "gallery"))
@@ -50,7 +48,7 @@ suppress_warnings = ["config.cache"]  # the gallery's configuration holds a clas
 # MyST and the tutorial
 myst_enable_extensions = ["dollarmath", "deflist", "colon_fence", "attrs_inline"]
 myst_heading_anchors = 3
-nb_execution_mode = "force" if DRAW else "off"
+nb_execution_mode = "force"
 nb_execution_timeout = 120
 nb_execution_raise_on_error = True
 nb_merge_streams = True
@@ -77,7 +75,6 @@ sphinx_gallery_conf = {
     "min_reported_time": 10,
     "abort_on_example_error": True,
     "run_stale_examples": True,  # figures follow erlif, not only their scripts
-    "plot_gallery": DRAW,
     "image_srcset": ["2x"],
 }
 

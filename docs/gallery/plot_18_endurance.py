@@ -8,19 +8,17 @@ two designs, as in section 4.1 of Farzaneh (2002); a test that ended without gal
 largest load that the bearing has carried.
 """
 
-from pathlib import Path
-
 import matplotlib.pyplot as plt
+from sample import ENDURANCE
 
 import erlif
 
-logs = Path(__file__).resolve().parents[2] / "data_samples" / "endurance"
 columns = erlif.endurance.LogColumns(arm_force="Third cell [N]")
 tests = {
     path.stem: erlif.analyse_endurance(
         erlif.read_endurance_log(path, columns), pin_radius=0.03336, arm=0.3
     )
-    for path in sorted(logs.glob("*.csv"))
+    for path in sorted(ENDURANCE.glob("*.csv"))
 }
 
 fig, (curve, loads) = plt.subplots(1, 2, figsize=(8.5, 3.8), layout="constrained")

@@ -1,6 +1,7 @@
 """The sample run and its calibration, processed once for all scripts of the gallery.
 
-`RUN`, `FIXTURE`, `FILM` and `CALIBRATION` are paths below build/sample. To use your own data, put
+`RUN`, `FIXTURE`, `FILM` and `CALIBRATION` are paths below build/sample, `ENDURANCE` holds logs of
+endurance tests. To use your own data, put
 your own paths in their place: FILM is what ``erlif process`` wrote, CALIBRATION what
 ``erlif calibrate`` wrote.
 """
@@ -71,3 +72,4 @@ RUN = HOME / "data_samples" / "straight_bushing"
 FIXTURE = HOME / "calibration" / "wedge"
 FILM = RUN / "film.nc"
 CALIBRATION = FIXTURE / "calibration.nc"
+ENDURANCE = ROOT / "data_samples" / "endurance"
