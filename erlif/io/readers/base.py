@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
+import struct
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple, overload
+from types import SimpleNamespace
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import FrameError
+from erlif.io.readers.source import Source
 
 MOST_FRAMES = 4_000_000
 """Frames of one file above which its header is damaged: a day at 46 frames a second."""
@@ -126,37 +129,41 @@ def describe_shape(shape: tuple[int, ...]) -> str:
     return " x ".join(str(n) for n in reversed(shape))
 
 
-class SameKinds(Sequence[FrameKind]):
-    """One kind for all frames of a file, without a list of them.
+def colour_camera(what: str = "recording") -> FrameError:
+    """The refusal of a recording, or of another thing, of a colour camera."""
+    return FrameError(
+        f"the {what} is of a colour camera. Film thickness needs counts of one band in each pixel: "
+        "record with a monochrome camera."
+    )
+
+
+def read_fields(source: Source, fields: Mapping[str, tuple[str, int]], start: int = 0) -> Any:
+    """Read numbers of a header that lie at fixed places.
 
     Parameters
     ----------
-    kind : FrameKind
-    count : int
-        Number of frames.
+    source : Source
+    fields : mapping of str to (str, int)
+        Code of `struct` and place from the start of the header, by name. [byte]
+    start : int
+        Where the header begins. [byte]
 
-    Examples
-    --------
-    >>> kinds = SameKinds(FrameKind((64, 80), "uint16"), 100_000)
-    >>> len(kinds), str(kinds[99_999])
-    (100000, '80 x 64 uint16')
+    Returns
+    -------
+    object
+        With an attribute for each field.
+
+    Raises
+    ------
+    FrameError
+        With the bare reason, if the file ends before.
     """
-
-    def __init__(self, kind: FrameKind, count: int) -> None:
-        self._kind, self._places = kind, range(count)
-
-    def __len__(self) -> int:
-        return len(self._places)
-
-    @overload
-    def __getitem__(self, index: int) -> FrameKind: ...
-    @overload
-    def __getitem__(self, index: slice) -> SameKinds: ...
-    def __getitem__(self, index: int | slice) -> FrameKind | SameKinds:
-        if isinstance(index, slice):
-            return SameKinds(self._kind, len(self._places[index]))
-        self._places[index]  # raises IndexError behind the last frame
-        return self._kind
+    return SimpleNamespace(
+        **{
+            name: struct.unpack(code, source.read(start + place, struct.calcsize(code)))[0]
+            for name, (code, place) in fields.items()
+        }
+    )
 
 
 def check_claim(frames: int, kind: FrameKind, size: int, *, packing: float = 1.0) -> None:

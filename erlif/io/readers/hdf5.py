@@ -20,7 +20,7 @@ from erlif.core.hdf5 import (
     find_chunks,
     open_hdf5,
 )
-from erlif.io.readers.base import Format, FrameFile, FrameKind, SameKinds, check_claim
+from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim
 
 _DENSEST = 1100
 """Decoded bytes per byte of a file that deflate can reach."""
@@ -144,7 +144,7 @@ class Hdf5Frames(FrameFile):
         frames = data.shape[0] if data.ndim == 3 else 1
         kind = FrameKind(tuple(int(n) for n in data.shape[-2:]), data.dtype.newbyteorder("=").name)
         check_claim(frames, kind, size, packing=_DENSEST)
-        self.kinds = SameKinds(kind, frames)
+        self.kinds = [kind] * frames
         self.times = _times(data) if data.ndim == 3 else None
 
 

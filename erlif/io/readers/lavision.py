@@ -13,31 +13,36 @@ import struct
 import zlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile, FrameKind, SameKinds, check_claim
+from erlif.io.readers.base import (
+    MOST_FRAMES,
+    Format,
+    FrameFile,
+    FrameKind,
+    check_claim,
+    read_fields,
+)
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 
+_FIELDS = {
+    "version": ("<h", 0),
+    "packing": ("<h", 2),
+    "format": ("<h", 4),
+    "sparse": ("<h", 6),
+    "columns": ("<i", 8),
+    "rows": ("<i", 12),
+    "planes": ("<i", 16),
+    "frames": ("<i", 20),
+}
+"""What is needed of the header."""
 
-class _Header(NamedTuple):
-    """What is needed of the header."""
-
-    version: int
-    packing: int
-    format: int
-    sparse: int
-    columns: int
-    rows: int
-    planes: int
-    frames: int
-
-
-_HEADER, _HEADER_SIZE = struct.Struct("<4h4i"), 256
+_HEADER_SIZE = 256
 
 _PLAIN, _IMX, _ZLIB, _BITS_12 = 0, 1, 2, 3
 """Values of the packing."""
@@ -69,10 +74,11 @@ class CompressedImage(FrameFile):
     Parameters
     ----------
     path : Path
-    header : _Header
+    header : object
+        The fields of `_FIELDS`.
     """
 
-    def __init__(self, path: Path, header: _Header) -> None:
+    def __init__(self, path: Path, header: Any) -> None:
         self.packing = header.packing
         dtype = "float32" if header.format == -3 else "uint16"
         kind = FrameKind((header.rows, header.columns), dtype)
@@ -83,7 +89,7 @@ class CompressedImage(FrameFile):
         except BaseException:
             self.close()
             raise
-        self.kinds = SameKinds(kind, header.frames)
+        self.kinds = [kind] * header.frames
 
     def read(self, index: int) -> AnyArray:
         """As `FrameFile.read`."""
@@ -207,7 +213,7 @@ def open_im7(path: Path) -> FrameFile:
         With the bare reason, if the file is damaged or holds no counts.
     """
     with Source(path) as source:
-        header = _Header(*_HEADER.unpack(source.read(0, _HEADER.size)))
+        header = read_fields(source, _FIELDS)
     if header.version != 0 or header.sparse:
         raise FrameError(
             "it is an image of DaVis 6 or earlier, or damaged. Open it in DaVis and save it as IM7."

@@ -11,13 +11,20 @@ import struct
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import MOST_FRAMES, TRUNCATED, Format, FrameFile
+from erlif.io.readers.base import (
+    MOST_FRAMES,
+    TRUNCATED,
+    Format,
+    FrameFile,
+    colour_camera,
+    read_fields,
+)
 from erlif.io.readers.raw import FrameLayout, RawFrames, count_frames, frame_interval
 from erlif.io.readers.source import Source
 
@@ -27,33 +34,22 @@ _NAME = "Norpix seq".encode("utf-16-le")
 """What follows the first four bytes."""
 
 
-class _Header(NamedTuple):
-    """The entries from the size of the image to the compression."""
-
-    width: int
-    height: int
-    bits: int
-    significant_bits: int
-    image_bytes: int
-    format: int
-    frames: int
-    origin: int
-    step: int
-    rate: float
-    description: int
-    reference: int
-    fixed: int
-    flags: int
-    bayer: int
-    time_offset: int
-    extended: int
-    compression: int
-
-
-_HEADER, _HEADER_PLACE, _VERSION_PLACE = struct.Struct("<9IdiIIIiiiI"), 548, 28
-
-_OLDEST_PLACE = 656
-"""Place of the number of the oldest frame, which is above 0 for a recording in a loop."""
+_FIELDS = {
+    "version": ("<i", 28),
+    "header_size": ("<I", 32),
+    "width": ("<I", 548),
+    "height": ("<I", 552),
+    "bits": ("<I", 556),
+    "significant_bits": ("<I", 560),
+    "image_bytes": ("<I", 564),
+    "format": ("<I", 568),
+    "frames": ("<I", 572),
+    "step": ("<I", 580),
+    "rate": ("<d", 584),
+    "compression": ("<I", 620),
+    "oldest": ("<I", 656),
+}
+"""What is needed of the header; the oldest frame is above 0 for a recording in a loop."""
 
 _LARGER_HEADER = 5
 """Version from which on the frames begin at 8192 and time stamps have microseconds."""
@@ -134,13 +130,11 @@ def open_norpix(path: Path) -> FrameFile:
     with Source(path) as source:
         if source.read(0, 4) != _MAGIC:
             raise FrameError("it does not begin as a SEQ file does")
-        version, header_size = struct.unpack("<iI", source.read(_VERSION_PLACE, 8))
-        header = _Header(*_HEADER.unpack(source.read(_HEADER_PLACE, _HEADER.size)))
-        (oldest,) = struct.unpack("<I", source.read(_OLDEST_PLACE, 4))
-        size = source.size
+        header, size = read_fields(source, _FIELDS), source.size
     layout = _find_layout(header)
 
-    start = 8192 if version >= _LARGER_HEADER else max(header_size, 1024)
+    is_large = header.version >= _LARGER_HEADER
+    start = 8192 if is_large else max(header.header_size, 1024)
     if not layout.size:
         raise FrameError("the file holds no image")
     if header.step < layout.size:
@@ -152,9 +146,9 @@ def open_norpix(path: Path) -> FrameFile:
     count = header.frames or count_frames(size, start=start, step=header.step)
     places = range(start, start + count * header.step, header.step)
     in_time: Sequence[int] | AnyArray = places
-    if version >= _LARGER_HEADER and 0 < oldest < count <= min(size // layout.size, MOST_FRAMES):
+    if is_large and 0 < header.oldest < count <= min(size // layout.size, MOST_FRAMES):
         # a loop goes on at its first place after the last; a lying number takes no memory
-        in_time = np.roll(np.arange(places.start, places.stop, places.step), -oldest)
+        in_time = np.roll(np.asarray(places), -header.oldest)
     bits = header.significant_bits if 1 <= header.significant_bits <= header.bits else header.bits
     file = NorpixFrames(
         path,
@@ -162,12 +156,12 @@ def open_norpix(path: Path) -> FrameFile:
         in_time,
         bits=None if header.format in _HIGH_BITS and bits < header.bits else bits,
     )
-    file.has_microseconds = version >= _LARGER_HEADER
+    file.has_microseconds = is_large
     file.rate = header.rate
     return file
 
 
-def _find_layout(header: _Header) -> FrameLayout:
+def _find_layout(header: Any) -> FrameLayout:
     """Layout of the counts."""
     if header.compression:
         raise FrameError(
@@ -175,10 +169,7 @@ def _find_layout(header: _Header) -> FrameLayout:
             "compression in StreamPix."
         )
     if header.format in _BAYER or header.format >= 200:
-        raise FrameError(
-            "the recording is of a colour camera. Film thickness needs counts of one band in each "
-            "pixel: record with a monochrome camera."
-        )
+        raise colour_camera()
     if header.format not in _TYPES or header.bits not in (8, 16):
         raise FrameError(
             f"its frames have the format {header.format} of NorPix with {header.bits} bits for "

@@ -6,7 +6,7 @@ import struct
 from pathlib import Path
 
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import Format, FrameFile
+from erlif.io.readers.base import Format, FrameFile, colour_camera
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 
@@ -43,10 +43,7 @@ def open_pco(path: Path) -> FrameFile:
         if extended and start >= _HEADER.size + _COLOUR.size:
             (colour,) = _COLOUR.unpack(source.read(_HEADER.size, _COLOUR.size))
             if colour == 1:
-                raise FrameError(
-                    "the frame is of a colour camera. Film thickness needs counts of one band in "
-                    "each pixel: record with a monochrome camera."
-                )
+                raise colour_camera("frame")
     return RawFrames(path, FrameLayout((rows, columns), "<u2"), [start])
 
 

@@ -16,47 +16,34 @@ import struct
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 
 from erlif.core.arrays import Array, Counts
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile
+from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile, read_fields
 from erlif.io.readers.raw import FrameLayout, RawFrames, frame_interval
 from erlif.io.readers.source import Source
 
+_FILE_HEADER = {
+    "kind": ("2s", 0),
+    "compression": ("<H", 4),
+    "images": ("<I", 20),
+    "bitmap": ("<I", 24),
+    "setup": ("<I", 28),
+    "offsets": ("<I", 32),
+}
+"""What is needed of CINEFILEHEADER."""
 
-class _FileHeader(NamedTuple):
-    """CINEFILEHEADER."""
-
-    kind: bytes
-    size: int
-    compression: int
-    version: int
-    first_movie_image: int
-    total_images: int
-    first_image: int
-    images: int
-    bitmap: int
-    setup: int
-    offsets: int
-    trigger_time: int
-
-
-class _Bitmap(NamedTuple):
-    """BITMAPINFOHEADER, up to the size of an image."""
-
-    size: int
-    width: int
-    height: int
-    planes: int
-    bits: int
-    compression: int
-    image_size: int
-
-
-_FILE_HEADER, _BITMAP = struct.Struct("<2sHHHiIiIIIIQ"), struct.Struct("<IiiHHII")
+_BITMAP = {
+    "width": ("<I", 4),
+    "height": ("<i", 8),
+    "bits": ("<H", 14),
+    "compression": ("<I", 16),
+    "image_size": ("<I", 20),
+}
+"""What is needed of BITMAPINFOHEADER."""
 
 _COMPRESSIONS = {1: "JPEG-compressed", 2: "from a colour sensor"}
 """Values of the compression that are not read."""
@@ -166,7 +153,7 @@ def open_phantom(path: Path) -> FrameFile:
         With the bare reason, if the file is damaged, compressed or of a colour camera.
     """
     with Source(path) as source:
-        header = _FileHeader(*_FILE_HEADER.unpack(source.read(0, _FILE_HEADER.size)))
+        header = read_fields(source, _FILE_HEADER)
         if header.kind != b"CI":
             raise FrameError("it does not begin as a CINE file does")
         if header.compression in _COMPRESSIONS:
@@ -177,7 +164,7 @@ def open_phantom(path: Path) -> FrameFile:
         if not 0 < header.images <= MOST_FRAMES:
             raise FrameError(f"the file is damaged: its header names {header.images} frames")
 
-        bitmap = _Bitmap(*_BITMAP.unpack(source.read(header.bitmap, _BITMAP.size)))
+        bitmap = read_fields(source, _BITMAP, header.bitmap)
         layout = _find_layout(bitmap)
         setup = _read_setup(source, header.setup)
         times = _read_times(source, setup.end, header)
@@ -210,7 +197,7 @@ def _read_setup(source: Source, start: int) -> _Setup:
     return _Setup(rate, max(number(_DECIMATION), 1), number(_DEPTH), start + length)
 
 
-def _read_times(source: Source, start: int, header: _FileHeader) -> Array | None:
+def _read_times(source: Source, start: int, header: Any) -> Array | None:
     """Time of each image from the first; None where the camera stored none."""
     place = start
     for _ in range(_MOST_BLOCKS):
@@ -228,7 +215,7 @@ def _read_times(source: Source, start: int, header: _FileHeader) -> Array | None
     return None
 
 
-def _find_layout(bitmap: _Bitmap) -> FrameLayout:
+def _find_layout(bitmap: Any) -> FrameLayout:
     """Layout of the counts after the bitmap header."""
     shape = (abs(bitmap.height), bitmap.width)
     if bitmap.compression in (_PACKED_10, _PACKED_12):

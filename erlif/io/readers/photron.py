@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import Format, FrameFile
+from erlif.io.readers.base import Format, FrameFile, colour_camera
 from erlif.io.readers.raw import FrameLayout, RawFrames, frame_interval
 from erlif.io.readers.sidecar import find_beside, read_text
 
@@ -100,10 +100,7 @@ def read_photron_header(text: str) -> PhotronHeader:
             "or name the image files themselves."
         )
     if entries.get("colour", "mono").lower().startswith(("color", "colour", "bayer", "rgb")):
-        raise FrameError(
-            "the recording is of a colour camera. Film thickness needs counts of one band in each "
-            "pixel: record with a monochrome camera."
-        )
+        raise colour_camera()
 
     stored = _whole(entries, "stored")
     if stored not in (8, 12, 16):

@@ -8,16 +8,14 @@ the sensor are not read.
 from __future__ import annotations
 
 import re
-import struct
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import TRUNCATED, Format, FrameFile
+from erlif.io.readers.base import TRUNCATED, Format, FrameFile, read_fields
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 
@@ -37,31 +35,17 @@ _LONGEST_TEXT = 64 * 2**20
 """Size of the XML text above which the header is damaged; a region has a few kB. [byte]"""
 
 
-class _Header(NamedTuple):
-    """What is needed of the header."""
-
-    columns: int
-    type: int
-    resolution: int
-    rows: int
-    text: int
-    frames: int
-    regions: int
-    version: float
-
-
-_PLACES = (
-    ("H", 42),
-    ("h", 108),
-    ("H", 194),
-    ("H", 656),
-    ("Q", 678),
-    ("i", 1446),
-    ("h", 1510),
-    ("f", 1992),
-)
-"""Code and place of the numbers, in their order."""
-
+_FIELDS = {
+    "columns": ("<H", 42),
+    "type": ("<h", 108),
+    "resolution": ("<H", 194),
+    "rows": ("<H", 656),
+    "text": ("<Q", 678),
+    "frames": ("<i", 1446),
+    "regions": ("<h", 1510),
+    "version": ("<f", 1992),
+}
+"""What is needed of the header."""
 
 _EVENTS = ("ExposureStarted", "ExposureEnded")
 """Events of a time stamp, the preferred first."""
@@ -113,9 +97,7 @@ def open_princeton(path: Path) -> FrameFile:
         With the bare reason, if the file is damaged or holds several regions.
     """
     with Source(path) as source:
-        data = source.read(0, _HEADER_SIZE)
-        numbers = [struct.unpack_from(f"<{code}", data, place)[0] for code, place in _PLACES]
-        header = _Header(*numbers)
+        header = read_fields(source, _FIELDS)
         if header.version >= 3 and header.text:
             return _open_lightfield(path, source, header.text)
 

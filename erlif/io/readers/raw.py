@@ -20,7 +20,6 @@ from erlif.io.readers.base import (
     TRUNCATED,
     FrameFile,
     FrameKind,
-    SameKinds,
     check_claim,
 )
 from erlif.io.readers.source import Source
@@ -141,8 +140,8 @@ class RawFrames(FrameFile):
 
     def _find_kinds(self, before: int) -> Sequence[FrameKind]:
         """Kind of each frame; those behind the end of the file are truncated."""
-        size = self._source.size
-        check_claim(1, self.layout.kind, size, packing=_DENSEST)
+        size, kind = self._source.size, self.layout.kind
+        check_claim(1, kind, size, packing=_DENSEST)
         try:
             count = len(self.offsets)
         except OverflowError as error:  # a range longer than any list
@@ -150,27 +149,15 @@ class RawFrames(FrameFile):
         if not 0 < count <= MOST_FRAMES:
             raise FrameError(f"the file is damaged: its header names {count} frames")
 
-        # frames at equal steps are counted without a list of their places, which may be a lie
-        last = size - self.layout.size - before
-        whole: Sequence[bool]
-        if isinstance(self.offsets, range):
-            held = len(
-                range(self.offsets.start, min(self.offsets.stop, last + 1), self.offsets.step)
-            )
-            whole = [True] * held
-        else:
-            places = np.asarray(self.offsets, dtype=np.int64)
-            whole = ((places >= 0) & (places <= last)).tolist()
-            held = sum(whole)
+        places = np.asarray(self.offsets, dtype=np.int64)
+        whole = (places >= 0) & (places <= size - self.layout.size - before)
+        held = int(whole.sum())
         if count > _MOST_MISSING * held:
             raise FrameError(
-                f"the file is damaged: its header names {count} frames of {self.layout.kind}, and "
-                f"its {size} bytes hold {held} of them"
+                f"the file is damaged: its header names {count} frames of {kind}, and its {size} "
+                f"bytes hold {held} of them"
             )
-        if held == count:
-            return SameKinds(self.layout.kind, count)
-        kinds = [self.layout.kind if inside else TRUNCATED for inside in whole]
-        return kinds + [TRUNCATED] * (count - len(kinds))
+        return [kind if inside else TRUNCATED for inside in whole.tolist()]
 
     def read(self, index: int) -> AnyArray:
         """As `FrameFile.read`."""

@@ -9,7 +9,7 @@ import pytest
 
 from erlif.core.errors import FrameError
 from erlif.io.readers import Format, FrameFile, FrameKind
-from erlif.io.readers.base import SameKinds, check_claim
+from erlif.io.readers.base import check_claim
 
 
 class OneRamp(FrameFile):
@@ -39,17 +39,6 @@ def test_a_third_party_needs_a_class_and_a_format():
     assert file.read(0).shape == file.kinds[0].shape
     assert file.bits is None
     assert file.times is None
-
-
-def test_kinds_of_a_billion_frames_take_no_memory():
-    kind = FrameKind((64, 80), "uint16")
-    kinds = SameKinds(kind, 10**9)
-    assert len(kinds) == 10**9
-    assert kinds[0] == kinds[10**9 - 1] == kinds[-1] == kind
-    assert list(kinds[5:8]) == [kind] * 3
-    with pytest.raises(IndexError):
-        kinds[10**9]
-    assert list(SameKinds(kind, 2)) == [kind, kind]
 
 
 @pytest.mark.parametrize(
