@@ -11,7 +11,7 @@ from typing import IO, Any, Literal
 import numpy as np
 import xarray as xr
 
-from erlif.core.hdf5 import check_variable_lengths, open_hdf5
+from erlif.core.hdf5 import open_hdf5
 
 
 def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
@@ -34,7 +34,7 @@ def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
     OSError
         If the file is missing, damaged or of another format.
     ValueError
-        As `open_hdf5` and `check_variable_lengths`.
+        As `open_hdf5`.
 
     Examples
     --------
@@ -48,7 +48,6 @@ def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
     """
     # A damaged file fails here. Within h5netcdf the failure would print a message of its own.
     with open_hdf5(path) as file:
-        check_variable_lengths(file)
         list(file.attrs.items())
         file.visititems(lambda name, item: None)
 

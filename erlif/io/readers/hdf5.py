@@ -14,7 +14,6 @@ from erlif.core.arrays import AnyArray, Array, Mask
 from erlif.core.errors import FrameError, reason_of
 from erlif.core.hdf5 import (
     SIGNATURE,
-    check_variable_lengths,
     chunk_count,
     filters_of,
     find_chunks,
@@ -131,7 +130,7 @@ class Hdf5Frames(FrameFile):
             raise FrameError("its counts lie in other files. Name these files.")
         if data.dtype.kind not in "iuf":
             raise FrameError(f"its dataset {data.name} holds {data.dtype}. Save the raw counts.")
-        scale, offset = _attribute(data, "scale_factor", 1), _attribute(data, "add_offset", 0)
+        scale, offset = data.attrs.get("scale_factor", 1), data.attrs.get("add_offset", 0)
         if np.any(np.asarray(scale) != 1) or np.any(np.asarray(offset) != 0):
             raise FrameError(
                 f"its dataset {data.name} is scaled (scale_factor, add_offset) and no longer holds "
@@ -241,24 +240,6 @@ def _check_filters(data: Any) -> None:
             )
 
 
-def _attribute(item: Any, name: str, default: Any) -> Any:
-    """An attribute of fixed length; the default where there is none."""
-    exists = name in item.attrs and not _is_variable(item, name)
-    return item.attrs[name] if exists else default
-
-
-def _is_variable(item: Any, name: str) -> bool:
-    """Whether an attribute has a variable length; its value then lies in a heap."""
-    import h5py
-
-    # the library of HDF5 2.0.0 may search a damaged heap without end; the scales that are attached
-    # to dimensions lie there as well
-    kind = h5py.h5a.open(item.id, name.encode()).get_type()
-    if isinstance(kind, h5py.h5t.TypeVlenID):
-        return True
-    return isinstance(kind, h5py.h5t.TypeStringID) and bool(kind.is_variable_str())
-
-
 def _chunk_size(data: Any) -> int:
     """Size of a decoded chunk of a dataset; 0 where it has none. [byte]"""
     return int(np.prod(data.chunks or (0,), dtype=object)) * int(data.dtype.itemsize)
@@ -282,14 +263,7 @@ def _times(data: Any) -> Array | None:
 
 def _read_unit(item: Any) -> str:
     """Unit of an array in lower case, without the day from which times count."""
-    if "units" not in item.attrs:
-        return ""
-    if _is_variable(item, "units"):
-        try:
-            check_variable_lengths(item.file)
-        except ValueError:  # times are no reason to refuse the frames
-            return ""
-    unit = item.attrs["units"]
+    unit = item.attrs.get("units", "")
     text = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
     return text.split(" since ")[0].strip().lower()
 

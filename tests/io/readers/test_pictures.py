@@ -133,7 +133,7 @@ def test_a_changed_or_missing_chunk_of_a_png_is_refused(tmp_path):
     path.write_bytes(changed + content[start + 4 + length :])
     assert "the picture is damaged" in refusal(path)
     path.write_bytes(content[: start + 99])
-    assert "truncated" in refusal(path)
+    assert "the picture is damaged" in refusal(path)
 
 
 def test_a_header_that_claims_a_billion_pixels_is_refused(tmp_path):

@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 
 from erlif.core.arrays import AnyArray
-from erlif.core.bounded import read_bounded
 from erlif.core.errors import EncoderError, reason_of
-from erlif.core.hdf5 import SIGNATURE, check_variable_lengths, find_chunks, open_hdf5
-from erlif.io.ingest.logs.matlab import read_matlab
+from erlif.core.guarded import read_matlab
+from erlif.core.hdf5 import SIGNATURE, find_chunks, open_hdf5
 from erlif.io.ingest.logs.table import (
     LARGEST_FILE,
     MOST_CELLS,
@@ -248,10 +247,7 @@ def _list_channels(file: Any, path: Path) -> _Found:
 
 def _read_matlab(path: Path) -> _Found:
     """Vectors, matrices and the fields of structures of a MATLAB 5 file."""
-    content = read_bounded(path, largest=LARGEST_FILE)
-    found = list(read_matlab(content, largest=8 * MOST_CELLS))
-    _check_size(sum(values.size for _, values in found), path)
-    for name, values in found:
+    for name, values in read_matlab(path):
         yield from _vectors(name, values)
 
 
@@ -260,7 +256,6 @@ def _read_hdf5(path: Path) -> _Found:
     import h5py
 
     with open_hdf5(path) as file:
-        check_variable_lengths(file)
         datasets: list[Any] = []
 
         def collect(name: str, item: object) -> None:

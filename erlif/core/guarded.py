@@ -1,0 +1,229 @@
+"""Files whose libraries may crash, hang or take the memory, read first in a process of its own.
+
+A damaged HDF5 file may send the library of HDF5 round without end, end the process, or make it take
+gigabytes; so may a damaged MATLAB file the reader of scipy. Here they do so to a child process with
+bounds on memory and time, and the caller gets an error. The child stays for the next file: asking
+it takes a millisecond, starting it two tenths of a second.
+
+This file is also the program of the child and imports nothing of erlif.
+"""
+
+from __future__ import annotations
+
+import atexit
+import math
+import os
+import pickle
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import lru_cache
+from pathlib import Path
+from typing import IO, Any
+
+LONGEST = 10.0
+"""Duration of one file after which the child is ended. [s]"""
+
+MEMORY = 2**29, 3 * 2**29
+"""What the child may take for an HDF5 file, of which it keeps little, and for a MATLAB file, which
+it reads. [byte]"""
+
+MOST_NUMBERS = 32_000_000
+"""Numbers of a MATLAB file above which it is not loaded; they take 256 MB."""
+
+
+def check_hdf5(path: Path) -> None:
+    """Refuse an HDF5 file whose attributes, types or texts the library does not survive.
+
+    Parameters
+    ----------
+    path : Path
+
+    Raises
+    ------
+    ValueError
+        With the bare reason.
+    OSError
+        If the file is missing, damaged or of another format.
+    """
+    found = path.stat()
+    _check_once(str(path.absolute()), found.st_size, found.st_mtime_ns, found.st_ino)
+
+
+@lru_cache(maxsize=256)
+def _check_once(path: str, *stamp: int) -> None:
+    """Ask for a file once for each of its states."""
+    _child.ask("hdf5", path)
+
+
+def read_matlab(path: Path) -> list[tuple[str, Any]]:
+    """Arrays of real numbers in a MATLAB 5 file.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    list of (str, array)
+        Name and numbers; a field of a structure as "log/angle".
+
+    Raises
+    ------
+    ValueError, OSError
+        With the bare reason, if the file is damaged or its variables too large.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from scipy.io import savemat
+    >>> path = Path(tempfile.mkdtemp(), "log.mat")
+    >>> savemat(path, {"angle": [1.0, 2.0]})
+    >>> [(name, values.tolist()) for name, values in read_matlab(path)]
+    [('angle', [[1.0, 2.0]])]
+    """
+    found: list[tuple[str, Any]] = _child.ask("matlab", str(path.absolute()))
+    return found
+
+
+class _Child:
+    """The child process; a new one where the last has ended or belongs to a parent process."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.process: subprocess.Popen[bytes] | None = None
+        self.owner = 0
+
+    def ask(self, task: str, path: str) -> Any:
+        """Result of one of `_TASKS` for a file, or the error that it raised."""
+        with self.lock:
+            process = self._start()
+            assert process.stdin is not None
+            assert process.stdout is not None
+            timer = threading.Timer(LONGEST, process.kill)
+            timer.start()
+            try:
+                pickle.dump((task, path), process.stdin)
+                process.stdin.flush()
+                done, answer = pickle.load(process.stdout)
+            except (EOFError, OSError, pickle.UnpicklingError):
+                self.end()
+                raise ValueError(
+                    "the library that reads it ended, or took too much time or memory"
+                ) from None
+            finally:
+                timer.cancel()
+        if not done:
+            raise answer
+        return answer
+
+    def end(self) -> None:
+        """End the process; a fork of this process leaves it to its parent."""
+        process, self.process = self.process, None
+        if process is not None and self.owner == os.getpid():
+            process.kill()
+            process.communicate()
+
+    def _start(self) -> subprocess.Popen[bytes]:
+        if self.process is None or self.owner != os.getpid():
+            # "-P": the folder of this file is no place for imports
+            self.process = subprocess.Popen(
+                [sys.executable, "-P", __file__],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+            )
+            self.owner = os.getpid()
+        return self.process
+
+
+_child = _Child()
+atexit.register(_child.end)
+
+
+# the child
+
+
+def _walk_hdf5(path: str) -> None:
+    """Read all attributes, and all values that lie in heaps; errors of the library are allowed."""
+    import h5py
+
+    _limit_memory(MEMORY[0])
+
+    def visit(name: str, item: Any) -> None:
+        for key in item.attrs:
+            with suppress(OSError, TypeError, ValueError):
+                item.attrs[key]
+        with suppress(OSError, TypeError, ValueError):
+            if isinstance(item, h5py.Dataset) and item.dtype.hasobject:
+                if item.size > MOST_NUMBERS:
+                    raise MemoryError("it holds too many texts")
+                item[()]
+
+    with h5py.File(path, "r") as file:
+        visit("/", file)
+        file.visititems(visit)
+
+
+def _load_matlab(path: str) -> list[tuple[str, Any]]:
+    """Sizes first, from the headers, then the numbers."""
+    from scipy.io import loadmat, whosmat
+
+    _limit_memory(MEMORY[1])
+    count = sum(math.prod(shape) for _, shape, _ in whosmat(path))
+    if count > MOST_NUMBERS:
+        raise ValueError(f"its header states {count} numbers, more than {MOST_NUMBERS}")
+    variables = loadmat(path)
+    return [
+        found
+        for name, value in variables.items()
+        if not name.startswith("__")
+        for found in _numbers(name, value)
+    ]
+
+
+def _numbers(name: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """An array of real numbers, or those in the fields of a single structure."""
+    if value.dtype.names and value.shape == (1, 1):
+        for field in value.dtype.names:
+            yield from _numbers(f"{name}/{field}", value[field][0, 0])
+    elif value.dtype.kind in "fiub" and value.size:
+        yield name, value
+
+
+def _limit_memory(most: int) -> None:
+    """Bound what is taken from now on; systems other than Linux bound the time alone."""
+    try:
+        import resource
+
+        taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    except (ImportError, OSError):
+        return
+    resource.setrlimit(resource.RLIMIT_AS, (taken + most, resource.RLIM_INFINITY))
+
+
+_TASKS: dict[str, Callable[[str], Any]] = {"hdf5": _walk_hdf5, "matlab": _load_matlab}
+
+
+def _serve(requests: IO[bytes], answers: IO[bytes]) -> None:
+    """Work on one file after the other until the parent process ends."""
+    while True:
+        try:
+            task, path = pickle.load(requests)
+        except EOFError:
+            return
+        try:
+            answer = True, _TASKS[task](path)
+        except OSError as error:
+            answer = False, OSError(*error.args)
+        except Exception as error:  # scipy raises errors of many classes for a damaged file
+            answer = False, ValueError(str(error) or type(error).__name__)
+        pickle.dump(answer, answers)
+        answers.flush()
+
+
+if __name__ == "__main__":
+    _serve(sys.stdin.buffer, sys.stdout.buffer)

@@ -1,0 +1,159 @@
+"""Files with the damages that the library of HDF5 and the reader of scipy do not survive.
+
+The bytes are edited by the specification of the format; the damaged places were found at random.
+"""
+
+import contextlib
+import random
+import struct
+import threading
+
+import h5py
+import numpy as np
+import pytest
+from scipy.io import loadmat, savemat
+
+from erlif.core import guarded
+from erlif.core.guarded import check_hdf5, read_matlab
+
+HEAD = 16
+"""Length of the head of a heap, and of each object in it, for lengths of eight bytes."""
+
+ENDED = "ended, or took too much time or memory"
+
+
+def write(path, **options):
+    """A file with text of variable length, and a chunked dataset that holds the mark of a heap."""
+    with h5py.File(path, "w", **options) as file:
+        file.attrs["unit"] = "degree"
+        file["vector"] = np.arange(5.0)
+        mark = np.frombuffer(b"GCOL\x01" + bytes(27), "u1")
+        file.create_dataset("counts", data=mark.reshape(4, 8), chunks=(4, 8))
+    return path
+
+
+def heap_of(content):
+    """Place of the collection that h5py wrote: the only one of 4096 bytes."""
+    place = content.find(b"GCOL")
+    while struct.unpack_from("<Q", content, place + 8)[0] != 4096:
+        place = content.find(b"GCOL", place + 1)
+    return place
+
+
+def damage(path, change):
+    content = bytearray(path.read_bytes())
+    change(content)
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize("options", [{}, {"libver": "latest"}, {"userblock_size": 512}])
+def test_a_whole_file_is_accepted(tmp_path, options):
+    check_hdf5(write(tmp_path / "a.h5", **options))
+
+
+def test_a_heap_in_which_the_library_searches_without_end_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(guarded, "LONGEST", 1.0)
+    path = write(tmp_path / "a.h5")
+    damage(
+        path, lambda content: struct.pack_into("<HHIQ", content, heap_of(content) + HEAD, *4 * [0])
+    )
+    with pytest.raises(ValueError, match=ENDED):
+        check_hdf5(path)
+    check_hdf5(write(tmp_path / "b.h5"))
+
+
+def test_a_length_that_ends_the_process_ends_that_of_the_child_alone(tmp_path):
+    """Class and kind of types of variable length in version 1 (section IV.A.2.d)."""
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        space = h5py.h5s.create_simple((1,))
+        kind = h5py.h5t.py_create(h5py.vlen_dtype("i4"), logical=True)
+        h5py.h5a.create(file.id, b"a", kind, space)
+
+    def change(content):
+        content[content.index(b"\x19\x00\0\0\x10") + 1] |= 8
+
+    damage(path, change)
+    with pytest.raises(ValueError, match=ENDED):
+        check_hdf5(path)
+
+
+def test_a_block_of_a_driver_that_claims_gigabytes_is_refused(tmp_path):
+    path = write(tmp_path / "a.h5")
+
+    def change(content):
+        struct.pack_into("<Q", content, 48, len(content))  # section II.A, version 0
+        content += b"\0\0\0\0" + struct.pack("<I", 2**31) + bytes(8)
+
+    damage(path, change)
+    with pytest.raises((ValueError, OSError)):
+        check_hdf5(path)
+
+
+def test_threads_wait_for_each_other(tmp_path):
+    paths = [write(tmp_path / f"{n}.h5") for n in range(6)]
+    faults = []
+
+    def work(path):
+        try:
+            check_hdf5(path)
+        except ValueError as error:
+            faults.append(error)
+
+    threads = [threading.Thread(target=work, args=(path,)) for path in paths]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not faults
+
+
+# MATLAB 5
+
+RNG = np.random.default_rng(4)
+VARIABLES = {
+    "angle": RNG.normal(size=(7, 1)),
+    "n": np.arange(5, dtype=np.uint8)[None],
+    "k": np.array([[-3, 2**31 - 1]], np.int32),
+    "m": RNG.normal(size=(4, 3)).astype(np.float32),
+    "one": np.array([[2.5]]),
+    "text": "abc",
+    "cells": np.array([[1.0, "x"]], object),
+    "z": np.array([[1 + 2j]]),
+    "log": {"angle": [1.0, 2.0], "inner": {"load": [3.0, 4.0]}, "a": "x"},
+}
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+def test_numbers_and_fields_of_structures_are_read(tmp_path, compressed):
+    path = tmp_path / "a.mat"
+    savemat(path, VARIABLES, do_compression=compressed)
+    found, expected = dict(read_matlab(path)), loadmat(path)
+    assert set(found) == {"angle", "n", "k", "m", "one", "log/angle", "log/inner/load"}
+    for name in ("angle", "n", "k", "m", "one"):
+        np.testing.assert_array_equal(found[name], expected[name])
+    assert found["log/inner/load"].ravel().tolist() == [3, 4]
+
+
+def test_variables_that_are_too_large_are_refused_by_their_headers(tmp_path, monkeypatch):
+    path = tmp_path / "a.mat"
+    savemat(path, {f"v{n}": np.zeros(4_000_001) for n in range(8)}, do_compression=True)
+    with pytest.raises(ValueError, match="states 32000008 numbers"):
+        read_matlab(path)
+
+
+def test_damaged_files_raise_no_other_error(tmp_path):
+    """The reader of scipy ends the process on some of them."""
+    path = tmp_path / "a.mat"
+    savemat(path, {name: VARIABLES[name] for name in ("angle", "n", "m", "log")})
+    content = path.read_bytes()
+    rng = random.Random(8)
+    for _ in range(200):
+        damaged = bytearray(content)
+        for _ in range(rng.randint(1, 5)):
+            damaged[rng.randrange(126, len(damaged))] = rng.choice([0, 255, rng.randrange(256)])
+        if rng.random() < 0.3:
+            del damaged[rng.randrange(len(damaged)) :]
+        path.write_bytes(damaged)
+        with contextlib.suppress(ValueError, OSError):
+            read_matlab(path)
