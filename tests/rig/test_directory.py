@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from scenes.rig import QUICK, digest
 
-import erlif.rig.run
+from erlif import rig
 from erlif.core.errors import OutputError
 from erlif.rig import simulate
 
@@ -36,7 +36,7 @@ def test_existing_output_is_refused_and_kept(tmp_path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr(erlif.rig.run, "write_rig", break_off)
+        patch.setattr("erlif.rig.directory.write_rig", break_off)
         with pytest.raises(OutputError, match="No space left"):
             simulate(tmp_path, seed=2, rig=rig, overwrite=True)
     assert digest(tmp_path) == before
@@ -48,7 +48,7 @@ def test_existing_output_is_refused_and_kept(tmp_path, monkeypatch):
 
 def test_rig_shares_no_code_with_the_measurement():
     """A rig that used the code of the inversion could not find its mistakes."""
-    for path in Path(erlif.rig.__file__).parent.glob("*.py"):
+    for path in Path(rig.__file__).parent.glob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             names = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
             names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
