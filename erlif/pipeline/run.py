@@ -2,60 +2,67 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import logging
 import tempfile
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
-from erlif.calibration import Calibration, check_bands, record_calibration
-from erlif.core.errors import OutputError
+from erlif.calibration import Calibration, check_bands
 from erlif.core.memory import release_memory
 from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.timing import stage
-from erlif.core.version import __version__
-from erlif.io.files import (
-    PartialFilm,
-    describe_hashes,
-    has_identity,
-    open_film,
-    refuse_existing,
-    remove_remains,
-    takes,
-    write_film,
-)
-from erlif.io.ingest import (
-    InputChangedError,
-    Run,
-    hash_files_beside_frames,
-    hash_inputs,
-    open_run,
-    refuse_changed,
-    sign_inputs,
-    stamp_inputs,
-)
-from erlif.io.ingest.hashes import Digests
-from erlif.io.settings import to_toml
+from erlif.io.files import PartialFilm, open_film, refuse_existing, remove_remains, takes
+from erlif.io.ingest import Run, open_run
+from erlif.kinematics import encoder_notes
+from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Engine, open_engine
-from erlif.pipeline.engines.results import frames_in, known_digests
+from erlif.pipeline.engines.results import (
+    FrameResult,
+    TriggerResult,
+    describe_frame_notes,
+    frames_in,
+    mean_drift,
+)
+from erlif.pipeline.engines.triggers import TriggerTask, run_triggers
 from erlif.pipeline.film import (
-    MAPS,
+    choose_region,
     describe_cycle,
-    describe_grid,
+    describe_film,
+    describe_frames,
+    describe_registration,
+    describe_statistics,
     describe_triggers,
     group_frames,
+    pixel_positions,
 )
 from erlif.pipeline.fixture import find_calibration
-from erlif.pipeline.parts import KnownMap, complete_film, measure_run, prepare_run
+from erlif.pipeline.physics.fit import state_physics
 from erlif.pipeline.physics.joint import locate_run
+from erlif.pipeline.physics.light import (
+    choose_frames,
+    describe_light,
+    find_light,
+    kept_lights,
+    run_patch,
+    widen_errors,
+)
+from erlif.pipeline.physics.position import choose_view, describe_positions
+from erlif.pipeline.physics.prediction import (
+    Prediction,
+    frames_of_run,
+    places_along_sliding,
+    try_prediction,
+)
 from erlif.pipeline.recording.clock import fit_start
-from erlif.pipeline.recording.pulse_order import PulseError
+from erlif.pipeline.recording.prepare import PreparedRun, prepare_run
+from erlif.pipeline.recording.pulse_order import check_first_pulses, check_pulses
+from erlif.pipeline.recording.register import FixtureMap
+from erlif.pipeline.work import FilmWork
+from erlif.registration import move_map
 
 _logger = logging.getLogger(__name__)
 
@@ -162,105 +169,206 @@ def process_run(
     # workers elsewhere have another working directory
     if engine.elsewhere:
         run_dir, output = run_dir.absolute(), output.absolute()
-
     remove_remains(output)
     if not resume:
         refuse_existing(output, overwrite=overwrite, holds="thickness")
+
+    # the run, its kinematics (which frames belong to which trigger) and its calibration
     run = open_run(
-        run_dir,
-        skip_bad_frames=skip_bad_frames,
-        find_start=fit_start,
-        allow_outside=allow_outside,
+        run_dir, skip_bad_frames=skip_bad_frames, find_start=fit_start, allow_outside=allow_outside
     )
-    stamps = stamp_inputs(run)
-
-    # kinematics: which frames belong to which trigger, and how fast the joint moved there
     cycle = locate_run(run)
-    frames_of = group_frames(cycle, run.pairs)
-    triggers = describe_triggers(run, cycle)
-    _log_run(run, cycle)
-
+    frames_of, triggers = group_frames(cycle, run.pairs), describe_triggers(run, cycle)
     calibration = find_calibration(run, calibration, allow_outside=allow_outside, progress=progress)
     check_bands(calibration, (run.settings.camera1.band, run.settings.camera2.band))
-    _log_calibration(calibration)
-    digests = hash_files_beside_frames(run)
-    if resume and output.exists():
-        if has_identity(output, identify_work(run, calibration, hash_inputs(run, digests))):
-            return False
-        if not overwrite:
-            raise OutputError(
-                f"{output} exists already, made from other inputs or settings or by another "
-                "version; use --overwrite to make it again, or name another output."
-            )
-        refuse_existing(output, overwrite=overwrite, holds="thickness")
+    _log_inputs(run, cycle, calibration)
 
-    grid = describe_grid(run.settings, run.pairs.shape, len(frames_of))
-    key = identify_start(run, calibration, digests)
-    with (
-        PartialFilm(output, key, grid, MAPS) as unfinished,
-        discarded_after((PulseError, InputChangedError), unfinished),
-    ):
-        # the map of the fixture is large, and it is used only where the settings ask for it
-        known = KnownMap.of(calibration, run.settings)
-        calibration = replace(calibration, camera_map=None)
+    # the map of the fixture is large, and it is used only where the settings ask for it
+    known = FixtureMap.of(calibration, run.settings)
+    calibration = replace(calibration, camera_map=None)
+    work = FilmWork.of(run, calibration, output)
+    if resume and work.is_done(overwrite=overwrite):
+        return False
+
+    with work.unfinished(len(frames_of)) as unfinished:
         ready = prepare_run(run, cycle, calibration, known, progress)
         del known
         release_memory()
 
         # frames: counts -> light -> ratio -> thickness, trigger by trigger
-        with stage("film", _logger):
-            results = measure_run(
-                run, ready, frames_of, unfinished, engine=engine, progress=progress
-            )
+        results = measure_run(run, ready, frames_of, unfinished, engine=engine, progress=progress)
         release_memory()
 
         # the whole: statistics, theory, exponent, and the record of how it was made
-        hashes = hash_inputs(run, digests | known_digests(frames_in(results), run.pairs))
-        refuse_changed(run, stamps)
+        hashes = work.hash_inputs(results)
         film, groups = complete_film(run, cycle, triggers, ready, results, calibration, hashes)
-        film.attrs["identity"] = identify_work(run, calibration, hashes)
-        with stage("writing", _logger):
-            write_film(unfinished, film, groups)
-        _log_film(film, output)
+        work.write(unfinished, film, groups, hashes)
     return True
 
 
-@contextmanager
-def discarded_after(kinds: tuple[type[Exception], ...], unfinished: PartialFilm) -> Iterator[None]:
-    """Remove unfinished work of which nothing can be used after an exception."""
-    try:
-        yield
-    except kinds:
-        unfinished.discard()
-        raise
+def measure_run(
+    run: Run,
+    ready: PreparedRun,
+    frames_of: Sequence[Sequence[int]],
+    unfinished: PartialFilm,
+    *,
+    engine: Engine,
+    progress: Progress,
+) -> list[TriggerResult]:
+    """Measure the triggers of a run that are not finished yet.
 
+    Parameters
+    ----------
+    run : Run
+    ready : PreparedRun
+    frames_of : sequence of sequence of int
+        Frame pairs of each trigger.
+    unfinished : PartialFilm
+        Receives the maps.
+    engine : Engine
+    progress : callable
 
-def identify_work(run: Run, calibration: Calibration, hashes: Mapping[str, str]) -> str:
-    """Identity of a piece of work: its inputs, its settings and the version of erlif."""
-    return _identify(run, calibration, describe_hashes(hashes))
+    Returns
+    -------
+    list of TriggerResult
+        Of all triggers, in their order.
 
-
-def identify_start(run: Run, calibration: Calibration, digests: Digests) -> str:
-    """The same before the frames are read: they enter by name, size and time of change.
-
-    Unfinished work is resumed by this. Its triggers keep the hashes of the frames that were read.
+    Raises
+    ------
+    PulseError
+        If the cameras show different pulses among the first triggers.
     """
-    return _identify(run, calibration, sign_inputs(run, digests))
+
+    def inspect(first: Sequence[TriggerResult]) -> None:
+        """Refuse a long run early whose cameras show different pulses."""
+        check_first_pulses(
+            frames_in(first),
+            run.pairs,
+            lambda frame: FrameResult.of(frame, ready.chain.measure(frame)).pulse,
+        )
+
+    with stage("film", _logger):
+        return run_triggers(
+            trigger_task(run, ready.chain, ready.measuring),
+            frames_of,
+            unfinished,
+            engine=engine,
+            progress=progress,
+            places=[run.pairs.pages[0][0].path, run.pairs.pages[1][0].path],
+            inspect=inspect,
+        )
 
 
-def _identify(run: Run, calibration: Calibration, inputs: str) -> str:
-    parts = [
-        __version__,
-        to_toml(run.settings),
-        inputs,
-        record_calibration(calibration),
-        json.dumps(sorted(run.pairs.skipped)),
+def trigger_task(run: Run, chain: FrameChain, calibration: Calibration) -> TriggerTask:
+    """How the frames of one trigger of a run become its maps."""
+    settings = run.settings
+    return TriggerTask(
+        chain,
+        replace(calibration, camera_map=None),  # the chain has the map of the run
+        choose_region(settings, run.pairs.shape),
+        sliding_along_x=settings.optics.x_axis == "sliding",
+        smoothing=settings.thickness.smoothing,
+        sampled=choose_frames(run.pairs),
+        patch=run_patch(run),
+        view=choose_view(settings, run.pairs.shape),
+    )
+
+
+def complete_film(
+    run: Run,
+    cycle: xr.Dataset,
+    triggers: xr.Dataset,
+    ready: PreparedRun,
+    results: Sequence[TriggerResult],
+    calibration: Calibration,
+    hashes: Mapping[str, str],
+) -> tuple[xr.Dataset, dict[str, xr.Dataset]]:
+    """Everything of a film but its maps.
+
+    Parameters
+    ----------
+    run : Run
+    cycle : xarray.Dataset
+        As `locate_run` returns it.
+    triggers : xarray.Dataset
+        As `describe_triggers` returns it, before any frame is measured: it refuses a run that lacks
+        a load or a temperature.
+    ready : PreparedRun
+    results : sequence of TriggerResult
+        Of all triggers.
+    calibration : Calibration
+        Of the fixture.
+    hashes : mapping of str to str
+        Of the inputs.
+
+    Returns
+    -------
+    film : xarray.Dataset
+        The root group.
+    groups : dict of str to xarray.Dataset
+        The groups frames and registration.
+
+    Raises
+    ------
+    PulseError
+        If the cameras show different pulses in a pair.
+    """
+    frames, options = frames_in(results), run.settings.light
+    drift = mean_drift(frames)
+    notes = [
+        *run.log_notes,
+        *encoder_notes(cycle),
+        *ready.notes,
+        *check_pulses(frames, run.pairs),
+        *describe_frame_notes(frames, run.pairs),
     ]
-    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+
+    remaining = find_light(
+        kept_lights(frames, run.pairs), calibration, cycle.trigger.values, ready.energies
+    )
+    found = ready.light.complete(remaining, options)
+    light, notes_on_light = describe_light(found, results, run, ready.measuring)
+
+    with stage("prediction", _logger):
+        view, positions = (
+            choose_view(run.settings, run.pairs.shape),
+            [one.position for one in results],
+        )
+        measured = describe_statistics(results) | describe_positions(
+            positions, ready.measuring, view
+        )
+        prediction = _predict(run, cycle, triggers.assign(measured))
+    film = describe_film(
+        run,
+        triggers,
+        results,
+        ready.measuring,
+        prediction=prediction,
+        hashes=hashes,
+        notes=[*notes, *notes_on_light],
+    )
+    film = widen_errors(film.assign(light), found, results, options, calibration)
+    with stage("physics", _logger):
+        physics = state_physics(film, run.settings, frames_of_run(run, cycle))
+    if physics:
+        film = film.assign_attrs(physics=physics)
+    camera_map = move_map(ready.chain.camera_map, drift)
+    return film, {
+        "frames": describe_frames(run, cycle, results, drift).assign(prediction.frames),
+        "registration": describe_registration(camera_map, ready.chain.blur),
+    }
 
 
-def _log_run(run: Run, cycle: xr.Dataset) -> None:
-    """Log what was found in the directory."""
+def _predict(run: Run, cycle: xr.Dataset, measured: xr.Dataset) -> Prediction:
+    """The transient film of a run whose film_min (trigger) is measured."""
+    settings, shape = run.settings, run.pairs.shape
+    region = choose_region(settings, shape)
+    place = places_along_sliding(settings, *pixel_positions(settings, shape), region)
+    return try_prediction(settings, measured, frames_of_run(run, cycle), place)
+
+
+def _log_inputs(run: Run, cycle: xr.Dataset, calibration: Calibration) -> None:
+    """Log what was found in the directory, and which calibration is used."""
     rows, columns = run.pairs.shape
     _logger.info(
         "%d frame pairs of %d x %d pixels, %d left out",
@@ -270,27 +378,9 @@ def _log_run(run: Run, cycle: xr.Dataset) -> None:
         len(run.pairs.skipped),
     )
     _logger.info("%s", describe_cycle(cycle))
-
-
-def _log_calibration(calibration: Calibration) -> None:
-    """Log which calibration is used."""
-    low, high = calibration.thickness_range
     _logger.info(
         "calibration %r of %s, calibrated range %.2f to %.2f um",
         calibration.fixture,
         calibration.date or "unknown date",
-        low,
-        high,
+        *calibration.thickness_range,
     )
-
-
-def _log_film(film: xr.Dataset, output: Path) -> None:
-    """Log the result in one line."""
-    trend = "no speed exponent"
-    if "speed_exponent" in film:
-        power, std = float(film.speed_exponent), float(film.speed_exponent_std)
-        trend = f"speed exponent {power:.3f} ± {std:.3f}"
-    low, high = float(film.film_min.min()), float(film.film_min.max())
-    _logger.info("minimum film thickness %.2f to %.2f um, %s", low, high, trend)
-    if output.is_file():
-        _logger.info("%s written, %.1f MB", output, output.stat().st_size / 1e6)

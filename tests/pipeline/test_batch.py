@@ -91,7 +91,7 @@ def no_work(monkeypatch):
     def fail(*arguments, **options):
         raise AssertionError("work has started")
 
-    return lambda: monkeypatch.setattr("erlif.pipeline.parts.prepare_chain", fail)
+    return lambda: monkeypatch.setattr("erlif.pipeline.recording.prepare.prepare_chain", fail)
 
 
 @pytest.mark.parametrize("name", ["film.nc", "film.zarr"])

@@ -15,7 +15,7 @@ from erlif.commands.main import main
 from erlif.core.errors import OutputError
 from erlif.io.files import describe_hashes
 from erlif.io.ingest import InputChangedError, hash_files_beside_frames, hash_inputs, open_run
-from erlif.pipeline.run import identify_start, identify_work
+from erlif.pipeline.work import identify_start, identify_work
 
 STAGES = ("darks and flats", "registration", "sharpness and noise", "film", "writing")
 

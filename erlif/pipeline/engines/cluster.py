@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import cv2
+from threadpoolctl import threadpool_limits
 
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import ClusterError
@@ -352,6 +353,7 @@ def _call(work: Callable[[int], _Result], name: str, version: str, item: int) ->
     if name not in _checked:
         _check_version(_this_worker(), __version__, version)
         cv2.setNumThreads(1)  # the threads of a worker compute different items
+        threadpool_limits(1, user_api="blas")
         check = getattr(work, "check", None)
         if check is not None:
             check()

@@ -10,6 +10,8 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
+from threadpoolctl import threadpool_limits
+
 from erlif.core.errors import ClusterError
 from erlif.pipeline.chain import one_thread_per_frame
 from erlif.pipeline.engines.cluster import Cluster
@@ -129,7 +131,10 @@ def open_engine(*, workers: int | None = None, scheduler: str | None = None) -> 
         If both are given, or the scheduler cannot be used.
     """
     if scheduler is None:
-        yield Threads(workers)
+        # threads of OpenBLAS spin for 25 ms after each call; the matrices of a pair are small, and
+        # its processor time was twice as long (docs/performance.md)
+        with threadpool_limits(1, user_api="blas"):
+            yield Threads(workers)
         return
     if workers is not None:
         raise ClusterError(

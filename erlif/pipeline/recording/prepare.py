@@ -3,22 +3,35 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
+import xarray as xr
 
+from erlif.calibration import Calibration
+from erlif.core.arrays import Array
 from erlif.core.memory import release_memory
+from erlif.core.notes import Note
 from erlif.core.products import References
 from erlif.core.progress import Progress
 from erlif.core.timing import stage
 from erlif.correction import CameraMeasurement, find_reference_faults, make_references
 from erlif.io.ingest import Fixture, Run
 from erlif.pipeline.chain import FrameChain, FrameCorrection
+from erlif.pipeline.physics.light import (
+    LightFindings,
+    correct_light,
+    find_light,
+    measure_lights,
+    run_patch,
+)
 from erlif.pipeline.recording.cameras import declared_noise, measure_cameras
 from erlif.pipeline.recording.noise import NoiseCompletion, complete_noise, find_unknowns
+from erlif.pipeline.recording.pulse_order import refuse_stuck_cameras
 from erlif.pipeline.recording.pulses import read_energies
-from erlif.pipeline.recording.register import register_cameras
+from erlif.pipeline.recording.register import FixtureMap, register_cameras
 from erlif.pipeline.recording.sample import compare_sharpness, sample_frames
+from erlif.pipeline.recording.swap import refuse_swapped_cameras
 from erlif.ratio import BlurDifference
 from erlif.registration import CameraMap
 
@@ -143,3 +156,72 @@ def prepare_with_map(
 
     # an estimate of the noise compares the sharpness again; the given difference stays
     return replace(completed, chain=replace(completed.chain, blur=blur))
+
+
+@dataclass(frozen=True)
+class PreparedRun:
+    """A run whose frames can be measured.
+
+    Attributes
+    ----------
+    chain : FrameChain
+        Counts to ratio, with the tables alone.
+    measuring : Calibration
+        Ratio to film thickness, for the light as it is corrected.
+    light : LightFindings
+        Light that is not film, as far as it is known before the films.
+    energies : Array | None
+        Relative pulse energy of each frame in the log, (frame,).
+    notes : tuple[Note, ...]
+        On both cameras.
+    """
+
+    chain: FrameChain
+    measuring: Calibration
+    light: LightFindings
+    energies: Array | None
+    notes: tuple[Note, ...]
+
+
+def prepare_run(
+    run: Run, cycle: xr.Dataset, calibration: Calibration, known: FixtureMap, progress: Progress
+) -> PreparedRun:
+    """Characterise and register the cameras, and find the light that is to be subtracted.
+
+    Parameters
+    ----------
+    run : Run
+    cycle : xarray.Dataset
+        As `locate_run` returns it.
+    calibration : Calibration
+        Without its camera map.
+    known : FixtureMap
+        What is kept of that map.
+    progress : callable
+
+    Returns
+    -------
+    PreparedRun
+
+    Raises
+    ------
+    FrameError, RegistrationError
+        If references or frames cannot be used, a camera was stuck, or the cameras are exchanged.
+    """
+    refuse_stuck_cameras(run.pairs)
+    options = run.settings.light
+    correct = "correct" in (options.background, options.bleaching)
+    prepared = prepare_chain(run, progress, stored=known.stored, tables_only=not correct)
+    chain = prepared.chain
+    refuse_swapped_cameras(chain, calibration, prepared.sample, stored=known.nodes)
+
+    # a background that is to be subtracted is found before the films are measured
+    energies, found, measuring = read_energies(run.log), LightFindings(), calibration
+    if correct:
+        with stage("light", _logger):
+            lights = measure_lights(chain, run_patch(run))
+            found = find_light(lights, calibration, cycle.trigger.values, energies)
+        chain, measuring = correct_light(chain, calibration, found, options)
+
+    # the frames need neither the sample nor the references
+    return PreparedRun(chain.tabulated(), measuring, found, energies, tuple(prepared.notes))

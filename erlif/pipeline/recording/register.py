@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from erlif.calibration import Calibration
 from erlif.core.arrays import FlagImage, Image
 from erlif.core.errors import CalibrationError, RegistrationError
 from erlif.core.flags import Flag
 from erlif.core.neighbourhood import BLOCK
 from erlif.core.progress import Progress
 from erlif.correction import PairLight
-from erlif.io.settings import RegistrationOptions
+from erlif.io.settings import RegistrationOptions, RunSettings
 from erlif.pipeline.chain import FrameCorrection
 from erlif.registration import (
     CameraMap,
+    MapNodes,
     RegistrationSettings,
     check_map,
     divide_by_light,
@@ -93,6 +95,30 @@ def stored_map(camera_map: CameraMap | None, options: RegistrationOptions) -> Ca
             "there is none. Calibrate again, or set reuse = false."
         )
     return camera_map
+
+
+@dataclass(frozen=True)
+class FixtureMap:
+    """What is kept of the camera map of the fixture, which is large.
+
+    Attributes
+    ----------
+    stored : CameraMap | None
+        The whole map, where the settings ask for its use.
+    nodes : MapNodes | None
+        A few points of it, by which exchanged cameras are recognised.
+    """
+
+    stored: CameraMap | None
+    nodes: MapNodes | None
+
+    @classmethod
+    def of(cls, calibration: Calibration, settings: RunSettings) -> FixtureMap:
+        """Keep what a run needs of the map of its calibration."""
+        whole = calibration.camera_map
+        return cls(
+            stored_map(whole, settings.registration), None if whole is None else MapNodes.of(whole)
+        )
 
 
 class LitPairs(Sequence[tuple[Image, Image, Image, Image]]):

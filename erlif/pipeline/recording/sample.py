@@ -52,14 +52,17 @@ def sample_frames(chain: FrameChain) -> tuple[FrameSample, ...]:
     tuple of FrameSample
     """
     bands = choose_bands(chain.pairs.shape)
-    sample = []
     with one_thread_per_frame():
-        for frame in chain.pairs.spread(_FRAMES):
-            _, aligned = chain.align(frame)
-            # copies: a view would keep the whole frame
-            parts = [aligned.isel(y=band).copy(deep=True) for band in bands]
-            sample.append(FrameSample(frame, tuple(AlignedFrames(part) for part in parts)))
-    return tuple(sample)
+        return tuple(
+            FrameSample(frame, _take_bands(chain, frame, bands))
+            for frame in chain.pairs.spread(_FRAMES)
+        )
+
+
+def _take_bands(chain: FrameChain, frame: int, bands: list[slice]) -> tuple[AlignedFrames, ...]:
+    """Copies of some rows of an aligned pair: views would keep the whole of it."""
+    _, aligned = chain.align(frame)
+    return tuple(AlignedFrames(aligned.isel(y=band).copy(deep=True)) for band in bands)
 
 
 def choose_bands(shape: tuple[int, int]) -> list[slice]:

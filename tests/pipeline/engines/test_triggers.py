@@ -16,7 +16,7 @@ from erlif.io.files import PartialFilm
 from erlif.pipeline.engines.engine import Threads
 from erlif.pipeline.engines.triggers import run_triggers
 from erlif.pipeline.film import MAPS, choose_region
-from erlif.pipeline.parts import trigger_task
+from erlif.pipeline.run import trigger_task
 
 FRAMES = [[0, 3], [1, 4], [2, 5]]
 

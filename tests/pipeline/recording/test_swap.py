@@ -6,8 +6,9 @@ import erlif
 from erlif.core.errors import CalibrationError
 from erlif.core.progress import silent
 from erlif.io.ingest import open_run
-from erlif.pipeline.parts import KnownMap, prepare_run
 from erlif.pipeline.physics.joint import locate_run
+from erlif.pipeline.recording.prepare import prepare_run
+from erlif.pipeline.recording.register import FixtureMap
 from erlif.rig import RigSettings, simulate
 
 NEAR_ONE = {"film_reference": 9.5, "film_floor": 8.0}
@@ -40,7 +41,7 @@ def calibration(rehearsal):
 def prepare(run_dir, calibration):
     """The part of the way to a film in which exchanged cameras are refused."""
     run = open_run(run_dir)
-    known = KnownMap.of(calibration, run.settings)
+    known = FixtureMap.of(calibration, run.settings)
     return prepare_run(run, locate_run(run), calibration, known, silent)
 
 

@@ -12,8 +12,10 @@ from erlif.io.files import PartialFilm
 from erlif.io.ingest import open_run
 from erlif.pipeline.engines.engine import Threads
 from erlif.pipeline.film import MAPS, describe_grid, describe_triggers, group_frames
-from erlif.pipeline.parts import KnownMap, complete_film, measure_run, prepare_run
 from erlif.pipeline.physics.joint import locate_run
+from erlif.pipeline.recording.prepare import prepare_run
+from erlif.pipeline.recording.register import FixtureMap
+from erlif.pipeline.run import complete_film, measure_run
 
 
 @pytest.fixture(scope="module")
@@ -23,22 +25,22 @@ def calibration(small_rig):
 
 def test_the_map_of_the_fixture_is_kept_only_where_it_is_used(small_rig, calibration):
     settings = open_run(small_rig.run).settings
-    known = KnownMap.of(calibration, settings)
+    known = FixtureMap.of(calibration, settings)
     assert known.stored is None
     assert known.nodes is not None
 
     reused = settings.model_copy(
         update={"registration": settings.registration.model_copy(update={"reuse": True})}
     )
-    assert KnownMap.of(calibration, reused).stored is not None
-    assert KnownMap.of(replace(calibration, camera_map=None), settings) == KnownMap(None, None)
+    assert FixtureMap.of(calibration, reused).stored is not None
+    assert FixtureMap.of(replace(calibration, camera_map=None), settings) == FixtureMap(None, None)
 
 
 def test_the_parts_give_the_film_of_the_command(small_rig, calibration, film, tmp_path):
     run = open_run(small_rig.run)
     cycle = locate_run(run)
     frames_of = group_frames(cycle, run.pairs)
-    known = KnownMap.of(calibration, run.settings)
+    known = FixtureMap.of(calibration, run.settings)
     bare = replace(calibration, camera_map=None)
 
     ready = prepare_run(run, cycle, bare, known, silent)
