@@ -28,6 +28,8 @@ _KINDS = {"rad/s": "a speed of rotation", "rad": "an angle", "Hz": "a frequency"
 """What is measured in these units."""
 
 _PI = Fraction(math.pi)
+_DEGREES = Fraction("57.29577951308232087679815")  # in a radian
+_LBF, _KGF, _INCH = Fraction("4.4482216152605"), Fraction("9.80665"), Fraction("0.0254")
 
 _USUAL: dict[str, dict[str, Fraction | int]] = {
     "m": {
@@ -39,23 +41,33 @@ _USUAL: dict[str, dict[str, Fraction | int]] = {
         "nm": Fraction(1, 10**9),
     },
     "nm": {"nm": 1, "um": 10**3, "µm": 10**3},
-    "N": {"N": 1, "kN": 10**3, "lbf": Fraction("4.4482216152605")},
+    "N": {"N": 1, "kN": 10**3, "lbf": _LBF, "mN": Fraction(1, 10**3), "kgf": _KGF},
     "N/m": {"N/m": 1, "N/mm": 10**3, "kN/mm": 10**6, "N/um": 10**6, "N/µm": 10**6},
     "Pa": {"Pa": 1, "kPa": 10**3, "MPa": 10**6, "GPa": 10**9},
     "1/Pa": {"1/Pa": 1, "1/MPa": Fraction(1, 10**6), "1/GPa": Fraction(1, 10**9)},
     "Pa s": {"Pa s": 1, "mPa s": Fraction(1, 10**3), "cP": Fraction(1, 10**3)},
-    "rad/s": {"rad/s": 1, "rpm": _PI / 30},
+    "rad/s": {"rad/s": 1, "rpm": _PI / 30, "deg/s": _PI / 180, "rev/s": 2 * _PI},
     "rad": {"rad": 1, "deg": _PI / 180},
+    "deg": {"deg": 1, "rad": _DEGREES, "mrad": _DEGREES / 1000, "turn": 360},
+    "N m": {
+        "N m": 1,
+        "kN m": 10**3,
+        "N mm": Fraction(1, 10**3),
+        "lbf ft": _LBF * 12 * _INCH,
+        "lbf in": _LBF * _INCH,
+    },
     # a cycle is one turn: pint would count 1 rpm as 0.105 Hz
     "Hz": {"Hz": 1, "kHz": 10**3, "1/s": 1, "1/min": Fraction(1, 60), "rpm": Fraction(1, 60)},
     "s": {
         "s": 1,
         "ms": Fraction(1, 10**3),
         "us": Fraction(1, 10**6),
+        "ns": Fraction(1, 10**9),
         "min": 60,
         "h": 3600,
     },
     "J": {"J": 1, "mJ": Fraction(1, 10**3), "uJ": Fraction(1, 10**6), "µJ": Fraction(1, 10**6)},
+    "mJ": {"mJ": 1, "J": 10**3, "uJ": Fraction(1, 10**3)},
     "mol/L": {
         "mol/L": 1,
         "mol/l": 1,
@@ -203,7 +215,7 @@ def parse_quantity(text: object, unit: str) -> float:
         raise ValueError(f"{expected}; got {text!r}, and a pixel is not a unit of length here")
 
     try:
-        value = _convert(match[1], name, unit)
+        value = convert(match[1], name, unit)
     except Exception as error:  # pint raises errors of many classes, depending on the text
         hint = _hint(match[1], name, unit)
         raise ValueError(f"{expected}; {text!r} cannot be converted to it{hint}") from error
@@ -220,8 +232,28 @@ def _hint(number: str, name: str, unit: str) -> str:
     return f"; did you mean {' or '.join(f'{number} {each}' for each in near)}?" if near else ""
 
 
-def _convert(number: str, name: str, unit: str) -> float:
-    """A number of one unit as a number of another."""
+def convert(number: str, name: str, unit: str) -> float:
+    """A number of one unit as a number of another, rounded once.
+
+    Parameters
+    ----------
+    number : str
+        A decimal number.
+    name : str
+        Its unit.
+    unit : str
+        Unit of the result, in pint's spelling.
+
+    Returns
+    -------
+    float
+        Infinite beyond the largest float.
+
+    Examples
+    --------
+    >>> convert("60", "um", "m")
+    6e-05
+    """
     usual = _USUAL.get(unit, {})
     if name in usual and math.isfinite(float(number)):
         # in fractions: "60 um" gives 6e-05 m, and not its neighbour

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from erlif.core.units import convert
+
 
 class Scale(NamedTuple):
     """How the numbers of one unit become those of the log: factor times number plus offset.
@@ -21,62 +23,25 @@ class Scale(NamedTuple):
     offset: float = 0.0
 
 
-_DEGREE = "degree"
-_CELSIUS = "degree_Celsius"
-_TURN = 360.0
-
-UNITS: dict[str, dict[str, Scale]] = {
-    "angle": {
-        "deg": Scale(_DEGREE),
-        "rad": Scale(_DEGREE, 57.29577951308232),
-        "mrad": Scale(_DEGREE, 0.05729577951308232),
-        "turn": Scale(_DEGREE, _TURN),
-        "tick": Scale("tick"),
-    },
-    "time": {
-        "s": Scale("s"),
-        "ms": Scale("s", 1e-3),
-        "us": Scale("s", 1e-6),
-        "ns": Scale("s", 1e-9),
-        "min": Scale("s", 60.0),
-        "h": Scale("s", 3600.0),
-    },
-    "load": {
-        "N": Scale("N"),
-        "kN": Scale("N", 1e3),
-        "mN": Scale("N", 1e-3),
-        "lbf": Scale("N", 4.4482216152605),
-        "kgf": Scale("N", 9.80665),
-    },
-    "torque": {
-        "N m": Scale("N m"),
-        "kN m": Scale("N m", 1e3),
-        "N mm": Scale("N m", 1e-3),
-        "lbf ft": Scale("N m", 1.3558179483314004),
-        "lbf in": Scale("N m", 0.1129848290276167),
-    },
-    "temperature": {
-        "degC": Scale(_CELSIUS),
-        "K": Scale(_CELSIUS, 1.0, -273.15),
-        "degF": Scale(_CELSIUS, 5 / 9, -160 / 9),
-    },
-    "speed": {
-        "rad/s": Scale("rad s-1"),
-        "rpm": Scale("rad s-1", 0.10471975511965977),
-        "deg/s": Scale("rad s-1", 0.017453292519943295),
-        "rev/s": Scale("rad s-1", 6.283185307179586),
-        "m/s": Scale("m s-1"),
-        "mm/s": Scale("m s-1", 1e-3),
-    },
-    "pulse_energy": {
-        "mJ": Scale("mJ"),
-        "J": Scale("mJ", 1e3),
-        "uJ": Scale("mJ", 1e-3),
-        "V": Scale("V"),
-        "1": Scale("1"),
-    },
+UNITS = {
+    "angle": ("deg", "rad", "mrad", "turn", "tick"),
+    "time": ("s", "ms", "us", "ns", "min", "h"),
+    "load": ("N", "kN", "mN", "lbf", "kgf"),
+    "torque": ("N m", "kN m", "N mm", "lbf ft", "lbf in"),
+    "temperature": ("degC", "K", "degF"),
+    "speed": ("rad/s", "rpm", "deg/s", "rev/s", "m/s", "mm/s"),
+    "pulse_energy": ("mJ", "J", "uJ", "V", "1"),
 }
-"""Units by the quantity of a column."""
+"""Units by the quantity of a column; the first is that of the result."""
+
+_RESULTS = {"deg": "degree", "degC": "degree_Celsius", "rad/s": "rad s-1", "m/s": "m s-1"}
+"""Units of results as films spell them."""
+
+_OTHER_RESULTS = {"m/s": "m/s", "mm/s": "m/s", "tick": "tick", "V": "V", "1": "1"}
+"""Units of another kind than the first of their quantity, and what they become."""
+
+_OFFSETS = {"K": Scale("degree_Celsius", 1.0, -273.15)}
+_OFFSETS["degF"] = Scale("degree_Celsius", 5 / 9, -160 / 9)
 
 _SPELLINGS = {
     "°": "deg",
@@ -148,7 +113,14 @@ def find_scale(quantity: str, unit: str) -> Scale | None:
     (Scale(unit='degree_Celsius', factor=1.0, offset=0.0), None)
     """
     known = UNITS[quantity]
-    return known.get(unit) or known.get(_SPELLINGS.get(unit.lower(), ""))
+    name = unit if unit in known else _SPELLINGS.get(unit.lower(), "")
+    if name not in known:
+        return None
+    if name in _OFFSETS:
+        return _OFFSETS[name]
+    result = _OTHER_RESULTS.get(name, known[0])
+    factor = 1.0 if name == result else convert("1", name, result)
+    return Scale(_RESULTS.get(result, result), factor)
 
 
 def is_unit(text: str) -> bool:
