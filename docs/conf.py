@@ -157,11 +157,7 @@ STAGES = (
 ELSEWHERE = {
     "erlif.joint.endurance": (
         "LogColumns",
-        "ReversalSeries",
-        "analyse_reversals",
-        "describe_reversals",
         "measure_friction",
-        "write_reversal_table",
     )
 }
 """Names that a stage exports and another one describes."""

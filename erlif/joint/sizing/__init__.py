@@ -5,9 +5,9 @@ from erlif.joint.sizing.joint import DIMENSIONS, Dimensions, Joint, Lock, dimens
 from erlif.joint.sizing.materials import Material, read_materials
 from erlif.joint.sizing.outcome import BearingDesign
 from erlif.joint.sizing.preferred import round_up
-from erlif.joint.sizing.pressure import contact_of, pressure_over_arc
 from erlif.joint.sizing.sensitivity import Sensitivity, Substitute, sensitivities, substitutes
 from erlif.joint.sizing.size import size_joint
+from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import ROUNDING, Step
 from erlif.joint.sizing.walk import Walk, walk_guide
 
@@ -17,16 +17,15 @@ __all__ = [
     "BearingDesign",
     "Dimensions",
     "Joint",
+    "JointState",
     "Lock",
     "Material",
     "Sensitivity",
     "Step",
     "Substitute",
     "Walk",
-    "contact_of",
     "dimensions_of",
     "example_joint",
-    "pressure_over_arc",
     "read_materials",
     "round_up",
     "sensitivities",

@@ -1,15 +1,10 @@
-"""Numbers of a joint: which are refused, and which are in a wrong unit."""
+"""Numbers of a joint that are in a wrong unit."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Collection
-from dataclasses import fields
+from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
-from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     check_conductivity,
     check_expansion,
@@ -20,55 +15,7 @@ from erlif.models.arguments import (
     check_specific_wear,
     check_strength,
     check_swing,
-    require_finite,
-    require_not_negative,
-    require_positive,
-    require_single,
 )
-
-
-def require_numbers(
-    table: Any, *, may_be_zero: Collection[str] = (), any_sign: Collection[str] = ()
-) -> None:
-    """Refuse numbers of a dataclass that are NaN, infinite or of a wrong sign.
-
-    Parameters
-    ----------
-    table : dataclass
-        Fields that hold text, None or another dataclass are left out.
-    may_be_zero : collection of str
-        Fields that may be zero.
-    any_sign : collection of str
-        Fields that may be negative as well. All others must be positive.
-
-    Raises
-    ------
-    ModelError
-        Names the field.
-
-    Examples
-    --------
-    >>> from erlif.joint.sizing.materials import Material
-    >>> require_numbers(Material("steel", youngs_modulus=-210e9))
-    Traceback (most recent call last):
-    erlif.core.errors.ModelError: youngs_modulus must be positive, got -2.1e+11.
-    """
-    for field in fields(table):
-        name, value = field.name, getattr(table, field.name)
-        if not isinstance(value, _NUMBERS) or (isinstance(value, float) and 0 < value < math.inf):
-            continue
-        require_single(**{name: value})
-        if np.isnan(value):
-            raise ModelError(f"{name} must not be NaN; give None where it is not known.")
-        if name in any_sign:
-            require_finite(**{name: value})
-        elif name in may_be_zero:
-            require_not_negative(**{name: value})
-        else:
-            require_positive(**{name: value})
-
-
-_NUMBERS = (int, float, np.generic, np.ndarray, list, tuple)
 
 
 def warn_of_units(joint: Any, *, dimensions: bool = True) -> None:
@@ -100,38 +47,53 @@ def warn_of_units(joint: Any, *, dimensions: bool = True) -> None:
     >>> print(str(caught[0].message).split(" is ")[0])
     housing.yield_stress = 335 Pa
     """
-    check_load(**_given(joint, "", ("force", "mean_force")))
-    check_film(**_given(joint, "", ("pin_roughness", "bushing_roughness")))
-    check_swing(**_given(joint, "", ("half_swing",)))
-    if joint.lock is not None:
-        check_strength(**_given(joint.lock, "lock.", ("screw_yield",)))
-    if dimensions:
-        check_length(**_given(joint, "", _LENGTHS))
-        # plays may be as small as rounding, but none is as large as a metre
-        plays = _given(joint, "", ("play", "interference"))
-        check_length(**{name: play for name, play in plays.items() if abs(play) > 1})
-        if joint.lock is not None:
-            check_length(**_given(joint.lock, "lock.", _LOCK_LENGTHS))
-    for part in ("pin", "bushing", "seat", "housing"):
-        material = getattr(joint, part)
-        check_strength(**_given(material, f"{part}.", ("yield_stress", "ultimate_stress")))
-        check_modulus(**_given(material, f"{part}.", ("youngs_modulus",)))
-        check_expansion(**_given(material, f"{part}.", ("expansion",)))
-        check_conductivity(**_given(material, f"{part}.", ("conductivity",)))
-        check_specific_wear(**_given(material, f"{part}.", ("wear",)))
+    given = {name: value for name in _PLACES if (value := _value(joint, name)) is not None}
+    for check, names in _CHECKS:
+        check(**{name: given[name] for name in names if name in given})
+    if not dimensions:
+        return
+    check_length(**{name: given[name] for name in _LENGTHS if name in given})
 
+    # plays may be as small as rounding, but none is as large as a metre
+    plays = {name: given[name] for name in ("play", "interference") if name in given}
+    check_length(**{name: play for name, play in plays.items() if abs(play) > 1})
+
+
+_PARTS = ("pin", "bushing", "seat", "housing")
+
+_CHECKS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
+    (check_load, ("force", "mean_force")),
+    (check_film, ("pin_roughness", "bushing_roughness")),
+    (check_swing, ("half_swing",)),
+    (
+        check_strength,
+        (
+            "lock.screw_yield",
+            *(
+                f"{part}.{stress}"
+                for part in _PARTS
+                for stress in ("yield_stress", "ultimate_stress")
+            ),
+        ),
+    ),
+    (check_modulus, tuple(f"{part}.youngs_modulus" for part in _PARTS)),
+    (check_expansion, tuple(f"{part}.expansion" for part in _PARTS)),
+    (check_conductivity, tuple(f"{part}.conductivity" for part in _PARTS)),
+    (check_specific_wear, tuple(f"{part}.wear" for part in _PARTS)),
+)
+"""Numbers by the check of their unit, under the names that the user wrote."""
 
 _LENGTHS = (
     *("largest_wear", "pin_diameter", "hole_diameter", "bushing_width", "wall", "seat_width"),
-    *("housing_diameter", "lateral_play"),
-)
-_LOCK_LENGTHS = (
-    *("lever", "length", "thickness", "throat", "height", "end_width"),
-    *("weld_diameter", "screw_diameter"),
+    *("housing_diameter", "lateral_play", "lock.lever", "lock.length", "lock.thickness"),
+    *("lock.throat", "lock.height", "lock.end_width", "lock.weld_diameter", "lock.screw_diameter"),
 )
 
+_PLACES = (*(name for _, names in _CHECKS for name in names), *_LENGTHS, "play", "interference")
 
-def _given(table: Any, prefix: str, names: Collection[str]) -> dict[str, float]:
-    """The numbers of a dataclass that are known, under the names that its user wrote."""
-    known = {name: getattr(table, name) for name in names}
-    return {prefix + name: value for name, value in known.items() if value is not None}
+
+def _value(table: Any, name: str) -> float | None:
+    """The number of a joint at a place such as ``"lock.screw_yield"``; None without a lock."""
+    for part in name.split("."):
+        table = None if table is None else getattr(table, part)
+    return None if table is None else float(table)

@@ -6,10 +6,7 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from erlif.core.errors import ModelError
-from erlif.joint.sizing.inputs import require_numbers
 from erlif.joint.sizing.materials import Material
-from erlif.models.arguments import require_between
-from erlif.models.bearing import RECOMMENDED_HOUSING
 from erlif.models.wear import mean_sliding_speed
 
 
@@ -47,11 +44,6 @@ class Lock:
         Diameter of the screw in its shear plane; None to choose it. [m]
     screw_yield : float | None
         Yield stress of the screw. [Pa]
-
-    Raises
-    ------
-    ModelError
-        If a number is NaN, infinite or out of its range.
     """
 
     kind: Literal["open", "closed"]
@@ -68,18 +60,6 @@ class Lock:
     weld_diameter: float | None = None
     screw_diameter: float | None = None
     screw_yield: float | None = None
-
-    def __post_init__(self) -> None:
-        require_numbers(self, may_be_zero=("friction_bushing", "friction_seat"))
-
-
-_MAY_BE_ZERO = frozenset(
-    {
-        *("mean_force", "half_swing", "friction", "pin_roughness", "bushing_roughness"),
-        *("largest_wear", "hole_diameter", "interference", "lateral_play", "wall"),
-    }
-)
-_ANY_SIGN = frozenset({"outside_temperature", "assembly_temperature", "grease_temperature", "play"})
 
 
 @dataclass(frozen=True)
@@ -142,11 +122,6 @@ class Joint:
         wide enough for it. [1]
     lock : Lock | None
         Lock plate; None for none.
-
-    Raises
-    ------
-    ModelError
-        If a number is NaN, infinite or out of its range.
     """
 
     force: float
@@ -177,10 +152,6 @@ class Joint:
     lateral_play: float = 0.0
     eye_ratio: float = 3.0
     lock: Lock | None = None
-
-    def __post_init__(self) -> None:
-        require_numbers(self, may_be_zero=_MAY_BE_ZERO, any_sign=_ANY_SIGN)
-        require_between(*RECOMMENDED_HOUSING, eye_ratio=self.eye_ratio)
 
     @property
     def moving_force(self) -> float:

@@ -14,7 +14,6 @@ from typing import Any
 
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import ConfigError
-from erlif.joint.sizing.inputs import require_numbers
 
 BRINELL = 9.80665e6
 """Pascal of one Brinell: a kilogram-force on a square millimetre. [Pa]"""
@@ -63,11 +62,6 @@ class Material:
         Specific wear rate k of eq. 32. [1/Pa]
     source : str
         Where the values come from.
-
-    Raises
-    ------
-    ModelError
-        If a number is NaN, infinite or out of its range.
     """
 
     name: str
@@ -86,13 +80,6 @@ class Material:
     pv: float | None = None
     wear: float | None = None
     source: str = ""
-
-    def __post_init__(self) -> None:
-        require_numbers(
-            self,
-            may_be_zero=("poissons_ratio", "expansion", "wear"),
-            any_sign=("temperature",),
-        )
 
     @property
     def hardness(self) -> float | None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
-from erlif.joint.sizing.fit import assembled_play
-from erlif.joint.sizing.joint import DIMENSIONS, Joint, dimensions_of
+from erlif.joint.sizing.joint import DIMENSIONS, Joint
+from erlif.joint.sizing.state import JointState
 
 MANY_SWINGS = 1e5
 """Swings beyond which the missing check of fatigue is stated. [1]"""
@@ -51,7 +51,8 @@ def practice_notes(joint: Joint, *, chosen: Collection[str] = ()) -> tuple[str, 
 
 
 def _notes(joint: Joint, chosen: Collection[str]) -> Iterator[str]:
-    size = dimensions_of(joint)
+    state = JointState(joint)
+    size = state.size
     if joint.life is not None and joint.period is not None and joint.half_swing:
         swings = joint.life / joint.period
         if swings > MANY_SWINGS:
@@ -73,7 +74,7 @@ def _notes(joint: Joint, chosen: Collection[str]) -> Iterator[str]:
             f"{LARGEST_TOLERANCED:g} m."
         )
 
-    play, tolerance = assembled_play(joint), tolerance_grade_7(size.pin)
+    play, tolerance = state.play, tolerance_grade_7(size.pin)
     if 0 < play < tolerance and size.pin <= _LARGEST_FACTOR:
         yield (
             f"The play of {play * 1e6:.3g} um is below a tolerance of ISO 286-1, grade 7 "

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -10,13 +10,14 @@ from typing import Any
 from erlif.joint.sizing.joint import Joint
 from erlif.joint.sizing.materials import Material
 from erlif.joint.sizing.steps import Step
-from erlif.joint.sizing.walk import Walk, walk_guide
+from erlif.joint.sizing.walk import Walk, margin_of, walk_guide
 
 STEP = 1e-5
 """Relative step of the central differences; the margins are smooth to nine digits. [1]"""
 
 _PERCENT = 0.01
 _LARGEST_RATIO = 0.4999  # Poisson's ratio up to which it can grow
+_YIELD = "yield_stress"
 _SMALLEST = 1e-8  # change of a margin that is rounding
 
 _NUMBERS = {
@@ -180,73 +181,52 @@ def sensitivities(walk: Walk) -> tuple[Sensitivity, ...]:
     if weakest is None or weakest.margin == float("inf"):
         return ()
 
-    def margin(joint: Joint) -> float:
-        return walk_guide(joint).step(weakest.key).margin
-
     found = []
     for name, by, vary in _variations(walk.joint):
-        slope = (margin(vary(STEP)) - margin(vary(-STEP))) / (2 * STEP)
+        above, below = (margin_of(vary(step), weakest.key) for step in (STEP, -STEP))
+        slope = (above - below) / (2 * STEP)
         change = slope * (_PERCENT if by == "1 %" else 1.0)
         if abs(change) > _SMALLEST:
             found.append(Sensitivity(name, by, change))
     return tuple(sorted(found, key=lambda one: -abs(one.change)))
 
 
-_Variation = Callable[[float], Joint]
-
-
-def _variations(joint: Joint) -> Iterator[tuple[str, str, _Variation]]:
+def _variations(joint: Joint) -> Iterator[tuple[str, str, Callable[[float], Joint]]]:
     """Name, change and the joint after a relative change, or one in kelvin."""
     for field, name in _NUMBERS.items():
         if getattr(joint, field):
-            yield name, "1 %", partial(_scaled, joint, field)
+            yield name, "1 %", partial(_vary, joint, (field,))
     for field, name in _TEMPERATURES.items():
-        yield name, "1 K", partial(_shifted, joint, field)
+        yield name, "1 K", partial(_vary, joint, (field,), shift=True)
     if joint.lock is not None:
         for field, name in _LOCK.items():
             if getattr(joint.lock, field):
-                yield name, "1 %", partial(_scaled_lock, joint, field)
-        yield "yield stress of the plate", "1 %", partial(_scaled_plate, joint)
+                yield name, "1 %", partial(_vary, joint, ("lock", field))
+        yield "yield stress of the plate", "1 %", partial(_vary, joint, ("lock", "plate", _YIELD))
     for part, title in _PARTS.items():
         for field, name in _PROPERTIES.items():
             value = getattr(getattr(joint, part), field)
             at_end = field == "poissons_ratio" and value is not None and value > _LARGEST_RATIO
             if value and not at_end:
-                yield f"{name} of the {title}", "1 %", partial(_scaled_part, joint, part, field)
+                yield f"{name} of the {title}", "1 %", partial(_vary, joint, (part, field))
 
 
-def _scaled(joint: Joint, field: str, by: float) -> Joint:
-    return replace(joint, **{field: getattr(joint, field) * (1 + by)})
+def _vary(table: Any, place: Sequence[str], by: float, *, shift: bool = False) -> Any:
+    """A joint, lock or material whose number at a place is scaled, or shifted."""
+    field, *inner = place
+    if inner:
+        return replace(table, **{field: _vary(getattr(table, field), inner, by, shift=shift)})
 
-
-def _shifted(joint: Joint, field: str, by: float) -> Joint:
-    return replace(joint, **{field: getattr(joint, field) + by})
-
-
-def _scaled_lock(joint: Joint, field: str, by: float) -> Joint:
-    assert joint.lock is not None
-    lock = replace(joint.lock, **{field: getattr(joint.lock, field) * (1 + by)})
-    return replace(joint, lock=lock)
-
-
-def _scaled_plate(joint: Joint, by: float) -> Joint:
-    assert joint.lock is not None
-    plate = _scaled_material(joint.lock.plate, "yield_stress", by)
-    return replace(joint, lock=replace(joint.lock, plate=plate))
-
-
-def _scaled_part(joint: Joint, part: str, field: str, by: float) -> Joint:
-    changed: dict[str, Any] = {part: _scaled_material(getattr(joint, part), field, by)}
-    return replace(joint, **changed)
-
-
-def _scaled_material(material: Material, field: str, by: float) -> Material:
-    """A material with another value; both ends of its range of hardness change."""
+    # both ends of the range of hardness change
     fields = ("hardness_low", "hardness_high") if field == "hardness" else (field,)
-    known = {name: getattr(material, name) for name in fields}
+    known = {name: getattr(table, name) for name in fields}
     return replace(
-        material,
-        **{name: value * (1 + by) for name, value in known.items() if value is not None},
+        table,
+        **{
+            name: value + by if shift else value * (1 + by)
+            for name, value in known.items()
+            if value is not None
+        },
     )
 
 

@@ -11,28 +11,21 @@ from __future__ import annotations
 import math
 import warnings
 from dataclasses import replace
+from functools import partial
 
 from erlif.core.errors import ConfigError, UnitWarning
-from erlif.joint.sizing.fit import growth_loss, least_play
-from erlif.joint.sizing.heat import bushing_heat, temperature_limit
 from erlif.joint.sizing.inputs import warn_of_units
-from erlif.joint.sizing.joint import Joint, dimensions_of
+from erlif.joint.sizing.joint import Joint
 from erlif.joint.sizing.lock import size_lock
-from erlif.joint.sizing.pin import bending_factor
 from erlif.joint.sizing.preferred import Series, round_up
-from erlif.joint.sizing.pressure import combined_modulus
+from erlif.joint.sizing.state import JointState
+from erlif.joint.sizing.walk import EQUATIONS
 from erlif.models.bearing import (
     LARGEST_HOLE_RATIO,
     RECOMMENDED_HOUSING,
     RECOMMENDED_PLAY,
     RECOMMENDED_WIDTH,
     least_eyebar_diameter,
-)
-from erlif.models.contact import (
-    FULL_CONTACT,
-    persson_group,
-    persson_half_angle,
-    persson_peak_group,
 )
 
 WALL = 0.1
@@ -46,8 +39,7 @@ _HALVINGS = 44  # of the logarithm of the diameter: to 1e-12 of it
 _LADDER = 120  # pins that are tried where the thickest is not enough, 10 % apart
 _CANDIDATES = 40  # preferred diameters that are tried, two decades of R20
 _ROUNDS = 8  # in which the play settles; it only grows, and two are usual
-_CONFORMAL = 8.0  # E Delta / 2q up to which the peak of eq. 9 is below the edge pressure of eq. 10
-_NARROWEST = -14.0  # ln b of the narrowest contact that is looked for, of 2e-6 rad
+_WIDEST = 14.0  # logarithm of the widest bushing over the one that edges and pv need
 
 
 def size_joint(joint: Joint, *, series: Series = "none") -> Joint:
@@ -105,9 +97,10 @@ def _size(joint: Joint, series: Series) -> Joint:
         sized = _size_with_play(joint, relative, series)
         if joint.play is not None:
             break
-        loss = (growth_loss(sized) or 0.0) / dimensions_of(sized).pin
+        state = JointState(sized)
+        loss = (state.growth_loss or 0.0) / state.size.pin
         if loss <= relative:
-            sized = replace(sized, play=_round_play(least_play(sized), series))
+            sized = replace(sized, play=_round_play(state.least_play, series))
             break
         relative = loss
     if sized.lock is not None:
@@ -250,102 +243,66 @@ def _is_enough(
 
 def _is_strong(joint: Joint, diameter: float, width: float) -> bool:
     """Whether a pin holds in shear and in bending. Eqs. 1, 2 and 4."""
-    strength = joint.pin.yield_stress
-    if strength is None:
-        return True
-    allowed = strength / joint.safety
-    ratio = joint.hole_diameter / diameter
-    if ratio > LARGEST_HOLE_RATIO:
+    if joint.hole_diameter > LARGEST_HOLE_RATIO * diameter:
         return False
-    concentration, remaining = bending_factor(ratio)
-    sheared = 2 * math.sqrt(3) * joint.force / (math.pi * diameter**2)
-    free = width + joint.lateral_play
-    bent = 4 * joint.force * free * concentration / (math.pi * diameter**3 * remaining)
-    return max(sheared, bent) <= allowed
+    state = _trial(joint, diameter, width, wall=0.0, play=0.0)
+    results = (EQUATIONS[key](state) for key in ("pin_shear", "pin_bending"))
+    return not any(result.share < 0 for result in results if result is not None)
+
+
+def _trial(joint: Joint, diameter: float, width: float, *, wall: float, play: float) -> JointState:
+    """A joint with a pin and a bushing that are tried, and their assembled play."""
+    return JointState(
+        replace(
+            joint,
+            pin_diameter=diameter,
+            bushing_width=width,
+            wall=wall,
+            seat_width=width,
+            housing_diameter=joint.housing_diameter or joint.eye_ratio * (diameter + 2 * wall),
+            play=play,
+            interference=0.0,
+        )
+    )
+
+
+_BY_WIDTH = (
+    "seizure",
+    "bushing_edge",
+    "pressure_limit",
+    "pv",
+    "temperature",
+    "housing_eye",
+    "wear",
+)
+"""Limits whose present value is in proportion to 1 over the width of the bushing."""
 
 
 def _least_width(joint: Joint, diameter: float, wall: float, relative: float) -> float:
     """Least width for which the limits of the sliding surface hold; infinite without one."""
-    ring, force, d = joint.bushing, joint.force, diameter
-    widths = [0.0]
-
-    # eqs. 5 and 10, and the pressure that the maker of the bushing allows
-    if ring.yield_stress is not None:
-        softer = min(ring.yield_stress, joint.pin.yield_stress or math.inf)
-        widths.append(2 * force / (softer * d))
-    hardness = ring.hardness
-    if hardness is not None:
-        widths.append(8 * force * joint.safety / (math.pi * d * hardness))
-    if ring.pressure is not None:
-        widths.append(force / (d * ring.pressure))
-
-    # pv, temperature and wear
-    speed = joint.speed(d)
-    if speed is not None and ring.pv is not None:
-        widths.append(joint.moving_force * speed / (d * ring.pv))
-    widths += [_width_for_temperature(joint, d, wall), _width_for_eye(joint, d + 2 * wall)]
-    per_diameter = joint.sliding_distance
-    if per_diameter is not None and ring.wear is not None and joint.largest_wear is not None:
-        worn = 4 / math.pi * ring.wear * joint.moving_force * per_diameter
-        widths.append(worn / joint.largest_wear)
-
-    least = max(widths)
-    modulus = combined_modulus(joint)
-    if hardness is None or modulus is None or math.isinf(least):
-        return least
-    play = relative * d if joint.play is None else joint.play
-    return _width_for_peak(force, hardness / joint.safety, modulus, play, d, least)
-
-
-def _width_for_eye(joint: Joint, bore: float) -> float:
-    """Least width of eq. 14 in the housing, or in one of the wanted proportion."""
-    strength = joint.housing.yield_stress
-    outer = joint.housing_diameter or joint.eye_ratio * bore
-    if outer <= bore:
+    play = relative * diameter if joint.play is None else joint.play
+    trial = partial(_trial, joint, diameter, wall=wall, play=play)
+    state, least = trial(diameter), 0.0
+    if state.size.housing <= state.size.fit:
         return math.inf
-    if strength is None:
-        return 0.0
-    return joint.force * joint.safety * (bore / outer + outer / bore) / (strength * (outer - bore))
+    for key in _BY_WIDTH:
+        if key == "temperature" and state.temperature_limit <= joint.outside_temperature:
+            continue  # no width helps
+        result = EQUATIONS[key](state)
+        if result is not None and not math.isnan(result.share):
+            # the margin is known at one width, and so is the width at which it is 0
+            least = max(least, diameter / (1 + result.share) if result.share > -1 else math.inf)
 
+    def margin_of_peak(log_width: float) -> float:
+        result = EQUATIONS["pressure_peak"](trial(math.exp(log_width)))
+        return math.nan if result is None else result.share
 
-def _width_for_temperature(joint: Joint, diameter: float, wall: float) -> float:
-    """Least width of eq. 29; 0 where it is not known or no width helps."""
-    heat = bushing_heat(joint, diameter)
-    room = temperature_limit(joint) - joint.outside_temperature
-    conductivity = joint.bushing.conductivity
-    if heat is None or conductivity is None or room <= 0:
-        return 0.0
-    return heat * math.log(1 + 2 * wall / diameter) / (math.pi * conductivity * room)
-
-
-def _width_for_peak(
-    force: float, allowed: float, modulus: float, play: float, diameter: float, width: float
-) -> float:
-    """Least width of eq. 9, at least that of eq. 10."""
-    group = modulus * play * width / (2 * force)
-    if FULL_CONTACT < group <= _CONFORMAL:
-        return width  # the edge pressure is larger than the peak
-
-    if group <= FULL_CONTACT:
-        # pressed all around: what the interference leaves carries the load as a cosine
-        left = allowed + modulus * play / (2 * diameter)
-        return max(width, 2 * force / (math.pi * diameter * left)) if left > 0 else math.inf
-
-    peak = persson_peak_group(persson_half_angle(group)) * 2 * force / (width * diameter)
-    if peak <= allowed:
-        return width
+    if not 0 < least < math.inf or not margin_of_peak(math.log(least)) < 0:
+        return least
+    low, high = math.log(least), math.log(least) + _WIDEST
+    if margin_of_peak(high) < 0:
+        return math.inf
 
     from scipy.optimize import brentq  # rarely needed, and slow to load
 
-    # E Delta / (d p) is the ratio of the two groups, which falls with the contact angle
-    wanted = modulus * play / (diameter * allowed)
-
-    def excess(log_b: float) -> float:
-        half_angle = 2 * math.atan(math.exp(log_b))
-        return float(persson_group(half_angle) / persson_peak_group(half_angle)) - wanted
-
-    if excess(_NARROWEST) < 0:
-        return math.inf
-    log_b = brentq(excess, _NARROWEST, 0.0, xtol=1e-15, rtol=1e-14)
-    group = float(persson_group(2 * math.atan(math.exp(log_b))))
-    return max(width, 2 * force * group / (modulus * play))
+    return math.exp(brentq(margin_of_peak, low, high, xtol=1e-14, rtol=1e-14))

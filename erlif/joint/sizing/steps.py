@@ -6,8 +6,13 @@ Steps are products: pressures in MPa, lengths in mm, plays in um, temperatures i
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Literal
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import resources
+from string import Formatter
+from typing import Any, Literal
 
 ROUNDING = 1e-9
 """Margin below which a limit is exceeded; a dimension that is just enough has a margin of 0."""
@@ -102,9 +107,10 @@ class Step:
 
         Examples
         --------
-        >>> step = make_step("a", "b", "c", "result", "d", "e", 1.0, numbers=(("f", 2.0, "mm"),))
-        >>> step.number("f")
-        2.0
+        >>> from erlif.joint.sizing import example_joint, walk_guide
+        >>> step = walk_guide(example_joint()).step("prong")
+        >>> print(f"{step.number('lock force'):.1f} kN")
+        50.0 kN
         """
         return next(value for key, value, _ in self.numbers if key == name)
 
@@ -158,37 +164,75 @@ def margin_between(present: float, allowed: tuple[float, float]) -> float:
     return min(lower, upper)
 
 
-def make_step(
-    key: str,
-    title: str,
-    equation: str,
-    kind: Kind,
-    quantity: str,
-    unit: str,
-    present: float,
-    *,
-    most: float = math.inf,
-    least: float = -math.inf,
-    margin: float | None = None,
-    basis: str = "",
-    valid: bool = True,
-    validity: str = "",
-    reason: str = "",
-    alternatives: tuple[str, ...] = (),
-    numbers: tuple[tuple[str, float, str], ...] = (),
-) -> Step:
-    """Make a step with its margin.
+@dataclass(frozen=True)
+class Result:
+    """What an equation gives for a joint, in the units of the table of steps.
+
+    Attributes
+    ----------
+    present : float
+        The value that is compared; NaN where it cannot be computed.
+    most : float
+        Highest value allowed.
+    least : float
+        Lowest value allowed.
+    margin : float | None
+        None: that of the value within its ends.
+    valid : bool
+        Whether the equation holds for this joint.
+    variant : str
+        Table whose texts replace those of the step.
+    missing : str
+        What has to be given, where that is not in the table of steps.
+    values : Mapping[str, float | str]
+        Numbers and words of the texts, and the further results.
+    """
+
+    present: float = math.nan
+    most: float = math.inf
+    least: float = -math.inf
+    margin: float | None = None
+    valid: bool = True
+    variant: str = ""
+    missing: str = ""
+    values: Mapping[str, float | str] = field(default_factory=dict)
+
+    @property
+    def share(self) -> float:
+        """Margin: allowed over present value less 1; NaN without a limit."""
+        if self.margin is not None or math.isnan(self.present):
+            return math.nan if self.margin is None else self.margin
+        if math.isinf(self.least) and math.isinf(self.most):
+            return math.nan
+        return margin_between(self.present, (self.least, self.most))
+
+
+@cache
+def table_of_steps() -> dict[str, dict[str, Any]]:
+    """Read the texts of the steps, in the order of the guide.
+
+    Returns
+    -------
+    dict
+        By the name of the step, the texts of its variants in tables of their own.
+
+    Examples
+    --------
+    >>> table_of_steps()["pin_shear"]["equation"]
+    'eq. 1'
+    """
+    file = resources.files("erlif.joint.sizing").joinpath("steps.toml")
+    return tomllib.loads(file.read_text(encoding="utf-8"))
+
+
+def make_step(key: str, result: Result) -> Step:
+    """Put the result of an equation into the words of the table.
 
     Parameters
     ----------
-    key, title, equation, kind, quantity, unit, present
-        As in `Step`.
-    most, least : float
-        Ends of what is allowed.
-    margin : float, optional
-        Default: that of the value within its ends.
-    basis, valid, validity, reason, alternatives, numbers
-        As in `Step`.
+    key : str
+        Name of the step.
+    result : Result
 
     Returns
     -------
@@ -196,64 +240,45 @@ def make_step(
 
     Examples
     --------
-    >>> make_step("a", "b", "eq. 1", "limit", "stress", "MPa", 200.0, most=300.0).state
-    'holds'
+    >>> make_step("pv", Result(0.1, most=1.5)).state, make_step("pv", Result()).missing
+    ('holds', '[motion] half_swing and period')
     """
-    allowed = (least, most)
-    unlimited = math.isinf(least) and math.isinf(most)
-    if margin is None:
-        margin = math.nan if unlimited else margin_between(present, allowed)
+    table = table_of_steps()[key]
+    text, values = table | table.get(result.variant, {}), result.values
+    missing = math.isnan(result.present) and (result.missing or text["missing"])
+    title = text["title"].format(**values)
+    if missing:
+        known = (key, title, text["equation"], text["kind"], "", "")
+        nan = math.nan
+        return Step(*known, nan, (-math.inf, math.inf), nan, True, "", "", missing=missing)
+
+    unlimited = math.isinf(result.least) and math.isinf(result.most)
     return Step(
         key,
         title,
-        equation,
-        kind,
-        quantity,
-        unit,
-        present,
-        allowed,
-        margin,
-        valid,
-        validity,
-        reason,
-        alternatives,
-        "",
-        numbers,
-        basis,
+        text["equation"],
+        "result" if unlimited and text["kind"] == "limit" else text["kind"],
+        text["quantity"],
+        text["unit"],
+        result.present,
+        (result.least, result.most),
+        result.share,
+        result.valid,
+        text["validity"].format(**values),
+        text["reason"],
+        tuple(
+            one.format(**values) for one in text.get("alternatives", ()) if _is_known(one, values)
+        ),
+        numbers=tuple(
+            (name.format(**values), float(values[number]), unit)
+            for name, number, unit in text.get("numbers", ())
+        ),
+        basis=text.get("basis", ""),
     )
 
 
-def missing_step(key: str, title: str, equation: str, kind: Kind, missing: str) -> Step:
-    """Make a step that cannot be computed, with what has to be given for it.
-
-    Parameters
-    ----------
-    key, title, equation, kind, missing
-        As in `Step`.
-
-    Returns
-    -------
-    Step
-
-    Examples
-    --------
-    >>> missing_step("pv", "pv", "section 2.1.13", "limit", "[motion]").state
-    'not computed'
-    """
-    nan = math.nan
-    return Step(
-        key,
-        title,
-        equation,
-        kind,
-        "",
-        "",
-        nan,
-        (-math.inf, math.inf),
-        nan,
-        True,
-        "",
-        "",
-        (),
-        missing,
-    )
+def _is_known(text: str, values: Mapping[str, float | str]) -> bool:
+    """Whether the numbers of a text are finite."""
+    names = [name for _, name, _, _ in Formatter().parse(text) if name]
+    numbers = [value for name in names if not isinstance(value := values[name], str)]
+    return all(math.isfinite(number) for number in numbers)

@@ -3,56 +3,22 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from erlif.core.errors import UnitWarning
-from erlif.joint.sizing.fit import fit_steps
-from erlif.joint.sizing.heat import motion_steps
-from erlif.joint.sizing.housing import housing_steps
+from erlif.joint.sizing import fit, heat, housing, lock, pin, pressure
 from erlif.joint.sizing.inputs import warn_of_units
 from erlif.joint.sizing.joint import Joint
-from erlif.joint.sizing.lock import lock_steps
-from erlif.joint.sizing.pin import pin_steps
-from erlif.joint.sizing.pressure import pressure_steps
-from erlif.joint.sizing.steps import Step
+from erlif.joint.sizing.state import JointState
+from erlif.joint.sizing.steps import Result, Step, make_step, table_of_steps
 
-_ORDER = (
-    "pin_shear",
-    "pin_bending",
-    "seizure",
-    "pressure_projected",
-    "pressure_cosine",
-    "pressure_hertz",
-    "pressure_peak",
-    "bushing_edge",
-    "width_ratio",
-    "seat_edge",
-    "housing_eye",
-    "housing_ratio",
-    "lock_screw",
-    "weld",
-    "weld_room",
-    "prong",
-    "lock_end",
-    "plate",
-    "slenderness",
-    "lateral_force",
-    "press_fit",
-    "press_bushing",
-    "press_housing",
-    "relative_play",
-    "speed",
-    "pressure_limit",
-    "pv",
-    "friction",
-    "friction_moment",
-    "temperature",
-    "warm_play",
-    "roughness",
-    "wear",
-    "hardness_difference",
-)
-"""Steps in the order of the guide."""
+_PARTS = (pin, pressure, housing, lock, fit, heat)
+
+EQUATIONS: dict[str, Callable[[JointState], Result | None]] = {
+    key: equation for part in _PARTS for key, equation in part.EQUATIONS.items()
+}
+"""The equation of each step; None where a joint has no such step."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -122,6 +88,33 @@ class Walk:
         return tuple(step for step in self.steps if step.missing)
 
 
+def margin_of(joint: Joint, key: str) -> float:
+    """Return the margin of one step; NaN where it is not known.
+
+    Parameters
+    ----------
+    joint : Joint
+        With all dimensions.
+    key : str
+        Name of the step.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> from erlif.joint.sizing import example_joint
+    >>> margin_of(example_joint(), "weld") > 0
+    True
+    """
+    with warnings.catch_warnings():
+        # unusual joints are reported by their margins
+        warnings.simplefilter("ignore", UnitWarning)
+        result = EQUATIONS[key](JointState(joint))
+    return float("nan") if result is None else result.share
+
+
 def walk_guide(joint: Joint) -> Walk:
     """Check a joint step by step. No joint raises: what exceeds a limit is part of the result.
 
@@ -153,16 +146,12 @@ def walk_guide(joint: Joint) -> Walk:
     (True, 'prong')
     """
     warn_of_units(joint, dimensions=False)
+    state, steps = JointState(joint), []
     with warnings.catch_warnings():
         # unusual joints are reported by their margins
         warnings.simplefilter("ignore", UnitWarning)
-        steps = [
-            *pin_steps(joint),
-            *pressure_steps(joint),
-            *housing_steps(joint),
-            *lock_steps(joint),
-            *fit_steps(joint),
-            *motion_steps(joint),
-        ]
-    steps.sort(key=lambda step: _ORDER.index(step.key))
+        for key in table_of_steps():
+            result = EQUATIONS[key](state)
+            if result is not None:
+                steps.append(make_step(key, result))
     return Walk(joint, tuple(steps))

@@ -5,10 +5,6 @@ Equations 6 to 9 are in `erlif.models.contact`, 26 to 32 in `erlif.models.wear`.
 `safety` is the safety factor that the source calls eta.
 """
 
-import warnings
-from importlib import import_module
-from typing import Any
-
 from erlif.models.bearing.bushing import (
     BRINELL_OVER_STRENGTH,
     RECOMMENDED_WIDTH,
@@ -80,19 +76,3 @@ __all__ = [
     "press_fit_displacement",
     "relative_play",
 ]
-
-_MOVED = frozenset({"DesignCheck", "DesignReport", "JointDesign", "design_report"})
-"""Names of `erlif.joint.sizing.limits`, which were here."""
-
-
-def __getattr__(name: str) -> Any:
-    """Return a name that has moved, with a warning; it is here for one release."""
-    if name not in _MOVED:
-        raise AttributeError(f"module 'erlif.models.bearing' has no attribute {name!r}")
-    warnings.warn(
-        f"erlif.models.bearing.{name} is now erlif.sizing.limits.{name}; import it from there, or "
-        "use erlif.sizing.walk_guide, which checks more.",
-        DeprecationWarning,
-        stacklevel=2,
-    )
-    return getattr(import_module("erlif.joint.sizing.limits"), name)

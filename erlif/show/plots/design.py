@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from erlif.joint.sizing import BearingDesign, Step, contact_of, pressure_over_arc
+from erlif.joint.sizing import BearingDesign, JointState, Step
 from erlif.show.plots.style import (
     MEAN,
     MUTED,
@@ -134,14 +134,15 @@ def design_pressure(design: BearingDesign, *, ax: Axes | None = None) -> list[Ar
     ['eq. 9, Persson', 'eq. 7, cosine']
     """
     ax = given_or_new(ax)
-    walk, contact = design.walk, contact_of(design.joint)
+    walk, state = design.walk, JointState(design.joint)
+    contact = state.contact
     reach = math.pi if contact is not None and contact.half_angle > math.pi / 2 else math.pi / 2
     angle = np.linspace(-reach, reach, 721)
     degrees, lines = np.degrees(angle), []
 
     highest = walk.step("pressure_cosine").present
     if contact is not None:
-        persson = pressure_over_arc(design.joint, angle) / 1e6
+        persson = state.pressure_over_arc(angle) / 1e6
         lines += ax.plot(degrees, persson, color=OUTWARD, label="eq. 9, Persson")
         highest = max(highest, contact.peak / 1e6)
         if contact.hertz_half_angle < _FLAT:

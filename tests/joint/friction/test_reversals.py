@@ -221,13 +221,6 @@ def test_unloaded_motion_is_refused():
         analyse_friction(log, shaft_radius=RADIUS)
 
 
-def test_names_of_the_endurance_stage_stay_valid():
-    from erlif import endurance, friction
-
-    assert endurance.analyse_reversals is friction.analyse_friction
-    assert endurance.read_endurance_log is friction.read_torque_log
-
-
 def test_a_coefficient_that_no_bushing_has_is_doubted():
     """A radius in m for mm."""
     log = make_log(np.random.default_rng(0), noise=0.0)

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from erlif.joint.sizing import example_joint, walk_guide
-from erlif.joint.sizing.fit import assembled_play, bore_displacement, growth_loss, least_play
+from erlif.joint.sizing import JointState, example_joint, walk_guide
 
 
 def gold():
@@ -26,12 +25,12 @@ def gold():
 
 
 def test_the_press_fit_takes_its_share_of_the_play():
-    assert bore_displacement(gold()) == pytest.approx(-27.17294e-6, rel=1e-6)
-    assert assembled_play(gold()) == pytest.approx(100e-6 - 2 * 27.17294e-6, rel=1e-6)
+    assert JointState(gold()).displacement == pytest.approx(-27.17294e-6, rel=1e-6)
+    assert JointState(gold()).play == pytest.approx(100e-6 - 2 * 27.17294e-6, rel=1e-6)
 
 
 def test_a_loose_bushing_takes_none():
-    assert assembled_play(replace(gold(), interference=0.0)) == 100e-6
+    assert JointState(replace(gold(), interference=0.0)).play == 100e-6
 
 
 @pytest.mark.parametrize("play", [0.0, -30e-6])
@@ -46,7 +45,7 @@ def test_no_play_and_interference_are_reported_as_outside(play):
 def test_growth_of_parts_of_equal_temperature_and_material_takes_nothing():
     joint = replace(example_joint(), half_swing=0.0)
     steel = replace(joint.bushing, expansion=12e-6)
-    assert growth_loss(replace(joint, bushing=steel)) == pytest.approx(0, abs=1e-15)
+    assert JointState(replace(joint, bushing=steel)).growth_loss == pytest.approx(0, abs=1e-15)
 
 
 def test_a_polymer_grows_into_its_bore():
@@ -54,14 +53,16 @@ def test_a_polymer_grows_into_its_bore():
     joint = replace(example_joint(), half_swing=0.0)
     nylon = replace(joint.bushing, expansion=100e-6)
     expected = 80e-3 * 12e-6 * 40 - (100e-3 * 12e-6 * 40 - 2 * 10e-3 * 100e-6 * 40)
-    assert growth_loss(replace(joint, bushing=nylon)) == pytest.approx(expected, rel=1e-9)
+    assert JointState(replace(joint, bushing=nylon)).growth_loss == pytest.approx(
+        expected, rel=1e-9
+    )
 
 
 def test_the_least_play_meets_both_recommendations():
     for expansion in (12e-6, 100e-6):
         joint = example_joint()
         joint = replace(joint, bushing=replace(joint.bushing, expansion=expansion))
-        walk = walk_guide(replace(joint, play=least_play(joint)))
+        walk = walk_guide(replace(joint, play=JointState(joint).least_play))
         margins = [walk.step(key).margin for key in ("relative_play", "warm_play")]
         assert min(margins) == pytest.approx(0, abs=1e-9)
 

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 
-from erlif.joint.sizing import example_joint, read_materials, walk_guide
-from erlif.joint.sizing.heat import bushing_heat, surface_rise, wear_after
+from erlif.joint.sizing import JointState, example_joint, read_materials, walk_guide
 from erlif.models.wear import steady_bushing_wear, surface_temperature
 
 
@@ -21,21 +20,21 @@ def test_heat_divides_as_the_bodies_conduct():
         bushing=replace(joint.bushing, conductivity=60.0),
     )
     whole = 0.1 * 60e3 * joint.speed(0.08)
-    assert bushing_heat(joint, 0.08) == pytest.approx(whole * 4 / 7)
+    assert JointState(joint).heat == pytest.approx(whole * 4 / 7)
 
 
 def test_the_rise_is_that_of_the_models_through_half_of_the_ring():
     joint = example_joint()
     expected = surface_temperature(
         300.0,
-        heat=bushing_heat(joint, 0.08),
+        heat=JointState(joint).heat,
         pin_diameter=0.08,
         wall=0.01,
         width=0.1,
         conductivity=39.0,
         arc=math.pi,
     )
-    assert surface_rise(joint) == pytest.approx(expected - 300.0, rel=1e-9)
+    assert JointState(joint).rise == pytest.approx(expected - 300.0, rel=1e-9)
 
 
 def test_grease_that_is_cooler_than_the_outside_is_reported():
@@ -50,7 +49,9 @@ def test_wear_is_the_steady_wear_of_colbert():
     expected = steady_bushing_wear(
         60e3, shaft_radius=0.04, width=0.1, sliding_distance=1e3, specific_wear=5.05e-13
     )
-    assert wear_after(joint, 1e3) == pytest.approx(expected.depth)
+    step = walk_guide(joint).step("wear")
+    kilometres = step.number("sliding distance")
+    assert step.present == pytest.approx(kilometres * expected.depth * 1e3)
 
 
 def test_the_worn_volume_is_that_of_the_worn_depth():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 
-from erlif.joint.sizing import contact_of, example_joint, pressure_over_arc, walk_guide
+from erlif.joint.sizing import JointState, example_joint, walk_guide
 
 
 def joint_with(play, *, force=100e3, modulus=206e9):
@@ -25,7 +25,7 @@ def joint_with(play, *, force=100e3, modulus=206e9):
 def test_the_table_of_the_appendix(angle, group, peak):
     """Strand (2005), appendix: half contact angle, E Delta / 2q and d p / 2q."""
     q = 100e3 / 0.1
-    contact = contact_of(joint_with(group * 2 * q / 206e9))
+    contact = JointState(joint_with(group * 2 * q / 206e9)).contact
     assert math.degrees(contact.half_angle) == pytest.approx(angle, abs=0.02)
     assert contact.peak * 0.08 / (2 * q) == pytest.approx(peak, rel=4e-4)
 
@@ -35,16 +35,17 @@ def test_the_pressure_over_the_arc_carries_the_load(play):
     """Pressed all around, from about -6 um on, too."""
     joint = joint_with(play)
     angle = np.linspace(-math.pi, math.pi, 40_001)
-    pressure = pressure_over_arc(joint, angle)
+    pressure = JointState(joint).pressure_over_arc(angle)
     load = trapezoid(pressure * np.cos(angle), angle) * 0.08 / 2 * 0.1
     assert load == pytest.approx(100e3, rel=1e-4)
-    assert pressure.max() == pytest.approx(contact_of(joint).peak, rel=1e-6)
+    assert pressure.max() == pytest.approx(JointState(joint).contact.peak, rel=1e-6)
     assert pressure.min() >= 0
 
 
 def test_the_peak_has_no_jump_where_the_contact_closes():
     closing = -4 * (100e3 / 0.1) / (math.pi * 206e9)
-    before, after = (contact_of(joint_with(closing * (1 + e))).peak for e in (-1e-6, 1e-6))
+    states = (JointState(joint_with(closing * (1 + e))) for e in (-1e-6, 1e-6))
+    before, after = (state.contact.peak for state in states)
     assert before == pytest.approx(after, rel=1e-5)
 
 

@@ -1,0 +1,246 @@
+"""What follows from a joint with all dimensions and is needed by several steps: computed once."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from erlif.core.arrays import Array
+from erlif.joint.sizing.joint import Joint, dimensions_of
+from erlif.models.bearing import RECOMMENDED_PLAY, press_fit_displacement
+from erlif.models.contact import (
+    FULL_CONTACT,
+    closed_contact_pressure,
+    contact_modulus,
+    hertz_line,
+    persson_half_angle,
+    persson_peak_group,
+    persson_pressure,
+)
+from erlif.models.wear import bushing_heat_share, friction_heat, thermal_growth
+
+LEAST_SHARE = 0.1
+"""Share of the heat in the bushing from which eq. 29 gives its temperature; the pin has no path for
+the rest in the guide, which computes bushings of metal, about a half. An assumption. [1]"""
+
+HALF_RING = math.pi
+"""Arc through which heat flows: the loaded half of the bushing, as eq. 29 is printed. [rad]"""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """The contact of a pin in its bushing, after eqs. 8 and 9.
+
+    Attributes
+    ----------
+    half_angle : float
+        Half contact angle; pi where the bushing touches the pin all around. [rad]
+    peak : float
+        Peak pressure of eq. 9. [Pa]
+    modulus : float
+        Modulus of two equal bodies that are as stiff as these, plane stress. [Pa]
+    hertz_peak : float
+        Peak pressure of eq. 8; NaN without play or Poisson's ratios. [Pa]
+    hertz_half_angle : float
+        Half contact angle of eq. 8, likewise. [rad]
+    """
+
+    half_angle: float
+    peak: float
+    modulus: float
+    hertz_peak: float
+    hertz_half_angle: float
+
+
+class JointState:
+    """A joint with all dimensions, and what several steps need of it.
+
+    Parameters
+    ----------
+    joint : Joint
+        With all dimensions.
+
+    Raises
+    ------
+    ModelError
+        If a dimension is not known.
+
+    Examples
+    --------
+    >>> from erlif.joint.sizing import example_joint
+    >>> print(f"{JointState(example_joint()).play * 1e6:.1f} um")
+    110.1 um
+    """
+
+    def __init__(self, joint: Joint) -> None:
+        self.joint = joint
+        self.size = dimensions_of(joint)
+
+    # fit
+
+    @cached_property
+    def displacement(self) -> float | None:
+        """Radial displacement of the bore by the press fit, eqs. 24 and 25: negative where it
+        shrinks, None where an elastic constant is not known or the housing is not larger than the
+        fit. [m]"""
+        joint, size = self.joint, self.size
+        if joint.interference <= 0:
+            return 0.0
+        inner, outer = joint.bushing, joint.housing
+        if size.housing <= size.fit or size.wall <= 0:
+            return None
+        if inner.youngs_modulus is None or inner.poissons_ratio is None:
+            return None
+        if outer.youngs_modulus is None or outer.poissons_ratio is None:
+            return None
+        displacement: float = press_fit_displacement(
+            joint.interference,
+            bore=size.pin,
+            fit_diameter=size.fit,
+            housing_diameter=size.housing,
+            youngs_bushing=inner.youngs_modulus,
+            poisson_bushing=inner.poissons_ratio,
+            youngs_housing=outer.youngs_modulus,
+            poisson_housing=outer.poissons_ratio,
+        )
+        return displacement
+
+    @property
+    def play(self) -> float:
+        """Play with the bushing pressed in; without the loss where it is not known. [m]"""
+        return self.size.play + 2 * (self.displacement or 0.0)
+
+    @cached_property
+    def fit_pressure(self) -> float | None:
+        """Pressure between bushing and housing, from the displacement of the bore. Lame. [Pa]"""
+        modulus = self.joint.bushing.youngs_modulus
+        if self.displacement is None or modulus is None:
+            return 0.0 if self.displacement == 0 else None
+
+        # the bore is free of pressure: its hoop strain has its hoop stress alone
+        hoop = modulus * abs(self.displacement) / (self.size.pin / 2)
+        return hoop * (1 - (self.size.pin / self.size.fit) ** 2) / 2
+
+    # contact
+
+    @property
+    def projected(self) -> float:
+        """Largest load over pin diameter and bushing width. [Pa]"""
+        return self.joint.force / (self.size.pin * self.size.width)
+
+    @cached_property
+    def contact(self) -> Contact | None:
+        """Contact of pin and bushing with the assembled play; None without both moduli."""
+        one, two = self.joint.pin, self.joint.bushing
+        if one.youngs_modulus is None or two.youngs_modulus is None:
+            return None
+        modulus = 2 / (1 / one.youngs_modulus + 1 / two.youngs_modulus)
+        load, play, pin = self.joint.force / self.size.width, self.play, self.size.pin
+        if modulus * play / (2 * load) <= FULL_CONTACT:
+            half_angle = math.pi
+            peak = closed_contact_pressure(
+                load, interference=-play, pin_diameter=pin, youngs_modulus=modulus
+            )
+        else:
+            half_angle = persson_half_angle(modulus * play / (2 * load))
+            peak = persson_peak_group(half_angle) * 2 * load / pin
+
+        flat = flat_angle = math.nan
+        if play > 0 and one.poissons_ratio is not None and two.poissons_ratio is not None:
+            both = contact_modulus(
+                one.youngs_modulus,
+                poisson_1=one.poissons_ratio,
+                youngs_2=two.youngs_modulus,
+                poisson_2=two.poissons_ratio,
+            )
+            line = hertz_line(load, radius=pin * (pin + play) / (2 * play), contact_modulus=both)
+            flat = float(line.pressure)
+            flat_angle = math.asin(min(float(line.half_width) / (pin / 2), 1.0))
+        return Contact(float(half_angle), float(peak), modulus, flat, flat_angle)
+
+    def pressure_over_arc(self, angle: Array) -> Array:
+        """Pressure at angles from the load [rad] after eq. 9; NaN where it is not known. [Pa]"""
+        contact, pin = self.contact, self.size.pin
+        if contact is None:
+            return np.full(angle.shape, np.nan)
+        load = self.joint.force / self.size.width
+        if contact.half_angle >= math.pi:
+            cosine: Array = contact.peak + 2 * load / (math.pi * pin) * (np.cos(angle) - 1)
+            return cosine
+        pressure: Array = persson_pressure(
+            angle, load_per_length=load, half_angle=contact.half_angle, pin_diameter=pin
+        )
+        return pressure
+
+    # motion and heat
+
+    @property
+    def speed(self) -> float | None:
+        """Mean sliding speed; None where the motion is not known. [m/s]"""
+        return self.joint.speed(self.size.pin)
+
+    @cached_property
+    def share(self) -> float | None:
+        """Share of the heat that enters the bushing, by the conductivities. Eq. 28."""
+        pin, ring = self.joint.pin.conductivity, self.joint.bushing.conductivity
+        if pin is None or ring is None:
+            return None
+        return float(bushing_heat_share(pin, bushing_conductivity=ring))
+
+    @property
+    def heat_is_shared(self) -> bool:
+        """Whether enough of the heat enters the bushing for eq. 29, or the share is not known."""
+        return self.share is None or self.share >= LEAST_SHARE
+
+    @cached_property
+    def heat(self) -> float | None:
+        """Friction heat that enters the bushing. Eqs. 27 and 28. [W]"""
+        if self.speed is None or self.share is None:
+            return None
+        force, friction = self.joint.moving_force, self.joint.friction
+        return float(friction_heat(force, friction=friction, speed=self.speed) * self.share)
+
+    @property
+    def rise(self) -> float | None:
+        """Rise of the sliding surface over the outside. Eq. 29, through the loaded half. [K]"""
+        conductivity = self.joint.bushing.conductivity
+        if self.heat is None or conductivity is None:
+            return None
+        # conduction through a cylindrical wall; the rise itself keeps its digits where it is small
+        wall = math.log1p(2 * self.size.wall / self.size.pin)
+        return self.heat * wall / (HALF_RING * self.size.width * conductivity)
+
+    @property
+    def temperature_limit(self) -> float:
+        """Highest temperature of the surface: that of the grease or of the bushing. [degC]"""
+        grease, ring = self.joint.grease_temperature, self.joint.bushing.temperature
+        return grease if ring is None else min(grease, ring)
+
+    @cached_property
+    def growth_loss(self) -> float | None:
+        """Play that the growth of warm parts takes, eq. 30; None where a property is missing. [m]
+
+        The bushing grows freely or is held by the housing, whichever leaves less play.
+        """
+        joint, size, rise = self.joint, self.size, self.rise
+        pin, ring, housing = joint.pin.expansion, joint.bushing.expansion, joint.housing.expansion
+        if rise is None or pin is None or ring is None or housing is None:
+            return None
+        outside = joint.outside_temperature - joint.assembly_temperature
+        wall_rise = outside + rise / 2
+        grown_pin = thermal_growth(size.pin, expansion=pin, temperature_change=outside + rise)
+        free = thermal_growth(size.pin, expansion=ring, temperature_change=wall_rise)
+        held = thermal_growth(size.fit, expansion=housing, temperature_change=outside)
+        held -= 2 * size.wall * ring * wall_rise
+        return float(grown_pin - min(free, held))
+
+    @property
+    def least_play(self) -> float:
+        """Least play before pressing that is recommended, cold and warm. [m]"""
+        loss = self.growth_loss or 0.0
+        wanted = RECOMMENDED_PLAY[0] * 1e-3 * self.size.pin
+        wanted = max(wanted, loss if math.isfinite(loss) else 0.0)
+        return wanted - 2 * (self.displacement or 0.0)
