@@ -182,7 +182,6 @@ def find_pages(
             "Put them there, or correct the name in the settings."
         )
 
-    # an unreadable file is kept as one page, so that the frames after it keep their numbers
     found = CameraFiles()
     depths: set[int | None] = set()
     times: list[Array | None] = []
@@ -191,25 +190,19 @@ def find_pages(
         if path in found.companions:
             continue
         try:
-            read = _read_headers(path, selection)
+            file = _read_headers(path, selection)
+            depths.add(file.bits)
         except FrameError as error:
-            found.faults[len(found.pages)] = str(error)
-            found.pages.append(Page(path, 0, selection=selection))
-            found.kinds.append(UNREADABLE)
-            times.append(None)
-            continue
+            # kept as one page, so that the frames after it keep their numbers
+            page = Page(path, 0, selection=selection)
+            file = CameraFiles([page], [UNREADABLE], {0: str(error)})
 
-        for index, kind in zip(read.places, read.kinds, strict=True):
-            if kind == TRUNCATED:
-                kind = UNREADABLE
-                found.faults.setdefault(len(found.pages), "the file is truncated")
-            found.pages.append(Page(path, index, read.alone, selection))
-            found.kinds.append(kind)
-
-        times.append(read.times)
-        found.companions += read.companions
-        depths.add(read.bits)
-        found.warning = found.warning or read.warning
+        found.faults |= {len(found.pages) + k: reason for k, reason in file.faults.items()}
+        found.pages += file.pages
+        found.kinds += file.kinds
+        found.companions += file.companions
+        found.warning = found.warning or file.warning
+        times.append(file.times)
     found.bits = depths.pop() if len(depths) == 1 else None
 
     # the clocks of two recordings may have started at different times
@@ -397,36 +390,25 @@ def depth_warning(highest: int, *, bit_depth: int, camera: int) -> Note | None:
     )
 
 
-class _Headers(NamedTuple):
-    """What the header of a file states about the pages of one camera."""
-
-    places: Sequence[int]
-    kinds: Sequence[FrameKind]
-    alone: bool
-    times: Array | None
-    companions: Sequence[Path]
-    bits: int | None
-    warning: str
-
-
-def _read_headers(path: Path, selection: Selection) -> _Headers:
+def _read_headers(path: Path, selection: Selection) -> CameraFiles:
     """Pages of a file that belong to a camera; FrameError with the bare reason."""
     file = open_frames(path, dataset=selection.dataset)
     try:
         places = selection.pages(file)
+        alone = len(file.kinds) == 1 and not file.companions
         kinds = [file.kinds[k] for k in places]
-        crops = {kind: _crop_kind(kind, selection) for kind in set(kinds)}
+        crops = {kind: _crop_kind(kind, selection) for kind in set(kinds)} | {TRUNCATED: UNREADABLE}
 
         # time stamps with gaps are as good as none
         times = file.times
         if times is not None and (len(times) != len(file.kinds) or not np.isfinite(times).all()):
             times = None
-        return _Headers(
-            places,
+        return CameraFiles(
+            [Page(path, k, alone, selection) for k in places],
             [crops[kind] for kind in kinds],
-            len(file.kinds) == 1 and not file.companions,
+            {n: "the file is truncated" for n, kind in enumerate(kinds) if kind == TRUNCATED},
             None if times is None else times[places] - times[places[0]],
-            file.companions,
+            list(file.companions),
             file.bits,
             file.warning,
         )

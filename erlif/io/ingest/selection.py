@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeVar
+from typing import Literal
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError
@@ -13,8 +13,6 @@ from erlif.io.settings import CameraSettings
 
 _PARTNERS = {"left": "right", "top": "bottom", "odd": "even"}
 """Parts of one file that belong to two cameras; any two channels do as well."""
-
-_T = TypeVar("_T", bound=AnyArray)
 
 
 @dataclass(frozen=True)
@@ -66,24 +64,23 @@ class Selection:
 
     def crop_shape(self, shape: tuple[int, ...]) -> tuple[int, ...]:
         """Shape of the part of a frame; the middle row or column of an odd number is left out."""
-        if self.part in ("left", "right"):
-            return (*shape[:1], shape[1] // 2, *shape[2:])
-        if self.part in ("top", "bottom"):
-            return (shape[0] // 2, *shape[1:])
-        return shape
+        rows, columns = self._window(shape)
+        return (len(range(shape[0])[rows]), len(range(shape[1])[columns]), *shape[2:])
 
-    def crop(self, image: _T) -> _T:
+    def crop(self, image: AnyArray) -> AnyArray:
         """The part of a frame, as a view."""
-        rows, columns = image.shape[0], image.shape[1]
-        if self.part == "left":
-            return image[:, : columns // 2]  # type: ignore[return-value]
-        if self.part == "right":
-            return image[:, columns - columns // 2 :]  # type: ignore[return-value]
-        if self.part == "top":
-            return image[: rows // 2]  # type: ignore[return-value]
-        if self.part == "bottom":
-            return image[rows - rows // 2 :]  # type: ignore[return-value]
-        return image
+        return image[self._window(image.shape)]
+
+    def _window(self, shape: tuple[int, ...]) -> tuple[slice, slice]:
+        """Rows and columns of the part."""
+        rows, columns = shape[0], shape[1]
+        half = {
+            "left": (slice(None), slice(columns // 2)),
+            "right": (slice(None), slice(columns - columns // 2, None)),
+            "top": (slice(rows // 2), slice(None)),
+            "bottom": (slice(rows - rows // 2, None), slice(None)),
+        }
+        return half.get(self.part, (slice(None), slice(None)))
 
 
 WHOLE = Selection()

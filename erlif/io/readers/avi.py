@@ -9,12 +9,9 @@ import numpy as np
 
 from erlif.core.errors import FrameError
 from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile, check_claim
-from erlif.io.readers.pictures import check_grey_palette
-from erlif.io.readers.raw import FrameLayout, RawFrames
+from erlif.io.readers.pictures import bitmap_layout
+from erlif.io.readers.raw import RawFrames
 from erlif.io.readers.source import Source
-
-_TOP_DOWN = (b"Y800", b"Y8  ", b"GREY")
-"""Codecs that are grey bytes, row by row from the top."""
 
 _LISTS = (b"RIFF", b"LIST")
 
@@ -52,7 +49,7 @@ def open_avi(path: Path) -> FrameFile:
         film.walk(0, source.size, 0)
         if film.format is None:
             raise FrameError("the file is damaged: no stream of images is described")
-        layout = _layout(film.format)
+        layout = bitmap_layout(film.format)
         check_claim(1, layout.kind, source.size)
 
     # an empty chunk repeats the frame before it
@@ -116,26 +113,6 @@ class _Film:
         self._in_video = kind == b"vids"
         if self._in_video and rate:
             self.interval = scale / rate
-
-
-def _layout(header: bytes) -> FrameLayout:
-    """Layout of the frames by a BITMAPINFOHEADER and its palette."""
-    if len(header) < 40:
-        raise FrameError("the file is damaged: the header of its images is too short")
-    size, width, height, _, depth, codec = struct.unpack_from("<IiiHH4s", header)
-    used = struct.unpack_from("<I", header, 32)[0]
-    if codec in _TOP_DOWN:
-        return FrameLayout((abs(height), width), "|u1")
-    if codec != bytes(4) or depth != 8:
-        name = codec.decode("latin-1").strip("\0 ") or f"{depth} bits"
-        raise FrameError(
-            f"its frames are compressed or in colours ({name}), and no counts. Export the raw "
-            "frames of the camera as TIFF."
-        )
-    palette = np.frombuffer(header[size:][: 4 * (used or 256)], np.uint8)
-    check_grey_palette(palette[: palette.size // 4 * 4].reshape(-1, 4))
-    row = -(-width // 4) * 4
-    return FrameLayout((abs(height), width), "|u1", row_bytes=row, bottom_up=height > 0)
 
 
 AVI = Format(

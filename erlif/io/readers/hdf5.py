@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import threading
 from pathlib import Path
 from typing import Any
@@ -61,7 +60,7 @@ class Hdf5Frames(FrameFile):
         try:
             self._data = self._find(dataset)
             self._check(path.stat().st_size)
-        except FrameError:
+        except (FrameError, ModuleNotFoundError):
             self._file.close()
             raise
         except Exception as error:  # as above
@@ -225,14 +224,8 @@ def _check_filters(data: Any) -> None:
     import h5py
 
     for code in filters_of(data):
-        if h5py.h5z.filter_avail(code):
-            continue
-        if importlib.util.find_spec("hdf5plugin") is None:
-            raise FrameError(
-                f"its compression, filter {code} of HDF5, needs the Python package hdf5plugin, "
-                "which is not installed. Install it with: pip install 'erlif[formats]'."
-            )
-        importlib.import_module("hdf5plugin")
+        if not h5py.h5z.filter_avail(code):
+            importlib.import_module("hdf5plugin")
         if not h5py.h5z.filter_avail(code):
             raise FrameError(
                 f"the installed Python package hdf5plugin has no filter {code} of HDF5. Save the "
@@ -295,5 +288,6 @@ HDF5 = Format(
     (".h5", ".hdf5", ".he5", ".nc", ".nc4"),
     lambda path, head: head[:8] == SIGNATURE,
     Hdf5Frames,
+    extra="formats",
     open_dataset=_open_dataset,
 )

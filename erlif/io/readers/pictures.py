@@ -28,6 +28,12 @@ _PNG_START = b"\x89PNG\r\n\x1a\n"
 _BMP_HEADERS = tuple(bytes([size, 0, 0, 0]) for size in (40, 52, 56, 108, 124))
 """Sizes of the header of a BMP, from version 3 on. [byte]"""
 
+_LARGEST_BITMAP = 124 + 4 * 256
+"""Size of the largest header of a BMP with its palette. [byte]"""
+
+_TOP_DOWN = (b"Y800", b"Y8  ", b"GREY")
+"""Codecs of AVI that are grey bytes, row by row from the top."""
+
 _GREY, _INDEXED = 0, 3
 """Colour types of PNG."""
 
@@ -87,21 +93,45 @@ def open_bmp(path: Path) -> FrameFile:
         With the bare reason, if it is damaged, compressed, or has colours.
     """
     with Source(path) as source:
-        header = struct.unpack("<10xIIiiHHIIiiI", source.read(0, 50))
-        start, size, width, height, _, depth, compression, _, _, _, used = header
-        if size < 40 or depth not in (8, 24, 32):
-            raise FrameError("this kind of BMP is not read. Save the counts as grey TIFF.")
-        if depth != 8:
-            raise FrameError(_COLOURS)
-        if compression:
-            raise FrameError("its rows are compressed (RLE). Save the counts uncompressed.")
-        palette = np.frombuffer(source.read(14 + size, 4 * (used or 256)), np.uint8).reshape(-1, 4)
-        check_claim(1, FrameKind((abs(height), width), "uint8"), source.size)
-
-    check_grey_palette(palette)
-    row = -(-width // 4) * 4  # rows end at a multiple of four bytes
-    layout = FrameLayout((abs(height), width), "|u1", row_bytes=row, bottom_up=height > 0)
+        (start,) = struct.unpack("<I", source.read(10, 4))
+        layout = bitmap_layout(source.read(14, min(_LARGEST_BITMAP, source.size - 14)))
+        check_claim(1, layout.kind, source.size)
     return RawFrames(path, layout, range(start, start + layout.size, layout.size))
+
+
+def bitmap_layout(header: bytes) -> FrameLayout:
+    """Layout of an image of 8 grey bits by its BITMAPINFOHEADER and the palette behind it.
+
+    Parameters
+    ----------
+    header : bytes
+        What comes after the palette is ignored.
+
+    Returns
+    -------
+    FrameLayout
+
+    Raises
+    ------
+    FrameError
+        With the bare reason, if the image is compressed, or has colours.
+    """
+    if len(header) < 40:
+        raise FrameError("the file is damaged: the header of its images is too short")
+    size, width, height, _, depth, codec = struct.unpack_from("<IiiHH4s", header)
+    (used,) = struct.unpack_from("<I", header, 32)
+    if codec in _TOP_DOWN:
+        return FrameLayout((abs(height), width), "|u1")
+    if size < 40 or codec != bytes(4) or depth != 8:
+        name = codec.decode("latin-1").strip("\0 ") or f"{depth} bits"
+        raise FrameError(
+            f"its images are compressed or in colours ({name}), and no counts. Save the raw "
+            "counts of the camera, one channel, as grey TIFF."
+        )
+    palette = np.frombuffer(header[size:][: 4 * (used or 256)], np.uint8)
+    check_grey_palette(palette[: palette.size // 4 * 4].reshape(-1, 4))
+    row = -(-width // 4) * 4  # rows end at a multiple of four bytes
+    return FrameLayout((abs(height), width), "|u1", row_bytes=row, bottom_up=height > 0)
 
 
 def check_grey_palette(palette: AnyArray) -> None:

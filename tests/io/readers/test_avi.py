@@ -52,7 +52,7 @@ def test_a_long_film_has_several_lists(tmp_path):
 @pytest.mark.parametrize(
     ("options", "reason"),
     [
-        ({"codec": b"MJPG"}, "compressed or in colours (MJPG), and no counts. Export"),
+        ({"codec": b"MJPG"}, "compressed or in colours (MJPG), and no counts"),
         ({"bits": 24}, "compressed or in colours (24 bits)"),
         ({"palette": RAMP[::-1]}, "palette image"),
     ],

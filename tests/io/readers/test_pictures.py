@@ -111,7 +111,7 @@ def test_colours_are_refused(tmp_path, suffix, mode):
     if (suffix, mode) == (".bmp", "LA"):
         pytest.skip("BMP has no grey with transparency")
     Image.fromarray(SMALL).convert(mode).save(tmp_path / f"a{suffix}")
-    assert "colour image. Save the raw counts" in refusal(tmp_path / f"a{suffix}")
+    assert "colour" in refusal(tmp_path / f"a{suffix}")
 
 
 def test_a_png_of_few_bits_is_refused(tmp_path):
