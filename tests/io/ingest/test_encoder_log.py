@@ -8,7 +8,7 @@ import xarray as xr
 from scipy.io import savemat
 
 from erlif.core.errors import EncoderError
-from erlif.io.ingest import Page, read_encoder_log
+from erlif.io.ingest import Page
 from erlif.io.ingest.encoder_log import check_rows, read_log
 from erlif.io.ingest.logs.columns import ColumnChoice
 from erlif.io.ingest.logs.resample import ContinuousLog, find_pulses
@@ -26,16 +26,9 @@ def write_log(tmp_path):
     return write
 
 
-@pytest.fixture
-def refusal(write_log):
-    """The message with which a log is refused."""
-
-    def read(text):
-        with pytest.raises(EncoderError) as refused:
-            read_encoder_log(write_log(text))
-        return str(refused.value)
-
-    return read
+def read_by_frame(path):
+    """A log with one row for each frame."""
+    return read_log(path, ColumnChoice(), frames=0).log
 
 
 # what is read
@@ -43,7 +36,7 @@ def refusal(write_log):
 
 def test_known_columns_get_their_names_and_units(write_log):
     header = "frame,time_s,angle_deg,load_N,temperature_C\n"
-    log = read_encoder_log(write_log(header + "7,0.5,1.5,200,25\n8,0.6,2.5,210,26\n"))
+    log = read_by_frame(write_log(header + "7,0.5,1.5,200,25\n8,0.6,2.5,210,26\n"))
     assert {str(name): log[name].attrs.get("units") for name in log} == {
         "number": None,
         "time": "s",
@@ -62,13 +55,13 @@ def test_known_columns_get_their_names_and_units(write_log):
 
 
 def test_two_columns_are_enough_in_any_order(write_log):
-    log = read_encoder_log(write_log("angle_deg,frame\n1.5,0\n"))
+    log = read_by_frame(write_log("angle_deg,frame\n1.5,0\n"))
     assert {str(name): log[name].values.tolist() for name in log} == {"number": [0], "angle": [1.5]}
 
 
 def test_further_columns_keep_their_names(write_log):
     text = "frame,angle_deg,laser mJ,Kraft 2,note,\n0,1,5.5,,a,\n1,2,5.6,3,,\n"
-    log = read_encoder_log(write_log(text))
+    log = read_by_frame(write_log(text))
     assert log["laser mJ"].values.tolist() == [5.5, 5.6]
     np.testing.assert_array_equal(log["Kraft 2"], [np.nan, 3])
     assert log["note"].values.tolist() == ["a", ""]
@@ -78,126 +71,104 @@ def test_further_columns_keep_their_names(write_log):
 def test_a_byte_order_mark_windows_line_ends_and_empty_rows_are_accepted(write_log):
     path = write_log("")
     path.write_bytes("\ufeffframe,angle_deg\r\n0,1\r\n\r\n1,2\r\n , \r\n".encode())
-    assert read_encoder_log(path).angle.values.tolist() == [1, 2]
+    assert read_by_frame(path).angle.values.tolist() == [1, 2]
 
 
 def test_spaces_about_names_and_numbers_are_accepted(write_log):
-    log = read_encoder_log(write_log(" frame , angle_deg \n 0 , 1.5 \n 1 ,-2e1\n"))
+    log = read_by_frame(write_log(" frame , angle_deg \n 0 , 1.5 \n 1 ,-2e1\n"))
     assert log.angle.values.tolist() == [1.5, -20]
 
 
 def test_numbers_may_begin_anywhere_and_be_as_large_as_double_precision_holds(write_log):
     first = 2**53 - 1
-    log = read_encoder_log(write_log(f"frame,angle_deg\n{first},1\n{first + 1},2\n"))
+    log = read_by_frame(write_log(f"frame,angle_deg\n{first},1\n{first + 1},2\n"))
     assert log.number.values.tolist() == [first, first + 1]
-    assert read_encoder_log(write_log("frame,angle_deg\n-1,1\n0,2\n")).number.values[0] == -1
+    assert read_by_frame(write_log("frame,angle_deg\n-1,1\n0,2\n")).number.values[0] == -1
 
 
 # what is refused
 
 
-@pytest.mark.parametrize(
-    "content",
-    [b"\xff\xfef\x00", b"\x00\x00", b"frame,angle_deg\n0,\x00\n", b'frame,"angle_deg\n'],
-)
-def test_bytes_that_are_no_table_are_refused(tmp_path, content):
-    (tmp_path / "encoder.csv").write_bytes(content)
-    with pytest.raises(EncoderError, match=r"encoder\.csv"):
-        read_encoder_log(tmp_path / "encoder.csv")
+def by_frame(*numbers):
+    return "frame,angle_deg\n" + "".join(f"{number},1\n" for number in numbers)
+
+
+REFUSED = [
+    ("", "it has 0 row(s)"),
+    ("frame,angle_deg\n", "it has 1 row(s)"),
+    ("\n\n", "it has 0 row(s)"),
+    *(
+        (
+            f"{HEADER}0,1,200\n\n1,{value},200\n",
+            f"row 4, column angle_deg of encoder.csv; got {got}",
+        )
+        for value, got in [
+            *(("nan", "'nan'"), ("inf", "'inf'"), ("", "'nothing'"), ("n/a", "'n/a'")),
+            *(("1_000", "'1_000'"), ("1;5", "'1;5'"), ("0x10", "'0x10'")),
+        ]
+    ),
+    (f"{HEADER}0,1,200\n1,2,\n", "row 3, column load_N"),
+    (f"{HEADER}0,1,200\n1,2,0\n", "positive load in row 3, column load_N of encoder.csv; got 0 N"),
+    (
+        f"{HEADER}0,1,200\n1,2,-5\n",
+        "positive load in row 3, column load_N of encoder.csv; got -5 N",
+    ),
+    (by_frame(0, 1, 1, 2), "row 4, column frame, repeats frame 1 of row 3"),
+    (by_frame(0, 1, 3), "Expected frame 2 in row 4, column frame of encoder.csv; got 3"),
+    (by_frame(5, 4), "Expected frame 6 in row 3, column frame of encoder.csv; got 4"),
+    (by_frame(0, 1.5), "whole number in row 3, column frame of encoder.csv; got 1.5"),
+    (by_frame(2**53 + 2), "whole number in row 2"),
+    (by_frame("x"), "finite number in row 2, column frame"),
+    ("frame,other,load_N\n0,1,200\n", "Expected a column angle_deg in encoder.csv; its header is"),
+    (
+        "frame,angle_deg\n0,1.5\n1,2,5\n",
+        "values in row 3 of encoder.csv, as in its header; it has 3",
+    ),
+    (f"{HEADER}0,1,200\n1,2\n", "Expected 3 values in row 3"),
+    ("frame,angle_deg,frame\n0,1,0\n", "each column of encoder.csv once; frame comes 2 times"),
+    *(
+        (f"frame,angle_deg,{name}\n0,1,2\n", f"column 3 is {name!r}, {reason}. Rename it.")
+        for name, reason in [
+            ("thickness", "which erlif uses itself"),
+            ("speed_exponent_mean_std", "which erlif uses itself"),
+            ("a/b", "which a film file cannot hold"),
+            ("_energy", "which a film file cannot hold"),
+        ]
+    ),
+    (b"\xff\xfef\x00", "encoder.csv"),
+    (b"\x00\x00", "encoder.csv"),
+    (b"frame,angle_deg\n0,\x00\n", "encoder.csv"),
+    (b'frame,"angle_deg\n', "encoder.csv"),
+]
+
+
+def test_logs_that_cannot_be_read_are_refused_with_the_place(tmp_path):
+    path, faults = tmp_path / "encoder.csv", []
+    for content, words in REFUSED:
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+        try:
+            read_by_frame(path)
+        except EncoderError as error:
+            if words not in str(error):
+                faults.append((content, str(error)))
+        else:
+            faults.append((content, "accepted"))
+    assert not faults
 
 
 @pytest.mark.parametrize("name", ["none.csv", "."])
 def test_a_log_that_cannot_be_opened_is_refused(tmp_path, name):
     with pytest.raises(EncoderError, match=r"cannot be read: .*file in \[encoder\]"):
-        read_encoder_log(tmp_path / name)
-
-
-@pytest.mark.parametrize(("text", "rows"), [("", 0), ("frame,angle_deg\n", 1), ("\n\n", 0)])
-def test_a_log_without_rows_is_refused(refusal, text, rows):
-    assert f"it has {rows} row(s)" in refusal(text)
-
-
-@pytest.mark.parametrize("value", ["nan", "inf", "-inf", "", "n/a", "1_000", "1;5", "0x10"])
-def test_a_value_that_is_no_finite_number_is_refused_with_row_and_column(refusal, value):
-    message = refusal(f"{HEADER}0,1,200\n\n1,{value},200\n")
-    assert "finite number in row 4, column angle_deg of encoder.csv" in message
-    assert f"got {value or 'nothing'!r}" in message
-
-
-def test_a_missing_load_is_refused_where_the_log_has_that_column(refusal):
-    assert "row 3, column load_N" in refusal(f"{HEADER}0,1,200\n1,2,\n")
-
-
-@pytest.mark.parametrize(("load", "row"), [("0", 3), ("-5", 3)])
-def test_a_load_must_be_positive(refusal, load, row):
-    message = refusal(f"{HEADER}0,1,200\n1,2,{load}\n2,3,200\n")
-    assert f"positive load in row {row}, column load_N of encoder.csv; got {load} N" in message
+        read_by_frame(tmp_path / name)
 
 
 def test_a_small_load_is_positive(write_log):
-    assert read_encoder_log(write_log(f"{HEADER}0,1,1e-9\n"))["load"].values[0] == 1e-9
-
-
-@pytest.mark.parametrize(
-    ("numbers", "message"),
-    [
-        ([0, 1, 1, 2], "row 4, column frame, repeats frame 1 of row 3"),
-        ([0, 1, 3], "Expected frame 2 in row 4, column frame of encoder.csv; got 3"),
-        ([5, 4], "Expected frame 6 in row 3, column frame of encoder.csv; got 4"),
-        ([0, 1.5], "whole number in row 3, column frame of encoder.csv; got 1.5"),
-        ([2**53 + 2], "whole number in row 2"),
-        (["x"], "finite number in row 2, column frame"),
-    ],
-)
-def test_frames_must_be_whole_distinct_and_consecutive(refusal, numbers, message):
-    assert message in refusal("frame,angle_deg\n" + "".join(f"{n},1\n" for n in numbers))
-
-
-@pytest.mark.parametrize("missing", ["frame", "angle_deg"])
-def test_a_missing_column_is_named_with_the_known_ones(refusal, missing):
-    header = HEADER.replace(missing, "other")
-    message = refusal(header + "0,1,200\n")
-    columns = ", ".join(header.strip().split(","))
-    assert f"Expected a column {missing} in encoder.csv; its header is {columns}." in message
-    assert "frame, angle_deg, time_s, load_N, temperature_C" in message
-    assert "Separate the columns" not in message
+    assert read_by_frame(write_log(f"{HEADER}0,1,1e-9\n"))["load"].values[0] == 1e-9
 
 
 def test_semicolons_separate_columns(write_log):
-    log = read_encoder_log(write_log("frame;angle_deg\n0;1,5\n1;2,5\n"))
+    log = read_by_frame(write_log("frame;angle_deg\n0;1,5\n1;2,5\n"))
     assert log.angle.values.tolist() == [1.5, 2.5]
-
-
-def test_a_decimal_comma_is_recognised(refusal):
-    message = refusal("frame,angle_deg\n0,1.5\n1,2,5\n")
-    assert "Expected 2 values in row 3" in message
-    assert "it has 3. A decimal comma" in message
-
-
-def test_a_short_row_is_refused_without_mention_of_commas(refusal):
-    message = refusal(f"{HEADER}0,1,200\n1,2\n")
-    assert "Expected 3 values in row 3" in message
-    assert "comma" not in message
-
-
-def test_a_column_must_be_there_once(refusal):
-    message = refusal("frame,angle_deg,frame\n0,1,0\n")
-    assert "each column of encoder.csv once; frame comes 2 times" in message
-
-
-@pytest.mark.parametrize(
-    ("name", "reason"),
-    [
-        ("thickness", "which erlif uses itself"),
-        ("angle", "which erlif uses itself"),
-        ("speed_exponent_mean_std", "which erlif uses itself"),
-        ("a/b", "which a film file cannot hold"),
-        ("_energy", "which a film file cannot hold"),
-    ],
-)
-def test_names_that_the_film_cannot_take_are_refused(refusal, name, reason):
-    message = refusal(f"frame,angle_deg,{name}\n0,1,2\n")
-    assert f"column 3 is {name!r}, {reason}. Rename it." in message
 
 
 # one row for each frame
@@ -278,7 +249,7 @@ def test_a_log_in_time_needs_time_and_angle(write_log):
 
 def test_binary_logs_are_read_like_text(tmp_path):
     savemat(tmp_path / "log.mat", {"frame": [0, 1], "angle_deg": [5.0, 6.0]})
-    assert read_encoder_log(tmp_path / "log.mat").angle.values.tolist() == [5, 6]
+    assert read_by_frame(tmp_path / "log.mat").angle.values.tolist() == [5, 6]
 
 
 @pytest.mark.parametrize(

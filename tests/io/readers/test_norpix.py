@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import struct
-
 import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes.camera_files import random_frames, write_seq
 
-from erlif.core.errors import FrameError
 from erlif.io.readers import open_frames
 from erlif.io.readers.base import TRUNCATED
-from erlif.io.readers.norpix import open_norpix
 
 
 @pytest.fixture
@@ -74,17 +70,6 @@ def test_stamps_that_were_not_set_give_way_to_the_rate(tmp_path, opened):
         assert opened(path).times is None
 
 
-def test_frames_without_rows_at_a_step_of_zero_are_refused(tmp_path):
-    """Found by damaging files at random."""
-    path = write_seq(tmp_path / "a.seq", random_frames(np.random.default_rng(1)))
-    data = bytearray(path.read_bytes())
-    for place in (552, 564, 580):
-        struct.pack_into("<I", data, place, 0)
-    path.write_bytes(data)
-    with pytest.raises(FrameError, match="holds no image"):
-        open_norpix(path)
-
-
 def test_padded_rows(tmp_path, opened):
     frames = random_frames(np.random.default_rng(1), columns=7)
     file = opened(write_seq(tmp_path / "a.seq", frames, row_padding=2))
@@ -108,29 +93,3 @@ def test_a_recording_that_was_not_closed_has_the_frames_of_its_size(tmp_path, op
     file = opened(path)
     assert [kind == TRUNCATED for kind in file.kinds] == [False, False, True]
     npt.assert_allclose(file.times, [0, 1, np.nan])
-
-
-@pytest.mark.parametrize(
-    ("place", "code", "value", "words"),
-    [
-        (572, "<I", 10**9, "header names 1000000000 frames"),
-        (548, "<I", 0, "holds no image"),
-        (552, "<I", 2**32 - 1, "damaged"),
-        (548, "<I", 2**32 - 1, "damaged"),
-        (580, "<I", 0, "cannot lie 0 apart"),
-        (580, "<I", 95, "cannot lie 95 apart"),
-        (556, "<I", 24, "format 100 of NorPix with 24 bits"),
-        (568, "<I", 131, "format 131"),
-        (568, "<I", 200, "colour camera"),
-        (568, "<I", 101, "colour camera"),
-        (564, "<I", 97, "damaged"),
-        (620, "<I", 1, "compressed"),
-    ],
-)
-def test_a_lying_header_is_refused(tmp_path, place, code, value, words):
-    path = write_seq(tmp_path / "a.seq", random_frames(np.random.default_rng(1)))
-    data = bytearray(path.read_bytes())
-    struct.pack_into(code, data, place, value)
-    path.write_bytes(data)
-    with pytest.raises(FrameError, match=words):
-        open_norpix(path)

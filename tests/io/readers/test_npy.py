@@ -95,15 +95,6 @@ def test_a_header_that_claims_a_billion_frames_is_refused(tmp_path):
             open_frames(tmp_path / "a.npy")
 
 
-def test_frames_behind_the_end_of_the_file_are_truncated(tmp_path):
-    np.save(tmp_path / "a.npy", COUNTS)
-    whole = (tmp_path / "a.npy").read_bytes()
-    (tmp_path / "a.npy").write_bytes(whole[:-1])
-    file = open_frames(tmp_path / "a.npy")
-    assert [kind.dtype for kind in file.kinds] == ["uint16"] * 3 + ["truncated"]
-    file.close()
-
-
 def test_a_header_that_claims_more_frames_than_a_list_can_have_is_refused(tmp_path):
     header = str({"descr": "<u2", "fortran_order": False, "shape": (10**30, 64, 80)})
     start = b"\x93NUMPY\1\0" + len(header).to_bytes(2, "little")

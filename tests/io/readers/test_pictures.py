@@ -78,14 +78,6 @@ def test_pgm_files_may_have_comments_and_several_pictures(tmp_path):
     assert "goes on behind its last count" in refusal(tmp_path / "a.pgm")
 
 
-def test_a_pgm_that_was_cut_off_has_a_truncated_frame(tmp_path):
-    head = b"P5 81 64 255\n"
-    (tmp_path / "a.pgm").write_bytes((head + SMALL.tobytes()) * 2 + head + SMALL.tobytes()[:99])
-    file = open_frames(tmp_path / "a.pgm")
-    assert [kind.dtype for kind in file.kinds] == ["uint8", "uint8", "truncated"]
-    file.close()
-
-
 @pytest.mark.parametrize("suffix", [".jpg", ".gif", ".webp", ".jp2"])
 def test_a_format_that_changes_the_counts_is_refused(tmp_path, suffix):
     path = tmp_path / f"a{suffix}"
