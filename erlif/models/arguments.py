@@ -1,10 +1,11 @@
 """Arguments of the models: which numbers a formula accepts, how it refuses one, when it warns.
 
-The ``require_*`` functions raise `erlif.core.errors.ModelError` for a value at which an equation
-has no meaning. The ``check_*`` functions warn with `erlif.core.errors.UnitWarning` where a value is
-so far from that of any oil or machine that a slip of units is the likely reason; the calculation
-continues. Both take the arguments by keyword, so that the message holds the name that the caller
-used. NaN stands for a missing value and passes all of them.
+`formula` declares the arguments of an equation. A value at which it has no meaning raises
+`erlif.core.errors.ModelError`; one that is so far from that of any oil or machine that a slip of
+units is the likely reason warns with `erlif.core.errors.UnitWarning`, and the calculation
+continues. The message holds the name of the argument. The ``require_*`` functions refuse values in
+the same manner where a condition concerns more than one argument, or a number on the way. NaN
+stands for a missing value and passes all of them.
 """
 
 import math
@@ -12,7 +13,7 @@ import sys
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass, replace
-from functools import wraps
+from functools import cache, partial, wraps
 from inspect import signature
 from itertools import pairwise
 from typing import Any, ParamSpec, TypeAlias, TypeVar, cast
@@ -29,50 +30,6 @@ No static type covers them without an import of xarray.
 
 _Parameters = ParamSpec("_Parameters")
 _Result = TypeVar("_Result")
-
-
-def broadcasting(formula: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
-    """Let a formula take scalars, lists, arrays and DataArrays, and return floats for scalars.
-
-    Lists become arrays and integers become floats before the call; scalars of numpy become floats
-    after it, inside tuples and dataclasses too. Arrays and DataArrays stay as they are, so the
-    formula itself broadcasts. A function that needs an integer must not be decorated.
-
-    Parameters
-    ----------
-    formula : callable
-        Function or method of `Values`.
-
-    Returns
-    -------
-    callable
-        The same formula for all kinds of numbers.
-
-    Raises
-    ------
-    ModelError
-        From the decorated formula, for text in the place of a number.
-
-    Examples
-    --------
-    >>> @broadcasting
-    ... def area_of_circle(diameter):
-    ...     return np.pi / 4 * diameter**2
-    >>> area_of_circle(2)
-    3.141592653589793
-    >>> area_of_circle([2, 4])
-    array([ 3.14159265, 12.56637061])
-    """
-    names = tuple(signature(formula).parameters)
-
-    @wraps(formula)
-    def evaluate(*args: _Parameters.args, **kwargs: _Parameters.kwargs) -> _Result:
-        numbers = [_as_number(name, value) for name, value in zip(names, args, strict=False)]
-        numbers += args[len(names) :]  # too many arguments: Python's own message is the best
-        named = {name: _as_number(name, value) for name, value in kwargs.items()}
-        return cast(_Result, _as_result(formula(*numbers, **named)))
-
-    return evaluate
 
 
 def require_finite(**arguments: Values) -> None:
@@ -267,6 +224,30 @@ def require_single(**arguments: Values) -> None:
             raise ModelError(f"{name} must be one number, got an array of shape {np.shape(value)}.")
 
 
+def require_known(**arguments: Values) -> None:
+    """Refuse NaN, where a missing value has no meaning.
+
+    Parameters
+    ----------
+    **arguments : float or array
+        Values under the caller's names.
+
+    Raises
+    ------
+    ModelError
+        Names the first argument that holds NaN.
+
+    Examples
+    --------
+    >>> require_known(stiffness=np.nan)
+    Traceback (most recent call last):
+    erlif.core.errors.ModelError: stiffness must be a number, got NaN.
+    """
+    for name, value in arguments.items():
+        if np.any(np.isnan(value)):
+            raise ModelError(f"{name} must be a number, got NaN.")
+
+
 @dataclass(frozen=True)
 class _Scale:
     """Orders of magnitude that a quantity takes in machines, and the units it is often given in."""
@@ -279,65 +260,284 @@ class _Scale:
     """Units that a value outside the range is probably in."""
 
 
-_MODULUS = _Scale("Pa", 3e5, 1e13, "GPa or MPa")
-"""From the softest rubber to ten times diamond; steel in MPa, 2e5, lies below."""
+@dataclass(frozen=True)
+class _Within:
+    """Refuse values outside a range, with or without its ends."""
 
-_STRENGTH = _Scale("Pa", 1e5, 1e12, "MPa or kgf/mm2 (Brinell, Vickers)")
-"""From grey putty to ten times the hardness of diamond."""
+    lowest: float
+    highest: float
+    ends: bool = True
 
-_VISCOSITY = _Scale("Pa s", 1e-6, 50.0, "mPa s (cP), or kinematic, in cSt")
-"""From a tenth of air to the heaviest gear oil in frost; 0.06 Pa s given in mPa s lies above."""
-
-_KINEMATIC_VISCOSITY = _Scale("m2/s", 1e-8, 0.05, "mm2/s (cSt)")
-"""As the dynamic viscosity, at about 1000 kg/m3."""
-
-_PRESSURE_VISCOSITY = _Scale("1/Pa", 1e-11, 1e-6, "1/GPa or 1/MPa")
-"""Water has 5e-10, traction fluids 4e-8."""
-
-_LENGTH = _Scale("m", 1e-7, 10.0, "mm or um")
-"""Diameters, widths, walls and plays of joints; the clearance of a fit may be below 1 um."""
-
-_REDUCED_RADIUS = _Scale("m", 1e-6, 1e5, "mm")
-"""A fit with a clearance of 1 um on a radius of 0.1 m has 1e4 m."""
-
-_FILM = _Scale("m", 0.0, 0.01, "um or mm")
-"""Film thicknesses and roughnesses; a measured minimum may be as small as noise makes it."""
-
-_LOAD = _Scale("N", 0.0, 1e9, "mN")
-"""Loads; the largest presses reach 1e9 N."""
-
-_LINE_LOAD = _Scale("N/m", 0.0, 1e10, "mN/m")
-"""Loads per length; a load cell at rest may show anything near zero."""
-
-_SPEED = _Scale("m/s", 0.0, 1e3, "mm/s")
-"""Surface speeds; turbine shafts reach 150 m/s."""
-
-_TEMPERATURE = _Scale("K", 120.0, 3000.0, "degrees Celsius")
-"""From the coldest grease to molten steel."""
-
-_DENSITY = _Scale("kg/m3", 50.0, 3e4, "g/cm3")
-"""From foam to osmium."""
-
-_EXPANSION = _Scale("1/K", 1e-8, 1e-2, "1e-6/K")
-"""Linear and cubic thermal expansion; oils 7e-4, steel 1.2e-5."""
-
-_CONDUCTIVITY = _Scale("W/(m K)", 1e-3, 1e4, "W/(cm K) or mW/(m K)")
-"""Thermal conductivity, from aerogel to diamond."""
-
-_SWING = _Scale("rad", 0.0, np.pi, "degrees")
-"""Half of the angle from end to end of a swinging joint."""
-
-_SPECIFIC_WEAR = _Scale("1/Pa", 0.0, 1e-9, "mm3/(N m)")
-"""Volume over load and distance; ice on sandpaper reaches 1e-10."""
+    def __call__(self, **arguments: Values) -> None:
+        require_between(self.lowest, self.highest, **arguments)
+        for name, value in arguments.items():
+            if not self.ends and np.any(np.isin(value, (self.lowest, self.highest))):
+                raise ModelError(
+                    f"{name} must lie between {self.lowest:g} and {self.highest:g}, without the "
+                    "ends."
+                )
 
 
-def check_modulus(**arguments: Values) -> None:
-    """Warn of a Young's modulus or contact modulus outside 3e5 to 1e13 Pa.
+QUANTITIES: dict[str, tuple[Callable[..., None], _Scale | None]] = {
+    "number": (require_positive, None),
+    # half of a contact: up to a right angle, and up to where it closes round the pin
+    "right_angle": (_Within(0.0, np.pi / 2), None),
+    "arc": (_Within(0.0, np.pi, ends=False), None),
+    "share": (_Within(0.0, 1.0), None),
+    # diameter of a hole over the width of its link
+    "hole_ratio": (_Within(0.0, 1.0, ends=False), None),
+    "poisson": (require_poisson, None),
+    # from the softest rubber to ten times diamond; steel in MPa, 2e5, lies below
+    "modulus": (require_positive, _Scale("Pa", 3e5, 1e13, "GPa or MPa")),
+    # yield stress, tensile strength, hardness: from grey putty to ten times diamond
+    "strength": (require_positive, _Scale("Pa", 1e5, 1e12, "MPa or kgf/mm2 (Brinell, Vickers)")),
+    # from a tenth of air to the heaviest gear oil in frost; 0.06 Pa s given in mPa s lies above
+    "viscosity": (require_positive, _Scale("Pa s", 1e-6, 50.0, "mPa s (cP), or kinematic, in cSt")),
+    # as the dynamic viscosity, at about 1000 kg/m3
+    "kinematic_viscosity": (require_positive, _Scale("m2/s", 1e-8, 0.05, "mm2/s (cSt)")),
+    # water has 5e-10, traction fluids 4e-8
+    "pressure_viscosity": (require_not_negative, _Scale("1/Pa", 1e-11, 1e-6, "1/GPa or 1/MPa")),
+    # diameters, widths, walls and plays of joints; the clearance of a fit may be below 1 um
+    "length": (require_positive, _Scale("m", 1e-7, 10.0, "mm or um")),
+    # a fit with a clearance of 1 um on a radius of 0.1 m has 1e4 m
+    "reduced_radius": (require_positive, _Scale("m", 1e-6, 1e5, "mm")),
+    # films and roughnesses; a measured minimum may be as small as noise makes it
+    "film": (require_positive, _Scale("m", 0.0, 0.01, "um or mm")),
+    # the largest presses reach 1e9 N
+    "load": (require_positive, _Scale("N", 0.0, 1e9, "mN")),
+    # a load cell at rest may show anything near zero
+    "line_load": (require_positive, _Scale("N/m", 0.0, 1e10, "mN/m")),
+    # surface speeds; turbine shafts reach 150 m/s
+    "speed": (require_finite, _Scale("m/s", 0.0, 1e3, "mm/s")),
+    # from the coldest grease to molten steel
+    "temperature": (require_positive, _Scale("K", 120.0, 3000.0, "degrees Celsius")),
+    # from foam to osmium
+    "density": (require_positive, _Scale("kg/m3", 50.0, 3e4, "g/cm3")),
+    # linear and cubic: oils 7e-4, steel 1.2e-5
+    "expansion": (require_finite, _Scale("1/K", 1e-8, 1e-2, "1e-6/K")),
+    # from aerogel to diamond
+    "conductivity": (require_positive, _Scale("W/(m K)", 1e-3, 1e4, "W/(cm K) or mW/(m K)")),
+    # half of the angle from end to end of a swinging joint
+    "swing": (require_not_negative, _Scale("rad", 0.0, np.pi, "degrees")),
+    # volume over load and distance; ice on sandpaper reaches 1e-10
+    "specific_wear": (require_not_negative, _Scale("1/Pa", 0.0, 1e-9, "mm3/(N m)")),
+}
+"""Kinds of arguments: what refuses a value of each, and the sizes that it has in machines."""
+
+ARGUMENTS = {
+    **dict.fromkeys(["contact_modulus", "youngs_modulus", "youngs_1", "youngs_2"], "modulus"),
+    **dict.fromkeys(["modulus", "model_youngs_modulus"], "modulus"),
+    **dict.fromkeys(["poisson", "poisson_1", "poisson_2"], "poisson"),
+    **dict.fromkeys(["hardness", "fatigue_strength"], "strength"),
+    **dict.fromkeys(["pin_radius", "shaft_radius", "bushing_radius", "thickness"], "length"),
+    **dict.fromkeys(["pin_diameter", "diameter", "width", "length", "wall"], "length"),
+    **{name: name for name in ("viscosity", "pressure_viscosity", "density", "load")},
+    **{name: name for name in ("temperature", "expansion", "specific_wear")},
+    **dict.fromkeys(["entrainment_speed", "sliding_speed"], "speed"),
+    **dict.fromkeys(["conductivity", "pin_conductivity", "bushing_conductivity"], "conductivity"),
+    **dict.fromkeys(["friction", "sliding_distance", "coefficient"], "number or zero"),
+    **dict.fromkeys(["crank_angle", "crank_speed", "crank_acceleration"], "signed number"),
+    "load_per_length": "line_load",
+    "torque_ratio": "number",
+    "half_swing": "swing",
+}
+"""Kinds of the arguments that mean the same in all models; the others are declared."""
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """What a declared argument is checked for."""
+
+    requires: tuple[Callable[..., None], ...]
+    scale: _Scale | None
+    low: float
+    """Floats from here to `high` pass all checks: fits call a formula thousands of times."""
+    high: float
+
+    def check(self, name: str, value: Values) -> None:
+        for require in self.requires:
+            require(**{name: value})
+        if self.scale is not None:
+            _warn_outside(self.scale, {name: value})
+
+
+_INSIDE = 1e-9
+"""Distance from the ends of a range at which a float is inside without a second look."""
+
+
+@cache
+def _read_kind(text: str) -> _Kind:
+    """Meaning of "length", "load or zero", "signed length", "one number", "known number"."""
+    words = text.split()
+    count = words.pop(0) if words[0] in ("one", "known") else ""
+    before: dict[str, tuple[Callable[..., None], ...]] = {
+        "": (),
+        "one": (require_single,),
+        "known": (require_single, require_known),
+    }
+
+    # the quantity has a usual sign, from which an equation may differ
+    name = next(word for word in words if word in QUANTITIES)
+    require, scale = QUANTITIES[name]
+    if words[0] == "signed":
+        require = require_finite
+    elif words[0] == "positive":
+        require = require_positive
+    elif words[1:] == ["or", "zero"]:
+        require = require_not_negative
+
+    low = max(scale.lowest if scale else 0.0, sys.float_info.min)
+    high = scale.highest if scale else sys.float_info.max
+    if isinstance(require, _Within):
+        low, high = require.lowest + _INSIDE, require.highest - _INSIDE
+    elif require is require_poisson:
+        high = 0.5
+    return _Kind((*before[count], require), scale, low, high)
+
+
+def formula(
+    **kinds: str,
+) -> Callable[[Callable[_Parameters, _Result]], Callable[_Parameters, _Result]]:
+    """Declare the arguments of an equation, which then takes and checks all kinds of numbers.
+
+    Lists become arrays and integers become floats before the call, unless an argument is annotated
+    as integer; scalars of numpy become floats after it, inside tuples and dataclasses too. Arrays
+    and DataArrays stay as they are, so the equation itself broadcasts.
 
     Parameters
     ----------
+    **kinds : str
+        Kind of each argument, from `QUANTITIES`, with "signed" or "positive" before it or "or zero"
+        behind it where the sign differs from the usual one, "one" where arrays are refused, and
+        "known" where NaN is refused as well. An argument without a kind has that of its name in
+        `ARGUMENTS`; one without either is not checked.
+
+    Returns
+    -------
+    callable
+        Decorator of a function or method.
+
+    Raises
+    ------
+    ModelError
+        From the decorated function: an argument outside its kind, or text in the place of a number.
+
+    Warns
+    -----
+    UnitWarning
+        From the decorated function: an argument that is probably in another unit.
+
+    Examples
+    --------
+    >>> @formula(diameter="length")
+    ... def area_of_circle(diameter):
+    ...     return np.pi / 4 * diameter**2
+    >>> area_of_circle(2)
+    3.141592653589793
+    >>> area_of_circle([2, 4])
+    array([ 3.14159265, 12.56637061])
+    >>> area_of_circle(-1)
+    Traceback (most recent call last):
+    erlif.core.errors.ModelError: diameter must be positive, got -1.
+    """
+
+    def decorate(equation: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
+        parameters = signature(equation).parameters
+        declared = {name: ARGUMENTS[name] for name in parameters if name in ARGUMENTS} | kinds
+        return _checked(equation, {name: _read_kind(kind) for name, kind in declared.items()})
+
+    return decorate
+
+
+def broadcasting(equation: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
+    """Let a function take scalars, lists, arrays and DataArrays, as `formula`, without checks.
+
+    Parameters
+    ----------
+    equation : callable
+        Function or method of `Values`.
+
+    Returns
+    -------
+    callable
+        The same for all kinds of numbers.
+
+    Examples
+    --------
+    >>> broadcasting(lambda value: value / 2)(1)
+    0.5
+    """
+    return _checked(equation, {})
+
+
+def _checked(
+    equation: Callable[_Parameters, _Result], kinds: dict[str, _Kind]
+) -> Callable[_Parameters, _Result]:
+    """Equation behind the conversion and the checks of its arguments."""
+    parameters = signature(equation).parameters
+    names = tuple(parameters)
+    plain = {name for name, parameter in parameters.items() if parameter.annotation is int}
+    optional = {name for name, parameter in parameters.items() if parameter.default is None}
+
+    def accept(name: str, value: Values) -> Values:
+        kind = kinds.get(name)
+        if type(value) is float and kind is not None and kind.low <= value <= kind.high:
+            return value
+        number = value if name in plain else _as_number(name, value)
+        if kind is not None and not (number is None and name in optional):
+            kind.check(name, number)
+        return number
+
+    @wraps(equation)
+    def evaluate(*args: _Parameters.args, **kwargs: _Parameters.kwargs) -> _Result:
+        numbers = [accept(name, value) for name, value in zip(names, args, strict=False)]
+        numbers += args[len(names) :]  # too many arguments: Python's own message is the best
+        named = {name: accept(name, value) for name, value in kwargs.items()}
+        return cast(_Result, _as_result(equation(*numbers, **named)))
+
+    return evaluate
+
+
+def check_fields(table: Any, **kinds: str) -> None:
+    """Check the fields of a dataclass as `formula` checks arguments.
+
+    Parameters
+    ----------
+    table : dataclass
+        Its fields as numbers in SI units.
+    **kinds : str
+        Kind of each field to check, as in `formula`.
+
+    Raises
+    ------
+    ModelError
+        Names the first field outside its kind.
+
+    Warns
+    -----
+    UnitWarning
+        Names a field that is probably in another unit.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> check_fields(SimpleNamespace(crank=-0.05), crank="one length")
+    Traceback (most recent call last):
+    erlif.core.errors.ModelError: crank must be positive, got -0.05.
+    """
+    for name, kind in kinds.items():
+        _read_kind(kind).check(name, _as_number(name, getattr(table, name)))
+
+
+def warn_of_units(quantity: str, /, **arguments: Values) -> None:
+    """Warn of values that are probably in another unit.
+
+    Parameters
+    ----------
+    quantity : str
+        Kind of the values, from `QUANTITIES`.
     **arguments : float or array
-        Moduli under the caller's names. [Pa]
+        Values under the caller's names, in SI units.
 
     Warns
     -----
@@ -347,326 +547,36 @@ def check_modulus(**arguments: Values) -> None:
     Examples
     --------
     >>> import warnings
-    >>> check_modulus(youngs_1=200e9)
+    >>> warn_of_units("modulus", youngs_1=200e9)
     >>> with warnings.catch_warnings(record=True) as caught:
     ...     warnings.simplefilter("always")
-    ...     check_modulus(youngs_1=200)
+    ...     warn_of_units("modulus", youngs_1=200)
     >>> print(caught[0].message)
     youngs_1 = 200 Pa is implausible (300000 to 1e+13 Pa expected): in GPa or MPa?
     """
-    _warn_outside(_MODULUS, arguments)
-
-
-def check_strength(**arguments: Values) -> None:
-    """Warn of a yield stress, tensile strength or hardness outside 1e5 to 1e12 Pa.
-
-    Parameters
-    ----------
-    **arguments : float or array
-        Stresses or hardnesses under the caller's names. [Pa]
-
-    Warns
-    -----
-    UnitWarning
-        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
-
-    Examples
-    --------
-    >>> check_strength(yield_stress=600e6)
-    """
-    _warn_outside(_STRENGTH, arguments)
-
-
-def check_viscosity(**arguments: Values) -> None:
-    """Warn of a dynamic viscosity outside 1e-6 to 50 Pa s.
-
-    Parameters
-    ----------
-    **arguments : float or array
-        Dynamic viscosities under the caller's names. [Pa s]
-
-    Warns
-    -----
-    UnitWarning
-        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
-
-    Examples
-    --------
-    >>> check_viscosity(viscosity=0.12)
-    """
-    _warn_outside(_VISCOSITY, arguments)
-
-
-def check_kinematic_viscosity(**arguments: Values) -> None:
-    """Warn of a kinematic viscosity outside 1e-8 to 0.05 m2/s.
-
-    Parameters
-    ----------
-    **arguments : float or array
-        Kinematic viscosities under the caller's names. [m2/s]
-
-    Warns
-    -----
-    UnitWarning
-        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
-
-    Examples
-    --------
-    >>> check_kinematic_viscosity(viscosity_1=140e-6)
-    """
-    _warn_outside(_KINEMATIC_VISCOSITY, arguments)
-
-
-def check_pressure_viscosity(**arguments: Values) -> None:
-    """Warn of a pressure-viscosity coefficient outside 1e-11 to 1e-6 1/Pa.
-
-    Parameters
-    ----------
-    **arguments : float or array
-        Coefficients under the caller's names. [1/Pa]
-
-    Warns
-    -----
-    UnitWarning
-        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
-
-    Examples
-    --------
-    >>> check_pressure_viscosity(pressure_viscosity=2e-8)
-    """
-    _warn_outside(_PRESSURE_VISCOSITY, arguments)
-
-
-def check_length(**arguments: Values) -> None:
-    """Warn of a length of a machine part outside 1e-7 to 10 m.
-
-    Parameters
-    ----------
-    **arguments : float or array
-        Lengths under the caller's names. [m]
-
-    Warns
-    -----
-    UnitWarning
-        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
-
-    Examples
-    --------
-    >>> check_length(pin_diameter=66.7e-3, width=0.237)
-    """
-    _warn_outside(_LENGTH, arguments)
-
-
-def check_reduced_radius(**arguments: Values) -> None:
-    """Warn of a reduced radius outside 1e-6 to 1e5 m.
-
-    Parameters
-    ----------
-    **arguments : float or array
-        Reduced radii under the caller's names. [m]
-
-    Warns
-    -----
-    UnitWarning
-        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
-
-    Examples
-    --------
-    >>> check_reduced_radius(radius=4.872)
-    """
-    _warn_outside(_REDUCED_RADIUS, arguments)
-
-
-def check_film(**arguments: Values) -> None:
-    """Warn of a film thickness or a roughness above 0.01 m.
-
-    Parameters
-    ----------
-    **arguments : float or array
-        Film thicknesses or roughnesses under the caller's names. [m]
-
-    Warns
-    -----
-    UnitWarning
-        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
-
-    Examples
-    --------
-    >>> check_film(film=0.54e-6, roughness=0.25e-6)
-    """
-    _warn_outside(_FILM, arguments)
-
-
-def check_load(**arguments: Values) -> None:
-    """Warn of a force above 1e9 N.
-
-    Parameters
-    ----------
-    **arguments : float or array
-        Forces under the caller's names. [N]
-
-    Warns
-    -----
-    UnitWarning
-        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
-
-    Examples
-    --------
-    >>> check_load(load=444.8e3)
-    """
-    _warn_outside(_LOAD, arguments)
-
-
-def check_line_load(**arguments: Values) -> None:
-    """Warn of a load per length above 1e10 N/m.
-
-    Parameters
-    ----------
-    **arguments : float or array
-        Loads per length under the caller's names. [N/m]
-
-    Warns
-    -----
-    UnitWarning
-        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
-
-    Examples
-    --------
-    >>> check_line_load(load_per_length=1.88e6)
-    """
-    _warn_outside(_LINE_LOAD, arguments)
-
-
-def check_speed(**arguments: Values) -> None:
-    """Warn of a surface speed above 1e3 m/s, in either direction.
-
-    Parameters
-    ----------
-    **arguments : float or array
-        Speeds under the caller's names. [m/s]
-
-    Warns
-    -----
-    UnitWarning
-        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
-
-    Examples
-    --------
-    >>> check_speed(sliding_speed=-0.0842)
-    """
-    _warn_outside(_SPEED, arguments)
-
-
-def check_temperature(**arguments: Values) -> None:
-    """Warn of a temperature outside 120 to 3000 K.
-
-    Parameters
-    ----------
-    **arguments : float or array
-        Temperatures under the caller's names. [K]
-
-    Warns
-    -----
-    UnitWarning
-        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
-
-    Examples
-    --------
-    >>> check_temperature(temperature=313.15)
-    """
-    _warn_outside(_TEMPERATURE, arguments)
-
-
-def check_density(**arguments: Values) -> None:
-    """Warn of a density outside 50 to 3e4 kg/m3.
-
-    Parameters
-    ----------
-    **arguments : float or array
-        Densities under the caller's names. [kg/m3]
-
-    Warns
-    -----
-    UnitWarning
-        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
-
-    Examples
-    --------
-    >>> check_density(density=857.1)
-    """
-    _warn_outside(_DENSITY, arguments)
-
-
-def check_expansion(**arguments: Values) -> None:
-    """Warn of a coefficient of thermal expansion outside 1e-8 to 0.01 1/K, of either sign.
-
-    Parameters
-    ----------
-    **arguments : float or array
-        Coefficients under the caller's names. [1/K]
-
-    Warns
-    -----
-    UnitWarning
-        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
-
-    Examples
-    --------
-    >>> check_expansion(expansion=7e-4)
-    """
-    _warn_outside(_EXPANSION, arguments)
-
-
-def check_conductivity(**arguments: Values) -> None:
-    """Warn of a thermal conductivity outside 1e-3 to 1e4 W/(m K).
-
-    Parameters
-    ----------
-    **arguments : float or array
-        Conductivities under the caller's names. [W/(m K)]
-
-    Warns
-    -----
-    UnitWarning
-        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
-
-    Examples
-    --------
-    >>> check_conductivity(conductivity=50.0)
-    """
-    _warn_outside(_CONDUCTIVITY, arguments)
-
-
-def check_swing(**arguments: Values) -> None:
-    """Warn of half a swing above pi rad.
-
-    Parameters, warnings and ignored values as in `check_modulus`. [rad]
-
-    Examples
-    --------
-    >>> check_swing(half_swing=0.2132)
-    """
-    _warn_outside(_SWING, arguments)
-
-
-def check_specific_wear(**arguments: Values) -> None:
-    """Warn of a specific wear rate above 1e-9 1/Pa, which is 1 mm3/(N m).
-
-    Parameters
-    ----------
-    **arguments : float or array
-        Specific wear rates under the caller's names. [1/Pa]
-
-    Warns
-    -----
-    UnitWarning
-        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
-
-    Examples
-    --------
-    >>> check_specific_wear(specific_wear=5.05e-13)
-    """
-    _warn_outside(_SPECIFIC_WEAR, arguments)
+    scale = QUANTITIES[quantity][1]
+    if scale is not None:
+        _warn_outside(scale, arguments)
+
+
+# the bearings, the films of `reynolds` and the sizing of joints declare their arguments by these
+check_modulus = partial(warn_of_units, "modulus")
+check_strength = partial(warn_of_units, "strength")
+check_viscosity = partial(warn_of_units, "viscosity")
+check_kinematic_viscosity = partial(warn_of_units, "kinematic_viscosity")
+check_pressure_viscosity = partial(warn_of_units, "pressure_viscosity")
+check_length = partial(warn_of_units, "length")
+check_reduced_radius = partial(warn_of_units, "reduced_radius")
+check_film = partial(warn_of_units, "film")
+check_load = partial(warn_of_units, "load")
+check_line_load = partial(warn_of_units, "line_load")
+check_speed = partial(warn_of_units, "speed")
+check_temperature = partial(warn_of_units, "temperature")
+check_density = partial(warn_of_units, "density")
+check_expansion = partial(warn_of_units, "expansion")
+check_conductivity = partial(warn_of_units, "conductivity")
+check_swing = partial(warn_of_units, "swing")
+check_specific_wear = partial(warn_of_units, "specific_wear")
 
 
 def warn_of_range(equation: str, name: str, value: Values, lowest: float, highest: float) -> None:

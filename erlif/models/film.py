@@ -18,18 +18,8 @@ from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
     broadcasting,
-    check_film,
-    check_length,
-    check_line_load,
-    check_load,
-    check_modulus,
-    check_pressure_viscosity,
-    check_reduced_radius,
-    check_speed,
-    check_viscosity,
-    require_finite,
+    formula,
     require_not_negative,
-    require_positive,
     require_single,
     warn_of_range,
 )
@@ -64,7 +54,7 @@ BORDER = 0.9
 """Share of the largest asymptote from which a second one lies at a border of the regime map."""
 
 
-@broadcasting
+@formula(radius="reduced_radius")
 def isoviscous_rigid_film(
     entrainment_speed: Values, *, load_per_length: Values, viscosity: Values, radius: Values
 ) -> Values:
@@ -108,13 +98,11 @@ def isoviscous_rigid_film(
     >>> round(film * 1e6, 1)
     128.4
     """
-    _require_speed(entrainment_speed=entrainment_speed)
-    _require_contact(load_per_length=load_per_length, viscosity=viscosity, radius=radius)
     # U/W with the moduli cancelled, so that rigid bodies need none
     return MARTIN_CONSTANT * radius * viscosity * np.abs(entrainment_speed) / load_per_length
 
 
-@broadcasting
+@formula(radius="reduced_radius")
 def piezoviscous_rigid_film(
     entrainment_speed: Values, *, viscosity: Values, pressure_viscosity: Values, radius: Values
 ) -> Values:
@@ -157,9 +145,6 @@ def piezoviscous_rigid_film(
     >>> round(film * 1e6, 3)
     0.613
     """
-    _require_speed(entrainment_speed=entrainment_speed)
-    _require_contact(viscosity=viscosity, radius=radius)
-    _require_pressure_viscosity(pressure_viscosity)
     # G U with the moduli cancelled, so that rigid bodies need none
     return (
         BLOK_CONSTANT
@@ -168,7 +153,7 @@ def piezoviscous_rigid_film(
     )
 
 
-@broadcasting
+@formula(radius="reduced_radius")
 def isoviscous_elastic_film(
     entrainment_speed: Values,
     *,
@@ -218,7 +203,6 @@ def isoviscous_elastic_film(
     >>> round(film * 1e6, 2)
     7.05
     """
-    _require_speed(entrainment_speed=entrainment_speed)
     U, W = _speed_and_load_groups(
         entrainment_speed,
         load_per_length=load_per_length,
@@ -229,7 +213,7 @@ def isoviscous_elastic_film(
     return 3.10 * radius * U**0.6 * W**-0.2
 
 
-@broadcasting
+@formula(radius="reduced_radius")
 def dowson_higginson_film(
     entrainment_speed: Values,
     *,
@@ -290,8 +274,6 @@ def dowson_higginson_film(
     >>> round(film * 1e6, 4)
     0.6272
     """
-    _require_speed(entrainment_speed=entrainment_speed)
-    _require_pressure_viscosity(pressure_viscosity)
     U, W = _speed_and_load_groups(
         entrainment_speed,
         load_per_length=load_per_length,
@@ -303,7 +285,7 @@ def dowson_higginson_film(
     return 2.65 * radius * G**0.54 * U**0.7 * W**-0.13
 
 
-@broadcasting
+@formula(radius="reduced_radius")
 def thesis_film(
     sliding_speed: Values,
     *,
@@ -363,14 +345,6 @@ def thesis_film(
     >>> round(film * 1e6, 3)
     0.54
     """
-    _require_speed(sliding_speed=sliding_speed)
-    _require_pressure_viscosity(pressure_viscosity)
-    _require_contact(
-        load_per_length=load_per_length,
-        viscosity=viscosity,
-        radius=radius,
-        contact_modulus=contact_modulus,
-    )
 
     # in the symbols of the source, which count the modulus once in G and W and twice in V
     G = pressure_viscosity * contact_modulus
@@ -484,13 +458,15 @@ def line_contact_film(
         require_single(stroke=stroke)
         require_not_negative(stroke=stroke)
 
-    asymptotes = _asymptotes(
-        entrainment_speed,
-        load_per_length=load_per_length,
-        viscosity=viscosity,
-        pressure_viscosity=pressure_viscosity,
-        radius=radius,
-        contact_modulus=contact_modulus,
+    # rigid bodies: the pressure is too low to flatten them; elastic bodies: the flat takes the load
+    contact = {"load_per_length": load_per_length, "radius": radius}
+    soft = {**contact, "contact_modulus": contact_modulus, "viscosity": viscosity}
+    stiffening = {"viscosity": viscosity, "pressure_viscosity": pressure_viscosity}
+    asymptotes = (
+        isoviscous_rigid_film(entrainment_speed, viscosity=viscosity, **contact),
+        piezoviscous_rigid_film(entrainment_speed, radius=radius, **stiffening),
+        isoviscous_elastic_film(entrainment_speed, **soft),
+        dowson_higginson_film(entrainment_speed, pressure_viscosity=pressure_viscosity, **soft),
     )
     rigid, viscous, elastic, both = asymptotes
     # whichever mechanism gives the thickest film carries the load
@@ -498,13 +474,7 @@ def line_contact_film(
     governing = _number_of_largest(film, asymptotes)
 
     # at a standstill both parameters are infinite
-    U, W = _speed_and_load_groups(
-        entrainment_speed,
-        load_per_length=load_per_length,
-        viscosity=viscosity,
-        radius=radius,
-        contact_modulus=contact_modulus,
-    )
+    U, W = _speed_and_load_groups(entrainment_speed, **soft)
     with np.errstate(divide="ignore"):
         gE = W / np.sqrt(U)
     gV = pressure_viscosity * 2 * contact_modulus * gE * np.sqrt(W)
@@ -538,7 +508,7 @@ class EllipticalFilm(NamedTuple):
     central: Values
 
 
-@broadcasting
+@formula(radius_along="reduced_radius", radius_across="reduced_radius")
 def hamrock_dowson_film(
     entrainment_speed: Values,
     *,
@@ -603,12 +573,6 @@ def hamrock_dowson_film(
     >>> round(ball.minimum / barrel.minimum, 3)
     0.508
     """
-    _require_speed(entrainment_speed=entrainment_speed)
-    _require_pressure_viscosity(pressure_viscosity)
-    require_positive(load=load, radius_along=radius_along, radius_across=radius_across)
-    check_load(load=load)
-    check_reduced_radius(radius_along=radius_along, radius_across=radius_across)
-    _require_contact(viscosity=viscosity, contact_modulus=contact_modulus)
 
     G = pressure_viscosity * 2 * contact_modulus
     U = viscosity * np.abs(entrainment_speed) / (2 * contact_modulus * radius_along)
@@ -622,7 +586,7 @@ def hamrock_dowson_film(
     return EllipticalFilm(minimum, central)
 
 
-@broadcasting
+@formula(film="film", half_width="length")
 def squeeze_time(
     film: Values, *, half_width: Values, load_per_length: Values, viscosity: Values
 ) -> Values:
@@ -662,14 +626,10 @@ def squeeze_time(
     ... ), 2)
     0.68
     """
-    require_positive(film=film, half_width=half_width)
-    check_film(film=film)
-    check_length(half_width=half_width)
-    _require_contact(load_per_length=load_per_length, viscosity=viscosity)
     return 4 * viscosity * half_width**3 / (load_per_length * film**2)
 
 
-@broadcasting
+@formula(film="film or zero", roughness_a="film or zero", roughness_b="film or zero")
 def film_parameter(film: Values, *, roughness_a: Values, roughness_b: Values) -> Values:
     """Film thickness over combined roughness: Lambda = h / sqrt(Ra^2 + Rb^2).
 
@@ -703,8 +663,6 @@ def film_parameter(film: Values, *, roughness_a: Values, roughness_b: Values) ->
     >>> round(film_parameter(0.54e-6, roughness_a=0.25e-6, roughness_b=0.25e-6), 2)
     1.53
     """
-    require_not_negative(film=film, roughness_a=roughness_a, roughness_b=roughness_b)
-    check_film(film=film, roughness_a=roughness_a, roughness_b=roughness_b)
 
     # smooth surfaces leave the parameter undefined
     combined = np.sqrt(roughness_a**2 + roughness_b**2)
@@ -713,7 +671,7 @@ def film_parameter(film: Values, *, roughness_a: Values, roughness_b: Values) ->
     return film / combined
 
 
-@broadcasting
+@formula(film_parameter="number or zero")
 def lubrication_regimes(film_parameter: Values) -> Values:
     """List the regimes of `LUBRICATION_REGIMES` whose range contains a film parameter.
 
@@ -742,7 +700,6 @@ def lubrication_regimes(film_parameter: Values) -> Values:
     >>> lubrication_regimes(7.0)
     ('hydrodynamic', 'elastohydrodynamic')
     """
-    require_not_negative(film_parameter=film_parameter)
     # numpy would make a table of tuples of equal length, so the array is filled one by one
     flat = np.ravel(np.asarray(film_parameter))
     regimes = np.empty(flat.size, object)
@@ -756,31 +713,6 @@ def lubrication_regimes(film_parameter: Values) -> Values:
     return regimes.reshape(np.shape(film_parameter)) if np.ndim(film_parameter) else regimes[0]
 
 
-def _require_speed(**speed: Values) -> None:
-    require_finite(**speed)
-    check_speed(**speed)
-
-
-def _require_pressure_viscosity(pressure_viscosity: Values) -> None:
-    require_not_negative(pressure_viscosity=pressure_viscosity)
-    check_pressure_viscosity(pressure_viscosity=pressure_viscosity)
-
-
-_CHECKS = {
-    "load_per_length": check_line_load,
-    "viscosity": check_viscosity,
-    "radius": check_reduced_radius,
-    "contact_modulus": check_modulus,
-}
-
-
-def _require_contact(**arguments: Values) -> None:
-    """Refuse values of a contact that are not positive, and warn of implausible ones."""
-    require_positive(**arguments)
-    for name, value in arguments.items():
-        _CHECKS[name](**{name: value})
-
-
 def _speed_and_load_groups(
     entrainment_speed: Values,
     *,
@@ -790,51 +722,8 @@ def _speed_and_load_groups(
     contact_modulus: Values,
 ) -> tuple[Values, Values]:
     """U = eta u / (E' R) and W = q / (E' R) with E' = 2 E*."""
-    _require_contact(
-        load_per_length=load_per_length,
-        viscosity=viscosity,
-        radius=radius,
-        contact_modulus=contact_modulus,
-    )
     stiffness = 2 * contact_modulus * radius
     return viscosity * np.abs(entrainment_speed) / stiffness, load_per_length / stiffness
-
-
-def _asymptotes(
-    entrainment_speed: Values,
-    *,
-    load_per_length: Values,
-    viscosity: Values,
-    pressure_viscosity: Values,
-    radius: Values,
-    contact_modulus: Values,
-) -> tuple[Values, Values, Values, Values]:
-    """Film thicknesses of the four regimes, in the order of `FILM_REGIMES`."""
-    # rigid bodies: the pressure is too low to flatten them
-    rigid = isoviscous_rigid_film(
-        entrainment_speed, load_per_length=load_per_length, viscosity=viscosity, radius=radius
-    )
-    viscous = piezoviscous_rigid_film(
-        entrainment_speed, viscosity=viscosity, pressure_viscosity=pressure_viscosity, radius=radius
-    )
-
-    # elastic bodies: the flattened contact takes up the load
-    elastic = isoviscous_elastic_film(
-        entrainment_speed,
-        load_per_length=load_per_length,
-        viscosity=viscosity,
-        radius=radius,
-        contact_modulus=contact_modulus,
-    )
-    both = dowson_higginson_film(
-        entrainment_speed,
-        load_per_length=load_per_length,
-        viscosity=viscosity,
-        pressure_viscosity=pressure_viscosity,
-        radius=radius,
-        contact_modulus=contact_modulus,
-    )
-    return rigid, viscous, elastic, both
 
 
 def _number_of_largest(film: Values, asymptotes: tuple[Values, ...]) -> Values:

@@ -10,13 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.models.arguments import (
-    Values,
-    broadcasting,
-    require_finite,
-    require_not_negative,
-    require_positive,
-)
+from erlif.models.arguments import Values, formula
 
 SERIES_BELOW = 1e-5
 """Optical depth below which (1 - exp(-x))/x is a series; the next term, x^3/24, is 4e-17 there."""
@@ -28,7 +22,7 @@ LARGEST_DEPTH = 700.0
 """Optical depth at which exp(x) is still finite and the slope has long been -1/x."""
 
 
-@broadcasting
+@formula(depth="signed number")
 def mean_transmission(depth: Values) -> Values:
     """Mean over a layer of the light transmitted from each depth, (1 - exp(-x))/x.
 
@@ -52,11 +46,10 @@ def mean_transmission(depth: Values) -> Values:
     >>> mean_transmission([0.0, np.log(2), 1e3]).round(4)
     array([1.    , 0.7213, 0.001 ])
     """
-    require_finite(depth=depth)
     return _transmission(_float64(depth))
 
 
-@broadcasting
+@formula(depth="signed number")
 def mean_transmission_log_slope(depth: Values) -> Values:
     """Derivative of ln `mean_transmission` with respect to the optical depth, 1/(exp(x) - 1) - 1/x.
 
@@ -80,14 +73,13 @@ def mean_transmission_log_slope(depth: Values) -> Values:
     >>> mean_transmission_log_slope(0.0), mean_transmission_log_slope(100.0)
     (-0.5, -0.01)
     """
-    require_finite(depth=depth)
     x = _float64(depth)
     if hasattr(x, "dims"):
         return x.copy(data=_mean_transmission_log_slope(x.data))
     return _mean_transmission_log_slope(x)
 
 
-@broadcasting
+@formula(thickness="signed number", brightness="signed number", attenuation="number or zero")
 def band_signal(thickness: Values, *, attenuation: Values, brightness: Values = 1.0) -> Values:
     """Light of a film in one narrow band, reabsorbed on its way out.
 
@@ -121,13 +113,16 @@ def band_signal(thickness: Values, *, attenuation: Values, brightness: Values = 
     >>> band_signal(1000.0, attenuation=0.25)
     4.0
     """
-    require_finite(thickness=thickness, brightness=brightness)
-    require_not_negative(attenuation=attenuation)
     t = _float64(thickness)
     return brightness * t * mean_transmission(attenuation * t)
 
 
-@broadcasting
+@formula(
+    thickness="signed number",
+    ratio_at_zero="number",
+    attenuation_camera1="number or zero",
+    attenuation_camera2="number or zero",
+)
 def log_band_ratio(
     thickness: Values,
     *,
@@ -176,11 +171,6 @@ def log_band_ratio(
     >>> round(float(np.exp(thick)), 6)
     1.04
     """
-    require_finite(thickness=thickness)
-    require_positive(ratio_at_zero=ratio_at_zero)
-    require_not_negative(
-        attenuation_camera1=attenuation_camera1, attenuation_camera2=attenuation_camera2
-    )
     t = _float64(thickness)
     return (
         np.log(ratio_at_zero)
@@ -189,7 +179,11 @@ def log_band_ratio(
     )
 
 
-@broadcasting
+@formula(
+    thickness="signed number",
+    attenuation_camera1="number or zero",
+    attenuation_camera2="number or zero",
+)
 def log_band_ratio_slope(
     thickness: Values, *, attenuation_camera1: Values, attenuation_camera2: Values
 ) -> Values:
@@ -222,10 +216,6 @@ def log_band_ratio_slope(
     >>> round(slope, 8)
     0.02408828
     """
-    require_finite(thickness=thickness)
-    require_not_negative(
-        attenuation_camera1=attenuation_camera1, attenuation_camera2=attenuation_camera2
-    )
     t = _float64(thickness)
     p, q = attenuation_camera1, attenuation_camera2
     thin = q * mean_transmission_log_slope(q * t) - p * mean_transmission_log_slope(p * t)
@@ -238,7 +228,12 @@ def log_band_ratio_slope(
     return thin * (1.0 - thick) + far * thick
 
 
-@broadcasting
+@formula(
+    thickness="signed number",
+    ratio_at_zero="number",
+    attenuation_camera1="number or zero",
+    attenuation_camera2="number or zero",
+)
 def log_band_ratio_gradient(
     thickness: Values,
     *,
@@ -276,11 +271,6 @@ def log_band_ratio_gradient(
     ... )
     array([ 2.,  0., -0.])
     """
-    require_finite(thickness=thickness)
-    require_positive(ratio_at_zero=ratio_at_zero)
-    require_not_negative(
-        attenuation_camera1=attenuation_camera1, attenuation_camera2=attenuation_camera2
-    )
     # ln K, less the transmission of camera 1, plus that of camera 2
     t = np.asarray(thickness, float)
     p, q = attenuation_camera1, attenuation_camera2

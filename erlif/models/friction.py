@@ -14,17 +14,7 @@ import numpy as np
 import scipy
 
 from erlif.core.errors import ModelError
-from erlif.models.arguments import (
-    Values,
-    broadcasting,
-    check_length,
-    check_load,
-    require_between,
-    require_finite,
-    require_not_negative,
-    require_positive,
-    require_single,
-)
+from erlif.models.arguments import Values, formula
 
 STEADY_WEAR_TORQUE_RATIO = 4 / np.pi
 """Torque ratio of a bushing worn to its steady state. Colbert et al. (2009), eq. A6. [1]
@@ -37,7 +27,7 @@ _SERIES_BELOW = 0.03
 """Half angle below which the series of the thin Winkler bushing is exact to rounding. [rad]"""
 
 
-@broadcasting
+@formula(load="load or zero", radius="length")
 def friction_torque(
     friction: Values, *, load: Values, radius: Values, torque_ratio: Values = 1.0
 ) -> Values:
@@ -80,14 +70,10 @@ def friction_torque(
     >>> print(f"{friction_torque(0.15, load=444.822e3, radius=1.25 * 0.0254):.1f} N m")
     2118.5 N m
     """
-    require_not_negative(friction=friction, load=load)
-    require_positive(radius=radius, torque_ratio=torque_ratio)
-    check_load(load=load)
-    check_length(radius=radius)
     return torque_ratio * friction * load * radius
 
 
-@broadcasting
+@formula(torque="signed number", radius="length")
 def friction_coefficient(
     torque: Values, *, load: Values, radius: Values, torque_ratio: Values = 1.0
 ) -> Values:
@@ -128,14 +114,10 @@ def friction_coefficient(
     >>> print(f"{friction_coefficient(torque, load=400.0, radius=0.005):.3f}")
     0.134
     """
-    require_finite(torque=torque)
-    require_positive(load=load, radius=radius, torque_ratio=torque_ratio)
-    check_load(load=load)
-    check_length(radius=radius)
     return torque / (torque_ratio * load * radius)
 
 
-@broadcasting
+@formula(half_angle="right_angle")
 def uniform_torque_ratio(half_angle: Values) -> Values:
     """Compute T* of a uniform pressure over an arc. Colbert et al. (2009), eq. 4.
 
@@ -163,11 +145,10 @@ def uniform_torque_ratio(half_angle: Values) -> Values:
     >>> print(f"{uniform_torque_ratio(np.pi / 2):.2f}")
     1.57
     """
-    require_between(0.0, np.pi / 2, half_angle=half_angle)
     return 1 / _sinc(half_angle)
 
 
-@broadcasting
+@formula(half_angle="right_angle")
 def cosine_torque_ratio(half_angle: Values) -> Values:
     """Compute T* of the pressure cos(pi theta / 2 alpha). Colbert et al. (2009), eq. A6.
 
@@ -199,14 +180,13 @@ def cosine_torque_ratio(half_angle: Values) -> Values:
     >>> print(f"{cosine_torque_ratio(np.pi / 3):.4f} {cosine_torque_ratio(np.pi / 2):.4f}")
     1.1111 1.2732
     """
-    require_between(0.0, np.pi / 2, half_angle=half_angle)
     # with the rest of the right angle, cos alpha = sin rest and pi - 2 alpha = 2 rest: the factor
     # that makes the fraction 0/0 at 90 degrees cancels
     rest = np.pi / 2 - half_angle
     return 2 * (np.pi + 2 * half_angle) / (np.pi**2 * _sinc(rest))
 
 
-@broadcasting
+@formula(half_angle="right_angle")
 def elliptic_torque_ratio(half_angle: Values) -> Values:
     """Compute T* of the pressure sqrt(1 - (theta/alpha)^2). Colbert et al. (2009), section 3.
 
@@ -233,12 +213,11 @@ def elliptic_torque_ratio(half_angle: Values) -> Values:
     >>> print(f"{elliptic_torque_ratio(np.pi / 2):.6f} {np.pi / 4 / j1(np.pi / 2):.6f}")
     1.385612 1.385612
     """
-    require_between(0.0, np.pi / 2, half_angle=half_angle)
     # 2 J1(x) / x without the 0/0 at zero
     return 1 / scipy.special.hyp0f1(2.0, -(half_angle**2) / 4)
 
 
-@broadcasting
+@formula(half_angle="right_angle")
 def truncated_cosine_torque_ratio(half_angle: Values) -> Values:
     """Compute T* of the pressure cos theta cut off at the ends of the arc.
 
@@ -267,12 +246,11 @@ def truncated_cosine_torque_ratio(half_angle: Values) -> Values:
     >>> print(f"{truncated_cosine_torque_ratio(np.pi / 3):.6f} {closed:.6f}")
     1.170138 1.170138
     """
-    require_between(0.0, np.pi / 2, half_angle=half_angle)
     # sines over angles keep the limit of 1 at zero
     return 2 * _sinc(half_angle) / (1 + _sinc(2 * half_angle))
 
 
-@broadcasting
+@formula(half_angle="right_angle")
 def thin_winkler_torque_ratio(half_angle: Values) -> Values:
     """Compute mu* of a Winkler bushing with a thin clearance. Colbert et al. (2009), B1 to B10.
 
@@ -302,7 +280,6 @@ def thin_winkler_torque_ratio(half_angle: Values) -> Values:
     >>> print(f"{thin_winkler_torque_ratio(np.pi / 2):.6f} {4 / np.pi:.6f}")
     1.273240 1.273240
     """
-    require_between(0.0, np.pi / 2, half_angle=half_angle)
     # both brackets vanish as a^3, so small angles take the quotient of their series
     small = (half_angle < _SERIES_BELOW) * 1
     series = (1 - half_angle**2 / 10 + half_angle**4 / 280) / (
@@ -313,7 +290,7 @@ def thin_winkler_torque_ratio(half_angle: Values) -> Values:
     return small * series + (1 - small) * closed
 
 
-@broadcasting
+@formula(half_angle="right_angle")
 def thin_winkler_load(half_angle: Values) -> Values:
     """Compute the load group F* t* R/c of a thin-clearance Winkler bushing.
 
@@ -342,13 +319,12 @@ def thin_winkler_load(half_angle: Values) -> Values:
     >>> print(f"{thin_winkler_load(np.pi / 3):.6f} {2 * np.pi / 3 - np.sqrt(3) / 2:.6f}")
     1.228370 1.228370
     """
-    require_between(0.0, np.pi / 2, half_angle=half_angle)
     if np.any(np.equal(half_angle, np.pi / 2)):
         raise ModelError("half_angle must be below pi/2: no load wraps a thin clearance that far.")
     return (half_angle - np.sin(half_angle) * np.cos(half_angle)) / np.cos(half_angle)
 
 
-@broadcasting
+@formula(angle="signed number", pressure="number or zero")
 def torque_ratio(angle: Values, *, pressure: Values) -> Values:
     """Integrate T* of any pressure distribution. Colbert et al. (2009), eq. 4.
 
@@ -381,8 +357,6 @@ def torque_ratio(angle: Values, *, pressure: Values) -> Values:
     1.2732 1.2732
     """
     angles, pressures, wrap = _samples(angle, pressure)
-    require_finite(angle=angles)
-    require_not_negative(pressure=pressures)
     if np.any(np.less_equal(np.diff(angles, axis=-1), 0)):
         raise ModelError("angle must rise along its last axis.")
 
@@ -415,7 +389,7 @@ class ReversalFriction:
     standard_error: float
 
 
-@broadcasting
+@formula(torque="signed number", radius="one length")
 def average_reversals(
     torque: Values, *, load: Values, radius: float, direction: Values
 ) -> ReversalFriction:
@@ -456,7 +430,6 @@ def average_reversals(
     >>> print(f"{found.friction:.2f} {found.offset:.2f} {found.standard_error:.2f}")
     0.20 0.05 0.00
     """
-    require_single(radius=radius)
     ratio = np.asarray(friction_coefficient(torque, load=load, radius=radius), float)
     sense = np.asarray(direction)
     if sense.ndim != 1 or ratio.shape != sense.shape:

@@ -11,19 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from erlif.core.errors import ModelError
-from erlif.models.arguments import (
-    Values,
-    broadcasting,
-    check_density,
-    check_expansion,
-    check_kinematic_viscosity,
-    check_pressure_viscosity,
-    check_temperature,
-    check_viscosity,
-    require_finite,
-    require_not_negative,
-    require_positive,
-)
+from erlif.models.arguments import Values, formula, require_known
 
 WALTHER_SHIFT = 0.7
 """Constant in Walther's law, of ASTM D341 for oils above 2 mm2/s. [mm2/s]"""
@@ -73,7 +61,7 @@ defensible coefficient.
 """
 
 
-@broadcasting
+@formula(a="number", temperature="signed temperature", b="signed number", c="signed number")
 def vogel_viscosity(temperature: Values, *, a: Values, b: Values, c: Values) -> Values:
     """Dynamic viscosity of an oil at a temperature: eta = a exp(b / (T - c)).
 
@@ -105,8 +93,6 @@ def vogel_viscosity(temperature: Values, *, a: Values, b: Values, c: Values) -> 
     >>> round(vogel_viscosity(1070.0, a=1e-4, b=900.0, c=170.0) / 1e-4, 5)
     2.71828
     """
-    require_positive(a=a)
-    require_finite(temperature=temperature, b=b, c=c)
 
     # the viscosity diverges at c; below it the law has no meaning
     above = temperature - c
@@ -116,7 +102,6 @@ def vogel_viscosity(temperature: Values, *, a: Values, b: Values, c: Values) -> 
             f"temperature must be above the Vogel constant c, got {coldest:g} K with c "
             f"{np.nanmax(np.asarray(c)):g} K."
         )
-    check_temperature(temperature=temperature)
     return a * np.exp(b / above)
 
 
@@ -138,7 +123,7 @@ class VogelConstants(NamedTuple):
     c: float
 
 
-@broadcasting
+@formula(temperatures="temperature", viscosities="viscosity")
 def fit_vogel(temperatures: Values, *, viscosities: Values) -> VogelConstants:
     """Find the constants of Vogel's law through three measured viscosities; the solution is exact.
 
@@ -174,11 +159,7 @@ def fit_vogel(temperatures: Values, *, viscosities: Values) -> VogelConstants:
             "temperatures and viscosities must be three each, got shapes "
             f"{np.shape(temperatures)} and {np.shape(viscosities)}."
         )
-    require_positive(temperatures=temperatures, viscosities=viscosities)
-    if np.any(np.isnan(temperatures)) or np.any(np.isnan(viscosities)):
-        raise ModelError("temperatures and viscosities must not be NaN.")
-    check_temperature(temperatures=temperatures)
-    check_viscosity(viscosities=viscosities)
+    require_known(temperatures=temperatures, viscosities=viscosities)
 
     # from cold to hot, in the logarithm of the viscosity
     order = np.argsort(np.asarray(temperatures))
@@ -200,7 +181,12 @@ def fit_vogel(temperatures: Values, *, viscosities: Values) -> VogelConstants:
     return VogelConstants(float(np.exp(y[0] - b / (T[0] - c))), float(b), float(c))
 
 
-@broadcasting
+@formula(
+    viscosity_1="signed kinematic_viscosity",
+    temperature_1="temperature",
+    viscosity_2="signed kinematic_viscosity",
+    temperature_2="temperature",
+)
 def walther_viscosity(
     temperature: Values,
     *,
@@ -247,10 +233,6 @@ def walther_viscosity(
     >>> round(at_25 * 1e6)
     360
     """
-    require_positive(
-        temperature=temperature, temperature_1=temperature_1, temperature_2=temperature_2
-    )
-    require_finite(viscosity_1=viscosity_1, viscosity_2=viscosity_2)
     for name, value in {"viscosity_1": viscosity_1, "viscosity_2": viscosity_2}.items():
         if np.any(np.less(value, LOWEST_WALTHER_VISCOSITY)):
             raise ModelError(
@@ -258,10 +240,6 @@ def walther_viscosity(
             )
     if np.any(np.equal(temperature_1, temperature_2)):
         raise ModelError("temperature_1 and temperature_2 must differ.")
-    check_temperature(
-        temperature=temperature, temperature_1=temperature_1, temperature_2=temperature_2
-    )
-    check_kinematic_viscosity(viscosity_1=viscosity_1, viscosity_2=viscosity_2)
 
     # a straight line over log T, with the viscosity in mm2/s
     w1, w2 = (np.log10(np.log10(nu * 1e6 + WALTHER_SHIFT)) for nu in (viscosity_1, viscosity_2))
@@ -270,7 +248,7 @@ def walther_viscosity(
     return (10 ** (10**w) - WALTHER_SHIFT) * 1e-6
 
 
-@broadcasting
+@formula(pressure="signed number")
 def barus_viscosity(pressure: Values, *, viscosity: Values, pressure_viscosity: Values) -> Values:
     """Viscosity under pressure: eta = eta0 exp(alpha p).
 
@@ -307,15 +285,10 @@ def barus_viscosity(pressure: Values, *, viscosity: Values, pressure_viscosity: 
     >>> round(barus_viscosity(116e6, viscosity=0.12, pressure_viscosity=2e-8) / 0.12, 1)
     10.2
     """
-    require_finite(pressure=pressure)
-    require_positive(viscosity=viscosity)
-    require_not_negative(pressure_viscosity=pressure_viscosity)
-    check_viscosity(viscosity=viscosity)
-    check_pressure_viscosity(pressure_viscosity=pressure_viscosity)
     return viscosity * np.exp(pressure_viscosity * pressure)
 
 
-@broadcasting
+@formula(pressure="signed number")
 def roelands_viscosity(
     pressure: Values, *, viscosity: Values, pressure_viscosity: Values
 ) -> Values:
@@ -358,9 +331,6 @@ def roelands_viscosity(
     >>> round(barus_viscosity(1e9, **oil) / roelands_viscosity(1e9, **oil), -2)
     3800.0
     """
-    require_positive(viscosity=viscosity)
-    require_not_negative(pressure_viscosity=pressure_viscosity)
-    require_finite(pressure=pressure)
 
     # all isobars meet at the lowest viscosity, and the power needs a positive base
     scale = np.log(viscosity) + ROELANDS_CONSTANT
@@ -374,14 +344,12 @@ def roelands_viscosity(
             f"pressure must exceed {-ROELANDS_PRESSURE:g} Pa for the law of Roelands, "
             f"got {np.nanmin(np.asarray(pressure)):g}."
         )
-    check_viscosity(viscosity=viscosity)
-    check_pressure_viscosity(pressure_viscosity=pressure_viscosity)
 
     exponent = pressure_viscosity * ROELANDS_PRESSURE / scale
     return viscosity * np.exp(scale * ((1 + pressure / ROELANDS_PRESSURE) ** exponent - 1))
 
 
-@broadcasting
+@formula(pressure="number or zero")
 def density_at_pressure(pressure: Values, *, density: Values) -> Values:
     """Density of a mineral oil under pressure: rho = rho0 [1 + 0.6 p / (1 + 1.7 p)], p in GPa.
 
@@ -411,13 +379,10 @@ def density_at_pressure(pressure: Values, *, density: Values) -> Values:
     >>> round(density_at_pressure(1e9, density=900.0), 3)
     1100.0
     """
-    require_positive(density=density)
-    require_not_negative(pressure=pressure)
-    check_density(density=density)
     return density * (1 + 0.6e-9 * pressure / (1 + 1.7e-9 * pressure))
 
 
-@broadcasting
+@formula(reference_temperature="temperature")
 def density_at_temperature(
     temperature: Values, *, density: Values, reference_temperature: Values, expansion: Values
 ) -> Values:
@@ -449,17 +414,10 @@ def density_at_temperature(
     ... ), 2)
     853.98
     """
-    require_positive(
-        temperature=temperature, density=density, reference_temperature=reference_temperature
-    )
-    require_finite(expansion=expansion)
-    check_temperature(temperature=temperature, reference_temperature=reference_temperature)
-    check_density(density=density)
-    check_expansion(expansion=expansion)
     return density * (1 - expansion * (temperature - reference_temperature))
 
 
-@broadcasting
+@formula()
 def kinematic_viscosity(viscosity: Values, *, density: Values) -> Values:
     """Kinematic viscosity from dynamic viscosity and density: nu = eta / rho.
 
@@ -489,7 +447,4 @@ def kinematic_viscosity(viscosity: Values, *, density: Values) -> Values:
     >>> round(kinematic_viscosity(0.12, density=857.1) * 1e6)
     140
     """
-    require_positive(viscosity=viscosity, density=density)
-    check_viscosity(viscosity=viscosity)
-    check_density(density=density)
     return viscosity / density

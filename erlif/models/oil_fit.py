@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
-    broadcasting,
     check_kinematic_viscosity,
     check_temperature,
     check_viscosity,
+    formula,
     require_positive,
 )
 from erlif.models.oil import LOWEST_WALTHER_VISCOSITY, WALTHER_SHIFT, VogelConstants
@@ -451,11 +451,9 @@ def _walther_slope(w: Values) -> Values:
     return np.log(10) ** 2 * 10**w * shifted / (shifted - WALTHER_SHIFT)
 
 
-@broadcasting
+@formula()
 def _viscosity(temperature: Values, *, fit: Any) -> FittedViscosity:
     """A fitted law at a temperature, and its standard deviation to first order in the logarithm."""
-    require_positive(temperature=temperature)
-    check_temperature(temperature=temperature)
     if fit.law == "vogel":
         a, b, c = fit.constants.values()
         above = temperature - c

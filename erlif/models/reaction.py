@@ -13,13 +13,10 @@ import numpy as np
 from erlif.core.errors import RangeWarning
 from erlif.models.arguments import (
     Values,
-    broadcasting,
     check_length,
-    check_load,
     depth_of_caller,
-    require_finite,
+    formula,
     require_not_negative,
-    require_positive,
 )
 from erlif.models.mechanism import CrankRocker, SliderCrank
 
@@ -99,7 +96,7 @@ class JointReaction:
     crank_torque: Values
 
 
-@broadcasting
+@formula()
 def joint_reaction(
     linkage: SliderCrank, *, crank_angle: Values, crank_speed: Values, bodies: SliderCrankBodies
 ) -> JointReaction:
@@ -159,7 +156,6 @@ def joint_reaction(
     >>> print(f"{found.force:.3f} N")
     68.354 N
     """
-    require_finite(crank_angle=crank_angle, crank_speed=crank_speed)
 
     # distances of the two joints from the centre of mass of the rod
     half, to_pin = linkage.coupler / 2, linkage.coupler / 2 + linkage.clearance
@@ -251,7 +247,7 @@ def _ranges(angle: Values, chosen: Values) -> str:
     return " and ".join(parts) + " degrees"
 
 
-@broadcasting
+@formula(rocker_torque="signed number")
 def coupler_force(linkage: CrankRocker, *, crank_angle: Values, rocker_torque: Values) -> Values:
     """Compute the force in the coupler of a crank-rocker. Farzaneh (2002), appendix A.3.
 
@@ -286,12 +282,11 @@ def coupler_force(linkage: CrankRocker, *, crank_angle: Values, rocker_torque: V
     >>> print(f"{force:.0f} N, {2118.5 / 0.26 / np.sin(np.radians(104.691)):.0f} N")
     8423 N, 8423 N
     """
-    require_finite(crank_angle=crank_angle, rocker_torque=rocker_torque)
     # only the component of the coupler force across the rocker turns it
     return rocker_torque / (linkage.rocker * np.sin(linkage.transmission_angle(crank_angle)))
 
 
-@broadcasting
+@formula(rating="load", speed="number", exponent="number")
 def rolling_bearing_life(
     load: Values, *, rating: Values, speed: Values, exponent: Values = 3.0
 ) -> Values:
@@ -335,12 +330,10 @@ def rolling_bearing_life(
     >>> print(f"{rolling_bearing_life(8.2e3, **case) / 3600:.0f} h")
     3620 h
     """
-    require_positive(load=load, rating=rating, speed=speed, exponent=exponent)
-    check_load(load=load, rating=rating)
     return 1e6 * 2 * np.pi / speed * (rating / load) ** exponent
 
 
-@broadcasting
+@formula(force="signed load")
 def rod_stress(force: Values, *, diameter: Values) -> Values:
     """Compute the axial stress in a round rod: 4F / (pi d^2). Farzaneh (2002), appendix A.4.1.
 
@@ -371,8 +364,4 @@ def rod_stress(force: Values, *, diameter: Values) -> Values:
     >>> print(f"{rod_stress(8.2e3, diameter=0.0127) / 1e6:.1f} MPa")
     64.7 MPa
     """
-    require_finite(force=force)
-    require_positive(diameter=diameter)
-    check_load(force=force)
-    check_length(diameter=diameter)
     return 4 * force / (np.pi * diameter**2)

@@ -18,13 +18,11 @@ from numpy.typing import NDArray
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
-    broadcasting,
     check_length,
-    check_line_load,
     check_load,
     check_modulus,
     check_specific_wear,
-    require_finite,
+    formula,
     require_not_negative,
     require_positive,
     require_single,
@@ -342,7 +340,7 @@ def _edge(wall: _Wall, pressure: Array) -> float:
     return float(wall.angle[last] + wall.cell * min(beyond, 1.0))
 
 
-@broadcasting
+@formula(clearance="signed number")
 def thin_wall_torque_ratio(
     load_per_length: Values,
     *,
@@ -394,16 +392,6 @@ def thin_wall_torque_ratio(
     >>> print(f"{thin_wall_torque_ratio(q, **case):.4f}")
     2.0000
     """
-    require_positive(
-        load_per_length=load_per_length,
-        shaft_radius=shaft_radius,
-        thickness=thickness,
-        modulus=modulus,
-    )
-    require_finite(clearance=clearance)
-    check_length(shaft_radius=shaft_radius, thickness=thickness)
-    check_line_load(load_per_length=load_per_length)
-    check_modulus(modulus=modulus)
 
     group = clearance * modulus * shaft_radius / (load_per_length * thickness)
     wanted = np.asarray(group, float)

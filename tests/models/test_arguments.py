@@ -10,12 +10,10 @@ import pytest
 import xarray as xr
 
 from erlif.core.errors import ModelError, UnitWarning
-from erlif.models import arguments
 from erlif.models.arguments import (
+    QUANTITIES,
     broadcasting,
-    check_modulus,
-    check_temperature,
-    check_viscosity,
+    formula,
     require_between,
     require_finite,
     require_increasing,
@@ -23,6 +21,7 @@ from erlif.models.arguments import (
     require_poisson,
     require_positive,
     require_single,
+    warn_of_units,
 )
 
 LOADS = xr.DataArray([1.0, 2.0], dims="load", coords={"load": [50, 100]})
@@ -133,81 +132,115 @@ def test_refused_value_is_named(check, message):
         check()
 
 
+@formula(
+    width="length", play="signed length", friction="number or zero", turns="one number",
+    stiffness="known number", share="share", angle="arc", poisson="poisson",
+)  # fmt: skip
+def declared(width, *, play=0.0, friction=0.1, turns=1.0, stiffness=1.0, share=0.5, angle=1.0,
+             poisson=0.3, stroke=None, cells: int = 3):  # fmt: skip
+    return width + play, cells
+
+
+def test_declared_arguments_are_refused_by_name():
+    for name, value, message in (
+        ("width", 0.0, "must be positive, got 0"),
+        ("width", None, "must be a number in SI units, got None"),
+        ("play", -np.inf, "must be finite"),
+        ("friction", [0.1, -0.1], "must not be negative"),
+        ("turns", [1.0, 2.0], "must be one number"),
+        ("stiffness", np.nan, "must be a number, got NaN"),
+        ("share", 1.1, "must lie in 0 to 1, got 1.1"),
+        ("angle", 0.0, "must lie between 0 and 3.14159"),
+        ("poisson", 0.6, "must be at most 0.5"),
+    ):
+        with pytest.raises(ModelError, match=f"^{name} {message}"):
+            declared(**{"width": 1.0, name: value})
+
+
+def test_declared_arguments_pass_warn_and_keep_integers():
+    assert declared(1, play=-0.5, friction=0, poisson=0.5, angle=np.nan) == (0.5, 3)
+    assert type(declared(1.0, cells=4)[1]) is int
+    with pytest.warns(UnitWarning, match=r"^play = -66\.7 m is implausible"):
+        declared(1.0, play=-66.7)
+
+
 def test_missing_values_pass():
     for require in (require_finite, require_positive, require_not_negative, require_poisson):
         require(load=[np.nan, 0.25])
     require_between(0, 1, share=np.nan)
     require_increasing(pin=1.0, bore=[np.nan, 2.0])
-    check_modulus(youngs_modulus=[np.nan, 2e11])
+    warn_of_units("modulus", youngs_modulus=[np.nan, 2e11])
 
-
-CHECKS = sorted(name for name in vars(arguments) if name.startswith("check_"))
 
 PLAUSIBLE = {  # extremes of machines, materials and oils in use
-    "check_conductivity": [0.13, 400.0, 2000.0],  # oil, copper, diamond
-    "check_density": [700.0, 857.1, 19300.0],  # light oil, gear oil, tungsten
-    "check_expansion": [-1e-6, 5e-7, 7e-4],  # carbon fibre, quartz, mineral oil
-    "check_film": [0.0, 1e-12, 5.4e-7, 1e-3],
-    "check_kinematic_viscosity": [1e-6, 1.4e-4, 1e-2],
-    "check_length": [1e-6, 0.0667, 5.0],
-    "check_line_load": [0.0, 938.0, 1.9e6],
-    "check_load": [0.0, 222.4, 444.8e3, 1e8],
-    "check_modulus": [5e5, 2.7e9, 2e11, 1.2e12],  # silicone, acrylic, steel, diamond
-    "check_pressure_viscosity": [0.0, 5e-10, 2e-8, 5e-8],
-    "check_reduced_radius": [0.005, 4.872, 1e4],
-    "check_specific_wear": [0.0, 1e-20, 5.05e-13, 1e-10],
-    "check_speed": [-0.0842, 0.0, 150.0],
-    "check_strength": [1e6, 6e8, 1e11],  # PTFE, steel, diamond's hardness
-    "check_swing": [0.0, 0.2132, 3.0],
-    "check_temperature": [213.15, 298.15, 1500.0],
-    "check_viscosity": [1.8e-5, 0.12, 25.0],  # air, gear oil, ISO VG 1000 at freezing point
+    "conductivity": [0.13, 400.0, 2000.0],  # oil, copper, diamond
+    "density": [700.0, 857.1, 19300.0],  # light oil, gear oil, tungsten
+    "expansion": [-1e-6, 5e-7, 7e-4],  # carbon fibre, quartz, mineral oil
+    "film": [0.0, 1e-12, 5.4e-7, 1e-3],
+    "kinematic_viscosity": [1e-6, 1.4e-4, 1e-2],
+    "length": [1e-6, 0.0667, 5.0],
+    "line_load": [0.0, 938.0, 1.9e6],
+    "load": [0.0, 222.4, 444.8e3, 1e8],
+    "modulus": [5e5, 2.7e9, 2e11, 1.2e12],  # silicone, acrylic, steel, diamond
+    "pressure_viscosity": [0.0, 5e-10, 2e-8, 5e-8],
+    "reduced_radius": [0.005, 4.872, 1e4],
+    "specific_wear": [0.0, 1e-20, 5.05e-13, 1e-10],
+    "speed": [-0.0842, 0.0, 150.0],
+    "strength": [1e6, 6e8, 1e11],  # PTFE, steel, diamond's hardness
+    "swing": [0.0, 0.2132, 3.0],
+    "temperature": [213.15, 298.15, 1500.0],
+    "viscosity": [1.8e-5, 0.12, 25.0],  # air, gear oil, ISO VG 1000 at freezing point
 }
 
 SLIPS = {  # the gear oil, the steel and the joint of Farzaneh (2002) in the units of a data sheet
-    "check_conductivity": [5e4],
-    "check_density": [0.857],
-    "check_expansion": [12.0],
-    "check_film": [0.54],
-    "check_kinematic_viscosity": [140.0],
-    "check_length": [66.7],
-    "check_line_load": [1e11],
-    "check_load": [np.float64(1e10)],
-    "check_modulus": [200.0, 2e5, 2.7, 2700.0],
-    "check_pressure_viscosity": [20.0, 0.02],
-    "check_reduced_radius": [4.872e6],
-    "check_specific_wear": [5.05e-4],
-    "check_speed": [1e4],
-    "check_strength": [600.0, 187.0],
-    "check_swing": [12.2, 90.0],
-    "check_temperature": [25.0, 100.0],
-    "check_viscosity": [120.0, 140.0],
+    "conductivity": [5e4],
+    "density": [0.857],
+    "expansion": [12.0],
+    "film": [0.54],
+    "kinematic_viscosity": [140.0],
+    "length": [66.7],
+    "line_load": [1e11],
+    "load": [np.float64(1e10)],
+    "modulus": [200.0, 2e5, 2.7, 2700.0],
+    "pressure_viscosity": [20.0, 0.02],
+    "reduced_radius": [4.872e6],
+    "specific_wear": [5.05e-4],
+    "speed": [1e4],
+    "strength": [600.0, 187.0],
+    "swing": [12.2, 90.0],
+    "temperature": [25.0, 100.0],
+    "viscosity": [120.0, 140.0],
 }
 
 
-@pytest.mark.parametrize("name", CHECKS)
-def test_plausible_values_do_not_warn(name):
-    getattr(arguments, name)(quantity=PLAUSIBLE[name])
-    getattr(arguments, name)(quantity=[0.0, np.nan, np.inf])
+def test_every_scale_has_plausible_values_and_slips():
+    assert set(PLAUSIBLE) == set(SLIPS) == {name for name, kind in QUANTITIES.items() if kind[1]}
 
 
-@pytest.mark.parametrize("name", CHECKS)
-def test_slip_of_units_warns_with_name_value_and_unit(name):
-    for value in SLIPS[name]:
-        with pytest.warns(UnitWarning, match=re.escape(f"quantity = {value:g} ")) as caught:
-            getattr(arguments, name)(quantity=[value, PLAUSIBLE[name][-1]])
-        assert len(caught) == 1
+def test_plausible_values_do_not_warn():
+    for name, values in PLAUSIBLE.items():
+        warn_of_units(name, quantity=values)
+        warn_of_units(name, quantity=[0.0, np.nan, np.inf])
+
+
+def test_slip_of_units_warns_with_name_value_and_unit():
+    for name, slips in SLIPS.items():
+        for value in slips:
+            with pytest.warns(UnitWarning, match=re.escape(f"number = {value:g} ")) as caught:
+                warn_of_units(name, number=[value, PLAUSIBLE[name][-1]])
+            assert len(caught) == 1
 
 
 def test_warning_names_expected_range_and_likely_unit():
     message = r"E = 200 Pa is implausible \(300000 to 1e\+13 Pa expected\): in GPa or MPa\?"
     with pytest.warns(UnitWarning, match=message):
-        check_modulus(E=200.0)
+        warn_of_units("modulus", E=200.0)
     with pytest.warns(UnitWarning, match=r"E_1 = 200 Pa, E_2 = 2\.7 Pa are implausible"):
-        check_modulus(E_1=200.0, nothing=0.0, E_2=[2.7, 2e11])
+        warn_of_units("modulus", E_1=200.0, nothing=0.0, E_2=[2.7, 2e11])
     with pytest.warns(UnitWarning, match=r"eta = 120 Pa s .* mPa s \(cP\)"):
-        check_viscosity(eta=120.0)
+        warn_of_units("viscosity", eta=120.0)
     with pytest.warns(UnitWarning, match=r"T = 40 K .* degrees Celsius"):
-        check_temperature(T=xr.DataArray([313.0, 40.0]))
+        warn_of_units("temperature", T=xr.DataArray([313.0, 40.0]))
 
 
 def test_warning_points_at_the_line_outside_the_models():
@@ -215,6 +248,6 @@ def test_warning_points_at_the_line_outside_the_models():
 
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        check_modulus(E=200.0)
+        warn_of_units("modulus", E=200.0)
         contact_modulus(200e9, poisson_1=0.3, youngs_2=200e9, poisson_2=0.3)
     assert caught[0].filename == __file__

@@ -2,19 +2,11 @@
 
 import numpy as np
 
-from erlif.models.arguments import (
-    Values,
-    broadcasting,
-    check_modulus,
-    check_speed,
-    require_between,
-    require_finite,
-    require_positive,
-)
+from erlif.models.arguments import Values, formula
 from erlif.models.contact.scaling import conformal_radius
 
 
-@broadcasting
+@formula()
 def impact_stiffness(
     pin_radius: Values, *, bushing_radius: Values, contact_modulus: Values, as_printed: bool = False
 ) -> Values:
@@ -59,15 +51,19 @@ def impact_stiffness(
     >>> print(f"{impact_stiffness(9.525e-3, **case):.3e}")
     6.523e+08
     """
-    require_positive(contact_modulus=contact_modulus)
-    check_modulus(contact_modulus=contact_modulus)
     # the bore is concave, so its curvature counts as negative; the print takes it for a ball
     inside = conformal_radius(pin_radius, bushing_radius=bushing_radius)
     outside = pin_radius * bushing_radius / (pin_radius + bushing_radius)
     return 4 / 3 * contact_modulus * np.sqrt(outside if as_printed else inside)
 
 
-@broadcasting
+@formula(
+    penetration="signed number",
+    rate="speed",
+    impact_speed="positive speed",
+    stiffness="number",
+    restitution="share",
+)
 def impact_force(
     penetration: Values,
     *,
@@ -114,10 +110,6 @@ def impact_force(
     >>> print(f"{impact_force(1e-4, rate=0.1, restitution=0.0, **case):.1f} N")
     175.0 N
     """
-    require_finite(penetration=penetration, rate=rate)
-    require_positive(impact_speed=impact_speed, stiffness=stiffness)
-    require_between(0.0, 1.0, restitution=restitution)
-    check_speed(rate=rate, impact_speed=impact_speed)
     # the hysteresis absorbs the kinetic energy that the restitution does not return
     damping = 1 + 0.75 * (1 - restitution**2) * rate / impact_speed
     return stiffness * np.maximum(penetration, 0.0) ** 1.5 * damping

@@ -4,14 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from erlif.models.arguments import (
-    Values,
-    broadcasting,
-    check_line_load,
-    check_modulus,
-    check_reduced_radius,
-    require_positive,
-)
+from erlif.models.arguments import Values, formula
 
 
 class LineContact(NamedTuple):
@@ -29,7 +22,7 @@ class LineContact(NamedTuple):
     pressure: Values
 
 
-@broadcasting
+@formula(radius="reduced_radius")
 def hertz_line(load_per_length: Values, *, radius: Values, contact_modulus: Values) -> LineContact:
     """Compute half width and maximum pressure of a Hertzian line contact. Strand (2005), eq. 8.
 
@@ -70,11 +63,5 @@ def hertz_line(load_per_length: Values, *, radius: Values, contact_modulus: Valu
     >>> print(f"{contact.half_width * 1e3:.2f} mm, {contact.pressure / 1e6:.2f} MPa")
     1.93 mm, 0.31 MPa
     """
-    require_positive(
-        load_per_length=load_per_length, radius=radius, contact_modulus=contact_modulus
-    )
-    check_line_load(load_per_length=load_per_length)
-    check_reduced_radius(radius=radius)
-    check_modulus(contact_modulus=contact_modulus)
     half_width = np.sqrt(4 * load_per_length * radius / (np.pi * contact_modulus))
     return LineContact(half_width, np.sqrt(load_per_length * contact_modulus / (np.pi * radius)))

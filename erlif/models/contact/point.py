@@ -9,15 +9,7 @@ import numpy as np
 import scipy
 
 from erlif.core.errors import ModelError
-from erlif.models.arguments import (
-    Values,
-    broadcasting,
-    check_load,
-    check_modulus,
-    check_reduced_radius,
-    require_finite,
-    require_positive,
-)
+from erlif.models.arguments import Values, formula
 from erlif.models.contact.roots import find_roots, like
 
 THESIS_F1, THESIS_F2 = 0.89, 0.88
@@ -45,7 +37,7 @@ class RelativeRadii(NamedTuple):
     radius_across: Values
 
 
-@broadcasting
+@formula(angle="signed number")
 def relative_radii(
     radius_1: Values,
     *,
@@ -100,7 +92,6 @@ def relative_radii(
     for name, radius in radii.items():
         if np.any(np.equal(radius, 0)):
             raise ModelError(f"{name} must not be zero.")
-    require_finite(angle=angle)
 
     k1, k1_across, k2, k2_across = (1 / radius for radius in radii.values())
     total = (k1 + k1_across + k2 + k2_across) / 2
@@ -141,7 +132,7 @@ class EllipticalContact:
     approach: Values
 
 
-@broadcasting
+@formula(radius="reduced_radius", radius_across="reduced_radius")
 def hertz_ellipse(
     load: Values, *, radius: Values, radius_across: Values, contact_modulus: Values
 ) -> EllipticalContact:
@@ -190,7 +181,6 @@ def hertz_ellipse(
     >>> print(f"{found.approach * 1e6:.4f} um, {found.a**2 / 0.02 * 1e6:.4f} um")
     2.8539 um, 2.8539 um
     """
-    _require_point_contact(load, radius, radius_across, contact_modulus)
     if np.any(np.less(radius, radius_across)):
         raise ModelError(
             "radius must be the larger reduced radius and radius_across the smaller one."
@@ -206,7 +196,7 @@ def hertz_ellipse(
     return _ellipse(load, radius, radius_across, contact_modulus, axis_ratio=p**-0.5, F1=F1, F2=F2)
 
 
-@broadcasting
+@formula(radius="reduced_radius", radius_across="reduced_radius")
 def thesis_ellipse(
     load: Values, *, radius: Values, radius_across: Values, contact_modulus: Values
 ) -> EllipticalContact:
@@ -249,7 +239,6 @@ def thesis_ellipse(
     >>> print(f"{found.pressure / 1e6:.0f} MPa")
     1024 MPa
     """
-    _require_point_contact(load, radius, radius_across, contact_modulus)
     axis_ratio = (radius / radius_across) ** (2 / 3)
     return _ellipse(
         load,
@@ -260,17 +249,6 @@ def thesis_ellipse(
         F1=THESIS_F1,
         F2=THESIS_F2,
     )
-
-
-def _require_point_contact(
-    load: Values, radius: Values, radius_across: Values, contact_modulus: Values
-) -> None:
-    require_positive(
-        load=load, radius=radius, radius_across=radius_across, contact_modulus=contact_modulus
-    )
-    check_load(load=load)
-    check_reduced_radius(radius=radius, radius_across=radius_across)
-    check_modulus(contact_modulus=contact_modulus)
 
 
 def _ellipse(

@@ -2,17 +2,10 @@
 
 import numpy as np
 
-from erlif.models.arguments import (
-    Values,
-    broadcasting,
-    check_length,
-    check_line_load,
-    require_finite,
-    require_positive,
-)
+from erlif.models.arguments import Values, formula
 
 
-@broadcasting
+@formula(load_per_length="signed line_load")
 def projected_pressure(load_per_length: Values, *, pin_diameter: Values) -> Values:
     """Compute the load over the projected area of a pin: p = q / d. Strand (2005), eq. 6.
 
@@ -40,14 +33,10 @@ def projected_pressure(load_per_length: Values, *, pin_diameter: Values) -> Valu
     >>> print(f"{projected_pressure(400 / 0.010, pin_diameter=0.010) / 1e6:.1f} MPa")
     4.0 MPa
     """
-    require_finite(load_per_length=load_per_length)
-    require_positive(pin_diameter=pin_diameter)
-    check_line_load(load_per_length=load_per_length)
-    check_length(pin_diameter=pin_diameter)
     return load_per_length / pin_diameter
 
 
-@broadcasting
+@formula(load_per_length="signed line_load")
 def sinusoidal_pressure(load_per_length: Values, *, pin_diameter: Values) -> Values:
     """Compute the maximum of a cosine pressure over half the pin. Strand (2005), eq. 7.
 
@@ -82,9 +71,5 @@ def sinusoidal_pressure(load_per_length: Values, *, pin_diameter: Values) -> Val
     >>> print(f"{sinusoidal_pressure(400 / 0.010, pin_diameter=0.010) / 1e6:.3f} MPa")
     5.093 MPa
     """
-    require_finite(load_per_length=load_per_length)
-    require_positive(pin_diameter=pin_diameter)
-    check_line_load(load_per_length=load_per_length)
-    check_length(pin_diameter=pin_diameter)
     # the load is int p cos^2(theta) d/2 over half the pin: p pi d / 4
     return 4 * load_per_length / (np.pi * pin_diameter)

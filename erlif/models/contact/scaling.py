@@ -1,19 +1,9 @@
 """Geometry and material of a contact, and the scaling of loads between materials."""
 
-from erlif.models.arguments import (
-    Values,
-    broadcasting,
-    check_length,
-    check_load,
-    check_modulus,
-    require_finite,
-    require_increasing,
-    require_poisson,
-    require_positive,
-)
+from erlif.models.arguments import Values, formula, require_increasing
 
 
-@broadcasting
+@formula()
 def conformal_radius(pin_radius: Values, *, bushing_radius: Values) -> Values:
     """Compute the reduced radius of a pin in a bushing. Farzaneh (2002), eq. 2.8.
 
@@ -41,13 +31,11 @@ def conformal_radius(pin_radius: Values, *, bushing_radius: Values) -> Values:
     >>> print(f"{conformal_radius(0.03336, bushing_radius=0.03359):.3f} m")
     4.872 m
     """
-    require_positive(pin_radius=pin_radius, bushing_radius=bushing_radius)
     require_increasing(pin_radius=pin_radius, bushing_radius=bushing_radius)
-    check_length(pin_radius=pin_radius, bushing_radius=bushing_radius)
     return pin_radius * bushing_radius / (bushing_radius - pin_radius)
 
 
-@broadcasting
+@formula()
 def contact_modulus(
     youngs_1: Values, *, poisson_1: Values, youngs_2: Values, poisson_2: Values
 ) -> Values:
@@ -85,13 +73,10 @@ def contact_modulus(
     >>> print(f"{modulus / 1e9:.2f} GPa")
     109.89 GPa
     """
-    require_positive(youngs_1=youngs_1, youngs_2=youngs_2)
-    require_poisson(poisson_1=poisson_1, poisson_2=poisson_2)
-    check_modulus(youngs_1=youngs_1, youngs_2=youngs_2)
     return 1 / ((1 - poisson_1**2) / youngs_1 + (1 - poisson_2**2) / youngs_2)
 
 
-@broadcasting
+@formula(load="signed load", length_ratio="number")
 def scale_load(
     load: Values,
     *,
@@ -136,16 +121,11 @@ def scale_load(
     >>> print(f"{load:.0f} lbf")
     1333 lbf
     """
-    require_finite(load=load)
-    require_positive(youngs_modulus=youngs_modulus, model_youngs_modulus=model_youngs_modulus)
-    require_positive(length_ratio=length_ratio)
-    check_load(load=load)
-    check_modulus(youngs_modulus=youngs_modulus, model_youngs_modulus=model_youngs_modulus)
     # area and modulus both scale the load of a given strain
     return load * model_youngs_modulus / youngs_modulus * length_ratio**2
 
 
-@broadcasting
+@formula(stress="signed number")
 def scale_stress(stress: Values, *, youngs_modulus: Values, model_youngs_modulus: Values) -> Values:
     """Compute the stress in a model joint. Farzaneh (2002), eq. 3.13.
 
@@ -174,7 +154,4 @@ def scale_stress(stress: Values, *, youngs_modulus: Values, model_youngs_modulus
     >>> print(f"{stress / 1e6:.2f} MPa")
     0.10 MPa
     """
-    require_finite(stress=stress)
-    require_positive(youngs_modulus=youngs_modulus, model_youngs_modulus=model_youngs_modulus)
-    check_modulus(youngs_modulus=youngs_modulus, model_youngs_modulus=model_youngs_modulus)
     return stress * model_youngs_modulus / youngs_modulus

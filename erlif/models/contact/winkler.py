@@ -5,17 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from erlif.core.errors import ModelError
-from erlif.models.arguments import (
-    Values,
-    broadcasting,
-    check_length,
-    check_line_load,
-    check_modulus,
-    require_between,
-    require_increasing,
-    require_poisson,
-    require_positive,
-)
+from erlif.models.arguments import Values, formula, require_increasing
 from erlif.models.contact.roots import like
 from erlif.models.winkler_arc import (
     arc_of_load,
@@ -47,7 +37,7 @@ class WinklerContact:
     torque_ratio: Values
 
 
-@broadcasting
+@formula()
 def winkler_modulus(youngs_modulus: Values, *, poisson: Values) -> Values:
     """Compute the modulus of a thin layer that cannot spread. Colbert et al. (2009), B3.
 
@@ -78,18 +68,15 @@ def winkler_modulus(youngs_modulus: Values, *, poisson: Values) -> Values:
     >>> print(f"{winkler_modulus(1.0e9, poisson=1 / 3) / 1e9:.2f} GPa")
     1.50 GPa
     """
-    require_positive(youngs_modulus=youngs_modulus)
-    require_poisson(poisson=poisson)
     if np.any(np.greater_equal(poisson, 0.5)):
         raise ModelError(
             "poisson must be below 0.5: an incompressible layer that cannot spread is rigid."
         )
-    check_modulus(youngs_modulus=youngs_modulus)
     # strain across the layer only: the constrained modulus lambda + 2 mu of elasticity
     return (1 - poisson) * youngs_modulus / ((1 + poisson) * (1 - 2 * poisson))
 
 
-@broadcasting
+@formula(half_angle="right_angle")
 def winkler_load(
     half_angle: Values,
     *,
@@ -137,9 +124,8 @@ def winkler_load(
     >>> print(f"{load * 1e-3 / (1e9 * 0.01001**2):.4f}")
     0.0688
     """
-    _require_bushing(shaft_radius, bushing_radius, thickness, modulus)
-    require_between(0.0, np.pi / 2, half_angle=half_angle)
 
+    require_increasing(shaft_radius=shaft_radius, bushing_radius=bushing_radius)
     fit = shaft_radius / bushing_radius
     grid = half_angle * fit  # carries the dimensions of both; 0 * grid broadcasts each alone
     angle, ratio = np.asarray(0 * grid + half_angle, float), np.asarray(0 * grid + fit, float)
@@ -147,7 +133,7 @@ def winkler_load(
     return modulus * bushing_radius**2 / thickness * like(grid, supported)
 
 
-@broadcasting
+@formula()
 def winkler_contact(
     load_per_length: Values,
     *,
@@ -192,10 +178,8 @@ def winkler_contact(
     >>> print(f"{contact.torque_ratio:.4f}")
     1.1065
     """
-    _require_bushing(shaft_radius, bushing_radius, thickness, modulus)
-    require_positive(load_per_length=load_per_length)
-    check_line_load(load_per_length=load_per_length)
 
+    require_increasing(shaft_radius=shaft_radius, bushing_radius=bushing_radius)
     # the load in units of E' Rb^2 / t; the last factor only brings in the dimensions of the fit and
     # is divided out again
     grid = (
@@ -226,17 +210,3 @@ def winkler_contact(
         * like(grid, indentation_of_arc(half_angle, fit=ratio)),
         torque_ratio=like(grid, torque_ratio),
     )
-
-
-def _require_bushing(
-    shaft_radius: Values, bushing_radius: Values, thickness: Values, modulus: Values
-) -> None:
-    require_positive(
-        shaft_radius=shaft_radius,
-        bushing_radius=bushing_radius,
-        thickness=thickness,
-        modulus=modulus,
-    )
-    require_increasing(shaft_radius=shaft_radius, bushing_radius=bushing_radius)
-    check_length(shaft_radius=shaft_radius, bushing_radius=bushing_radius, thickness=thickness)
-    check_modulus(modulus=modulus)

@@ -3,17 +3,7 @@
 import numpy as np
 
 from erlif.core.errors import ModelError
-from erlif.models.arguments import (
-    Values,
-    broadcasting,
-    check_length,
-    check_load,
-    check_modulus,
-    require_between,
-    require_finite,
-    require_not_negative,
-    require_positive,
-)
+from erlif.models.arguments import Values, broadcasting, formula, require_between
 from erlif.models.contact.roots import find_roots, like
 
 
@@ -84,7 +74,7 @@ def _edge_misfit(exponent: Values, angle: Values, softness: Values) -> Values:
     return (softness * edge - 2 * np.cos(np.pi * m) * flat) / exponent
 
 
-@broadcasting
+@formula(axial="signed number", load="load or zero")
 def lundberg_profile(
     axial: Values, *, load: Values, length: Values, contact_modulus: Values
 ) -> Values:
@@ -122,12 +112,6 @@ def lundberg_profile(
     >>> print(f"{drop * 1e6:.2f} um")
     11.33 um
     """
-    require_positive(length=length, contact_modulus=contact_modulus)
-    require_finite(axial=axial)
-    require_not_negative(load=load)
-    check_length(length=length)
-    check_load(load=load)
-    check_modulus(contact_modulus=contact_modulus)
     place = 2 * axial / length
     if np.any(np.abs(place) >= 1):
         raise ModelError(

@@ -12,11 +12,7 @@ import scipy
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
-from erlif.models.arguments import (
-    require_not_negative,
-    require_positive,
-    require_single,
-)
+from erlif.models.arguments import require_not_negative, require_positive, require_single
 from erlif.models.linkage.measures import dead_points, links_of, rocker_rates
 from erlif.models.mechanism import CrankRocker
 

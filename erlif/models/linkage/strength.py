@@ -9,13 +9,8 @@ import numpy as np
 
 from erlif.models.arguments import (
     Values,
-    broadcasting,
-    check_length,
-    check_load,
-    check_strength,
-    require_finite,
+    formula,
     require_increasing,
-    require_not_negative,
     require_positive,
     warn_of_range,
 )
@@ -40,7 +35,7 @@ THREAD_DEPTH = 0.9382
 """Diameter less that of the stress area, in pitches, of a 60 degree thread. ISO 898-1."""
 
 
-@broadcasting
+@formula(force="signed load", arm="length", depth="length")
 def beam_bending_stress(force: Values, *, arm: Values, thickness: Values, depth: Values) -> Values:
     """Compute the bending stress in a link of rectangular section: 6 F L / (t h^2).
 
@@ -76,14 +71,10 @@ def beam_bending_stress(force: Values, *, arm: Values, thickness: Values, depth:
     >>> print(f"{stress / 1e6:.1f} MPa")
     37.0 MPa
     """
-    require_finite(force=force)
-    require_positive(arm=arm, thickness=thickness, depth=depth)
-    check_load(force=force)
-    check_length(arm=arm, thickness=thickness, depth=depth)
     return 6 * force * arm / (thickness * depth**2)
 
 
-@broadcasting
+@formula(hole_ratio="hole_ratio")
 def pin_hole_concentration(hole_ratio: Values) -> Values:
     """Compute the stress concentration at a hole that is loaded by a closely fitting pin.
 
@@ -121,13 +112,12 @@ def pin_hole_concentration(hole_ratio: Values) -> Values:
     >>> print(f"{pin_hole_concentration(0.5):.2f}")
     2.51
     """
-    _require_ratio(hole_ratio)
     warn_of_range("The stress concentration at a pin", "hole_ratio", hole_ratio, *PIN_RANGE)
     a, b, c, d = PIN_LOADED
     return a + hole_ratio * (b + hole_ratio * (c + hole_ratio * d))
 
 
-@broadcasting
+@formula(hole_ratio="hole_ratio")
 def open_hole_concentration(hole_ratio: Values) -> Values:
     """Compute the stress concentration at an open hole in a link under tension.
 
@@ -154,13 +144,12 @@ def open_hole_concentration(hole_ratio: Values) -> Values:
     >>> print(f"{open_hole_concentration(0.5):.2f}")
     2.16
     """
-    _require_ratio(hole_ratio)
     a, b, c, d = OPEN_HOLE
     left = 1 - hole_ratio
     return a + left * (b + left * (c + left * d))
 
 
-@broadcasting
+@formula(force="signed load", hole="length", concentration="number")
 def hole_stress(
     force: Values, *, width: Values, thickness: Values, hole: Values, concentration: Values
 ) -> Values:
@@ -200,15 +189,11 @@ def hole_stress(
     >>> print(f"{stress / 1e6:.0f} MPa")
     60 MPa
     """
-    require_finite(force=force)
-    require_positive(width=width, thickness=thickness, hole=hole, concentration=concentration)
     require_increasing(hole=hole, width=width)
-    check_load(force=force)
-    check_length(width=width, thickness=thickness, hole=hole)
     return concentration * force / ((width - hole) * thickness)
 
 
-@broadcasting
+@formula(pitch="length")
 def thread_stress_area(diameter: Values, *, pitch: Values) -> Values:
     """Compute the stress area of a 60 degree thread: pi/4 (d - 0.9382 p)^2. ISO 898-1.
 
@@ -240,14 +225,12 @@ def thread_stress_area(diameter: Values, *, pitch: Values) -> Values:
     >>> print(f"{1e6 * thread_stress_area(0.0127, pitch=0.0254 / 13):.1f} mm2")
     92.7 mm2
     """
-    require_positive(diameter=diameter, pitch=pitch)
-    check_length(diameter=diameter, pitch=pitch)
     core = diameter - THREAD_DEPTH * pitch
     require_positive(core_diameter=core)
     return np.pi / 4 * core**2
 
 
-@broadcasting
+@formula(amplitude="number or zero", mean="number or zero")
 def fatigue_safety(
     amplitude: Values,
     *,
@@ -289,15 +272,7 @@ def fatigue_safety(
     0.77
     0.57
     """
-    require_not_negative(amplitude=amplitude, mean=mean)
-    require_positive(fatigue_strength=fatigue_strength)
     if np.any(np.not_equal(mean, 0)):
         require_positive(tensile_strength=tensile_strength)
-    check_strength(fatigue_strength=fatigue_strength)
     with np.errstate(divide="ignore"):
         return np.divide(1.0, amplitude / fatigue_strength + mean / tensile_strength)
-
-
-def _require_ratio(hole_ratio: Values) -> None:
-    """Refuse a hole as wide as the link."""
-    require_positive(hole_ratio=hole_ratio, rest_of_width=1 - hole_ratio)

@@ -11,7 +11,7 @@ from erlif.models.arguments import (
     Values,
     broadcasting,
     check_length,
-    require_finite,
+    formula,
     require_positive,
     require_single,
 )
@@ -82,7 +82,7 @@ class CrankRocker:
             )
         check_length(**lengths)
 
-    @broadcasting
+    @formula()
     def rocker_angle(self, crank_angle: Values) -> Values:
         """Rocker angle at a crank angle, on the branch where the linkage is open.
 
@@ -96,7 +96,6 @@ class CrankRocker:
         float or array
             Interior angle psi at the rocker pivot. [rad]
         """
-        require_finite(crank_angle=crank_angle)
         # law of cosines in the triangle of coupler, rocker and diagonal
         a, b, c, d = self.crank, self.coupler, self.rocker, self.ground
         diagonal = self._diagonal(crank_angle)
@@ -123,7 +122,7 @@ class CrankRocker:
             self.ground - self.rocker * np.cos(psi) - self.crank * np.cos(crank_angle),
         )
 
-    @broadcasting
+    @formula()
     def transmission_angle(self, crank_angle: Values) -> Values:
         """Angle between coupler and rocker; at 90 degrees the coupler has its longest lever.
 
@@ -137,12 +136,11 @@ class CrankRocker:
         float or array
             Angle at the rocker pin. [rad]
         """
-        require_finite(crank_angle=crank_angle)
         # the same triangle, at the rocker pin
         b, c = self.coupler, self.rocker
         return np.arccos((b**2 + c**2 - self._diagonal(crank_angle) ** 2) / (2 * b * c))
 
-    @broadcasting
+    @formula()
     def rocker_speed(self, crank_angle: Values, *, crank_speed: Values) -> Values:
         """Rate of the rocker angle, exact.
 
@@ -161,14 +159,13 @@ class CrankRocker:
         float or array
             Rate of psi. [rad/s]
         """
-        require_finite(crank_speed=crank_speed)
         # both pins move at one speed along the coupler
         phi, psi = self.coupler_angle(crank_angle), self.rocker_angle(crank_angle)
         return (
             crank_speed * self.crank * np.sin(phi - crank_angle) / (self.rocker * np.sin(psi + phi))
         )
 
-    @broadcasting
+    @formula()
     def coupler_speed(self, crank_angle: Values, *, crank_speed: Values) -> Values:
         """Rate of the coupler angle, exact.
 
@@ -184,7 +181,6 @@ class CrankRocker:
         float or array
             Rate of phi. [rad/s]
         """
-        require_finite(crank_speed=crank_speed)
         # the rocker pin does not move along the rocker
         phi, psi = self.coupler_angle(crank_angle), self.rocker_angle(crank_angle)
         return (
@@ -194,7 +190,7 @@ class CrankRocker:
             / (self.coupler * np.sin(psi + phi))
         )
 
-    @broadcasting
+    @formula()
     def rocker_acceleration(
         self, crank_angle: Values, *, crank_speed: Values, crank_acceleration: Values = 0.0
     ) -> Values:
@@ -214,7 +210,6 @@ class CrankRocker:
         float or array
             Second rate of psi. [rad/s2]
         """
-        require_finite(crank_acceleration=crank_acceleration)
         phi, psi = self.coupler_angle(crank_angle), self.rocker_angle(crank_angle)
         phi_rate = self.coupler_speed(crank_angle, crank_speed=crank_speed)
         psi_rate = self.rocker_speed(crank_angle, crank_speed=crank_speed)

@@ -9,6 +9,7 @@ from erlif.models.arguments import (
     Values,
     broadcasting,
     check_length,
+    formula,
     require_finite,
     require_positive,
     require_single,
@@ -82,7 +83,7 @@ class SliderCrank:
         """Distance from crank-pin centre to slider pin: coupler plus clearance. [m]"""
         return self.coupler + self.clearance
 
-    @broadcasting
+    @formula()
     def coupler_angle(self, crank_angle: Values) -> Values:
         """Coupler angle at a crank angle.
 
@@ -96,11 +97,10 @@ class SliderCrank:
         float or array
             Direction phi of the rod from crank pin to slider. [rad]
         """
-        require_finite(crank_angle=crank_angle)
         # the slider pin stays on the line: crank sin t + rod sin phi = 0
         return np.arcsin(-self.crank * np.sin(crank_angle) / self.rod)
 
-    @broadcasting
+    @formula()
     def coupler_speed(self, crank_angle: Values, *, crank_speed: Values) -> Values:
         """Rate of the coupler angle.
 
@@ -116,12 +116,11 @@ class SliderCrank:
         float or array
             Rate of phi. [rad/s]
         """
-        require_finite(crank_speed=crank_speed)
         # the rate of: crank sin t + rod sin phi = 0
         phi = self.coupler_angle(crank_angle)
         return -crank_speed * self.crank * np.cos(crank_angle) / (self.rod * np.cos(phi))
 
-    @broadcasting
+    @formula()
     def coupler_acceleration(
         self, crank_angle: Values, *, crank_speed: Values, crank_acceleration: Values = 0.0
     ) -> Values:
@@ -141,7 +140,6 @@ class SliderCrank:
         float or array
             Second rate of phi. [rad/s2]
         """
-        require_finite(crank_acceleration=crank_acceleration)
         phi = self.coupler_angle(crank_angle)
         phi_rate = self.coupler_speed(crank_angle, crank_speed=crank_speed)
         pin = crank_speed**2 * np.sin(crank_angle) - crank_acceleration * np.cos(crank_angle)

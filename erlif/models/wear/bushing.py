@@ -4,14 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from erlif.models.arguments import (
-    Values,
-    broadcasting,
-    check_length,
-    check_load,
-    require_not_negative,
-    require_positive,
-)
+from erlif.models.arguments import Values, formula
 from erlif.models.wear.laws import wear_depth
 
 
@@ -34,7 +27,7 @@ class WornBushing:
     volume: Values
 
 
-@broadcasting
+@formula(load="load or zero")
 def steady_bushing_wear(
     load: Values,
     *,
@@ -86,10 +79,6 @@ def steady_bushing_wear(
     >>> print(f"{worn.volume * 1e9:.4f} mm3, {5e-13 * 4 / np.pi * 400.0 * 1e3 * 1e9:.4f} mm3")
     254.6479 mm3, 254.6479 mm3
     """
-    require_positive(shaft_radius=shaft_radius, width=width)
-    require_not_negative(load=load)
-    check_load(load=load)
-    check_length(shaft_radius=shaft_radius, width=width)
 
     # a rigid shaft that sinks along the load wears as cos(theta), so the pressure is a cosine too
     pressure = 2 * load / (np.pi * shaft_radius * width)

@@ -2,23 +2,10 @@
 
 import numpy as np
 
-from erlif.models.arguments import (
-    Values,
-    broadcasting,
-    check_conductivity,
-    check_expansion,
-    check_length,
-    check_load,
-    check_speed,
-    check_swing,
-    check_temperature,
-    require_finite,
-    require_not_negative,
-    require_positive,
-)
+from erlif.models.arguments import Values, formula
 
 
-@broadcasting
+@formula(period="number")
 def mean_sliding_speed(half_swing: Values, *, diameter: Values, period: Values) -> Values:
     """Compute the mean sliding speed of a swinging joint. Strand (2005), eq. 26.
 
@@ -55,15 +42,11 @@ def mean_sliding_speed(half_swing: Values, *, diameter: Values, period: Values) 
     >>> print(f"{speed * 1e3:.2f} mm/s")
     54.04 mm/s
     """
-    require_not_negative(half_swing=half_swing)
-    require_positive(diameter=diameter, period=period)
-    check_swing(half_swing=half_swing)
-    check_length(diameter=diameter)
     # four times the half swing per period, on half the diameter
     return 2 * diameter * half_swing / period
 
 
-@broadcasting
+@formula(load="signed load", speed="speed")
 def pressure_velocity(load: Values, *, diameter: Values, width: Values, speed: Values) -> Values:
     """Compute the product pv of projected pressure and speed. Strand (2005), section 2.1.13.
 
@@ -96,15 +79,10 @@ def pressure_velocity(load: Values, *, diameter: Values, width: Values, speed: V
     >>> print(f"{pv / 1e6:.3f} W/mm2")
     0.625 W/mm2
     """
-    require_finite(load=load, speed=speed)
-    require_positive(diameter=diameter, width=width)
-    check_load(load=load)
-    check_length(diameter=diameter, width=width)
-    check_speed(speed=speed)
     return load * speed / (diameter * width)
 
 
-@broadcasting
+@formula(speed="speed", load="load or zero")
 def friction_heat(load: Values, *, friction: Values, speed: Values) -> Values:
     """Compute the heat of a sliding joint: Q = mu F |v|. Strand (2005), eqs. 27 and 28.
 
@@ -132,14 +110,10 @@ def friction_heat(load: Values, *, friction: Values, speed: Values) -> Values:
     >>> print(f"{friction_heat(100e3, friction=0.1, speed=-0.05):.0f} W")
     500 W
     """
-    require_finite(speed=speed)
-    require_not_negative(load=load, friction=friction)
-    check_load(load=load)
-    check_speed(speed=speed)
     return friction * load * np.abs(speed)  # both directions of motion heat the joint
 
 
-@broadcasting
+@formula()
 def bushing_heat_share(pin_conductivity: Values, *, bushing_conductivity: Values) -> Values:
     """Compute the share of the friction heat that enters the bushing. Strand (2005), eq. 28.
 
@@ -167,13 +141,11 @@ def bushing_heat_share(pin_conductivity: Values, *, bushing_conductivity: Values
     >>> print(f"{bushing_heat_share(45.0, bushing_conductivity=60.0):.4f} {4 / 7:.4f}")
     0.5714 0.5714
     """
-    require_positive(pin_conductivity=pin_conductivity, bushing_conductivity=bushing_conductivity)
-    check_conductivity(pin_conductivity=pin_conductivity, bushing_conductivity=bushing_conductivity)
     # both bodies have the temperature of the contact, so the heat divides as they conduct
     return 1 / (1 + pin_conductivity / bushing_conductivity)
 
 
-@broadcasting
+@formula(heat="signed number", measured_temperature="temperature", arc="number")
 def surface_temperature(
     measured_temperature: Values,
     *,
@@ -230,21 +202,13 @@ def surface_temperature(
     >>> print(f"{half / ring:.3f}")
     2.000
     """
-    require_finite(heat=heat)
-    require_positive(measured_temperature=measured_temperature)
-    require_positive(
-        pin_diameter=pin_diameter, wall=wall, width=width, conductivity=conductivity, arc=arc
-    )
-    check_temperature(measured_temperature=measured_temperature)
-    check_length(pin_diameter=pin_diameter, wall=wall, width=width)
-    check_conductivity(conductivity=conductivity)
     # conduction through a cylindrical wall
     return measured_temperature + heat * np.log((pin_diameter + 2 * wall) / pin_diameter) / (
         arc * width * conductivity
     )
 
 
-@broadcasting
+@formula(temperature_change="signed number")
 def thermal_growth(diameter: Values, *, expansion: Values, temperature_change: Values) -> Values:
     """Compute the thermal growth of a diameter: d alpha dT. Strand (2005), eq. 30.
 
@@ -275,8 +239,4 @@ def thermal_growth(diameter: Values, *, expansion: Values, temperature_change: V
     >>> print(f"{growth * 1e6:.0f} um")
     48 um
     """
-    require_positive(diameter=diameter)
-    require_finite(expansion=expansion, temperature_change=temperature_change)
-    check_length(diameter=diameter)
-    check_expansion(expansion=expansion)
     return diameter * expansion * temperature_change

@@ -3,18 +3,10 @@
 import numpy as np
 
 from erlif.core.errors import ModelError
-from erlif.models.arguments import (
-    Values,
-    broadcasting,
-    check_load,
-    check_specific_wear,
-    check_strength,
-    require_not_negative,
-    require_positive,
-)
+from erlif.models.arguments import Values, formula
 
 
-@broadcasting
+@formula(load="load or zero")
 def adhesive_wear(
     load: Values, *, sliding_distance: Values, hardness: Values, coefficient: Values
 ) -> Values:
@@ -51,14 +43,10 @@ def adhesive_wear(
     >>> print(f"{volume * 1e9:.1f} mm3")
     5.0 mm3
     """
-    require_positive(hardness=hardness)
-    require_not_negative(load=load, sliding_distance=sliding_distance, coefficient=coefficient)
-    check_load(load=load)
-    check_strength(hardness=hardness)
     return coefficient * load * sliding_distance / hardness
 
 
-@broadcasting
+@formula(load="load or zero")
 def abrasive_wear(
     load: Values, *, sliding_distance: Values, hardness: Values, asperity_slope: Values
 ) -> Values:
@@ -114,7 +102,12 @@ def abrasive_wear(
     )
 
 
-@broadcasting
+@formula(
+    load="load or zero",
+    failure_strain="number",
+    asperity_distribution="number or zero",
+    particle_size="number or zero",
+)
 def fatigue_wear(
     load: Values,
     *,
@@ -167,12 +160,6 @@ def fatigue_wear(
     >>> print(f"{ratio:.3f}")
     4.000
     """
-    require_positive(failure_strain=failure_strain)
-    require_not_negative(
-        asperity_distribution=asperity_distribution,
-        particle_size=particle_size,
-        coefficient=coefficient,
-    )
     # the three constants and the strain make one coefficient of Archard's law
     share = coefficient * asperity_distribution * particle_size / failure_strain**2
     return adhesive_wear(
@@ -180,7 +167,7 @@ def fatigue_wear(
     )
 
 
-@broadcasting
+@formula(pressure="number or zero")
 def wear_depth(pressure: Values, *, sliding_distance: Values, specific_wear: Values) -> Values:
     """Compute the depth worn under a pressure. Strand (2005), eq. 32; Mukras et al. (2008), eq. 4.
 
@@ -213,8 +200,4 @@ def wear_depth(pressure: Values, *, sliding_distance: Values, specific_wear: Val
     >>> print(f"{depth * 1e6:.1f} um")
     454.5 um
     """
-    require_not_negative(
-        pressure=pressure, sliding_distance=sliding_distance, specific_wear=specific_wear
-    )
-    check_specific_wear(specific_wear=specific_wear)
     return specific_wear * pressure * sliding_distance
