@@ -14,7 +14,7 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cache, partial, wraps
-from inspect import signature
+from inspect import Parameter, formatannotation, signature
 from itertools import pairwise
 from typing import Any, ParamSpec, TypeAlias, TypeVar, cast
 
@@ -354,11 +354,20 @@ class _Kind:
     """Floats from here to `high` pass all checks: fits call a formula thousands of times."""
     high: float
 
+    def passes(self, value: Values) -> bool:
+        return type(value) is float and self.low <= value <= self.high
+
     def check(self, name: str, value: Values) -> None:
         for require in self.requires:
             require(**{name: value})
         if self.scale is not None:
             _warn_outside(self.scale, {name: value})
+
+
+def _require_whole(**arguments: float) -> None:
+    for name, value in arguments.items():
+        if value % 1:
+            raise ModelError(f"{name} must be a whole number, got {value:g}.")
 
 
 _INSIDE = 1e-9
@@ -369,12 +378,14 @@ _INSIDE = 1e-9
 def _read_kind(text: str) -> _Kind:
     """Meaning of "length", "load or zero", "signed length", "one number", "known number"."""
     words = text.split()
-    count = words.pop(0) if words[0] in ("one", "known") else ""
+    count = words.pop(0) if words[0] in ("one", "known", "whole") else ""
     before: dict[str, tuple[Callable[..., None], ...]] = {
         "": (),
         "one": (require_single,),
         "known": (require_single, require_known),
+        "whole": (require_single, require_known),
     }
+    after = (_require_whole,) if count == "whole" else ()
 
     # the quantity has a usual sign, from which an equation may differ
     name = next(word for word in words if word in QUANTITIES)
@@ -392,7 +403,9 @@ def _read_kind(text: str) -> _Kind:
         low, high = require.lowest + _INSIDE, require.highest - _INSIDE
     elif require is require_poisson:
         high = 0.5
-    return _Kind((*before[count], require), scale, low, high)
+    if count == "whole":
+        low = math.inf  # no float passes without a second look
+    return _Kind((*before[count], require, *after), scale, low, high)
 
 
 def formula(
@@ -401,16 +414,16 @@ def formula(
     """Declare the arguments of an equation, which then takes and checks all kinds of numbers.
 
     Lists become arrays and integers become floats before the call, unless an argument is annotated
-    as integer; scalars of numpy become floats after it, inside tuples and dataclasses too. Arrays
-    and DataArrays stay as they are, so the equation itself broadcasts.
+    as integer or text; scalars of numpy become floats after it, inside tuples and dataclasses too.
+    Arrays and DataArrays stay as they are, so the equation itself broadcasts.
 
     Parameters
     ----------
     **kinds : str
         Kind of each argument, from `QUANTITIES`, with "signed" or "positive" before it or "or zero"
-        behind it where the sign differs from the usual one, "one" where arrays are refused, and
-        "known" where NaN is refused as well. An argument without a kind has that of its name in
-        `ARGUMENTS`; one without either is not checked.
+        behind it where the sign differs from the usual one, "one" where arrays are refused,
+        "known" where NaN is refused as well, and "whole" for whole numbers. An argument without a
+        kind has that of its name in `ARGUMENTS`; one without either is not checked.
 
     Returns
     -------
@@ -476,12 +489,12 @@ def _checked(
     """Equation behind the conversion and the checks of its arguments."""
     parameters = signature(equation).parameters
     names = tuple(parameters)
-    plain = {name for name, parameter in parameters.items() if parameter.annotation is int}
+    plain = {name for name, parameter in parameters.items() if _is_plain(parameter)}
     optional = {name for name, parameter in parameters.items() if parameter.default is None}
 
     def accept(name: str, value: Values) -> Values:
         kind = kinds.get(name)
-        if type(value) is float and kind is not None and kind.low <= value <= kind.high:
+        if kind is not None and kind.passes(value):
             return value
         number = value if name in plain else _as_number(name, value)
         if kind is not None and not (number is None and name in optional):
@@ -496,6 +509,13 @@ def _checked(
         return cast(_Result, _as_result(equation(*numbers, **named)))
 
     return evaluate
+
+
+def _is_plain(parameter: Parameter) -> bool:
+    """Whether an argument is no number that broadcasts: an integer, text, a pair of numbers."""
+    annotation = parameter.annotation
+    text = annotation if isinstance(annotation, str) else formatannotation(annotation)
+    return text.startswith(("int", "str", "Literal", "typing.Literal", "tuple"))
 
 
 def check_fields(table: Any, **kinds: str) -> None:
@@ -525,8 +545,10 @@ def check_fields(table: Any, **kinds: str) -> None:
     Traceback (most recent call last):
     erlif.core.errors.ModelError: crank must be positive, got -0.05.
     """
-    for name, kind in kinds.items():
-        _read_kind(kind).check(name, _as_number(name, getattr(table, name)))
+    for name, text in kinds.items():
+        kind, value = _read_kind(text), getattr(table, name)
+        if not kind.passes(value):
+            kind.check(name, _as_number(name, value))
 
 
 def warn_of_units(quantity: str, /, **arguments: Values) -> None:

@@ -13,13 +13,9 @@ from numpy.typing import NDArray
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
-    check_length,
-    check_line_load,
+    formula,
     require_between,
-    require_finite,
-    require_not_negative,
     require_positive,
-    require_single,
 )
 from erlif.models.running_in import thin_wall_torque_ratio
 
@@ -79,6 +75,17 @@ class ClearanceFit:
     budget: dict[str, float]
 
 
+@formula(
+    clearance="signed number",
+    friction="number",
+    friction_std="number",
+    clearance_std="number or zero",
+    load_per_length="one line_load",
+    shaft_radius="one length",
+    thickness="one length",
+    load_std="number or zero",
+    radius_std="number or zero",
+)
 def fit_clearances(
     clearance: Values,
     *,
@@ -150,12 +157,6 @@ def fit_clearances(
     _require(clearance=places, friction=measured)
     torque_std = _spread("friction_std", friction_std, measured.size)
     place_std = _spread("clearance_std", clearance_std, measured.size)
-    require_positive(friction=measured, friction_std=torque_std)
-    require_not_negative(clearance_std=place_std, load_std=load_std, radius_std=radius_std)
-    require_single(load_per_length=load_per_length, shaft_radius=shaft_radius, thickness=thickness)
-    require_positive(load_per_length=load_per_length)
-    check_line_load(load_per_length=load_per_length)
-    check_length(shaft_radius=shaft_radius, thickness=thickness)
     wall = {
         "load_per_length": load_per_length,
         "shaft_radius": shaft_radius,
@@ -243,7 +244,6 @@ def _spread(name: str, std: Values, bushings: int) -> NDArray[np.float64]:
 
 
 def _require(*, clearance: NDArray[np.float64], friction: NDArray[np.float64]) -> None:
-    require_finite(clearance=clearance)
     if clearance.shape != friction.shape or clearance.ndim != 1 or clearance.size < _FEWEST:
         raise ModelError(
             f"Expected clearance and friction of {_FEWEST} or more bushings, got "

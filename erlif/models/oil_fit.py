@@ -15,11 +15,8 @@ from numpy.typing import NDArray
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
-    check_kinematic_viscosity,
-    check_temperature,
-    check_viscosity,
     formula,
-    require_positive,
+    warn_of_units,
 )
 from erlif.models.oil import LOWEST_WALTHER_VISCOSITY, WALTHER_SHIFT, VogelConstants
 
@@ -182,6 +179,7 @@ class ViscosityFit:
         return ViscosityInterval(value / ratio, value * ratio)
 
 
+@formula(temperatures="temperature", viscosities="number", relative_std="number")
 def fit_viscosity(
     temperatures: Values,
     *,
@@ -234,7 +232,6 @@ def fit_viscosity(
     """
     if law not in _CONSTANTS:
         raise ModelError(f"Expected vogel or walther as law, got {law!r}. Choose one of them.")
-    require_positive(temperatures=temperatures, viscosities=viscosities)
     T, viscosity = np.asarray(temperatures, float), np.asarray(viscosities, float)
     known = len(_CONSTANTS[law]) + (relative_std is None)
     if T.ndim != 1 or T.shape != viscosity.shape or np.unique(T[~np.isnan(T)]).size < known:
@@ -245,11 +242,9 @@ def fit_viscosity(
         )
     if np.any(np.isnan(T)) or np.any(np.isnan(viscosity)):
         raise ModelError("temperatures and viscosities must not be NaN. Leave those points out.")
-    check_temperature(temperatures=temperatures)
 
     spread = np.ones(T.shape)
     if relative_std is not None:
-        require_positive(relative_std=relative_std)
         given = np.asarray(relative_std, float)
         if given.shape not in ((), T.shape) or np.any(np.isnan(given)):
             raise ModelError(
@@ -258,10 +253,10 @@ def fit_viscosity(
             )
         spread = np.broadcast_to(given, T.shape)
     if law == "vogel":
-        check_viscosity(viscosities=viscosities)
+        warn_of_units("viscosity", viscosities=viscosities)
         values, slopes, residuals = _fit_vogel(T, viscosity, spread)
     else:
-        check_kinematic_viscosity(viscosities=viscosities)
+        warn_of_units("kinematic_viscosity", viscosities=viscosities)
         values, slopes, residuals = _fit_walther(T, viscosity, spread)
 
     freedom = T.size - values.size

@@ -6,17 +6,16 @@ that are off by orders of magnitude raise `erlif.core.errors.UnitWarning`.
 """
 
 import warnings
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from erlif.core.errors import RangeWarning
 from erlif.models.arguments import (
     Values,
-    check_length,
+    check_fields,
     depth_of_caller,
     formula,
-    require_not_negative,
 )
 from erlif.models.mechanism import CrankRocker, SliderCrank
 
@@ -67,8 +66,8 @@ class SliderCrankBodies:
     pin_radius: Values = 0.0
 
     def __post_init__(self) -> None:
-        require_not_negative(**{field.name: getattr(self, field.name) for field in fields(self)})
-        check_length(pin_radius=self.pin_radius)
+        kinds = dict.fromkeys(vars(self), "number or zero")
+        check_fields(self, **kinds | {"pin_radius": "length or zero"})
 
 
 @dataclass(frozen=True)

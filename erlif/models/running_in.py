@@ -16,17 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from erlif.core.errors import ModelError
-from erlif.models.arguments import (
-    Values,
-    check_length,
-    check_load,
-    check_modulus,
-    check_specific_wear,
-    formula,
-    require_not_negative,
-    require_positive,
-    require_single,
-)
+from erlif.models.arguments import Values, formula
+from erlif.models.contact.roots import like
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -113,6 +104,16 @@ class _Wall:
         return float(np.sum(pressure) / np.sum(pressure * np.cos(self.angle)))
 
 
+@formula(
+    load="known load",
+    shaft_radius="known length",
+    bushing_radius="known length",
+    width="known length",
+    thickness="known length",
+    modulus="known modulus",
+    specific_wear="known positive specific_wear",
+    cells="whole number",
+)
 def run_in_bushing(
     load: float,
     *,
@@ -183,37 +184,13 @@ def run_in_bushing(
     >>> print([f"{ratio:.2f}" for ratio in found.torque_ratio.values])
     ['1.01', '1.10']
     """
-    numbers: dict[str, Values] = {
-        "load": load,
-        "shaft_radius": shaft_radius,
-        "bushing_radius": bushing_radius,
-        "width": width,
-        "thickness": thickness,
-        "modulus": modulus,
-        "specific_wear": specific_wear,
-        "cells": cells,
-    }
-    require_single(**numbers)
-    require_positive(**numbers)
-    for name, value in numbers.items():
-        if np.isnan(value):
-            raise ModelError(f"{name} must be a number, got NaN.")
-    check_load(load=load)
-    check_length(shaft_radius=shaft_radius, bushing_radius=bushing_radius, thickness=thickness)
-    check_modulus(modulus=modulus)
-    check_specific_wear(specific_wear=specific_wear)
     distances = np.atleast_1d(np.asarray(sliding_distance, float))
-    require_not_negative(sliding_distance=distances)
     rises = distances.ndim == 1 and distances.size > 0 and np.all(np.diff(distances) > 0)
     if not rises or np.any(np.isnan(distances)):
         raise ModelError(
             "sliding_distance must be one row of rising distances without NaN, got "
             f"{np.array2string(distances, threshold=8)} m."
         )
-    if cells != int(cells):
-        raise ModelError(f"cells must be a whole number, got {cells:g}.")
-    cells = int(cells)
-
     cell = np.pi / cells
     wall = _Wall(
         shaft_radius,
@@ -399,9 +376,7 @@ def thin_wall_torque_ratio(
     opened = ~(wanted < -1 / np.pi)
     if np.any(opened):
         ratio[opened] = _opened_ratio(wanted[opened])
-    if hasattr(group, "dims"):
-        return group.copy(data=ratio)
-    return ratio if np.ndim(ratio) else float(ratio)
+    return like(group, ratio)
 
 
 def _opened_ratio(group: Array) -> Array:

@@ -13,12 +13,11 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
-from erlif.models.arguments import require_finite, require_not_negative, require_positive
+from erlif.models.arguments import check_fields, formula, require_positive
 from erlif.models.mechanism import SliderCrank
 from erlif.models.reaction import SliderCrankBodies, warn_of_compression
 from erlif.models.slider.contact import ContactLaw
 from erlif.models.slider.motion import QUADRATURES, GeneralJoint, SimplifiedJoint, Torque
-from erlif.models.slider.wall import require_numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,6 +67,15 @@ _VARIABLES = {
 """Units and descriptions of the variables of a simulation."""
 
 
+@formula(
+    crank_speed="known signed number",
+    duration="known number",
+    crank_angle="known signed number",
+    crank_inertia="known number or zero",
+    slowest_slip="known number",
+    samples="whole number",
+    tolerance="known number",
+)
 def simulate_slider_crank(
     linkage: SliderCrank,
     *,
@@ -157,26 +165,10 @@ def simulate_slider_crank(
     >>> print(f"{abs(turn.drive_work[-1]):.6f} J, {float(turn.force.max()):.1f} N")
     0.000000 J, 77.0 N
     """
-    require_numbers(
-        crank_speed=crank_speed,
-        duration=duration,
-        crank_angle=crank_angle,
-        crank_inertia=crank_inertia,
-        slowest_slip=slowest_slip,
-        samples=samples,
-        tolerance=tolerance,
-        **vars(bodies),
-    )
-    require_finite(
-        crank_speed=crank_speed, crank_angle=crank_angle, duration=duration, samples=samples
-    )
-    require_positive(duration=duration, slowest_slip=slowest_slip, tolerance=tolerance)
-    if samples < 1:
-        raise ModelError(f"samples must be 1 or more, got {samples}.")
+    check_fields(bodies, **dict.fromkeys(vars(bodies), "known number or zero"))
     if eccentricity is not None and not np.all(np.isfinite(eccentricity)):
         raise ModelError(f"eccentricity must be two finite numbers, got {eccentricity}.")
     require_positive(rod_mass=bodies.rod_mass, slider_mass=bodies.slider_mass)
-    require_not_negative(crank_inertia=crank_inertia)
 
     model: SimplifiedJoint | GeneralJoint
     if contact is None and worn is not None:

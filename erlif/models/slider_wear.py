@@ -15,19 +15,12 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
-from erlif.models.arguments import (
-    Values,
-    check_length,
-    check_modulus,
-    check_specific_wear,
-    require_not_negative,
-    require_positive,
-)
+from erlif.models.arguments import Values, check_fields, formula, require_positive
 from erlif.models.mechanism import SliderCrank
 from erlif.models.reaction import SliderCrankBodies, joint_reaction
 from erlif.models.slider.contact import ContactLaw
 from erlif.models.slider.extrapolation import bound_extrapolation
-from erlif.models.slider.wall import PinCells, Wall, require_numbers
+from erlif.models.slider.wall import PinCells, Wall
 from erlif.models.slider_dynamics import simulate_slider_crank
 
 if TYPE_CHECKING:
@@ -70,16 +63,24 @@ class WearingJoint:
     pin_specific_wear: float = 0.0
 
     def __post_init__(self) -> None:
-        require_numbers(**vars(self))
-        require_positive(width=self.width, thickness=self.thickness, modulus=self.modulus)
-        require_not_negative(
-            specific_wear=self.specific_wear, pin_specific_wear=self.pin_specific_wear
+        check_fields(
+            self,
+            width="known length",
+            thickness="known length",
+            modulus="known modulus",
+            specific_wear="known specific_wear",
+            pin_specific_wear="known specific_wear",
         )
-        check_length(width=self.width, thickness=self.thickness)
-        check_modulus(modulus=self.modulus)
-        check_specific_wear(specific_wear=self.specific_wear)
 
 
+@formula(
+    crank_speed="known number",
+    cycles="whole number",
+    extrapolation="whole number",
+    steps_per_cycle="whole number",
+    cells="whole number",
+    settling="whole number or zero",
+)
 def wear_slider_crank(
     linkage: SliderCrank,
     *,
@@ -186,35 +187,8 @@ def wear_slider_crank(
     >>> print(f"{worn.worn_volume[-1] * 2200 * 1e3:.2f} g")
     0.27 g
     """
-    require_numbers(
-        crank_speed=crank_speed,
-        cycles=cycles,
-        extrapolation=extrapolation,
-        steps_per_cycle=steps_per_cycle,
-        cells=cells,
-        settling=settling,
-        **vars(bodies),
-    )
-    whole = {
-        "cycles": cycles,
-        "extrapolation": extrapolation,
-        "steps_per_cycle": steps_per_cycle,
-        "cells": cells,
-        "settling": settling,
-    }
-    for name, value in whole.items():
-        if not value % 1 == 0:
-            raise ModelError(f"{name} must be a whole number, got {value:g}.")
-    require_positive(
-        crank_speed=crank_speed,
-        cycles=cycles,
-        extrapolation=extrapolation,
-        steps_per_cycle=steps_per_cycle,
-        cells=cells,
-        pin_radius=bodies.pin_radius,
-    )
-
-    require_not_negative(settling=settling)
+    check_fields(bodies, **dict.fromkeys(vars(bodies), "known number or zero"))
+    require_positive(pin_radius=bodies.pin_radius)
     if contact is not None and simulated is not None:
         raise ModelError("contact and simulated exclude each other: one of them gives the forces.")
 

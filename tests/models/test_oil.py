@@ -122,7 +122,10 @@ def test_density_under_pressure_and_heat():
         ),
         (lambda: fit_vogel([300.0, 310.0], viscosities=[1.0, 0.5]), "three each"),
         (lambda: fit_vogel(300.0, viscosities=0.5), r"three each, got shapes \(\) and \(\)"),
-        (lambda: fit_vogel([300.0, 310.0, np.nan], viscosities=[1.0, 0.5, 0.3]), "must be a number, got NaN"),
+        (
+            lambda: fit_vogel([300.0, 310.0, np.nan], viscosities=[1.0, 0.5, 0.3]),
+            "must be a number",
+        ),
         (lambda: fit_vogel([300.0, 310.0, 320.0], viscosities=[1, 0.5, 0]), "viscosities must be"),
         (lambda: fit_vogel([300.0, 310.0, 320.0], viscosities=[1.0, 0.8, 0.2]), "Vogel curve"),
         (lambda: barus_viscosity(1e8, viscosity=0.0, pressure_viscosity=2e-8), "viscosity"),

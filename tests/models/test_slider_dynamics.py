@@ -188,7 +188,7 @@ def test_every_variable_has_its_unit():
         ({"crank_speed": np.nan}, "crank_speed must be a number"),
         ({"crank_speed": np.inf}, "crank_speed must be finite"),
         ({"duration": np.inf}, "duration must be finite"),
-        ({"samples": 0.5}, "samples must be 1 or more"),
+        ({"samples": 0.5}, "samples must be a whole number"),
         ({"contact": PTFE, "eccentricity": (np.nan, 0.0)}, "eccentricity must be two finite"),
         ({"crank_speed": [1.0, 2.0]}, "crank_speed must be one number"),
         ({"crank_inertia": -1.0}, "crank_inertia"),

@@ -296,7 +296,7 @@ def test_wear_in_compression_is_reported():
     ("changed", "message"),
     [
         ({"cycles": 0}, "cycles must be positive"),
-        ({"cycles": np.inf}, "cycles must be a whole number"),
+        ({"cycles": np.inf}, "cycles must be finite"),
         ({"steps_per_cycle": 72.5}, "steps_per_cycle must be a whole number"),
         ({"extrapolation": np.nan}, "extrapolation must be a number"),
         ({"bodies": SliderCrankBodies(**MASSES)}, "pin_radius must be positive"),

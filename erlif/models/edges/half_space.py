@@ -9,10 +9,8 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
-    check_modulus,
+    formula,
     require_finite,
-    require_positive,
-    require_single,
 )
 from erlif.models.edges.active_set import solve_active_set
 from erlif.models.edges.influence import (
@@ -25,6 +23,14 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+@formula(
+    spacing="number",
+    contact_modulus="one modulus",
+    load="one number",
+    approach="one number",
+    tolerance="number",
+    mirror="signed number",
+)
 def solve_contact(
     gap: Values,
     *,
@@ -97,10 +103,6 @@ def solve_contact(
     """
     heights, steps = _check_grid(gap, spacing)
     _check_load(load, approach)
-    require_positive(contact_modulus=contact_modulus, tolerance=tolerance)
-    require_single(contact_modulus=contact_modulus)
-    require_finite(mirror=mirror)
-    check_modulus(contact_modulus=contact_modulus)
     plane = heights.ndim == 1
     if plane and (mirror or free_tilt):
         raise ModelError(
@@ -164,7 +166,6 @@ def _check_grid(gap: Values, spacing: Values) -> tuple[Array, tuple[float, ...]]
             "cut the grid at the ends of the bodies."
         )
     steps = np.broadcast_to(np.asarray(spacing, float), heights.ndim)
-    require_positive(spacing=steps)
     return heights, tuple(float(step) for step in steps)
 
 
@@ -172,9 +173,6 @@ def _check_load(load: float | None, approach: float | None) -> None:
     """One of the two is given, and positive."""
     if (load is None) == (approach is None):
         raise ModelError("A contact needs either a load or an approach, not both and not neither.")
-    given = {"load": load} if load is not None else {"approach": approach}
-    require_positive(**given)
-    require_single(**given)
 
 
 def _check_position(

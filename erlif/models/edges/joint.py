@@ -14,14 +14,10 @@ import scipy.fft
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
-    check_length,
-    check_load,
-    check_modulus,
+    check_fields,
+    formula,
     require_increasing,
-    require_not_negative,
-    require_poisson,
     require_positive,
-    require_single,
 )
 from erlif.models.edges.active_set import solve_active_set
 from erlif.models.edges.cylinders import (
@@ -96,8 +92,13 @@ class Joint:
 
     def __post_init__(self) -> None:
         """Refuse radii, lengths and moduli that are no joint."""
-        require_single(**{name: getattr(self, name) for name in _NUMBERS})
-        require_positive(pin_radius=self.pin_radius, length=self.length)
+        check_fields(
+            self,
+            **dict.fromkeys(["pin_radius", "bushing_radius", "outer_radius"], "one number"),
+            **dict.fromkeys(["length", "pin_length"], "one length"),
+            **dict.fromkeys(["youngs_modulus", "pin_youngs_modulus"], "one modulus"),
+            **dict.fromkeys(["poisson", "pin_poisson"], "one poisson"),
+        )
         require_increasing(
             pin_radius=self.pin_radius,
             bushing_radius=self.bushing_radius,
@@ -108,29 +109,8 @@ class Joint:
                 f"pin_length, {self.pin_length:g} m, is below the length of the bushing, "
                 f"{self.length:g} m; the pin ends outside."
             )
-        require_positive(
-            youngs_modulus=self.youngs_modulus, pin_youngs_modulus=self.pin_youngs_modulus
-        )
-        require_poisson(poisson=self.poisson, pin_poisson=self.pin_poisson)
-        check_modulus(
-            youngs_modulus=self.youngs_modulus, pin_youngs_modulus=self.pin_youngs_modulus
-        )
-        check_length(length=self.length, pin_length=self.pin_length)
         if self.undercut is not None:
             _check_undercut(self.undercut, self)
-
-
-_NUMBERS = (
-    "pin_radius",
-    "bushing_radius",
-    "outer_radius",
-    "length",
-    "pin_length",
-    "youngs_modulus",
-    "pin_youngs_modulus",
-    "poisson",
-    "pin_poisson",
-)
 
 
 def _check_undercut(cut: Undercut, joint: Joint) -> None:
@@ -290,6 +270,13 @@ def prepare_joint(
     return ElasticJoint(joint, cells, span, (body, ring), pin, bushing)
 
 
+@formula(
+    load="one load",
+    lobe_radius="number",
+    lobe_height="number or zero",
+    patch="number",
+    tolerance="number",
+)
 def solve_joint(
     elastic: ElasticJoint,
     *,
@@ -353,10 +340,6 @@ def solve_joint(
     28 of 30 mm
     """
     joint, cells = elastic.joint, elastic.cells
-    require_positive(load=load, lobe_radius=lobe_radius, patch=patch, tolerance=tolerance)
-    require_not_negative(lobe_height=lobe_height)
-    require_single(load=load)
-    check_load(load=load)
     if around % 2 or around < 16:
         raise ModelError(f"around must be an even number of at least 16, got {around}.")
     middles, lengths = (cells[1:] + cells[:-1]) / 2, np.diff(cells)

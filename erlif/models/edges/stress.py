@@ -6,13 +6,14 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
-from erlif.models.arguments import Values, require_poisson, require_positive, require_single
+from erlif.models.arguments import Values, formula
 from erlif.models.edges.influence import Convolution, stress_of_cells
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
+@formula(depth="number", poisson="one poisson")
 def subsurface_stress(
     contact: "xr.Dataset", *, depth: Values, poisson: float = 0.3
 ) -> "xr.Dataset":
@@ -61,10 +62,7 @@ def subsurface_stress(
             f"Stresses need a pressure over (x, z), got {contact['pressure'].dims}; give "
             "solve_contact a gap along both."
         )
-    require_poisson(poisson=poisson)
-    require_single(poisson=poisson)
     depths = np.atleast_1d(np.asarray(depth, float))
-    require_positive(depth=depths)
     pressure = contact["pressure"].to_numpy()
     x, z = contact["x"].to_numpy(), contact["z"].to_numpy()
     spacing = ((x[-1] - x[0]) / (x.size - 1), (z[-1] - z[0]) / (z.size - 1))

@@ -5,12 +5,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from erlif.models.arguments import (
-    check_length,
-    require_not_negative,
-    require_positive,
-    require_single,
-)
+from erlif.models.arguments import formula
 from erlif.models.linkage.measures import (
     Kind,
     grashof_class,
@@ -95,6 +90,7 @@ class LinkageDesign:
         return min(smallest, np.pi - largest)
 
 
+@formula(crank_speed="one number", rocker_speed="one number", link_width="one length or zero")
 def measure_linkage(
     linkage: CrankRocker,
     *,
@@ -137,9 +133,6 @@ def measure_linkage(
     >>> print(f"{np.degrees(found.swing):.3f} degrees, {found.time_ratio:.4f}")
     24.426 degrees, 1.0014
     """
-    require_single(link_width=link_width)
-    require_not_negative(link_width=link_width)
-    check_length(link_width=link_width)
     links = links_of(linkage)
     excess = float(stroke_excess(links))
     slower: Stroke = "rising" if excess > 0 else "falling"
@@ -157,10 +150,6 @@ def measure_linkage(
         link_width=float(link_width),
     )
 
-    given = {"crank_speed": crank_speed, "rocker_speed": rocker_speed}
-    known = {name: value for name, value in given.items() if value is not None}
-    require_single(**known)
-    require_positive(**known)
     if crank_speed is not None:
         return replace(found, crank_speed=float(crank_speed))
     if rocker_speed is not None:

@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple, TypeAlias
 import numpy as np
 import scipy
 
-from erlif.models.arguments import Values, require_positive, require_single
+from erlif.models.arguments import Values, formula
 from erlif.models.mechanism import CrankRocker
 
 Kind: TypeAlias = Literal[
@@ -52,6 +52,7 @@ def links_of(linkage: CrankRocker) -> Links:
     return Links(linkage.crank, linkage.coupler, linkage.rocker, linkage.ground)
 
 
+@formula(**dict.fromkeys(["crank", "coupler", "rocker", "ground"], "one number"))
 def grashof_class(*, crank: float, coupler: float, rocker: float, ground: float) -> Kind:
     """Classify a four-bar linkage by Grashof's condition.
 
@@ -84,8 +85,6 @@ def grashof_class(*, crank: float, coupler: float, rocker: float, ground: float)
     'triple-rocker'
     """
     lengths = {"crank": crank, "coupler": coupler, "rocker": rocker, "ground": ground}
-    require_single(**lengths)
-    require_positive(**lengths)
     shortest, *middle, longest = sorted(lengths.values())
 
     # lengths as typed, 0.1 + 0.5 against 0.2 + 0.4, differ by rounding alone

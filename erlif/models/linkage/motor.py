@@ -12,7 +12,7 @@ import scipy
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
-from erlif.models.arguments import require_not_negative, require_positive, require_single
+from erlif.models.arguments import formula
 from erlif.models.linkage.measures import dead_points, links_of, rocker_rates
 from erlif.models.mechanism import CrankRocker
 
@@ -76,6 +76,12 @@ class DrivePower:
     rms_torque: float
 
 
+@formula(
+    crank_speed="one number",
+    torque="one number or zero",
+    inertia="one number or zero",
+    efficiency="one number",
+)
 def drive_power(
     linkage: CrankRocker,
     *,
@@ -124,10 +130,6 @@ def drive_power(
     >>> print(f"{peak:.2f} hp, mean {mean:.2f} hp")
     7.25 hp, mean 4.60 hp
     """
-    numbers = {"crank_speed": crank_speed, "efficiency": efficiency}
-    require_single(**numbers, torque=torque, inertia=inertia)
-    require_positive(**numbers)
-    require_not_negative(torque=torque, inertia=inertia)
     if efficiency > 1:
         raise ModelError(f"efficiency must be at most 1, got {efficiency:g}.")
     if points < 8:
@@ -163,6 +165,7 @@ def drive_power(
     )
 
 
+@formula(power="one number")
 def choose_motor(power: float, *, series: Literal["hp", "kW"] = "kW") -> float:
     """Choose the next standard rating of a motor.
 
@@ -191,8 +194,6 @@ def choose_motor(power: float, *, series: Literal["hp", "kW"] = "kW") -> float:
     >>> choose_motor(5407)
     5500.0
     """
-    require_single(power=power)
-    require_positive(power=power)
     if series not in RATINGS:
         raise ModelError(f"series must be hp or kW, got {series!r}.")
     for rating in RATINGS[series]:

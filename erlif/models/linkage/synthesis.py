@@ -18,11 +18,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
-    check_length,
-    require_between,
-    require_not_negative,
-    require_positive,
-    require_single,
+    formula,
 )
 from erlif.models.linkage import measures
 from erlif.models.linkage.design import LinkageDesign, measure_linkage
@@ -111,6 +107,13 @@ class _Limits:
         return np.where(excess > ATTAINED, -excess, angle)
 
 
+@formula(
+    **dict.fromkeys(["crank", "coupler", "rocker", "ground"], "known length"),
+    **dict.fromkeys(["crank_speed", "rocker_speed", "swing"], "known number"),
+    **dict.fromkeys(["speed_ratio", "time_ratio", "longest_link"], "known number"),
+    least_transmission_angle="known right_angle",
+    link_width="known length or zero",
+)
 def synthesise_crank_rocker(
     *,
     swing: float | None = None,
@@ -188,20 +191,9 @@ def synthesise_crank_rocker(
     """
     lengths = {"crank": crank, "coupler": coupler, "rocker": rocker, "ground": ground}
     given = {name: value for name, value in lengths.items() if value is not None}
-    speeds = {"crank_speed": crank_speed, "rocker_speed": rocker_speed}
     wanted = {"swing": swing, "speed_ratio": speed_ratio, "time_ratio": time_ratio}
     targets = {name: value for name, value in wanted.items() if value is not None}
-    others = speeds | {"longest_link": longest_link}
-    numbers = given | targets | {name: value for name, value in others.items() if value is not None}
-    or_zero = {"least_transmission_angle": least_transmission_angle, "link_width": link_width}
-    require_single(**numbers, **or_zero)
-    require_positive(**numbers)
-    require_not_negative(link_width=link_width)
-    for name, value in (numbers | or_zero).items():
-        if np.isnan(value):
-            raise ModelError(f"{name} must be a number, got NaN.")
-    check_length(**given, link_width=link_width)
-    _refuse_impossible(targets, least_transmission_angle, largest_size)
+    _refuse_impossible(targets, largest_size)
     if crank_speed is not None and rocker_speed is not None:
         if speed_ratio is not None:
             raise ModelError("crank_speed and rocker_speed fix speed_ratio; give two of the three.")
@@ -236,16 +228,13 @@ def synthesise_crank_rocker(
     return _conclude(designs, targets, domain)
 
 
-def _refuse_impossible(
-    targets: dict[str, float], transmission: float, size: tuple[float, float]
-) -> None:
+def _refuse_impossible(targets: dict[str, float], size: tuple[float, float]) -> None:
     """Refuse targets that no linkage of any size has."""
     if not targets.get("swing", 0.0) < np.pi:
         degrees = np.degrees(targets["swing"])
         raise ModelError(f"swing must be below half a turn, got {degrees:g} degrees.")
     if not targets.get("time_ratio", 1.0) >= 1:
         raise ModelError(f"time_ratio must be at least 1, got {targets['time_ratio']:g}.")
-    require_between(0.0, np.pi / 2, least_transmission_angle=transmission)
     for side in size:
         if not side > 0:
             raise ModelError(f"largest_size must be positive, got {side:g} m.")

@@ -10,10 +10,8 @@ from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
     broadcasting,
-    check_length,
+    check_fields,
     formula,
-    require_positive,
-    require_single,
 )
 from erlif.models.mechanism.reach import DEAD_POINT_TOLERANCE, TURN, sign, within_reach
 
@@ -67,9 +65,7 @@ class CrankRocker:
     ground: float
 
     def __post_init__(self) -> None:
-        lengths = vars(self)
-        require_single(**lengths)
-        require_positive(**lengths)
+        check_fields(self, **dict.fromkeys(vars(self), "one length"))
 
         # Grashof's condition; a length of NaN fails it as well
         others = sorted((self.coupler, self.rocker, self.ground))
@@ -80,7 +76,6 @@ class CrankRocker:
                 f"shortest link, and crank plus longest link ({self.crank + others[2]:g} m) less "
                 f"than the other two ({others[0] + others[1]:g} m)."
             )
-        check_length(**lengths)
 
     @formula()
     def rocker_angle(self, crank_angle: Values) -> Values:
@@ -102,7 +97,7 @@ class CrankRocker:
         to_crank_pin = np.arctan2(a * np.sin(crank_angle), d - a * np.cos(crank_angle))
         return to_crank_pin + np.arccos((c**2 + diagonal**2 - b**2) / (2 * c * diagonal))
 
-    @broadcasting
+    @formula()
     def coupler_angle(self, crank_angle: Values) -> Values:
         """Coupler angle at a crank angle.
 
@@ -277,6 +272,7 @@ class CrankRocker:
         falling = at_smallest - at_largest
         return max(falling, TURN - falling) / min(falling, TURN - falling)
 
+    @formula(crank_speed="one number")
     def speed_limits(self, *, crank_speed: float) -> tuple[float, float]:
         """Range of the rocker speed over a cycle at constant crank speed.
 
@@ -299,8 +295,6 @@ class CrankRocker:
         >>> print("{:.4f} {:.4f}".format(*rig.speed_limits(crank_speed=114 * TURN / 60)))
         -2.5405 2.5521
         """
-        require_single(crank_speed=crank_speed)
-        require_positive(crank_speed=crank_speed)
         at_smallest, at_largest = self.dead_points()
 
         def acceleration(crank_angle: float) -> float:
@@ -411,6 +405,7 @@ class CrankRocker:
         return 2 * np.arctan2(np.sqrt(beyond), np.sqrt(short))
 
 
+@formula(swing="one number", coupler="one length", rocker="one length", ground="one length")
 def crank_for_swing(swing: float, *, coupler: float, rocker: float, ground: float) -> float:
     """Find the crank length of a crank-rocker that swings its rocker through an angle.
 
@@ -445,11 +440,6 @@ def crank_for_swing(swing: float, *, coupler: float, rocker: float, ground: floa
     >>> round(100 * crank, 2)
     5.85
     """
-    arguments = {"swing": swing, "coupler": coupler, "rocker": rocker, "ground": ground}
-    require_single(**arguments)
-    require_positive(**arguments)
-    check_length(coupler=coupler, rocker=rocker, ground=ground)
-
     # Grashof's condition bounds the crank
     shortest, middle, longest = sorted((coupler, rocker, ground))
     longest_crank = min(shortest, shortest + middle - longest)

@@ -8,11 +8,8 @@ from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
     broadcasting,
-    check_length,
+    check_fields,
     formula,
-    require_finite,
-    require_positive,
-    require_single,
 )
 from erlif.models.mechanism.reach import DEAD_POINT_TOLERANCE, TURN, sign, within_reach
 
@@ -66,17 +63,14 @@ class SliderCrank:
     clearance: float = 0.0
 
     def __post_init__(self) -> None:
-        require_single(**vars(self))
-        require_positive(crank=self.crank, coupler=self.coupler)
-        require_finite(clearance=self.clearance)
-        if not self.clearance >= 0:
-            raise ModelError(f"clearance must not be negative, got {self.clearance:g} m.")
+        check_fields(
+            self, crank="one length", coupler="one length", clearance="known number or zero"
+        )
         if not self.coupler > self.crank:
             raise ModelError(
                 f"coupler must be longer than the crank for the crank to turn fully, got coupler "
                 f"{self.coupler:g} m and crank {self.crank:g} m."
             )
-        check_length(crank=self.crank, coupler=self.coupler)
 
     @property
     def rod(self) -> float:
@@ -145,7 +139,7 @@ class SliderCrank:
         pin = crank_speed**2 * np.sin(crank_angle) - crank_acceleration * np.cos(crank_angle)
         return self.crank * pin / (self.rod * np.cos(phi)) + phi_rate**2 * np.tan(phi)
 
-    @broadcasting
+    @formula()
     def slider_position(self, crank_angle: Values) -> Values:
         """Distance from crank pivot to slider pin at a crank angle.
 
@@ -162,7 +156,7 @@ class SliderCrank:
         phi = self.coupler_angle(crank_angle)
         return self.crank * np.cos(crank_angle) + self.rod * np.cos(phi)
 
-    @broadcasting
+    @formula()
     def slider_speed(self, crank_angle: Values, *, crank_speed: Values) -> Values:
         """Speed of the slider, positive away from the crank pivot.
 
@@ -182,7 +176,7 @@ class SliderCrank:
         phi_rate = self.coupler_speed(crank_angle, crank_speed=crank_speed)
         return -self.crank * crank_speed * np.sin(crank_angle) - self.rod * phi_rate * np.sin(phi)
 
-    @broadcasting
+    @formula()
     def slider_acceleration(
         self, crank_angle: Values, *, crank_speed: Values, crank_acceleration: Values = 0.0
     ) -> Values:
@@ -210,7 +204,7 @@ class SliderCrank:
         pin = crank_acceleration * np.sin(crank_angle) + crank_speed**2 * np.cos(crank_angle)
         return -self.crank * pin - self.rod * (phi_second * np.sin(phi) + phi_rate**2 * np.cos(phi))
 
-    @broadcasting
+    @formula()
     def joint_angle(self, crank_angle: Values) -> Values:
         """Angle by which the crank pin has turned in the bushing of the connecting rod: t - phi.
 
@@ -226,7 +220,7 @@ class SliderCrank:
         """
         return crank_angle - self.coupler_angle(crank_angle)
 
-    @broadcasting
+    @formula()
     def joint_speed(self, crank_angle: Values, *, crank_speed: Values) -> Values:
         """Rate at which the crank pin turns in the bushing of the connecting rod.
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
-from erlif.models.arguments import require_between, require_positive
-from erlif.models.slider.wall import Wall, require_numbers
+from erlif.models.arguments import check_fields
+from erlif.models.slider.wall import Wall
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -60,9 +60,12 @@ class ContactLaw:
     slowest_impact: float = 0.01
 
     def __post_init__(self) -> None:
-        require_numbers(**vars(self))
-        require_positive(stiffness=self.stiffness, slowest_impact=self.slowest_impact)
-        require_between(0.0, 1.0, restitution=self.restitution)
+        check_fields(
+            self,
+            stiffness="known number",
+            restitution="known share",
+            slowest_impact="known number",
+        )
 
 
 class Press(NamedTuple):

@@ -6,7 +6,6 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
-from erlif.models.arguments import Values, require_single
 
 _NEWTON_STEPS = 100
 """Of the eccentricity that carries the load; it takes 2 to 10."""
@@ -124,11 +123,3 @@ class PinCells:
         kept = np.bincount(self.lower.ravel(), ((1 - share) * worn).ravel(), cells)
         passed_on = np.bincount(self.upper.ravel(), (share * worn).ravel(), cells)
         return np.asarray(kept + passed_on, float)
-
-
-def require_numbers(**arguments: Values) -> None:
-    """Refuse arrays and NaN: a NaN would never let the loop over the cycles end."""
-    require_single(**arguments)
-    for name, value in arguments.items():
-        if np.isnan(value):
-            raise ModelError(f"{name} must be a number, got NaN.")

@@ -6,14 +6,7 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
-from erlif.models.arguments import (
-    Values,
-    check_length,
-    check_specific_wear,
-    require_not_negative,
-    require_positive,
-    require_single,
-)
+from erlif.models.arguments import Values, formula
 from erlif.models.mechanism import SliderCrank
 from erlif.models.reaction import JointReaction, SliderCrankBodies, joint_reaction
 
@@ -43,6 +36,15 @@ class CoupledWear:
     greatest_force: Values
 
 
+@formula(
+    crank_speed="known number",
+    bushing_radius="known length",
+    bushing_width="known length",
+    specific_wear="known specific_wear",
+    cycles="whole number",
+    extrapolation="whole number",
+    steps_per_cycle="whole number",
+)
 def coupled_wear(
     linkage: SliderCrank,
     *,
@@ -128,21 +130,6 @@ def coupled_wear(
     >>> print(f"{worn.volume[-1] * 2200 * 1e3:.3f} g")
     0.156 g
     """
-    numbers: dict[str, Values] = {
-        "crank_speed": crank_speed,
-        "bushing_radius": bushing_radius,
-        "bushing_width": bushing_width,
-        "specific_wear": specific_wear,
-        "cycles": cycles,
-        "extrapolation": extrapolation,
-        "steps_per_cycle": steps_per_cycle,
-    }
-    _require_numbers(**numbers)
-    require_not_negative(specific_wear=numbers.pop("specific_wear"))
-    require_positive(**numbers)
-    check_length(bushing_radius=bushing_radius, bushing_width=bushing_width)
-    check_specific_wear(specific_wear=specific_wear)
-
     # the end of a cycle is the start of the next, so it is not sampled twice
     crank_angle = np.linspace(0, 2 * np.pi, steps_per_cycle, endpoint=False)
     at, volume, force = [0], [0.0], []
@@ -171,14 +158,6 @@ def coupled_wear(
 
     depth = np.array(volume) / (2 * bushing_radius * bushing_width)
     return CoupledWear(np.array(at), np.array(volume), depth, np.array(force))
-
-
-def _require_numbers(**arguments: Values) -> None:
-    """Refuse arrays and NaN: a NaN would never let the loop over the cycles end."""
-    require_single(**arguments)
-    for name, value in arguments.items():
-        if np.isnan(value):
-            raise ModelError(f"{name} must be a number, got NaN.")
 
 
 def _mean_load_path(

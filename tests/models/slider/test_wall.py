@@ -4,8 +4,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
-from erlif.core.errors import ModelError
-from erlif.models.slider.wall import PinCells, Wall, require_numbers
+from erlif.models.slider.wall import PinCells, Wall
 
 WALL = Wall(1e-5, cells=180, area=2e-6, stiffness=8e10)
 
@@ -53,8 +52,3 @@ def test_wear_of_the_pin_is_kept_whatever_its_turn():
     npt.assert_allclose(
         seen, np.exp(-(((WALL.angle - 2.0) / 0.2) ** 2)), atol=0.008
     )  # linear: h^2 f'' / 8
-
-
-def test_missing_numbers_are_refused():
-    with pytest.raises(ModelError, match="cycles must be a number, got NaN"):
-        require_numbers(cycles=np.nan)
