@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 
 from erlif.calibration import Calibration
@@ -15,7 +16,7 @@ from erlif.core.errors import ConfigError, ErlifError, OutputError
 from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.io.files import take
 from erlif.io.ingest import RunEntry, read_run_table
-from erlif.pipeline.engines.engine import Engine, open_engine
+from erlif.pipeline.engines.engine import open_engine
 from erlif.pipeline.run import process_run
 
 _logger = logging.getLogger(__name__)
@@ -124,16 +125,16 @@ def batch(
     outcomes = []
     with open_engine(workers=workers, scheduler=scheduler) as engine:
         for entry in entries:
-            outcome = _process_entry(
-                entry,
-                entry.calibration or calibration,
-                engine,
+            process_one = partial(
+                process_run,
+                calibration=entry.calibration or calibration,
                 resume=resume,
                 overwrite=overwrite,
                 skip_bad_frames=skip_bad_frames,
                 allow_outside=allow_outside,
-                progress=progress,
+                engine=engine,
             )
+            outcome = _process_entry(entry, process_one, progress)
             outcomes.append(outcome)
             if report is not None:
                 report(outcome)
@@ -219,15 +220,7 @@ def _refuse_repeated(paths: Sequence[Path], run_dirs: Sequence[Path]) -> None:
 
 
 def _process_entry(
-    entry: RunEntry,
-    calibration: Calibration | str | Path | None,
-    engine: Engine,
-    *,
-    resume: bool,
-    overwrite: bool,
-    skip_bad_frames: bool,
-    allow_outside: bool,
-    progress: Progress,
+    entry: RunEntry, process_one: Callable[..., bool], progress: Progress
 ) -> RunOutcome:
     """Process one run and describe what became of it."""
     name, output = entry.run_dir.name, _output_of(entry)
@@ -235,15 +228,9 @@ def _process_entry(
     state, message = RunState.FINISHED, ""
     _logger.info("%s: started", entry.run_dir)
     try:
-        computed = process_run(
+        computed = process_one(
             entry.run_dir,
             output,
-            calibration=calibration,
-            resume=resume,
-            overwrite=overwrite,
-            skip_bad_frames=skip_bad_frames,
-            allow_outside=allow_outside,
-            engine=engine,
             progress=lambda what, done, total: progress(f"{name}, {what}", done, total),
         )
         if not computed:

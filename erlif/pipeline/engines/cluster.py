@@ -16,7 +16,8 @@ import uuid
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
+from itertools import islice
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -150,36 +151,23 @@ class Cluster:
         waiting = iter(items)
         jobs: deque[tuple[int, Any]] = deque()
         looked, ahead = 0.0, 0
-        everywhere = False
-
-        def submit_more() -> None:
-            for item in waiting:
-                key = (f"trigger-{name}", item)
-                jobs.append(
-                    (item, self._client.submit(_call, sent, name, __version__, item, key=key))
-                )
-                if len(jobs) >= ahead:
-                    return
-
         try:
             while True:
                 # workers come and go: their number decides how much is submitted
                 if time.monotonic() - looked > _LOOK:
                     ahead = _AHEAD * max(1, sum(self._client.nthreads().values()))
                     looked = time.monotonic()
-                    self._replace_lost()
-                if len(jobs) < ahead:
-                    submit_more()
+                for item in islice(waiting, max(ahead - len(jobs), 0)):
+                    key = (f"trigger-{name}", item)
+                    job = self._client.submit(_call, sent, name, __version__, item, key=key)
+                    jobs.append((item, job))
                 if not jobs:
                     return
-                if not everywhere:
-                    # the worker that has loaded the work computes meanwhile; the others would fetch
-                    # it with their first item. A worker may be lost at any moment.
-                    with suppress(Exception):
-                        self._client.replicate([sent])
-                    everywhere = True
+
+                # in the order of the items; one that is lost with its worker is computed again
                 item, job = jobs.popleft()
-                collect(item, self._fetch(job))
+                self._wait_until_done(job)
+                collect(item, self._client.gather(job))
         finally:
             self._client.cancel([job for _, job in jobs], force=True)
 
@@ -213,7 +201,6 @@ class Cluster:
                     wait(job, timeout=_LOOK)
                 return
             except TimeoutError:
-                self._replace_lost()
                 if warned or self._client.nthreads():
                     continue
             warned = True
@@ -222,23 +209,6 @@ class Cluster:
                 self.scheduler,
                 self._start_a_worker(),
             )
-
-    def _fetch(self, job: Any) -> Any:
-        """Result of a job; one that is lost with its worker is computed again."""
-        patience = _LOOK
-        while True:
-            self._wait_until_done(job)
-            try:
-                return job.result(timeout=patience)
-            except TimeoutError:
-                if job.status == "error":  # the work itself was too slow
-                    raise
-                patience *= 2  # the way of a large result may be long
-
-    def _replace_lost(self) -> None:
-        """Start workers of our own again that ended before they were ready; dask does the rest."""
-        if self._own is not None:
-            self._own.scale(len(self._own.worker_spec))
 
     def _connect(self) -> None:
         """Connect to the scheduler, or start one with workers on this machine."""
