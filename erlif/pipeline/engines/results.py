@@ -3,21 +3,71 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Level, Note
 from erlif.io.ingest import FramePairs, depth_warning
-from erlif.ratio import NO_CELLS, NO_PULSE, LightCells, PairRatio, PulseSample, sample_pulse
-from erlif.thickness import NO_PATCH, PatchMean
-from erlif.trend import FilmStatistics, PinPosition
+from erlif.ratio import (
+    NO_CELLS,
+    NO_PULSE,
+    LightCells,
+    PairRatio,
+    PulseSample,
+    sample_cells,
+    sample_pulse,
+)
+from erlif.thickness import NO_PATCH, PatchMean, sample_patch
+from erlif.trend import FilmStatistics, PinPosition, Region
 
 _COLUMNS = ("frame", "drift", "peaks", "pulse_energy", "digests", "pulse", "cells", "patch")
 """Arrays of a trigger with one row for each frame pair."""
+
+
+class FrameLight(NamedTuple):
+    """Light of a frame pair in the cells of the image and in the reference patch.
+
+    Attributes
+    ----------
+    cells : LightCells
+    patch : PatchMean
+    """
+
+    cells: LightCells
+    patch: PatchMean
+
+
+def sample_light(pair: PairRatio, patch: Region | None, *, with_cells: bool = True) -> FrameLight:
+    """Light of a frame pair.
+
+    Parameters
+    ----------
+    pair : PairRatio
+    patch : Region or None
+        Rows and columns of the reference patch.
+    with_cells : bool
+        Whether the cells are filled; otherwise they are NaN.
+
+    Returns
+    -------
+    FrameLight
+    """
+    light, log_ratio, variance, flags = pair.light_one, pair.log_ratio, pair.variance, pair.flags
+    cells = sample_cells(light, log_ratio, variance, flags) if with_cells else NO_CELLS
+    if patch is None:
+        return FrameLight(cells, NO_PATCH)
+    at = patch.rows, patch.columns
+    correlation = pair.noise_correlation
+    return FrameLight(
+        cells,
+        sample_patch(
+            light[at], log_ratio[at], variance[at], flags[at], noise_correlation=correlation
+        ),
+    )
 
 
 @dataclass(frozen=True)
@@ -55,25 +105,12 @@ class FrameResult:
     patch: PatchMean = field(default=NO_PATCH, compare=False)
 
     @classmethod
-    def of(
-        cls,
-        frame: int,
-        pair: PairRatio,
-        *,
-        cells: LightCells = NO_CELLS,
-        patch: PatchMean = NO_PATCH,
-    ) -> FrameResult:
+    def of(cls, frame: int, pair: PairRatio, light: FrameLight | None = None) -> FrameResult:
         """Result of one frame pair, whose pulse is sampled from its ratio."""
         pulse = sample_pulse(pair.light_one, pair.log_ratio, pair.flags)
-        return cls(
-            frame,
-            pair.drift,
-            pair.peaks,
-            digests=pair.digests,
-            pulse=pulse,
-            cells=cells,
-            patch=patch,
-        )
+        digests = pair.digests
+        result = cls(frame, pair.drift, pair.peaks, digests=digests, pulse=pulse)
+        return result if light is None else replace(result, cells=light.cells, patch=light.patch)
 
 
 @dataclass(frozen=True)

@@ -19,11 +19,10 @@ from erlif.core.progress import Progress
 from erlif.io.files import MapStore, PartialFilm
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Engine
-from erlif.pipeline.engines.results import FrameResult, TriggerResult
+from erlif.pipeline.engines.results import FrameResult, TriggerResult, sample_light
 from erlif.pipeline.film import MAPS
 from erlif.pipeline.passes import measure_film, measure_pulse
-from erlif.pipeline.physics.light import sample_light, sample_reference
-from erlif.ratio import NO_CELLS, PairRatio, RatioSum, smooth_ratio
+from erlif.ratio import PairRatio, RatioSum, smooth_ratio
 from erlif.thickness import FilmTables, measure_pulse_energy
 from erlif.trend import FilmCurve, PinView, Region, find_pin_in_blocks, summarise_blocks
 
@@ -117,10 +116,8 @@ class TriggerTask(PickledByFields):
 
     def _keep(self, frame: int, pair: PairRatio) -> FrameResult:
         """What is kept of a frame, with its light in the cells of the image and in the patch."""
-        sampled = frame in self.sampled
-        light = sample_light(pair, self.patch) if sampled else None
-        cells, patch = light or (NO_CELLS, sample_reference(pair, self.patch))
-        return FrameResult.of(frame, pair, cells=cells, patch=patch)
+        light = sample_light(pair, self.patch, with_cells=frame in self.sampled)
+        return FrameResult.of(frame, pair, light)
 
     @cached_property
     def tables(self) -> FilmTables:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -17,11 +17,10 @@ from erlif.io.ingest import FramePairs, Run
 from erlif.io.settings import LightOptions
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Threads
-from erlif.pipeline.engines.results import FrameResult, TriggerResult
+from erlif.pipeline.engines.results import FrameLight, FrameResult, TriggerResult, sample_light
 from erlif.pipeline.physics.position import AXES
-from erlif.pipeline.recording.reference import describe_reference, find_patch
-from erlif.ratio import LightCells, PairRatio, cell_places, sample_cells
-from erlif.thickness import NO_PATCH, PatchMean, sample_patch
+from erlif.pipeline.physics.reference import describe_reference, find_patch
+from erlif.ratio import cell_places
 from erlif.trend import (
     BackgroundEstimate,
     LightRecord,
@@ -47,50 +46,6 @@ def choose_frames(pairs: FramePairs) -> frozenset[int]:
     frozenset of int
     """
     return frozenset(pairs.spread(_MOST_FRAMES))
-
-
-class FrameLight(NamedTuple):
-    """Light of a frame pair in the cells of the image and in the reference patch.
-
-    Attributes
-    ----------
-    cells : LightCells
-    patch : PatchMean
-    """
-
-    cells: LightCells
-    patch: PatchMean
-
-
-def sample_light(pair: PairRatio, patch: Region | None) -> FrameLight:
-    """Light of a frame pair.
-
-    Parameters
-    ----------
-    pair : PairRatio
-    patch : Region or None
-        Rows and columns of the reference patch.
-
-    Returns
-    -------
-    FrameLight
-    """
-    cells = sample_cells(pair.light_one, pair.log_ratio, pair.variance, pair.flags)
-    return FrameLight(cells, sample_reference(pair, patch))
-
-
-def sample_reference(pair: PairRatio, patch: Region | None) -> PatchMean:
-    """Light of a frame pair in the reference patch; NaN without one."""
-    if patch is None:
-        return NO_PATCH
-    within = patch.rows, patch.columns
-    return sample_patch(
-        pair.light_one[within],
-        pair.log_ratio[within],
-        pair.variance[within],
-        pair.flags[within],
-        noise_correlation=pair.noise_correlation,
-    )
 
 
 def measure_lights(

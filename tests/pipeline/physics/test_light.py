@@ -8,7 +8,8 @@ import pytest
 import xarray as xr
 
 import erlif
-from erlif.pipeline.physics.light import FrameLight, find_bleaching
+from erlif.pipeline.engines.results import FrameLight
+from erlif.pipeline.physics.light import find_bleaching
 from erlif.ratio import NO_CELLS
 from erlif.rig import RigSettings, simulate
 from erlif.thickness import NO_PATCH

@@ -10,7 +10,7 @@ import xarray as xr
 import erlif
 from erlif.core.errors import ConfigError
 from erlif.io.settings import ReferenceSettings
-from erlif.pipeline.recording.reference import find_patch
+from erlif.pipeline.physics.reference import find_patch
 from erlif.rig import RigSettings, simulate
 from erlif.rig.dyes import BANDS, tabulate_signal
 
