@@ -1,12 +1,10 @@
 """The models load on first use, need numpy and scipy alone, and share one form of call."""
 
-import ast
 import importlib
 import inspect
 import pkgutil
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -59,15 +57,8 @@ def test_dir_and_star_import_show_every_module():
     assert run("import erlif.models\nprint(dir(erlif.models))") == str(dir(erlif.models))
 
 
-def test_type_checkers_see_every_module():
-    source = Path(erlif.models.__file__).read_text(encoding="utf-8")
-    (block,) = (node for node in ast.parse(source).body if isinstance(node, ast.If))
-    seen = [alias.name for node in block.body for alias in node.names]
-    assert set(seen) == set(erlif.models.__all__)
-
-
 def test_unknown_module_is_an_attribute_error():
-    with pytest.raises(AttributeError, match=r"module 'erlif\.models' has no attribute 'grease'"):
+    with pytest.raises(AttributeError, match=r"No erlif\.models attribute grease"):
         _ = erlif.models.grease
 
 

@@ -1,0 +1,31 @@
+from .ends import (
+    edge_exponent,
+    lundberg_profile,
+)
+from .half_space import (
+    solve_contact,
+)
+from .joint import (
+    Joint,
+    Undercut,
+    prepare_joint,
+    search_undercut,
+    section_stress,
+    solve_joint,
+)
+from .stress import (
+    subsurface_stress,
+)
+
+__all__ = [
+    "Joint",
+    "Undercut",
+    "edge_exponent",
+    "lundberg_profile",
+    "prepare_joint",
+    "search_undercut",
+    "section_stress",
+    "solve_contact",
+    "solve_joint",
+    "subsurface_stress",
+]
