@@ -15,16 +15,17 @@ Pixel formats have the names of the GenICam pixel format naming convention (EMVA
 
 from __future__ import annotations
 
-import difflib
 import json
 import tomllib
 from pathlib import Path
-from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from erlif.core.errors import FrameError
 from erlif.io.readers.base import Format, FrameFile
-from erlif.io.readers.raw import FrameLayout, RawFrames, count_frames, frame_interval
+from erlif.io.readers.raw import FrameLayout, RawFrames, count_frames
 from erlif.io.readers.sidecar import find_beside, read_text
+from erlif.io.readers.unpack import Packing
 
 _FORMATS = {
     "Mono8": (8, ""),
@@ -41,9 +42,20 @@ _FORMATS = {
 }
 """Bits of a count and order of packed bits by the name of a pixel format."""
 
-_KEYS = ("width", "height", "pixel_format", "frames", "frame_rate", "header_bytes")
-
 _EXAMPLE = 'width = 1280, height = 1024, pixel_format = "Mono12p"'
+
+
+class _Description(BaseModel):
+    """What stands beside the frames."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+    width: int = Field(ge=0, lt=1 << 48)
+    height: int = Field(ge=0, lt=1 << 48)
+    pixel_format: str = Field(pattern=f"^({'|'.join(_FORMATS)})$")
+    frames: int | None = Field(None, ge=0, lt=1 << 48)
+    frame_rate: float | None = Field(None, ge=1e-6, le=1e9)
+    header_bytes: int = Field(0, ge=0, lt=1 << 48)
 
 
 def open_raw(path: Path) -> FrameFile:
@@ -69,25 +81,22 @@ def open_raw(path: Path) -> FrameFile:
             f"the format of raw frames stands in no file. Put {path.stem}.toml beside them, with "
             f"{_EXAMPLE}."
         )
-    entries = _read_entries(beside)
-    shape = (_whole(entries, "height", beside), _whole(entries, "width", beside))
-    bits, packing = _find_format(entries, beside)
+    given = _read_description(beside)
+    shape = given.height, given.width
+    bits, packing = _FORMATS[given.pixel_format]
     layout = FrameLayout(shape, "|u1" if bits == 8 else "<u2")
     if packing:
-        from erlif.io.readers.unpack import Packing
-
         layout = FrameLayout(shape, "<u2", packing=Packing[packing])
 
-    start = _whole(entries, "header_bytes", beside) if "header_bytes" in entries else 0
-    size, step = path.stat().st_size, max(layout.size, 1)
+    start, size, step = given.header_bytes, path.stat().st_size, max(layout.size, 1)
     held = count_frames(size, start=start, step=step)
-    count = _whole(entries, "frames", beside) if "frames" in entries else held
+    count = held if given.frames is None else given.frames
     file = RawFrames(
         path,
         layout,
         range(start, start + count * step, step),
         bits=bits,
-        interval=_interval(entries, beside),
+        interval=None if given.frame_rate is None else 1 / given.frame_rate,
         companions=(beside,),
     )
 
@@ -101,53 +110,21 @@ def open_raw(path: Path) -> FrameFile:
     return file
 
 
-def _read_entries(path: Path) -> dict[str, Any]:
+def _read_description(path: Path) -> _Description:
     """Keys and values of the description."""
     try:
         text = read_text(path).encode("latin-1").decode("utf-8")
         entries = json.loads(text) if path.suffix.lower() == ".json" else tomllib.loads(text)
+        return _Description.model_validate(entries)
+    except ValidationError as error:
+        fault = error.errors()[0]
+        key = ".".join(map(str, fault["loc"])) or "the file"
+        raise FrameError(
+            f"{path.name} cannot be read: {key}, {str(fault['input'])[:40]}: {fault['msg']}. "
+            f"Expected {', '.join(_Description.model_fields)}, as in {_EXAMPLE}."
+        ) from error
     except (ValueError, RecursionError) as error:  # both parsers, and bytes that are not UTF-8
         raise FrameError(f"{path.name} cannot be read: {error}") from error
-    if not isinstance(entries, dict):
-        raise FrameError(f"{path.name} holds no keys. Expected {_EXAMPLE}.")
-
-    for key in entries:
-        if key not in _KEYS:
-            close = difflib.get_close_matches(key, _KEYS, 1)
-            known = f"Did you mean {close[0]}?" if close else f"Known are {', '.join(_KEYS)}."
-            raise FrameError(f"{path.name} has the unknown key {key!r}. {known}")
-    return entries
-
-
-def _find_format(entries: dict[str, Any], path: Path) -> tuple[int, str]:
-    name = entries.get("pixel_format")
-    if not isinstance(name, str) or name not in _FORMATS:
-        came = f"the pixel_format {name!r}" if name is not None else "no pixel_format"
-        raise FrameError(f"{path.name} has {came}. Read are {', '.join(_FORMATS)}.")
-    return _FORMATS[name]
-
-
-def _whole(entries: dict[str, Any], key: str, path: Path) -> int:
-    """A whole number of the description."""
-    value = entries.get(key)
-    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 1 << 48:
-        came = f"{key} = {str(value)[:40]}" if key in entries else f"no {key}"
-        raise FrameError(f"{path.name} has {came}; expected a whole number, as in {_EXAMPLE}.")
-    return value
-
-
-def _interval(entries: dict[str, Any], path: Path) -> float | None:
-    """Time between two frames. [s]"""
-    rate = entries.get("frame_rate")
-    if rate is None:
-        return None
-    numeric = isinstance(rate, (int, float)) and not isinstance(rate, bool)
-    interval = frame_interval(rate) if numeric else None
-    if interval is None:
-        raise FrameError(
-            f"{path.name} has frame_rate = {str(rate)[:40]}; expected a number of Hz above 0."
-        )
-    return interval
 
 
 def _is_raw(path: Path, head: bytes) -> bool:

@@ -279,15 +279,11 @@ def _array_beside(data: Any, name: str) -> Any:
     return item if decodable and _chunk_size(item) <= _LARGEST_TIMES else None
 
 
-def _open_dataset(path: Path, dataset: str) -> FrameFile:
-    return Hdf5Frames(path, dataset)
-
-
 HDF5 = Format(
     "HDF5, netCDF-4",
     (".h5", ".hdf5", ".he5", ".nc", ".nc4"),
     lambda path, head: head[:8] == SIGNATURE,
     Hdf5Frames,
     extra="formats",
-    open_dataset=_open_dataset,
+    open_dataset=Hdf5Frames,
 )

@@ -29,6 +29,7 @@ from erlif.io.readers.base import (
 )
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
+from erlif.io.readers.unpack import Packing, unpack
 
 _FIELDS = {
     "version": ("<h", 0),
@@ -111,8 +112,6 @@ class CompressedImage(FrameFile):
 
     def _read_12_bits(self, kind: FrameKind, index: int) -> AnyArray:
         """Four pixels in six bytes; those left over at the end of a row in two bytes each."""
-        from erlif.io.readers.unpack import Packing, unpack
-
         rows, columns = kind.shape
         packed, rest = columns // 4, columns % 4
         data = np.empty((rows, 6 * packed + 2 * rest), np.uint8)

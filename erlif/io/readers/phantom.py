@@ -25,6 +25,7 @@ from erlif.core.errors import FrameError
 from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile, read_fields
 from erlif.io.readers.raw import FrameLayout, RawFrames, frame_interval
 from erlif.io.readers.source import Source
+from erlif.io.readers.unpack import Packing
 
 _FILE_HEADER = {
     "kind": ("2s", 0),
@@ -219,8 +220,6 @@ def _find_layout(bitmap: Any) -> FrameLayout:
     """Layout of the counts after the bitmap header."""
     shape = (abs(bitmap.height), bitmap.width)
     if bitmap.compression in (_PACKED_10, _PACKED_12):
-        from erlif.io.readers.unpack import Packing
-
         if bitmap.compression == _PACKED_12:
             return FrameLayout(shape, "<u2", packing=Packing.HIGH_12)
         return FrameLayout(shape, "<u2", packing=Packing.HIGH_10, table=phantom_table())

@@ -17,6 +17,7 @@ from erlif.core.errors import FrameError
 from erlif.io.readers.base import Format, FrameFile, colour_camera
 from erlif.io.readers.raw import FrameLayout, RawFrames, frame_interval
 from erlif.io.readers.sidecar import find_beside, read_text
+from erlif.io.readers.unpack import Packing
 
 _HEADERS = (".cihx", ".cih")
 """Endings of the headers, the newer form first."""
@@ -160,8 +161,6 @@ def open_photron(path: Path) -> FrameFile:
     header = read_photron_header(read_text(header_path))
     layout = FrameLayout(header.shape, "|u1" if header.stored_bits == 8 else "<u2")
     if header.stored_bits == 12:
-        from erlif.io.readers.unpack import Packing
-
         layout = FrameLayout(header.shape, "<u2", packing=Packing.HIGH_12)
 
     step = max(layout.size, 1)

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,9 +22,7 @@ from erlif.io.readers.base import (
     check_claim,
 )
 from erlif.io.readers.source import Source
-
-if TYPE_CHECKING:
-    from erlif.io.readers.unpack import Packing
+from erlif.io.readers.unpack import Packing, unpack
 
 _MOST_MISSING = 10
 """Frames in a header for each frame in the file above which the header is taken as damaged. A
@@ -264,9 +261,6 @@ def read_counts(source: Source, layout: FrameLayout, offset: int) -> AnyArray:
     """
     rows, columns = layout.shape
     if layout.packing is not None:
-        # imported here because it loads numba, which plain counts do without
-        from erlif.io.readers.unpack import unpack
-
         packed = np.empty(layout.size, np.uint8)
         source.fill(packed, offset)
         flat = unpack(packed, rows * columns, layout.packing, table=layout.table)

@@ -61,5 +61,5 @@ def test_a_missing_description_is_asked_for(tmp_path):
 def test_a_damaged_json_file_is_refused(tmp_path, text):
     (tmp_path / "a.raw").write_bytes(bytes(100))
     (tmp_path / "a.json").write_bytes(text.encode("latin-1"))
-    with pytest.raises(FrameError, match=r"a\.json (cannot be read|holds no keys)"):
+    with pytest.raises(FrameError, match=r"a\.json cannot be read"):
         open_raw(tmp_path / "a.raw")
