@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -45,45 +45,83 @@ class PictureSize(click.ParamType[tuple[int, int]]):
         return int(width), int(height)
 
 
-class SidewaysChoice(click.ParamType["float | str"]):
-    """Free, guided, or the stiffness of a spring that holds the pin at right angles to the load."""
+class NumberOrWord(click.ParamType["float | str"]):
+    """A number, or one of a few words."""
 
-    name = "free|guided|N/m"
+    def __init__(self, number: str, *words: str, example: str) -> None:
+        self.name = "|".join((number, *words) if len(words) == 1 else (*words, number))
+        self.words = words
+        self.expected = f"none of the words {', '.join(words)} and no number, such as {example}"
 
     def convert(
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
     ) -> float | str:
         """A number, or the word itself."""
-        if value in SIDEWAYS:
+        if value in self.words:
             return str(value)
         try:
             return float(str(value))
         except ValueError:
-            self.fail(
-                f"{value!r} is none of {', '.join(SIDEWAYS)} and no stiffness in N/m, such as "
-                "50000.",
-                param,
-                ctx,
-            )
+            self.fail(f"{value!r} is {self.expected}.", param, ctx)
 
 
-class FilmChoice(click.ParamType["float | str"]):
-    """A film at top speed, or the word for the film of theory."""
+RIG_OPTIONS = {
+    "mechanism": "Motion: a linkage, a disc, a slider, or none.",
+    "pictures": "Frame pairs in a cycle of a disc or slider, or of a static film.",
+    "spacing": "Rocker angle between two triggers, in degrees.",
+    "cycles": "Number of turns of the crank.",
+    "film": "Minimum film thickness at top speed, in um, of a power law; or reynolds, the film "
+    "that load and motion produce, which changes from cycle to cycle.",
+    "elapsed": "Film reynolds: turns of the crank from loading, with a centred pin, to the first "
+    "cycle.",
+    "sideways": "Film reynolds: how the pin is held at right angles to the load.",
+    "cavitation_pressure": "Film reynolds: pressure of cavities over the ambient one, in kPa.",
+    "write_mount": "Film reynolds: write the mount of the pin, the cavitation pressure and the "
+    "load line into run.toml.",
+    "load": "Mean load, in N.",
+    "viscosity": "Viscosity of the oil, in Pa s.",
+    "stated_viscosity": "Viscosity that run.toml states, in Pa s; 0: the true one.",
+    "exponent": "Exponent of the film thickness over speed/load.",
+    "marks": "Height of the turning marks, rms in um.",
+    "bubbles": "Largest number of bubbles in a frame.",
+    "light": "Exposure; 1 reaches nearly full scale.",
+    "vibration": "Vibration of camera 2, rms in pixels.",
+    "fixture_frames": "Number of frame pairs of the wedge.",
+    "cmm_noise": "Noise of the measured profile of the wedge, in um.",
+    "write_zero": "Write the encoder's zero into run.toml.",
+    "encoder": "Link that carries the encoder.",
+    "reading": "What the encoder shows; wrapped and ticks start again at 0 within the stroke.",
+    "pulses_per_cycle": "Frames per turn at even crank angles, 50.89 for example; 0: at marks of "
+    "the rocker.",
+    "log": "One row for each of the frames, or a log in time at 10 kHz.",
+    "background": "Even light that is not film, over the median light of the run.",
+    "background_beam": "The same with the shape of the laser beam.",
+    "background_pages": "Frames of the dry joint written for each camera.",
+    "bleaching": "Shares of dye 1 and dye 2 that each pulse destroys.",
+    "reference": "Film of a patch that stays the same, in um; 0: none.",
+}
+"""Help of the options that are settings of the rig, in the order of ``--help``."""
 
-    name = "UM|reynolds"
+_TYPES: dict[str, Any] = {
+    "film": NumberOrWord("UM", "reynolds", example="6"),
+    "sideways": NumberOrWord("N/m", *SIDEWAYS, example="50000, a stiffness in N/m"),
+    "bleaching": (float, float),
+}
+"""Types that do not follow from default or choice."""
 
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float | str:
-        """A number, or the word itself."""
-        if value == "reynolds":
-            return "reynolds"
-        try:
-            return float(str(value))
-        except ValueError:
-            self.fail(
-                f"{value!r} is neither a film in um, such as 6, nor the word reynolds.", param, ctx
-            )
+
+def rig_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command the options of the rig, with its defaults and choices."""
+    for name, text in reversed(RIG_OPTIONS.items()):
+        default = DEFAULT.film_reference if name == "film" else getattr(DEFAULT, name)
+        kind = _TYPES.get(name) or (click.Choice(CHOICES[name]) if name in CHOICES else None)
+        flag = "--" + name.removeprefix("write_").replace("_", "-")
+        if isinstance(default, bool):
+            flag += flag.replace("--", "/--no-")
+        command = click.option(
+            flag, name, default=default, show_default=True, type=kind, help=text
+        )(command)
+    return command
 
 
 @click.command()
@@ -102,183 +140,7 @@ class FilmChoice(click.ParamType["float | str"]):
     type=PictureSize(),
     help="Columns x rows of both cameras; the field stays 19.2 mm wide.",
 )
-@click.option(
-    "--mechanism",
-    default=DEFAULT.mechanism,
-    show_default=True,
-    type=click.Choice(CHOICES["mechanism"]),
-    help="Motion: a linkage, a disc, a slider, or none.",
-)
-@click.option(
-    "--pictures",
-    default=DEFAULT.pictures,
-    show_default=True,
-    help="Frame pairs in a cycle of a disc or slider, or of a static film.",
-)
-@click.option(
-    "--spacing",
-    default=DEFAULT.spacing,
-    show_default=True,
-    help="Rocker angle between two triggers, in degrees.",
-)
-@click.option(
-    "--cycles", default=DEFAULT.cycles, show_default=True, help="Number of turns of the crank."
-)
-@click.option(
-    "--film",
-    default=DEFAULT.film_reference,
-    show_default=True,
-    type=FilmChoice(),
-    help="Minimum film thickness at top speed, in um, of a power law; or reynolds, the film that "
-    "load and motion produce, which changes from cycle to cycle.",
-)
-@click.option(
-    "--elapsed",
-    default=DEFAULT.elapsed,
-    show_default=True,
-    help="Film reynolds: turns of the crank from loading, with a centred pin, to the first cycle.",
-)
-@click.option(
-    "--sideways",
-    default=DEFAULT.sideways,
-    show_default=True,
-    type=SidewaysChoice(),
-    help="Film reynolds: how the pin is held at right angles to the load.",
-)
-@click.option(
-    "--cavitation-pressure",
-    default=DEFAULT.cavitation_pressure,
-    show_default=True,
-    help="Film reynolds: pressure of cavities over the ambient one, in kPa.",
-)
-@click.option(
-    "--mount/--no-mount",
-    "write_mount",
-    default=True,
-    show_default=True,
-    help="Film reynolds: write the mount of the pin, the cavitation pressure and the load line "
-    "into run.toml.",
-)
-@click.option("--load", default=DEFAULT.load, show_default=True, help="Mean load, in N.")
-@click.option(
-    "--viscosity",
-    default=DEFAULT.viscosity,
-    show_default=True,
-    help="Viscosity of the oil, in Pa s.",
-)
-@click.option(
-    "--stated-viscosity",
-    default=DEFAULT.stated_viscosity,
-    show_default=True,
-    help="Viscosity that run.toml states, in Pa s; 0: the true one.",
-)
-@click.option(
-    "--exponent",
-    default=DEFAULT.exponent,
-    show_default=True,
-    help="Exponent of the film thickness over speed/load.",
-)
-@click.option(
-    "--marks",
-    default=DEFAULT.marks,
-    show_default=True,
-    help="Height of the turning marks, rms in um.",
-)
-@click.option(
-    "--bubbles",
-    default=DEFAULT.bubbles,
-    show_default=True,
-    help="Largest number of bubbles in a frame.",
-)
-@click.option(
-    "--light",
-    default=DEFAULT.light,
-    show_default=True,
-    help="Exposure; 1 reaches nearly full scale.",
-)
-@click.option(
-    "--vibration",
-    default=DEFAULT.vibration,
-    show_default=True,
-    help="Vibration of camera 2, rms in pixels.",
-)
-@click.option(
-    "--fixture-frames",
-    default=DEFAULT.fixture_frames,
-    show_default=True,
-    help="Number of frame pairs of the wedge.",
-)
-@click.option(
-    "--cmm-noise",
-    default=DEFAULT.cmm_noise,
-    show_default=True,
-    help="Noise of the measured profile of the wedge, in um.",
-)
-@click.option(
-    "--zero/--no-zero",
-    "write_zero",
-    default=True,
-    show_default=True,
-    help="Write the encoder's zero into run.toml.",
-)
-@click.option(
-    "--encoder",
-    default=DEFAULT.encoder,
-    show_default=True,
-    type=click.Choice(CHOICES["encoder"]),
-    help="Link that carries the encoder.",
-)
-@click.option(
-    "--reading",
-    default=DEFAULT.reading,
-    show_default=True,
-    type=click.Choice(CHOICES["reading"]),
-    help="What the encoder shows; wrapped and ticks start again at 0 within the stroke.",
-)
-@click.option(
-    "--pulses-per-cycle",
-    default=DEFAULT.pulses_per_cycle,
-    show_default=True,
-    help="Frames per turn at even crank angles, 50.89 for example; 0: at marks of the rocker.",
-)
-@click.option(
-    "--log",
-    default=DEFAULT.log,
-    show_default=True,
-    type=click.Choice(CHOICES["log"]),
-    help="One row for each of the frames, or a log in time at 10 kHz.",
-)
-@click.option(
-    "--background",
-    default=DEFAULT.background,
-    show_default=True,
-    help="Even light that is not film, over the median light of the run.",
-)
-@click.option(
-    "--background-beam",
-    default=DEFAULT.background_beam,
-    show_default=True,
-    help="The same with the shape of the laser beam.",
-)
-@click.option(
-    "--background-pages",
-    default=DEFAULT.background_pages,
-    show_default=True,
-    help="Frames of the dry joint written for each camera.",
-)
-@click.option(
-    "--bleaching",
-    type=(float, float),
-    default=DEFAULT.bleaching,
-    show_default=True,
-    help="Shares of dye 1 and dye 2 that each pulse destroys.",
-)
-@click.option(
-    "--reference",
-    default=DEFAULT.reference,
-    show_default=True,
-    help="Film of a patch that stays the same, in um; 0: none.",
-)
+@rig_options
 @click.option(
     "--plan",
     "planned",
