@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from erlif.core.arrays import Array, Image
+from erlif.core.arrays import Array
 from erlif.review.audit.cameras import Picture
 from erlif.review.audit.counts import CountSurvey
 from erlif.review.audit.log import Steps
 from erlif.show.plots.style import (
-    FLAGGED,
     FLAGGED_DIFFERENCE,
     MUTED,
     ONE_COLUMN,
@@ -18,14 +17,18 @@ from erlif.show.plots.style import (
     RETURN,
     TWO_COLUMNS,
     add_colour_bar,
-    colour_map,
+    colour_limits,
+    draw_image,
+    even_limits,
     letter,
+    letter_panels,
     new_figure,
     styled,
 )
 
 _LOOKS = ((OUTWARD, "o", OUTWARD), (RETURN, "s", "white"))
-_WITHIN = (0.5, 99.5)  # percentiles at the ends of a colour scale
+_WITHIN = 99.5  # percentile of the differences at the ends of their colour scale
+_LEAST_SHARE = 1e-3  # per cent; equal images still need a scale
 _AROUND = 0.55  # inch above and below an image
 _STEADY = 0.01  # relative change of the time step that the axis shows at least
 _ROOM = 1.1  # height of an axis over the highest value
@@ -48,12 +51,7 @@ def pair_figure(picture: Picture) -> Figure:
     rows, columns = picture.light[0].shape
     figure = new_figure(TWO_COLUMNS, 0.38 * TWO_COLUMNS * rows / columns + _AROUND)
     for ax, light, number in zip(figure.subplots(1, 2), picture.light, (1, 2), strict=True):
-        image = ax.imshow(
-            light,
-            cmap=colour_map("batlow", bad=FLAGGED),
-            **_limits(light),
-            interpolation="none",
-        )
+        image = draw_image(ax, light, colour_limits(light))
         add_colour_bar(image, ax, "corrected light [DN]")
         ax.set_title(f"camera {number}, pair {picture.frame}")
         letter(ax, "ab"[number - 1])
@@ -78,15 +76,8 @@ def difference_figure(picture: Picture) -> Figure:
     figure = new_figure(ONE_COLUMN, 0.76 * ONE_COLUMN * rows / columns + _AROUND)
     ax = figure.add_subplot()
     share = 100 * picture.difference
-    valid = share[np.isfinite(share)]
-    largest = float(np.percentile(np.abs(valid), _WITHIN[1])) if valid.size else 1.0
-    image = ax.imshow(
-        share,
-        cmap=colour_map("vik", bad=FLAGGED_DIFFERENCE),
-        vmin=-largest,
-        vmax=largest,
-        interpolation="none",
-    )
+    limits = even_limits(share, within=_WITHIN, least=_LEAST_SHARE)
+    image = draw_image(ax, share, limits, colours="vik", bad=FLAGGED_DIFFERENCE)
     add_colour_bar(image, ax, "ratio over its surroundings [%]")
     ax.set_axis_off()
     return figure
@@ -158,8 +149,7 @@ def light_figure(survey: CountSurvey, darks: tuple[float, float]) -> Figure:
     upper.set_ylabel("median light [DN]")
     lower.set(ylabel="fine structure [%]", xlabel="frame pair [1]")
     upper.legend(title="camera", ncols=2)
-    letter(upper, "a")
-    letter(lower, "b")
+    letter_panels(upper, lower)
     return figure
 
 
@@ -199,10 +189,3 @@ def steps_figure(steps: Steps) -> Figure | None:
         letter(ax, mark)
     axes[-1].set_xlabel("frame pair [1]")
     return figure
-
-
-def _limits(values: Image) -> dict[str, float]:
-    """Ends of the colour scale; 0 to 1 where no pixel is valid."""
-    shown = values[np.isfinite(values)]
-    low, high = np.percentile(shown, _WITHIN) if shown.size else (0.0, 1.0)
-    return {"vmin": float(low), "vmax": float(high)}

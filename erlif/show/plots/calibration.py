@@ -28,7 +28,7 @@ from erlif.show.plots.style import (
     is_page,
     is_visible,
     legend_above,
-    letter,
+    letter_panels,
     new_figure,
     pt,
     room_for,
@@ -325,8 +325,7 @@ def calibration_figure(calibration: Calibration, *, figure: AnyFigure | None = N
     ratio_residuals(calibration, ax=below)
     if not is_page():
         above.set_xlabel("")
-    letter(above, "a")
-    letter(below, "b")
+    letter_panels(above, below)
     figure.suptitle(f"calibration with {calibration.fixture}", parse_math=False)
     return figure
 

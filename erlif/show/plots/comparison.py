@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
-from erlif.show.plots.maps import bare_image, image_height, pixel_edges
+from erlif.show.plots.maps import image_height, pixel_edges
 from erlif.show.plots.style import (
     COVERAGE,
     FLAGGED_DIFFERENCE,
@@ -27,10 +27,11 @@ from erlif.show.plots.style import (
     RETURN,
     TWO_COLUMNS,
     add_colour_bar,
-    colour_map,
+    draw_image,
+    even_limits,
     given_or_new,
     legend_below,
-    letter,
+    letter_panels,
     new_figure,
     save_figure,
     styled,
@@ -207,20 +208,16 @@ def difference_map_of_runs(comparison: xr.Dataset, *, ax: Axes | None = None) ->
     cells = comparison[["map_difference", "map_differs"]].rename(map_x="x", map_y="y")
     ax = given_or_new(ax, height=image_height(cells, _MAP_WIDTH * ONE_COLUMN) + _LABELS)
     values = cells.map_difference.values
-    known = np.abs(values[np.isfinite(values)])
-    limit = max(float(np.percentile(known, 99)) if known.size else 0.0, _LEAST_LIMIT)
-    left, right, bottom, top = pixel_edges(cells)
-    image = ax.imshow(
+    image = draw_image(
+        ax,
         values,
-        cmap=colour_map("vik", bad=FLAGGED_DIFFERENCE),
-        vmin=-limit,
-        vmax=limit,
-        extent=(left, right, bottom, top),
-        interpolation="none",
+        even_limits(values, within=99, least=_LEAST_LIMIT),
+        colours="vik",
+        bad=FLAGGED_DIFFERENCE,
+        extent=pixel_edges(cells),
     )
     _outline(ax, cells)
     add_colour_bar(image, ax, "difference [µm]")
-    bare_image(ax)
     attrs = comparison.attrs
     ax.set(xlabel="x [mm]", ylabel="y [mm]")
     ax.set_title(
@@ -231,7 +228,7 @@ def difference_map_of_runs(comparison: xr.Dataset, *, ax: Axes | None = None) ->
         Line2D([], [], color="black", linewidth=0.8, label="edge of a significant difference"),
         swatch("white", "no difference"),
     ]
-    if known.size < values.size:
+    if not np.isfinite(values).all():
         keys.append(swatch(FLAGGED_DIFFERENCE, "too few valid pixels"))
     legend_below(ax, keys)
     return image
@@ -367,8 +364,7 @@ def comparison_figure(comparison: xr.Dataset) -> Figure:
     left, right = figure.subplots(1, 2)
     film_against_duty(comparison, ax=left)
     _draw_differences(right, comparison)
-    letter(left, "a")
-    letter(right, "b")
+    letter_panels(left, right)
     return figure
 
 

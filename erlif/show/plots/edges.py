@@ -24,7 +24,7 @@ from erlif.show.plots.style import (
     colour_map,
     given_or_new,
     legend_above,
-    letter,
+    letter_panels,
     new_figure,
     pt,
     styled,
@@ -327,8 +327,7 @@ def joint_figure(
     contact_pressure_map(list(contacts.values())[-1], ax=panels[0, 1])
     undercut_pressure(search, ax=panels[1, 0])
     stress_section(stress, ax=panels[1, 1])
-    for ax, name in zip(panels.ravel(), "abcd", strict=True):
-        letter(ax, name)
+    letter_panels(*panels.ravel())
     return figure
 
 

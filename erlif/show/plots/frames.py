@@ -10,19 +10,17 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.image import AxesImage
 
-from erlif.core.arrays import AnyArray, Array, Mask
 from erlif.io.files import describe_trigger, settings_of
-from erlif.show.plots.maps import MAP_WIDTH, bare_image, image_height, label_position, pixel_edges
+from erlif.show.plots.maps import MAP_WIDTH, image_height, joint_image
 from erlif.show.plots.naming import name_film, reason_empty
 from erlif.show.plots.style import (
-    FLAGGED,
     ONE_COLUMN,
     TWO_COLUMNS,
     AnyFigure,
     add_colour_bar,
-    colour_map,
+    colour_limits,
     given_or_new,
-    letter,
+    letter_panels,
     new_figure,
     state_empty,
     styled,
@@ -31,34 +29,6 @@ from erlif.show.plots.style import (
 _WIDE = 0.37  # of two columns, for one of two images beside their colour bars
 _AROUND = 0.62  # inch above and below them, for title and labels
 _LABELS = 0.62  # inch above and below a single image
-_WITHIN = (0.5, 99.5)  # percentiles of the valid pixels at the ends of a colour scale
-
-
-def _limits(values: Array, valid: Mask) -> tuple[float, float]:
-    """Ends of the colour scale; 0 to 1 where no pixel is valid."""
-    shown = values[valid & np.isfinite(values)]
-    if shown.size == 0:
-        return 0.0, 1.0
-    low, high = np.percentile(shown, _WITHIN)
-    return float(low), float(high)
-
-
-def _draw(
-    values: AnyArray, limits: tuple[float, float], film: xr.Dataset, label: str, ax: Axes
-) -> AxesImage:
-    """An image of the joint with its axes and colour bar."""
-    image = ax.imshow(
-        values,
-        cmap=colour_map("batlow", bad=FLAGGED),
-        vmin=limits[0],
-        vmax=limits[1],
-        extent=pixel_edges(film),
-        interpolation="none",
-    )
-    add_colour_bar(image, ax, label)
-    label_position(ax, film)
-    bare_image(ax)
-    return image
 
 
 @styled
@@ -104,8 +74,9 @@ def band_images(
 
     # bubbles and the dark edge of camera 2 would take most of the scale, so valid pixels set it
     light = images.light.sel(camera=camera).values
-    found = _limits(light, images.flags.values == 0)
-    image = _draw(light, limits or found, film, "corrected light [DN]", ax)
+    found = colour_limits(light[images.flags.values == 0])
+    image = joint_image(ax, film, light, limits or found)
+    add_colour_bar(image, ax, "corrected light [DN]")
 
     settings = settings_of(film)
     band = (settings.camera1, settings.camera2)[camera - 1].band
@@ -146,14 +117,13 @@ def band_images_figure(
         height = image_height(film, _WIDE * TWO_COLUMNS)
         figure = new_figure(TWO_COLUMNS, height + _AROUND, text=_AROUND)
     left, right = figure.subplots(1, 2, sharey=True)
-    limits = _limits(images.light.values, np.broadcast_to(images.flags == 0, images.light.shape))
+    limits = colour_limits(images.light.values[:, images.flags.values == 0])
     band_images(images, film, camera=1, ax=left, limits=limits)
     band_images(images, film, camera=2, ax=right, limits=limits)
 
     # both images have one axis along y
     right.set_ylabel("")
-    letter(left, "a")
-    letter(right, "b")
+    letter_panels(left, right)
     name_film(figure, film, f"{describe_trigger(film, trigger)}, {_describe_frames(images)}")
     return figure
 
@@ -194,7 +164,8 @@ def ratio_image(images: xr.Dataset, film: xr.Dataset, *, ax: Axes | None = None)
     ratio = np.where(valid, np.exp(images.log_ratio.values), np.nan)
     settings = settings_of(film)
     label = f"ratio {settings.camera2.band:g} nm / {settings.camera1.band:g} nm [1]\ngrey: flagged"
-    image = _draw(ratio, _limits(ratio, valid), film, label, ax)
+    image = joint_image(ax, film, ratio, colour_limits(ratio))
+    add_colour_bar(image, ax, label)
     if reason := reason_empty(images.flags.values):
         state_empty(ax, reason.replace(": ", "\n").replace(", ", "\n"))
     return image

@@ -33,7 +33,7 @@ from erlif.show.plots.style import (
     is_page,
     is_visible,
     legend_above,
-    letter,
+    letter_panels,
     new_figure,
     pt,
     room_for,
@@ -43,11 +43,11 @@ from erlif.show.plots.style import (
 )
 from erlif.show.plots.triggers import (
     choose_abscissa,
+    draw_strokes,
     film_limits,
     has_varying_speed,
     in_order,
     limit_to_turn,
-    stroke_looks,
 )
 
 _CYCLE = np.linspace(0.0, 2 * math.pi, 721)  # crank angle every half degree [rad]
@@ -121,14 +121,6 @@ def _zero(given: float | None, film: xr.Dataset, limits: tuple[float, float]) ->
     return sum(limits) / 2 - float(reading.min() + reading.max()) / 2
 
 
-def _draw_strokes(ax: Axes, film: xr.Dataset, x: Array, y: Array) -> list[Artist]:
-    """Draw the triggers, with a marker for each stroke."""
-    artists: list[Artist] = []
-    for members, look in stroke_looks(film):
-        artists += ax.plot(x[members], y[members], linestyle="none", zorder=3, **look)
-    return artists
-
-
 def _times(factor: float) -> Callable[[npt.ArrayLike], Array]:
     return lambda values: np.asarray(values, float) * factor
 
@@ -195,7 +187,8 @@ def speed_against_angle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
         label="kinematics of the linkage",
         zorder=2,
     )
-    points = _draw_strokes(ax, film, film.encoder_angle.values, film.rocker_speed.values)
+    speed = film.rocker_speed.values
+    points = draw_strokes(ax, film, film.encoder_angle.values, speed, zorder=3)
     if cycle.speed.min() < 0:
         ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
 
@@ -232,7 +225,7 @@ def _draw_sliding_speed(ax: Axes, film: xr.Dataset, *, against_position: bool) -
         if whole_turn:
             limit_to_turn(ax)
 
-    artists += _draw_strokes(ax, film, x, speed)
+    artists += draw_strokes(ax, film, x, speed, zorder=3)
     if speed.min() < 0:
         ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
     else:
@@ -277,7 +270,7 @@ def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist
         return _draw_sliding_speed(ax, film, against_position=False)
     cycle = linkage_cycle(film)
     (curve,) = ax.plot(cycle.crank_angle, cycle.speed, color=MUTED, linewidth=pt(0.9), zorder=2)
-    points = _draw_strokes(ax, film, film.crank_angle.values, film.rocker_speed.values)
+    points = draw_strokes(ax, film, film.crank_angle.values, film.rocker_speed.values, zorder=3)
     if cycle.speed.min() < 0:
         ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
     limit_to_turn(ax)
@@ -327,7 +320,7 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
             )
             own = label if n == 0 else None  # one key for all stretches
             artists += ax.plot(x, y, color=colour, linestyle=dashes, linewidth=pt(0.9), label=own)
-        _mark_strokes(ax, film, along.values, value, colour)
+        draw_strokes(ax, film, along.values, value, colour=colour, markersize=pt(_MARKER))
 
     if along.whole_turn:
         limit_to_turn(ax)
@@ -358,20 +351,6 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     title = "bands: 95 %" if visible else "95 % errors: within markers"
     frame_legend(ax, loc="upper center", ncols=2, title=title)
     return artists
-
-
-def _mark_strokes(ax: Axes, film: xr.Dataset, x: Array, value: Array, colour: str) -> None:
-    """Draw the triggers in one colour, with a marker for each stroke."""
-    for members, look in stroke_looks(film):
-        ax.plot(
-            x[members],
-            value[members],
-            linestyle="none",
-            marker=str(look["marker"]),
-            markersize=pt(_MARKER),
-            color=colour,
-            markerfacecolor="white" if look["markerfacecolor"] == "white" else colour,
-        )
 
 
 @styled
@@ -422,8 +401,7 @@ def cycle_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFig
     # the markers of the strokes are those of both panels
     if "stroke" in film:
         legend_above(below)
-    letter(above, "a")
-    letter(below, "b")
+    letter_panels(above, below)
     return figure
 
 

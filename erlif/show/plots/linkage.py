@@ -31,7 +31,7 @@ from erlif.show.plots.style import (
     given_or_new,
     in_style,
     legend_above,
-    letter,
+    letter_panels,
     new_figure,
     pt,
     save_figure,
@@ -323,8 +323,7 @@ def linkage_view(design: LinkageDesign, *, figure: AnyFigure | None = None) -> L
     view = linkage_positions(design, ax=panels["p"])
     rocker_over_crank(design, ax=panels["s"])
     transmission_over_crank(design, ax=panels["t"])
-    for panel, text in (("p", "a"), ("s", "b"), ("t", "c")):
-        letter(panels[panel], text)
+    letter_panels(*(panels[name] for name in "pst"))
     marks = tuple(
         panels[panel].axvline(0.0, color=RETURN, linewidth=pt(0.9), zorder=3) for panel in "st"
     )

@@ -30,13 +30,16 @@ from erlif.show.plots.style import (
     TWO_COLUMNS,
     AnyFigure,
     add_colour_bar,
+    close_frame,
+    colour_limits,
     colour_map,
+    draw_image,
     given_or_new,
     keep_in_place,
     legend_above,
     legend_below,
     legend_of_figure,
-    letter,
+    letter_panels,
     new_figure,
     pt,
     room_for,
@@ -52,7 +55,6 @@ Limits = tuple[float, float]
 MAP_WIDTH = 0.75
 """Width of a map in a figure of one column, relative to the column; the colour bar has the rest."""
 
-_WITHIN = (0.5, 99.5)  # percentiles of the valid pixels at the ends of a colour scale
 _EVERY = 3  # the limits need no more than every third pixel along each axis
 _LEAST_SPAN = 1e-3  # um; a map of even thickness still needs a colour scale
 _SHEET_COLUMNS = (7, 10)  # fewest and most maps in a row of a sheet
@@ -72,13 +74,8 @@ def common_limits(film: xr.Dataset, triggers: Iterable[int] | None = None) -> Li
     """Find the thickness range of all but the 0.5 % thinnest and thickest pixels. [um]"""
     chosen = range(film.sizes["trigger"]) if triggers is None else triggers
     samples = [film.thickness.isel(trigger=k).values[::_EVERY, ::_EVERY].ravel() for k in chosen]
-    values = np.concatenate(samples)
-    values = values[np.isfinite(values)]
-    if values.size == 0:
-        return 0.0, 1.0
-
-    low, high = np.percentile(values, _WITHIN)
-    return float(low), float(max(high, low + _LEAST_SPAN))
+    low, high = colour_limits(np.concatenate(samples))
+    return low, max(high, low + _LEAST_SPAN)
 
 
 def pixel_edges(film: xr.Dataset) -> tuple[float, float, float, float]:
@@ -102,10 +99,13 @@ def label_position(ax: Axes, film: xr.Dataset) -> None:
     ax.set_ylabel(y)
 
 
-def bare_image(ax: Axes) -> None:
-    """Draw all four sides of the frame, because the edge of an image is data."""
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(True)
+def joint_image(
+    ax: Axes, film: xr.Dataset, values: npt.ArrayLike, limits: Limits, **look: Any
+) -> AxesImage:
+    """Draw an image of the joint on its labelled axes; `look` as for `draw_image`."""
+    image = draw_image(ax, values, limits, extent=pixel_edges(film), **look)
+    label_position(ax, film)
+    return image
 
 
 @styled
@@ -152,17 +152,9 @@ def thickness_map(
     check_trigger(film, trigger)
     height = image_height(film, MAP_WIDTH * ONE_COLUMN)
     ax = given_or_new(ax, film, height=height + _LABELS, text=_LABELS)
-    low, high = limits or common_limits(film, [trigger])
+    limits = limits or common_limits(film, [trigger])
+    image = joint_image(ax, film, film.thickness.isel(trigger=trigger).values, limits, bad=None)
 
-    # pixels are not interpolated: what is drawn is what was measured
-    image = ax.imshow(
-        film.thickness.isel(trigger=trigger).values,
-        cmap=colour_map("batlow"),
-        vmin=low,
-        vmax=high,
-        extent=pixel_edges(film),
-        interpolation="none",
-    )
     flags = film.flags.isel(trigger=trigger).values
     handles = _draw_flags(ax, flags, film)
     bar = add_colour_bar(image, ax, "film thickness [µm]")
@@ -171,8 +163,6 @@ def thickness_map(
 
     if region:
         handles.append(_outline_region(ax, film))
-    label_position(ax, film)
-    bare_image(ax)
     ax.set_title(describe_trigger(film, trigger))
     wrap_title(ax)
     if handles:
@@ -433,8 +423,7 @@ def thickness_figure(
 
     panels["m"].set_title("")
     name_film(figure, film, describe_trigger(film, trigger))
-    for name, text in zip(panels, "abc", strict=False):
-        letter(panels[name], text)
+    letter_panels(*panels.values())
     return figure
 
 
@@ -572,7 +561,7 @@ def _draw_small_map(ax: Axes, film: xr.Dataset, trigger: int, limits: Limits) ->
     if not np.isfinite(values).any():
         ax.text(0.5, 0.5, "no valid\npixel", transform=ax.transAxes, ha="center", va="center")
     ax.set_title(_small_title(film, trigger)[1], fontsize=pt(6), pad=pt(1.5))
-    bare_image(ax)
+    close_frame(ax)
     return image
 
 

@@ -21,18 +21,10 @@ from erlif.core.errors import OutputError
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.io.files import describe_trigger, open_film, refuse_existing, replacing
 from erlif.show.plots.kinematics import film_over_cycle
-from erlif.show.plots.maps import (
-    bare_image,
-    common_limits,
-    image_height,
-    label_position,
-    pixel_edges,
-    sheet_groups,
-)
+from erlif.show.plots.maps import common_limits, image_height, joint_image, sheet_groups
 from erlif.show.plots.mechanism import MechanismView, draw_mechanism
 from erlif.show.plots.naming import name_film
 from erlif.show.plots.style import (
-    FLAGGED,
     MEAN,
     MUTED,
     OUTWARD,
@@ -164,19 +156,10 @@ def cycle_view(film: xr.Dataset, *, trigger: int, figure: AnyFigure | None = Non
         panels["m"].remove()
 
     chosen = order_of_cycle(film)
-    low, high = common_limits(film, chosen[:: max(1, len(chosen) // 12)])
+    limits = common_limits(film, chosen[:: max(1, len(chosen) // 12)])
     ax = panels["a"]
-    image = ax.imshow(
-        thin_map(film, trigger),
-        cmap=colour_map("batlow", bad=FLAGGED),
-        vmin=low,
-        vmax=high,
-        extent=pixel_edges(film),
-        interpolation="none",
-    )
+    image = joint_image(ax, film, thin_map(film, trigger), limits)
     add_colour_bar(image, ax, "film thickness [µm]\ngrey: flagged")
-    label_position(ax, film)
-    bare_image(ax)
 
     film_over_cycle(film, ax=panels["f"])
     marker = panels["f"].axvline(0.0, color=RETURN, linewidth=pt(1.2), zorder=4)

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Ellipse
 
-from erlif.core.arrays import Array
+from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ConfigError
 from erlif.show.plots.naming import name_film
 from erlif.show.plots.style import (
@@ -24,13 +24,20 @@ from erlif.show.plots.style import (
     AnyFigure,
     given_or_new,
     legend_above,
-    letter,
+    letter_panels,
     new_figure,
     pt,
     rows_or_columns,
     styled,
 )
-from erlif.show.plots.triggers import broken, choose_abscissa, in_order, limit_to_turn, stroke_looks
+from erlif.show.plots.triggers import (
+    broken,
+    choose_abscissa,
+    draw_strokes,
+    in_order,
+    limit_to_turn,
+    stroke_looks,
+)
 
 _RADII = math.sqrt(-2 * math.log(0.05))
 """Radii of an ellipse that covers 95 % of a normal distribution in two dimensions. [std]"""
@@ -97,9 +104,7 @@ def pin_orbit(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     across = np.linspace(low, high, 201)
     wall = np.sqrt(np.maximum(clearance**2 - across**2, 0.0))
     artists: list[Artist] = [*ax.plot(across, wall, color=MUTED, label="clearance", zorder=1)]
-    for members, look in stroke_looks(film):
-        which = members & known
-        artists += _draw_points(ax, side[which], load[which], look)
+    artists += _draw_points(ax, film, side, load, known)
     for k in np.flatnonzero(known):
         covariance = film.pin_position_cov_random.values[k, :2, :2]
         artists.append(ax.add_patch(_ellipse(side[k], load[k], covariance[::-1, ::-1], **_RANDOM)))
@@ -151,10 +156,7 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     angle = np.degrees(np.arctan2(side, load))
     closest = float(film.pin_displacement.attrs["clearance"]) - distance
 
-    artists: list[Artist] = []
-    for members, look in stroke_looks(film):
-        which = members & known
-        artists += _draw_points(ax, angle[which], closest[which], look)
+    artists = _draw_points(ax, film, angle, closest, known)
 
     # the errors of both displacements, turned to angle and film
     last = int(np.flatnonzero(known)[-1])
@@ -209,22 +211,9 @@ def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     ax = given_or_new(ax, film)
     abscissa = choose_abscissa(film)
     curvature, std = film.film_curvature.values, film.film_curvature_std.values
-    artists: list[Artist] = []
-    for members, look in stroke_looks(film):
-        bars = ax.errorbar(
-            abscissa.values[members],
-            curvature[members],
-            COVERAGE * std[members],
-            fmt=str(look["marker"]),
-            color=look["color"],
-            markerfacecolor=look["markerfacecolor"],
-            # fifty bars stand side by side
-            elinewidth=pt(0.5),
-            capsize=0,
-            markersize=pt(_MARKER),
-            label=look["label"],
-        )
-        artists.append(bars.lines[0])
+    # fifty bars stand side by side
+    look: dict[str, Any] = {"elinewidth": pt(0.5), "capsize": 0, "markersize": pt(_MARKER)}
+    artists = draw_strokes(ax, film, abscissa.values, curvature, COVERAGE * std, **look)
 
     stretches = in_order(film, abscissa.values)
     expected = film.film_curvature_expected.values
@@ -274,11 +263,9 @@ def pin_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigur
     figure = new_figure(ONE_COLUMN, _TALL * ONE_COLUMN) if figure is None else figure
     panels = rows_or_columns(figure, 3)
     name_film(figure, film)
-    for ax, draw, name in zip(
-        panels, (pin_orbit, closest_film, gap_curvature), ("a", "b", "c"), strict=True
-    ):
+    for ax, draw in zip(panels, (pin_orbit, closest_film, gap_curvature), strict=True):
         draw(film, ax=ax)
-        letter(ax, name)
+    letter_panels(*panels)
 
     # the strokes look alike in all panels
     strokes = {str(look["label"]) for _, look in stroke_looks(film)}
@@ -300,9 +287,9 @@ def _require_position(film: xr.Dataset) -> None:
         )
 
 
-def _draw_points(ax: Axes, x: Array, y: Array, look: dict[str, Any]) -> list[Line2D]:
-    """Draw the triggers of a stroke, small enough to lie side by side."""
-    return ax.plot(x, y, linestyle="none", markersize=pt(_MARKER), zorder=3, **look)
+def _draw_points(ax: Axes, film: xr.Dataset, x: Array, y: Array, known: Mask) -> list[Artist]:
+    """Draw the triggers, small enough to lie side by side."""
+    return draw_strokes(ax, film, x, y, which=known, markersize=pt(_MARKER), zorder=3)
 
 
 def _around(values: Array) -> tuple[float, float]:

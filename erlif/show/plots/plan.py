@@ -22,7 +22,7 @@ from erlif.show.plots.style import (
     TWO_COLUMNS,
     frame_legend,
     given_or_new,
-    letter,
+    letter_panels,
     new_figure,
     styled,
 )
@@ -235,8 +235,7 @@ def plan_figure(plan: xr.Dataset) -> Figure:
     plan_precision(plan, ax=b)
     plan_precision(plan, relative=True, ax=c)
     plan_signal(plan, ax=d)
-    for ax, text in zip((a, b, c, d), "abcd", strict=True):
-        letter(ax, text)
+    letter_panels(a, b, c, d)
     about = "; invented spectra" if plan.attrs["synthetic"] else ""
     one, two = plan.concentration.values
     first, last = plan.film_range.values

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.image import AxesImage
 
 from erlif.core.arrays import Array, Image
 from erlif.core.errors import ConfigError
@@ -14,13 +15,7 @@ from erlif.io.files import check_trigger, describe_trigger, settings_of
 from erlif.pipeline.physics.predict import spread_over_image
 from erlif.pipeline.physics.prediction import film_along_sliding, places_along_sliding
 from erlif.prediction import speed_correlation
-from erlif.show.plots.maps import (
-    bare_image,
-    common_limits,
-    image_height,
-    label_position,
-    pixel_edges,
-)
+from erlif.show.plots.maps import common_limits, image_height, joint_image
 from erlif.show.plots.naming import name_film, reason_empty
 from erlif.show.plots.style import (
     FLAGGED_DIFFERENCE,
@@ -29,11 +24,11 @@ from erlif.show.plots.style import (
     TWO_COLUMNS,
     AnyFigure,
     add_colour_bar,
-    colour_map,
+    even_limits,
     frame_legend,
     given_or_new,
     legend_of_figure,
-    letter,
+    letter_panels,
     new_figure,
     pt,
     room_for,
@@ -45,10 +40,10 @@ from erlif.show.plots.style import (
 from erlif.show.plots.triggers import (
     broken,
     choose_abscissa,
+    draw_strokes,
     find_gaps,
     in_order,
     limit_to_turn,
-    stroke_looks,
 )
 from erlif.trend import find_region
 
@@ -164,23 +159,9 @@ def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes | None = Non
 
 def _draw_measured(ax: Axes, film: xr.Dataset, x: Array) -> list[Artist]:
     """Draw the measured minima with their standard deviations, by stroke."""
-    artists: list[Artist] = []
     value, std = film.film_min.values, film.film_min_std.values
-    for members, look in stroke_looks(film):
-        stroke = f", {look['label']}" if "stroke" in film else ""
-        bars = ax.errorbar(
-            x[members],
-            value[members],
-            std[members],
-            fmt=str(look["marker"]),
-            color=MINIMUM,
-            markerfacecolor="white" if look["markerfacecolor"] == "white" else MINIMUM,
-            elinewidth=pt(0.7),
-            label=f"measured{stroke}",
-            zorder=3,
-        )
-        artists.append(bars.lines[0])
-    return artists
+    look: dict[str, Any] = {"elinewidth": pt(0.7), "zorder": 3}
+    return draw_strokes(ax, film, x, value, std, colour=MINIMUM, label="measured", **look)
 
 
 def _finish(ax: Axes, label: str) -> None:
@@ -238,8 +219,7 @@ def prediction_figure(
         measured, predicted = (signed(one) if np.isfinite(one) else "none" for one in values)
         text = f"correlation with |speed|: measured {measured}, predicted {predicted}"
         left.annotate(text, (0.02, 0.02), xycoords="axes fraction", fontsize=pt(6.5))
-    letter(left, "a")
-    letter(right, "b")
+    letter_panels(left, right)
     return figure
 
 
@@ -317,8 +297,7 @@ def prediction_map_figure(
     low, high = common_limits(film, [trigger])
     low, high = min(low, float(predicted.min())), max(high, float(predicted.max()))
     difference = measured - predicted
-    known = np.abs(difference[np.isfinite(difference)])
-    reach = max(float(np.percentile(known, _WITHIN)) if known.size else 0.0, _LEAST_REACH)
+    reach = even_limits(difference, within=_WITHIN, least=_LEAST_REACH)
 
     if figure is None:
         height = image_height(film, _THIRD * TWO_COLUMNS)
@@ -326,12 +305,12 @@ def prediction_map_figure(
     name_film(figure, film, describe_trigger(film, trigger))
     panels = figure.subplots(1, 3, sharey=True)
     images = [
-        _draw_map(ax, film, values, name, limits)
+        joint_image(ax, film, values, limits, colours=name, bad=FLAGGED_DIFFERENCE)
         for ax, values, name, limits in zip(
             panels,
             (measured, predicted, difference),
             ("batlow", "batlow", "vik"),
-            ((low, high), (low, high), (-reach, reach)),
+            ((low, high), (low, high), reach),
             strict=True,
         )
     ]
@@ -344,29 +323,12 @@ def prediction_map_figure(
     if reason := reason_empty(film.flags.isel(trigger=trigger).values):
         state_empty(panels[0], reason.replace(": ", "\n").replace(", ", "\n"))
     titles = ("measured", "predicted", "measured − predicted")
-    for ax, name, title in zip(panels, "abc", titles, strict=True):
+    for ax, title in zip(panels, titles, strict=True):
         ax.set_title(title)
-        letter(ax, name)
+    letter_panels(*panels)
     for ax in panels[1:]:
         ax.set_ylabel("")
     return figure
-
-
-def _draw_map(
-    ax: Axes, film: xr.Dataset, values: Array, colours: str, limits: tuple[float, float]
-) -> AxesImage:
-    """Draw one map, grey where it has no value."""
-    image = ax.imshow(
-        values,
-        cmap=colour_map(colours, bad=FLAGGED_DIFFERENCE),
-        vmin=limits[0],
-        vmax=limits[1],
-        extent=pixel_edges(film),
-        interpolation="none",
-    )
-    label_position(ax, film)
-    bare_image(ax)
-    return image
 
 
 def _require_prediction(film: xr.Dataset) -> None:

@@ -14,7 +14,7 @@ from matplotlib.image import AxesImage
 
 from erlif.core.errors import ConfigError
 from erlif.io.files import check_trigger, describe_trigger
-from erlif.show.plots.maps import bare_image, image_height, label_position, pixel_edges
+from erlif.show.plots.maps import image_height, label_position, pixel_edges
 from erlif.show.plots.naming import name_film
 from erlif.show.plots.style import (
     COVERAGE,
@@ -24,16 +24,17 @@ from erlif.show.plots.style import (
     TWO_COLUMNS,
     AnyFigure,
     add_colour_bar,
+    close_frame,
     colour_map,
     given_or_new,
     in_style,
-    letter,
+    letter_panels,
     new_figure,
     pt,
     save_figure,
     styled,
 )
-from erlif.show.plots.triggers import broken, choose_abscissa, in_order, stroke_looks
+from erlif.show.plots.triggers import broken, choose_abscissa, draw_strokes, in_order
 
 _THIRD = 0.3  # of two columns, for each of three panels
 _AROUND = 1.05  # inch above and below the map
@@ -82,7 +83,7 @@ def pressure_map(found: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> 
     # nodes lie on the first and last pixel: their outer halves are beyond the image
     x, y = found.x.values, found.y.values
     ax.set(xlim=(x[0], x[-1]), ylim=(y[-1], y[0]))
-    bare_image(ax)
+    close_frame(ax)
     label_position(ax, found)
     ax.set_title(f"trigger {trigger}")
     add_colour_bar(image, ax, "pressure [kPa]", extend="neither")
@@ -144,7 +145,7 @@ def pressure_profile(
 
 
 @styled
-def load_balance(found: xr.Dataset, *, ax: Axes | None = None) -> list[Artist | Container]:
+def load_balance(found: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw the load that the pressure makes against crank angle, with the logged one.
 
     Parameters
@@ -166,24 +167,13 @@ def load_balance(found: xr.Dataset, *, ax: Axes | None = None) -> list[Artist | 
     """
     ax = given_or_new(ax, found)
     angle, label, _ = choose_abscissa(found)
-    artists: list[Artist | Container] = []
-    for members, look in stroke_looks(found):
-        artists.append(
-            ax.errorbar(
-                angle[members],
-                found.load_from_pressure.values[members],
-                yerr=found.load_from_pressure_std.values[members],
-                linestyle="none",
-                elinewidth=pt(0.7),
-                **look,
-            )
-        )
+    load, std = found.load_from_pressure.values, found.load_from_pressure_std.values
+    artists = draw_strokes(ax, found, angle, load, std, elinewidth=pt(0.7))
     stretches = in_order(found, angle)
     logged = broken(stretches, found["load"].values)
     artists += ax.plot(broken(stretches, angle), logged, color=MUTED, label="logged", zorder=1)
     ax.set(xlabel=label, ylabel="load of the pressure [N]")
     # zero is shown, and so is every point with its bar; the legend lies above all of them
-    load, std = found.load_from_pressure.values, found.load_from_pressure_std.values
     drawn = np.concatenate([load - std, load + std, found["load"].values, [0.0]])
     low, high = np.nanmin(drawn), np.nanmax(drawn)
     ax.set_ylim(low - _MARGIN * (high - low) * (low < 0), high + _MARGIN * (high - low))
@@ -277,8 +267,7 @@ def pressure_figure(
     pressure_map(found, trigger=chosen, ax=panels[0])
     pressure_profile(found, trigger=chosen, ax=panels[1])
     load_balance(found, ax=panels[2])
-    for ax, name in zip(panels, "abc", strict=True):
-        letter(ax, name)
+    letter_panels(*panels)
     return figure
 
 

@@ -10,7 +10,6 @@ from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from erlif.show.plots.maps import bare_image
 from erlif.show.plots.naming import name_film
 from erlif.show.plots.style import (
     FLAGGED_DIFFERENCE,
@@ -20,9 +19,9 @@ from erlif.show.plots.style import (
     TWO_COLUMNS,
     AnyFigure,
     add_colour_bar,
-    colour_map,
+    draw_image,
     given_or_new,
-    letter,
+    letter_panels,
     new_figure,
     pt,
     room_for,
@@ -74,18 +73,12 @@ def displacement_map(
 
     # white is the mean, so the scale is as long on either side
     reach = max(float(np.nanmax(np.abs(field - mean))), _LEAST_REACH)
-    image = ax.imshow(
-        field - mean,
-        cmap=colour_map("vik", bad=FLAGGED_DIFFERENCE),
-        vmin=-reach,
-        vmax=reach,
-        interpolation="none",
-    )
+    limits = (-reach, reach)
+    image = draw_image(ax, field - mean, limits, colours="vik", bad=FLAGGED_DIFFERENCE)
     _outline_masks(ax, registration)
     add_colour_bar(image, ax, f"Δ{component} less its mean [px]", extend="neither")
     ax.set_title(f"mean Δ{component} = {signed(mean)} px")
     ax.set(xlabel="column [px]", ylabel="row [px]")
-    bare_image(ax)
     return image
 
 
@@ -205,6 +198,5 @@ def registration_figure(
     quality = float(registration.attrs["registration_quality"])
     model = registration.attrs["registration_model"]
     panels["d"].set_title(f"correlation of the aligned textures {quality:.3f}; model: {model}")
-    for name, text in (("x", "a"), ("y", "b"), ("d", "c")):
-        letter(panels[name], text)
+    letter_panels(*(panels[name] for name in "xyd"))
     return figure

@@ -17,6 +17,7 @@ from typing import Any, ParamSpec, TypeVar
 import cmap
 import matplotlib
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -27,12 +28,13 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Colormap
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.gridspec import SubplotSpec
+from matplotlib.image import AxesImage
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.legend import Legend
 from matplotlib.patches import Patch
 from matplotlib.transforms import Bbox, ScaledTranslation
 
-from erlif.core.arrays import Array
+from erlif.core.arrays import Array, Image
 from erlif.core.errors import OutputError
 from erlif.core.flags import FLAG_COLOURS as FLAG_COLOURS
 from erlif.io.files import replacing, takes_products
@@ -124,6 +126,7 @@ _METADATA: dict[str, Mapping[str, Any]] = {
     "svg": {"Date": None, "Creator": "erlif"},
 }
 
+_WITHIN = (0.5, 99.5)  # percentiles of the values at the ends of a colour scale
 _PANEL = 17.0  # width of the letter of a panel, with a gap [point]
 _BROKEN = 0.6  # part of a long label that its first line takes
 _ACROSS = 0.92  # width of laid out axes over the one before
@@ -304,6 +307,50 @@ def rows_or_columns(
             count, 1, squeeze=False, sharex=sharex, height_ratios=ratios or None
         )
     return list(panels.ravel())
+
+
+def draw_image(
+    ax: Axes,
+    values: npt.ArrayLike,
+    limits: tuple[float, float],
+    *,
+    colours: str = "batlow",
+    bad: str | None = FLAGGED,
+    extent: tuple[float, float, float, float] | None = None,
+) -> AxesImage:
+    """Draw an image as it was measured, without interpolation; `bad` is the colour of NaN."""
+    image = ax.imshow(
+        values,
+        cmap=colour_map(colours, bad=bad),
+        vmin=limits[0],
+        vmax=limits[1],
+        extent=extent,
+        interpolation="none",
+    )
+    close_frame(ax)
+    return image
+
+
+def close_frame(ax: Axes) -> None:
+    """Draw all four sides of the frame, because the edge of an image is data."""
+    for side in ("top", "right"):
+        ax.spines[side].set_visible(True)
+
+
+def colour_limits(values: Array | Image) -> tuple[float, float]:
+    """Ends of a colour scale for all but the 0.5 % lowest and highest values; 0 to 1 for none."""
+    known = values[np.isfinite(values)]
+    if known.size == 0:
+        return 0.0, 1.0
+    low, high = np.percentile(known, _WITHIN)
+    return float(low), float(high)
+
+
+def even_limits(difference: Array | Image, *, within: float, least: float) -> tuple[float, float]:
+    """Ends of a colour scale with zero in its middle, for `within` per cent of the sizes."""
+    known = np.abs(difference[np.isfinite(difference)])
+    reach = max(float(np.percentile(known, within)) if known.size else 0.0, least)
+    return -reach, reach
 
 
 def add_colour_bar(
@@ -530,6 +577,12 @@ def letter(ax: Axes, text: str) -> None:
         ax.set_title(rf"$\mathbf{{({text})}}$ {escaped}", loc="left")
     else:
         ax.set_title(f"({text})", loc="left", fontweight="bold")
+
+
+def letter_panels(*panels: Axes) -> None:
+    """Mark panels as (a), (b), ... in their order."""
+    for ax, text in zip(panels, "abcd", strict=False):
+        letter(ax, text)
 
 
 def figure_of(ax: Axes) -> Figure | SubFigure:

@@ -26,14 +26,14 @@ from erlif.show.plots.style import (
     TWO_COLUMNS,
     AnyFigure,
     given_or_new,
-    letter,
+    letter_panels,
     new_figure,
     pt,
     room_for,
     state_empty,
     styled,
 )
-from erlif.show.plots.triggers import stroke_looks
+from erlif.show.plots.triggers import draw_strokes
 from erlif.trend import SLOWEST
 
 _LABELS = {
@@ -132,26 +132,17 @@ def _used_in_fit(film: xr.Dataset) -> Mask:
 
 def _draw_points(ax: Axes, film: xr.Dataset, name: str, colour: str) -> list[Artist]:
     """Draw one statistic with its error bars, by stroke, in grey where the fit leaves it out."""
-    x, fitted = speed_over_load(film), _used_in_fit(film)
+    x, fitted = _MILLI * speed_over_load(film), _used_in_fit(film)
     value, std = film[name].values, film[f"{name}_std"].values
     drawable = np.isfinite(value) & (value > 0)  # the scale is logarithmic
-    artists: list[Artist] = []
-    for members, look in stroke_looks(film):
-        for used, paint in ((fitted, colour), (~fitted, MUTED)):
-            which = members & used & drawable
-            if not which.any():
-                continue
-            bars = ax.errorbar(
-                _MILLI * x[which],
-                value[which],
-                std[which],
-                fmt=str(look["marker"]),
-                color=paint,
-                markerfacecolor="white" if look["markerfacecolor"] == "white" else paint,
-                elinewidth=pt(0.7),
-            )
-            artists.append(bars.lines[0])
-    return artists
+    look: dict[str, Any] = {"elinewidth": pt(0.7)}
+    return [
+        artist
+        for used, paint in ((fitted, colour), (~fitted, MUTED))
+        for artist in draw_strokes(
+            ax, film, x, value, std, which=used & drawable, colour=paint, **look
+        )
+    ]
 
 
 def _draw_power(ax: Axes, film: xr.Dataset, name: str, label: str, **look: Any) -> list[Line2D]:
@@ -222,24 +213,17 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     ax.set(xscale="log", yscale="log")
     x = _MILLI * speed_over_load(film)
     value = film.film_min.values
-    artists: list[Artist] = []
-    for members, look in stroke_looks(film):
-        which = members & (value > 0)
-        if not which.any():
-            continue
-        label = f"measured minimum, {look['label']}" if "stroke" in film else "measured minimum"
-        bars = ax.errorbar(
-            x[which],
-            value[which],
-            film.film_min_std.values[which],
-            fmt=str(look["marker"]),
-            color=MINIMUM,
-            markerfacecolor="white" if look["markerfacecolor"] == "white" else MINIMUM,
-            elinewidth=pt(0.7),
-            label=label,
-        )
-        artists.append(bars.lines[0])
-
+    artists = draw_strokes(
+        ax,
+        film,
+        x,
+        value,
+        film.film_min_std.values,
+        which=value > 0,
+        colour=MINIMUM,
+        label="measured minimum",
+        elinewidth=pt(0.7),
+    )
     if "film_predicted_min" in film:
         artists += ax.plot(
             x,
@@ -358,6 +342,5 @@ def speed_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFig
     left, right = figure.subplots(1, 2)
     film_against_speed(film, ax=left)
     film_and_theory(film, ax=right)
-    letter(left, "a")
-    letter(right, "b")
+    letter_panels(left, right)
     return figure

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from erlif.core.arrays import Array, Mask
@@ -149,6 +150,60 @@ def stroke_looks(film: xr.Dataset) -> list[tuple[Mask, dict[str, Any]]]:
     # a stroke without a trigger has no marker in the legend
     masks = [(np.asarray(strokes == sign), look) for sign, look in STROKES.items()]
     return [(members, look) for members, look in masks if members.any()]
+
+
+def draw_strokes(
+    ax: Axes,
+    film: xr.Dataset,
+    x: Array,
+    y: Array,
+    std: Array | None = None,
+    *,
+    which: Mask | None = None,
+    colour: str | None = None,
+    label: str | None = None,
+    **style: Any,
+) -> list[Artist]:
+    """Draw the triggers with a marker for each stroke, and with bars where `std` is given.
+
+    Parameters
+    ----------
+    ax : Axes
+    film : xarray.Dataset
+    x, y, std : array, (trigger,)
+        Places and half lengths of the bars, in the units of the axes.
+    which : array of bool, optional
+        Triggers that are drawn; default: all.
+    colour : str, optional
+        One colour for both strokes; default: that of each.
+    label : str, optional
+        Title of the points, to which the stroke is added; default: the stroke alone, and none for
+        points of one colour.
+    **style
+        As for `matplotlib.axes.Axes.errorbar`.
+
+    Returns
+    -------
+    list of Artist
+        Points of each stroke that is drawn.
+    """
+    artists: list[Artist] = []
+    for members, look in stroke_looks(film):
+        chosen = members if which is None else members & which
+        if not chosen.any():
+            continue
+        own = dict(look)
+        if colour is not None:
+            full = look["markerfacecolor"] != "white"
+            own |= {"color": colour, "markerfacecolor": colour if full else "white", "label": None}
+        if label is not None:
+            own["label"] = f"{label}, {look['label']}" if "stroke" in film else label
+        own = {"linestyle": "none"} | own | style
+        if std is None:
+            artists += ax.plot(x[chosen], y[chosen], **own)
+        else:
+            artists.append(ax.errorbar(x[chosen], y[chosen], std[chosen], **own).lines[0])
+    return artists
 
 
 def in_order(film: xr.Dataset, x: Array) -> list[npt.NDArray[np.intp]]:

@@ -34,7 +34,7 @@ def test_the_band_covers_95_per_cent_about_the_profile(found):
 
 def test_the_load_has_its_error_and_the_logged_one(found):
     *points, logged = plots.load_balance(found)
-    drawn = np.concatenate([one.lines[0].get_ydata() for one in points])
+    drawn = np.concatenate([one.get_ydata() for one in points])
     npt.assert_allclose(np.sort(drawn), np.sort(found.load_from_pressure.values))
     npt.assert_allclose(logged.get_ydata(), found["load"].values)
 
