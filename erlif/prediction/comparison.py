@@ -119,6 +119,19 @@ class _Fitted:
     miss: Array  # measured less predicted, (trigger, axis) [m]
     residual: Array  # in stated errors, (trigger, axis)
 
+    @classmethod
+    def of(cls, name: str, problem: Problem, found: Minimum, predicted: Array) -> _Fitted:
+        """A model whose prediction is that of the measured triggers."""
+        value = problem.measured.value[problem.frames.measured]
+        return cls(
+            name,
+            found.log_likelihood,
+            found.value.size,
+            found.inflation,
+            value - predicted,
+            found.residual.reshape(value.shape),
+        )
+
 
 def compare_models(
     measured: MeasuredMotion,
@@ -219,16 +232,21 @@ def compare_models(
             failures.append(str(error))
             continue
         fits[HELD[held]] = found
-        fitted.append(_of_motion(problem, HELD[held], found))
+        predicted = found.predicted[frames.measured]
+        if not measured.is_position:
+            predicted = np.hypot(*predicted.T)[:, np.newaxis]
+        fitted.append(_Fitted.of(HELD[held], problem, found.minimum, predicted))
     simple = [(STEADY[name], *_steady(problem, film)) for name, film in (steady or {}).items()]
     candidates = [(SQUEEZE, *_squeeze(problem)), *simple]
     for done, (name, unknowns, predict) in enumerate(candidates, len(transient)):
         progress("fit", done, total)
         least = LeastSquares(problem.observations(), unknowns, predict)
         try:
-            fitted.append(_of_minimum(problem, name, least.solve()))
+            minimum = least.solve()
         except ModelError as error:
             failures.append(str(error))
+            continue
+        fitted.append(_Fitted.of(name, problem, minimum, minimum.predicted))
     progress("fit", total, total)
     if measured.is_position and "any guided" in sideways:
         fitted.append(_bound_guided(problem, load_line_std))
@@ -292,23 +310,6 @@ def _independent(residual: Array) -> float:
     return float(np.mean(shares))
 
 
-def _of_motion(problem: Problem, name: str, found: MotionFit) -> _Fitted:
-    """A transient film."""
-    predicted = found.predicted[problem.frames.measured]
-    if not problem.measured.is_position:
-        predicted = np.hypot(*predicted.T)[:, np.newaxis]
-    value = problem.measured.value[problem.frames.measured]
-    residual = found.residual.reshape(value.shape)
-    return _Fitted(
-        name,
-        found.log_likelihood,
-        len(found.names),
-        found.inflation,
-        value - predicted,
-        residual,
-    )
-
-
 def _bound_guided(problem: Problem, load_line_std: float) -> _Fitted:
     """A guided pin whose film is as likely as any can be.
 
@@ -334,19 +335,6 @@ def _bound_guided(problem: Problem, load_line_std: float) -> _Fitted:
     residual = np.stack([0 * side, found.residual], axis=1)
     count = len(names) + 2  # viscosity and start film of the course
     return _Fitted(ANY_GUIDED, found.log_likelihood + along, count, found.inflation, miss, residual)
-
-
-def _of_minimum(problem: Problem, name: str, found: Minimum) -> _Fitted:
-    """A model in closed form."""
-    value = problem.measured.value[problem.frames.measured]
-    return _Fitted(
-        name,
-        found.log_likelihood,
-        found.value.size,
-        found.inflation,
-        value - found.predicted,
-        found.residual.reshape(value.shape),
-    )
 
 
 def _plain_unknowns(names: Sequence[str], start: Sequence[float]) -> Unknowns:

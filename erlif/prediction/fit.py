@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -48,6 +49,8 @@ _FEWEST_FIRST = 50  # triggers in them
 _FIRST_CONVERGED = 0.1  # of chi-square, in that fit
 _MOST_TURNS = 8  # of the lead of a held pin
 _NEAR = 0.2  # change of a correction over the random errors, below which it is the last
+
+_Column = TypeVar("_Column", float, Array)
 
 SIDEWAYS = ("free", "guided", "spring")
 """How a pin may be held."""
@@ -100,24 +103,9 @@ class MotionFit:
     estimates : mapping of str to Estimate
         viscosity [Pa s], squeeze_time K/W [s], start_film [m], and what else was fitted.
     names : tuple of str
-        Unknowns in the order of the correlations.
-    correlation : Array
-        Correlations of the unknowns, (unknown, unknown).
-    shared : Array
-        Errors that all triggers share, as fitted, in standard deviations, (source,).
-    shared_std : Array
-        What remains of these standard deviations, (source,).
-    chi_square : float
-        Sum of squares of what remains, in stated errors.
-    freedom : int
-        Observations less unknowns.
-    inflation : float
-        Factor of the stated random errors that the residuals require, at least 1. The standard
-        deviations contain it.
-    log_likelihood : float
-        Of the observations, the shared errors integrated out.
-    residual : Array
-        What remains, in stated random errors, (observation,).
+        Unknowns of the search.
+    minimum : Minimum
+        The least squares: unknowns in the order of `names`, covariance, shared errors, residuals.
     predicted : Array
         Displacement of the pin along the load and sideways, in the coordinates of the measured
         ones, (trigger, 2). [m]
@@ -130,17 +118,18 @@ class MotionFit:
     sideways: str
     estimates: Mapping[str, Estimate]
     names: tuple[str, ...]
-    correlation: Array
-    shared: Array
-    shared_std: Array
-    chi_square: float
-    freedom: int
-    inflation: float
-    log_likelihood: float
-    residual: Array
+    minimum: Minimum
     predicted: Array
     frames: Array
-    notes: tuple[Note, ...] = field(default=())
+    notes: tuple[Note, ...] = ()
+
+    @property
+    def inflation(self) -> float:
+        """Factor of the stated random errors that the residuals require, at least 1.
+
+        The standard deviations contain it.
+        """
+        return self.minimum.inflation
 
 
 def fit_motion(
@@ -221,8 +210,7 @@ def fit_motion(
         lead = None if crank is None else lead_of(motion, np.asarray(crank))
         orbits = HeldOrbits(journal, motion, sideways, lead=lead)
     problem = Problem(orbits, frames, measured, sideways)
-    unknowns, fixed = problem.unknowns(fitted, load_line_std)
-    return _search(problem, unknowns, fixed, profiles)
+    return _search(problem, problem.unknowns(fitted, load_line_std), profiles)
 
 
 def film_temperature(viscosity: Estimate, law: VogelLaw) -> Estimate:
@@ -258,27 +246,24 @@ def film_temperature(viscosity: Estimate, law: VogelLaw) -> Estimate:
     return Estimate(law.c + law.b / logarithm, abs(std), low, high, "degree_Celsius")
 
 
-def _search(
-    problem: Problem, unknowns: Unknowns, fixed: Mapping[str, float], profiles: bool
-) -> MotionFit:
+def _search(problem: Problem, unknowns: Unknowns, profiles: bool) -> MotionFit:
     """Fit, with the orbits of a held pin corrected where the fit ends."""
     free = isinstance(problem.orbits, FreeOrbits)
     trials = _TRIALS if free else (1.0,)
 
     def pose(tolerance: float) -> LeastSquares:
-        model = problem.model(unknowns, fixed)
+        model = partial(problem.predict, unknowns=unknowns)
         observed = problem.observations()
         return LeastSquares(observed, unknowns, model, trials, tolerance, secants=not free)
 
     # a held pin is searched from coarse cells first, to a rough tolerance
     least = pose(CONVERGED if free else _HELD_NEAR)
-    found = (None if free else _begin(problem, unknowns, fixed)) or least.solve()
+    found = (None if free else _begin(problem, unknowns)) or least.solve()
     smallest = float(np.sqrt(np.diagonal(least.observed.random_cov, axis1=1, axis2=2).min()))
     orbits = problem.orbits
     for _ in range(_ROUNDS if isinstance(orbits, HeldOrbits) else 0):
         assert isinstance(orbits, HeldOrbits)
-        columns = dict(zip(unknowns.names, found.value.tolist(), strict=True)) | dict(fixed)
-        columns.pop("load_line")
+        columns = _of_orbit(unknowns.one_by_name(found.value))
 
         # the lead is repeated until the film no longer depends on how its cavities began
         start = found.value.copy()
@@ -300,29 +285,30 @@ def _search(
         found = least.solve()
         if change < _NEAR * smallest * found.inflation:
             break
-    return _describe(problem, least, found, fixed, profiles)
+    return _describe(problem, least, found, profiles)
 
 
-def _begin(problem: Problem, unknowns: Unknowns, fixed: Mapping[str, float]) -> Minimum | None:
+def _of_orbit(columns: dict[str, _Column]) -> dict[str, _Column]:
+    """The unknowns of an orbit: all but the place of the load line in the image."""
+    return {name: column for name, column in columns.items() if name != "load_line"}
+
+
+def _begin(problem: Problem, unknowns: Unknowns) -> Minimum | None:
     """The fit of the first steps of a long run, where its search begins; None for other runs."""
     orbits, frames = problem.orbits, problem.frames
     inside = frames.steps < _FIRST_STEPS
     whole = np.setdiff1d(frames.measured, frames.trigger[~inside])
     if not isinstance(orbits, HeldOrbits) or inside.all() or whole.size < _FEWEST_FIRST:
         return None
-    motion = orbits.motion
-    series = motion.time, motion.angle, motion.load, motion.load_direction
-    orbits = replace(orbits, motion=Motion(*(np.asarray(one)[:_FIRST_STEPS] for one in series)))
+    orbits = replace(orbits, motion=orbits.motion.at(slice(_FIRST_STEPS)))
     kept = Frames(frames.steps[inside], frames.trigger[inside], whole, frames.count)
 
     found = None
     for corrected in (False, True):
         if found is not None and corrected:
-            columns = dict(zip(unknowns.names, found.value.tolist(), strict=True)) | dict(fixed)
-            columns.pop("load_line")
-            orbits = orbits.corrected(columns)
+            orbits = orbits.corrected(_of_orbit(unknowns.one_by_name(found.value)))
         brief = replace(problem, orbits=orbits, frames=kept)
-        model = brief.model(unknowns, fixed)
+        model = partial(brief.predict, unknowns=unknowns)
         try:
             least = LeastSquares(
                 brief.observations(), unknowns, model, tolerance=_FIRST_CONVERGED, secants=True
@@ -364,7 +350,6 @@ def _describe(
     problem: Problem,
     least: LeastSquares,
     found: Minimum,
-    fixed: Mapping[str, float],
     profiles: bool,
 ) -> MotionFit:
     """The minimum in physical quantities, with intervals and notes."""
@@ -398,45 +383,28 @@ def _describe(
 
     if isinstance(problem.orbits, HeldOrbits) and problem.orbits.lead is not None:
         estimates.pop("start_attitude", None)
-        estimates["start_film"] = _first_film(problem, least, found, fixed)
-    scale = np.where(std > 0, std, 1.0)
-    frames = problem.frame_positions(found.value[np.newaxis], least.unknowns, fixed)[0]
+        estimates["start_film"] = _first_film(problem, least, found)
+    frames = problem.frame_positions(found.value[np.newaxis], least.unknowns)[0]
     return MotionFit(
         sideways=problem.sideways,
         estimates=estimates,
         names=names,
-        correlation=found.covariance / np.outer(scale, scale),
-        shared=found.shared,
-        shared_std=found.shared_std,
-        chi_square=found.chi_square,
-        freedom=found.freedom,
-        inflation=found.inflation,
-        log_likelihood=found.log_likelihood,
-        residual=found.residual,
+        minimum=found,
         predicted=problem.frames.average(frames[np.newaxis])[0],
         frames=frames,
-        notes=(*_notes(estimates, found), *_note_rupture(problem, least, found, fixed)),
+        notes=(*_notes(estimates, found), *_note_rupture(problem, least, found)),
     )
 
 
-def _first_film(
-    problem: Problem, least: LeastSquares, found: Minimum, fixed: Mapping[str, float]
-) -> Estimate:
+def _first_film(problem: Problem, least: LeastSquares, found: Minimum) -> Estimate:
     """The film at the first step of the motion, where the search has that of the lead."""
     orbits, clearance = problem.orbits, problem.orbits.journal.clearance
     assert isinstance(orbits, HeldOrbits)
-    motion, shift = orbits.motion, orbits.shift
-    series = motion.time, motion.angle, motion.load, motion.load_direction
-    brief = replace(
-        orbits,
-        motion=Motion(*(np.asarray(one)[:3] for one in series)),
-        shift=None if shift is None else shift[:3],
-    )
+    shift = None if orbits.shift is None else orbits.shift[:3]
+    brief = replace(orbits, motion=orbits.motion.at(slice(3)), shift=shift)
     sets = least.neighbours(found.value)
-    columns = {name: sets[:, k] for k, name in enumerate(least.unknowns.names)}
-    columns |= {name: np.full(len(sets), value) for name, value in fixed.items()}
-    columns.pop("load_line")
-    film = clearance - np.hypot(*brief.follow(columns)[:, 0].T)
+    orbit = brief.follow(_of_orbit(least.unknowns.by_name(sets)))
+    film = clearance - np.hypot(*orbit[:, 0].T)
     slope = (film[1:] - film[0]) / np.diag(sets[1:] - found.value)
     std = float(np.sqrt(slope @ found.covariance @ slope))
     value = float(film[0])
@@ -513,16 +481,12 @@ def _notes(estimates: Mapping[str, Estimate], found: Minimum) -> list[Note]:
     return notes
 
 
-def _note_rupture(
-    problem: Problem, least: LeastSquares, found: Minimum, fixed: Mapping[str, float]
-) -> list[Note]:
+def _note_rupture(problem: Problem, least: LeastSquares, found: Minimum) -> list[Note]:
     """A film that is taken as full and would rupture at the stated cavitation pressure."""
     orbits = problem.orbits
     if not isinstance(orbits, FreeOrbits):
         return []
-    columns = dict(zip(least.unknowns.names, found.value.tolist(), strict=True)) | dict(fixed)
-    columns.pop("load_line")
-    (orbit,) = orbits.follow({name: np.array([value]) for name, value in columns.items()})
+    (orbit,) = orbits.follow(least.unknowns.by_name(found.value[np.newaxis]))
     lowest, rupture = orbits.lowest_pressure(orbit), orbits.journal.cavitation_pressure
     if not lowest < rupture:
         return []

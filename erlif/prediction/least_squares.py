@@ -6,8 +6,8 @@ its neighbours together.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -21,8 +21,8 @@ CONVERGED = 1e-4
 """Decrease of chi-square that a further step promises, below which the search ends: a hundredth of
 a standard deviation."""
 
-ONE_SIGMA, TWO_SIDED, ONE_SIDED = 1.0, 3.841, 2.706
-"""Rise of chi-square at the ends of the 68 % and 95 % intervals, and at a 95 % limit."""
+TWO_SIDED, ONE_SIDED = 3.841, 2.706
+"""Rise of chi-square at the ends of the 95 % interval, and at a 95 % limit."""
 
 TARGETS = (-2.4, -1.2, 1.2, 2.4)
 """Standard deviations at which a profile is computed."""
@@ -121,6 +121,8 @@ class Unknowns:
         What is known beforehand, (unknown,).
     expected_std : Array
         Its standard deviations; infinite where nothing is known, (unknown,).
+    fixed : Mapping[str, float]
+        What the model needs besides, and is not fitted.
     """
 
     names: tuple[str, ...]
@@ -131,6 +133,16 @@ class Unknowns:
     largest: Array
     expected: Array
     expected_std: Array
+    fixed: Mapping[str, float] = field(default_factory=dict)
+
+    def by_name(self, sets: Array) -> dict[str, Array]:
+        """Sets of unknowns (case, unknown) and what is fixed as columns (case,)."""
+        columns = {name: sets[:, k] for k, name in enumerate(self.names)}
+        return columns | {name: np.full(len(sets), value) for name, value in self.fixed.items()}
+
+    def one_by_name(self, value: Array) -> dict[str, float]:
+        """The same of one set (unknown,)."""
+        return {name: float(column[0]) for name, column in self.by_name(value[None]).items()}
 
 
 @dataclass(frozen=True)
@@ -153,10 +165,6 @@ class Minimum:
         What remains, in random standard deviations, (observation,).
     jacobian : Array
         Derivatives of the whitened observations, (observation, unknown).
-    chi_square : float
-        Sum of squares of residuals, shared errors and departures from what was expected.
-    freedom : int
-        Observations less unknowns.
     inflation : float
         Factor of the random standard deviations that the residuals require, at least 1.
     log_likelihood : float
@@ -170,8 +178,6 @@ class Minimum:
     predicted: Array
     residual: Array
     jacobian: Array
-    chi_square: float
-    freedom: int
     inflation: float
     log_likelihood: float
 
@@ -241,7 +247,7 @@ class LeastSquares:
         right = [miss / inflation, self.expected_miss(value), np.zeros(self.sources)]
         return np.vstack(rows), np.concatenate(right)
 
-    def reduced(self, miss: Array, value: Array, inflation: float = 1.0) -> tuple[float, Array]:
+    def reduced(self, miss: Array, value: Array, inflation: float) -> tuple[float, Array]:
         """Chi-square with the best shared errors, and these errors."""
         matrix = self.columns.T @ self.columns + inflation**2 * np.eye(self.sources)
         shared = np.asarray(np.linalg.solve(matrix, self.columns.T @ miss))
@@ -398,7 +404,6 @@ class LeastSquares:
         scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
         covariance = _inverse(normal / np.outer(scale, scale)) / np.outer(scale, scale)
         chi, shared = self.reduced(miss, value, inflation)
-        plain = self.reduced(miss, value)[0]
         residual = miss - self.columns @ shared
         likelihood = -0.5 * (
             chi
@@ -413,8 +418,6 @@ class LeastSquares:
             predicted=self.predict(value[np.newaxis])[0],
             residual=residual,
             jacobian=jacobian,
-            chi_square=plain,
-            freedom=self.target.size - count,
             inflation=inflation,
             log_likelihood=likelihood,
         )

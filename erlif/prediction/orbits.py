@@ -389,10 +389,8 @@ def lead_of(motion: Motion, crank: Array) -> Motion | None:
     kept = motion.time < motion.time[0] + period * (1 - 1e-9)
     if kept.sum() < 2:
         return None
-    return Motion(
-        motion.time[kept] - period,
-        *(np.asarray(one)[kept] for one in (motion.angle, motion.load, motion.load_direction)),
-    )
+    first = motion.at(kept)
+    return replace(first, time=first.time - period)
 
 
 def _joined(lead: Motion | None, turns: int, motion: Motion) -> Motion:
@@ -401,20 +399,15 @@ def _joined(lead: Motion | None, turns: int, motion: Motion) -> Motion:
         return motion
     period = motion.time[0] - lead.time[0]
     before = [lead.time - k * period for k in range(turns - 1, -1, -1)]
-    repeated = (np.tile(one, turns) for one in (lead.angle, lead.load, lead.load_direction))
     return Motion(
         np.concatenate([*before, motion.time]),
-        *(
-            np.append(first, then)
-            for first, then in zip(
-                repeated, (motion.angle, motion.load, motion.load_direction), strict=True
-            )
-        ),
+        np.append(np.tile(lead.angle, turns), motion.angle),
+        np.append(np.tile(lead.load, turns), motion.load),
+        np.append(np.tile(lead.load_direction, turns), motion.load_direction),
     )
 
 
 def _thinned(motion: Motion, stride: int) -> Motion:
     """Every so many steps of a motion, and the last."""
     kept = np.unique(np.append(np.arange(0, motion.time.size, stride), motion.time.size - 1))
-    series = motion.time, motion.angle, motion.load, motion.load_direction
-    return Motion(*(np.asarray(one)[kept] for one in series))
+    return motion.at(kept)

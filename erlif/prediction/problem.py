@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from erlif.core.arrays import Array
 from erlif.models.reynolds.full_film import FullFilm
-from erlif.prediction.least_squares import Observations, Predict, Unknowns
+from erlif.prediction.least_squares import Observations, Unknowns
 from erlif.prediction.measured import MeasuredMotion
 from erlif.prediction.orbits import (
     ATMOSPHERE,
@@ -134,9 +134,7 @@ class Problem:
             random = random + scatter[:, np.newaxis, np.newaxis] * np.eye(value.shape[1])
         return Observations(value, random, shared)
 
-    def unknowns(
-        self, fitted: Sequence[str], load_line_std: float
-    ) -> tuple[Unknowns, dict[str, float]]:
+    def unknowns(self, fitted: Sequence[str], load_line_std: float) -> Unknowns:
         """What is searched from where, and what is held fixed."""
         start = self._start()
         names = ["fluidity"] if "viscosity" in fitted else []
@@ -154,7 +152,12 @@ class Problem:
         if isinstance(self.orbits, HeldOrbits) and self.orbits.lead is not None:
             known["start_attitude"] = _ATTITUDE_STD  # the lead may leave nothing of it
         highest = {"start_film": float(np.log(0.9999 * self.orbits.journal.clearance))}
-        unknowns = Unknowns(
+        fixed = {"fluidity": 1.0, "load_line": 0.0}
+        if self.sideways != "guided":
+            fixed["start_attitude"] = start["start_attitude"]
+        if self.sideways != "free":
+            fixed["rest"] = 0.0
+        return Unknowns(
             names=tuple(names),
             start=np.array([start[name] for name in names]),
             step=np.array([kind.step for kind in kinds]),
@@ -163,13 +166,8 @@ class Problem:
             largest=np.array([kind.largest for kind in kinds]),
             expected=np.zeros(len(names)),
             expected_std=np.array([known.get(name, np.inf) for name in names]),
+            fixed={name: value for name, value in fixed.items() if name not in names},
         )
-        fixed = {"fluidity": 1.0, "load_line": 0.0}
-        if self.sideways != "guided":
-            fixed["start_attitude"] = start["start_attitude"]
-        if self.sideways != "free":
-            fixed["rest"] = 0.0
-        return unknowns, {name: value for name, value in fixed.items() if name not in names}
 
     def impulse(self) -> Array:
         """Integral of the load since the first step, (frame,). [N s]"""
@@ -221,10 +219,9 @@ class Problem:
             "load_line": 0.0,
         }
 
-    def frame_positions(self, sets: Array, unknowns: Unknowns, fixed: Mapping[str, float]) -> Array:
+    def frame_positions(self, sets: Array, unknowns: Unknowns) -> Array:
         """Displacements at every frame in the coordinates of the image, (case, frame, axis). [m]"""
-        columns = {name: sets[:, k] for k, name in enumerate(unknowns.names)}
-        columns |= {name: np.full(len(sets), value) for name, value in fixed.items()}
+        columns = unknowns.by_name(sets)
         line = columns.pop("load_line")
         orbit = self.orbits.follow(columns)[:, self.frames.steps]
 
@@ -233,13 +230,9 @@ class Problem:
         x, y = orbit[..., 0], orbit[..., 1]
         return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
 
-    def model(self, unknowns: Unknowns, fixed: Mapping[str, float]) -> Predict:
-        """`predict` as a function of sets of unknowns alone."""
-        return lambda sets: self.predict(sets, unknowns, fixed)
-
-    def predict(self, sets: Array, unknowns: Unknowns, fixed: Mapping[str, float]) -> Array:
+    def predict(self, sets: Array, unknowns: Unknowns) -> Array:
         """What is expected of each measured trigger, (case, trigger, axis). [m]"""
-        place = self.frame_positions(sets, unknowns, fixed)
+        place = self.frame_positions(sets, unknowns)
         if not self.measured.is_position:
             place = np.hypot(place[..., 0], place[..., 1])[..., np.newaxis]
         return self.frames.average(place)[:, self.frames.measured]

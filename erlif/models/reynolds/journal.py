@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -200,6 +201,12 @@ class Motion:
                 )
             object.__setattr__(self, name, np.broadcast_to(value, self.time.shape))
         check_load(load=self.load)
+
+    def at(self, steps: Any) -> "Motion":
+        """The motion at some of its steps, as numpy selects them."""
+        return Motion(
+            self.time[steps], self.angle[steps], self.load[steps], self.load_direction[steps]
+        )
 
 
 def crank_motion(

@@ -3,18 +3,18 @@
 import numpy as np
 
 from erlif.prediction import Candidate, Comparison, Estimate, MotionFit
+from erlif.prediction.least_squares import Minimum
 from erlif.show.report.fit import summarise_comparison
 
 
 def comparison(viscosity, inflation=1.0):
     none = np.zeros(0)
+    minimum = Minimum(none, none, none, none, none, none, none, inflation, 0.0)
     estimates = {
         "viscosity": viscosity,
         "start_film": Estimate(6.268e-6, 14e-9, 6.24e-6, 6.30e-6, "m"),
     }
-    fit = MotionFit(
-        "free", estimates, (), none, none, none, 1.0, 1, inflation, 0.0, none, none, none
-    )
+    fit = MotionFit("free", estimates, (), minimum, none, none)
     candidates = (
         Candidate("a pin that is free sideways", 0.0, 4, 1.0, 37.6e-9),
         Candidate("a guided pin", 1020.7, 4, 300.0, 9.67e-6),
