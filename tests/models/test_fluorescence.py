@@ -8,7 +8,6 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from erlif.core.errors import ModelError
 from erlif.models.fluorescence import (
     band_signal,
     log_band_ratio,
@@ -127,28 +126,6 @@ def test_parameters_broadcast_against_thickness():
 def test_gradient_has_the_shape_of_the_thickness_behind_the_parameters():
     assert log_band_ratio_gradient(1.0, **DYES).shape == (3,)
     assert log_band_ratio_gradient(np.ones((4, 5)), **DYES).shape == (3, 4, 5)
-
-
-@pytest.mark.parametrize("function", [log_band_ratio, log_band_ratio_gradient])
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"ratio_at_zero": 0.0}, "ratio_at_zero must be positive, got 0"),
-        ({"ratio_at_zero": np.inf}, "ratio_at_zero must be finite"),
-        ({"attenuation_camera1": -0.4}, "attenuation_camera1 must not be negative, got -0.4"),
-        ({"attenuation_camera2": np.inf}, "attenuation_camera2 must be finite"),
-    ],
-)
-def test_parameters_without_meaning_are_named(function, changes, message):
-    with pytest.raises(ModelError, match=message):
-        function(1.0, **{**DYES, **changes})
-
-
-def test_slope_and_signal_name_a_bad_attenuation():
-    with pytest.raises(ModelError, match="attenuation_camera2 must not be negative"):
-        log_band_ratio_slope(1.0, attenuation_camera1=0.4, attenuation_camera2=-0.25)
-    with pytest.raises(ModelError, match="attenuation must not be negative"):
-        band_signal(1.0, attenuation=-0.3)
 
 
 def test_missing_thickness_stays_missing():

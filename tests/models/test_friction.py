@@ -6,15 +6,9 @@ import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes.formulas import (
-    assert_broadcasts,
-    assert_infinity_is_named,
-    assert_missing_values_pass,
-    evaluate,
-)
 from scipy.integrate import quad
 
-from erlif.core.errors import ModelError, UnitWarning
+from erlif.core.errors import ModelError
 from erlif.models.contact import persson_pressure, winkler_contact
 from erlif.models.friction import (
     STEADY_WEAR_TORQUE_RATIO,
@@ -215,33 +209,3 @@ FORMULAS = {
     thin_winkler_torque_ratio: {"half_angle": 0.7},
     thin_winkler_load: {"half_angle": 0.7},
 }
-EVERY_FORMULA = pytest.mark.parametrize(
-    ("formula", "case"), FORMULAS.items(), ids=[formula.__name__ for formula in FORMULAS]
-)
-
-
-@EVERY_FORMULA
-def test_scalars_give_floats_and_arrays_broadcast(formula, case):
-    assert_broadcasts(formula, case)
-
-
-@EVERY_FORMULA
-def test_infinite_argument_is_refused_by_name(formula, case):
-    assert_infinity_is_named(formula, case)
-
-
-@EVERY_FORMULA
-def test_missing_value_gives_a_missing_result(formula, case):
-    assert_missing_values_pass(formula, case)
-
-
-@pytest.mark.parametrize(
-    ("formula", "slip", "message"),
-    [
-        (friction_torque, {"radius": 33.36}, "radius = 33.36 m .* mm"),
-        (friction_coefficient, {"load": 10000000000.0}, "load = 1e.10 N"),
-    ],
-)
-def test_slip_of_units_warns(formula, slip, message):
-    with pytest.warns(UnitWarning, match=message):
-        evaluate(formula, FORMULAS[formula] | slip)

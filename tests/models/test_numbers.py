@@ -1,19 +1,28 @@
-"""Every formula of the models takes floats, lists, arrays and DataArrays, or is listed as other."""
+"""Every formula of the models takes floats, lists, arrays and DataArrays, or is listed as other.
+
+All tables FORMULAS of the tests of the models are walked together.
+"""
 
 import ast
 import importlib
 import inspect
-from functools import cache
+import warnings
+from contextlib import suppress
+from functools import cache, partial
 from pathlib import Path
 
+import numpy as np
 import pytest
 from scenes.formulas import (
     assert_broadcasts,
     assert_infinity_is_named,
     assert_missing_values_pass,
+    evaluate,
+    numeric,
 )
 
 from erlif import models
+from erlif.core.errors import ModelError
 from erlif.models import (
     contact,
     edges,
@@ -24,6 +33,71 @@ from erlif.models import (
     reynolds,
     running_in,
 )
+
+SIGNED = {
+    "band_signal": "brightness thickness",
+    "barus_viscosity": "pressure",
+    "beam_bending_stress": "force",
+    "coupler_force": "crank_angle rocker_torque",
+    "density_at_temperature": "expansion",
+    "dowson_higginson_film": "entrainment_speed",
+    "end_force_of_closed_lock": "load",
+    "friction_coefficient": "torque",
+    "friction_heat": "speed",
+    "hamrock_dowson_film": "entrainment_speed",
+    "hole_stress": "force",
+    "impact_force": "penetration rate",
+    "isoviscous_elastic_film": "entrainment_speed",
+    "isoviscous_rigid_film": "entrainment_speed",
+    "joint_reaction": "crank_angle crank_speed",
+    "lateral_force": "load",
+    "lateral_shift": "load",
+    "log_band_ratio": "thickness",
+    "log_band_ratio_slope": "thickness",
+    "lundberg_profile": "axial",
+    "mean_transmission": "depth",
+    "mean_transmission_log_slope": "depth",
+    "persson_load": "play",
+    "persson_pressure": "angle load_per_length",
+    "piezoviscous_rigid_film": "entrainment_speed",
+    "pin_shape": "x z",
+    "press_fit_displacement": "interference",
+    "pressure_velocity": "load speed",
+    "projected_pressure": "load_per_length",
+    "relative_radii": "angle radius_1 radius_1_across radius_2 radius_2_across",
+    "rod_stress": "force",
+    "roelands_viscosity": "pressure",
+    "roller_shape": "x",
+    "scale_load": "load",
+    "scale_stress": "stress",
+    "sinusoidal_pressure": "load_per_length",
+    "surface_temperature": "heat",
+    "thermal_growth": "expansion temperature_change",
+    "thesis_film": "sliding_speed",
+    "thin_wall_torque_ratio": "clearance",
+    "vogel_viscosity": "b c",
+}
+"""Arguments that may be negative; the ratios of Poisson may be so too."""
+
+SLIPS = {  # in GPa, mm, mPa s, 1/GPa, degrees Celsius, g/cm3, 1e-6/K, degrees, mm3/(N m), mN
+    **dict.fromkeys(["contact_modulus", "youngs_modulus", "youngs_1", "youngs_2"], 110.0),
+    **dict.fromkeys(["modulus", "model_youngs_modulus"], 2.7),
+    **dict.fromkeys(["hardness", "fatigue_strength", "yield_stress"], 600.0),
+    **dict.fromkeys(["pin_radius", "shaft_radius", "bushing_radius", "wall", "thickness"], 33.0),
+    **dict.fromkeys(["pin_diameter", "diameter", "width", "half_width", "length"], 66.7),
+    **dict.fromkeys(["film", "roughness_a", "roughness_b"], 0.54),
+    **dict.fromkeys(["load", "force", "rating"], 1e10),
+    **dict.fromkeys(["entrainment_speed", "sliding_speed", "impact_speed"], 1e5),
+    **dict.fromkeys(["conductivity", "pin_conductivity", "bushing_conductivity"], 5e4),
+    **dict.fromkeys(["measured_temperature", "reference_temperature"], 27.0),
+    "load_per_length": 1e12,
+    "viscosity": 120.0,
+    "pressure_viscosity": 20.0,
+    "density": 0.857,
+    "expansion": 700.0,
+    "half_swing": 12.2,
+    "specific_wear": 5.05e-4,
+}  # fmt: skip
 
 SCREEN = {"load_per_length": 1e5, "viscosity": 0.1, "radius": 1.0}
 SOFT = {"entrainment_speed": 0.05, **SCREEN, "contact_modulus": 1e9}
@@ -141,24 +215,80 @@ OTHERS = {
 
 NOT_THEORY = {"arguments", "sources"}
 
-EVERY_FORMULA = pytest.mark.parametrize(
-    ("formula", "case"), FORMULAS.items(), ids=[formula.__name__ for formula in FORMULAS]
-)
+STRAIGHT = dict.fromkeys(["radius_1", "radius_1_across", "radius_2", "radius_2_across"], np.inf)
+"""Radii that may be infinite."""
 
 
-@EVERY_FORMULA
-def test_scalars_give_floats_and_arrays_broadcast(formula, case):
-    assert_broadcasts(formula, case)
+@cache
+def all_formulas():
+    """Every formula with the case of its own table, from all tests of the models."""
+    tables = [module_of(path).FORMULAS for path in paths_of_tables()]
+    return {formula: case for table in tables for formula, case in table.items()}
 
 
-@EVERY_FORMULA
-def test_infinite_argument_is_refused_by_name(formula, case):
-    assert_infinity_is_named(formula, case)
+def module_of(path):
+    """Test module of a path below tests/."""
+    parts = path.relative_to(Path(__file__).parents[2]).with_suffix("").parts
+    return importlib.import_module(".".join(parts))
 
 
-@EVERY_FORMULA
-def test_missing_value_gives_a_missing_result(formula, case):
-    assert_missing_values_pass(formula, case)
+def paths_of_tables():
+    """Test files that hold a table FORMULAS."""
+    for path in sorted(Path(__file__).parent.rglob("test_*.py")):
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            table = isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "")
+            if table == "FORMULAS" and isinstance(node.value, ast.Dict):
+                yield path
+
+
+def failing(check):
+    """Formulas for which a check fails, with the reason."""
+    found = {}
+    for formula, case in all_formulas().items():
+        try:
+            check(formula, case)
+        except (Exception, pytest.fail.Exception) as error:
+            found[formula.__name__] = str(error)
+    return found
+
+
+def test_scalars_give_floats_and_arrays_broadcast():
+    assert not failing(assert_broadcasts)
+
+
+def test_infinite_argument_is_refused_by_name():
+    assert not failing(partial(assert_infinity_is_named, allowed=STRAIGHT))
+
+
+def test_missing_value_gives_a_missing_result():
+    assert not failing(assert_missing_values_pass)
+
+
+def assert_negative_is_named(formula, case):
+    signed = SIGNED.get(formula.__name__, "").split()
+    for name in numeric(case):
+        if name not in signed and not name.startswith("poisson"):
+            with pytest.raises(ModelError, match=rf"^{name}\b"):
+                evaluate(formula, case | {name: -abs(case[name])})
+
+
+def test_negative_argument_is_refused_by_name():
+    assert not failing(assert_negative_is_named)
+
+
+def assert_slip_warns(formula, case):
+    if formula.__module__ == fluorescence.__name__:  # in any unit of length
+        return
+    for name in set(SLIPS) & set(numeric(case)):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            with suppress(ModelError):
+                evaluate(formula, case | {name: SLIPS[name]})
+        assert any(str(one.message).startswith(f"{name} = ") for one in caught), name
+
+
+def test_slip_of_units_warns():
+    assert not failing(assert_slip_warns)
 
 
 def public_functions():
@@ -180,20 +310,7 @@ def public_functions():
     return found
 
 
-@cache
-def functions_of_tables():
-    """Names in the tables FORMULAS of all tests of the models."""
-    names = set()
-    for path in Path(__file__).parent.rglob("test_*.py"):
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
-            table = isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "")
-            if table == "FORMULAS" and isinstance(node.value, ast.Dict):
-                names |= {ast.unparse(key).rpartition(".")[2] for key in node.value.keys}
-    return names
-
-
 def test_every_public_function_is_tested_with_arrays_or_listed():
-    untested = {
-        name for name in public_functions() if name.rpartition(".")[2] not in functions_of_tables()
-    }
+    tested = {formula.__name__ for formula in all_formulas()}
+    untested = {name for name in public_functions() if name.rpartition(".")[2] not in tested}
     assert untested == set(OTHERS)
