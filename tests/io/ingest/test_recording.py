@@ -1,18 +1,13 @@
 """Run and fixture directories, in the forms in which a rig may write them."""
 
-import contextlib
 import json
 import shutil
 from dataclasses import replace
-from pathlib import Path
 
-import imageio.v3 as iio
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
-from erlif.core.errors import ConfigError, EncoderError, ErlifError, FrameError
+from erlif.core.errors import ConfigError, EncoderError, FrameError
 from erlif.io.ingest import open_fixture, open_run, read_frames
 from erlif.io.ingest.recording import number_frames
 
@@ -91,21 +86,6 @@ def test_a_directory_without_settings_is_refused(tmp_path):
         open_fixture(tmp_path)
 
 
-def test_frames_in_another_format_are_read(run):
-    for camera in (1, 2):
-        for k, path in enumerate(run.frames(camera)):
-            path.unlink()
-            iio.imwrite(path.with_suffix(".png"), run.counts[camera - 1, k])
-        run.edit("run.toml", (f'"camera{camera}/*.tif"', f'"camera{camera}/*.png"'))
-    np.testing.assert_array_equal(counts_of(run.directory), run.counts)
-
-
-def test_hidden_files_beside_the_frames_are_ignored(run):
-    # as macOS leaves them on disks of another system
-    (run.directory / "camera1" / "._frame_0000.tif").write_bytes(b"\x00\x05\x16\x07")
-    np.testing.assert_array_equal(counts_of(run.directory), run.counts)
-
-
 def test_absolute_patterns_and_unusual_directory_names_are_found(run, tmp_path):
     unusual = tmp_path / "Lauf [1] – 80W-90 µm ²"
     run.edit("run.toml", ('"camera1/*.tif"', json.dumps(f"{tmp_path}/camera1/*.tif")))
@@ -116,66 +96,6 @@ def test_absolute_patterns_and_unusual_directory_names_are_found(run, tmp_path):
     (tmp_path / "camera1" / "frame_0003.tif").write_bytes(b"")
     with pytest.raises(FrameError, match=r"frame_0003\.tif: the file is empty"):
         open_run(unusual, allow_outside=True)
-
-
-# any bytes changed
-
-fuzz = settings(
-    deadline=None, database=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
-
-
-@pytest.fixture(scope="module")
-def scratch(written, tmp_path_factory):
-    directory = tmp_path_factory.mktemp("fuzz") / "run"
-    shutil.copytree(written["run"].directory, directory)
-    return directory
-
-
-def damage(data, path: Path, original: bytes) -> None:
-    """Change up to four bytes, mostly near the start, and cut the end off."""
-    content = bytearray(original)
-    for _ in range(data.draw(st.integers(1, 4))):
-        near = st.integers(0, min(len(content) - 1, 400))
-        content[data.draw(near | st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
-    end = data.draw(st.integers(0, len(content)) | st.just(len(content)))
-    path.write_bytes(content[:end])
-
-
-@settings(fuzz, max_examples=60)
-@given(st.data())
-def test_a_log_with_any_bytes_changed_is_read_or_refused(written, scratch, data):
-    original = (written["run"].directory / "encoder.csv").read_bytes()
-    damage(data, scratch / "encoder.csv", original)
-    try:
-        with contextlib.suppress(ErlifError):
-            log = open_run(scratch).log
-            assert log.sizes["frame"] == 6
-            assert np.isfinite(log.angle).all()
-            assert (np.diff(log.number) == 1).all()
-    finally:
-        (scratch / "encoder.csv").write_bytes(original)
-
-
-@settings(fuzz, max_examples=60)
-@given(st.data(), st.booleans())
-def test_a_frame_with_any_bytes_changed_is_read_left_out_or_refused(written, scratch, data, skip):
-    path = scratch / "camera2" / "frame_0002.tif"
-    original = written["run"].frames(2)[2].read_bytes()
-    damage(data, path, original)
-    try:
-        with contextlib.suppress(ErlifError):
-            recording = open_run(scratch, skip_bad_frames=skip)
-            usable = recording.pairs.usable
-            counts = read_frames(recording.pairs, usable).counts
-            assert counts.shape == (2, len(usable), 64, 80)
-            others = [k for k in usable if k != 2]
-            assert others == [0, 1, 3, 4, 5]
-            np.testing.assert_array_equal(
-                counts.sel(frame=others), written["run"].counts[:, others]
-            )
-    finally:
-        path.write_bytes(original)
 
 
 @pytest.mark.parametrize("timed", [True, False])

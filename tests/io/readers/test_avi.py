@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scenes.camera_files import RAMP, avi_film, avi_rows, chunk, chunks
+from scenes.reading import refusal
 
-from erlif.core.errors import FrameError
 from erlif.io.readers import open_frames
 
 COUNTS = np.random.default_rng(5).integers(0, 256, (3, 64, 81), dtype=np.uint8)
@@ -19,12 +19,6 @@ def read(path, content):
         return np.stack([file.read(index) for index in range(len(file.kinds))]), file
     finally:
         file.close()
-
-
-def refusal(path, content) -> str:
-    with pytest.raises(FrameError) as refused:
-        read(path, content)
-    return str(refused.value)
 
 
 def test_uncompressed_grey_frames_are_read_with_a_warning(tmp_path):

@@ -5,29 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scenes.camera_files import fits_header, fits_image, padded, unsigned
+from scenes.reading import read, refusal
 
-from erlif.core.errors import FrameError
 from erlif.io.readers import FrameKind, open_frames
 
 COUNTS = np.random.default_rng(5).integers(0, 65536, (3, 64, 80), dtype=np.uint16)
-
-
-def read(path, content: bytes) -> np.ndarray:
-    path.write_bytes(content)
-    file = open_frames(path)
-    try:
-        found = [file.read(index) for index in reversed(range(len(file.kinds)))]
-        for one in found:
-            assert (one.shape, one.dtype.name) == file.kinds[0]
-        return np.stack(found[::-1])
-    finally:
-        file.close()
-
-
-def refusal(path, content: bytes) -> str:
-    with pytest.raises(FrameError) as refused:
-        read(path, content)
-    return str(refused.value)
 
 
 def test_unsigned_counts_are_those_with_their_zero_moved(tmp_path):

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from damages.products import empty_heap
+from scenes.reading import read, refusal
 
 from erlif.core.errors import FrameError
 from erlif.io.readers import FrameKind, open_frames
@@ -20,20 +21,6 @@ COUNTS = np.random.default_rng(5).integers(0, 4096, (4, 64, 80), dtype=np.uint16
 @pytest.fixture
 def path(tmp_path):
     return tmp_path / "a.h5"
-
-
-def read(path, dataset=""):
-    file = open_frames(path, dataset=dataset)
-    try:
-        return np.stack([file.read(index) for index in reversed(range(len(file.kinds)))][::-1])
-    finally:
-        file.close()
-
-
-def refusal(path, dataset=""):
-    with pytest.raises(FrameError) as refused:
-        read(path, dataset)
-    return str(refused.value)
 
 
 @pytest.mark.parametrize(
@@ -62,9 +49,13 @@ def test_the_only_array_of_frames_is_used(path, options, dtype):
 def test_an_array_is_chosen_by_its_path(path):
     with h5py.File(path, "w") as file:
         file["camera1/counts"], file["camera2/counts"] = COUNTS, COUNTS[::-1]
-    np.testing.assert_array_equal(read(path, "/camera2/counts"), COUNTS[::-1])
-    np.testing.assert_array_equal(read(path, "camera1/counts"), COUNTS)
-    for message in (refusal(path), refusal(path, "/camera3"), refusal(path, "/camera1")):
+    np.testing.assert_array_equal(read(path, dataset="/camera2/counts"), COUNTS[::-1])
+    np.testing.assert_array_equal(read(path, dataset="camera1/counts"), COUNTS)
+    for message in (
+        refusal(path),
+        refusal(path, dataset="/camera3"),
+        refusal(path, dataset="/camera1"),
+    ):
         assert "/camera1/counts (4 x 64 x 80 uint16), /camera2/counts" in message
         assert message.endswith('for example dataset = "/camera1/counts".')
 
@@ -169,9 +160,9 @@ def test_frames_in_other_files_are_refused(path, tmp_path):
         file.create_virtual_dataset("virtual", layout)
         other = [(str(tmp_path / "b.raw"), 0, h5py.h5f.UNLIMITED)]
         file.create_dataset("outside", COUNTS.shape, COUNTS.dtype, external=other)
-    assert "leads to b.h5. Name that file." in refusal(path, "/link")
-    assert "lie in other files" in refusal(path, "/virtual")
-    assert "lie in other files" in refusal(path, "/outside")
+    assert "leads to b.h5. Name that file." in refusal(path, dataset="/link")
+    assert "lie in other files" in refusal(path, dataset="/virtual")
+    assert "lie in other files" in refusal(path, dataset="/outside")
 
 
 def test_a_header_that_claims_a_billion_frames_is_refused(path):

@@ -11,26 +11,12 @@ import cv2
 import numpy as np
 import pytest
 from PIL import Image
+from scenes.reading import read, refusal
 
-from erlif.core.errors import FrameError
 from erlif.io.readers import FrameKind, open_frames
 
 GREY = np.random.default_rng(5).integers(0, 65536, (64, 81), dtype=np.uint16)
 SMALL = (GREY >> 8).astype(np.uint8)
-
-
-def read(path):
-    file = open_frames(path)
-    try:
-        return np.stack([file.read(index) for index in range(len(file.kinds))])
-    finally:
-        file.close()
-
-
-def refusal(path):
-    with pytest.raises(FrameError) as refused:
-        read(path)
-    return str(refused.value)
 
 
 @pytest.mark.parametrize(

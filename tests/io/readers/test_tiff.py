@@ -13,31 +13,13 @@ import pytest
 import tifffile
 from PIL import Image
 from scenes.camera_files import pack_counts
+from scenes.reading import read, refusal
 
 from erlif.core.errors import FrameError
 from erlif.io.readers import FrameKind
 from erlif.io.readers.tiff import TIFF
 
 GREY = np.random.default_rng(5).integers(0, 4096, (3, 64, 80), dtype=np.uint16)
-
-
-def read(path):
-    """All frames of a file, from the last to the first."""
-    file = TIFF.open(path)
-    try:
-        found = [file.read(index) for index in reversed(range(len(file.kinds)))]
-        for image, kind in zip(found, reversed(file.kinds), strict=True):
-            assert (image.shape, image.dtype.name) == kind
-            assert image.dtype.isnative
-        return np.stack(found[::-1])
-    finally:
-        file.close()
-
-
-def refusal(path):
-    with pytest.raises(FrameError) as refused:
-        read(path)
-    return str(refused.value)
 
 
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.int16, np.float32])
@@ -364,7 +346,7 @@ REFUSED = [
     (HEAD + entries_of(5, 74) + entries_of(7, 8), "form a ring or overlap"),
     (HEAD + entries_of(60, 0, kind=99), "no list of entries"),
     (HEAD + entries_of(1, 0, count=10**9), "no list of entries"),
-    (b"", "not a TIFF"),
+    (b"", "empty"),
     (b"II*", "not a TIFF"),
     (b"PK\3\4 no TIFF", "not a TIFF"),
     (b"II+\0\x08\0\0\0", "truncated"),
