@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fnmatch import fnmatch
 from pathlib import Path
+from typing import Literal
 
 import click
 
 from erlif.commands.loading import large_imports
 from erlif.commands.log_columns import (
-    COMPRESSION_NEGATIVE,
-    SKIP_BAD_ROWS,
     choose_columns,
     column_pairs,
     describe_reading,
+    log_options,
     quantity,
 )
 from erlif.commands.options import OVERWRITE, PATH
@@ -27,23 +27,6 @@ _FEWEST_RUNS = 2
 @click.option("--settings", type=PATH, help="endurance.toml; options take precedence over it.")
 @click.option("--radius", callback=quantity("m"), help='Radius of the pin, "33.36 mm".')
 @click.option("--arm", callback=quantity("m"), help='Arm of the torque\'s load cell, "30 cm".')
-@click.option(
-    "--column",
-    "columns",
-    metavar="QUANTITY=NAME",
-    multiple=True,
-    callback=column_pairs,
-    help="Column of time, cells, torque, arm_force, temperature or vibration; names of several "
-    "cells are separated by commas.",
-)
-@click.option(
-    "--unit",
-    "units",
-    metavar="QUANTITY=UNIT",
-    multiple=True,
-    callback=column_pairs,
-    help="Unit of a column whose header has none.",
-)
 @click.option("--idle-load", callback=quantity("N"), help='Load up to which a run is idle, "2 kN".')
 @click.option(
     "--least-rise",
@@ -65,8 +48,7 @@ _FEWEST_RUNS = 2
     show_default=True,
     help="Distribution of the load at failure for the comparison.",
 )
-@SKIP_BAD_ROWS
-@COMPRESSION_NEGATIVE
+@log_options("time, cells, torque, arm_force, temperature or vibration")
 @click.option("-o", "--output", type=PATH, help="Directory; default: endurance/ beside the log.")
 @OVERWRITE
 def endurance(
@@ -79,7 +61,7 @@ def endurance(
     idle_load: float | None,
     least_rise: float | None,
     designs: dict[str, tuple[str, ...]],
-    model: str,
+    model: Literal["lognormal", "weibull"],
     skip_bad_rows: bool,
     compression_negative: bool,
     output: Path | None,

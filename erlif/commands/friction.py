@@ -7,14 +7,7 @@ from pathlib import Path
 import click
 
 from erlif.commands.loading import large_imports
-from erlif.commands.log_columns import (
-    COMPRESSION_NEGATIVE,
-    SKIP_BAD_ROWS,
-    choose_columns,
-    column_pairs,
-    describe_reading,
-    quantity,
-)
+from erlif.commands.log_columns import choose_columns, describe_reading, log_options, quantity
 from erlif.commands.options import OVERWRITE, PATH
 
 _SHARE = click.FloatRange(min=0, max=1)
@@ -36,25 +29,7 @@ _SHARE = click.FloatRange(min=0, max=1)
     show_default=True,
     help="Torque ratio of the contact, 1.273 once it is worn in; gives the true coefficient.",
 )
-@click.option(
-    "--column",
-    "columns",
-    metavar="QUANTITY=NAME",
-    multiple=True,
-    callback=column_pairs,
-    help="Column of time, cells, torque or arm_force; names of several cells are separated by "
-    "commas.",
-)
-@click.option(
-    "--unit",
-    "units",
-    metavar="QUANTITY=UNIT",
-    multiple=True,
-    callback=column_pairs,
-    help="Unit of a column whose header has none.",
-)
-@SKIP_BAD_ROWS
-@COMPRESSION_NEGATIVE
+@log_options("time, cells, torque or arm_force")
 @click.option("-o", "--output", type=PATH, help="Directory; default: friction/ beside the log.")
 @OVERWRITE
 def friction(

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 import click
 
 from erlif.core.units import parse_quantity
+
+Command = TypeVar("Command", bound=Callable[..., Any])
 
 
 def quantity(unit: str) -> Callable[..., float | None]:
@@ -37,17 +39,48 @@ def column_pairs(
     return found
 
 
-SKIP_BAD_ROWS = click.option(
-    "--skip-bad-rows",
-    is_flag=True,
-    help="Leave out rows in which a used column has no number; a note counts them.",
-)
+def log_options(held: str) -> Callable[[Command], Command]:
+    """Options of a command that reads logs: columns, their units, and how rows are read.
 
-COMPRESSION_NEGATIVE = click.option(
-    "--compression-negative",
-    is_flag=True,
-    help="The load cells read compression as negative.",
-)
+    Parameters
+    ----------
+    held : str
+        What a column can hold, for the help.
+    """
+    pairs: dict[str, Any] = {"multiple": True, "callback": column_pairs}
+    options = (
+        click.option(
+            "--column",
+            "columns",
+            metavar="QUANTITY=NAME",
+            help=f"Column of {held}; names of several cells are separated by commas.",
+            **pairs,
+        ),
+        click.option(
+            "--unit",
+            "units",
+            metavar="QUANTITY=UNIT",
+            help="Unit of a column whose header has none.",
+            **pairs,
+        ),
+        click.option(
+            "--skip-bad-rows",
+            is_flag=True,
+            help="Leave out rows in which a used column has no number; a note counts them.",
+        ),
+        click.option(
+            "--compression-negative",
+            is_flag=True,
+            help="The load cells read compression as negative.",
+        ),
+    )
+
+    def decorate(command: Command) -> Command:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return decorate
 
 
 def describe_reading(log: Any) -> list[str]:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from math import comb
+from typing import Literal
 
 import numpy as np
 from scipy.special import log_ndtr
@@ -13,9 +14,6 @@ from scipy.special import log_ndtr
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import EnduranceError
 from erlif.joint.endurance.failure import FailureLoad
-
-MODELS = ("lognormal", "weibull")
-"""Distributions of the load at failure; both designs have one scatter, the shape of Weibull."""
 
 SCATTERS = (0.01, 2.0)
 """Scatter of the logarithm of the load that is possible: no bearings are more alike. [1]"""
@@ -84,7 +82,7 @@ def compare_designs(
     second: Sequence[FailureLoad],
     *,
     names: tuple[str, str] = ("first", "second"),
-    model: str = "lognormal",
+    model: Literal["lognormal", "weibull"] = "lognormal",
 ) -> DesignComparison:
     """Compare the loads at failure of two designs.
 
@@ -110,8 +108,7 @@ def compare_designs(
     Raises
     ------
     EnduranceError
-        If a design has fewer than two runs, the model is not known, or a load is not finite or not
-        above 0.
+        If a design has fewer than two runs.
 
     Examples
     --------
@@ -126,17 +123,11 @@ def compare_designs(
     >>> print(f"{found.ratio:.2f} ({found.low:.2f} to {found.high:.2f}), p = {found.log_rank:.2f}")
     1.46 (1.20 to 1.85), p = 0.10
     """
-    if model not in MODELS:
-        raise EnduranceError(
-            f"Expected a model {' or '.join(MODELS)}; got {model!r}. Choose one of them."
-        )
     for name, runs in zip(names, (first, second), strict=True):
         if len(runs) < 2:
             raise EnduranceError(
                 f"Expected at least two runs of the design {name}; got {len(runs)}. Give more logs."
             )
-        for number, run in enumerate(runs, 1):
-            _refuse_load(run, number, name)
     p_value, least = _log_rank(first, second)
     failures = (sum(run.failed for run in first), sum(run.failed for run in second))
     ratio = low = high = probability = scatter = float("nan")
@@ -156,21 +147,6 @@ def compare_designs(
         least_p=least,
         model=model,
     )
-
-
-def _refuse_load(run: FailureLoad, number: int, name: str) -> None:
-    """Refuse a run whose loads are none: one that is NaN would be counted and not used."""
-    nothing_known = not run.decided and run.load == 0
-    if not (np.isfinite(run.load) and run.load > 0) and not nothing_known:
-        raise EnduranceError(
-            f"Expected a load above 0 of run {number} of the design {name}; got {run.load:g}. "
-            "Correct it, or leave the run out."
-        )
-    if run.failed and not (np.isfinite(run.survived) and run.survived >= 0):
-        raise EnduranceError(
-            f"Expected the load that run {number} of the design {name} survived, or 0 where there "
-            f"is none; got {run.survived:g}. Correct it, or leave the run out."
-        )
 
 
 # ratio

@@ -10,6 +10,7 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Level, Note
 from erlif.joint.endurance.pauses import find_pauses
+from erlif.joint.friction.stretches import running_median
 
 SAME_LOAD = 0.03
 """Share of a load by which it may change within a stage. [1]"""
@@ -19,7 +20,7 @@ LEAST_DURATION = 20.0
 
 _FLOOR = 0.005  # of the highest load: smaller differences are noise of the cells
 _MEMORY = 20.0  # s: bolts relax more slowly, loads are changed faster
-_MEDIAN = 5  # samples of the running median, against single bad readings
+_FEWEST = 5  # samples of a mean
 _UNLOADED = 0.25  # of the second load: a lower first one is idle where nothing else shows it
 _BRIEF = 1 / 3  # of the duration of the second stretch, likewise
 _ZERO = 0.02  # of the highest load: below it nothing is loaded
@@ -77,8 +78,6 @@ def find_stages(
     load: Array,
     torque: Array | None = None,
     *,
-    same_load: float = SAME_LOAD,
-    least_duration: float = LEAST_DURATION,
     idle_load: float | None = None,
 ) -> tuple[Stage, ...]:
     """Find stages of constant load and the idle runs between them.
@@ -95,10 +94,6 @@ def find_stages(
     torque : array, (n,), optional
         Size of the torque. With it the ends of a stage at which the machine stands are cut off.
         [any unit]
-    same_load : float
-        Share of a load by which it may change within a stage. [1]
-    least_duration : float
-        Shortest stage or idle run. [s]
     idle_load : float, optional
         Stretches up to this load are idle and all others are stages. Default: as above. [N]
 
@@ -121,13 +116,13 @@ def find_stages(
     pauses = find_pauses(time)
     spans = [
         (first, last)
-        for first, last in _steady_spans(time, load, pauses, same_load, floor)
-        if time[last] - time[first] >= least_duration
+        for first, last in _steady_spans(time, load, pauses, floor)
+        if time[last] - time[first] >= LEAST_DURATION
     ]
-    runs = _join_parts(spans, load, pauses, same_load, floor)
+    runs = _join_parts(spans, load, pauses, floor)
     loads = [float(np.median(np.concatenate([load[a : b + 1] for a, b in run]))) for run in runs]
     durations = [float(sum(time[b] - time[a] for a, b in run)) for run in runs]
-    idle = _find_idle(loads, durations, same_load, floor, idle_load)
+    idle = _find_idle(loads, durations, floor, idle_load)
     if idle_load is None:
         idle = [one or load <= _ZERO * highest for one, load in zip(idle, loads, strict=True)]
 
@@ -136,7 +131,7 @@ def find_stages(
     for run, is_idle in zip(runs, idle, strict=True):
         if torque is not None and not is_idle:
             run = [_cut_rest(torque, first, last) for first, last in run]
-        run = [(a, b) for a, b in run if time[b] - time[a] >= least_duration or is_idle]
+        run = [(a, b) for a, b in run if time[b] - time[a] >= LEAST_DURATION or is_idle]
         number += bool(run) and not is_idle
         for part, (first, last) in enumerate(run, 1):
             stages.append(
@@ -203,7 +198,7 @@ def note_stages(
     pauses = find_pauses(time)
     width = _average_samples(time)
     raw = _scatter(np.split(load, pauses), width)
-    scatter = _scatter([_running_median(part) for part in np.split(load, pauses)], width)
+    scatter = _scatter([running_median(part) for part in np.split(load, pauses)], width)
     if _CLEAR * scatter > SAME_LOAD:
         notes.append(
             Note(
@@ -241,7 +236,7 @@ def note_stages(
 
 
 def _join_parts(
-    spans: Sequence[tuple[int, int]], load: Array, pauses: AnyArray, same_load: float, floor: float
+    spans: Sequence[tuple[int, int]], load: Array, pauses: AnyArray, floor: float
 ) -> list[list[tuple[int, int]]]:
     """Spans by their stage: those of one load with a pause of the log between them are parts."""
     runs: list[list[tuple[int, int]]] = []
@@ -249,7 +244,7 @@ def _join_parts(
     for first, last in spans:
         here = float(np.median(load[first : last + 1]))
         continues = runs and first in pauses and runs[-1][-1][1] == first - 1
-        if continues and abs(here - level) <= max(same_load * abs(level), floor):
+        if continues and abs(here - level) <= max(SAME_LOAD * abs(level), floor):
             runs[-1].append((first, last))
         else:
             runs.append([(first, last)])
@@ -257,22 +252,16 @@ def _join_parts(
     return runs
 
 
-def _running_median(values: Array) -> Array:
-    if values.size < _MEDIAN:
-        return values
-    padded = np.pad(values, _MEDIAN // 2, mode="edge")
-    return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, _MEDIAN), axis=1))
-
-
 def _steady_spans(
-    time: Array, load: Array, pauses: AnyArray, same_load: float, floor: float
+    time: Array, load: Array, pauses: AnyArray, floor: float
 ) -> list[tuple[int, int]]:
     """First and last sample of each stretch whose load follows its own recent mean."""
+    same_load = SAME_LOAD
     parts = [
         (int(start), int(end))
         for start, end in zip([0, *pauses], [*pauses, time.size], strict=True)
     ]
-    smooth = [_running_median(load[start:end]) for start, end in parts]
+    smooth = [running_median(load[start:end]) for start, end in parts]
 
     # a load that scatters by more than the tolerance would be shattered
     width = _average_samples(time)
@@ -300,9 +289,9 @@ def _steady_spans(
 
 def _average_samples(time: Array) -> int:
     """Samples of the mean of a load that scatters."""
-    if time.size < _MEDIAN:
-        return _MEDIAN
-    return max(_MEDIAN, round(_AVERAGE / float(np.median(np.diff(time)))))
+    if time.size < _FEWEST:
+        return _FEWEST
+    return max(_FEWEST, round(_AVERAGE / float(np.median(np.diff(time)))))
 
 
 def _running_mean(values: Array, width: int) -> Array:
@@ -334,7 +323,6 @@ def _scatter(parts: Sequence[Array], width: int) -> float:
 def _find_idle(
     loads: Sequence[float],
     durations: Sequence[float],
-    same_load: float,
     floor: float,
     idle_load: float | None,
 ) -> list[bool]:
@@ -345,13 +333,13 @@ def _find_idle(
     # below the highest load so far by more than a stage may change
     highest, idle = -np.inf, []
     for load in loads:
-        idle.append(load < highest - max(2 * same_load * abs(highest), floor))
+        idle.append(load < highest - max(2 * SAME_LOAD * abs(highest), floor))
         highest = max(highest, load)
 
     # the run before the first stage follows no higher load, but has that of the other idle runs
     dropped = [load for load, is_idle in zip(loads, idle, strict=True) if is_idle]
     if dropped:
-        reach = max(dropped) + max(same_load * abs(max(dropped)), floor)
+        reach = max(dropped) + max(SAME_LOAD * abs(max(dropped)), floor)
     elif len(loads) > 1:
         # a test of one stage has no other idle run: the run before it is light, or short
         brief = durations[0] < _BRIEF * durations[1]

@@ -79,7 +79,7 @@ def hear_witnesses(test: xr.Dataset, stage: Stage, onset: Onset) -> tuple[Witnes
 
     Examples
     --------
-    >>> from erlif.joint.endurance.example import example_test
+    >>> from erlif.show.plots.endurance_example import example_test
     >>> result = example_test()
     >>> found = hear_witnesses(result.test, result.loaded[-1], result.onset)
     >>> [(witness.name, witness.confirms) for witness in found]

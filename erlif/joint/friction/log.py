@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -14,8 +13,8 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError, EnduranceError
 from erlif.io.ingest.logs.binary import is_binary_log, read_binary_table
-from erlif.io.ingest.logs.columns import plain_name, unit_suffix
-from erlif.io.ingest.logs.table import LogColumn, LogTable, split_unit
+from erlif.io.ingest.logs.columns import named_columns, plain_name, unit_suffix
+from erlif.io.ingest.logs.table import LogColumn, LogTable
 from erlif.io.ingest.logs.text import read_text_table
 from erlif.io.ingest.logs.units import UNITS, Scale, find_scale
 from erlif.joint.friction.bad_rows import leave_out_bad_rows
@@ -273,22 +272,16 @@ def _fits(column: LogColumn, quantity: str, columns: LogColumns) -> bool:
 
 def _choose(quantity: str, name: str, table: LogTable) -> LogColumn:
     """The column of a chosen name; the unit in its brackets may be left out."""
-    exact = [column for column in table.columns if column.name == name]
-    near = exact or [column for column in table.columns if split_unit(column.name)[0] == name]
-    near = near or [one for one in table.columns if one.name.rpartition("/")[2] == name]
+    near, columns = named_columns(name, table)
     if len(near) == 1:
         return near[0]
-
-    known = ", ".join(repr(one) for one in table.names[:20] if one)
     if near:
         raise EnduranceError(
             f"Expected one column {name!r} in {table.file}; there are {len(near)}. Rename one."
         )
-    guess = difflib.get_close_matches(name, table.names, n=1, cutoff=0.5)
-    meant = f" Did you mean {guess[0]!r}?" if guess else ""
     raise EnduranceError(
-        f"Expected column {name!r} in {table.file}, chosen as {quantity}; its columns are {known}."
-        f"{meant} Choose one of them."
+        f"Expected column {name!r} in {table.file}, chosen as {quantity}; its {columns} Choose one "
+        "of them."
     )
 
 
@@ -324,8 +317,13 @@ def _unit(column: LogColumn, quantity: str, columns: LogColumns) -> str:
 def _scale(column: LogColumn, quantity: str, columns: LogColumns) -> Scale | None:
     if column.unit == CLOCK:
         return Scale("s") if quantity == "time" else None
-    unit = columns.units.get(quantity) or column.unit or unit_suffix(column.name)
+    unit = _stated_unit(column, quantity, columns)
     return find_scale(QUANTITIES[quantity], unit) if QUANTITIES[quantity] and unit else None
+
+
+def _stated_unit(column: LogColumn, quantity: str, columns: LogColumns) -> str:
+    """Unit that is given, of the header, or behind the name."""
+    return columns.units.get(quantity) or column.unit or unit_suffix(column.name)
 
 
 def _convert(column: LogColumn, quantity: str, table: LogTable, columns: LogColumns) -> Array:
@@ -337,7 +335,7 @@ def _convert(column: LogColumn, quantity: str, table: LogTable, columns: LogColu
     if scale is not None:
         return column.values * scale.factor + scale.offset
 
-    unit = columns.units.get(quantity) or column.unit or unit_suffix(column.name)
+    unit = _stated_unit(column, quantity, columns)
     got = repr(unit) if unit else "none in its header"
     raise EnduranceError(
         f"Expected the unit of column {column.name} of {table.file}, the {quantity}; got {got}. "

@@ -15,7 +15,7 @@ from erlif.io.files import replacing
 from erlif.joint.friction.plausible import doubt_friction
 from erlif.joint.friction.scatter import spread_of_line
 from erlif.joint.friction.stretches import Stretch, find_stretches
-from erlif.models.arguments import require_not_negative, require_positive
+from erlif.models.arguments import require_positive
 from erlif.models.friction import friction_coefficient
 
 _NORMAL = 1.959964  # standard deviations of 95 %, for the errors that all pairs share
@@ -129,7 +129,6 @@ def analyse_friction(
     0.150 ± 0.0015, 0.025
     """
     require_positive(shaft_radius=shaft_radius)
-    require_not_negative(torque_std=torque_std, load_std=load_std, radius_std=radius_std)
     if speed is not None:
         require_positive(speed=speed)
     cells = log["cells"].values

@@ -88,7 +88,7 @@ def find_stretches(torque: Array) -> list[Stretch]:
     >>> one.forward, two.forward, two.dwell
     (True, False, (0, 10))
     """
-    smooth = _running_median(torque)
+    smooth = running_median(torque)
     low, high = np.percentile(smooth, _ENDS)
     half = 0.5 * (high - low)
     if not half > 0:
@@ -113,7 +113,22 @@ def find_stretches(torque: Array) -> list[Stretch]:
     return found
 
 
-def _running_median(values: Array) -> Array:
+def running_median(values: Array) -> Array:
+    """Compute the median of five neighbouring samples, which single jerks do not shift.
+
+    Parameters
+    ----------
+    values : array, (sample,)
+
+    Returns
+    -------
+    array, (sample,)
+
+    Examples
+    --------
+    >>> running_median(np.array([1.0, 1, 9, 1, 1, 2])).tolist()
+    [1.0, 1.0, 1.0, 1.0, 2.0, 2.0]
+    """
     if values.size < _MEDIAN:
         return values
     padded = np.pad(values, _MEDIAN // 2, mode="edge")

@@ -7,7 +7,7 @@ import os
 import tomllib
 import warnings
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -271,22 +271,8 @@ def _material(part: PartOfJoint, table: str, materials: Mapping[str, Material]) 
 
 
 def _lock(lock: LockOfJoint, materials: Mapping[str, Material]) -> Lock:
-    return Lock(
-        kind=lock.kind,
-        plate=_material(lock, "lock", materials),
-        lever=float(lock.lever),
-        length=float(lock.length),
-        thickness=float(lock.thickness),
-        throat=lock.throat,
-        weld=lock.weld,
-        friction_bushing=lock.friction_bushing,
-        friction_seat=lock.friction_seat,
-        height=lock.height,
-        end_width=lock.end_width,
-        weld_diameter=lock.weld_diameter,
-        screw_diameter=lock.screw_diameter,
-        screw_yield=lock.screw_yield,
-    )
+    known = {field.name: getattr(lock, field.name) for field in fields(Lock)[2:]}
+    return Lock(lock.kind, _material(lock, "lock", materials), **known)
 
 
 _PLACES = {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -59,7 +59,7 @@ def load_profile(result: EnduranceResult, *, ax: Axes | None = None) -> list[Art
 
     Examples
     --------
-    >>> from erlif.joint.endurance.example import example_test
+    >>> from erlif.show.plots.endurance_example import example_test
     >>> line, *_ = load_profile(example_test())
     >>> line.axes.get_ylabel()
     'load [kN]'
@@ -96,7 +96,7 @@ def friction_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> li
 
     Examples
     --------
-    >>> from erlif.joint.endurance.example import example_test
+    >>> from erlif.show.plots.endurance_example import example_test
     >>> line, *_ = friction_over_test(example_test())
     >>> line.axes.get_ylabel()
     'friction coefficient'
@@ -105,12 +105,18 @@ def friction_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> li
 
 
 @styled
-def torque_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw the torque over time, with the onset of galling. Figs. 4-3, 4-10 and 4-11.
+def quantity_over_test(
+    result: EnduranceResult, name: str, *, ax: Axes | None = None
+) -> list[Artist]:
+    """Draw one quantity over time, with the onset of galling. Figs. 4-3 to 4-11.
 
     Parameters
     ----------
-    result, ax
+    result
+        As for `load_profile`.
+    name : str
+        ``"load"``, ``"torque"``, ``"friction"``, ``"temperature"`` or ``"vibration"``.
+    ax
         As for `load_profile`.
 
     Returns
@@ -119,70 +125,24 @@ def torque_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> list
 
     Examples
     --------
-    >>> from erlif.joint.endurance.example import example_test
-    >>> line, *_ = torque_over_test(example_test())
-    >>> line.axes.get_ylabel()
-    'torque [N m]'
-    """
-    return _draw(result, result.test["torque"].values, ax, "torque [N m]")
-
-
-@styled
-def temperature_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw the temperature of the pin over time. Figs. 4-5, 4-8 and 4-9.
-
-    Parameters
-    ----------
-    result, ax
-        As for `load_profile`.
-
-    Returns
-    -------
-    list of Artist
-
-    Examples
-    --------
-    >>> from erlif.joint.endurance.example import example_test
-    >>> line, *_ = temperature_over_test(example_test())
-    >>> line.axes.get_ylabel()
-    'temperature [°C]'
-    """
-    return _draw(result, result.test["temperature"].values, ax, "temperature [°C]")
-
-
-@styled
-def vibration_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw the level of vibration over time.
-
-    Parameters
-    ----------
-    result, ax
-        As for `load_profile`.
-
-    Returns
-    -------
-    list of Artist
-
-    Examples
-    --------
-    >>> from erlif.joint.endurance.example import example_test
-    >>> line, *_ = vibration_over_test(example_test())
+    >>> from erlif.show.plots.endurance_example import example_test
+    >>> line, *_ = quantity_over_test(example_test(), "vibration")
     >>> line.axes.get_ylabel()
     'vibration [g]'
     """
-    vibration = result.test["vibration"]
-    unit = vibration.attrs.get("units", "1")
-    label = "vibration" if unit == "1" else f"vibration [{unit}]"
-    return _draw(result, vibration.values, ax, label)
+    if name == "load":
+        return load_profile(result, ax=ax)
+    if name == "friction":
+        return friction_over_test(result, ax=ax)
+    unit = _UNITS.get(name) or result.test[name].attrs.get("units", "1")
+    label = name if unit == "1" else f"{name} [{unit}]"
+    return _draw(result, result.test[name].values, ax, label)
 
 
-_PANELS = {
-    "load": load_profile,
-    "torque": torque_over_test,
-    "friction": friction_over_test,
-    "temperature": temperature_over_test,
-    "vibration": vibration_over_test,
-}
+_UNITS = {"torque": "N m", "temperature": "°C"}
+
+_PANELS = ("load", "torque", "friction", "temperature", "vibration")
+"""Panels of the figure of all that a test has logged."""
 
 
 @styled
@@ -203,7 +163,7 @@ def endurance_figure(result: EnduranceResult, *, figure: AnyFigure | None = None
 
     Examples
     --------
-    >>> from erlif.joint.endurance.example import example_test
+    >>> from erlif.show.plots.endurance_example import example_test
     >>> len(endurance_figure(example_test()).axes)
     5
     """
@@ -214,7 +174,7 @@ def endurance_figure(result: EnduranceResult, *, figure: AnyFigure | None = None
     figure.suptitle(result.name)
     panels = rows_or_columns(figure, len(names), sharex=True)
     for ax, name, mark in zip(panels, names, "abcde", strict=False):
-        _PANELS[name](result, ax=ax)
+        quantity_over_test(result, name, ax=ax)
         letter(ax, mark)
         if ax is not panels[-1]:
             ax.set_xlabel("")
@@ -245,7 +205,7 @@ def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) 
 
     Examples
     --------
-    >>> from erlif.joint.endurance.example import example_test
+    >>> from erlif.show.plots.endurance_example import example_test
     >>> [ax.get_ylabel() for ax in failure_figure(example_test()).axes]
     ['torque [N m]', 'friction coefficient']
     """
@@ -287,11 +247,7 @@ def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) 
     return figure
 
 
-_FIGURES: dict[str, Callable[..., list[Artist]]] = {
-    "load": load_profile,
-    "friction": friction_over_test,
-    "temperature": temperature_over_test,
-}
+_FIGURES = ("load", "friction", "temperature")
 """Figures of one panel."""
 
 
@@ -310,7 +266,7 @@ def name_figures(result: EnduranceResult, *, overview: str = "") -> list[str]:
 
     Examples
     --------
-    >>> from erlif.joint.endurance.example import example_test
+    >>> from erlif.show.plots.endurance_example import example_test
     >>> name_figures(example_test(galls=False))
     ['example.png', 'example_load.png', 'example_friction.png', 'example_temperature.png']
     """
@@ -404,7 +360,7 @@ def _one_panel(result: EnduranceResult, kind: str) -> AnyFigure:
     figure = new_figure(height=_ROW * 3.2, text=0.4) if twice else new_figure()
     panels = rows_or_columns(figure, 1 + twice, sharex=True)
     for ax in panels:
-        _FIGURES[kind](result, ax=ax)
+        quantity_over_test(result, kind, ax=ax)
     if twice:
         panels[0].set_xlabel("")
         _limit_to_before(result, panels[1])

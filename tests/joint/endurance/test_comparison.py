@@ -70,14 +70,6 @@ def test_exchanged_designs_have_the_inverse_ratio():
     assert found.probability + inverse.probability == pytest.approx(1.0, abs=1e-6)
 
 
-@pytest.mark.parametrize("load", [0.0, -5.0, np.nan, np.inf])
-def test_a_load_that_is_none_is_refused(load):
-    with pytest.raises(EnduranceError, match="above 0 of run 2 of the design second; got"):
-        compare_designs([exact(20)] * 2, [exact(20), exact(load)])
-    with pytest.raises(EnduranceError, match="run 1 of the design first survived"):
-        compare_designs([FailureLoad(20.0, 0.1, np.nan, True, 2)] * 2, [exact(20)] * 2)
-
-
 def test_log_rank_by_permutation_of_two_samples_without_overlap():
     """Of 20 ways to choose three of six runs, two are as extreme."""
     found = compare_designs([exact(x) for x in (20, 21, 22)], [exact(x) for x in (30, 31, 32)])
@@ -92,11 +84,9 @@ def test_a_design_without_a_failure_has_no_ratio_but_a_test():
     assert found.failures == (3, 0)
 
 
-def test_one_run_or_another_model_is_refused():
-    with pytest.raises(EnduranceError, match="at least two runs of the design second"):
-        compare_designs([exact(20)] * 2, [exact(20)])
-    with pytest.raises(EnduranceError, match="lognormal or weibull"):
-        compare_designs([exact(20)] * 2, [exact(20)] * 2, model="normal")
+def test_one_run_is_refused():
+    with pytest.raises(EnduranceError, match="at least two runs"):
+        compare_designs([exact(20)], [exact(20)] * 2)
 
 
 def test_failure_at_a_load_carried_before_is_a_failure_at_this_load():

@@ -5,14 +5,7 @@ import numpy.testing as npt
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes.formulas import (
-    assert_broadcasts,
-    assert_infinity_is_named,
-    assert_missing_values_pass,
-    evaluate,
-)
 
-from erlif.core.errors import ModelError, UnitWarning
 from erlif.models.bearing import (
     press_fit_displacement,
     relative_play,
@@ -80,58 +73,3 @@ def test_press_fit_of_one_material_is_eq_24():
     db, D, Dh, fit = 0.07, 0.08, 0.16, 60e-6
     eq_24 = -fit / 2 * db / D * (D**2 - Dh**2) / (db**2 - Dh**2)
     npt.assert_allclose(press_fit_displacement(fit, **FIT, **STEEL), eq_24)
-
-
-FORMULAS = {
-    relative_play: {"pin_diameter": 0.08, "bore": 0.0802},
-    press_fit_displacement: {"interference": 6e-5, **FIT, **STEEL},
-}
-EVERY_FORMULA = pytest.mark.parametrize(
-    ("formula", "case"), FORMULAS.items(), ids=[formula.__name__ for formula in FORMULAS]
-)
-
-
-@EVERY_FORMULA
-def test_scalars_give_floats_and_arrays_broadcast(formula, case):
-    assert_broadcasts(formula, case)
-
-
-@EVERY_FORMULA
-def test_infinite_argument_is_refused_by_name(formula, case):
-    assert_infinity_is_named(formula, case)
-
-
-@EVERY_FORMULA
-def test_missing_value_gives_a_missing_result(formula, case):
-    assert_missing_values_pass(formula, case)
-
-
-@pytest.mark.parametrize(
-    ("formula", "slip", "message"),
-    [
-        (relative_play, {"bore": 80.2}, "bore = 80.2 m"),
-        (press_fit_displacement, {"youngs_bushing": 206.0}, "youngs_bushing = 206 Pa"),
-    ],
-)
-def test_slip_of_units_warns(formula, slip, message):
-    with pytest.warns(UnitWarning, match=message):
-        evaluate(formula, FORMULAS[formula] | slip)
-
-
-@pytest.mark.parametrize(
-    ("call", "named"),
-    [
-        (
-            lambda: press_fit_displacement(6e-5, **FIT | {"bore": 0.09}, **STEEL),
-            "^fit_diameter must exceed bore, got 0.08 and 0.09",
-        ),
-        (
-            lambda: press_fit_displacement(6e-5, **FIT | {"housing_diameter": 0.08}, **STEEL),
-            "^housing_diameter must exceed fit_diameter",
-        ),
-        (lambda: relative_play(0.0, bore=0.08), "pin_diameter"),
-    ],
-)
-def test_bad_values_are_named(call, named):
-    with pytest.raises(ModelError, match=named):
-        call()

@@ -5,14 +5,7 @@ import numpy.testing as npt
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes.formulas import (
-    assert_broadcasts,
-    assert_infinity_is_named,
-    assert_missing_values_pass,
-    evaluate,
-)
 
-from erlif.core.errors import UnitWarning
 from erlif.models.bearing import (
     least_eyebar_diameter,
 )
@@ -48,37 +41,3 @@ def test_no_eye_carries_an_overload():
     assert 50 < outer[0] < 100
     npt.assert_array_equal(outer[1:], np.inf)
     assert least_eyebar_diameter(2e6, bore=0.08, width=0.04, **CASE) == np.inf
-
-
-FORMULAS = {
-    least_eyebar_diameter: {"load": 1e5, "bore": 0.08, "width": 0.04, **CASE},
-}
-EVERY_FORMULA = pytest.mark.parametrize(
-    ("formula", "case"), FORMULAS.items(), ids=[formula.__name__ for formula in FORMULAS]
-)
-
-
-@EVERY_FORMULA
-def test_scalars_give_floats_and_arrays_broadcast(formula, case):
-    assert_broadcasts(formula, case)
-
-
-@EVERY_FORMULA
-def test_infinite_argument_is_refused_by_name(formula, case):
-    assert_infinity_is_named(formula, case)
-
-
-@EVERY_FORMULA
-def test_missing_value_gives_a_missing_result(formula, case):
-    assert_missing_values_pass(formula, case)
-
-
-@pytest.mark.parametrize(
-    ("formula", "slip", "message"),
-    [
-        (least_eyebar_diameter, {"bore": 80.0}, "bore = 80 m"),
-    ],
-)
-def test_slip_of_units_warns(formula, slip, message):
-    with pytest.warns(UnitWarning, match=message):
-        evaluate(formula, FORMULAS[formula] | slip)

@@ -5,14 +5,7 @@ import numpy.testing as npt
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes.formulas import (
-    assert_broadcasts,
-    assert_infinity_is_named,
-    assert_missing_values_pass,
-    evaluate,
-)
 
-from erlif.core.errors import UnitWarning
 from erlif.models.bearing import (
     end_force_of_closed_lock,
     largest_internal_weld_diameter,
@@ -89,55 +82,3 @@ def test_lock_force_and_weld_carry_the_same_torque():  # Strand (2005), eqs. 15 
     npt.assert_allclose(
         largest_internal_weld_diameter(0.08, throat=0.003), 0.08 - 0.006 * (1 + np.sqrt(2))
     )
-
-
-FORMULAS = {
-    lock_force: {
-        "load": 1e5,
-        "diameter": 0.08,
-        "lever": 0.06,
-        "friction_bushing": 0.9,
-        "friction_seat": 0.1,
-    },
-    least_weld_diameter: {"load": 1e5, "pin_diameter": 0.08, "throat": 0.003, **CASE},
-    largest_internal_weld_diameter: {"pin_diameter": 0.08, "throat": 0.003},
-    least_open_prong_height: {"load": 1e4, **LOCK},
-    end_force_of_closed_lock: {"load": 1e4},
-    least_closed_prong_height: {"load": 1e4, **LOCK, "root_shear": 0.5},
-    least_closed_end_width: {"load": 1e4, "thickness": 0.01, **CASE},
-}
-EVERY_FORMULA = pytest.mark.parametrize(
-    ("formula", "case"), FORMULAS.items(), ids=[formula.__name__ for formula in FORMULAS]
-)
-
-
-@EVERY_FORMULA
-def test_scalars_give_floats_and_arrays_broadcast(formula, case):
-    assert_broadcasts(formula, case)
-
-
-@EVERY_FORMULA
-def test_infinite_argument_is_refused_by_name(formula, case):
-    assert_infinity_is_named(formula, case)
-
-
-@EVERY_FORMULA
-def test_missing_value_gives_a_missing_result(formula, case):
-    assert_missing_values_pass(formula, case)
-
-
-@pytest.mark.parametrize(
-    ("formula", "slip", "message"),
-    [
-        (lock_force, {"lever": 60.0}, "lever = 60 m"),
-        (least_weld_diameter, {"pin_diameter": 80.0}, "pin_diameter = 80 m"),
-        (largest_internal_weld_diameter, {"pin_diameter": 80.0}, "pin_diameter = 80 m"),
-        (least_open_prong_height, {"length": 30.0}, "length = 30 m"),
-        (end_force_of_closed_lock, {"load": 10000000000.0}, "load = 1e.10 N .* mN"),
-        (least_closed_prong_height, {"yield_stress": 600.0}, "yield_stress = 600 Pa"),
-        (least_closed_end_width, {"thickness": 20.0}, "thickness = 20 m"),
-    ],
-)
-def test_slip_of_units_warns(formula, slip, message):
-    with pytest.warns(UnitWarning, match=message):
-        evaluate(formula, FORMULAS[formula] | slip)

@@ -5,15 +5,8 @@ import numpy.testing as npt
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes.formulas import (
-    assert_broadcasts,
-    assert_infinity_is_named,
-    assert_missing_values_pass,
-    evaluate,
-)
 from scipy.integrate import quad
 
-from erlif.core.errors import ModelError, UnitWarning
 from erlif.models.bearing import (
     hole_stress_concentration,
     lateral_force,
@@ -96,74 +89,3 @@ def test_straight_halves_shorten_by_five_sixths_of_the_bent_line():
     inertia = np.pi * 0.05**4 / 64
     shift = lateral_shift(1e4, length=1.0, diameter=0.05, youngs_modulus=1e6 / inertia)
     npt.assert_allclose(shift, chord * 1e-4, rtol=1e-4)
-
-
-FORMULAS = {
-    pin_diameter_in_shear: {"load": 1e5, **CASE},
-    pin_diameter_in_bending: {"load": 1e5, "free_length": 0.12, **CASE},
-    hole_stress_concentration: {"hole_ratio": 0.1},
-    pin_diameter_with_hole: {"load": 1e5, "free_length": 0.12, "hole_ratio": 0.1, **CASE},
-    lateral_shift: {"load": 1e5, "length": 0.18, "diameter": 0.08, "youngs_modulus": 206e9},
-    lateral_force: {"load": 1e5, "length": 0.18, "diameter": 0.08, "youngs_modulus": 206e9},
-}
-EVERY_FORMULA = pytest.mark.parametrize(
-    ("formula", "case"), FORMULAS.items(), ids=[formula.__name__ for formula in FORMULAS]
-)
-
-
-@EVERY_FORMULA
-def test_scalars_give_floats_and_arrays_broadcast(formula, case):
-    assert_broadcasts(formula, case)
-
-
-@EVERY_FORMULA
-def test_infinite_argument_is_refused_by_name(formula, case):
-    assert_infinity_is_named(formula, case)
-
-
-@EVERY_FORMULA
-def test_missing_value_gives_a_missing_result(formula, case):
-    assert_missing_values_pass(formula, case)
-
-
-@pytest.mark.parametrize(
-    ("formula", "slip", "message"),
-    [
-        (pin_diameter_in_shear, {"yield_stress": 600.0}, "yield_stress = 600 Pa .* MPa"),
-        (pin_diameter_in_bending, {"free_length": 120.0}, "free_length = 120 m .* mm"),
-        (pin_diameter_with_hole, {"free_length": 120.0}, "free_length = 120 m"),
-        (
-            lateral_shift,
-            {"load": 10.0, "youngs_modulus": 206000.0},
-            "youngs_modulus = 206000 Pa",
-        ),
-        (
-            lateral_force,
-            {"load": 10.0, "youngs_modulus": 206000.0},
-            "youngs_modulus = 206000 Pa",
-        ),
-    ],
-)
-def test_slip_of_units_warns(formula, slip, message):
-    with pytest.warns(UnitWarning, match=message):
-        evaluate(formula, FORMULAS[formula] | slip)
-
-
-@pytest.mark.parametrize(
-    ("call", "named"),
-    [
-        (lambda: pin_diameter_in_shear(1e5, yield_stress=-6e8, safety=2.0), "yield_stress"),
-        (lambda: hole_stress_concentration(0.3), "hole_ratio"),
-        (
-            lambda: lateral_shift(1e9, length=1.0, diameter=0.01, youngs_modulus=2e11),
-            "^load must stay below 24 E I",
-        ),
-        (
-            lambda: lateral_force(-1e9, length=1.0, diameter=0.01, youngs_modulus=2e11),
-            "^load must stay below 24 E I",
-        ),
-    ],
-)
-def test_bad_values_are_named(call, named):
-    with pytest.raises(ModelError, match=named):
-        call()

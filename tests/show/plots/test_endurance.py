@@ -8,7 +8,6 @@ from scenes.pictures import picture, without_texts
 
 import erlif.show.plots.endurance
 from erlif.core.errors import EnduranceError
-from erlif.joint.endurance.example import example_test
 from erlif.show.plots import (
     endurance_figure,
     failure_figure,
@@ -16,9 +15,10 @@ from erlif.show.plots import (
     load_profile,
     name_figures,
     name_overviews,
-    torque_over_test,
+    quantity_over_test,
     write_endurance_figures,
 )
+from erlif.show.plots.endurance_example import example_test
 
 
 def test_onset_and_stages_are_marked():
@@ -78,7 +78,7 @@ def test_axes_of_large_torques_have_no_offset():
     result = example_test()
     test = result.test.copy(deep=True)
     test["torque"][:] = 1234.0 + 0.01 * np.arange(test.sizes["time"])
-    ax = torque_over_test(replace(result, test=test))[0].axes
+    ax = quantity_over_test(replace(result, test=test), "torque")[0].axes
     ax.figure.canvas.draw()
     assert ax.yaxis.get_offset_text().get_text() == ""
     assert ax.yaxis.get_ticklabels()[1].get_text().startswith("1")

@@ -345,24 +345,47 @@ def convert_columns(
 
 def _choose(quantity: str, name: str, table: LogTable) -> str:
     """Full name of a chosen column; the unit in its brackets may be left out."""
-    exact = [one for one in table.names if one == name]
-    near = exact or [one for one in table.names if split_unit(one)[0] == name]
-    near = near or [one for one in table.names if one.rpartition("/")[2] == name]
+    near, columns = named_columns(name, table)
     if len(near) == 1:
-        return near[0]
-
-    known = ", ".join(repr(one) for one in table.names[:20] if one)
+        return near[0].name
     if near:
         raise EncoderError(
             f"Expected each column of {table.file} once; {name} comes {len(near)} times. Rename "
-            f"one, or name the other columns in [encoder]: {known}."
+            f"one, or name the other columns in [encoder]; its {columns}"
         )
-    guess = difflib.get_close_matches(name, table.names, n=1, cutoff=0.5)
-    hint = f" Did you mean {guess[0]!r}?" if guess else ""
     raise EncoderError(
         f"Expected column {name!r} in {table.file}, which [encoder] names as {quantity}; its "
-        f"columns are {known}.{hint} Correct {quantity} in [encoder] of run.toml."
+        f"{columns} Correct {quantity} in [encoder] of run.toml."
     )
+
+
+def named_columns(name: str, table: LogTable) -> tuple[list[LogColumn], str]:
+    """Find the columns of a chosen name.
+
+    Parameters
+    ----------
+    name : str
+        Name as the header has it; its group and the unit in brackets may be left out.
+    table : LogTable
+
+    Returns
+    -------
+    list of LogColumn, str
+        The columns, and a sentence with those of the table and the nearest of them.
+
+    Examples
+    --------
+    >>> log = LogTable("log.csv", (LogColumn("Load [N]", "N", np.zeros(1)),), [2])
+    >>> [column.name for column in named_columns("Load", log)[0]], named_columns("Lod", log)[1]
+    (['Load [N]'], "columns are 'Load [N]'. Did you mean 'Load [N]'?")
+    """
+    near = [column for column in table.columns if column.name == name]
+    near = near or [one for one in table.columns if split_unit(one.name)[0] == name]
+    near = near or [one for one in table.columns if one.name.rpartition("/")[2] == name]
+    known = ", ".join(repr(one) for one in table.names[:20] if one)
+    guess = difflib.get_close_matches(name, table.names, n=1, cutoff=0.5)
+    hint = f" Did you mean {guess[0]!r}?" if guess else ""
+    return near, f"columns are {known}.{hint}"
 
 
 def plain_name(name: str) -> str:

@@ -1,6 +1,6 @@
 """The test of the examples."""
 
-from erlif.joint.endurance.example import example_test
+from erlif.show.plots.endurance_example import example_test
 
 
 def test_one_fails_and_one_survives():

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import xarray as xr
 
-from erlif.joint.endurance.analysis import EnduranceResult, analyse_endurance
+from erlif.joint.endurance import EnduranceResult, analyse_endurance
 from erlif.rig import EnduranceRig, simulate_endurance
 
 
