@@ -286,61 +286,19 @@ def divide_rows(  # type: ignore[no-untyped-def]
     # the ratio of each row, and for the ghost the product of both cameras in the row below
     for below in range(max(start - 1, 0) if ghost else start + 1, stop + 1):
         row = below - 1
-        y, z, kept = _at(row), _at(below), _at(row - first)
-        if row >= start:
-            for t in range(width):
-                x = _at(t)
-                a, b = one[y, x], two[y, x]
-                values[0, x] = b / a if (a > _ZERO) & (b > _ZERO) else _ONE
-        if ghost and below < height:
-            for t in range(width):
-                x = _at(t)
-                product = one[z, x] * two[z, x]
-                values[1, x] = product if product > _ZERO else _ONE
-        for q in range(0 if row >= start else 1, 2 if ghost and below < height else 1):
-            _take_log(values[q], bits[q], spare[3])
-        if ghost and below < height:
-            for t in range(width):
-                x = _at(t)
-                lit = one[z, x] * two[z, x] > _ZERO
-                spare[_at(below % 3), x] = values[1, x] if lit else _NAN
+        _take_logs(one, two, row, start, ghost, values, bits, spare)
         if row < start:
             continue
 
-        # the mean of log(1 + e) is -var(e)/2 for a small relative error e
-        only, n = _at(row % var_one.shape[0]), _at(row % fixed.shape[0])
-        for t in range(width):
-            x = _at(t)
-            a, b = one[y, x], two[y, x]
-            light = (a > _ZERO) & (b > _ZERO)
-            per_a, per_b = _ONE / (a * a), _ONE / (b * b)
-            of_a = (var_one[only, x] + fixed_one[only, x]) * per_a
-            of_b = (var_two[kept, x] + fixed_two[kept, x]) * per_b
-            spare[3, x] = of_b
-            variance[y, x] = of_a + of_b if light else _NAN
-            repeats = fixed_one[only, x] * per_a + fixed_two[kept, x] * per_b
-            fixed[n, x] = repeats if light else _NAN
-            values[0, x] = values[0, x] + _HALF * (of_b - of_a) if light else _NAN
-        for t in range(width):
-            x = _at(t)
-            log_ratio[y, x] = values[0, x]
-
-        for t in range(width):
-            x = _at(t)
-            flag = flags_one[y, x] | flags_two[kept, x] | map_flags[y, x]
-            lightless = (flag == _NONE) & (values[0, x] != values[0, x])
-            flags[y, x] = _DIM if lightless else flag
-        sum_all, sum_two = _ZERO, _ZERO
-        for t in range(width):
-            x = _at(t)
-            valid = flags[y, x] == _NONE
-            sum_all += variance[y, x] if valid else _ZERO
-            sum_two += spare[3, x] if valid else _ZERO
-        total += float(sum_all)
-        of_two += float(sum_two)
+        variances = var_one, fixed_one, var_two, fixed_two
+        bits_of = flags_one, flags_two, map_flags
+        images = log_ratio, variance, fixed, flags
+        sums = _divide_row(one, two, variances, bits_of, row, first, values, spare, images)
+        total += float(sums[0])
+        of_two += float(sums[1])
 
         # half the logarithm of the product is the mean of both cameras' logarithms
-        inside = row > 0 and row < height - 1
+        y, inside = _at(row), row > 0 and row < height - 1
         if ghost and inside:
             up, mid, down = _at((row - 1) % 3), _at(row % 3), _at((row + 1) % 3)
             for t in range(1, width - 1):
@@ -351,20 +309,94 @@ def divide_rows(  # type: ignore[no-untyped-def]
                 left_over = _HALF * (along_x * bend_x + along_y * bend_y)
                 log_ratio[y, x] -= left_over if left_over == left_over else _ZERO
 
-        # Sobel's gradient of camera 2, over the light: the gradient of the logarithm
         for t in range(width):
             x = _at(t)
             shared[y, x] = map_var[y, x] * _ZERO
         if inside:
-            up, down = _at(row - 1), _at(row + 1)
-            for t in range(1, width - 1):
-                x, left, right = _at(t), _at(t - 1), _at(t + 1)
-                a, b, c = two[up, left], two[up, x], two[up, right]
-                d, e, f = two[y, left], two[y, x], two[y, right]
-                g, h, k = two[down, left], two[down, x], two[down, right]
-                in_x = (c - a) + _TWO * (f - d) + (k - g)
-                in_y = (g - a) + _TWO * (h - b) + (k - c)
-                mean = (a + c + g + k + _TWO * (b + d + f + h) + _TWO * _TWO * e) * _HALF
-                size = (in_x * in_x + in_y * in_y) / (mean * mean)
-                shared[y, x] = map_var[y, x] * (size if mean > _ZERO else _ZERO)
+            _shift_row(two, map_var, row, shared)
     return total, of_two
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def _take_logs(one, two, row, start, ghost, values, bits, spare):  # type: ignore[no-untyped-def]
+    """Logarithm of the ratio of a row, and for the ghost of the product in the row below."""
+    height, width = one.shape
+    y, z = _at(row), _at(row + 1)
+    product_below = ghost and row + 1 < height
+    if row >= start:
+        for t in range(width):
+            x = _at(t)
+            a, b = one[y, x], two[y, x]
+            values[0, x] = b / a if (a > _ZERO) & (b > _ZERO) else _ONE
+    if product_below:
+        for t in range(width):
+            x = _at(t)
+            product = one[z, x] * two[z, x]
+            values[1, x] = product if product > _ZERO else _ONE
+
+    for q in range(0 if row >= start else 1, 2 if product_below else 1):
+        _take_log(values[q], bits[q], spare[3])
+    if product_below:
+        for t in range(width):
+            x = _at(t)
+            lit = one[z, x] * two[z, x] > _ZERO
+            spare[_at((row + 1) % 3), x] = values[1, x] if lit else _NAN
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def _divide_row(  # type: ignore[no-untyped-def]
+    one, two, variances, bits_of, row, first, values, spare, images
+):
+    """Log ratio, variances and flags of a row; sums of the variance, of both and of camera 2."""
+    var_one, fixed_one, var_two, fixed_two = variances
+    flags_one, flags_two, map_flags = bits_of
+    log_ratio, variance, fixed, flags = images
+    width = one.shape[1]
+    y, kept = _at(row), _at(row - first)
+
+    # the mean of log(1 + e) is -var(e)/2 for a small relative error e
+    only, n = _at(row % var_one.shape[0]), _at(row % fixed.shape[0])
+    for t in range(width):
+        x = _at(t)
+        a, b = one[y, x], two[y, x]
+        light = (a > _ZERO) & (b > _ZERO)
+        per_a, per_b = _ONE / (a * a), _ONE / (b * b)
+        of_a = (var_one[only, x] + fixed_one[only, x]) * per_a
+        of_b = (var_two[kept, x] + fixed_two[kept, x]) * per_b
+        spare[3, x] = of_b
+        variance[y, x] = of_a + of_b if light else _NAN
+        repeats = fixed_one[only, x] * per_a + fixed_two[kept, x] * per_b
+        fixed[n, x] = repeats if light else _NAN
+        values[0, x] = values[0, x] + _HALF * (of_b - of_a) if light else _NAN
+    for t in range(width):
+        x = _at(t)
+        log_ratio[y, x] = values[0, x]
+
+    for t in range(width):
+        x = _at(t)
+        flag = flags_one[y, x] | flags_two[kept, x] | map_flags[y, x]
+        lightless = (flag == _NONE) & (values[0, x] != values[0, x])
+        flags[y, x] = _DIM if lightless else flag
+    sum_all, sum_two = _ZERO, _ZERO
+    for t in range(width):
+        x = _at(t)
+        valid = flags[y, x] == _NONE
+        sum_all += variance[y, x] if valid else _ZERO
+        sum_two += spare[3, x] if valid else _ZERO
+    return sum_all, sum_two
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def _shift_row(two, map_var, row, shared):  # type: ignore[no-untyped-def]
+    """Variance by the registration, from Sobel's gradient of camera 2 over its light."""
+    y, up, down = _at(row), _at(row - 1), _at(row + 1)
+    for t in range(1, two.shape[1] - 1):
+        x, left, right = _at(t), _at(t - 1), _at(t + 1)
+        a, b, c = two[up, left], two[up, x], two[up, right]
+        d, e, f = two[y, left], two[y, x], two[y, right]
+        g, h, k = two[down, left], two[down, x], two[down, right]
+        in_x = (c - a) + _TWO * (f - d) + (k - g)
+        in_y = (g - a) + _TWO * (h - b) + (k - c)
+        mean = (a + c + g + k + _TWO * (b + d + f + h) + _TWO * _TWO * e) * _HALF
+        size = (in_x * in_x + in_y * in_y) / (mean * mean)
+        shared[y, x] = map_var[y, x] * (size if mean > _ZERO else _ZERO)
