@@ -1,17 +1,26 @@
 """Write docs/files.md and the JSON schemas in docs/schema: ``python docs/make_files.py``.
 
-The pages of the settings come from the tables of `erlif.io.settings`; the variables of
-calibration.nc and film.nc stand below, and a test holds them to the files that erlif writes.
+Settings come from the tables of `erlif.io.settings`, variables from `erlif.core.variables`.
+Attributes stand below; a test holds all of them to the files that erlif writes.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from erlif.core.flags import Flag
+from erlif.core.variables import (
+    CALIBRATION,
+    FILM,
+    FRAMES,
+    PREDICTION,
+    PRESSURE,
+    REGISTRATION,
+    Variable,
+)
 from erlif.io.settings import (
     DesignSettings,
     EnduranceSettings,
@@ -31,19 +40,6 @@ DOCS = Path(__file__).parent
 
 
 @dataclass(frozen=True)
-class Variable:
-    """A variable of a netCDF file."""
-
-    name: str
-    dims: tuple[str, ...]
-    dtype: str
-    unit: str
-    meaning: str
-    when: str = ""
-    """Condition under which it is in the file; empty: always."""
-
-
-@dataclass(frozen=True)
 class Attribute:
     """An attribute of a file, a group or a variable."""
 
@@ -52,410 +48,14 @@ class Attribute:
     when: str = ""
 
 
-T, F, YX = ("trigger",), ("frame",), ("y", "x")
-MAP = ("trigger", "y", "x")
-THEORY = "[joint] and [oil] are given, and speed and load are known"
-PREDICTED = "[mechanism] is a crank-rocker and its film is predicted"
-TREND = "speed and load are known"
-JOINT = "[joint] is given"
-POSITION = ("trigger", "parameter", "parameter_other")
+PREDICTED = FILM["film_predicted_min"].when
 
-PREDICTED_FILM = (
-    Variable(
-        "film_predicted_min",
-        T,
-        "float64",
-        "um",
-        "Transient film over the cycle: minimum in the region, mean of the frames. Attributes: "
-        "start_film [um] and start_film_fitted.",
-        PREDICTED,
-    ),
-    Variable(
-        "film_predicted_mean",
-        T,
-        "float64",
-        "um",
-        "The same, mean over the region.",
-        PREDICTED,
-    ),
-    Variable(
-        "eccentricity",
-        T,
-        "float64",
-        "1",
-        "Predicted displacement of the pin over the radial clearance.",
-        PREDICTED,
-    ),
-    Variable(
-        "attitude",
-        T,
-        "float64",
-        "degree",
-        "Predicted angle from the load line to the smallest gap, positive along sliding.",
-        PREDICTED,
-    ),
-)
-"""What is predicted for each trigger, in film.nc and prediction.nc."""
-
-FILM = (
-    Variable("trigger", T, "int64", "", "Number of the encoder trigger within the cycle, from 0."),
-    Variable("x", ("x",), "float64", "mm", "Position of the pixel centres along image x."),
-    Variable("y", ("y",), "float64", "mm", "Position of the pixel centres along image y, down."),
-    Variable(
-        "thickness", MAP, "float32", "um", "Film thickness. NaN exactly where flags is not 0."
-    ),
-    Variable(
-        "thickness_std",
-        MAP,
-        "float32",
-        "um",
-        "Standard deviation of the thickness of a pixel, random part: photons, reading, darks, "
-        "flats and interpolation.",
-    ),
-    Variable(
-        "thickness_std_shared",
-        MAP,
-        "float32",
-        "um",
-        "Standard deviation common to all pixels: calibration and registration.",
-    ),
-    Variable(
-        "flags", MAP, "uint8", "1", "Bit mask of the reasons why a pixel is not valid, see below."
-    ),
-    Variable("valid_pixels", T, "int64", "1", "Number of pixels without a flag."),
-    Variable(
-        "flagged_pixels",
-        ("trigger", "flag"),
-        "int64",
-        "1",
-        "Number of pixels with each flag; a pixel may have several.",
-    ),
-    Variable("flag", ("flag",), "uint8", "1", "The flags of flagged_pixels, bits of flags."),
-    Variable("frames_used", T, "int64", "1", "Number of frame pairs combined for this trigger."),
-    Variable(
-        "encoder_angle",
-        T,
-        "float64",
-        "degree",
-        "Encoder angle as logged, counted on where the encoder starts again at 0, mean of the "
-        "frames.",
-        "the angle is logged",
-    ),
-    Variable(
-        "time",
-        T,
-        "float64",
-        "s",
-        "Time of the trigger.",
-        "the time is logged and no cycles are averaged",
-    ),
-    Variable(
-        "stroke",
-        T,
-        "int8",
-        "1",
-        "+1 where the angle, the position of a slider or the sign of a logged speed is on the way "
-        "up, -1 where it is on the way down.",
-        "the motion is known and turns back",
-    ),
-    Variable(
-        "crank_angle",
-        T,
-        "float64",
-        "degree",
-        "Angle of the drive, 0 to 360: of the crank from the ground link, of a disc, of the drive "
-        "of a sinusoidal slider from mid-stroke.",
-        "[mechanism] is given and the angle is known",
-    ),
-    Variable(
-        "position",
-        T,
-        "float64",
-        "mm",
-        "Position of a sinusoidal slider from mid-stroke.",
-        "[mechanism] is sinusoidal",
-    ),
-    Variable(
-        "rocker_speed",
-        T,
-        "float64",
-        "rad s-1",
-        "Angular speed in the joint, signed, from the linkage.",
-        "[mechanism] is a linkage",
-    ),
-    Variable(
-        "sliding_speed",
-        T,
-        "float64",
-        "m s-1",
-        "Speed of the moving surface against the one at rest, without sign.",
-        "it is logged or [mechanism] is given, for a linkage together with [joint]",
-    ),
-    Variable(
-        "rotation_speed",
-        T,
-        "float64",
-        "rad s-1",
-        "Speed of rotation as logged.",
-        "it is logged",
-    ),
-    Variable(
-        "load",
-        T,
-        "float64",
-        "N",
-        "Load on the joint, from the log, else from [joint] or [mechanism].",
-        "one of them gives it",
-    ),
-    Variable(
-        "temperature",
-        T,
-        "float64",
-        "degree_Celsius",
-        "Temperature of the oil.",
-        "the log has temperature_C",
-    ),
-    Variable(
-        "film_mean", T, "float64", "um", "Mean film thickness over the valid pixels of the region."
-    ),
-    Variable(
-        "film_mean_std", T, "float64", "um", "Its standard deviation, random and shared parts."
-    ),
-    Variable(
-        "share_beyond_range",
-        T,
-        "float64",
-        "1",
-        "Share of the region that is too thin or too thick to be measured; film_mean is that of "
-        "the rest.",
-    ),
-    Variable(
-        "film_min",
-        T,
-        "float64",
-        "um",
-        "Minimum film thickness in the region, of a smooth gap fitted to the valid pixels: a "
-        "parabola along the sliding direction with a tilt. Never the thinnest noisy pixel.",
-    ),
-    Variable(
-        "film_min_std", T, "float64", "um", "Its standard deviation, random and shared parts."
-    ),
-    Variable(
-        "film_min_x",
-        T,
-        "float64",
-        "px",
-        "Column at which the smooth gap has this minimum, from 0 at the left edge of the image: "
-        "the vertex of the parabola, or an edge of the region. NaN where film_min is.",
-    ),
-    Variable(
-        "film_min_y",
-        T,
-        "float64",
-        "px",
-        "The same, row, from 0 at the top. Across the sliding direction it is the edge of the "
-        "region towards which the gap falls.",
-    ),
-    Variable("axis", ("axis",), "text", "", "Directions of the displacement: load, side.", JOINT),
-    Variable(
-        "pin_displacement",
-        ("trigger", "axis"),
-        "float64",
-        "um",
-        "Displacement of the axis of the pin from that of the bore, at the axial origin: towards "
-        "the load, and sideways in the direction of rising positions along sliding. Its attributes "
-        "are the clearance [um], the load line and the axial origin [mm].",
-        JOINT,
-    ),
-    Variable(
-        "pin_tilt",
-        ("trigger", "axis"),
-        "float64",
-        "um mm-1",
-        "Change of both displacements with the position along the axis.",
-        JOINT,
-    ),
-    Variable(
-        "parameter",
-        ("parameter",),
-        "text",
-        "",
-        "Numbers of the position: displacement_load, displacement_side, tilt_load, tilt_side.",
-        JOINT,
-    ),
-    Variable(
-        "pin_position_cov",
-        POSITION,
-        "float64",
-        "",
-        "Covariance of the four numbers, in um and um mm-1: noise, surfaces and calibration. "
-        "Dimension parameter_other has the order of parameter.",
-        JOINT,
-    ),
-    Variable(
-        "pin_position_cov_random",
-        POSITION,
-        "float64",
-        "",
-        "Part of it that is new at every trigger: the noise of the ratio.",
-        JOINT,
-    ),
-    Variable(
-        "pin_position_gradient",
-        ("trigger", "parameter", "calibration_parameter"),
-        "float64",
-        "",
-        "Change of the four numbers with the parameters of the calibration, in the order of their "
-        "covariance: the part of the error that all triggers share.",
-        JOINT,
-    ),
-    Variable(
-        "film_curvature",
-        T,
-        "float64",
-        "um mm-2",
-        "Second derivative of the gap along sliding where it is left free.",
-        JOINT,
-    ),
-    Variable(
-        "film_curvature_expected",
-        T,
-        "float64",
-        "um mm-2",
-        "That of circles with the radii of [joint].",
-        JOINT,
-    ),
-    Variable(
-        "film_curvature_std",
-        T,
-        "float64",
-        "um mm-2",
-        "Its standard deviation, random and shared parts.",
-        JOINT,
-    ),
-    Variable(
-        "film_curvature_axial",
-        T,
-        "float64",
-        "um mm-2",
-        "Second derivative of the gap along the axis, zero for a straight pin.",
-        JOINT,
-    ),
-    Variable(
-        "film_curvature_axial_std",
-        T,
-        "float64",
-        "um mm-2",
-        "Its standard deviation, random and shared parts.",
-        JOINT,
-    ),
-    Variable(
-        "film_hamrock_dowson",
-        T,
-        "float64",
-        "um",
-        "Line-contact formula 2.65 G^0.54 U^0.7 W^-0.13 at the speed and load of the trigger; the "
-        "entrainment speed is half the sliding speed, as one surface moves.",
-        THEORY,
-    ),
-    Variable(
-        "film_theory",
-        T,
-        "float64",
-        "um",
-        "Prediction for this joint; regime and reason are attributes. The minimum of the transient "
-        "film over the cycle where it is predicted, else that of the regime map.",
-        THEORY,
-    ),
-    Variable(
-        "film_regime_map",
-        T,
-        "float64",
-        "um",
-        "Film of the regime that the regime map selects for steady motion at the speed and load of "
-        "the trigger.",
-        THEORY,
-    ),
-    Variable("film_regime", T, "text", "", "Regime that the map selects.", THEORY),
-    *PREDICTED_FILM,
-    Variable(
-        "film_parameter",
-        T,
-        "float64",
-        "1",
-        "Lambda: film_min over the combined rms roughness.",
-        "both surfaces have a roughness",
-    ),
-    Variable(
-        "background",
-        ("camera",),
-        "float64",
-        "1",
-        "Light that is not film over the median light of the camera, from light and films of the "
-        "run. Attributes: subtracted, chi_square (significant above 11.83), detectable (smallest "
-        "share of both cameras that would be significant).",
-        "light and films of the run determine it",
-    ),
-    Variable(
-        "background_std",
-        ("camera",),
-        "float64",
-        "1",
-        "Its standard deviation.",
-        "light and films of the run determine it",
-    ),
-    *(
-        Variable(
-            f"bleaching_{name}{suffix}",
-            (),
-            "float64",
-            "1",
-            "Its standard deviation."
-            if suffix
-            else f"Change of the logarithm of the {what} from frame to frame at equal film.",
-            when,
-        )
-        for name, what, when in (
-            ("ratio", "ratio", "the run has several cycles or a reference patch"),
-            (
-                "light",
-                "light of camera 1 over the logged energy",
-                "the run has several cycles or a reference patch, and logged pulse energies",
-            ),
-        )
-        for suffix in ("", "_std")
-    ),
-    Variable(
-        "reference_film",
-        T,
-        "float64",
-        "um",
-        "Film of the reference patch. Attributes: thickness and uncertainty as given. [um]",
-        "[reference] names a patch",
-    ),
-    Variable(
-        "reference_film_std",
-        T,
-        "float64",
-        "um",
-        "Its standard deviation, random and shared.",
-        "[reference] names a patch",
-    ),
-    Variable(
-        "speed_exponent",
-        (),
-        "float64",
-        "1",
-        "Exponent n of film_min proportional to (rocker_speed/load)^n, from a log-log fit without "
-        "the triggers below a tenth of the highest speed; sliding_speed takes the place of "
-        "rocker_speed where there is no linkage, or where the log has the speed. NaN where fewer "
-        "than five triggers can be used, or speed over load varies by less than a tenth.",
-        TREND,
-    ),
-    Variable("speed_exponent_std", (), "float64", "1", "Its standard deviation.", TREND),
-    Variable("speed_exponent_mean", (), "float64", "1", "The same exponent for film_mean.", TREND),
-    Variable("speed_exponent_mean_std", (), "float64", "1", "Its standard deviation.", TREND),
-)
+PREDICTION_FRAMES = {
+    name: one
+    for name, one in FRAMES.items()
+    if name in ("frame", "trigger", "cycle") or one.when == PREDICTED
+}
+"""Variables of the group frames of prediction.nc."""
 
 FILM_ATTRIBUTES = (
     Attribute("Conventions", "CF-1.11."),
@@ -486,36 +86,6 @@ FILM_ATTRIBUTES = (
     Attribute("smoothing_comment", "What was smoothed and what was not.", "smoothing is set"),
 )
 
-MEASURED = "a film was there"
-PREDICTION = (
-    *FILM[:3],
-    Variable(
-        "film_predicted",
-        MAP,
-        "float32",
-        "um",
-        "Predicted film thickness, mean of the frames of the trigger.",
-    ),
-    *(replace(one, when="") for one in PREDICTED_FILM),
-    *(
-        replace(one, when=MEASURED)
-        for one in FILM
-        if one.name
-        in (
-            "film_min",
-            "film_min_std",
-            "film_mean",
-            "film_mean_std",
-            "encoder_angle",
-            "crank_angle",
-            "stroke",
-            "time",
-            "rocker_speed",
-            "load",
-        )
-    ),
-)
-
 PREDICTION_ATTRIBUTES = (
     *(one for one in FILM_ATTRIBUTES[:6]),
     Attribute(
@@ -526,91 +96,6 @@ PREDICTION_ATTRIBUTES = (
     Attribute("cells", "Cells round the joint and along half of its length."),
     Attribute("start_film", "Minimum film at the first frame. [um]"),
     Attribute("start_film_fitted", "1 where it was fitted to the measured minima."),
-)
-
-PRESSURE = (
-    FILM[0],
-    Variable("y", ("y",), "float64", "mm", "Place in the image, up to 12 along the axis."),
-    Variable("x", ("x",), "float64", "mm", "Place in the image, up to 48 along sliding."),
-    Variable("place", ("place",), "float64", "mm", "Places along sliding."),
-    *(
-        Variable(
-            f"{name}{suffix}", dims, "float64", unit, "Its standard deviation." if suffix else text
-        )
-        for name, dims, unit, text in (
-            ("pressure", MAP, "kPa", "Pressure above ambient. NaN where it is not known."),
-            (
-                "pressure_profile",
-                ("trigger", "place"),
-                "kPa",
-                "Pressure in the axial middle of the image.",
-            ),
-            (
-                "peak_pressure",
-                T,
-                "kPa",
-                "Highest pressure of this profile. NaN where its standard deviation is above half "
-                "of it.",
-            ),
-            ("peak_place", T, "mm", "Place of the peak along sliding."),
-            ("load_from_pressure", T, "N", "Force of the pressure along the load line."),
-            ("side_from_pressure", T, "N", "Force sideways, positive along sliding."),
-            (
-                "film_rate",
-                T,
-                "um s-1",
-                "Rate of the film at the load line, in the axial middle of the image.",
-            ),
-        )
-        for suffix in ("", "_std")
-    ),
-    Variable("peak_std_random", T, "float64", "kPa", "Part of peak_pressure_std by noise."),
-    Variable(
-        "peak_std_shared", T, "float64", "kPa", "Part of it by errors that all triggers share."
-    ),
-    Variable(
-        "peak_of_load", T, "float64", "kPa", "Peak of pure squeeze of a long joint under the load."
-    ),
-    Variable("peak_std_settings", T, "float64", "kPa", "Part of it by viscosity and clearance."),
-    Variable(
-        "peak_by_viscosity",
-        T,
-        "float64",
-        "1",
-        "Relative change of the peak over that of the viscosity, d ln p/d ln eta.",
-    ),
-    Variable(
-        "peak_by_clearance",
-        T,
-        "float64",
-        "1",
-        "Relative change of the peak over that of the clearance, d ln p/d ln c.",
-    ),
-    Variable(
-        "load_cov",
-        ("trigger", "trigger_other"),
-        "float64",
-        "N2",
-        "Covariance of load_from_pressure over the triggers.",
-    ),
-    Variable("pressure_measured", T, "float64", "1", "1 where the pressure is known, else 0."),
-    Variable("cavity", T, "float64", "1", "Share of the image without a full film."),
-    Variable(
-        "cavity_change",
-        T,
-        "float64",
-        "1",
-        "Change of the cavities about the trigger over their sum; above 0.4 there is no pressure.",
-    ),
-    Variable(
-        "cavity_history",
-        T,
-        "float64",
-        "1",
-        "Relative change of the peak if the pin sank twice as far in the turn before the first "
-        "trigger; infinite where the recording covers no turn.",
-    ),
-    *(one for one in FILM if one.name in ("encoder_angle", "crank_angle", "stroke", "load")),
 )
 
 PRESSURE_ATTRIBUTES = (
@@ -699,74 +184,12 @@ VARIABLE_ATTRIBUTES = (
     ),
 )
 
-PREDICTED_FRAMES = (
-    *(
-        replace(one, dims=F, meaning=meaning)
-        for one, meaning in zip(
-            PREDICTED_FILM,
-            (
-                "Predicted minimum film in the region at the frame.",
-                "The same, mean over the region.",
-                "Predicted displacement of the pin at the frame over the radial clearance.",
-                "Predicted angle from the load line to the smallest gap at the frame.",
-            ),
-            strict=True,
-        )
-    ),
-    Variable(
-        "elapsed_cycles", F, "float64", "1", "Turns of the crank since the first frame.", PREDICTED
-    ),
-)
-"""The same for each frame pair."""
-
-FRAMES = (
-    Variable("frame", F, "int64", "", "Number of the frame pair, from 0."),
-    Variable("trigger", F, "int64", "1", "Trigger within the cycle."),
-    Variable("cycle", F, "int64", "1", "Turn of the crank, from 0."),
-    Variable("time", F, "float64", "s", "Time of the trigger; NaN where it is not logged."),
-    Variable(
-        "drift_x", F, "float64", "px", "Drift of camera 2 along x against the mean of the run."
-    ),
-    Variable("drift_y", F, "float64", "px", "The same along y."),
-    Variable(
-        "pulse_energy",
-        F,
-        "float64",
-        "1",
-        "Energy of the laser pulse relative to the mean, from the light of the film.",
-    ),
-    Variable(
-        "pulse_energy_logged",
-        F,
-        "float64",
-        "1",
-        "The same from the log, where it has a column pulse_energy, laser_energy or laser_mJ.",
-    ),
-    *PREDICTED_FRAMES,
-    Variable("file_camera1", F, "text", "", "File name of the frame of camera 1."),
-    Variable("file_camera2", F, "text", "", "File name of the frame of camera 2."),
-)
-
 FRAMES_ATTRIBUTES = (
     Attribute(
         "skipped_frames",
         "Frame pairs that were left out, with the reason.",
         "--skip-bad-frames left out a pair",
     ),
-)
-
-REGISTRATION = (
-    Variable(
-        "displacement_x",
-        YX,
-        "float32",
-        "px",
-        "Camera-2 pixel minus camera-1 pixel of the same object point, along x, at zero drift.",
-    ),
-    Variable("displacement_y", YX, "float32", "px", "The same along y."),
-    Variable("displacement_std", YX, "float32", "px", "Standard deviation of one component of it."),
-    Variable("overlap", YX, "uint8", "1", "1 where camera 2 sees the object point."),
-    Variable("poor", YX, "uint8", "1", "1 where the registration is not good enough for a ratio."),
 )
 
 REGISTRATION_ATTRIBUTES = (
@@ -790,74 +213,6 @@ BLUR_ATTRIBUTES = (
     ),
     Attribute("blur_difference_std", "Its standard deviation. [px2]"),
     Attribute("blur_difference_comment", "The definition of blur_difference."),
-)
-
-BIN, DEPARTURE = ("bin",), "the ratio departs from the model"
-CALIBRATION = (
-    Variable(
-        "ratio_at_zero",
-        (),
-        "float64",
-        "1",
-        "K: ratio camera 2 / camera 1 of a film of zero thickness.",
-    ),
-    Variable(
-        "attenuation_camera1", (), "float64", "um-1", "p: attenuation in the band of camera 1."
-    ),
-    Variable(
-        "attenuation_camera2", (), "float64", "um-1", "q: attenuation in the band of camera 2."
-    ),
-    Variable(
-        "parameter", ("parameter",), "text", "", "Names of the parameters, in the order K, p, q."
-    ),
-    Variable(
-        "covariance",
-        ("parameter", "parameter2"),
-        "float64",
-        "",
-        "Covariance of K, p and q, in their units. Dimension parameter2 has the same order.",
-    ),
-    Variable(
-        "thickness_range", ("bound",), "float64", "um", "Calibrated range, lower and upper end."
-    ),
-    Variable("curve_x", BIN, "float64", "mm", "Position along the profile."),
-    Variable(
-        "curve_thickness", BIN, "float64", "um", "Thickness from the coordinate measuring machine."
-    ),
-    Variable("curve_ratio", BIN, "float64", "1", "Mean ratio in the bin."),
-    Variable(
-        "curve_ratio_std",
-        BIN,
-        "float64",
-        "1",
-        "Standard deviation of that mean, the error of the profile included.",
-    ),
-    Variable("curve_residual", BIN, "float64", "1", "Ratio minus fitted ratio."),
-    Variable("reduced_chi_square", (), "float64", "1", "Reduced chi-square of the fit."),
-    Variable(
-        "departure_knots",
-        ("departure_knot",),
-        "float64",
-        "um",
-        "Knots of a cubic spline over the thickness that is added to the log ratio of the model.",
-        DEPARTURE,
-    ),
-    Variable(
-        "departure_coefficient",
-        ("departure_function",),
-        "float64",
-        "1",
-        "Coefficients of its B-splines.",
-        DEPARTURE,
-    ),
-    Variable(
-        "departure_covariance",
-        ("departure_function", "departure_function2"),
-        "float64",
-        "1",
-        "Covariance of the coefficients, independent of K, p and q.",
-        DEPARTURE,
-    ),
 )
 
 CALIBRATION_ATTRIBUTES = (
@@ -953,14 +308,14 @@ def key_row(key: Key) -> str:
     return f"| `{key.name}` | {value} | {default} | {meaning} |"
 
 
-def variables_table(variables: Sequence[Variable]) -> Iterator[str]:
+def variables_table(variables: Mapping[str, Variable], *, always: bool = False) -> Iterator[str]:
     """Rows about the variables of a group."""
     yield "| variable | dims | type | unit | meaning |"
     yield "|---|---|---|---|---|"
-    for variable in variables:
-        when = f" Only where {variable.when}." if variable.when else ""
+    for variable in variables.values():
+        when = f" Only where {variable.when}." if variable.when and not always else ""
         dims = ", ".join(variable.dims) or "scalar"
-        unit = variable.unit or "-"
+        unit = variable.units or "-"
         meaning = f"{variable.meaning}{when}"
         yield f"| `{variable.name}` | {dims} | {variable.dtype} | {unit} | {meaning} |"
     yield ""
@@ -1159,9 +514,9 @@ def render() -> str:
     lines += ["Attributes of the file:", ""]
     lines += attributes_table(PREDICTION_ATTRIBUTES)
     lines += ["Group `frames`, what belongs to single frame pairs:", ""]
-    lines += variables_table([*FRAMES[:3], *(replace(one, when="") for one in PREDICTED_FRAMES)])
+    lines += variables_table(PREDICTION_FRAMES, always=True)
     lines += ["## pressure.nc", "", PRESSURE_TEXT, ""]
-    lines += variables_table([replace(one, when="") for one in PRESSURE])
+    lines += variables_table(PRESSURE, always=True)
     lines += ["Attributes of the file:", ""]
     lines += attributes_table(PRESSURE_ATTRIBUTES)
     return "\n".join(lines).rstrip("\n") + "\n"

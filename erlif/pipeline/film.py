@@ -16,6 +16,7 @@ from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
 from erlif.core.notes import Level, Note, join_notes
 from erlif.core.units import count_of
+from erlif.core.variables import FILM, FRAMES
 from erlif.core.version import __version__
 from erlif.correction import CHARACTERISTICS
 from erlif.io.files import MapVariable, describe_hashes
@@ -49,30 +50,22 @@ _CENSORED = 0.01
 _MOTION = ("encoder_angle", "position", "rocker_speed", "sliding_speed")
 """What the motion gives for each frame, and a mean for each trigger."""
 
+_PRECISION: dict[str, dict[str, Any]] = {
+    "thickness": {"std": "thickness_std"},
+    "thickness_std": {"bits": 5},  # at most 1.6 %; gain and read noise are known to 1 to 2 %
+    "thickness_std_shared": {"bits": 4},  # at most 3 %; its covariance is known to 10 %
+    "flags": {},
+}
+"""What of each map is kept, as its uncertainty allows."""
+
 MAPS = [
     MapVariable(
-        "thickness",
-        "float32",
-        {
-            "units": "um",
-            "long_name": "film thickness",
-            "ancillary_variables": "thickness_std thickness_std_shared flags",
-        },
-        std="thickness_std",
-    ),
-    MapVariable(
-        "thickness_std",
-        "float32",
-        {"units": "um", "long_name": "standard deviation of the film thickness, random part"},
-        bits=5,  # at most 1.6 %; gain and read noise behind it are known to 1 to 2 %
-    ),
-    MapVariable(
-        "thickness_std_shared",
-        "float32",
-        {"units": "um", "long_name": "standard deviation of the film thickness, shared part"},
-        bits=4,  # at most 3 %; a covariance from some fifty bins is known to 10 %
-    ),
-    MapVariable("flags", "uint8", FLAG_ATTRS),
+        name,
+        FILM[name].dtype,
+        FLAG_ATTRS if name == "flags" else FILM[name].attrs,
+        **precision,
+    )
+    for name, precision in _PRECISION.items()
 ]
 """The maps of film.nc, each with the precision that its uncertainty leaves."""
 
@@ -121,22 +114,15 @@ def describe_grid(settings: RunSettings, shape: tuple[int, int], triggers: int) 
     """
     x, y = pixel_positions(settings, shape)
     sliding = "x" if settings.optics.x_axis == "sliding" else "y"
-    names = {name: f"{name} (sliding)" if name == sliding else name for name in ("x", "y")}
-    return xr.Dataset(
+    grid = xr.Dataset(
         coords={
-            "trigger": ("trigger", np.arange(triggers), {"long_name": "trigger"}),
-            "y": (
-                "y",
-                y,
-                {"units": "mm", "long_name": names["y"], "comment": "increases downwards"},
-            ),
-            "x": (
-                "x",
-                x,
-                {"units": "mm", "long_name": names["x"]},
-            ),
+            "trigger": FILM["trigger"].fill(np.arange(triggers)),
+            "y": FILM["y"].fill(y),
+            "x": FILM["x"].fill(x),
         }
     )
+    grid[sliding].attrs["long_name"] = f"{sliding} (sliding)"
+    return grid
 
 
 def choose_region(settings: RunSettings, shape: tuple[int, int]) -> Region:
@@ -193,7 +179,7 @@ def describe_triggers(run: Run, cycle: xr.Dataset) -> xr.Dataset:
     apart = all(len(frames) == 1 for frames in every)
     if "time" in run.log and (apart or not cycle.cycle.any()):
         time = np.array([float(run.log.time.values[frames].mean()) for frames in every])
-        film["time"] = ("trigger", time, {"units": "s", "long_name": "time"})
+        film["time"] = FILM["time"].fill(time)
 
     # what would fail at the end fails here
     predict_theory(run.settings, film)
@@ -235,11 +221,7 @@ def describe_film(
         The root group of film.nc without thickness, its standard deviations and flags.
     """
     film = triggers.copy()
-    film["frames_used"] = (
-        "trigger",
-        np.array([len(result.frames) for result in results]),
-        {"units": "1", "long_name": "frame pairs of the trigger"},
-    )
+    film["frames_used"] = FILM["frames_used"].fill([len(result.frames) for result in results])
     film = film.assign(count_pixels(results)).assign(describe_statistics(results))
     settings = run.settings
     view, positions = choose_view(settings, run.pairs.shape), [one.position for one in results]
@@ -284,68 +266,29 @@ def count_pixels(results: Sequence[TriggerResult]) -> xr.Dataset:
     """Valid pixels of each map and those of each flag, so that nobody has to read the maps."""
     pixels = np.array([result.pixels for result in results], np.int64).reshape(-1, 1 + len(Flag))
     flag = np.array([flag.value for flag in Flag], np.uint8)
-    valid = {"units": "1", "long_name": "valid pixels"}
-    flagged = {
-        "units": "1",
-        "long_name": "flagged pixels",
-        "comment": "a pixel may have several flags",
-    }
     return xr.Dataset(
         {
-            "valid_pixels": ("trigger", pixels[:, 0], valid),
-            "flagged_pixels": (("trigger", "flag"), pixels[:, 1:], flagged),
+            "valid_pixels": FILM["valid_pixels"].fill(pixels[:, 0]),
+            "flagged_pixels": FILM["flagged_pixels"].fill(pixels[:, 1:]),
         },
-        {"flag": ("flag", flag, {"units": "1", "long_name": "flag"})},
+        {"flag": FILM["flag"].fill(flag)},
     )
 
 
 def describe_statistics(results: Sequence[TriggerResult]) -> dict[str, Any]:
     """Mean and minimum film of each trigger, as variables of the film."""
     statistics = [result.statistics for result in results]
-    beyond = np.array([one.beyond_range for one in statistics])
-    mean = {
-        "units": "um",
-        "long_name": "mean film thickness",
-        "ancillary_variables": "film_mean_std share_beyond_range",
-        "comment": "over the valid pixels of the region of interest",
-    }
-    share = {
-        "units": "1",
-        "long_name": "share of the region beyond the measurable range",
-        "comment": "too thin or too thick to be measured; film_mean is that of the rest",
-    }
-    minimum = {
-        "units": "um",
-        "long_name": "minimum film thickness",
-        "comment": "of a smooth gap fitted to the valid pixels of the region of interest",
-        "ancillary_variables": "film_min_std film_min_x film_min_y",
-    }
-    mean_std, minimum_std = (
-        {
-            "units": "um",
-            "long_name": f"standard deviation of the {name} film thickness",
-            "comment": "random and shared part",
-        }
-        for name in ("mean", "minimum")
-    )
     places = np.array([one.minimum_place for one in statistics]).reshape(-1, 2)
-    at = [
-        {
-            "units": "px",
-            "long_name": f"{name} of the minimum film thickness",
-            "comment": "of the smooth gap whose minimum film_min is",
-        }
-        for name in ("column", "row")
-    ]
-    return {
-        "film_mean": ("trigger", np.array([one.mean for one in statistics]), mean),
-        "film_mean_std": ("trigger", np.array([one.mean_std for one in statistics]), mean_std),
-        "share_beyond_range": ("trigger", beyond, share),
-        "film_min": ("trigger", np.array([one.minimum for one in statistics]), minimum),
-        "film_min_std": ("trigger", np.array([one.minimum_std for one in statistics]), minimum_std),
-        "film_min_x": ("trigger", places[:, 0], at[0]),
-        "film_min_y": ("trigger", places[:, 1], at[1]),
+    values: dict[str, Any] = {
+        "film_mean": [one.mean for one in statistics],
+        "film_mean_std": [one.mean_std for one in statistics],
+        "share_beyond_range": [one.beyond_range for one in statistics],
+        "film_min": [one.minimum for one in statistics],
+        "film_min_std": [one.minimum_std for one in statistics],
+        "film_min_x": places[:, 0],
+        "film_min_y": places[:, 1],
     }
+    return {name: FILM[name].fill(column) for name, column in values.items()}
 
 
 def predict_theory(settings: RunSettings, film: xr.Dataset) -> xr.Dataset:
@@ -450,21 +393,9 @@ def describe_frames(
         {
             "trigger": cycle.trigger,
             "cycle": cycle.cycle,
-            "drift_x": (
-                "frame",
-                drift[:, 0],
-                {"units": "px", "long_name": "drift of camera 2 along x"},
-            ),
-            "drift_y": (
-                "frame",
-                drift[:, 1],
-                {"units": "px", "long_name": "drift of camera 2 along y"},
-            ),
-            "pulse_energy": (
-                "frame",
-                energy,
-                {"units": "1", "long_name": "pulse energy relative to the mean"},
-            ),
+            "drift_x": FRAMES["drift_x"].fill(drift[:, 0]),
+            "drift_y": FRAMES["drift_y"].fill(drift[:, 1]),
+            "pulse_energy": FRAMES["pulse_energy"].fill(energy),
             **_describe_energies(run),
             "file_camera1": ("frame", names[0]),
             "file_camera2": ("frame", names[1]),
@@ -472,12 +403,8 @@ def describe_frames(
     )
     time = run.log["time"].values if "time" in run.log else np.full(count, np.nan)
     fitted = run.log["time"].attrs if "time" in run.log else {}
-    group["time"] = (
-        "frame",
-        time,
-        {"units": "s", "long_name": "time"}
-        | {name: fitted[name] for name in ("start", "start_std") if name in fitted},
-    )
+    start = {name: fitted[name] for name in ("start", "start_std") if name in fitted}
+    group["time"] = FRAMES["time"].fill(time, **start)
     if run.pairs.skipped:
         group.attrs["skipped_frames"] = "\n".join(map(str, skipped_notes(run.pairs)))
     return group.reset_coords(drop=True)
@@ -487,8 +414,7 @@ def _describe_energies(run: Run) -> dict[str, Any]:
     energies = read_energies(run.log)
     if energies is None:
         return {}
-    attrs = {"units": "1", "long_name": "pulse energy in the log relative to its mean"}
-    return {"pulse_energy_logged": ("frame", energies, attrs)}
+    return {"pulse_energy_logged": FRAMES["pulse_energy_logged"].fill(energies)}
 
 
 def describe_registration(camera_map: CameraMap, blur: BlurDifference) -> xr.Dataset:
@@ -518,8 +444,8 @@ def _columns_by_frame(run: Run, cycle: xr.Dataset) -> dict[str, xr.DataArray]:
     if "load" not in columns:
         load = run.settings.load
         if load is not None:
-            attrs = {"units": "N", "long_name": "load"}
-            columns["load"] = xr.full_like(cycle.trigger, load, float).assign_attrs(attrs)
+            columns["load"] = xr.full_like(cycle.trigger, load, float)
+            columns["load"].attrs = dict(FILM["load"].attrs)
         elif run.settings.joint is not None:
             raise ConfigError(
                 "Expected the load: the encoder log has no load_N and [joint] no load. Add load = "
@@ -541,15 +467,14 @@ def _speed_of_trend(film: xr.Dataset) -> str:
 
 
 def _exponent_variables(name: str, exponent: Exponent, film: str, speed: str) -> dict[str, Any]:
-    attrs = {
-        "units": "1",
-        "long_name": f"power of |{speed}|/load that {film} follows",
-        "speed": speed,
-        "log_scale": exponent.log_scale,
-        "triggers_used": exponent.triggers,
-    }
-    std = {"units": "1", "long_name": "its standard deviation"}
-    return {name: ((), exponent.value, attrs), f"{name}_std": ((), exponent.std, std)}
+    value = FILM[name].fill(
+        exponent.value,
+        long_name=f"power of |{speed}|/load that {film} follows",
+        speed=speed,
+        log_scale=exponent.log_scale,
+        triggers_used=exponent.triggers,
+    )
+    return {name: value, f"{name}_std": FILM[f"{name}_std"].fill(exponent.std)}
 
 
 def _censoring_notes(results: Sequence[TriggerResult]) -> list[Note]:

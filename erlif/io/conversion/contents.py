@@ -12,8 +12,8 @@ import xarray as xr
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import ErlifError
+from erlif.core.variables import FILM
 from erlif.io.files import check_trigger, takes
-from erlif.io.files.soundness import FILM
 
 MAPS = ("thickness", "thickness_std", "thickness_std_shared", "flags")
 """Maps of a film, in the order in which they are written."""

@@ -16,7 +16,6 @@ from erlif.io.files.coordinates import set_coordinates
 from erlif.io.files.headers import check_netcdf, check_zarr
 from erlif.io.files.kinds import KIND_NAMES, kind_of
 from erlif.io.files.netcdf import fix_text, open_netcdf, write_netcdf
-from erlif.io.files.older import renew_film
 from erlif.io.files.replacing import replacing, take_name, write_error
 from erlif.io.files.soundness import check_film, check_frames, check_registration
 from erlif.io.files.unfinished import PartialFilm
@@ -202,7 +201,7 @@ def _open_checked(path: Path, group: str | None) -> xr.Dataset:
     try:
         if group in check:
             check[group](dataset)
-        return set_coordinates(renew_film(dataset) if group is None else dataset)
+        return set_coordinates(dataset)
     except BaseException:
         dataset.close()
         raise

@@ -16,11 +16,12 @@ import numpy as np
 
 from erlif.core.bounded import read_bounded
 from erlif.core.hdf5 import chunk_count, find_chunks, open_hdf5
+from erlif.core.variables import FILM
 
 LARGEST_READ = 2**30
 """Largest size of what is read at once: a map, or a variable of the triggers. [byte]"""
 
-MAPS = ("thickness", "thickness_std", "thickness_std_shared", "flags")
+MAPS = tuple(name for name, one in FILM.items() if one.dims == ("trigger", "y", "x"))
 """Variables of which the map of a trigger is one chunk."""
 
 _LARGEST_DESCRIPTION = 2**24

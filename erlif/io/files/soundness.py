@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,10 +17,8 @@ import xarray as xr
 from erlif.core.arrays import AnyArray
 from erlif.core.flags import Flag
 from erlif.core.format import is_later
+from erlif.core.variables import FILM, FRAMES, LARGEST_NUMBER, REGISTRATION, Variable
 from erlif.io.settings import RunSettings
-
-LARGEST_NUMBER = 1e9
-"""Largest magnitude of a number of a trigger, in the units of the file."""
 
 LARGEST_TEXT = 2**24
 """Longest attribute. [character]"""
@@ -29,148 +26,12 @@ LARGEST_TEXT = 2**24
 _UNIFORM = 1e-6
 """Largest difference of two distances of pixels, relative to their mean."""
 
-_MAP = ("trigger", "y", "x")
-_TRIGGER = ("trigger",)
+_MAP = FILM["thickness"].dims
 
+_KINDS = {"float32": "f", "float64": "iuf", "int64": "iu", "int8": "iuf", "uint8": "iub"}
+"""Kinds of numpy types that stand for the type of the table: other programs widen numbers."""
 
-@dataclass(frozen=True)
-class _Form:
-    """What a variable must be.
-
-    Attributes
-    ----------
-    dims : tuple[str, ...]
-        Its dims.
-    unit : str
-        Its unit, if it states one.
-    kinds : str
-        Kinds of numpy types.
-    required : bool
-        Whether every film has it.
-    low : float
-        Smallest value; no value is infinite.
-    known : bool
-        Whether some value must be a number and not NaN.
-    """
-
-    dims: tuple[str, ...] = _TRIGGER
-    unit: str = ""
-    kinds: str = "iuf"
-    required: bool = False
-    low: float = -LARGEST_NUMBER
-    known: bool = False
-
-
-FILM: Mapping[str, _Form] = {
-    "trigger": _Form(kinds="iu", required=True, low=0),
-    "x": _Form(("x",), "mm", required=True, known=True),
-    "y": _Form(("y",), "mm", required=True, known=True),
-    "thickness": _Form(_MAP, "um", "f", required=True),
-    "thickness_std": _Form(_MAP, "um", "f", required=True),
-    "thickness_std_shared": _Form(_MAP, "um", "f", required=True),
-    "flags": _Form(_MAP, kinds="u", required=True),
-    "frames_used": _Form(kinds="iu", required=True, low=0),
-    "film_mean": _Form(unit="um", required=True),
-    "film_mean_std": _Form(unit="um", required=True, low=0),
-    "film_min": _Form(unit="um", required=True),
-    "film_min_std": _Form(unit="um", required=True, low=0),
-    "film_min_x": _Form(unit="px", low=0),
-    "film_min_y": _Form(unit="px", low=0),
-    "share_beyond_range": _Form(unit="1", low=0),
-    "valid_pixels": _Form(kinds="iu", low=0),
-    "flagged_pixels": _Form(("trigger", "flag"), kinds="iu", low=0),
-    "flag": _Form(("flag",), kinds="iu"),
-    "encoder_angle": _Form(unit="degree", known=True),
-    "time": _Form(unit="s"),
-    "stroke": _Form(low=-1),
-    "crank_angle": _Form(unit="degree", known=True),
-    "position": _Form(unit="mm", known=True),
-    "rocker_speed": _Form(unit="rad s-1", known=True),
-    "sliding_speed": _Form(unit="m s-1", low=0, known=True),
-    "rotation_speed": _Form(unit="rad s-1", known=True),
-    "load": _Form(unit="N", low=0, known=True),
-    "temperature": _Form(unit="degree_Celsius", low=-273.15),
-    "film_hamrock_dowson": _Form(unit="um", low=0),
-    "film_theory": _Form(unit="um", low=0),
-    "film_regime_map": _Form(unit="um", low=0),
-    "film_regime": _Form(kinds="OUST"),
-    "film_predicted_min": _Form(unit="um", low=0, known=True),
-    "film_predicted_mean": _Form(unit="um", low=0, known=True),
-    "eccentricity": _Form(unit="1", low=0, known=True),
-    "attitude": _Form(unit="degree", low=-180, known=True),
-    "film_parameter": _Form(),
-    "axis": _Form(("axis",), kinds="OUST"),
-    "parameter": _Form(("parameter",), kinds="OUST"),
-    "pin_displacement": _Form(("trigger", "axis"), "um"),
-    "pin_tilt": _Form(("trigger", "axis"), "um mm-1"),
-    "pin_position_cov": _Form(("trigger", "parameter", "parameter_other"), kinds="f"),
-    "pin_position_cov_random": _Form(("trigger", "parameter", "parameter_other"), kinds="f"),
-    "pin_position_gradient": _Form(("trigger", "parameter", "calibration_parameter"), kinds="f"),
-    "film_curvature": _Form(unit="um mm-2"),
-    "film_curvature_std": _Form(unit="um mm-2", low=0),
-    "film_curvature_expected": _Form(unit="um mm-2"),
-    "film_curvature_axial": _Form(unit="um mm-2"),
-    "film_curvature_axial_std": _Form(unit="um mm-2", low=0),
-    "speed_exponent": _Form(()),
-    "speed_exponent_std": _Form((), low=0),
-    "speed_exponent_mean": _Form(()),
-    "speed_exponent_mean_std": _Form((), low=0),
-}
-"""Variables of the root of a film."""
-
-FRAMES: Mapping[str, _Form] = {
-    "trigger": _Form(("frame",), kinds="iu", required=True, low=0),
-    "cycle": _Form(("frame",), kinds="iu", low=0),
-    "time": _Form(("frame",), "s"),
-    "drift_x": _Form(("frame",), "px", required=True),
-    "drift_y": _Form(("frame",), "px", required=True),
-    "pulse_energy": _Form(("frame",), required=True, low=0),
-    "film_predicted_min": _Form(("frame",), "um", low=0, known=True),
-    "film_predicted_mean": _Form(("frame",), "um", low=0, known=True),
-    "eccentricity": _Form(("frame",), "1", low=0, known=True),
-    "attitude": _Form(("frame",), "degree", low=-180, known=True),
-    "elapsed_cycles": _Form(("frame",), "1", low=0, known=True),
-    "file_camera1": _Form(("frame",), kinds="OUST"),
-    "file_camera2": _Form(("frame",), kinds="OUST"),
-}
-"""Variables of the group frames."""
-
-REGISTRATION: Mapping[str, _Form] = {
-    "displacement_x": _Form(("y", "x"), "px", "f", required=True),
-    "displacement_y": _Form(("y", "x"), "px", "f", required=True),
-    "displacement_std": _Form(("y", "x"), "px", "f", required=True, low=0),
-    "overlap": _Form(("y", "x"), kinds="iub"),
-    "poor": _Form(("y", "x"), kinds="iub"),
-}
-"""Variables of the group registration."""
-
-_TOGETHER = (
-    ("valid_pixels", "flagged_pixels", "flag"),
-    ("film_theory", "film_hamrock_dowson"),
-    (
-        "pin_displacement",
-        "pin_tilt",
-        "pin_position_cov",
-        "pin_position_cov_random",
-        "pin_position_gradient",
-        "film_curvature",
-        "film_curvature_std",
-        "film_curvature_axial",
-        "film_curvature_axial_std",
-    ),
-    ("film_predicted_min", "film_predicted_mean", "eccentricity", "attitude"),
-    ("speed_exponent", "speed_exponent_std", "speed_exponent_mean", "speed_exponent_mean_std"),
-)
-"""Variables that a film has together or not at all."""
-
-_NEEDED = {
-    "film_theory": ("sliding_speed", "load"),
-    "film_regime_map": ("film_theory",),
-    "film_predicted_min": ("film_theory", "film_regime_map"),
-    "speed_exponent": ("load",),
-    "rocker_speed": ("crank_angle", "encoder_angle"),
-}
-"""What a variable stands for nothing without."""
+_TEXT_KINDS = "OUST"
 
 _SPEEDS = ("rocker_speed", "rotation_speed", "sliding_speed")
 """Variables of which the exponent may be; a fit needs a speed."""
@@ -238,14 +99,10 @@ def check_film(film: xr.Dataset) -> None:
         raise ValueError(f"it was written by a later version of erlif, {version}")
     _check_variables(film, FILM)
     _read_small(film)
-    for group in _TOGETHER:
-        there = [name in film for name in group]
-        if any(there) and not all(there):
-            raise ValueError(f"it has no variable {group[there.index(False)]}")
-    for name, needed in _NEEDED.items():
-        for other in needed:
-            if name in film and other not in film:
-                raise ValueError(f"it has {name} and no variable {other}")
+    for variable in FILM.values():
+        for other in variable.needs:
+            if variable.name in film and other not in film:
+                raise ValueError(f"it has {variable.name} and no variable {other}")
 
     if "speed_exponent" in film:
         for name in _SPEEDS:
@@ -302,9 +159,9 @@ def check_registration(registration: xr.Dataset) -> None:
 
 
 def _check_variables(
-    dataset: xr.Dataset, forms: Mapping[str, _Form], *, values: bool = True
+    dataset: xr.Dataset, table: Mapping[str, Variable], *, values: bool = True
 ) -> None:
-    for name, form in forms.items():
+    for name, form in table.items():
         if name not in dataset:
             if form.required:
                 raise ValueError(f"it has no variable {name}")
@@ -312,20 +169,20 @@ def _check_variables(
         variable = dataset[name]
         if variable.dims != form.dims:
             raise ValueError(f"{name} has the dims {variable.dims}, not {form.dims}")
-        if variable.dtype.kind not in form.kinds:
+        if variable.dtype.kind not in _KINDS.get(form.dtype, _TEXT_KINDS):
             raise ValueError(f"{name} has values of the type {variable.dtype}")
         if not all(variable.shape):
             raise ValueError(f"{name} has no values")
-        unit = variable.attrs.get("units", form.unit)
-        if form.unit and unit != form.unit:
-            raise ValueError(f"{name} is in {_show(unit)}, not in {form.unit}")
+        unit = variable.attrs.get("units", form.units)
+        if unit != form.units:
+            raise ValueError(f"{name} is in {_show(unit)}, not in {form.units}")
 
         # maps are large, and read one by one where they are used
         if values and form.dims != _MAP and variable.dtype.kind in "iuf":
             values_read = variable.values
             if values_read.shape != tuple(dataset.sizes[dim] for dim in form.dims):
                 raise ValueError(f"{name} has the shape {values_read.shape}")
-            _check_values(name, form, values_read)
+            _check_values(form, values_read)
 
 
 def _read_small(dataset: xr.Dataset) -> None:
@@ -347,13 +204,13 @@ def _check_encoding(where: str, attrs: Mapping[Any, Any]) -> None:
                 raise ValueError(f"its attribute {key!a}{where} is no text in UTF-8") from None
 
 
-def _check_values(name: str, form: _Form, values: AnyArray) -> None:
+def _check_values(form: Variable, values: AnyArray) -> None:
     known = values[~np.isnan(values)]
     if form.known and not known.size:
-        raise ValueError(f"{name} has no value that is a number")
+        raise ValueError(f"{form.name} has no value that is a number")
     outside = (known < form.low) | (known > LARGEST_NUMBER)
     if outside.any():
-        raise ValueError(f"{name} has the value {known[np.argmax(outside)]:g}")
+        raise ValueError(f"{form.name} has the value {known[np.argmax(outside)]:g}")
 
 
 def _check_axis(name: str, values: AnyArray) -> None:

@@ -13,6 +13,7 @@ from erlif.calibration import Calibration
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Level, Note
 from erlif.core.products import References
+from erlif.core.variables import FILM
 from erlif.io.ingest import FramePairs, Run
 from erlif.io.settings import LightOptions
 from erlif.pipeline.chain import FrameChain
@@ -140,18 +141,14 @@ def describe_background(
         )
         return {}, [Note(level, "background", text)]
 
-    attrs = {
-        "units": "1",
-        "long_name": "light that is not film over the median light of the camera",
-        "comment": "even over the image; estimated from light and films of the run",
-        "subtracted": str(corrected).lower(),
-        "chi_square": estimate.chi_square,
-        "detectable": estimate.detectable,
-    }
-    std = {"units": "1", "long_name": "its standard deviation, calibration included"}
     variables = {
-        "background": ("camera", estimate.share, attrs),
-        "background_std": ("camera", estimate.std, std),
+        "background": FILM["background"].fill(
+            estimate.share,
+            subtracted=str(corrected).lower(),
+            chi_square=estimate.chi_square,
+            detectable=estimate.detectable,
+        ),
+        "background_std": FILM["background_std"].fill(estimate.std),
     }
     return variables, [_describe(estimate, calibration, corrected=corrected)]
 
@@ -283,18 +280,16 @@ def describe_bleaching(
             "or a reference patch. Nothing was taken out of the ratio"
         )
         return {}, [Note(Level.WARNING, "bleaching", text)]
-    attrs = {"units": "1", "long_name": f"change of ln(ratio) per frame, {source}"}
-    of_light = {"units": "1", "long_name": f"change of ln(light of camera 1) per frame, {source}"}
-    std = {"units": "1", "long_name": "its standard deviation"}
-    variables: dict[str, Any] = {
-        "bleaching_ratio": ((), trend.log_ratio, attrs | {"corrected": str(corrected).lower()}),
-        "bleaching_ratio_std": ((), trend.log_ratio_std, std),
-    }
+    values = {"ratio": (trend.log_ratio, trend.log_ratio_std)}
     if np.isfinite(trend.light):
-        variables |= {
-            "bleaching_light": ((), trend.light, of_light),
-            "bleaching_light_std": ((), trend.light_std, std),
-        }
+        values["light"] = trend.light, trend.light_std
+    variables: dict[str, Any] = {}
+    for name, (change, std) in values.items():
+        of = FILM[f"bleaching_{name}"]
+        long_name = f"{of.attrs['long_name']}, {source}"
+        variables[of.name] = of.fill(change, long_name=long_name)
+        variables[f"{of.name}_std"] = FILM[f"{of.name}_std"].fill(std)
+    variables["bleaching_ratio"].attrs["corrected"] = str(corrected).lower()
     if not trend.significant() and not corrected:
         return variables, []
     light = ""

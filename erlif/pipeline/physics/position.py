@@ -15,6 +15,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
 from erlif.core.notes import Level, Note
 from erlif.core.units import Quantity
+from erlif.core.variables import FILM
 from erlif.io.settings import JointSettings, RunSettings
 from erlif.models.contact import conformal_radius, contact_modulus, hertz_line
 from erlif.trend import (
@@ -107,95 +108,35 @@ def describe_positions(
         "clearance": view.clearance,
         "load_line": view.load_line,
         "axial_origin": view.axial_origin,
-        "ancillary_variables": "pin_position_cov pin_position_cov_random pin_position_gradient",
     }
-    names = {"long_name": "numbers of the position of the pin"}
-    return {
-        "axis": ("axis", np.array(AXES), {"long_name": "direction of displacement and tilt"}),
-        "parameter": ("parameter", np.array(PARAMETERS), names),
-        "pin_displacement": (
-            ("trigger", "axis"),
-            value[:, :2],
-            {"units": "um", "long_name": "displacement of the pin from the centre of the bore"}
-            | place,
-        ),
-        "pin_tilt": (
-            ("trigger", "axis"),
-            value[:, 2:],
-            {"units": "um mm-1", "long_name": "change of the displacement along the axis"} | place,
-        ),
-        **_describe_covariance(found, shared),
+    columns = {
+        "axis": np.array(AXES),
+        "parameter": np.array(PARAMETERS),
+        "pin_displacement": value[:, :2],
+        "pin_tilt": value[:, 2:],
+        "pin_position_cov": np.array([one.covariance(shared) for one in found]),
+        "pin_position_cov_random": np.array([one.random_cov for one in found]),
+        "pin_position_gradient": np.array([one.gradient for one in found]),
         **_describe_form(found, shared, view),
     }
-
-
-def _describe_covariance(found: Sequence[PinPosition], shared: Array) -> dict[str, Any]:
-    """The whole covariance, and the parts from which that of several triggers follows."""
-    both = ("trigger", "parameter", "parameter_other")
-    comment = "displacements in um, tilts in um mm-1; parameter_other has the order of parameter"
+    placed = ("pin_displacement", "pin_tilt")
     return {
-        "pin_position_cov": (
-            both,
-            np.array([one.covariance(shared) for one in found]),
-            {"long_name": "covariance of the position, all parts", "comment": comment},
-        ),
-        "pin_position_cov_random": (
-            both,
-            np.array([one.random_cov for one in found]),
-            {"long_name": "part of it that is new at every trigger", "comment": comment},
-        ),
-        "pin_position_gradient": (
-            ("trigger", "parameter", "calibration_parameter"),
-            np.array([one.gradient for one in found]),
-            {
-                "long_name": "change of the position with the parameters of the calibration",
-                "comment": "in the order of the covariance of the calibration",
-            },
-        ),
+        name: FILM[name].fill(values, **(place if name in placed else {}))
+        for name, values in columns.items()
     }
 
 
-def _describe_form(found: Sequence[PinPosition], shared: Array, view: PinView) -> dict[str, Any]:
+def _describe_form(found: Sequence[PinPosition], shared: Array, view: PinView) -> dict[str, Array]:
     """Curvatures of the gap that a second fit leaves free."""
     form = np.array([one.form for one in found])
     std = np.sqrt([np.diag(one.form_covariance(shared)) for one in found])
     expected = np.array([one.value[0] for one in found]) / view.radius**2
-    attrs = {"units": "um mm-2"}
     return {
-        "film_curvature": (
-            "trigger",
-            expected + form[:, 0],
-            attrs
-            | {
-                "long_name": "curvature of the gap along sliding",
-                "comment": "second derivative at the load line",
-                "ancillary_variables": "film_curvature_std film_curvature_expected",
-            },
-        ),
-        "film_curvature_expected": (
-            "trigger",
-            expected,
-            attrs | {"long_name": "curvature along sliding of circles of the radii in [joint]"},
-        ),
-        "film_curvature_std": (
-            "trigger",
-            std[:, 0],
-            attrs | {"long_name": "standard deviation of the curvature along sliding"},
-        ),
-        "film_curvature_axial": (
-            "trigger",
-            form[:, 1],
-            attrs
-            | {
-                "long_name": "curvature of the gap along the axis",
-                "ancillary_variables": "film_curvature_axial_std",
-            },
-        ),
-        "film_curvature_axial_std": (
-            "trigger",
-            std[:, 1],
-            attrs | {"long_name": "standard deviation of the curvature along the axis"},
-        ),
+        "film_curvature": expected + form[:, 0],
+        "film_curvature_expected": expected,
+        "film_curvature_std": std[:, 0],
+        "film_curvature_axial": form[:, 1],
+        "film_curvature_axial_std": std[:, 1],
     }
 
 

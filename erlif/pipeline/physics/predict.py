@@ -16,6 +16,7 @@ from erlif.core.arrays import Array, Image
 from erlif.core.errors import ConfigError, EncoderError, OutputError
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
 from erlif.core.progress import Progress, ShowProgress, choose_progress
+from erlif.core.variables import FRAMES, PREDICTION
 from erlif.core.version import __version__
 from erlif.io.files import (
     MapVariable,
@@ -48,7 +49,7 @@ from erlif.prediction.triggers import CELLS
 MAP = MapVariable(
     "film_predicted",
     "float32",
-    {"units": "um", "long_name": "film thickness predicted by the transient Reynolds equation"},
+    PREDICTION["film_predicted"].attrs,
     bits=14,  # at most 0.003 %: far below the error of the solution
 )
 """The map of prediction.nc."""
@@ -292,7 +293,7 @@ def _describe(source: Source, prediction: Prediction) -> xr.Dataset:
 def _describe_frames(source: Source, prediction: Prediction) -> xr.Dataset:
     """The positions of the frames: those averaged in a trigger each have their own film."""
     belong = source.frames[["trigger", "cycle"]].copy()
-    belong["trigger"].attrs = {"units": "1", "long_name": "trigger within the cycle"}
-    belong["cycle"].attrs = {"units": "1", "long_name": "turn of the crank"}
+    for name in ("trigger", "cycle"):
+        belong[name].attrs = dict(FRAMES[name].attrs)
     number = np.arange(belong.sizes["frame"])
     return belong.assign(prediction.frames).assign_coords(frame=number)

@@ -13,6 +13,7 @@ from erlif.calibration import calibration_of
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ConfigError, ModelError
 from erlif.core.progress import Progress, ShowProgress, choose_progress
+from erlif.core.variables import PRESSURE
 from erlif.core.version import __version__
 from erlif.io.files import open_film, set_coordinates, settings_of, take
 from erlif.io.settings import CrankRockerSettings, RunSettings
@@ -35,6 +36,9 @@ FALSE_ALARM = 0.05
 tests: the median, the sum over all triggers, and the single trigger."""
 
 _MICRO, _MILLI, _KILO = 1e6, 1e3, 1e-3
+_SCALES = {"kPa": _KILO, "mm": _MILLI}
+"""Factors from SI to the units of the file."""
+
 _NUMBER_UNITS = np.array([1e-6, 1e-6, 1e-3, 1e-3])  # of a position in SI: um, and um/mm
 
 
@@ -237,62 +241,35 @@ def _describe(
         filled[order] = values
         return filled
 
-    columns: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {}
-    for name, (unit, scale, meaning) in _MEANINGS.items():
-        values = spread(found[name].values.astype(float)) * scale
-        dims: tuple[str, ...] = ("trigger",)
-        if values.ndim == 3:
-            dims = ("trigger", "y", "x")
-            values = values if view.sliding_along_x else np.swapaxes(values, 1, 2)
-        elif values.ndim == 2:
-            dims = ("trigger", "place")
-        if name == "peak_place":
-            values = values + view.load_line
-        columns[name] = (dims, values, {"units": unit, "long_name": meaning})
-    load_cov = np.full((total, total), np.nan)
-    load_cov[np.ix_(order, order)] = found["load_cov"].values
-    columns["load_cov"] = (
-        ("trigger", "trigger_other"),
-        load_cov,
-        {"units": "N2", "long_name": "covariance of load_from_pressure"},
-    )
-    columns["pressure_measured"][1][np.isnan(columns["pressure_measured"][1])] = 0
+    columns: dict[str, Array] = {}
+    for name in [name for name in PRESSURE if name in found.data_vars and name != "load_cov"]:
+        values = spread(found[name].values.astype(float)) * _SCALES.get(PRESSURE[name].units, 1.0)
+        turned = values.ndim == 3 and not view.sliding_along_x
+        columns[name] = np.swapaxes(values, 1, 2) if turned else values
+    columns["peak_place"] += view.load_line
+    columns["load_cov"] = np.full((total, total), np.nan)
+    columns["load_cov"][np.ix_(order, order)] = found["load_cov"].values
+    columns["pressure_measured"][np.isnan(columns["pressure_measured"])] = 0
 
     rate = -motion.rate[:, 0] * _MICRO
     rate_std = np.sqrt((motion.random_cov + motion.shared_cov)[:, 4, 4]) * _MICRO
-    along = "rate of the film at the load line, in the axial middle of the image"
-    columns["film_rate"] = (("trigger",), spread(rate), {"units": "um s-1", "long_name": along})
-    columns["film_rate_std"] = (
-        ("trigger",),
-        spread(rate_std),
-        {"units": "um s-1", "long_name": "its standard deviation"},
-    )
-    for name in ("encoder_angle", "crank_angle", "stroke"):
-        columns[name] = (("trigger",), film[name].values, dict(film[name].attrs))
+    columns["film_rate"], columns["film_rate_std"] = spread(rate), spread(rate_std)
     load = film["load"].values if "load" in film else np.full(total, settings.load or np.nan)
     radius = float(conformal_radius(view.pin_radius, bushing_radius=view.bushing_radius))
     thinnest = spread(view.clearance - np.hypot(*motion.position[:, :2].T) * _MICRO) / _MICRO
     reach = np.sqrt(2 * radius * np.maximum(thinnest, 0.0))
     assert settings.joint is not None  # as above
-    columns["peak_of_load"] = (
-        ("trigger",),
-        _KILO * load / (settings.joint.length * 0.5 * np.pi * reach),
-        {"units": "kPa", "long_name": "peak of pure squeeze of a long joint under the load"},
-    )
-    columns["load"] = (("trigger",), load, {"units": "N", "long_name": "load, logged or set"})
+    columns["peak_of_load"] = _KILO * load / (settings.joint.length * 0.5 * np.pi * reach)
+    columns["load"] = load
 
     x, y = grid
-    millimetre = {"units": "mm", "long_name": "position in the image"}
+    places = {"x": x, "y": y, "place": x if view.sliding_along_x else y}
     result = xr.Dataset(
-        columns,
-        {
-            "trigger": film["trigger"].values,
-            "x": ("x", x, millimetre),
-            "y": ("y", y, millimetre),
-            "place": ("place", x if view.sliding_along_x else y, millimetre),
-        },
-    )
-    result = set_coordinates(result)
+        {name: PRESSURE[name].fill(values) for name, values in columns.items()},
+        {name: PRESSURE[name].fill(values) for name, values in places.items()},
+    ).assign_coords(trigger=film["trigger"].values)
+    of_motion = {name: film[name].variable for name in ("encoder_angle", "crank_angle", "stroke")}
+    result = set_coordinates(result.assign(of_motion))
     for name in ("settings", "settings_stated"):  # name the mount
         if name in film.attrs:
             result.attrs[name] = film.attrs[name]
@@ -556,28 +533,3 @@ def _name_causes(found: xr.Dataset, ratio: float, *, shifted: bool) -> list[str]
             *causes,
         ]
     return causes
-
-
-_MEANINGS: dict[str, tuple[str, float, str]] = {
-    "pressure": ("kPa", _KILO, "pressure above ambient"),
-    "pressure_std": ("kPa", _KILO, "its standard deviation"),
-    "pressure_profile": ("kPa", _KILO, "pressure in the axial middle of the image"),
-    "pressure_profile_std": ("kPa", _KILO, "its standard deviation"),
-    "peak_pressure": ("kPa", _KILO, "highest pressure in the axial middle of the image"),
-    "peak_pressure_std": ("kPa", _KILO, "its standard deviation"),
-    "peak_std_random": ("kPa", _KILO, "part of it by noise"),
-    "peak_std_shared": ("kPa", _KILO, "part of it by errors that all triggers share"),
-    "peak_place": ("mm", _MILLI, "place of the highest pressure along sliding"),
-    "peak_place_std": ("mm", _MILLI, "its standard deviation"),
-    "load_from_pressure": ("N", 1.0, "force of the pressure along the load line"),
-    "load_from_pressure_std": ("N", 1.0, "its standard deviation"),
-    "side_from_pressure": ("N", 1.0, "force of the pressure sideways, positive along sliding"),
-    "side_from_pressure_std": ("N", 1.0, "its standard deviation"),
-    "peak_std_settings": ("kPa", _KILO, "part of it by viscosity and clearance"),
-    "peak_by_viscosity": ("1", 1.0, "relative change of the peak over that of the viscosity"),
-    "peak_by_clearance": ("1", 1.0, "relative change of the peak over that of the clearance"),
-    "pressure_measured": ("1", 1.0, "1 where the peak is known to half of itself, else 0"),
-    "cavity": ("1", 1.0, "share of the image without a full film"),
-    "cavity_change": ("1", 1.0, "change of the cavities about the trigger, over their sum"),
-    "cavity_history": ("1", 1.0, "relative change of the peak by another turn before the first"),
-}

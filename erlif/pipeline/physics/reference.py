@@ -10,6 +10,7 @@ import numpy as np
 from erlif.calibration import Calibration
 from erlif.core.errors import ConfigError
 from erlif.core.notes import Level, Note
+from erlif.core.variables import FILM
 from erlif.io.settings import ReferenceSettings
 from erlif.pipeline.engines.results import TriggerResult
 from erlif.trend import Region
@@ -86,16 +87,11 @@ def describe_reference(
     uncertainty = 0.0 if reference.uncertainty is None else 1e6 * reference.uncertainty
     film, random = np.array([_average(result, calibration) for result in results]).T.reshape(2, -1)
     shared = np.asarray(calibration.thickness_std(np.where(np.isfinite(film), film, known)))
-    attrs = {
-        "units": "um",
-        "long_name": "film of the reference patch",
-        "thickness": known,
-        "uncertainty": uncertainty,
-    }
-    std = {"units": "um", "long_name": "its standard deviation, random and shared"}
     variables = {
-        "reference_film": ("trigger", film, attrs),
-        "reference_film_std": ("trigger", np.hypot(random, shared), std),
+        "reference_film": FILM["reference_film"].fill(
+            film, thickness=known, uncertainty=uncertainty
+        ),
+        "reference_film_std": FILM["reference_film_std"].fill(np.hypot(random, shared)),
     }
     return variables, _compare(film, random, known, uncertainty, calibration)
 

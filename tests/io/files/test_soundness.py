@@ -6,8 +6,9 @@ import pytest
 from scenes.film import make_film
 
 from erlif.core.errors import OutputError
+from erlif.core.variables import FRAMES, REGISTRATION
 from erlif.io.files import open_film
-from erlif.io.files.soundness import FRAMES, REGISTRATION, check_film
+from erlif.io.files.soundness import check_film
 from erlif.show.plots import example_film
 
 
@@ -56,7 +57,7 @@ DAMAGES = [
     (without("x"), "it has no variable x"),
     (without("sliding_speed"), "film_theory and no variable sliding_speed"),
     (without("load"), "film_theory and no variable load"),
-    (without("speed_exponent_std"), "it has no variable speed_exponent_std"),
+    (without("speed_exponent_std"), "it has speed_exponent and no variable speed_exponent_std"),
     (without("crank_angle"), "rocker_speed and no variable crank_angle"),
     (
         lambda film: film.drop_vars(["rocker_speed"]),
@@ -95,7 +96,7 @@ DAMAGES = [
     (attribute("reason", None, "film_theory"), "its attribute reason is missing"),
     (attribute("zero", np.inf, "encoder_angle"), "zero of encoder_angle is"),
     (attribute("load_line", None, "attitude"), "load_line of attitude is missing"),
-    (without("eccentricity"), "it has no variable eccentricity"),
+    (without("eccentricity"), "it has film_predicted_mean and no variable eccentricity"),
 ]
 
 

@@ -13,6 +13,7 @@ import xarray as xr
 
 from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError
+from erlif.core.variables import FILM
 from erlif.io.ingest.logs.table import LogColumn, LogTable, split_unit
 from erlif.io.ingest.logs.units import UNITS, find_scale
 
@@ -57,75 +58,8 @@ _FURTHER_COLUMN = re.compile(r"[^\W_][^/\x00-\x1f\x7f]*")
 """Names that netCDF and zarr both accept."""
 
 _RESERVED = frozenset(
-    [
-        "number",
-        "angle",
-        "angle_rate",
-        "time",
-        "load",
-        "temperature",
-        "pulse_energy",
-        "trigger",
-        "x",
-        "y",
-        "thickness",
-        "thickness_std",
-        "thickness_std_shared",
-        "flags",
-        "frames_used",
-        "background",
-        "background_std",
-        "bleaching_ratio",
-        "bleaching_ratio_std",
-        "bleaching_light",
-        "bleaching_light_std",
-        "reference_film",
-        "reference_film_std",
-        "valid_pixels",
-        "flagged_pixels",
-        "flag",
-        "encoder_angle",
-        "stroke",
-        "crank_angle",
-        "rocker_speed",
-        "sliding_speed",
-        "rotation_speed",
-        "position",
-        "film_mean",
-        "film_mean_std",
-        "film_min",
-        "film_min_std",
-        "film_min_x",
-        "film_min_y",
-        "share_beyond_range",
-        "axis",
-        "parameter",
-        "parameter_other",
-        "calibration_parameter",
-        "pin_displacement",
-        "pin_tilt",
-        "pin_position_cov",
-        "pin_position_cov_random",
-        "pin_position_gradient",
-        "film_curvature",
-        "film_curvature_std",
-        "film_curvature_expected",
-        "film_curvature_axial",
-        "film_curvature_axial_std",
-        "film_hamrock_dowson",
-        "film_theory",
-        "film_regime_map",
-        "film_regime",
-        "film_predicted_min",
-        "film_predicted_mean",
-        "eccentricity",
-        "attitude",
-        "film_parameter",
-        "speed_exponent",
-        "speed_exponent_std",
-        "speed_exponent_mean",
-        "speed_exponent_mean_std",
-    ]
+    ["number", "angle", "angle_rate", "pulse_energy", *FILM]
+    + [dim for variable in FILM.values() for dim in variable.dims]
 )
 """Names of the film's own variables, which no further column of the log may have."""
 
