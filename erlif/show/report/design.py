@@ -386,16 +386,37 @@ def list_materials(materials: Mapping[str, Material]) -> str:
     )
     lines = [head]
     for one in materials.values():
-        low, high = one.hardness_low, one.hardness_high
-        hardness = (
-            "-" if low is None else f"{low:g}" if low == high else f"{low:g} to {high or low:g}"
-        )
+        hardness = hardness_range(one) or "-"
         lines.append(
             f"{one.name:<{width}} {one.use:<10} {_cell(one.yield_stress, 1e6):>9} {hardness:>12} "
             f"{_cell(one.youngs_modulus, 1e9):>6} {_cell(one.temperature, 1):>5} "
             f"{_cell(one.pressure, 1e6):>6} {_cell(one.pv, 1e6):>8}  {one.source}"
         )
     return "\n".join(lines)
+
+
+def hardness_range(material: Material) -> str:
+    """Write the hardness of a surface, or its range.
+
+    Parameters
+    ----------
+    material : Material
+
+    Returns
+    -------
+    str
+        In Brinell; empty where it is not known.
+
+    Examples
+    --------
+    >>> from erlif.joint.sizing import read_materials
+    >>> hardness_range(read_materials()["CuAl10Ni5Fe4"])
+    '140 to 230'
+    """
+    low, high = material.hardness_low, material.hardness_high
+    if low is None:
+        return ""
+    return f"{low:g}" if high in (None, low) else f"{low:g} to {high:g}"
 
 
 def _cell(value: float | None, scale: float) -> str:

@@ -6,8 +6,7 @@ import csv
 import io
 import math
 import re
-from collections.abc import Iterable, Iterator, Sequence
-from html import escape
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from markupsafe import Markup
@@ -15,12 +14,13 @@ from matplotlib.figure import Figure
 
 from erlif.core.version import __version__
 from erlif.io.files import refuse_existing, replacing
-from erlif.joint.sizing import BearingDesign, Material, Step
+from erlif.joint.sizing import BearingDesign, Step
 from erlif.show.plots.design import design_figure, design_margins_figure
 from erlif.show.report.captions import Caption
 from erlif.show.report.design import (
     dimension_title,
     dimensions,
+    hardness_range,
     margin,
     outcome,
     plain,
@@ -36,9 +36,9 @@ from erlif.show.report.layout import (
     download_link,
     embed_figure,
     file_name,
-    render,
+    print_units,
+    render_part,
 )
-from erlif.show.report.layout import print_units as print_text
 
 _FIGURE = Caption(
     "Pressure, pv, temperature and wear",
@@ -127,104 +127,81 @@ def make_design_page(design: BearingDesign) -> str:
         ("joint", "The joint as a file", _settings(design)),
     ]
     return compose_page(
-        [(key, title, Markup(text)) for key, title, text in sections if text],
+        [section for section in sections if section[2]],
         name=design.name,
         subject="design",
         subtitle=f"Design of a pin joint after Strand (2005), chapter 2; erlif {__version__}",
     )
 
 
-def make_table(
-    rows: Iterable[Sequence[str]],
-    *,
-    head: Sequence[str] = (),
-    caption: str = "",
-    numbers: Sequence[int] = (),
-) -> Markup:
-    """Make a table of cells that are HTML already."""
-    cells = [[Markup(cell) for cell in row] for row in rows]
-    return render("table.html", one=Table(cells, head, caption, numbers))
-
-
-def _result(design: BearingDesign) -> str:
+def _result(design: BearingDesign) -> Markup:
     first, *rest = verdict(design)
-    lines = [f"<p><strong>{_signs(first)}</strong></p>"]
-    failed = [line.strip() for line in rest if line.startswith("  ")]
-    if failed:
-        lines.append(f"<ul>{''.join(f'<li>{_signs(line)}</li>' for line in failed)}</ul>")
-    lines += [f"<p>{_signs(line)}</p>" for line in rest if not line.startswith("  ")]
-    lines += [f"<p>Note: {_signs(escape(note))}</p>" for note in design.notes]
-
     joint = design.joint
-    load = [("Largest load", f"{joint.force / 1e3:.4g} kN")]
+    given = [("Largest load", f"{joint.force / 1e3:.4g} kN")]
     if joint.mean_force is not None:
-        load.append(("Mean load in motion", f"{joint.mean_force / 1e3:.4g} kN"))
-    load.append(("Safety factor", f"{joint.safety:g}"))
+        given.append(("Mean load in motion", f"{joint.mean_force / 1e3:.4g} kN"))
+    given.append(("Safety factor", f"{joint.safety:g}"))
     if joint.half_swing is not None and joint.period is not None:
         swing = f"± {math.degrees(joint.half_swing):.3g}° every {joint.period:.4g} s"
-        load.append(("Swing", swing))
+        given.append(("Swing", swing))
     if joint.life is not None:
-        load.append(("Life in motion", f"{plain(joint.life / 3600)} h"))
-    load += [
-        (
-            part.capitalize(),
-            escape(getattr(joint, part).name) + " (assumed)" * (part in design.assumed),
+        given.append(("Life in motion", f"{plain(joint.life / 3600)} h"))
+    for part in ("pin", "bushing", "seat", "housing"):
+        name = getattr(joint, part).name + " (assumed)" * (part in design.assumed)
+        given.append((part.capitalize(), name))
+
+    sizes = [(title, _signs(value), source) for title, value, source in dimensions(design)]
+    return render_part(
+        "design.html",
+        "result",
+        verdict=_signs(first),
+        exceeded=[_signs(line.strip()) for line in rest if line.startswith("  ")],
+        sentences=[_signs(line) for line in rest if not line.startswith("  ")],
+        notes=[_signs(note) for note in design.notes],
+        sizes=Table(sizes, caption=dimension_title(design), numbers=[1]),
+        given=Table(given, caption="Load, motion and materials"),
+    )
+
+
+def _step_table(design: BearingDesign) -> Markup:
+    link = Markup('<a href="#step-{}">{}</a>')
+    rows = [
+        (step.title, "", "not computed", "", "", step.equation, f"give {step.missing}")
+        if step.missing
+        else (
+            link.format(step.key, step.title),
+            _signs(margin(step.margin)),
+            _state(step),
+            _signs(present(step)),
+            _signs(within(step)),
+            step.equation,
+            step.quantity,
         )
-        for part in ("pin", "bushing", "seat", "housing")
+        for step in design.walk.steps
     ]
-    rows = [(escape(title), _signs(value), source) for title, value, source in dimensions(design)]
-    sizes = make_table(rows, caption=dimension_title(design), numbers=[1])
-    given = make_table(load, caption="Load, motion and materials")
-    return "\n".join([*lines, f'<div class="columns"><div>{sizes}</div><div>{given}</div></div>'])
-
-
-def _step_table(design: BearingDesign) -> str:
-    rows = []
-    for step in design.walk.steps:
-        if step.missing:
-            cells = [escape(step.title), "", "not computed", "", "", step.equation]
-            cells.append(escape(f"give {step.missing}"))
-        else:
-            cells = [
-                f'<a href="#step-{step.key}">{escape(step.title)}</a>',
-                _signs(margin(step.margin)),
-                _state(step),
-                _signs(present(step)),
-                _signs(within(step)),
-                step.equation,
-                escape(step.quantity),
-            ]
-        rows.append(cells)
     # a narrow window shows the first columns, which matter most
     head = ("Step", "Margin", "State", "Present", "Allowed", "Source", "Quantity")
-    table = make_table(rows, head=head, numbers=(1, 3, 4))
-    link = download_link(_steps_csv(design.walk.steps), name=file_name(design.name, "steps.csv"))
-    note = (
-        "Margin: allowed over present value less 1; 0 at the limit, negative where it is exceeded. "
-        "Strengths are divided by the safety factor. Doubtful: outside of the validity of the "
-        "equation. "
-        + "".join(
-            f"The margin of the {escape(step.title)} is that of the {escape(step.basis)}. "
-            for step in design.walk.steps
-            if step.basis
-        )
+    file = _steps_csv(design.walk.steps)
+    return render_part(
+        "design.html",
+        "steps",
+        bases=[(step.title, step.basis) for step in design.walk.steps if step.basis],
+        link=download_link(file, name=file_name(design.name, "steps.csv")),
+        rows=Table(rows, head, numbers=(1, 3, 4)),
     )
-    look = 'class="wide" tabindex="0" role="region" aria-label="Table of the steps"'
-    return f"<p>{note} {link}.</p><div {look}>{table}</div>"
 
 
-def _signs(text: str) -> str:
+def _signs(text: str) -> Markup:
     """A text with the signs of print for minus, times, micro and degrees."""
-    plain = print_text(text)
-    return re.sub(r"(?<![\w.])-(?=\d)", "−", re.sub(r"^x (?=\d)", "× ", plain))
+    printed = re.sub(r"^x (?=\d)", "× ", print_units(text))
+    return Markup(re.sub(r"(?<![\w.])-(?=\d)", "−", printed))
 
 
 def _state(step: Step) -> str:
     """The outcome; what needs attention is bold."""
-    text = escape(outcome(step))
-    return (
-        text if step.holds and (step.valid or step.kind != "limit") else f"<strong>{text}</strong>"
-    )
+    text = outcome(step)
+    usual = step.holds and (step.valid or step.kind != "limit")
+    return text if usual else Markup("<strong>{}</strong>").format(text)
 
 
 _CSV_HEAD = (
@@ -257,29 +234,23 @@ def _figures(design: BearingDesign) -> Iterator[PageFigure]:
         yield embed_figure(name, figure, caption, caption.text)
 
 
-def _reasons(design: BearingDesign) -> str:
+def _reasons(design: BearingDesign) -> Markup:
     """Each step in words; those that fail are open."""
-    parts = []
+    steps = []
     for step in design.walk.steps:
         if step.missing:
             continue
-        lines = [f"<p>{escape(step.reason)}</p>"]
         rows = [("Valid for", _signs(step.validity))]
         if step.numbers:
             listed = "; ".join(_number(name, value, unit) for name, value, unit in step.numbers)
             rows.append(("Further results", _signs(listed)))
         if step.alternatives:
             rows.append(("Alternatives", _signs("; ".join(step.alternatives))))
-        lines.append(make_table(rows))
         limited = not math.isnan(step.margin)
         ending = f"{margin(step.margin)}, {outcome(step)}" if limited else outcome(step)
-        shown = " open" if not step.holds else ""
-        title = f"{escape(step.title)} ({step.equation}): {_signs(ending)}"
-        parts.append(
-            f'<details id="step-{step.key}"{shown}><summary>{title}</summary>'
-            f"{''.join(lines)}</details>"
-        )
-    return "\n".join(parts)
+        title = Markup("{} ({}): {}").format(step.title, step.equation, _signs(ending))
+        steps.append((title, step.key, not step.holds, step.reason, Table(rows)))
+    return render_part("design.html", "reasons", steps=steps)
 
 
 def _number(name: str, value: float, unit: str) -> str:
@@ -287,22 +258,25 @@ def _number(name: str, value: float, unit: str) -> str:
     return f"{name} {text}" if unit == "1" or math.isinf(value) else f"{name} {text} {unit}"
 
 
-def _sensitivity(design: BearingDesign) -> str:
+def _sensitivity(design: BearingDesign) -> Markup:
     weakest, found = design.walk.weakest, design.sensitivities
     if weakest is None or not found:
-        return ""
+        return Markup()
     rows = [
-        (escape(one.name), f"+{one.by}", _signs(f"{100 * one.change:+.2g} points"))
+        (one.name, f"+{one.by}", _signs(f"{100 * one.change:+.2g} points"))
         for one in found[:_MOST_ROWS]
     ]
-    table = make_table(rows, head=("Number", "Change", "Margin, per cent"), numbers=(1, 2))
-    return (
-        f"<p>Change of the margin of {escape(weakest.title)} ({weakest.equation}), now "
-        f"{_signs(margin(weakest.margin))}, to first order.</p>{table}"
+    return render_part(
+        "design.html",
+        "sensitivity",
+        title=weakest.title,
+        equation=weakest.equation,
+        margin=_signs(margin(weakest.margin)),
+        rows=Table(rows, ("Number", "Change", "Margin, per cent"), numbers=(1, 2)),
     )
 
 
-def _substitutes(design: BearingDesign) -> str:
+def _substitutes(design: BearingDesign) -> Markup:
     rows = []
     for one in design.substitutes:
         weakest = one.weakest
@@ -311,80 +285,52 @@ def _substitutes(design: BearingDesign) -> str:
         difference = one.walk.step("hardness_difference")
         hint = "" if difference.missing or difference.holds else "less than 100 HB below the pin"
         without = ", ".join(step.title for step in one.unknown)
-        if without and value and one.weakest is not None and one.weakest.holds:
+        if without and weakest is not None and weakest.holds:
             value = f"{value} of those known"
-        rows.append(
-            (escape(one.material.name), _signs(value), escape(governing), hint, escape(without))
-        )
+        rows.append((one.material.name, _signs(value), governing, hint, without))
     if not rows:
-        return ""
+        return Markup()
     head = ("Bushing", "Margin", "Weakest limit of the sliding surface", "Hardness", "Not known")
-    table = make_table(rows, head=head, numbers=[1])
-    note = (
-        "Other bushings of the table at the same dimensions: those whose known limits hold first, "
-        "of them those of which most limits are known. A material may fail at a limit that is not "
-        "known. A wear rate belongs to a tested pair."
-    )
-    return f'<p>{note}</p><div class="wide">{table}</div>'
+    return render_part("design.html", "bushings", rows=Table(rows, head, numbers=[1]))
 
 
-def _materials(design: BearingDesign) -> str:
+_MATERIAL_HEAD = (
+    *("Part", "Material", "Yield [MPa]", "Hardness [HB]"),
+    *("E [GPa]", "λ [W/(m K)]", "α [10⁻⁶/K]"),
+)
+
+
+def _materials(design: BearingDesign) -> Markup:
     joint = design.joint
-    parts: list[tuple[str, Material]] = [
-        ("Pin", joint.pin),
-        ("Bushing", joint.bushing),
-        ("Seats", joint.seat),
-        ("Housing", joint.housing),
-    ]
+    parts = {"Pin": joint.pin, "Bushing": joint.bushing, "Seats": joint.seat}
+    parts["Housing"] = joint.housing
     if joint.lock is not None:
-        parts.append(("Lock plate", joint.lock.plate))
-    rows = []
-    for part, one in parts:
-        low, high = one.hardness_low, one.hardness_high
-        hardness = "" if low is None else f"{low:g}" if low == high else f"{low:g} to {high:g}"
-        rows.append(
-            (
-                part,
-                escape(one.name),
-                _cell(one.yield_stress, 1e6),
-                hardness,
-                _cell(one.youngs_modulus, 1e9),
-                _cell(one.conductivity, 1),
-                _cell(one.expansion, 1e-6),
-            )
+        parts["Lock plate"] = joint.lock.plate
+    rows = [
+        (
+            part,
+            one.name,
+            _cell(one.yield_stress, 1e6),
+            hardness_range(one),
+            _cell(one.youngs_modulus, 1e9),
+            _cell(one.conductivity, 1),
+            _cell(one.expansion, 1e-6),
         )
-    head = (
-        "Part",
-        "Material",
-        "Yield [MPa]",
-        "Hardness [HB]",
-        "E [GPa]",
-        "λ [W/(m K)]",
-        "α [10⁻⁶/K]",
-    )
-    table = make_table(rows, head=head, numbers=(2, 3, 4, 5, 6))
+        for part, one in parts.items()
+    ]
     # one material may serve several parts
-    sources = {one.name: one.source for _, one in parts}
-    listed = "".join(
-        f"<li><strong>{escape(name)}</strong>: {escape(source)}.</li>"
-        for name, source in sources.items()
-    )
-    return f'<div class="wide">{table}</div><ul>{listed}</ul>'
+    sources = {one.name: one.source for one in parts.values()}
+    table = Table(rows, _MATERIAL_HEAD, numbers=(2, 3, 4, 5, 6))
+    return render_part("design.html", "materials", rows=table, sources=sources.items())
 
 
 def _cell(value: float | None, scale: float) -> str:
     return "" if value is None else f"{value / scale:.4g}"
 
 
-def _settings(design: BearingDesign) -> str:
+def _settings(design: BearingDesign) -> Markup:
     """The joint with all its dimensions, to be saved and designed again."""
-    link = download_link(
-        design.settings,
-        name=file_name(design.name, "joint.toml"),
-        label="Save as TOML",
-        media="application/toml",
-    )
-    return (
-        f"<p>All dimensions, chosen and given. {link}.</p>"
-        f"<details><summary>Show</summary><pre>{escape(design.settings)}</pre></details>"
-    )
+    name = file_name(design.name, "joint.toml")
+    media = "application/toml"
+    link = download_link(design.settings, name=name, label="Save as TOML", media=media)
+    return render_part("design.html", "joint", link=link, settings=design.settings)

@@ -47,6 +47,12 @@ def render(template: str, **content: Any) -> Markup:
     return Markup(_templates().get_template(template).render(**content))
 
 
+def render_part(template: str, part: str, **content: Any) -> Markup:
+    """Fill one macro of a template that holds the sections of a page."""
+    macros = _templates().get_template(template).module
+    return Markup(getattr(macros, part)(**content))
+
+
 @functools.cache
 def _templates() -> Environment:
     environment = Environment(
