@@ -89,12 +89,18 @@ def read_matlab(path: Path) -> list[tuple[str, Any]]:
 
 
 class _Child:
-    """The child process; a new one where the last has ended or belongs to a parent process."""
+    """The child process; a new one where the last has ended."""
+
+    process: subprocess.Popen[bytes] | None = None
+    of_parent: subprocess.Popen[bytes] | None = None
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
-        self.process: subprocess.Popen[bytes] | None = None
-        self.owner = 0
+
+    def forget(self) -> None:
+        """In a forked process: the child and its pipes are those of the parent process."""
+        self.lock = threading.Lock()
+        self.of_parent, self.process = self.process, None
 
     def ask(self, task: str, path: str) -> Any:
         """Result of one of `_TASKS` for a file, or the error that it raised."""
@@ -120,14 +126,14 @@ class _Child:
         return answer
 
     def end(self) -> None:
-        """End the process; a fork of this process leaves it to its parent."""
+        """End the process."""
         process, self.process = self.process, None
-        if process is not None and self.owner == os.getpid():
+        if process is not None:
             process.kill()
             process.communicate()
 
     def _start(self) -> subprocess.Popen[bytes]:
-        if self.process is None or self.owner != os.getpid():
+        if self.process is None:
             # "-P": the folder of this file is no place for imports
             self.process = subprocess.Popen(
                 [sys.executable, "-P", __file__],
@@ -136,12 +142,13 @@ class _Child:
                 stderr=subprocess.DEVNULL,
                 env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
             )
-            self.owner = os.getpid()
         return self.process
 
 
 _child = _Child()
 atexit.register(_child.end)
+if hasattr(os, "register_at_fork"):  # not on Windows, where no process is forked
+    os.register_at_fork(after_in_child=_child.forget)
 
 
 # the child
@@ -202,7 +209,10 @@ def _limit_memory(most: int) -> None:
         taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     except (ImportError, OSError):
         return
-    resource.setrlimit(resource.RLIMIT_AS, (taken + most, resource.RLIM_INFINITY))
+    most += taken
+    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+    soft = most if hard == resource.RLIM_INFINITY else min(most, hard)
+    resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
 _TASKS: dict[str, Callable[[str], Any]] = {"hdf5": _walk_hdf5, "matlab": _load_matlab}

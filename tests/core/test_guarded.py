@@ -4,7 +4,9 @@ The bytes are edited by the specification of the format; the damaged places were
 """
 
 import contextlib
+import os
 import random
+import resource
 import struct
 import threading
 
@@ -88,6 +90,23 @@ def test_a_block_of_a_driver_that_claims_gigabytes_is_refused(tmp_path):
     damage(path, change)
     with pytest.raises((ValueError, OSError)):
         check_hdf5(path)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no forks on this system")
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")  # threads of other tests
+def test_a_forked_process_with_a_bound_of_its_own_has_a_child_of_its_own(tmp_path):
+    check_hdf5(write(tmp_path / "a.h5"))
+    other = write(tmp_path / "b.h5")
+    forked = os.fork()
+    if forked == 0:
+        resource.setrlimit(resource.RLIMIT_AS, (2**34, 2**34))
+        try:
+            check_hdf5(other)
+        except BaseException:
+            os._exit(1)
+        os._exit(0)
+    assert os.waitstatus_to_exitcode(os.waitpid(forked, 0)[1]) == 0
+    check_hdf5(write(tmp_path / "c.h5"))
 
 
 def test_threads_wait_for_each_other(tmp_path):
