@@ -13,8 +13,8 @@ The stages, in the order of the pipeline: `ingest`, `correction`, `registration`
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from erlif.core.kernel_cache import ensure_kernel_cache
-from erlif.core.later import after_import
+from erlif.core.speed.kernel_cache import ensure_kernel_cache
+from erlif.core.speed.later import after_import
 from erlif.core.version import __version__
 
 ensure_kernel_cache()

@@ -9,7 +9,6 @@ import click
 
 from erlif.commands.compiling import announced_compiling
 from erlif.commands.ending import echo_aside
-from erlif.commands.loading import large_imports
 from erlif.commands.options import (
     ALLOW_OUTSIDE,
     OVERWRITE,
@@ -20,6 +19,7 @@ from erlif.commands.options import (
 )
 from erlif.commands.progress import echo_above, show_progress
 from erlif.commands.status import BAD_INPUT, DEFECT, INTERRUPTED
+from erlif.core.speed.imports import large_imports
 
 if TYPE_CHECKING:
     from erlif.pipeline.batch import RunOutcome

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import click
 
 from erlif.commands.compiling import announced_compiling
-from erlif.commands.loading import large_imports
 from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, SKIP_BAD_FRAMES, expect_suffix
 from erlif.commands.progress import show_progress
 from erlif.core.errors import CalibrationError, ErlifError
+from erlif.core.speed.imports import large_imports
 
 if TYPE_CHECKING:
     from erlif.calibration import Calibration

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import click
 
-from erlif.commands.loading import large_imports
 from erlif.commands.options import OVERWRITE, PATH
 from erlif.commands.progress import show_progress
 from erlif.core.errors import ErlifError
+from erlif.core.speed.imports import large_imports
 
 _TABLES = ("compare.nc", "compare.csv", "compare.html")
 _FIGURES = tuple(

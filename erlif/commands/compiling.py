@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -26,25 +25,14 @@ def announced_compiling() -> Iterator[None]:
         """Called by numba for each kernel, and for the functions of numba inside it."""
 
         announced = False
-        depth = 0
-        collects = True
 
         def on_start(self, event: Any) -> None:
             if not self.announced:
                 self.announced = True
                 _announce(ANNOUNCEMENT)
 
-            # most objects of the compiler stay, and searching them for garbage takes an eighth of
-            # its time; numba compiles in one thread at a time, so the depth is that of one kernel
-            if self.depth == 0:
-                self.collects = gc.isenabled()
-                gc.disable()
-            self.depth += 1
-
         def on_end(self, event: Any) -> None:
-            self.depth -= 1
-            if self.depth == 0 and self.collects:
-                gc.enable()
+            pass
 
     with event.install_listener("numba:compile", Listener()):
         yield

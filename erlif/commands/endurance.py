@@ -9,7 +9,6 @@ from typing import Literal
 
 import click
 
-from erlif.commands.loading import large_imports
 from erlif.commands.log_columns import (
     choose_columns,
     column_pairs,
@@ -18,6 +17,7 @@ from erlif.commands.log_columns import (
     quantity,
 )
 from erlif.commands.options import OVERWRITE, PATH
+from erlif.core.speed.imports import large_imports
 
 _FEWEST_RUNS = 2
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import click
 
-from erlif.commands.loading import large_imports
 from erlif.commands.log_columns import choose_columns, describe_reading, log_options, quantity
 from erlif.commands.options import OVERWRITE, PATH
+from erlif.core.speed.imports import large_imports
 
 _SHARE = click.FloatRange(min=0, max=1)
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import click
 
-from erlif.commands.loading import large_imports
 from erlif.commands.options import OVERWRITE, PATH, expect_suffix
 from erlif.core.errors import ConfigError
+from erlif.core.speed.imports import large_imports
 from erlif.core.units import parse_quantity
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from erlif.commands.loading import large_imports
 from erlif.commands.options import OVERWRITE, PATH
+from erlif.core.speed.imports import large_imports
 
 
 @click.command()

@@ -7,9 +7,9 @@ from pathlib import Path
 import click
 
 from erlif.commands.compiling import announced_compiling
-from erlif.commands.loading import large_imports
 from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_suffix
 from erlif.commands.progress import show_progress
+from erlif.core.speed.imports import large_imports
 
 
 @click.command()

@@ -8,7 +8,6 @@ from pathlib import Path
 import click
 
 from erlif.commands.compiling import announced_compiling
-from erlif.commands.loading import large_imports
 from erlif.commands.options import (
     ALLOW_OUTSIDE,
     OVERWRITE,
@@ -19,6 +18,7 @@ from erlif.commands.options import (
     expect_suffix,
 )
 from erlif.commands.progress import show_progress
+from erlif.core.speed.imports import large_imports
 
 
 @click.command()

@@ -12,8 +12,8 @@ from threading import Timer
 
 import click
 
-from erlif.commands.loading import large_imports
 from erlif.commands.options import PATH
+from erlif.core.speed.imports import large_imports
 
 _KEPT = 60.0
 """Time for which the file that opens the browser is kept. [s]"""

@@ -12,8 +12,8 @@ from typing import Any
 import xarray as xr
 
 from erlif.calibration import Calibration, check_bands
-from erlif.core.memory import release_memory
 from erlif.core.progress import Progress, ShowProgress, choose_progress
+from erlif.core.speed.memory import release_memory
 from erlif.core.timing import stage
 from erlif.io.files import PartialFilm, open_film, refuse_existing, remove_remains, takes
 from erlif.io.ingest import Run, open_run

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import gc
-
 import numba
-import pytest
 
 from erlif.commands.compiling import ANNOUNCEMENT, announced_compiling
 
@@ -38,25 +35,3 @@ def test_the_library_is_silent(capsys):
         pass
     one(1.0)
     assert capsys.readouterr().err == ""
-
-
-@pytest.mark.parametrize("enabled", [True, False])
-def test_garbage_is_collected_afterwards_as_before(enabled):
-    one, two = kernels()
-    before = gc.isenabled()
-    (gc.enable if enabled else gc.disable)()
-    try:
-        with announced_compiling():
-            one(1.0)
-            assert gc.isenabled() is enabled
-            two(1.0)
-        assert gc.isenabled() is enabled
-    finally:
-        (gc.enable if before else gc.disable)()
-
-
-def test_failed_compilation_leaves_the_collector_as_it_was():
-    wrong = numba.njit(lambda x: x.nothing)
-    with announced_compiling(), pytest.raises(numba.TypingError):
-        wrong(1.0)
-    assert gc.isenabled()

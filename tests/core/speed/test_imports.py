@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from erlif.commands.loading import large_imports
+from erlif.core.speed.imports import large_imports
 
 
 def test_the_collector_is_off_inside_and_on_afterwards():
@@ -37,7 +37,7 @@ def test_xarray_loads_no_array_library_for_a_command():
     code = (
         "import sys\n"
         "from pathlib import Path\n"
-        "from erlif.commands.loading import large_imports\n"
+        "from erlif.core.speed.imports import large_imports\n"
         "with large_imports():\n"
         "    from erlif.io.ingest import open_run, read_frames\n"
         "run = open_run(Path('data_samples/straight_bushing'))\n"
@@ -46,7 +46,7 @@ def test_xarray_loads_no_array_library_for_a_command():
         "assert not loaded, loaded\n"
         "import pint\n"
     )
-    root = Path(__file__).parents[2]
+    root = Path(__file__).parents[3]
     subprocess.run([sys.executable, "-c", code], check=True, cwd=root)
 
 
@@ -62,7 +62,7 @@ def test_a_program_that_has_loaded_xarray_before_can_run_a_command():
     """xarray then knows already which libraries are installed, and imports parts of them."""
     code = (
         "import xarray as xr\n"
-        "from erlif.commands.loading import large_imports\n"
+        "from erlif.core.speed.imports import large_imports\n"
         "with large_imports():\n"
         "    xr.Dataset(coords={'x': [1.0]}).compute()\n"
     )

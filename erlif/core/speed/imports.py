@@ -16,8 +16,9 @@ first array; dask and pint take 0.3 s, and the commands use none of their arrays
 def large_imports() -> Iterator[None]:
     """Import without the garbage collector, and without array libraries that are not used.
 
-    Modules stay until the program ends, and searching them for garbage while they load takes a
-    sixth of the time. What is loaded is left out of later searches as well.
+    Together they take a quarter off the start of a command, 1.6 to 1.2 s. Modules stay until the
+    program ends, so that searching them for garbage while they load finds nothing. What is loaded
+    is left out of later searches as well.
     """
     was_enabled = gc.isenabled()
     gc.disable()

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from erlif.core.later import after_import
+from erlif.core.speed.later import after_import
 
 
 def test_work_for_a_package_that_is_there_is_done_at_once():
