@@ -13,7 +13,7 @@ import sys
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass, replace
-from functools import cache, partial, wraps
+from functools import cache, wraps
 from inspect import Parameter, formatannotation, signature
 from itertools import pairwise
 from typing import Any, ParamSpec, TypeAlias, TypeVar, cast
@@ -328,7 +328,7 @@ ARGUMENTS = {
     **dict.fromkeys(["contact_modulus", "youngs_modulus", "youngs_1", "youngs_2"], "modulus"),
     **dict.fromkeys(["modulus", "model_youngs_modulus"], "modulus"),
     **dict.fromkeys(["poisson", "poisson_1", "poisson_2"], "poisson"),
-    **dict.fromkeys(["hardness", "fatigue_strength"], "strength"),
+    **dict.fromkeys(["hardness", "fatigue_strength", "yield_stress"], "strength"),
     **dict.fromkeys(["pin_radius", "shaft_radius", "bushing_radius", "thickness"], "length"),
     **dict.fromkeys(["pin_diameter", "diameter", "width", "length", "wall"], "length"),
     **{name: name for name in ("viscosity", "pressure_viscosity", "density", "load")},
@@ -579,26 +579,6 @@ def warn_of_units(quantity: str, /, **arguments: Values) -> None:
     scale = QUANTITIES[quantity][1]
     if scale is not None:
         _warn_outside(scale, arguments)
-
-
-# the bearings, the films of `reynolds` and the sizing of joints declare their arguments by these
-check_modulus = partial(warn_of_units, "modulus")
-check_strength = partial(warn_of_units, "strength")
-check_viscosity = partial(warn_of_units, "viscosity")
-check_kinematic_viscosity = partial(warn_of_units, "kinematic_viscosity")
-check_pressure_viscosity = partial(warn_of_units, "pressure_viscosity")
-check_length = partial(warn_of_units, "length")
-check_reduced_radius = partial(warn_of_units, "reduced_radius")
-check_film = partial(warn_of_units, "film")
-check_load = partial(warn_of_units, "load")
-check_line_load = partial(warn_of_units, "line_load")
-check_speed = partial(warn_of_units, "speed")
-check_temperature = partial(warn_of_units, "temperature")
-check_density = partial(warn_of_units, "density")
-check_expansion = partial(warn_of_units, "expansion")
-check_conductivity = partial(warn_of_units, "conductivity")
-check_swing = partial(warn_of_units, "swing")
-check_specific_wear = partial(warn_of_units, "specific_wear")
 
 
 def warn_of_range(equation: str, name: str, value: Values, lowest: float, highest: float) -> None:

@@ -2,20 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
-from erlif.models.arguments import (
-    check_conductivity,
-    check_expansion,
-    check_film,
-    check_length,
-    check_load,
-    check_modulus,
-    check_specific_wear,
-    check_strength,
-    check_swing,
-)
+from erlif.models import arguments
 
 
 def warn_of_units(joint: Any, *, dimensions: bool = True) -> None:
@@ -48,25 +37,27 @@ def warn_of_units(joint: Any, *, dimensions: bool = True) -> None:
     housing.yield_stress = 335 Pa
     """
     given = {name: value for name in _PLACES if (value := _value(joint, name)) is not None}
-    for check, names in _CHECKS:
-        check(**{name: given[name] for name in names if name in given})
+    for quantity, names in _CHECKS:
+        arguments.warn_of_units(quantity, **{name: given[name] for name in names if name in given})
     if not dimensions:
         return
-    check_length(**{name: given[name] for name in _LENGTHS if name in given})
+    arguments.warn_of_units("length", **{name: given[name] for name in _LENGTHS if name in given})
 
     # plays may be as small as rounding, but none is as large as a metre
     plays = {name: given[name] for name in ("play", "interference") if name in given}
-    check_length(**{name: play for name, play in plays.items() if abs(play) > 1})
+    arguments.warn_of_units(
+        "length", **{name: play for name, play in plays.items() if abs(play) > 1}
+    )
 
 
 _PARTS = ("pin", "bushing", "seat", "housing")
 
-_CHECKS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
-    (check_load, ("force", "mean_force")),
-    (check_film, ("pin_roughness", "bushing_roughness")),
-    (check_swing, ("half_swing",)),
+_CHECKS: tuple[tuple[str, tuple[str, ...]], ...] = (
+    ("load", ("force", "mean_force")),
+    ("film", ("pin_roughness", "bushing_roughness")),
+    ("swing", ("half_swing",)),
     (
-        check_strength,
+        "strength",
         (
             "lock.screw_yield",
             *(
@@ -76,12 +67,12 @@ _CHECKS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
             ),
         ),
     ),
-    (check_modulus, tuple(f"{part}.youngs_modulus" for part in _PARTS)),
-    (check_expansion, tuple(f"{part}.expansion" for part in _PARTS)),
-    (check_conductivity, tuple(f"{part}.conductivity" for part in _PARTS)),
-    (check_specific_wear, tuple(f"{part}.wear" for part in _PARTS)),
+    ("modulus", tuple(f"{part}.youngs_modulus" for part in _PARTS)),
+    ("expansion", tuple(f"{part}.expansion" for part in _PARTS)),
+    ("conductivity", tuple(f"{part}.conductivity" for part in _PARTS)),
+    ("specific_wear", tuple(f"{part}.wear" for part in _PARTS)),
 )
-"""Numbers by the check of their unit, under the names that the user wrote."""
+"""Numbers by their quantity, under the names that the user wrote."""
 
 _LENGTHS = (
     *("largest_wear", "pin_diameter", "hole_diameter", "bushing_width", "wall", "seat_width"),

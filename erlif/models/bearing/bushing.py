@@ -4,11 +4,7 @@ import numpy as np
 
 from erlif.models.arguments import (
     Values,
-    broadcasting,
-    check_length,
-    check_load,
-    check_strength,
-    require_positive,
+    formula,
 )
 
 BRINELL_OVER_STRENGTH = 0.3
@@ -21,7 +17,7 @@ RECOMMENDED_WIDTH = (0.5, 1.5)
 """Bushing width over pin diameter, eq. 11. [1]"""
 
 
-@broadcasting
+@formula(yield_stress="strength")
 def least_projected_area(load: Values, *, yield_stress: Values) -> Values:
     """Compute the minimum projected area d w of a joint. Strand (2005), eq. 5.
 
@@ -50,14 +46,11 @@ def least_projected_area(load: Values, *, yield_stress: Values) -> Values:
     >>> print(f"{least_projected_area(100e3, yield_stress=600e6) * 1e6:.1f} mm2")
     333.3 mm2
     """
-    require_positive(load=load, yield_stress=yield_stress)
-    check_load(load=load)
-    check_strength(yield_stress=yield_stress)
     # half the yield stress is allowed, hence the factor 2
     return 2 * load / yield_stress
 
 
-@broadcasting
+@formula(safety="number")
 def least_bushing_width(
     load: Values, *, diameter: Values, hardness: Values, safety: Values
 ) -> Values:
@@ -97,15 +90,11 @@ def least_bushing_width(
     >>> print(f"{width * 1e3:.3f} mm, {edge / 1e6:.1f} MPa")
     5.305 mm, 600.0 MPa
     """
-    require_positive(load=load, diameter=diameter, hardness=hardness, safety=safety)
-    check_load(load=load)
-    check_length(diameter=diameter)
-    check_strength(hardness=hardness)
     # 2 from the triangle along the axis, 4/pi from the cosine around the pin
     return 8 * load * safety / (np.pi * diameter * hardness)
 
 
-@broadcasting
+@formula()
 def least_seat_width(load: Values, *, diameter: Values, hardness: Values, safety: Values) -> Values:
     """Compute the minimum width of each of the two pin seats. Strand (2005), eq. 12.
 
@@ -140,12 +129,10 @@ def least_seat_width(load: Values, *, diameter: Values, hardness: Values, safety
     >>> print(f"{width * 1e3:.3f} mm")
     2.653 mm
     """
-    require_positive(load=load)
-    check_load(load=load)
     return least_bushing_width(load / 2, diameter=diameter, hardness=hardness, safety=safety)
 
 
-@broadcasting
+@formula(ultimate_stress="strength")
 def hardness_from_strength(ultimate_stress: Values) -> Values:
     """Estimate the Brinell hardness of a steel below 400 HB. Strand (2005), eq. 13.
 
@@ -179,7 +166,5 @@ def hardness_from_strength(ultimate_stress: Values) -> Values:
     >>> print(f"{hardness / 1e6:.0f} MPa, {hardness / 9.80665e6:.0f} HB")
     2354 MPa, 240 HB
     """
-    require_positive(ultimate_stress=ultimate_stress)
-    check_strength(ultimate_stress=ultimate_stress)
     # kgf/mm2 to MPa; strength and hardness then share their unit
     return BRINELL_OVER_STRENGTH * STANDARD_GRAVITY * ultimate_stress

@@ -2,20 +2,15 @@
 
 from erlif.models.arguments import (
     Values,
-    broadcasting,
-    check_length,
-    check_modulus,
-    require_finite,
+    formula,
     require_increasing,
-    require_poisson,
-    require_positive,
 )
 
 RECOMMENDED_PLAY = (0.3, 5.0)
 """Play over pin diameter, eq. 23. [per mille]"""
 
 
-@broadcasting
+@formula(bore="length")
 def relative_play(pin_diameter: Values, *, bore: Values) -> Values:
     """Compute the relative play of a joint: (D - d) / d. Strand (2005), eq. 23.
 
@@ -43,12 +38,19 @@ def relative_play(pin_diameter: Values, *, bore: Values) -> Values:
     >>> print(f"{1e3 * relative_play(0.06672, bore=0.06718):.2f} per mille")
     6.89 per mille
     """
-    require_positive(pin_diameter=pin_diameter, bore=bore)
-    check_length(pin_diameter=pin_diameter, bore=bore)
     return (bore - pin_diameter) / pin_diameter
 
 
-@broadcasting
+@formula(
+    interference="signed length",
+    bore="length",
+    youngs_bushing="modulus",
+    youngs_housing="modulus",
+    fit_diameter="signed length",
+    housing_diameter="signed length",
+    poisson_bushing="poisson",
+    poisson_housing="poisson",
+)
 def press_fit_displacement(
     interference: Values,
     *,
@@ -106,18 +108,7 @@ def press_fit_displacement(
     >>> print(f"{u * 1e6:.3f} um, {-30 * 7 / 8 * (16**2 - 8**2) / (16**2 - 7**2):.3f} um")
     -24.348 um, -24.348 um
     """
-    require_finite(interference=interference)
-    require_positive(bore=bore, youngs_bushing=youngs_bushing, youngs_housing=youngs_housing)
-    require_finite(fit_diameter=fit_diameter, housing_diameter=housing_diameter)
     require_increasing(bore=bore, fit_diameter=fit_diameter, housing_diameter=housing_diameter)
-    require_poisson(poisson_bushing=poisson_bushing, poisson_housing=poisson_housing)
-    check_length(
-        interference=interference,
-        bore=bore,
-        fit_diameter=fit_diameter,
-        housing_diameter=housing_diameter,
-    )
-    check_modulus(youngs_bushing=youngs_bushing, youngs_housing=youngs_housing)
 
     # radial displacement of each ring at the fit, over radius and pressure (Lame)
     k_h = (housing_diameter**2 + fit_diameter**2) / (housing_diameter**2 - fit_diameter**2)

@@ -4,18 +4,14 @@ import numpy as np
 
 from erlif.models.arguments import (
     Values,
-    broadcasting,
-    check_length,
-    check_load,
-    check_strength,
-    require_positive,
+    formula,
 )
 
 RECOMMENDED_HOUSING = (2.0, 4.0)
 """Outer over inner diameter of the housing eye, section 2.1.6. [1]"""
 
 
-@broadcasting
+@formula(bore="length", yield_stress="strength", safety="number")
 def least_eyebar_diameter(
     load: Values, *, bore: Values, width: Values, yield_stress: Values, safety: Values
 ) -> Values:
@@ -61,10 +57,6 @@ def least_eyebar_diameter(
     >>> print(f"{D * 1e3:.2f} mm, {stress / 1e6:.1f} MPa")
     96.98 mm, 300.0 MPa
     """
-    require_positive(load=load, bore=bore, width=width, yield_stress=yield_stress, safety=safety)
-    check_load(load=load)
-    check_length(bore=bore, width=width)
-    check_strength(yield_stress=yield_stress)
 
     # the largest load of an eye of infinite diameter
     capacity = yield_stress / safety * width * bore

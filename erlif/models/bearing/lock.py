@@ -4,13 +4,7 @@ import numpy as np
 
 from erlif.models.arguments import (
     Values,
-    broadcasting,
-    check_length,
-    check_load,
-    check_strength,
-    require_finite,
-    require_not_negative,
-    require_positive,
+    formula,
 )
 
 CLOSED_LOCK_MOMENT = 11 / 16
@@ -20,7 +14,12 @@ CLOSED_LOCK_SHEAR = 27 / 32
 """Shear at the root of a closed prong over F: 1 - 5/32. [1]"""
 
 
-@broadcasting
+@formula(
+    lever="length",
+    load="load or zero",
+    friction_bushing="number or zero",
+    friction_seat="number or zero",
+)
 def lock_force(
     load: Values,
     *,
@@ -63,15 +62,11 @@ def lock_force(
     >>> print(f"{lock_force(100e3, diameter=0.08, lever=0.06) / 1e3:.1f} kN")
     66.7 kN
     """
-    require_positive(diameter=diameter, lever=lever)
-    require_not_negative(load=load, friction_bushing=friction_bushing, friction_seat=friction_seat)
-    check_load(load=load)
-    check_length(diameter=diameter, lever=lever)
     # the bushing turns the pin, the seats hold it: their torques subtract
     return diameter * load * (friction_bushing - friction_seat) / (2 * lever)
 
 
-@broadcasting
+@formula(throat="length", yield_stress="strength", safety="number")
 def least_weld_diameter(
     load: Values, *, pin_diameter: Values, throat: Values, yield_stress: Values, safety: Values
 ) -> Values:
@@ -120,22 +115,12 @@ def least_weld_diameter(
     >>> print(f"{inner * 1e3:.3f} mm, {stress / 1e6:.1f} MPa")
     65.762 mm, 300.0 MPa
     """
-    require_positive(
-        load=load,
-        pin_diameter=pin_diameter,
-        throat=throat,
-        yield_stress=yield_stress,
-        safety=safety,
-    )
-    check_load(load=load)
-    check_length(pin_diameter=pin_diameter, throat=throat)
-    check_strength(yield_stress=yield_stress)
     # torque F d / 2 in a thin ring of the diameter of the weld, sheared at sigma_y / sqrt(3)
     mean = np.sqrt(np.sqrt(3) * load * pin_diameter * safety / (np.pi * throat * yield_stress))
     return mean - np.sqrt(2) * throat
 
 
-@broadcasting
+@formula(throat="length")
 def largest_internal_weld_diameter(pin_diameter: Values, *, throat: Values) -> Values:
     """Compute the largest inner diameter of an internal weld. Strand (2005), eq. 17.
 
@@ -163,13 +148,11 @@ def largest_internal_weld_diameter(pin_diameter: Values, *, throat: Values) -> V
     >>> print(f"{largest_internal_weld_diameter(0.08, throat=0.003) * 1e3:.2f} mm")
     65.51 mm
     """
-    require_positive(pin_diameter=pin_diameter, throat=throat)
-    check_length(pin_diameter=pin_diameter, throat=throat)
     # the leg of a weld is sqrt(2) times its throat
     return pin_diameter - 2 * throat * (1 + np.sqrt(2))
 
 
-@broadcasting
+@formula(yield_stress="strength", safety="number")
 def least_open_prong_height(
     load: Values, *, thickness: Values, length: Values, yield_stress: Values, safety: Values
 ) -> Values:
@@ -214,7 +197,7 @@ def least_open_prong_height(
     return _prong_height(load, moment=1.0, shear=1.0, safety=safety, **plate)
 
 
-@broadcasting
+@formula(load="signed load")
 def end_force_of_closed_lock(load: Values) -> Values:
     """Compute the force at the closed end of a lock plate: 5F/32. Strand (2005), eq. 19.
 
@@ -238,12 +221,10 @@ def end_force_of_closed_lock(load: Values) -> Values:
     >>> end_force_of_closed_lock(32.0)
     5.0
     """
-    require_finite(load=load)
-    check_load(load=load)
     return 5 * load / 32  # equal deflection of both prongs at twice the lever of the force
 
 
-@broadcasting
+@formula(yield_stress="strength", safety="number", root_shear="number")
 def least_closed_prong_height(
     load: Values,
     *,
@@ -300,12 +281,11 @@ def least_closed_prong_height(
     >>> print(f"{height * 1e3:.3f} mm, {printed * 1e3:.3f} mm")
     20.413 mm, 20.413 mm
     """
-    require_positive(root_shear=root_shear)
     plate = {"thickness": thickness, "length": length, "yield_stress": yield_stress}
     return _prong_height(load, moment=CLOSED_LOCK_MOMENT, shear=root_shear, safety=safety, **plate)
 
 
-@broadcasting
+@formula(load="number", yield_stress="strength", safety="number")
 def least_closed_end_width(
     load: Values, *, thickness: Values, yield_stress: Values, safety: Values
 ) -> Values:
@@ -346,9 +326,6 @@ def least_closed_end_width(
     >>> print(f"{width * 1e3:.3f} mm")
     1.667 mm
     """
-    require_positive(load=load, thickness=thickness, yield_stress=yield_stress, safety=safety)
-    check_length(thickness=thickness)
-    check_strength(yield_stress=yield_stress)
     return end_force_of_closed_lock(load) * safety / (yield_stress * thickness)
 
 
@@ -363,13 +340,6 @@ def _prong_height(
     safety: Values,
 ) -> Values:
     """Height [m] at which a bending moment and a shear, over F L and F, reach yield at the root."""
-    require_positive(
-        load=load, thickness=thickness, length=length, yield_stress=yield_stress, safety=safety
-    )
-    check_load(load=load)
-    check_length(thickness=thickness, length=length)
-    check_strength(yield_stress=yield_stress)
-
     # von Mises: (bent / h^2)^2 + sheared / h^2 = allowed^2, a quadratic in h^2
     allowed = yield_stress * thickness / safety
     sheared = 3 * (shear * load) ** 2

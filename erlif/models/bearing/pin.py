@@ -9,13 +9,8 @@ from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
     broadcasting,
-    check_length,
-    check_load,
-    check_modulus,
-    check_strength,
+    formula,
     require_between,
-    require_finite,
-    require_positive,
 )
 
 LARGEST_HOLE_RATIO = 0.2
@@ -25,7 +20,7 @@ RECOMMENDED_SLENDERNESS = 3.0
 """Largest length over diameter of a pin that stays in place, section 2.1.10. [1]"""
 
 
-@broadcasting
+@formula(yield_stress="strength", safety="number")
 def pin_diameter_in_shear(load: Values, *, yield_stress: Values, safety: Values) -> Values:
     """Compute the minimum diameter of a pin in double shear. Strand (2005), eq. 1.
 
@@ -59,14 +54,11 @@ def pin_diameter_in_shear(load: Values, *, yield_stress: Values, safety: Values)
     >>> print(f"{diameter * 1e3:.2f} mm, {sqrt(3) * 50e3 / (pi * diameter**2 / 4) / 1e6:.1f} MPa")
     19.17 mm, 300.0 MPa
     """
-    require_positive(load=load, yield_stress=yield_stress, safety=safety)
-    check_load(load=load)
-    check_strength(yield_stress=yield_stress)
     # two sections carry F/2 each; after von Mises steel yields in shear at sigma_y / sqrt(3)
     return np.sqrt(2 * np.sqrt(3) * load * safety / (np.pi * yield_stress))
 
 
-@broadcasting
+@formula(free_length="length", yield_stress="strength", safety="number")
 def pin_diameter_in_bending(
     load: Values, *, free_length: Values, yield_stress: Values, safety: Values
 ) -> Values:
@@ -105,10 +97,6 @@ def pin_diameter_in_bending(
     >>> print(f"{d * 1e3:.2f} mm, {100e3 * 0.12 / 8 / (pi * d**3 / 32) / 1e6:.1f} MPa")
     37.07 mm, 300.0 MPa
     """
-    require_positive(load=load, free_length=free_length, yield_stress=yield_stress, safety=safety)
-    check_load(load=load)
-    check_length(free_length=free_length)
-    check_strength(yield_stress=yield_stress)
     # moment F L / 8 of a clamped beam over the section modulus pi d^3 / 32
     return (4 * load * free_length * safety / (np.pi * yield_stress)) ** (1 / 3)
 
@@ -203,7 +191,7 @@ def pin_diameter_with_hole(
     ) ** (1 / 3)
 
 
-@broadcasting
+@formula(load="signed load")
 def lateral_shift(
     load: Values, *, length: Values, diameter: Values, youngs_modulus: Values
 ) -> Values:
@@ -248,11 +236,6 @@ def lateral_shift(
     >>> print(f"{shift * 1e9:.3f} nm, {0.18 * slope**2 / 2 * 1e9:.3f} nm")
     9.561 nm, 9.561 nm
     """
-    require_finite(load=load)
-    require_positive(length=length, diameter=diameter, youngs_modulus=youngs_modulus)
-    check_load(load=load)
-    check_length(length=length, diameter=diameter)
-    check_modulus(youngs_modulus=youngs_modulus)
 
     # sine of the angle of the straight halves: the deflection in the middle over L/2
     slope = load * length**2 / (24 * youngs_modulus * np.pi * diameter**4 / 64)
@@ -266,7 +249,7 @@ def lateral_shift(
     return length * slope**2 / (1 + np.sqrt(1 - slope**2))
 
 
-@broadcasting
+@formula(load="signed load")
 def lateral_force(
     load: Values, *, length: Values, diameter: Values, youngs_modulus: Values
 ) -> Values:

@@ -9,15 +9,11 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
-    check_film,
-    check_load,
-    check_pressure_viscosity,
-    check_speed,
-    check_viscosity,
     require_finite,
     require_not_negative,
     require_positive,
     require_single,
+    warn_of_units,
 )
 from erlif.models.reynolds.balance import (
     Medium,
@@ -171,7 +167,7 @@ def _checked_films(film: Values, time: Values) -> Array:
                 f"time must hold {films.shape[0]} increasing values, one for each film, got shape "
                 f"{times.shape}."
             )
-    check_film(film=films)
+    warn_of_units("film", film=films)
     return films
 
 
@@ -220,10 +216,10 @@ def _check(
         )
     if loads is not None:
         require_positive(load=loads)
-        check_load(load=loads)
-    check_viscosity(viscosity=viscosity)
-    check_pressure_viscosity(pressure_viscosity=pressure_viscosity)
-    check_speed(entrainment=speeds)
+        warn_of_units("load", load=loads)
+    warn_of_units("viscosity", viscosity=viscosity)
+    warn_of_units("pressure_viscosity", pressure_viscosity=pressure_viscosity)
+    warn_of_units("speed", entrainment=speeds)
 
 
 def _grid(shape: tuple[int, ...], length: float, width: float | None, closed: bool) -> Grid:

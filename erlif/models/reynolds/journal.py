@@ -10,16 +10,12 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
-    check_film,
-    check_length,
-    check_load,
-    check_pressure_viscosity,
-    check_viscosity,
     require_finite,
     require_increasing,
     require_not_negative,
     require_positive,
     require_single,
+    warn_of_units,
 )
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds.flow import Fluid
@@ -110,12 +106,15 @@ class Journal:
             )
         if self.axial_shape is not None:
             self._check_shape()
-        check_length(
-            pin_radius=self.pin_radius, bushing_radius=self.bushing_radius, length=self.length
+        warn_of_units(
+            "length",
+            pin_radius=self.pin_radius,
+            bushing_radius=self.bushing_radius,
+            length=self.length,
         )
-        check_viscosity(viscosity=self.viscosity)
-        check_pressure_viscosity(pressure_viscosity=self.pressure_viscosity)
-        check_film(roughness=self.roughness or 0.0)
+        warn_of_units("viscosity", viscosity=self.viscosity)
+        warn_of_units("pressure_viscosity", pressure_viscosity=self.pressure_viscosity)
+        warn_of_units("film", roughness=self.roughness or 0.0)
 
     def _check_shape(self) -> None:
         """Refuse an axial shape that is no row of heights."""
@@ -200,7 +199,7 @@ class Motion:
                     f"{value.shape}."
                 )
             object.__setattr__(self, name, np.broadcast_to(value, self.time.shape))
-        check_load(load=self.load)
+        warn_of_units("load", load=self.load)
 
     def at(self, steps: Any) -> "Motion":
         """The motion at some of its steps, as numpy selects them."""
