@@ -1,14 +1,8 @@
-"""Arguments of the formulas of the guide: kinds, missing values, slips of units, and ranges."""
+"""The formulas of the guide with a case of each, for the walk of all formulas, and their ranges."""
 
 import pytest
-from scenes.formulas import (
-    assert_broadcasts,
-    assert_infinity_is_named,
-    assert_missing_values_pass,
-    evaluate,
-)
 
-from erlif.core.errors import ModelError, UnitWarning
+from erlif.core.errors import ModelError
 from erlif.models import bearing
 from erlif.models.bearing import (
     end_force_of_closed_lock,
@@ -73,38 +67,7 @@ FORMULAS = {
     press_fit_displacement: {"interference": 6e-5, **FIT, **STEEL},
 }
 
-SLIPS = [
-    (pin_diameter_in_shear, {"yield_stress": 600.0}, "yield_stress = 600 Pa .* MPa"),
-    (pin_diameter_in_bending, {"free_length": 120.0}, "free_length = 120 m .* mm"),
-    (pin_diameter_with_hole, {"free_length": 120.0}, "free_length = 120 m"),
-    (
-        lateral_shift,
-        {"load": 10.0, "youngs_modulus": 206000.0},
-        "youngs_modulus = 206000 Pa",
-    ),
-    (
-        lateral_force,
-        {"load": 10.0, "youngs_modulus": 206000.0},
-        "youngs_modulus = 206000 Pa",
-    ),
-    (least_projected_area, {"yield_stress": 600.0}, "yield_stress = 600 Pa"),
-    (least_bushing_width, {"hardness": 380.0}, "hardness = 380 Pa .*Brinell"),
-    (least_seat_width, {"diameter": 80.0}, "diameter = 80 m"),
-    (hardness_from_strength, {"ultimate_stress": 800.0}, "ultimate_stress = 800 Pa"),
-    (least_eyebar_diameter, {"bore": 80.0}, "bore = 80 m"),
-    (lock_force, {"lever": 60.0}, "lever = 60 m"),
-    (least_weld_diameter, {"pin_diameter": 80.0}, "pin_diameter = 80 m"),
-    (largest_internal_weld_diameter, {"pin_diameter": 80.0}, "pin_diameter = 80 m"),
-    (least_open_prong_height, {"length": 30.0}, "length = 30 m"),
-    (end_force_of_closed_lock, {"load": 10000000000.0}, "load = 1e.10 N .* mN"),
-    (least_closed_prong_height, {"yield_stress": 600.0}, "yield_stress = 600 Pa"),
-    (least_closed_end_width, {"thickness": 20.0}, "thickness = 20 m"),
-    (relative_play, {"bore": 80.2}, "bore = 80.2 m"),
-    (press_fit_displacement, {"youngs_bushing": 206.0}, "youngs_bushing = 206 Pa"),
-]
-
 OUT_OF_RANGE = [
-    (lambda: pin_diameter_in_shear(1e5, yield_stress=-6e8, safety=2.0), "yield_stress"),
     (lambda: hole_stress_concentration(0.3), "hole_ratio"),
     (
         lambda: lateral_shift(1e9, length=1.0, diameter=0.01, youngs_modulus=2e11),
@@ -115,10 +78,6 @@ OUT_OF_RANGE = [
         "^load must stay below 24 E I",
     ),
     (
-        lambda: least_seat_width(-1.0, diameter=0.08, hardness=1.2e9, safety=2.0),
-        "^load must be positive, got -1",
-    ),
-    (
         lambda: press_fit_displacement(6e-5, **FIT | {"bore": 0.09}, **STEEL),
         "^fit_diameter must exceed bore, got 0.08 and 0.09",
     ),
@@ -126,27 +85,12 @@ OUT_OF_RANGE = [
         lambda: press_fit_displacement(6e-5, **FIT | {"housing_diameter": 0.08}, **STEEL),
         "^housing_diameter must exceed fit_diameter",
     ),
-    (lambda: relative_play(0.0, bore=0.08), "pin_diameter"),
 ]
 
 
 def test_all_formulas_are_here():
     functions = {getattr(bearing, name) for name in bearing.__all__ if name.islower()}
     assert functions == set(FORMULAS)
-
-
-@pytest.mark.parametrize("formula", FORMULAS, ids=lambda one: one.__name__)
-def test_scalars_arrays_and_missing_values(formula):
-    case = FORMULAS[formula]
-    assert_broadcasts(formula, case)
-    assert_infinity_is_named(formula, case)
-    assert_missing_values_pass(formula, case)
-
-
-def test_slips_of_units_warn():
-    for formula, slip, message in SLIPS:
-        with pytest.warns(UnitWarning, match=message):
-            evaluate(formula, FORMULAS[formula] | slip)
 
 
 def test_values_out_of_range_are_named():
