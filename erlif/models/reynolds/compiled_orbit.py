@@ -1,6 +1,6 @@
 """The steps of `erlif.models.reynolds.full_film`, compiled: thousands of steps, many fits.
 
-Tests hold this form to the plain one. Constants are arguments, because the cache of compiled code
+Tests hold this form to one in numpy. Constants are arguments, because the cache of compiled code
 follows this file alone.
 """
 

@@ -31,7 +31,6 @@ _PLACES = 25  # from one end to the middle, at which the lowest pressure is soug
 
 _RESOLUTION = 5e-4  # error of angle and load between the steps of the orbit, relative to their size
 _LONGEST_STEP = 8  # steps of the motion in one of the orbit
-_FEWEST_COMPILED = 1000  # steps of the orbit, from which a few seconds of compiling are made up
 
 
 @dataclass(frozen=True)
@@ -142,7 +141,6 @@ def follow_full_film(
     fluidity: Array | float = 1.0,
     stiffness: Array | float = 0.0,
     rest: Array | float = 0.0,
-    compiled: bool | None = None,
 ) -> Array:
     """Follow pins of different start, viscosity and spring through one motion.
 
@@ -161,8 +159,6 @@ def follow_full_film(
         Viscosity of the joint over that of the case.
     stiffness, rest : array, (case,), or float
         Sideways spring [N/m], and the position at which it is without force [m].
-    compiled : bool, optional
-        Whether the steps are compiled; by default above 1000 steps of the orbit.
 
     Returns
     -------
@@ -188,6 +184,8 @@ def follow_full_film(
     0.825510 0.825510
     """
     from scipy.interpolate import CubicSpline
+
+    from erlif.models.reynolds import compiled_orbit  # only here, because numba loads slowly
 
     film, clearance = FullFilm.of(journal), journal.clearance
     place = np.array(start, dtype=float, ndmin=2) / clearance
@@ -229,58 +227,15 @@ def follow_full_film(
     orbit[:, 0] = state
     turns = np.stack([cosines, sines], axis=1)
     cases = np.stack([flow, spring, unloaded], axis=1)
-    if compiled or (compiled is None and time.size > _FEWEST_COMPILED):
-        from erlif.models.reynolds import compiled_orbit  # only here, because numba loads slowly
-
-        table = np.ascontiguousarray(film.table.c)
-        width = float(film.table.x[1])
-        compiled_orbit.march(time, turns, forces, cases, table, width, THINNEST, orbit, slope)
-    else:
-        _march(time, turns, forces, cases, film.table, orbit, slope)
+    table = np.ascontiguousarray(film.table.c)
+    width = float(film.table.x[1])
+    compiled_orbit.march(time, turns, forces, cases, table, width, THINNEST, orbit, slope)
 
     # back to the laboratory at every step of the motion
     everywhere = _hermite(time, orbit, slope, motion.time) if stride > 1 else orbit
     cosine, sine = np.cos(half), np.sin(half)
     x, y = everywhere[..., 0], everywhere[..., 1]
     return np.asarray(np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1) * clearance)
-
-
-def _march(
-    time: Array,
-    turns: Array,
-    forces: Array,
-    cases: Array,
-    table: CubicSpline,
-    orbit: Array,
-    slope: Array,
-) -> None:
-    """Make the steps of all pins, in place; arguments as of `compiled_orbit.march`."""
-    flow, spring, rest = cases.T
-
-    def velocity(at: Array, turn: Array, force: Array) -> Array:
-        # at: displacement in the half-angle frame over the clearance, (case, 2)
-        cosine, sine = turn
-        distance = np.hypot(at[:, 0], at[:, 1])
-        centred = distance == 0  # where every direction is alike
-        inside = distance + centred
-        ux, uy = at[:, 0] / inside + centred, at[:, 1] / inside
-        pull = force[1] - spring * (sine * at[:, 0] + cosine * at[:, 1] - rest)
-        fx, fy = cosine * force[0] + sine * pull, cosine * pull - sine * force[0]
-        easy = np.exp(-table(-np.log(np.maximum(1 - distance, THINNEST)))) * flow[:, np.newaxis]
-        along = (fx * ux + fy * uy) * easy[:, 0]
-        across = (fy * ux - fx * uy) * easy[:, 1]
-        return np.stack([along * ux - across * uy, along * uy + across * ux], axis=1)
-
-    state = orbit[:, 0]
-    first = slope[:, 0] = velocity(state, turns[0], forces[0])
-    for k, length in enumerate(np.diff(time)):
-        middle, end = (turns[2 * k + 1], forces[2 * k + 1]), (turns[2 * k + 2], forces[2 * k + 2])
-        second = velocity(state + 0.5 * length * first, *middle)
-        third = velocity(state + 0.5 * length * second, *middle)
-        fourth = velocity(state + length * third, *end)
-        state = state + length / 6 * (first + 2 * second + 2 * third + fourth)
-        first = velocity(state, *end)
-        orbit[:, k + 1], slope[:, k + 1] = state, first
 
 
 def _stride(motion: Motion) -> int:
