@@ -105,7 +105,7 @@ def measured_positions(film: xr.Dataset, calibration_cov: Array | None = None) -
                 f"of this film, got one of {len(calibration_cov)}. Give the calibration with which "
                 "it was processed."
             )
-        columns = gradient @ _root(calibration_cov)
+        columns = gradient @ covariance_root(calibration_cov)
 
     # what is left repeats from trigger to trigger: marks of the surfaces
     left = whole - random - columns @ np.swapaxes(columns, 1, 2)
@@ -148,12 +148,34 @@ def measured_minima(
     )
 
 
-def _root(covariance: Array) -> Array:
-    """A matrix whose square is a covariance that may be singular."""
-    scale = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    safe = np.where(scale > 0, scale, 1.0)
-    values, axes = np.linalg.eigh(covariance / np.outer(safe, safe))
-    return np.asarray(safe[:, np.newaxis] * axes * np.sqrt(np.maximum(values, 0.0)))
+def covariance_root(covariance: Array) -> Array:
+    """A matrix whose square is a covariance that may be singular, (number, cause).
+
+    Its numbers may have any unit.
+
+    Parameters
+    ----------
+    covariance : array, (number, number)
+
+    Returns
+    -------
+    array, (number, cause)
+        Causes are independent and of unit variance.
+
+    Examples
+    --------
+    >>> np.abs(covariance_root(np.diag([4.0, 9e-12])).sum(axis=1))
+    array([2.e+00, 3.e-06])
+    """
+    scale, axes, sizes = _axes_of(covariance)
+    return np.asarray(scale[:, np.newaxis] * axes * sizes)
+
+
+def _axes_of(covariance: Array) -> tuple[Array, Array, Array]:
+    """Standard deviations, and axes of the correlation with the roots of its variances."""
+    scale = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
+    variances, axes = np.linalg.eigh(covariance / scale / scale[:, np.newaxis])
+    return scale, axes, np.sqrt(np.maximum(variances, 0.0))
 
 
 def _seen_angles(film: xr.Dataset) -> Array | None:
@@ -215,11 +237,8 @@ def _share_marks(covariances: Array, seen: Array) -> Array:
 
 def _square_root(covariance: Array) -> Array:
     """Symmetric root of a covariance that may be singular."""
-    scale = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    safe = np.where(scale > 0, scale, 1.0)
-    values, axes = np.linalg.eigh(covariance / np.outer(safe, safe))
-    root = (axes * np.sqrt(np.maximum(values, 0.0))) @ axes.T
-    return np.asarray(safe[:, np.newaxis] * root)
+    scale, axes, sizes = _axes_of(covariance)
+    return np.asarray(scale[:, np.newaxis] * ((axes * sizes) @ axes.T))
 
 
 def _roots(covariances: Array) -> Array:

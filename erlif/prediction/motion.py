@@ -57,16 +57,9 @@ class FrameMotion:
     lead: Motion | None = None
 
     def with_lead(self) -> FrameMotion:
-        """The motion with its lead in front, in which cavities have formed before the first frame.
-
-        Raises
-        ------
-        ValueError
-            If there is no lead.
-        """
-        if self.lead is None:
-            raise ValueError("Expected a motion with a lead; this one has none. Follow its frames.")
+        """The motion after its lead, in which cavities have formed before the first frame."""
         lead, own = self.lead, self.motion
+        assert lead is not None  # `follow_motion` has made one
         before = lead.time.size - 1
         whole = Motion(
             np.append(lead.time[:-1], lead.time[-1] + own.time),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from erlif.core.arrays import Array
+from erlif.prediction.measured import covariance_root
 from erlif.prediction.smoothing import smooth_path
 
 NUMBERS = 4
@@ -134,10 +135,10 @@ def find_pin_motion(
     if surface_cov is not None:
         # the marks are the same at all triggers, each of which shows how large they are
         marks = np.zeros((time.size, 2 * NUMBERS, NUMBERS))
-        marks[:, :NUMBERS] = _root(surface_cov.mean(axis=0))
+        marks[:, :NUMBERS] = covariance_root(surface_cov.mean(axis=0))
         shared.append(marks)
     if gradient is not None and calibration_cov is not None:
-        shared.append(whole @ path.carry(back @ gradient) @ _root(calibration_cov))
+        shared.append(whole @ path.carry(back @ gradient) @ covariance_root(calibration_cov))
     return PinMotion(
         time=time,
         angle=angle,
@@ -170,10 +171,3 @@ def _turn(angle: Array) -> Array:
 def _on(matrices: Array, vectors: Array) -> Array:
     """Product of a matrix and a vector at each trigger."""
     return np.asarray(np.einsum("tij,tj->ti", matrices, vectors))
-
-
-def _root(covariance: Array) -> Array:
-    """Root of a covariance, whose parameters may have any unit; (number, cause)."""
-    scale = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
-    variance, axes = np.linalg.eigh(covariance / scale / scale[:, None])
-    return np.asarray(scale[:, None] * axes * np.sqrt(np.maximum(variance, 0.0)))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -135,18 +136,8 @@ def solve_pin_motion(
 
     load_rate, side_rate = rate[0] + rate[2] * axial, rate[1] + rate[3] * axial
     change = (turning / 2 * load - side_rate) * sine - (turning / 2 * side + load_rate) * cosine
-    solved = solve_film(
-        film[:, 0] if journal.long else film,
-        length=2 * np.pi * journal.radius,
-        width=None if journal.long else journal.length,
-        viscosity=journal.viscosity,
-        film_rate=change[:, 0] if journal.long else change,
-        void_fraction=void_fraction,
-        pressure_viscosity=journal.pressure_viscosity,
-        cavitation_pressure=journal.cavitation_pressure,
-        roughness=journal.roughness,
-        foundation=journal.foundation,
-    )
+    change = change[:, 0] if journal.long else change
+    solved = _solve(journal, film, film_rate=change, void_fraction=void_fraction)
     pressure = np.atleast_2d(solved.pressure.values.T).T
     area = 2 * np.pi * journal.radius / around * journal.length / along
     where = ("angle", "axial")
@@ -159,6 +150,21 @@ def solve_pin_motion(
             "reaction_side": float((pressure * sine).sum() * area),
         },
         {"angle": angle, "axial": axial},
+    )
+
+
+def _solve(journal: Journal, film: Array, **driven: Any) -> xr.Dataset:
+    """The Reynolds equation on a film round the joint, (..., angle, axial)."""
+    return solve_film(
+        film[..., 0] if journal.long else film,
+        length=2 * np.pi * journal.radius,
+        width=None if journal.long else journal.length,
+        viscosity=journal.viscosity,
+        pressure_viscosity=journal.pressure_viscosity,
+        cavitation_pressure=journal.cavitation_pressure,
+        roughness=journal.roughness,
+        foundation=journal.foundation,
+        **driven,
     )
 
 
@@ -244,17 +250,7 @@ def follow_cavities(
     film = journal.clearance - load * np.cos(turned)[..., None] - side * np.sin(turned)[..., None]
     if film.min() <= 0:
         raise OverlapError("Expected a gap all over the joint; pin and bushing overlap on the way.")
-    solved = solve_film(
-        film[..., 0] if journal.long else film,
-        time=fine - fine[0],
-        length=2 * np.pi * journal.radius,
-        width=None if journal.long else journal.length,
-        viscosity=journal.viscosity,
-        pressure_viscosity=journal.pressure_viscosity,
-        cavitation_pressure=journal.cavitation_pressure,
-        roughness=journal.roughness,
-        foundation=journal.foundation,
-    )
+    solved = _solve(journal, film, time=fine - fine[0])
     void = solved.void_fraction.values.reshape(film.shape)
     return np.asarray(void[place[motion.time.size :]])
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.models.reynolds.balance import State, advance, forces, settle
+from erlif.models.reynolds.balance import State, advance
 from erlif.models.reynolds.journal import Groove, Journal
 from erlif.models.reynolds.steady import Rotation, steady_journal
 from erlif.models.reynolds.transient import Bearing
@@ -92,11 +92,11 @@ def journal_coefficients(
     def slopes(size: float, film: Callable[[Array], State]) -> Array:
         """Changes of both forces (force, motion) with motions of a size, by central differences."""
         pairs = ((film(size * one), film(-size * one)) for one in np.eye(2))
-        columns = [(_force(case, up) - _force(case, down)) / (2 * size) for up, down in pairs]
+        columns = [(case.force(up) - case.force(down)) / (2 * size) for up, down in pairs]
         return np.stack(columns, axis=1)
 
-    steady = _held(case, place)
-    k = slopes(SMALL_MOTION * journal.clearance, lambda move: _held(case, place + move))
+    steady = case.held_at(*place)
+    k = slopes(SMALL_MOTION * journal.clearance, lambda move: case.held_at(*(place + move)))
     quick = SMALL_VELOCITY * journal.clearance * abs(speed)
     b = slopes(quick, lambda velocity: _moving(case, steady, velocity))
     axes = ("force_axis", "motion_axis")
@@ -112,15 +112,6 @@ def journal_coefficients(
     )
 
 
-def _held(case: Rotation, place: Array) -> State:
-    """The steady film of a pin that is held at a place."""
-    base = case.rigid
-    for axis, shift in zip(case.axes, place, strict=True):
-        base = base.moved(axis, float(shift))
-    held = replace(case.step(np.zeros(0), 0.0), base=base)
-    return settle(case.bearing.medium, held, np.zeros(0), rate=abs(case.speed))
-
-
 def _moving(case: Rotation, steady: State, velocity: Array) -> State:
     """That film at an instant in which the pin has a velocity."""
     rate = abs(case.speed) / SHORT_TIME
@@ -129,9 +120,3 @@ def _moving(case: Rotation, steady: State, velocity: Array) -> State:
     before = np.where(steady.void > 0, steady.content, film + thinning / rate)
     step = replace(case.step(np.zeros(0), rate), base=steady.walls)
     return advance(case.bearing.medium, step, replace(steady, content=before))
-
-
-def _force(case: Rotation, state: State) -> Array:
-    """Force of a film on the pin, against both directions of motion. [N]"""
-    pressure, _ = case.bearing.medium.pressure(state.reduced)
-    return forces(case.bearing.medium, case.axes, pressure)

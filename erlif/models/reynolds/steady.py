@@ -87,7 +87,7 @@ def steady_journal(
         state, position = case.along_the_gap(load)
     else:
         state, position = case.beside_grooves(load)
-    return _describe(bearing, state, position, speed)
+    return _describe(case, state, position)
 
 
 class Rotation:
@@ -108,21 +108,25 @@ class Rotation:
         axes = self.axes[: load.size]
         return Step(self.rigid, axes, axes, load, none, none, rate, entrained, self.supplied)
 
-    def held_at(self, displacement: float) -> tuple[State, Array]:
-        """Film and force of a pin that is held at a displacement along the first axis."""
-        medium = self.bearing.medium
-        base = self.rigid.moved(self.axes[0], displacement)
+    def held_at(self, *place: float) -> State:
+        """The steady film of a pin that is held at a place, along the axes."""
+        base = self.rigid
+        for axis, shift in zip(self.axes, place, strict=False):
+            base = base.moved(axis, shift)
         held = replace(self.step(np.zeros(0), 0.0), base=base)
-        state = settle(medium, held, np.zeros(0), rate=abs(self.speed))
-        pressure, _ = medium.pressure(state.reduced)
-        return state, forces(medium, self.axes, pressure)
+        return settle(self.bearing.medium, held, np.zeros(0), rate=abs(self.speed))
+
+    def force(self, state: State) -> Array:
+        """Force of a film on the pin along both axes. [N]"""
+        medium = self.bearing.medium
+        return forces(medium, self.axes, medium.pressure(state.reduced)[0])
 
     def along_the_gap(self, load: float) -> tuple[State, Array]:
         """Displacement whose force is the load, with the supply at the largest gap."""
         clearance = self.bearing.journal.clearance
 
         def surplus(eccentricity: float) -> float:
-            _, force = self.held_at(eccentricity * clearance)
+            force = self.force(self.held_at(eccentricity * clearance))
             return float(np.log((np.hypot(*force) + TINY_LOAD * load) / load))
 
         if surplus(LARGEST_ECCENTRICITY) < 0:
@@ -131,7 +135,8 @@ class Rotation:
                 f"{LARGEST_ECCENTRICITY} it carries less."
             )
         found = scipy.optimize.brentq(surplus, 1e-9, LARGEST_ECCENTRICITY, xtol=1e-9, rtol=1e-9)
-        state, force = self.held_at(found * clearance)
+        state = self.held_at(found * clearance)
+        force = self.force(state)
         ahead = -float(np.arctan2(force[1], force[0]))
         return state, found * clearance * np.array([np.cos(ahead), np.sin(ahead)])
 
@@ -146,13 +151,13 @@ class Rotation:
         return state, state.position
 
 
-def _describe(bearing: Bearing, state: State, position: Array, speed: float) -> "xr.Dataset":
+def _describe(case: Rotation, state: State, position: Array) -> "xr.Dataset":
     """The results with units."""
     import xarray as xr  # only here, because models load without it
 
-    journal, medium = bearing.journal, bearing.medium
+    journal, medium = case.bearing.journal, case.bearing.medium
     pressure, _ = medium.pressure(state.reduced)
-    force = forces(medium, bearing.directions(0.0, 0.0), pressure)
+    force = case.force(state)
     size = float(np.hypot(*position))
     if state.position.size == 0:
         force = np.array([np.hypot(*force), 0.0])  # the load line follows the force
@@ -165,7 +170,7 @@ def _describe(bearing: Bearing, state: State, position: Array, speed: float) -> 
         "peak_pressure": float(pressure.max()),
         "reaction_load": force[0],
         "reaction_side": force[1],
-        **losses(medium, state, speed * journal.radius, journal.radius),
+        **losses(medium, state, case.speed * journal.radius, journal.radius),
     }
     if journal.foundation is None and journal.axial_shape is None:
         values["film_min"] = journal.clearance - size

@@ -6,7 +6,6 @@ import math
 
 import xarray as xr
 
-from erlif.core.errors import ConfigError
 from erlif.io.ingest import Run
 from erlif.io.settings import (
     CrankRockerSettings,
@@ -157,9 +156,5 @@ def _describe_solid(material: MaterialSettings) -> Solid:
 def _describe_viscosity(oil: OilSettings) -> float | VogelLaw:
     if oil.vogel is not None:
         return VogelLaw(oil.vogel.a, oil.vogel.b, oil.vogel.c)
-    if oil.viscosity is None:  # the settings refuse an oil with neither
-        raise ConfigError(
-            'Expected viscosity = "0.12 Pa s" or a vogel law in [oil]; got neither. '
-            "Add one of them."
-        )
+    assert oil.viscosity is not None  # the settings refuse an oil with neither
     return oil.viscosity
