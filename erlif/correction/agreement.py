@@ -217,6 +217,8 @@ def _compare_flats(references: References) -> Iterator[Note]:
             )
     if len(blocks) < 2:
         return
+
+    # the level of the lamps does not matter, its shape over the image does
     ratio = blocks[2] / blocks[1]
     ratio = ratio / np.median(ratio)
     low, high = float(ratio.min()), float(ratio.max())
@@ -240,6 +242,8 @@ def _compare_patterns(
         for flat in range(2):
             if view is not None and bool(references.has_flat.values[flat]):
                 shares[frames, flat] = find_share(view, measured[frames], references, flat)
+
+    # each camera's frames with the pixels of the other
     if len(shares) == 4 and all(
         shares[n, 1 - n].is_present and shares[n, n].is_missing for n in range(2)
     ):

@@ -16,7 +16,6 @@ import numpy as np
 from erlif.core.arrays import FAST, AnyArray, Array, FlagImage, Image
 from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.flags import Flag
-from erlif.core.neighbourhood import BLOCK
 from erlif.core.products import References
 from erlif.correction.light_noise import NoiseTables, fill_noise
 
@@ -25,6 +24,9 @@ _SATURATED, _DIM, _BAD_PIXEL = (
 )
 _UNUSABLE = np.uint8(_SATURATED | _BAD_PIXEL)
 _ZERO, _ONE, _NONE = np.float32(0), np.float32(1), np.uint8(0)
+
+BLOCK = 8
+"""Width of the blocks whose light is averaged. [px]"""
 
 _FARTHEST = 5
 """Rings of neighbours searched for good pixels: larger defects stay as they were read. [px]"""
@@ -276,6 +278,7 @@ def measure_light(
     PairLight
     """
     out = PairLight.empty(counts[0].shape) if out is None else out
+
     for n, table in enumerate(tables):
         light = out.light[n]
         out.peaks[n] = _measure(
@@ -291,6 +294,7 @@ def measure_light(
         if table.background is not None:
             dry = table.background
             _subtract(light, out.flags[n], dry.light, dry.least, np.float32(energy))
+        # interpolation would ring about bad pixels
         _fill_from_neighbours(light, table.bad, table.rows, table.columns)
         _bin(light, out.flags[n], out.half[n], out.half_weight[n], out.blocks[n])
         if out.variance.size:

@@ -8,7 +8,7 @@ import numba
 import numpy as np
 
 from erlif.core.arrays import Array, FlagImage, Image
-from erlif.core.neighbourhood import BLOCK
+from erlif.correction.light import BLOCK
 
 CELLS = (10, 12)
 """Rows and columns of cells over the image."""

@@ -108,6 +108,7 @@ class PairRatio:
             As `erlif.ratio.compute_ratio` returns them, with the coordinates that `of` reads.
         """
         dims, unit = ("frame", "y", "x"), {"units": "1"}
+
         images = {
             "log_ratio": self.log_ratio,
             "log_ratio_var": self.variance,

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from erlif.core.arrays import Image, Mask
-from erlif.core.neighbourhood import BLOCK, block_light
+from erlif.correction.light import BLOCK
 
 LIMIT: Final = 0.04
 """Relative rise over blocks of 8 px above which light is steep. [1/px]"""
@@ -17,7 +17,9 @@ DARKEST: Final = 1e-3
 """Light from which on the logarithm is taken; dark blocks are set to it. [counts]"""
 
 
-def is_steep(signal: Image, *, limit: float = LIMIT) -> Mask:
+def is_steep(
+    blocks: Image, shape: tuple[int, int], *, side: int = BLOCK, limit: float = LIMIT
+) -> Mask:
     """Find where the film itself makes the light steep, as at the thin end of a wedge.
 
     There the ratio of the two bands varies as well, so their light rises differently, and a
@@ -25,10 +27,14 @@ def is_steep(signal: Image, *, limit: float = LIMIT) -> Mask:
 
     Parameters
     ----------
-    signal : array, (y, x)
-        Light of one camera; NaN where nothing is known.
+    blocks : array, (row, column), float32
+        Mean light of the blocks of 8 px of one camera; only ratios count.
+    shape : tuple of int
+        Rows and columns of the image.
+    side : int
+        Pixels of the image along a block.
     limit : float
-        Relative rise over blocks of 8 px above which a block counts as steep. [1/px]
+        Relative rise above which a block counts as steep. [1/px]
 
     Returns
     -------
@@ -39,34 +45,16 @@ def is_steep(signal: Image, *, limit: float = LIMIT) -> Mask:
     --------
     Exponential light rises everywhere by the same part of itself:
 
-    >>> x = np.broadcast_to(np.arange(64, dtype=np.float32), (48, 64))
-    >>> bool(is_steep(np.exp(0.06 * x))[:, 8:-8].all())
+    >>> middle = 8 * np.broadcast_to(np.arange(8, dtype=np.float32), (6, 8))
+    >>> bool(is_steep(np.exp(0.06 * middle), (48, 64))[:, 8:-8].all())
     True
-    >>> bool(is_steep(np.exp(0.02 * x)).any())
+    >>> bool(is_steep(np.exp(0.02 * middle), (48, 64)).any())
     False
     """
-    light = np.nan_to_num(block_light(signal, signal, BLOCK))
-    steep = steep_blocks(light, limit=limit)
-    steep = np.repeat(np.repeat(steep, BLOCK, axis=0), BLOCK, axis=1)
-    return np.asarray(steep[: signal.shape[0], : signal.shape[1]])
-
-
-def steep_blocks(light: Image, *, limit: float = LIMIT) -> Mask:
-    """The same for blocks whose mean light is known.
-
-    Parameters
-    ----------
-    light : array, (row, column), float32
-        Mean light of the blocks of 8 px of one camera; only ratios count.
-    limit : float
-        Relative rise above which a block counts as steep. [1/px]
-
-    Returns
-    -------
-    array of bool, (row, column)
-    """
-    blocks = np.log(np.maximum(light, DARKEST))
+    level = np.log(np.maximum(blocks, DARKEST))
 
     # a median over 3 by 3 blocks, so that a single scratch or speck is not taken for the film
-    down, along = np.gradient(cv2.medianBlur(blocks, 3))
-    return np.asarray(down * down + along * along > (limit * BLOCK) ** 2)
+    down, along = np.gradient(cv2.medianBlur(level, 3))
+    steep = down * down + along * along > (limit * BLOCK) ** 2
+    pixels = np.repeat(np.repeat(steep, side, axis=0), side, axis=1)
+    return np.asarray(pixels[: shape[0], : shape[1]])

@@ -10,7 +10,6 @@ import xarray as xr
 
 from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.flags import Flag
-from erlif.core.neighbourhood import mean_of_surroundings
 from erlif.ratio import find_bubbles
 from erlif.registration import interpolation_variance_factor, orient, warp
 from erlif.thickness import CLEAR
@@ -221,3 +220,34 @@ def measure_thickness(ratios, calibration):
     dims = ("y", "x")
     maps = {name: (dims, np.where(flags == 0, image, np.nan)) for name, image in images.items()}
     return xr.Dataset({**maps, "flags": (dims, flags), "log_ratio_near": (dims, near)})
+
+
+def block_light(image, width=8):
+    """Mean of square blocks; those at the lower and right edge may be smaller."""
+    total, count = image.astype(float), np.ones(image.shape)
+    for axis, size in enumerate(image.shape):
+        starts = np.arange(0, size, width)
+        total, count = (np.add.reduceat(each, starts, axis=axis) for each in (total, count))
+    return (total / count).astype(np.float32)
+
+
+def mean_of_surroundings(image, sound, *, width=9, without=0):
+    """Mean of the valid pixels in a square about each pixel; NaN without one."""
+    # sums of differences from the median: in single precision, sums of large values lose digits
+    middle = np.float32(np.median(image[sound][::97])) if sound.any() else np.float32(0)
+    values, count = np.where(sound, image - middle, np.float32(0)), sound.astype(np.float32)
+    total, count = (
+        sum_over_square(plane, width) - (sum_over_square(plane, without) if without else 0)
+        for plane in (values, count)
+    )
+
+    valid = count > 0.5  # whole numbers, up to rounding
+    return np.where(valid, middle + total / np.maximum(count, 1), np.float32(np.nan))
+
+
+def sum_over_square(image, width):
+    """Sum over a square of a width about each pixel; nothing is added beyond the border."""
+    summed = cv2.boxFilter(
+        image, -1, (width, width), normalize=False, borderType=cv2.BORDER_CONSTANT
+    )
+    return np.asarray(summed, np.float32)

@@ -169,6 +169,7 @@ class TriggerResult:
             value = arrays[f"film_{one.name}"]
             kept[one.name] = value if value.ndim else float(value)
         statistics = FilmStatistics(**kept)
+
         frames = tuple(
             FrameResult(
                 int(frame),

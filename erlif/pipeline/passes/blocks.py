@@ -93,6 +93,8 @@ class BlockRows(NamedTuple):
         lit, row, row_squared = _unpack(rows)
         _, column, column_squared = _unpack(columns)
         measurable, valid, beyond = _unpack(marks)
+
+        # places within a block become places within the region
         down, along = (BLOCK * index for index in np.indices(lit.shape, float))
         return BlockSums(
             (bottom - top, right - left),

@@ -14,13 +14,12 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Image
 from erlif.core.errors import RegistrationError
 from erlif.core.flags import Flag
-from erlif.core.neighbourhood import BLOCK
 from erlif.correction import PairLight
-from erlif.registration import CameraMap, orient
+from erlif.correction.light import BLOCK
+from erlif.registration import CameraMap, is_steep, orient
 from erlif.registration.drift import LARGE, Drift, Matching, binned_field, match_textures
 from erlif.registration.normalise import MOST, REACH, binned, normalise
 from erlif.registration.pairs import LEAST_REACH, Textures
-from erlif.registration.steepness import steep_blocks
 
 _UNUSABLE = np.uint8(Flag.SATURATED | Flag.BAD_PIXEL)
 
@@ -136,11 +135,9 @@ class DriftSearch:
             image, weight = light.half[camera], light.half_weight[camera]
 
         # where the film itself makes the light steep, the bands differ
-        steep = steep_blocks(np.nan_to_num(light.blocks[camera]))
+        side, (rows, columns) = BLOCK if whole else BLOCK // 2, image.shape
+        steep = is_steep(np.nan_to_num(light.blocks[camera]), (rows, columns), side=side)
         if steep.any():
-            side = BLOCK if whole else BLOCK // 2
-            steep = np.repeat(np.repeat(steep, side, axis=0), side, axis=1)
-            steep = steep[: image.shape[0], : image.shape[1]]
             weight = np.where(steep, np.float32(0), weight)
 
         image, weight = orient(image, turn), orient(weight, turn)

@@ -12,7 +12,6 @@ from erlif.calibration import Calibration
 from erlif.core.arrays import FlagImage, Image
 from erlif.core.errors import CalibrationError, RegistrationError
 from erlif.core.flags import Flag
-from erlif.core.neighbourhood import BLOCK
 from erlif.core.progress import Progress
 from erlif.correction import PairLight
 from erlif.io.settings import RegistrationOptions, RunSettings
@@ -23,9 +22,9 @@ from erlif.registration import (
     RegistrationSettings,
     check_map,
     divide_by_light,
+    is_steep,
     register_frames,
 )
-from erlif.registration.steepness import steep_blocks
 
 _LARGE = 500_000
 """Pixels from which four frames give the map as well as twelve small ones do. [px]"""
@@ -164,9 +163,9 @@ def usable_pixels(flags: FlagImage, blocks: Image) -> Image:
     array, (y, x), float32
         0 for saturated and bad pixels and where the light is too steep, otherwise 1.
     """
-    steep = np.repeat(np.repeat(steep_blocks(blocks), BLOCK, axis=0), BLOCK, axis=1)
+    rows, columns = flags.shape
     usable = (flags & np.uint8(Flag.SATURATED | Flag.BAD_PIXEL)) == 0
-    usable &= ~steep[: flags.shape[0], : flags.shape[1]]
+    usable &= ~is_steep(blocks, (rows, columns))
     return np.asarray(usable, np.float32)
 
 

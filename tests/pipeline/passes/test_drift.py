@@ -13,8 +13,14 @@ from erlif.core.flags import Flag
 from erlif.core.products import References
 from erlif.correction.light import measure_light, tabulate
 from erlif.pipeline.passes.drift import DriftSearch
-from erlif.registration import CameraMap, MapKind, RegistrationSettings, estimate_drift, orient
-from erlif.registration.steepness import is_steep
+from erlif.registration import (
+    CameraMap,
+    MapKind,
+    RegistrationSettings,
+    estimate_drift,
+    is_steep,
+    orient,
+)
 
 SMALL, LARGE, ODD = (160, 192), (416, 448), (411, 433)
 
@@ -57,7 +63,9 @@ def to_light(counts):
 def estimate(camera_map, light):
     """The same from whole frames."""
     sound = (light.flags & np.uint8(Flag.SATURATED | Flag.BAD_PIXEL)) == 0
-    one, two = ((sound[n] & ~is_steep(light.light[n])).astype(np.float32) for n in range(2))
+    one, two = (
+        (sound[n] & ~is_steep(light.blocks[n], sound[n].shape)).astype(np.float32) for n in range(2)
+    )
     return estimate_drift(camera_map, *light.light, weight_reference=one, weight_moving=two)
 
 
