@@ -8,7 +8,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from erlif.core import kernel_cache
+from erlif.core.speed import kernel_cache
 from erlif.core.speed.kernel_cache import ensure_kernel_cache
 
 
@@ -38,7 +38,7 @@ def test_it_is_gone_with_the_program(tmp_path):
     blocked = tmp_path / "file"
     blocked.write_text("no directory")
     code = (
-        "from erlif.core import kernel_cache\n"
+        "from erlif.core.speed import kernel_cache\n"
         f"kernel_cache.__file__ = {str(blocked / 'module.py')!r}\n"
         "place = kernel_cache.ensure_kernel_cache()\n"
         "print(place, place.is_dir())\n"
