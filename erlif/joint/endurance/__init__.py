@@ -5,10 +5,10 @@ from erlif.joint.endurance.blocks import StageFriction
 from erlif.joint.endurance.comparison import DesignComparison, compare_designs
 from erlif.joint.endurance.failure import FailureLoad, failure_load
 from erlif.joint.endurance.onset import OnsetSearch, find_onset
+from erlif.joint.endurance.other_sensors import SensorChange, check_other_sensors
 from erlif.joint.endurance.posterior import Onset
 from erlif.joint.endurance.stages import Stage, find_stages, join_stages
 from erlif.joint.endurance.summary import describe_designs, describe_test, write_test_table
-from erlif.joint.endurance.witness import Witness, hear_witnesses
 from erlif.joint.friction import LogColumns, measure_friction
 from erlif.joint.friction import read_torque_log as read_endurance_log
 
@@ -19,17 +19,17 @@ __all__ = [
     "LogColumns",
     "Onset",
     "OnsetSearch",
+    "SensorChange",
     "Stage",
     "StageFriction",
-    "Witness",
     "analyse_endurance",
+    "check_other_sensors",
     "compare_designs",
     "describe_designs",
     "describe_test",
     "failure_load",
     "find_onset",
     "find_stages",
-    "hear_witnesses",
     "join_stages",
     "measure_friction",
     "read_endurance_log",

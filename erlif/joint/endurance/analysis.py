@@ -14,9 +14,9 @@ from erlif.joint.endurance.blocks import StageFriction
 from erlif.joint.endurance.failure import FailureLoad, failure_load
 from erlif.joint.endurance.levels import find_level_rises, first_doubtful, note_level_rises
 from erlif.joint.endurance.onset import OnsetSearch, find_onset
+from erlif.joint.endurance.other_sensors import SensorChange, check_other_sensors, unusable_sensors
 from erlif.joint.endurance.posterior import Onset
 from erlif.joint.endurance.stages import Stage, find_stages, join_stages, note_stages
-from erlif.joint.endurance.witness import Witness, find_silent, hear_witnesses
 from erlif.joint.friction import measure_friction
 
 
@@ -29,17 +29,17 @@ class EnduranceResult:
     name : str
         Name of the test.
     test : xarray.Dataset
-        Load, torque, friction and witnesses over time.
+        Load, torque, friction, temperature and vibration over time.
     stages : tuple[Stage, ...]
         Stages and idle runs in the order of time.
     search : OnsetSearch
         The search for galling, with its p-value.
     failure : FailureLoad
         Load at failure, or the load survived.
-    witnesses : tuple[Witness, ...]
+    other_sensors : tuple[SensorChange, ...]
         What temperature and vibration show at the onset.
-    silent : dict[str, str]
-        Sensors that are no witnesses, by name, with the reason.
+    unusable : dict[str, str]
+        Sensors that show nothing, by name, with the reason.
     notes : tuple[Note, ...]
         What is doubtful about stages and friction.
     calibration : float
@@ -51,8 +51,8 @@ class EnduranceResult:
     stages: tuple[Stage, ...]
     search: OnsetSearch
     failure: FailureLoad
-    witnesses: tuple[Witness, ...] = ()
-    silent: dict[str, str] = field(default_factory=dict)
+    other_sensors: tuple[SensorChange, ...] = ()
+    unusable: dict[str, str] = field(default_factory=dict)
     notes: tuple[Note, ...] = ()
     calibration: float = 0.005
 
@@ -164,9 +164,9 @@ def analyse_endurance(
         least_rise=least_rise,
     )
     rises = find_level_rises(frictions, search.onset, least_rise=least_rise)
-    witnesses: tuple[Witness, ...] = ()
+    other_sensors: tuple[SensorChange, ...] = ()
     if search.onset is not None:
-        witnesses = hear_witnesses(test, whole[search.onset.stage], search.onset)
+        other_sensors = check_other_sensors(test, whole[search.onset.stage], search.onset)
     return EnduranceResult(
         name=name or Path(log.attrs.get("file", "")).stem,
         test=test,
@@ -175,8 +175,8 @@ def analyse_endurance(
         failure=failure_load(
             test, whole, search.onset, calibration=calibration, doubtful=first_doubtful(rises)
         ),
-        witnesses=witnesses,
-        silent=find_silent(test, whole, search.onset),
+        other_sensors=other_sensors,
+        unusable=unusable_sensors(test, whole, search.onset),
         notes=(
             *note_stages(time, test["load"].values, stages, idle_load=idle_load),
             *note_level_rises(rises, [stage.number for stage in whole]),

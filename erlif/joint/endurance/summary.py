@@ -15,8 +15,8 @@ from erlif.io.files import replacing
 from erlif.joint.endurance.analysis import EnduranceResult
 from erlif.joint.endurance.comparison import DesignComparison
 from erlif.joint.endurance.onset import FEWEST
+from erlif.joint.endurance.other_sensors import SensorChange
 from erlif.joint.endurance.posterior import Onset
-from erlif.joint.endurance.witness import Witness
 from erlif.joint.friction.plausible import doubt_friction
 
 HEADINGS = (
@@ -94,7 +94,9 @@ def describe_test(found: EnduranceResult) -> list[str]:
             "each reversal"
         )
     lines += [f"{note.level}: {note}" for note in found.notes]
-    lines += [f"note: the {name} {reason}; it is left out" for name, reason in found.silent.items()]
+    lines += [
+        f"note: the {name} {reason}; it is left out" for name, reason in found.unusable.items()
+    ]
     for place in found.search.left_out:
         stage = found.whole[place]
         needed = FEWEST * sum(part.number == stage.number for part in found.loaded)
@@ -119,7 +121,7 @@ def describe_test(found: EnduranceResult) -> list[str]:
     since = "" if onset.pause else f", {into:.0f} s into it"
     lines.append(f"galling in stage {failure.stage} {_describe_time(onset)}{since}; {p}")
     lines.append(_describe_rise(onset))
-    lines += [_describe_witness(witness) for witness in found.witnesses]
+    lines += [_describe_sensor(sensor) for sensor in found.other_sensors]
     lines.append(
         f"load at failure: {failure.load / 1e3:.2f} ± {failure.std / 1e3:.2f} kN; "
         f"{failure.survived / 1e3:.1f} kN were survived"
@@ -177,14 +179,14 @@ def _describe_rise(onset: Onset) -> str:
     )
 
 
-def _describe_witness(witness: Witness) -> str:
-    verdict = "confirms it" if witness.confirms else "does not confirm it"
-    span = f"{witness.low:.2f} to {witness.high:.2f}"
-    if witness.name == "temperature":
-        what = f"temperature: slope {witness.change:+.2f} K/min more from the onset on ({span})"
+def _describe_sensor(sensor: SensorChange) -> str:
+    verdict = "confirms it" if sensor.confirms else "does not confirm it"
+    span = f"{sensor.low:.2f} to {sensor.high:.2f}"
+    if sensor.name == "temperature":
+        what = f"temperature: slope {sensor.change:+.2f} K/min more from the onset on ({span})"
     else:
-        what = f"vibration: {witness.change:.2f} times the level before ({span})"
-    return f"{what}, p = {witness.p_value:.2g}: {verdict}"
+        what = f"vibration: {sensor.change:.2f} times the level before ({span})"
+    return f"{what}, p = {sensor.p_value:.2g}: {verdict}"
 
 
 def describe_designs(found: DesignComparison) -> list[str]:
@@ -277,6 +279,6 @@ def _row(found: EnduranceResult) -> list[str]:
     else:
         row += [f"{value:.2f}" for value in (onset.time, onset.earliest, onset.latest)]
         row += [f"{value:.4f}" for value in (onset.friction_before, onset.rise, onset.rise_std)]
-    chances = {witness.name: f"{witness.p_value:.3g}" for witness in found.witnesses}
+    chances = {sensor.name: f"{sensor.p_value:.3g}" for sensor in found.other_sensors}
     others = [chances.get(name, "") for name in ("temperature", "vibration")]
     return [*row, f"{found.search.p_value:.3g}", *others]

@@ -43,7 +43,7 @@ def measure_friction(
     Returns
     -------
     xarray.Dataset
-        Over ``time``: load [N], torque [N m], friction [1] (NaN without load), and the witnesses
+        Over ``time``: load [N], torque [N m], friction [1] (NaN without load), and the
         temperature and vibration. A torque that reverses becomes one value for each two
         oscillations, half the difference of its directions: an offset of the cell cancels. The
         attribute ``period`` is that of such a torque. [s] ``pin_radius`` and ``arm`` are the
@@ -86,8 +86,8 @@ def measure_friction(
         torque = log["arm_force"].values * arm
 
     time = log["time"].values
-    witnesses = {name: log[name].values for name in ("temperature", "vibration") if name in log}
-    columns = {"load": load, "torque": torque, **witnesses}
+    other_sensors = {name: log[name].values for name in ("temperature", "vibration") if name in log}
+    columns = {"load": load, "torque": torque, **other_sensors}
     if _reverses(torque):
         time, columns, period = _over_oscillations(time, columns)
         attributes = {**log.attrs, "period": period}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import os
 import tomllib
 import warnings
 from collections.abc import Mapping
@@ -157,11 +156,6 @@ def _example() -> BearingDesign:
 def _read(source: Path | str | DesignSettings, folder: Path | None) -> tuple[DesignSettings, Path]:
     if isinstance(source, DesignSettings):
         return source, folder or Path()
-    if not isinstance(source, str | os.PathLike):
-        raise ConfigError(
-            f"Expected the file of a joint, or erlif.settings.DesignSettings; got "
-            f"{type(source).__name__}. Name the file."
-        )
     path = Path(source)
     return read_design_settings(path), folder or path.parent
 
@@ -193,38 +187,45 @@ def joint_of(settings: DesignSettings, folder: Path) -> Joint:
     'CuAl10Ni5Fe4'
     """
     materials = _materials(settings, folder)
-    load, motion, life, fit = settings.load, settings.motion, settings.life, settings.fit
-    grease = settings.lubrication
-    return Joint(
-        force=float(load.force),
-        safety=load.safety,
-        mean_force=load.mean_force,
-        half_swing=None if motion is None else float(motion.half_swing),
-        period=None if motion is None else float(motion.period),
-        life=None if life is None else float(life.time),
-        largest_wear=None if life is None else life.largest_wear,
-        pin=_material(settings.pin, "pin", materials),
-        bushing=_material(settings.bushing, "bushing", materials),
-        seat=_material(settings.seat, "seat", materials),
-        housing=_material(settings.housing, "housing", materials),
-        friction=grease.friction,
-        outside_temperature=float(grease.outside_temperature),
-        assembly_temperature=float(grease.assembly_temperature),
-        grease_temperature=float(grease.largest_temperature),
-        pin_roughness=settings.pin.roughness,
-        bushing_roughness=settings.bushing.roughness,
-        pin_diameter=settings.pin.diameter,
-        hole_diameter=float(settings.pin.hole),
-        bushing_width=settings.bushing.width,
-        wall=settings.bushing.wall,
-        seat_width=settings.seat.width,
-        housing_diameter=settings.housing.diameter,
-        play=fit.play,
-        interference=float(fit.interference),
-        lateral_play=float(fit.lateral_play),
-        eye_ratio=settings.sizing.eye_ratio,
-        lock=None if settings.lock is None else _lock(settings.lock, materials),
-    )
+    numbers = {
+        name: float(value)
+        for name, (table, key) in _PLACES.items()
+        if (value := getattr(getattr(settings, table), key, None)) is not None
+    }
+    parts = {
+        part: _material(getattr(settings, part), part, materials)
+        for part in ("pin", "bushing", "seat", "housing")
+    }
+    lock = None if settings.lock is None else _lock(settings.lock, materials)
+    return Joint(**numbers, **parts, lock=lock)  # type: ignore[arg-type]
+
+
+_PLACES = {
+    "force": ("load", "force"),
+    "safety": ("load", "safety"),
+    "mean_force": ("load", "mean_force"),
+    "half_swing": ("motion", "half_swing"),
+    "period": ("motion", "period"),
+    "life": ("life", "time"),
+    "largest_wear": ("life", "largest_wear"),
+    "friction": ("lubrication", "friction"),
+    "outside_temperature": ("lubrication", "outside_temperature"),
+    "assembly_temperature": ("lubrication", "assembly_temperature"),
+    "grease_temperature": ("lubrication", "largest_temperature"),
+    "pin_roughness": ("pin", "roughness"),
+    "bushing_roughness": ("bushing", "roughness"),
+    "pin_diameter": ("pin", "diameter"),
+    "hole_diameter": ("pin", "hole"),
+    "bushing_width": ("bushing", "width"),
+    "wall": ("bushing", "wall"),
+    "seat_width": ("seat", "width"),
+    "housing_diameter": ("housing", "diameter"),
+    "play": ("fit", "play"),
+    "interference": ("fit", "interference"),
+    "lateral_play": ("fit", "lateral_play"),
+    "eye_ratio": ("sizing", "eye_ratio"),
+}
+"""Table and key of each number of a joint."""
 
 
 def _materials(settings: DesignSettings, folder: Path) -> Mapping[str, Material]:
@@ -275,16 +276,6 @@ def _lock(lock: LockOfJoint, materials: Mapping[str, Material]) -> Lock:
     return Lock(lock.kind, _material(lock, "lock", materials), **known)
 
 
-_PLACES = {
-    "pin_diameter": ("pin", "diameter"),
-    "bushing_width": ("bushing", "width"),
-    "wall": ("bushing", "wall"),
-    "seat_width": ("seat", "width"),
-    "housing_diameter": ("housing", "diameter"),
-    "play": ("fit", "play"),
-}
-"""Table and key of each dimension."""
-
 _LOCK_LENGTHS = ("height", "end_width", "throat", "weld_diameter", "screw_diameter")
 
 
@@ -310,7 +301,8 @@ def sized_settings(settings: DesignSettings, joint: Joint) -> DesignSettings:
     '31.5 mm'
     """
     changed: dict[str, dict[str, Any]] = {}
-    for name, (table, key) in _PLACES.items():
+    for name in DIMENSIONS:
+        table, key = _PLACES[name]
         if getattr(getattr(settings, table), key) is None:
             changed.setdefault(table, {})[key] = _millimetres(getattr(joint, name))
     if settings.lock is not None and joint.lock is not None:

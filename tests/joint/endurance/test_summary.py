@@ -58,7 +58,7 @@ def test_pauses_of_the_log_and_stuck_sensors_are_stated():
         result,
         stages=(*others, *parts),
         search=replace(result.search, onset=onset),
-        silent={"vibration": "reads 0.4 throughout"},
+        unusable={"vibration": "reads 0.4 throughout"},
     )
     text = "\n".join(describe_test(divided))
     assert "6 stages" in text

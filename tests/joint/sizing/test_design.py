@@ -54,8 +54,3 @@ def test_values_of_joint_toml_replace_those_of_the_table(path):
     path.write_text(text, encoding="utf-8")
     ring = design(path).joint.bushing
     assert (ring.name, ring.hardness_high) == ("CuAl10Ni5Fe4, changed", 150.0)
-
-
-def test_something_else_than_a_file_is_refused():
-    with pytest.raises(ConfigError, match="Expected the file of a joint"):
-        design(3)

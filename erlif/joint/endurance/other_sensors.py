@@ -1,4 +1,4 @@
-"""Temperature and vibration as second witnesses of galling."""
+"""Temperature and vibration at the onset of galling that friction shows."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from erlif.joint.endurance.posterior import Onset
 from erlif.joint.endurance.stages import Stage
 
 CONFIRMS = 0.01
-"""p-value below which a witness confirms the onset. [1]"""
+"""p-value below which a sensor confirms the onset. [1]"""
 
 _SENSORS = ("temperature", "vibration")
 _MOST_BLOCKS = 200
@@ -26,7 +26,7 @@ _START = 1 / 5  # of the stage: time constant of what changes after its start
 
 
 @dataclass(frozen=True)
-class Witness:
+class SensorChange:
     """What another sensor shows at the onset of galling.
 
     Attributes
@@ -55,7 +55,7 @@ class Witness:
         return self.p_value < CONFIRMS
 
 
-def hear_witnesses(test: xr.Dataset, stage: Stage, onset: Onset) -> tuple[Witness, ...]:
+def check_other_sensors(test: xr.Dataset, stage: Stage, onset: Onset) -> tuple[SensorChange, ...]:
     """Test whether temperature and vibration rise at the onset that friction shows.
 
     The slope of the temperature may rise, because heat takes time to reach the sensor; vibration
@@ -73,7 +73,7 @@ def hear_witnesses(test: xr.Dataset, stage: Stage, onset: Onset) -> tuple[Witnes
 
     Returns
     -------
-    tuple of Witness
+    tuple of SensorChange
         Of the sensors in the test; none where too few samples lie beside the interval of the onset
         or follow it, or where a sensor does not change at all.
 
@@ -81,15 +81,15 @@ def hear_witnesses(test: xr.Dataset, stage: Stage, onset: Onset) -> tuple[Witnes
     --------
     >>> from erlif.show.plots.endurance_example import example_test
     >>> result = example_test()
-    >>> found = hear_witnesses(result.test, result.loaded[-1], result.onset)
-    >>> [(witness.name, witness.confirms) for witness in found]
+    >>> found = check_other_sensors(result.test, result.loaded[-1], result.onset)
+    >>> [(sensor.name, sensor.confirms) for sensor in found]
     [('temperature', True), ('vibration', True)]
     """
     # samples within the interval of the onset may lie before it or after it
     time = test["time"].values[stage.samples]
     clear = (time < onset.earliest) | (time > onset.latest)
     time = time[clear]
-    found: list[Witness] = []
+    found: list[SensorChange] = []
     if time.size < _FEWEST:
         return ()
     for name in _SENSORS:
@@ -109,12 +109,14 @@ def hear_witnesses(test: xr.Dataset, stage: Stage, onset: Onset) -> tuple[Witnes
         size, error, p_value = fit
         ends = np.array([size, size - 1.96 * error, size + 1.96 * error])
         change, low, high = ends * 60 if name == "temperature" else np.exp(ends)
-        found.append(Witness(name, float(change), float(low), float(high), p_value))
+        found.append(SensorChange(name, float(change), float(low), float(high), p_value))
     return tuple(found)
 
 
-def find_silent(test: xr.Dataset, stages: Sequence[Stage], onset: Onset | None) -> dict[str, str]:
-    """Find the sensors that cannot be witnesses, with the reason.
+def unusable_sensors(
+    test: xr.Dataset, stages: Sequence[Stage], onset: Onset | None
+) -> dict[str, str]:
+    """Find the sensors that cannot show galling, with the reason.
 
     Parameters
     ----------
@@ -133,7 +135,7 @@ def find_silent(test: xr.Dataset, stages: Sequence[Stage], onset: Onset | None) 
     Examples
     --------
     >>> test = xr.Dataset({"temperature": ("time", np.full(100, 30.0))}, {"time": np.arange(100.0)})
-    >>> find_silent(test, [Stage(1, 0, 99, 0.0, 99.0, 36e3)], None)
+    >>> unusable_sensors(test, [Stage(1, 0, 99, 0.0, 99.0, 36e3)], None)
     {'temperature': 'reads 30 throughout'}
     """
     found = {}
