@@ -25,7 +25,6 @@ from .designs import designs_figure, loads_of_designs, write_designs_figure
 from .edges import (
     axial_pressure,
     contact_pressure_map,
-    joint_figure,
     stress_section,
     undercut_pressure,
 )
@@ -139,7 +138,6 @@ __all__ = [
     "friction_over_reversals",
     "friction_over_test",
     "gap_curvature",
-    "joint_figure",
     "joint_force",
     "joint_wear",
     "linkage_figure",

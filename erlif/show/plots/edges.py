@@ -18,14 +18,10 @@ from erlif.show.plots.style import (
     MUTED,
     OUTWARD,
     RETURN,
-    TWO_COLUMNS,
-    AnyFigure,
     add_colour_bar,
     colour_map,
     given_or_new,
     legend_above,
-    letter_panels,
-    new_figure,
     pt,
     styled,
 )
@@ -39,8 +35,6 @@ _REST = 1e-3
 
 _LOW = 0.02
 """Share of the largest stress below which the ends of a section are left out."""
-
-_SHARE = 0.62  # height by width of the figure
 
 
 @styled
@@ -273,62 +267,6 @@ def undercut_pressure(found: xr.Dataset, *, ax: Axes | None = None) -> list[Line
     ax.set(xlabel="lip D3 [mm]", ylabel=f"largest mean over {mean:g} mm [MPa]")
     legend_above(ax, title="depth D1 [mm]", ncols=3, handles=lines[:-1])
     return lines
-
-
-@styled
-def joint_figure(
-    contacts: Mapping[str, xr.Dataset],
-    *,
-    hertz: float,
-    stress: xr.Dataset,
-    search: xr.Dataset,
-    figure: AnyFigure | None = None,
-) -> AnyFigure:
-    """Draw map, profiles and stress of a joint, and the search for its undercut.
-
-    Parameters
-    ----------
-    contacts : mapping of str to xarray.Dataset
-        As for `axial_pressure`; the map is that of the last.
-    hertz : float
-        Pressure of Hertz's line contact. [Pa]
-    stress : xarray.Dataset
-        As for `stress_section`.
-    search : xarray.Dataset
-        As for `undercut_pressure`.
-    figure : Figure or SubFigure, optional
-        An empty one to draw in; default: a new figure.
-
-    Returns
-    -------
-    Figure
-        Two columns wide, four panels.
-
-    Examples
-    --------
-    >>> from erlif.models import solve_contact, subsurface_stress
-    >>> x = (np.arange(24) - 11.5) * 0.1
-    >>> contact = solve_contact(
-    ...     (x[:, None] ** 2 + x**2) / 2, spacing=0.1, contact_modulus=1e9, load=1e9
-    ... )
-    >>> search = xr.Dataset(
-    ...     {"patch_pressure": (("depth", "width", "lip"), [[[4e8, 3e8]]], {"patch": 1e-3}),
-    ...      "best_depth": 0.02, "best_width": 0.008, "best_lip": 0.007},
-    ...     {"depth": [0.02], "width": [0.008], "lip": [0.005, 0.007]},
-    ... )
-    >>> stress = subsurface_stress(contact, depth=[0.2, 0.4, 0.6])
-    >>> figure = joint_figure({"ball": contact}, hertz=5e8, stress=stress, search=search)
-    >>> len(figure.axes)
-    4
-    """
-    figure = new_figure(TWO_COLUMNS, _SHARE * TWO_COLUMNS) if figure is None else figure
-    panels = figure.subplots(2, 2)
-    axial_pressure(contacts, hertz=hertz, ax=panels[0, 0])
-    contact_pressure_map(list(contacts.values())[-1], ax=panels[0, 1])
-    undercut_pressure(search, ax=panels[1, 0])
-    stress_section(stress, ax=panels[1, 1])
-    letter_panels(*panels.ravel())
-    return figure
 
 
 def _lines(middles: Array) -> Array:

@@ -8,9 +8,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.lines import Line2D
-from PIL import Image
 
 from erlif.core.arrays import Array
 from erlif.core.errors import OutputError
@@ -18,7 +16,8 @@ from erlif.io.files import refuse_existing, replacing
 from erlif.models.linkage import LinkageDesign, measure_linkage
 from erlif.models.linkage.measures import links_of, swept_box
 from erlif.models.mechanism import CrankRocker
-from erlif.show.plots.movie import encode_gif
+from erlif.show.plots.mechanism import pin_places
+from erlif.show.plots.movie import draw_pictures, encode_gif
 from erlif.show.plots.style import (
     MEAN,
     MINIMUM,
@@ -27,7 +26,6 @@ from erlif.show.plots.style import (
     RETURN,
     TWO_COLUMNS,
     AnyFigure,
-    fix_layout,
     given_or_new,
     in_style,
     legend_above,
@@ -45,37 +43,6 @@ _TURN = np.linspace(0.0, 2 * np.pi, 361)  # rad
 _HEIGHT = 0.66  # of the width of the figure
 _MARGIN = 0.08  # about the linkage, of its length
 _GOOD = 40.0  # degrees, the customary least transmission angle
-_WIDTH = 960  # pixels of a frame
-
-
-def pin_places(linkage: CrankRocker, crank_angle: Array) -> Array:
-    """Joint centres of a crank-rocker from crank pivot to rocker pivot.
-
-    Parameters
-    ----------
-    linkage : CrankRocker
-        The four lengths. [m]
-    crank_angle : array, (n,)
-        Crank angles. [rad]
-
-    Returns
-    -------
-    array, (n, 4, 2)
-        x along the ground link and y of crank pivot, crank pin, rocker pin and rocker pivot. [m]
-
-    Examples
-    --------
-    >>> rig = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
-    >>> crank, coupler, rocker = np.diff(pin_places(rig, np.array([1.0]))[0], axis=0)
-    >>> print(f"{np.hypot(*coupler):.2f} {np.hypot(*rocker):.2f}")
-    0.44 0.26
-    """
-    psi = np.asarray(linkage.rocker_angle(crank_angle))
-    places = np.zeros((len(psi), 4, 2))
-    places[:, 1] = linkage.crank * np.stack([np.cos(crank_angle), np.sin(crank_angle)], axis=1)
-    places[:, 2] = linkage.rocker * np.stack([-np.cos(psi), np.sin(psi)], axis=1)
-    places[:, 2:, 0] += linkage.ground
-    return places
 
 
 @dataclass(frozen=True)
@@ -417,26 +384,14 @@ def linkage_movie(
             f"{positions} and {frames_per_second:g}. Choose other values."
         )
     refuse_existing(path, overwrite=overwrite)
+    angles = 2 * np.pi * np.arange(positions) / positions
     with in_style(None):
-        content = encode_gif(_draw_turn(design, positions), frames_per_second)
+        drawn = linkage_view(design)
+        pictures = draw_pictures(drawn.figure, drawn.view.show, angles.tolist(), progress=False)
+    content = encode_gif(pictures, frames_per_second)
     with replacing(path) as scratch:
         scratch.write_bytes(content)
     return path
-
-
-@styled
-def _draw_turn(design: LinkageDesign, positions: int) -> list[Image.Image]:
-    """Pictures of a turn, with one layout."""
-    drawn = linkage_view(design)
-    canvas = FigureCanvasAgg(fix_layout(drawn.figure))
-    canvas.figure.set_dpi(_WIDTH / canvas.figure.get_figwidth())
-    pictures = []
-    for angle in 2 * np.pi * np.arange(positions) / positions:
-        drawn.view.show(float(angle))
-        canvas.draw()  # type: ignore[no-untyped-call]
-        pixels = np.asarray(canvas.buffer_rgba())[:, :, :3]  # type: ignore[no-untyped-call]
-        pictures.append(Image.fromarray(np.ascontiguousarray(pixels)))
-    return pictures
 
 
 def example_linkage() -> LinkageDesign:

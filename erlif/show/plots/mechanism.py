@@ -42,6 +42,36 @@ class Joints:
     moving: int
 
 
+def pin_places(linkage: CrankRocker, crank_angle: Array) -> Array:
+    """Joint centres of a crank-rocker from crank pivot to rocker pivot.
+
+    Parameters
+    ----------
+    linkage : CrankRocker
+        The four lengths. [m]
+    crank_angle : array, (n,)
+        Crank angles. [rad]
+
+    Returns
+    -------
+    array, (n, 4, 2)
+        x along the ground link and y of crank pivot, crank pin, rocker pin and rocker pivot. [m]
+
+    Examples
+    --------
+    >>> rig = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
+    >>> crank, coupler, rocker = np.diff(pin_places(rig, np.array([1.0]))[0], axis=0)
+    >>> print(f"{np.hypot(*coupler):.2f} {np.hypot(*rocker):.2f}")
+    0.44 0.26
+    """
+    psi = np.asarray(linkage.rocker_angle(crank_angle))
+    places = np.zeros((len(psi), 4, 2))
+    places[:, 1] = linkage.crank * np.stack([np.cos(crank_angle), np.sin(crank_angle)], axis=1)
+    places[:, 2] = linkage.rocker * np.stack([-np.cos(psi), np.sin(psi)], axis=1)
+    places[:, 2:, 0] += linkage.ground
+    return places
+
+
 def place_joints(film: xr.Dataset, angle: Array) -> Joints | None:
     """Find the joints of the mechanism of a film.
 
@@ -80,13 +110,9 @@ def place_joints(film: xr.Dataset, angle: Array) -> Joints | None:
         return None
 
     links = build_linkage(settings.linkage)
-    crank_pin = links.crank * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     if isinstance(links, CrankRocker):
-        psi = np.asarray(links.rocker_angle(angle))
-        pivot = np.stack([zero + links.ground, zero], axis=1)
-        rocker_pin = pivot + links.rocker * np.stack([-np.cos(psi), np.sin(psi)], axis=1)
-        places = np.stack([origin, crank_pin, rocker_pin, pivot], axis=1)
-        return Joints(places, np.array([[0.0, 0.0], [links.ground, 0.0]]), 2)
+        return Joints(pin_places(links, angle), np.array([[0.0, 0.0], [links.ground, 0.0]]), 2)
+    crank_pin = links.crank * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     slider = np.stack([np.asarray(links.slider_position(angle)), zero], axis=1)
     return Joints(np.stack([origin, crank_pin, slider], axis=1), np.zeros((1, 2)), 2)
 

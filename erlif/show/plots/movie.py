@@ -5,8 +5,10 @@ from __future__ import annotations
 import io
 import shutil
 import subprocess
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 import xarray as xr
@@ -289,23 +291,35 @@ def draw_frames(film: xr.Dataset, progress: ShowProgress = None) -> list[Image.I
     [960, 960]
     """
     chosen = order_of_cycle(film)
-    report = choose_progress(progress)
     view = cycle_view(film, trigger=chosen[0])
-    canvas = FigureCanvasAgg(fix_layout(view.figure))
-    figure = canvas.figure
-    figure.set_dpi(_WIDTH / figure.get_figwidth())
-    frames = []
-    for n, trigger in enumerate(chosen):
-        report("movie", n, len(chosen))
-        view.show(trigger)
+    return draw_pictures(view.figure, view.show, chosen, progress)
+
+
+_Place = TypeVar("_Place", int, float)
+
+
+@styled
+def draw_pictures(
+    figure: AnyFigure,
+    show: Callable[[_Place], None],
+    places: Sequence[_Place],
+    progress: ShowProgress = None,
+) -> list[Image.Image]:
+    """Draw a figure at each place that `show` moves it to, with one layout."""
+    report = choose_progress(progress)
+    canvas = FigureCanvasAgg(fix_layout(figure))
+    canvas.figure.set_dpi(_WIDTH / canvas.figure.get_figwidth())
+    pictures = []
+    for n, place in enumerate(places):
+        report("movie", n, len(places))
+        show(place)
         canvas.draw()  # type: ignore[no-untyped-call]
         picture = np.asarray(canvas.buffer_rgba())[:, :, :3]  # type: ignore[no-untyped-call]
-
         # encoders of video take even numbers of rows and columns
         rows, columns = (size - size % 2 for size in picture.shape[:2])
-        frames.append(Image.fromarray(np.ascontiguousarray(picture[:rows, :columns])))
-    report("movie", len(chosen), len(chosen))
-    return frames
+        pictures.append(Image.fromarray(np.ascontiguousarray(picture[:rows, :columns])))
+    report("movie", len(places), len(places))
+    return pictures
 
 
 def _palette() -> bytes:

@@ -11,7 +11,6 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from erlif.io.settings import PlanSettings
 from erlif.show.plots.style import (
@@ -24,6 +23,7 @@ from erlif.show.plots.style import (
     given_or_new,
     letter_panels,
     new_figure,
+    plain_log_axis,
     styled,
 )
 
@@ -54,9 +54,7 @@ def _finish(plan: xr.Dataset, ax: Axes) -> None:
     """Thickness on a logarithmic axis with plain numbers, over the films of the plan."""
     ax.set_xscale("log")
     ax.set_xlim(float(plan.thickness[0]), float(plan.thickness[-1]))
-    ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    ax.xaxis.set_minor_formatter(NullFormatter())
+    plain_log_axis(ax.xaxis)
     ax.set_xlabel("film thickness [µm]")
 
 
@@ -160,9 +158,7 @@ def plan_precision(
         low, high = min(low, wanted), max(high, wanted)
     ax.set_yscale("log")
     ax.set_ylim(low / 1.3, high * 1.3 * (high / low) ** (_ABOVE - 1))
-    ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    ax.yaxis.set_minor_formatter(NullFormatter())
+    plain_log_axis(ax.yaxis)
     ax.set_ylabel("std / thickness [%]" if relative else "standard deviation [µm]")
     frame_legend(ax, loc="upper left")
     _finish(plan, ax)

@@ -9,7 +9,6 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator
 
 from erlif.show.plots.style import (
     MEAN,
@@ -19,6 +18,7 @@ from erlif.show.plots.style import (
     RETURN,
     given_or_new,
     legend_above,
+    plain_log_axis,
     pt,
     styled,
 )
@@ -189,7 +189,6 @@ def extrapolation_error(
     ax.set(xscale="log", yscale="log", xlabel="extrapolation factor [cycles]", ylabel="error [%]")
     ax.set_xticks(factors, [f"{factor:g}" for factor in factors])
     ax.minorticks_off()
-    ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    ax.yaxis.set_major_formatter("{x:g}")
+    plain_log_axis(ax.yaxis)
     legend_above(ax, ncols=2)
     return drawn

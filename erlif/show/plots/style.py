@@ -22,6 +22,7 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axes._base import _AxesBase
+from matplotlib.axis import Axis
 from matplotlib.backend_bases import RendererBase
 from matplotlib.cm import ScalarMappable
 from matplotlib.colorbar import Colorbar
@@ -32,6 +33,7 @@ from matplotlib.image import AxesImage
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.legend import Legend
 from matplotlib.patches import Patch
+from matplotlib.ticker import LogLocator, NullFormatter
 from matplotlib.transforms import Bbox, ScaledTranslation
 
 from erlif.core.arrays import Array, Image
@@ -577,6 +579,13 @@ def letter(ax: Axes, text: str) -> None:
         ax.set_title(rf"$\mathbf{{({text})}}$ {escaped}", loc="left")
     else:
         ax.set_title(f"({text})", loc="left", fontweight="bold")
+
+
+def plain_log_axis(axis: Axis) -> None:
+    """Write the ticks of a logarithmic axis at 1, 2 and 5 as plain numbers."""
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(NullFormatter())
 
 
 def letter_panels(*panels: Axes) -> None:

@@ -14,11 +14,11 @@ from erlif.core.arrays import Array
 from erlif.io.files import describe_trigger, region_of
 from erlif.show.plots.maps import axis_labels, common_limits, flag_swatch, flag_title
 from erlif.show.plots.prediction import has_prediction, predicted_map
-from erlif.show.plots.style import FLAG_COLOURS, colour_map
+from erlif.show.plots.style import FLAG_COLOURS
 from erlif.show.report.layout import render
 from erlif.show.report.maps import MapCoding, describe_coding
+from erlif.show.view.layers import palette
 
-_COLOURS = 256  # of the palette
 _SAMPLES = 12  # maps that the limits of the colour scales are taken from
 _WITHIN = 98.0  # percent of the pixels of a sample whose values have colours of their own
 _LEAST_REACH = 1e-3  # um, of a colour scale
@@ -108,7 +108,7 @@ def viewer_data(
         "region": [*region.x, *region.y],
         "limits": _layer_limits(film, kept),
         "layers": LAYERS,
-        "palettes": {"even": _palette("batlow"), "signed": _palette("vik")},
+        "palettes": {"even": palette("batlow"), "signed": palette("vik")},
         "flags": [
             {
                 "bit": int(flag),
@@ -149,11 +149,3 @@ def _reach(maps: Iterable[Array]) -> float:
     known = [np.abs(each[np.isfinite(each)]) for each in maps]
     ends = [float(np.percentile(each, _WITHIN)) for each in known if each.size]
     return max([*ends, _LEAST_REACH])
-
-
-def _palette(name: str) -> str:
-    """Colours of a map in six hexadecimal digits each."""
-    # the figures have the same colours
-    colours = np.asarray(colour_map(name)(np.linspace(0, 1, _COLOURS)))[:, :3]
-    whole = (255 * colours).round().astype(int)
-    return "".join(f"{red:02x}{green:02x}{blue:02x}" for red, green, blue in whole.tolist())

@@ -26,7 +26,7 @@ HEADERS = {
 
 
 @dataclass(frozen=True)
-class Door:
+class AccessRule:
     """The conditions under which a request is served.
 
     Attributes
@@ -38,12 +38,12 @@ class Door:
 
     Examples
     --------
-    >>> door = Door(8000, token="secret")
-    >>> door.address
+    >>> access = AccessRule(8000, token="secret")
+    >>> access.address
     'http://127.0.0.1:8000/secret/'
-    >>> door.refusal("/secret/films", {"Host": "127.0.0.1:8000"})
+    >>> access.refusal("/secret/films", {"Host": "127.0.0.1:8000"})
     ''
-    >>> door.refusal("/guess/films", {"Host": "127.0.0.1:8000"})
+    >>> access.refusal("/guess/films", {"Host": "127.0.0.1:8000"})
     'the token is wrong'
     """
 

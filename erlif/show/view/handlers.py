@@ -14,7 +14,7 @@ from tornado.httputil import HTTPServerRequest
 
 from erlif.core.errors import ErlifError
 from erlif.show.view import queries
-from erlif.show.view.access import HEADERS, Door
+from erlif.show.view.access import HEADERS, AccessRule
 from erlif.show.view.films import FilmReader
 
 PAGE = {
@@ -45,8 +45,10 @@ READING: dict[str, Callable[[queries.Request], Found]] = {
 class _Guarded(tornado.web.RequestHandler):
     """A request that is served to the page of this viewer alone."""
 
-    def initialize(self, door: Door, films: Sequence[FilmReader], executor: Executor) -> None:
-        self.door, self.films, self.executor = door, films, executor
+    def initialize(
+        self, access: AccessRule, films: Sequence[FilmReader], executor: Executor
+    ) -> None:
+        self.access, self.films, self.executor = access, films, executor
 
     def set_default_headers(self) -> None:
         for name, value in HEADERS.items():
@@ -54,7 +56,7 @@ class _Guarded(tornado.web.RequestHandler):
 
     def prepare(self) -> None:
         request: HTTPServerRequest = self.request
-        refusal = self.door.refusal(request.path, dict(request.headers.get_all()))
+        refusal = self.access.refusal(request.path, dict(request.headers.get_all()))
         if refusal:
             self.set_status(403)
             self.finish(f"Refused: {refusal}. Open the address that erlif view has printed.")
@@ -123,13 +125,13 @@ class _Missing(_Guarded):
 
 
 def make_application(
-    door: Door, films: Sequence[FilmReader], executor: Executor
+    access: AccessRule, films: Sequence[FilmReader], executor: Executor
 ) -> tornado.web.Application:
     """Make the application.
 
     Parameters
     ----------
-    door : Door
+    access : AccessRule
         Conditions under which requests are served.
     films : sequence of FilmReader
         Open films.
@@ -143,11 +145,11 @@ def make_application(
     Examples
     --------
     >>> from concurrent.futures import ThreadPoolExecutor
-    >>> application = make_application(Door(8000), [], ThreadPoolExecutor(1))
+    >>> application = make_application(AccessRule(8000), [], ThreadPoolExecutor(1))
     >>> application.settings["compress_response"]
     False
     """
-    shared = {"door": door, "films": films, "executor": executor}
+    shared = {"access": access, "films": films, "executor": executor}
     token = r"/[^/]*/"
     return tornado.web.Application(
         [

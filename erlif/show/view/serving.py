@@ -10,7 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from erlif.core.errors import ErlifError, reason_of
-from erlif.show.view.access import Door
+from erlif.show.view.access import AccessRule
 from erlif.show.view.films import FilmReader, open_films
 
 _THREADS = 2
@@ -92,12 +92,12 @@ async def _serve(films: Sequence[FilmReader], port: int, ready: Callable[[str], 
             "one with --port, or leave it out."
         ) from error
     listening.setblocking(False)
-    door = Door(int(listening.getsockname()[1]))
+    access = AccessRule(int(listening.getsockname()[1]))
     with ThreadPoolExecutor(_THREADS) as executor:
-        server = HTTPServer(make_application(door, films, executor), max_body_size=2**16)
+        server = HTTPServer(make_application(access, films, executor), max_body_size=2**16)
         server.add_socket(listening)
         try:
-            ready(door.address)
+            ready(access.address)
             await asyncio.Event().wait()
         finally:
             server.stop()

@@ -109,12 +109,6 @@ def test_the_best_undercut_is_circled(search):
     assert best.axes.get_ylabel() == "largest mean over 4 mm [MPa]"
 
 
-def test_the_figure_has_four_panels(joint, section, search):
-    figure = plots.joint_figure({"joint": joint}, hertz=1e8, stress=section, search=search)
-    figure.draw_without_rendering()
-    assert len(figure.axes) == 4
-
-
 @picture
 def test_picture_of_the_pressure_of_a_joint(joint):
     return without_texts(plots.contact_pressure_map(joint).axes.get_figure())

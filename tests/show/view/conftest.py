@@ -9,7 +9,7 @@ from tornado.httpserver import HTTPServer
 from tornado.netutil import bind_sockets
 
 from erlif.show.plots.example import write_example
-from erlif.show.view.access import Door
+from erlif.show.view.access import AccessRule
 from erlif.show.view.films import open_films
 from erlif.show.view.handlers import make_application
 
@@ -22,7 +22,7 @@ def example_path(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def serve():
-    """Serve films in a thread until the tests end; gives the door."""
+    """Serve films in a thread until the tests end; gives the access."""
     loop = asyncio.new_event_loop()
     thread = threading.Thread(target=loop.run_forever, daemon=True)
     thread.start()
@@ -35,11 +35,11 @@ def serve():
 
         async def listen():
             sockets = bind_sockets(0, "127.0.0.1")
-            door = Door(sockets[0].getsockname()[1])
-            server = HTTPServer(make_application(door, films, executor), max_body_size=2**16)
+            access = AccessRule(sockets[0].getsockname()[1])
+            server = HTTPServer(make_application(access, films, executor), max_body_size=2**16)
             server.add_sockets(sockets)
             servers.append(server)
-            return door
+            return access
 
         return asyncio.run_coroutine_threadsafe(listen(), loop).result(10)
 

@@ -2,9 +2,9 @@
 
 import pytest
 
-from erlif.show.view.access import Door
+from erlif.show.view.access import AccessRule
 
-DOOR = Door(4321, token="right")
+DOOR = AccessRule(4321, token="right")
 HOST = {"Host": "127.0.0.1:4321"}
 
 
@@ -64,7 +64,7 @@ def test_all_others_are_refused(path, headers):
 
 
 def test_every_viewer_has_another_token_which_its_text_does_not_show():
-    one, other = Door(1), Door(1)
+    one, other = AccessRule(1), AccessRule(1)
     assert one.token != other.token
     assert len(one.token) >= 32
     assert one.token not in repr(one)

@@ -13,19 +13,19 @@ from erlif.show.view.handlers import PAGE
 
 
 @pytest.fixture(scope="module")
-def door(serve, example_path):
+def access(serve, example_path):
     return serve(example_path)
 
 
 @pytest.fixture
-def send(door):
+def send(access):
     """A request with the right token and host, or others; gives status, headers and body."""
 
     def request(path, *, method="GET", token=None, headers=None, body=None):
-        connection = http.client.HTTPConnection("127.0.0.1", door.port, timeout=10)
+        connection = http.client.HTTPConnection("127.0.0.1", access.port, timeout=10)
         try:
             connection.request(
-                method, f"/{token or door.token}/{path}", body=body, headers=headers or {}
+                method, f"/{token or access.token}/{path}", body=body, headers=headers or {}
             )
             response = connection.getresponse()
             return response.status, dict(response.getheaders()), response.read()
@@ -50,8 +50,8 @@ def test_the_page_names_no_other_place(send):
         assert "//" not in text.replace("// ", "")
 
 
-def test_a_wrong_token_is_refused(send, door):
-    for token in ("wrong", door.token[:-1], door.token + "a", "%00"):
+def test_a_wrong_token_is_refused(send, access):
+    for token in ("wrong", access.token[:-1], access.token + "a", "%00"):
         for path in ("", "films", "map?film=0", "view.js", "nothing"):
             status, _, body = send(path, token=token)
             assert status == 403
@@ -135,7 +135,7 @@ def test_a_large_body_is_refused(send):
     assert status == 400
 
 
-def test_the_viewer_listens_on_the_loopback_alone(door):
+def test_the_viewer_listens_on_the_loopback_alone(access):
     """The address of this machine on its network is found without sending a packet."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
@@ -146,7 +146,7 @@ def test_the_viewer_listens_on_the_loopback_alone(door):
     if address.startswith("127."):
         pytest.skip("this machine has no network address")
     with pytest.raises(OSError, match=r"."):
-        socket.create_connection((address, door.port), 2)
+        socket.create_connection((address, access.port), 2)
 
 
 def test_films_are_described(send):

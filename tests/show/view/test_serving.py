@@ -18,9 +18,9 @@ def test_a_missing_package_is_named_with_the_line_that_installs_it(monkeypatch):
 
 
 def test_a_port_in_use_is_refused(example_path, serve):
-    door = serve(example_path)
+    access = serve(example_path)
     with pytest.raises(ErlifError, match=r"Expected port \d+ .* Choose another one with --port"):
-        serving.serve_films([example_path], port=door.port)
+        serving.serve_films([example_path], port=access.port)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows sends no SIGINT to one process")
