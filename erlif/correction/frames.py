@@ -59,6 +59,8 @@ def correct_frames(
     """
     require(frames, "counts")
     require(references, "dark", "flat", "bad", "gain", "read_noise", "full_scale")
+
+    # one over the flat, and what else every frame needs of the references
     tables = tabulate(references, least_signal=least_signal)
     counts = frames.counts.values
     energies = np.ones(counts.shape[1])

@@ -125,6 +125,7 @@ def batch(
     outcomes = []
     with open_engine(workers=workers, scheduler=scheduler) as engine:
         for entry in entries:
+            # the calibration of a row of the table takes precedence
             process_one = partial(
                 process_run,
                 calibration=entry.calibration or calibration,

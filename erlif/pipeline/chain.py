@@ -59,6 +59,7 @@ class FrameCorrection(PickledByFields):
 
     def __getstate__(self) -> dict[str, Any]:
         """The fields, and the tables where the references that make them are gone."""
+        # workers elsewhere get the tables alone, where they are all that is left
         gone = "dark" not in self.references
         return super().__getstate__() | ({"tables": self.tables} if gone else {})
 
@@ -67,6 +68,7 @@ class FrameCorrection(PickledByFields):
         tabulated = replace(
             self, references=References(self.references.drop_dims(["y", "x"], errors="ignore"))
         )
+        # in the cache of the property, which could not be computed again
         tabulated.__dict__["tables"] = self.tables
         return tabulated
 
@@ -195,6 +197,7 @@ class FrameChain(PickledByFields):
         """The ratio images of aligned frame pairs."""
         ratios = compute_ratio(aligned, no_film_below=self.no_film_below, blur=self.blur)
         if self.ratio_drift:
+            # in single precision, as `_level` does it for plain arrays
             for n, frame in enumerate(ratios.frame.values):
                 ratios.log_ratio.values[n] -= np.float32(self.ratio_drift * int(frame))
         return ratios
@@ -215,7 +218,7 @@ class FrameChain(PickledByFields):
     def _measure(self, frame: int, buffers: _Buffers) -> PairRatio:
         counts, digests = read_pair(self.pairs, frame, digests=True)
         light = self.correct.measure(frame, counts, out=buffers.light)
-        del counts
+        del counts  # 5 MB a pair and thread, while the ratio is made
         ratio = self._level(frame, self._divide(light, self._find_drift(light), buffers))
         return replace(ratio, digests=digests)
 

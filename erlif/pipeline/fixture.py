@@ -144,6 +144,7 @@ def combine_all(chain: FrameChain, progress: Progress) -> tuple[RatioImages, lis
     usable = chain.pairs.usable
     with one_thread_per_frame():
         for done, frame in enumerate(usable, 1):
+            # the next pair fills the same arrays: the sum and the sample of the pulse copy
             pair = chain.measure(frame)
             total.add(pair)
             frames.append(FrameResult.of(frame, pair))
@@ -189,6 +190,7 @@ def find_calibration(
             '"path/to/calibration.nc" to it, or use --calibration.'
         )
 
+    # a fixture that was not calibrated yet is calibrated on the way
     path = run.directory / run.settings.calibration
     if path.exists() or not (path.parent / "fixture.toml").is_file():
         return open_calibration(path)

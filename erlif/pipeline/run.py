@@ -323,6 +323,7 @@ def complete_film(
         *describe_frame_notes(frames, run.pairs),
     ]
 
+    # light that is not film, as the finished frames show it
     remaining = find_light(
         kept_lights(frames, run.pairs), calibration, cycle.trigger.values, ready.energies
     )
@@ -352,6 +353,8 @@ def complete_film(
         physics = state_physics(film, run.settings, frames_of_run(run, cycle))
     if physics:
         film = film.assign_attrs(physics=physics)
+
+    # the stored map is that of the mean over the run; drifts are stored about it
     camera_map = move_map(ready.chain.camera_map, drift)
     return film, {
         "frames": describe_frames(run, cycle, results, drift).assign(prediction.frames),

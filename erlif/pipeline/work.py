@@ -79,6 +79,8 @@ class FilmWork:
         """
         if not self.output.exists():
             return False
+
+        # every frame is hashed: a film of other frames must not be taken for this one
         hashes = hash_inputs(self.run, self.digests)
         if has_identity(self.output, identify_work(self.run, self.calibration, hashes)):
             return True
@@ -87,6 +89,8 @@ class FilmWork:
                 f"{self.output} exists already, made from other inputs or settings or by another "
                 "version; use --overwrite to make it again, or name another output."
             )
+
+        # even then nothing is replaced that is not a product of erlif
         refuse_existing(self.output, overwrite=overwrite, holds="thickness")
         return False
 
@@ -98,6 +102,8 @@ class FilmWork:
         is then removed.
         """
         grid = describe_grid(self.run.settings, self.run.pairs.shape, triggers)
+
+        # the frames enter by name, size and time of change: hashing them first would read all twice
         key = identify_start(self.run, self.calibration, self.digests)
         with PartialFilm(self.output, key, grid, MAPS) as unfinished:
             try:
@@ -114,6 +120,7 @@ class FilmWork:
         InputChangedError
             If an input has changed since the run was opened.
         """
+        # frames were hashed as they were read, so that the hash is that of the counts in the film
         read = known_digests(frames_in(results), self.run.pairs)
         hashes = hash_inputs(self.run, {**self.digests, **read})
         refuse_changed(self.run, self.stamps)

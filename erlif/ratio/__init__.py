@@ -8,7 +8,7 @@ from erlif.ratio.log_ratio import compute_ratio
 from erlif.ratio.noise_fit import NoiseUnknowns
 from erlif.ratio.pair import PairRatio
 from erlif.ratio.pulses import NO_PULSE, PulseFault, PulseSample, find_pulse_faults, sample_pulse
-from erlif.ratio.sharpness import BlurDifference, BlurMoments, measure_blur_difference
+from erlif.ratio.sharpness import BlurDifference, BlurMoments
 from erlif.ratio.smoothing import smooth_ratio
 
 __all__ = [
@@ -30,7 +30,6 @@ __all__ = [
     "estimate_camera_noise",
     "find_bubbles",
     "find_pulse_faults",
-    "measure_blur_difference",
     "sample_cells",
     "sample_pulse",
     "smooth_ratio",

@@ -82,6 +82,7 @@ def sample_cells(light: Image, log_ratio: Image, variance: Image, flags: FlagIma
     _sum(light, log_ratio, variance, flags, 2 if light.size >= _LARGE else 1, sums)
     number, used, of_light, of_ratio, squares, noise = sums
 
+    # a cell with missing blocks would show another part of the beam
     full = used >= (1 - _MISSING) * number
     count = np.where(full, used, np.nan)
     mean = of_ratio / count

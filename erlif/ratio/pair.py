@@ -83,6 +83,7 @@ class PairRatio:
         def image(name: str) -> Image:
             return np.ascontiguousarray(ratios[name].values[frame], np.float32)
 
+        # a mean over frames has no light of its own
         log_ratio = image("log_ratio")
         known = "signal_camera1" in ratios
         light = image("signal_camera1") if known else np.full_like(log_ratio, np.nan)

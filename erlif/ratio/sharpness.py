@@ -84,10 +84,24 @@ class BlurMoments:
 
     Examples
     --------
-    Without frames there is no difference:
+    Speckle of wave number 0.4 rad/px, weakened in camera 2 as by a blur of variance 0.06 px2:
 
-    >>> BlurMoments.empty().solve()
-    BlurDifference(x=0.0, y=0.0, std_x=0.0, std_y=0.0)
+    >>> import xarray as xr
+    >>> y, x = np.indices((64, 64))
+    >>> speckle = 0.1 * (np.sin(0.4 * x) + np.sin(0.4 * y))
+    >>> blurred = speckle * np.exp(-(0.4**2) * 0.06 / 2)
+    >>> dims = ("camera", "frame", "y", "x")
+    >>> frames = AlignedFrames(xr.Dataset({
+    ...     "signal": (dims, 1000 * np.exp([[speckle], [blurred]])),
+    ...     "signal_var": (dims, np.zeros((2, 1, 64, 64))),
+    ...     "signal_var_fixed": (dims, np.zeros((2, 1, 64, 64))),
+    ...     "flags": (dims, np.zeros((2, 1, 64, 64), np.uint8)),
+    ... }))
+    >>> moments = BlurMoments.empty()
+    >>> moments.add(frames)
+    >>> difference = moments.solve()
+    >>> round(difference.x, 2), round(difference.y, 2)
+    (0.03, 0.03)
     """
 
     matrix: Array
@@ -153,48 +167,6 @@ class BlurMoments:
         x, y = inverse @ self.vector
         std = np.sqrt(_CORRELATED * np.diag(inverse @ self.noise @ inverse))
         return BlurDifference(float(x), float(y), float(std[0]), float(std[1]))
-
-
-def measure_blur_difference(frames: AlignedFrames) -> BlurDifference:
-    """Find by how much camera 2 is blurred more than camera 1.
-
-    Parameters
-    ----------
-    frames : AlignedFrames
-        signal, signal_var, signal_var_fixed and flags (camera, frame, y, x).
-
-    Returns
-    -------
-    BlurDifference
-        Zero where there is too little texture.
-
-    Raises
-    ------
-    ErlifError
-        If a variable is missing.
-
-    Examples
-    --------
-    Speckle of wave number 0.4 rad/px, weakened in camera 2 as by a blur of variance 0.06 px2:
-
-    >>> import xarray as xr
-    >>> y, x = np.indices((64, 64))
-    >>> speckle = 0.1 * (np.sin(0.4 * x) + np.sin(0.4 * y))
-    >>> blurred = speckle * np.exp(-(0.4**2) * 0.06 / 2)
-    >>> dims = ("camera", "frame", "y", "x")
-    >>> frames = AlignedFrames(xr.Dataset({
-    ...     "signal": (dims, 1000 * np.exp([[speckle], [blurred]])),
-    ...     "signal_var": (dims, np.zeros((2, 1, 64, 64))),
-    ...     "signal_var_fixed": (dims, np.zeros((2, 1, 64, 64))),
-    ...     "flags": (dims, np.zeros((2, 1, 64, 64), np.uint8)),
-    ... }))
-    >>> difference = measure_blur_difference(frames)
-    >>> round(difference.x, 2), round(difference.y, 2)
-    (0.03, 0.03)
-    """
-    moments = BlurMoments.empty()
-    moments.add(frames)
-    return moments.solve()
 
 
 def _tiles(shape: tuple[int, ...]) -> Iterator[tuple[slice, slice]]:

@@ -68,6 +68,7 @@ def sample_patch(
     count = int(valid.sum())
     if count < _LEAST_PIXELS:
         return NO_PATCH
+    # in double precision: a patch may have many pixels
     total, ratio, noise = (
         float(image[valid].sum(dtype=float)) for image in (light, log_ratio, variance)
     )

@@ -60,6 +60,8 @@ def sample_light(pair: PairRatio, patch: Region | None, *, with_cells: bool = Tr
     cells = sample_cells(light, log_ratio, variance, flags) if with_cells else NO_CELLS
     if patch is None:
         return FrameLight(cells, NO_PATCH)
+
+    # the mean over many pixels has the noise of neighbours that the interpolation correlates
     at = patch.rows, patch.columns
     correlation = pair.noise_correlation
     return FrameLight(
@@ -151,6 +153,7 @@ class TriggerResult:
             "drift": np.array([one.drift for one in self.frames], float).reshape(-1, 2),
             "peaks": np.array([one.peaks for one in self.frames], np.int64).reshape(-1, 2),
             "pulse_energy": np.array([one.pulse_energy for one in self.frames], float),
+            # 64 hexadecimal digits; text of numpy would take four bytes for each
             "digests": np.array([one.digests for one in self.frames], "S64").reshape(-1, 2),
             "pulse": np.array([one.pulse for one in self.frames], np.float32).reshape(
                 -1, *np.shape(NO_PULSE)
@@ -166,6 +169,7 @@ class TriggerResult:
         """Read back what `to_arrays` made."""
         kept: dict[str, Any] = {}
         for one in fields(FilmStatistics):
+            # numbers of the statistics are floats, their gradients and places arrays
             value = arrays[f"film_{one.name}"]
             kept[one.name] = value if value.ndim else float(value)
         statistics = FilmStatistics(**kept)

@@ -144,6 +144,7 @@ def _views(chain: FrameChain, frames: Sequence[int]) -> Iterator[NoiseView]:
             signal_var=(dims, np.maximum(signal, 0) / flat),
             signal_var_fixed=(dims, np.broadcast_to(flat**-2.0, signal.shape)),
         )
+        # with the drift of the frame itself, which the light alone determines
         drift = np.column_stack([corrected.drift_x.values, corrected.drift_y.values])
         unit = align_frames(CorrectedFrames(units), chain.camera_map, drift=drift)
         yield NoiseView.of(ratio, unit, chain.camera_map, size=size)

@@ -51,6 +51,7 @@ def sample_frames(chain: FrameChain) -> tuple[FrameSample, ...]:
     -------
     tuple of FrameSample
     """
+    # the same rows of every frame: marks of the surfaces enter all of them alike
     bands = choose_bands(chain.pairs.shape)
     with one_thread_per_frame():
         return tuple(
