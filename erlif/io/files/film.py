@@ -16,7 +16,7 @@ from erlif.io.files.coordinates import set_coordinates
 from erlif.io.files.headers import check_netcdf, check_zarr
 from erlif.io.files.kinds import KIND_NAMES, kind_of
 from erlif.io.files.netcdf import fix_text, open_netcdf, write_netcdf
-from erlif.io.files.replacing import replacing, take_name, write_error
+from erlif.io.files.replacement import replacing, take_name, write_error
 from erlif.io.files.soundness import check_film, check_frames, check_registration
 from erlif.io.files.unfinished import PartialFilm
 

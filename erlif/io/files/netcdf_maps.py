@@ -24,7 +24,7 @@ from erlif.io.files.compression import DEFLATE_LEVEL, MapVariable, checksum, enc
 from erlif.io.files.coordinates import name_coordinates
 from erlif.io.files.netcdf import fix_text, write_netcdf
 from erlif.io.files.records import Record, read_record, write_record
-from erlif.io.files.replacing import remove
+from erlif.io.files.replacement import remove
 
 _DIMS = ("trigger", "y", "x")
 """Dims of a map."""

@@ -16,7 +16,7 @@ from erlif.core.arrays import AnyArray
 from erlif.core.errors import OutputError
 from erlif.io.files.compression import MapVariable
 from erlif.io.files.netcdf_maps import NetcdfMaps
-from erlif.io.files.replacing import remove, write_error
+from erlif.io.files.replacement import remove, write_error
 from erlif.io.files.store import MapStore
 from erlif.io.files.zarr_maps import ZarrMaps
 

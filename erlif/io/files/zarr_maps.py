@@ -22,7 +22,7 @@ from erlif.io.files.compression import (
 )
 from erlif.io.files.coordinates import name_coordinates
 from erlif.io.files.records import Record, read_record, write_record
-from erlif.io.files.replacing import remove, write_error
+from erlif.io.files.replacement import remove, write_error
 
 _DIMS = ("trigger", "y", "x")
 """Dims of a map."""

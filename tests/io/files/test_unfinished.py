@@ -7,7 +7,7 @@ from scenes.stores import FILM, GRID, GROUPS, VARIABLES, contents, maps_of, read
 
 from erlif.core.errors import OutputError
 from erlif.io.files import MapStore, PartialFilm, remove_remains, write_film
-from erlif.io.files.replacing import remove
+from erlif.io.files.replacement import remove
 
 
 @pytest.fixture(params=["film.nc", "film.zarr"])
