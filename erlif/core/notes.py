@@ -91,6 +91,30 @@ def join_notes(notes: Iterable[Note]) -> str:
     )
 
 
+def split_notes(text: str) -> list[tuple[Level, str]]:
+    """Levels and texts of the lines that `join_notes` has written.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    list of (Level, str)
+
+    Examples
+    --------
+    >>> split_notes("warning: log: no load\\ncamera1: dark 64.0 DN")
+    [(<Level.WARNING: 'warning'>, 'log: no load'), (<Level.NOTE: 'note'>, 'camera1: dark 64.0 DN')]
+    """
+    notes = []
+    for line in filter(None, text.split("\n")):
+        level, _, rest = line.partition(": ")
+        serious = level in (Level.WARNING, Level.ERROR)
+        notes.append((Level(level), rest) if serious else (Level.NOTE, line))
+    return notes
+
+
 def list_numbers(numbers: Iterable[int], *, most: int = 10) -> str:
     """Numbers for a sentence; those beyond the first ones are counted.
 

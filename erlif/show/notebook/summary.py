@@ -7,7 +7,7 @@ import xarray as xr
 
 from erlif.core.errors import ErlifError
 from erlif.core.html import captioned, card, colour_picture, findings_list, picture_tag, rows_table
-from erlif.core.notes import Level
+from erlif.core.notes import Level, split_notes
 from erlif.io.files import describe_trigger, flag_shares, settings_of
 
 _PICTURES = 4
@@ -146,15 +146,8 @@ def _range(film: xr.Dataset, name: str, unit: str, digits: int) -> str:
 
 
 def _findings(film: xr.Dataset) -> list[tuple[Level, str]]:
-    """Notes of a film with their levels, as `join_notes` has written them."""
-    found = []
-    for line in str(film.attrs.get("notes", "")).splitlines():
-        level, _, text = line.partition(": ")
-        if level in (Level.WARNING.value, Level.ERROR.value):
-            found.append((Level(level), text))
-        elif line:
-            found.append((Level.NOTE, line))
-    return found
+    """Notes of a film with their levels."""
+    return split_notes(str(film.attrs.get("notes", "")))
 
 
 def _maps(film: xr.Dataset) -> str:

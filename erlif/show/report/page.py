@@ -12,7 +12,7 @@ from markupsafe import Markup
 from erlif.calibration import calibration_of
 from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
-from erlif.core.notes import Level
+from erlif.core.notes import split_notes
 from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.core.version import __version__
 from erlif.io.files import (
@@ -234,18 +234,8 @@ def _summary_section(source: FigureSource, shares: Array) -> Markup:
         calibration=calibration_table(source),
         registration=registration_table(source.group("registration"), source.group("frames")),
         flags=flag_table(flagged),
-        notes=_split_notes(film),
+        notes=dict.fromkeys(split_notes(str(film.attrs.get("notes", "")))),
     )
-
-
-def _split_notes(film: xr.Dataset) -> list[tuple[str, str]]:
-    """Level, if it is a warning, and text of the notes of a film, each once."""
-    notes = []
-    for note in dict.fromkeys(filter(None, str(film.attrs.get("notes", "")).split("\n"))):
-        level, _, rest = note.partition(": ")
-        serious = level in (Level.WARNING, Level.ERROR)
-        notes.append((level.capitalize(), rest) if serious else ("", note))
-    return notes
 
 
 def figures_section(

@@ -12,6 +12,7 @@ import xarray as xr
 from markupsafe import Markup
 
 from erlif.core.errors import ErlifError
+from erlif.core.notes import Level, split_notes
 from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.version import __version__
 from erlif.io.files import (
@@ -179,8 +180,8 @@ def _describe_run(film: xr.Dataset) -> tuple[list[str], dict[str, Any]]:
     values |= {"speed_exponent [1]": power, "speed_exponent_std [1]": std}
 
     valid, triggers = float(flag_shares(film)[:, 0].mean()), film.sizes["trigger"]
-    notes = dict.fromkeys(str(film.attrs.get("notes", "")).split("\n"))
-    warnings = sum(note.startswith("warning: ") for note in notes)
+    notes = set(split_notes(str(film.attrs.get("notes", ""))))
+    warnings = sum(level is Level.WARNING for level, _ in notes)
     values |= {"valid share [1]": valid, "triggers": triggers, "warnings": warnings}
     unbroken = Markup('<span style="white-space:nowrap">{}</span>').format(oil)
     cells = [

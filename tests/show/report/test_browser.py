@@ -2,46 +2,23 @@
 
 import csv
 import io
-import shutil
 from pathlib import Path
 
 import numpy.testing as npt
-import pytest
+from scenes import browser
 
-BROWSER = next(
-    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
-)
-playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(BROWSER is None, reason="this machine has no Chromium"),
-]
-
-FLAGS = (
-    *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
-    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
-)
+pytestmark = browser.MARKS
 
 
 def test_report_in_a_browser(text, film, tmp_path):
     address = tmp_path / "report.html"
     address.write_text(text, encoding="utf-8")
-    faults = []
-    with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=BROWSER, args=list(FLAGS))
-        page = browser.new_context(
-            viewport={"width": 390, "height": 844}, color_scheme="dark"
-        ).new_page()
-        page.set_default_timeout(20_000)
-        page.on("pageerror", lambda error: faults.append(f"error: {error}"))
-        page.on(
-            "request",
-            lambda request: (
-                None
-                if request.url.startswith(("file:", "data:"))
-                else faults.append(f"elsewhere: {request.url}")
-            ),
-        )
+    telephone = {"width": 390, "height": 844}
+    with (
+        browser.chromium() as chromium,
+        browser.pages(chromium, own=("file:", "data:")) as new_page,
+    ):
+        page = new_page(viewport=telephone, color_scheme="dark")
         page.goto(address.as_uri())
         canvas = page.wait_for_selector("#map[data-shown]")
 
@@ -75,5 +52,3 @@ def test_report_in_a_browser(text, film, tmp_path):
         rows = list(csv.DictReader(io.StringIO(saved)))
         found = [float(row["film_min [um]"]) for row in rows]
         npt.assert_allclose(found, film.film_min.values, rtol=5e-9)
-        browser.close()
-    assert not faults

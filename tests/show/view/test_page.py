@@ -2,7 +2,6 @@
 
 import csv
 import io
-import shutil
 import time
 from pathlib import Path
 
@@ -10,6 +9,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import tifffile
+from scenes import browser
 from scenes.long_film import phase_map, phases, write_long_film
 
 from erlif.core.flags import FLAG_COLOURS, Flag
@@ -17,23 +17,11 @@ from erlif.io.files import write_dataset
 from erlif.show.plots import example_film, write_example
 from erlif.show.view.layers import palette
 
-BROWSER = next(
-    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
-)
-playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(BROWSER is None, reason="this machine has no Chromium"),
-]
+pytestmark = browser.MARKS
 
 TRIGGERS, SHAPE, NAME = 5000, (256, 320), "<script>alert(1)</script>"
 X, Y = 0.05 * np.arange(SHAPE[1]), 0.05 * np.arange(SHAPE[0])
 FIRST = 1250  # the fastest trigger outward, where the page opens
-
-FLAGS = (
-    *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
-    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
-)
 
 
 def stored(trigger):
@@ -63,41 +51,22 @@ def address(serve, long_film, run_toml):
 
 @pytest.fixture(scope="module")
 def chromium():
-    with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=BROWSER, args=list(FLAGS))
-        yield browser
-        browser.close()
+    with browser.chromium() as started:
+        yield started
 
 
 @pytest.fixture
 def visit(chromium):
     """Open a page; the test fails on errors, failed requests and requests to other machines."""
-    faults, contexts = [], []
+    with browser.pages(chromium, own=("http://127.0.0.1:", "data:")) as new_page:
 
-    def start(address, *, width=1400, height=900, **options):
-        context = chromium.new_context(viewport={"width": width, "height": height}, **options)
-        contexts.append(context)
-        page = context.new_page()
-        page.set_default_timeout(20_000)
-        page.on("pageerror", lambda error: faults.append(f"error: {error}"))
-        page.on("requestfailed", lambda request: faults.append(f"failed: {request.url}"))
-        page.on("dialog", lambda dialog: faults.append(f"dialog: {dialog.message}"))
-        page.on(
-            "request",
-            lambda request: (
-                None
-                if request.url.removeprefix("blob:").startswith(("http://127.0.0.1:", "data:"))
-                else faults.append(f"elsewhere: {request.url}")
-            ),
-        )
-        page.goto(address)
-        page.wait_for_selector("body[data-ready]")
-        return page
+        def start(address, *, width=1400, height=900, **options):
+            page = new_page(viewport={"width": width, "height": height}, **options)
+            page.goto(address)
+            page.wait_for_selector("body[data-ready]")
+            return page
 
-    yield start
-    for context in contexts:
-        context.close()
-    assert not faults
+        yield start
 
 
 @pytest.fixture
