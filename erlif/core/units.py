@@ -31,54 +31,38 @@ _PI = Fraction(math.pi)
 _DEGREES = Fraction("57.29577951308232087679815")  # in a radian
 _LBF, _KGF, _INCH = Fraction("4.4482216152605"), Fraction("9.80665"), Fraction("0.0254")
 
+_POWERS = {"G": 9, "M": 6, "k": 3, "": 0, "c": -2, "m": -3, "u": -6, "µ": -6, "n": -9}
+"""Powers of ten by their prefixes."""
+
+
+def _multiples(prefixes: str, *units: str) -> dict[str, Fraction | int]:
+    """Decimal multiples of a unit and of its other spellings, by their names."""
+    return {
+        prefix + unit: Fraction(10) ** _POWERS[prefix]
+        for unit in units
+        for prefix in ["", *prefixes]
+    }
+
+
 _USUAL: dict[str, dict[str, Fraction | int]] = {
-    "m": {
-        "m": 1,
-        "cm": Fraction(1, 10**2),
-        "mm": Fraction(1, 10**3),
-        "um": Fraction(1, 10**6),
-        "µm": Fraction(1, 10**6),
-        "nm": Fraction(1, 10**9),
-    },
+    "m": _multiples("cmuµn", "m"),
     "nm": {"nm": 1, "um": 10**3, "µm": 10**3},
-    "N": {"N": 1, "kN": 10**3, "lbf": _LBF, "mN": Fraction(1, 10**3), "kgf": _KGF},
+    "N": _multiples("km", "N") | {"lbf": _LBF, "kgf": _KGF},
     "N/m": {"N/m": 1, "N/mm": 10**3, "kN/mm": 10**6, "N/um": 10**6, "N/µm": 10**6},
-    "Pa": {"Pa": 1, "kPa": 10**3, "MPa": 10**6, "GPa": 10**9},
+    "Pa": _multiples("kMG", "Pa"),
     "1/Pa": {"1/Pa": 1, "1/MPa": Fraction(1, 10**6), "1/GPa": Fraction(1, 10**9)},
     "Pa s": {"Pa s": 1, "mPa s": Fraction(1, 10**3), "cP": Fraction(1, 10**3)},
     "rad/s": {"rad/s": 1, "rpm": _PI / 30, "deg/s": _PI / 180, "rev/s": 2 * _PI},
     "rad": {"rad": 1, "deg": _PI / 180},
     "deg": {"deg": 1, "rad": _DEGREES, "mrad": _DEGREES / 1000, "turn": 360},
-    "N m": {
-        "N m": 1,
-        "kN m": 10**3,
-        "N mm": Fraction(1, 10**3),
-        "lbf ft": _LBF * 12 * _INCH,
-        "lbf in": _LBF * _INCH,
-    },
+    "N m": _multiples("k", "N m")
+    | {"N mm": Fraction(1, 10**3), "lbf ft": _LBF * 12 * _INCH, "lbf in": _LBF * _INCH},
     # a cycle is one turn: pint would count 1 rpm as 0.105 Hz
-    "Hz": {"Hz": 1, "kHz": 10**3, "1/s": 1, "1/min": Fraction(1, 60), "rpm": Fraction(1, 60)},
-    "s": {
-        "s": 1,
-        "ms": Fraction(1, 10**3),
-        "us": Fraction(1, 10**6),
-        "ns": Fraction(1, 10**9),
-        "min": 60,
-        "h": 3600,
-    },
-    "J": {"J": 1, "mJ": Fraction(1, 10**3), "uJ": Fraction(1, 10**6), "µJ": Fraction(1, 10**6)},
+    "Hz": _multiples("k", "Hz") | {"1/s": 1, "1/min": Fraction(1, 60), "rpm": Fraction(1, 60)},
+    "s": _multiples("mun", "s") | {"min": 60, "h": 3600},
+    "J": _multiples("muµ", "J"),
     "mJ": {"mJ": 1, "J": 10**3, "uJ": Fraction(1, 10**3)},
-    "mol/L": {
-        "mol/L": 1,
-        "mol/l": 1,
-        "M": 1,
-        "mmol/L": Fraction(1, 10**3),
-        "mmol/l": Fraction(1, 10**3),
-        "mM": Fraction(1, 10**3),
-        "umol/L": Fraction(1, 10**6),
-        "µmol/L": Fraction(1, 10**6),
-        "uM": Fraction(1, 10**6),
-    },
+    "mol/L": _multiples("muµ", "mol/L", "mol/l") | _multiples("mu", "M"),
     "L/mol/cm": {"L/mol/cm": 1, "l/mol/cm": 1, "1/M/cm": 1},
     "1/nm": {"1/nm": 1},
     "electron/DN": {"electron/DN": 1},
