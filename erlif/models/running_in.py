@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from erlif.core.described import Columns, describe
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula
 from erlif.models.contact.roots import like
@@ -268,14 +269,12 @@ def _require_resolved(wall: _Wall, place: float, pressure: Array) -> None:
 
 
 def _describe(wall: _Wall, distances: Array, found: list[tuple[float, Array, Array]]) -> xr.Dataset:
-    import xarray as xr  # at use: a contact alone needs none of it
-
     places, pressures, depths = (np.array(column) for column in zip(*found, strict=True))
     along, both = ("sliding_distance",), ("sliding_distance", "angle")
     # the edge lies where the last two cells that carry load point to, half a cell on at least
     half = np.array([_edge(wall, pressure) for pressure in pressures])
     volume = 2 * wall.width * wall.shaft_radius * wall.cell * depths.sum(axis=1)
-    described = {
+    described: Columns = {
         "torque_ratio": (
             along,
             np.array([wall.ratio(one) for one in pressures]),
@@ -289,18 +288,11 @@ def _describe(wall: _Wall, distances: Array, found: list[tuple[float, Array, Arr
         "pressure": (both, pressures, "Pa", "pressure on the wall"),
         "depth": (both, depths, "m", "worn depth of the wall"),
     }
-    return xr.Dataset(
+    return describe(
+        described,
         {
-            name: xr.Variable(dims, values, {"units": unit, "long_name": text})
-            for name, (dims, values, unit, text) in described.items()
-        },
-        {
-            "sliding_distance": xr.Variable(
-                along, distances, {"units": "m", "long_name": "sliding distance"}
-            ),
-            "angle": xr.Variable(
-                ("angle",), wall.angle, {"units": "rad", "long_name": "angle from the line of load"}
-            ),
+            "sliding_distance": (along, distances, "m", "sliding distance"),
+            "angle": ("angle", wall.angle, "rad", "angle from the line of load"),
         },
     )
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from erlif.core.arrays import Array
+from erlif.core.described import describe
 from erlif.core.errors import ModelError
 from erlif.models.arguments import check_fields, formula, require_positive
 from erlif.models.mechanism import SliderCrank
@@ -274,10 +275,7 @@ _end_of_contact.terminal, _end_of_contact.direction = True, -1.0  # type: ignore
 
 
 def _dataset(times: Array, columns: dict[str, Array]) -> xr.Dataset:
-    import xarray as xr
-
-    variables = {
-        name: ("time", columns[name], {"units": unit, "long_name": text})
-        for name, (unit, text) in _VARIABLES.items()
-    }
-    return xr.Dataset(variables, {"time": ("time", times, {"units": "s", "long_name": "time"})})
+    return describe(
+        {name: ("time", columns[name], unit, text) for name, (unit, text) in _VARIABLES.items()},
+        {"time": ("time", times, "s", "time")},
+    )

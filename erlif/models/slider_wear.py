@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from erlif.core.arrays import Array
+from erlif.core.described import Columns, describe
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, check_fields, formula, require_positive
 from erlif.models.mechanism import SliderCrank
@@ -369,12 +370,10 @@ def _wear(
 
 
 def _describe(wall: Wall, rows: list[dict[str, Values]]) -> xr.Dataset:
-    import xarray as xr
-
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     depth, pin_depth = columns["depth"], columns["pin_depth"]
     both, along = ("cycle", "angle"), ("cycle",)
-    described = {
+    described: Columns = {
         "worn_volume": (along, wall.area * depth.sum(axis=1), "m3", "worn volume of the bushing"),
         "pin_volume": (along, wall.area * pin_depth.sum(axis=1), "m3", "worn volume of the pin"),
         "greatest_depth": (along, depth.max(axis=1), "m", "largest worn depth of the bushing"),
@@ -386,13 +385,10 @@ def _describe(wall: Wall, rows: list[dict[str, Values]]) -> xr.Dataset:
         "depth": (both, depth, "m", "worn depth of the bushing"),
         "pin_depth": (both, pin_depth, "m", "worn depth of the pin"),
     }
-    return xr.Dataset(
+    return describe(
+        described,
         {
-            name: xr.Variable(dims, values, {"units": unit, "long_name": text})
-            for name, (dims, values, unit, text) in described.items()
-        },
-        {
-            "cycle": ("cycle", columns["cycle"], {"units": "1", "long_name": "cycles"}),
-            "angle": ("angle", wall.angle, {"units": "rad", "long_name": "place of contact"}),
+            "cycle": ("cycle", columns["cycle"], "1", "cycles"),
+            "angle": ("angle", wall.angle, "rad", "place of contact"),
         },
     )

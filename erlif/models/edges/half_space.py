@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from erlif.core.arrays import Array
+from erlif.core.described import describe, in_words
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
@@ -136,19 +137,26 @@ def solve_contact(
     motions = np.zeros(3)
     motions[: len(modes)] = found.motion
     remaining = heights + found.deflection - np.tensordot(found.motion, modes, 1)
-    return _describe(
-        {"pressure": found.pressure, "deflection": found.deflection, "gap": remaining},
-        middles,
-        scalars={
-            "force": (found.pressure.sum() * cell, "N m-1" if plane else "N"),
-            "approach": (motions[0], "m"),
-            "tilt_x": (motions[1], "rad"),
-            "tilt_z": (motions[2], "rad"),
-            "peak_pressure": (found.pressure.max(), "Pa"),
-            "area": (np.count_nonzero(found.pressure) * cell, "m" if plane else "m2"),
-            "iterations": (found.iterations, "1"),
-            "residual": (found.residual, "1"),
+    dims = ("x", "z")[: heights.ndim]
+    scalars = {
+        "force": (found.pressure.sum() * cell, "N m-1" if plane else "N"),
+        "approach": (motions[0], "m"),
+        "tilt_x": (motions[1], "rad"),
+        "tilt_z": (motions[2], "rad"),
+        "peak_pressure": (found.pressure.max(), "Pa"),
+        "area": (np.count_nonzero(found.pressure) * cell, "m" if plane else "m2"),
+        "iterations": (found.iterations, "1"),
+        "residual": (found.residual, "1"),
+    }
+    names = {"x": "distance across the contact", "z": "distance along the axis"}
+    return describe(
+        {
+            "pressure": (dims, found.pressure, "Pa", "contact pressure"),
+            "deflection": (dims, found.deflection, "m", "deflection of both bodies"),
+            "gap": (dims, remaining, "m", "gap that remains"),
+            **in_words(scalars),
         },
+        {dim: (dim, middle, "m", names[dim]) for dim, middle in zip(dims, middles, strict=True)},
     )
 
 
@@ -211,33 +219,3 @@ def _deflection(
         return wide.multiply(np.hstack([image, pressure, image]), window)
 
     return deflect, wide.diagonal
-
-
-def _describe(
-    fields: dict[str, Array], middles: list[Array], *, scalars: dict[str, tuple[float, str]]
-) -> "xr.Dataset":
-    """The results with dimensions, coordinates and units."""
-    import xarray as xr  # only here, because models load without it
-
-    dims = ("x", "z")[: len(middles)]
-    units = {"pressure": "Pa", "deflection": "m", "gap": "m"}
-    names = {
-        "pressure": "contact pressure",
-        "deflection": "deflection of both bodies",
-        "gap": "gap that remains",
-        "x": "distance across the contact",
-        "z": "distance along the axis",
-    }
-    variables = {
-        name: (dims, values, {"units": units[name], "long_name": names[name]})
-        for name, values in fields.items()
-    }
-    numbers = {
-        name: ((), float(value), {"units": unit, "long_name": name.replace("_", " ")})
-        for name, (value, unit) in scalars.items()
-    }
-    coordinates = {
-        dim: (dim, middle, {"units": "m", "long_name": names[dim]})
-        for dim, middle in zip(dims, middles, strict=True)
-    }
-    return xr.Dataset({**variables, **numbers}, coordinates)

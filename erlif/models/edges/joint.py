@@ -12,6 +12,7 @@ import numpy as np
 import scipy.fft
 
 from erlif.core.arrays import Array
+from erlif.core.described import describe, in_words
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     check_fields,
@@ -382,24 +383,31 @@ def solve_joint(
     bending = bent - _multiply(pin_matrices, pressure)[line] + motion[1] * middles
     mean_bending = float(bending @ lengths) / lengths.sum()
     vertical = (pressure * round_pin * area).sum(axis=0)
-    return _describe(
-        angle,
-        middles,
-        fields={"pressure": pressure, "gap": remaining},
-        profiles={
-            "cell_length": (lengths, "m"),
-            "line_load": (vertical / lengths, "N m-1"),
-            "bending": (bending - mean_bending, "m"),
+    profiles = {
+        "cell_length": (lengths, "m"),
+        "line_load": (vertical / lengths, "N m-1"),
+        "bending": (bending - mean_bending, "m"),
+    }
+    scalars = {
+        "force": (float(vertical.sum()) * load / targets[0], "N"),
+        "peak_pressure": (float(pressure[row, column]), "Pa"),
+        "peak_z": (float(middles[column]), "m"),
+        "patch_pressure": (_largest_mean(pressure, lengths, patch), "Pa"),
+        "displacement": (float(motion[0] + mean_bending), "m"),
+        "tilt": (float(motion[1]), "rad"),
+        "iterations": (found.iterations, "1"),
+        "residual": (found.residual, "1"),
+    }
+    return describe(
+        {
+            "pressure": (("angle", "z"), pressure, "Pa", "contact pressure"),
+            "gap": (("angle", "z"), remaining, "m", "gap that remains"),
+            **in_words(profiles, "z"),
+            **in_words(scalars),
         },
-        scalars={
-            "force": (float(vertical.sum()) * load / targets[0], "N"),
-            "peak_pressure": (float(pressure[row, column]), "Pa"),
-            "peak_z": (float(middles[column]), "m"),
-            "patch_pressure": (_largest_mean(pressure, lengths, patch), "Pa"),
-            "displacement": (float(motion[0] + mean_bending), "m"),
-            "tilt": (float(motion[1]), "rad"),
-            "iterations": (found.iterations, "1"),
-            "residual": (found.residual, "1"),
+        {
+            "angle": ("angle", angle, "rad", "angle from the line of load"),
+            "z": ("z", middles, "m", "distance from the middle"),
         },
     )
 
@@ -445,8 +453,6 @@ def section_stress(
     >>> bool(stress.stress_rr.min() < 0)
     True
     """
-    import xarray as xr  # only here, because models load without it
-
     require_positive(harmonics=harmonics)
     solver = HarmonicSolver.of(elastic.sections[1])
     loads = solver.pressure_vectors(elastic.cells)
@@ -464,23 +470,22 @@ def section_stress(
     mises = np.sqrt(((rr - tt) ** 2 + (tt - zz) ** 2 + (zz - rr) ** 2) / 2 + 3 * rz**2)
     (r, z), (width_r, width_z) = solver.points, solver.sizes
     top = int(mises.argmax())
-    pascal, metre = {"units": "Pa"}, {"units": "m"}
     names = ("von_mises", "stress_rr", "stress_tt", "stress_zz", "stress_rz")
-    return xr.Dataset(
+    return describe(
         {
             **{
-                name: ("point", values, pascal)
+                name: ("point", values, "Pa", "")
                 for name, values in zip(names, (mises, rr, tt, zz, rz), strict=True)
             },
-            "peak_von_mises": ((), float(mises[top]), pascal),
-            "peak_r": ((), float(r[top]), metre),
-            "peak_z": ((), float(z[top]), metre),
+            "peak_von_mises": ((), float(mises[top]), "Pa", ""),
+            "peak_r": ((), float(r[top]), "m", ""),
+            "peak_z": ((), float(z[top]), "m", ""),
         },
         {
-            "r": ("point", r, metre),
-            "z": ("point", z, metre),
-            "width_r": ("point", width_r, metre),
-            "width_z": ("point", width_z, metre),
+            "r": ("point", r, "m", ""),
+            "z": ("point", z, "m", ""),
+            "width_r": ("point", width_r, "m", ""),
+            "width_z": ("point", width_z, "m", ""),
         },
     )
 
@@ -683,35 +688,3 @@ def _lobe_shape(
         )
     off = np.min([(places - centre) ** 2 for centre in centres], axis=0)
     return np.asarray(-np.maximum(height - off / (2 * radius), 0.0))
-
-
-def _describe(
-    angle: Array,
-    middles: Array,
-    *,
-    fields: dict[str, Array],
-    profiles: dict[str, tuple[Array, str]],
-    scalars: dict[str, tuple[float, str]],
-) -> "xr.Dataset":
-    """The results with dimensions, coordinates and units."""
-    import xarray as xr  # only here, because models load without it
-
-    units = {"pressure": "Pa", "gap": "m"}
-    names = {"pressure": "contact pressure", "gap": "gap that remains"}
-    variables = {
-        name: (("angle", "z"), values, {"units": units[name], "long_name": names[name]})
-        for name, values in fields.items()
-    }
-    lines = {
-        name: ("z", values, {"units": unit, "long_name": name.replace("_", " ")})
-        for name, (values, unit) in profiles.items()
-    }
-    numbers = {
-        name: ((), value, {"units": unit, "long_name": name.replace("_", " ")})
-        for name, (value, unit) in scalars.items()
-    }
-    coordinates = {
-        "angle": ("angle", angle, {"units": "rad", "long_name": "angle from the line of load"}),
-        "z": ("z", middles, {"units": "m", "long_name": "distance from the middle"}),
-    }
-    return xr.Dataset({**variables, **lines, **numbers}, coordinates)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from erlif.core.arrays import Array
+from erlif.core.described import Columns, describe
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula
 from erlif.models.edges.influence import Convolution, stress_of_cells
@@ -87,24 +88,18 @@ def equivalent_stress(stress: dict[str, Array]) -> Array:
 
 def _describe(stresses: dict[str, Array], depths: Array, contact: "xr.Dataset") -> "xr.Dataset":
     """The results with dimensions, coordinates and units."""
-    import xarray as xr  # only here, because models load without it
-
     dims = ("depth", "x", "z")
     mises = equivalent_stress(stresses)
     layer, row, column = np.unravel_index(int(mises.argmax()), mises.shape)
-    metre = {"units": "m"}
-    variables = {"von_mises": (dims, mises, {"units": "Pa", "long_name": "von Mises stress"})}
+    variables: Columns = {"von_mises": (dims, mises, "Pa", "von Mises stress")}
     for name, values in stresses.items():
         kind = "normal stress" if name[0] == name[1] else "shear stress"
-        text = {"units": "Pa", "long_name": f"{kind} {name}, tension positive"}
-        variables[f"stress_{name}"] = (dims, values, text)
-    return xr.Dataset(
-        {
-            **variables,
-            "peak_von_mises": ((), float(mises.max()), {"units": "Pa"}),
-            "peak_depth": ((), float(depths[layer]), metre),
-            "peak_x": ((), float(contact["x"][row]), metre),
-            "peak_z": ((), float(contact["z"][column]), metre),
-        },
-        {"depth": ("depth", depths, {**metre, "long_name": "depth"}), **contact.coords},
-    )
+        variables[f"stress_{name}"] = (dims, values, "Pa", f"{kind} {name}, tension positive")
+    variables |= {
+        "peak_von_mises": ((), float(mises.max()), "Pa", ""),
+        "peak_depth": ((), float(depths[layer]), "m", ""),
+        "peak_x": ((), float(contact["x"][row]), "m", ""),
+        "peak_z": ((), float(contact["z"][column]), "m", ""),
+    }
+    found = describe(variables, {"depth": ("depth", depths, "m", "depth")})
+    return found.assign_coords(contact.coords)
