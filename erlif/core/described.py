@@ -27,7 +27,7 @@ def describe(variables: Columns, coordinates: Columns) -> xr.Dataset:
 
 
 def in_words(columns: dict[str, tuple[Any, str]], dims: str | tuple[str, ...] = ()) -> Columns:
-    """Rows for `describe` of values and units whose names say what they are."""
+    """Rows for `describe` of values and units whose names are their descriptions."""
     return {
         name: (dims, values, unit, name.replace("_", " "))
         for name, (values, unit) in columns.items()

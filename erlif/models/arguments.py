@@ -462,27 +462,6 @@ def formula(
     return decorate
 
 
-def broadcasting(equation: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
-    """Let a function take scalars, lists, arrays and DataArrays, as `formula`, without checks.
-
-    Parameters
-    ----------
-    equation : callable
-        Function or method of `Values`.
-
-    Returns
-    -------
-    callable
-        The same for all kinds of numbers.
-
-    Examples
-    --------
-    >>> broadcasting(lambda value: value / 2)(1)
-    0.5
-    """
-    return _checked(equation, {})
-
-
 def _checked(
     equation: Callable[_Parameters, _Result], kinds: dict[str, _Kind]
 ) -> Callable[_Parameters, _Result]:

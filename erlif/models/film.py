@@ -17,7 +17,6 @@ import numpy as np
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
-    broadcasting,
     formula,
     require_not_negative,
     require_single,
@@ -392,7 +391,7 @@ class LineContactFilm:
     notes: tuple[str, ...]
 
 
-@broadcasting
+@formula(radius="reduced_radius")
 def line_contact_film(
     entrainment_speed: Values,
     *,

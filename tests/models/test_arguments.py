@@ -12,7 +12,6 @@ import xarray as xr
 from erlif.core.errors import ModelError, UnitWarning
 from erlif.models.arguments import (
     QUANTITIES,
-    broadcasting,
     formula,
     require_between,
     require_finite,
@@ -27,7 +26,7 @@ from erlif.models.arguments import (
 LOADS = xr.DataArray([1.0, 2.0], dims="load", coords={"load": [50, 100]})
 
 
-@broadcasting
+@formula()
 def half(value):
     return value / 2
 
@@ -50,7 +49,7 @@ def test_data_array_keeps_coordinates():
 
 
 def test_keyword_list_and_data_array_broadcast():
-    @broadcasting
+    @formula()
     def product(one, *, other):
         return one * other
 
@@ -59,7 +58,7 @@ def test_keyword_list_and_data_array_broadcast():
 
 
 def test_flags_and_objects_reach_the_formula_unchanged():
-    @broadcasting
+    @formula()
     def received(*, rising, linkage, stroke=None):
         return [rising, linkage, stroke]
 
@@ -82,7 +81,7 @@ def test_scalars_in_tuples_and_dataclasses_become_floats():
         width: float
         name: str
 
-    @broadcasting
+    @formula()
     def all_kinds(value):
         value = np.float64(value)
         return Pair(value, value), (value, 1), Contact(value, np.str_("wide"))

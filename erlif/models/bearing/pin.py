@@ -8,7 +8,6 @@ import numpy as np
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
-    broadcasting,
     formula,
     require_between,
 )
@@ -101,7 +100,7 @@ def pin_diameter_in_bending(
     return (4 * load * free_length * safety / (np.pi * yield_stress)) ** (1 / 3)
 
 
-@broadcasting
+@formula()
 def hole_stress_concentration(hole_ratio: Values) -> Values:
     """Compute K_t of a transverse hole in a round pin in bending. Strand (2005), eq. 4.
 
@@ -134,7 +133,7 @@ def hole_stress_concentration(hole_ratio: Values) -> Values:
     return 3 + x * (-11.3 + x * (51.6 + x * (-114.6 + x * 76.4)))
 
 
-@broadcasting
+@formula()
 def pin_diameter_with_hole(
     load: Values, *, free_length: Values, hole_ratio: Values, yield_stress: Values, safety: Values
 ) -> Values:

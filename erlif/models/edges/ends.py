@@ -3,11 +3,11 @@
 import numpy as np
 
 from erlif.core.errors import ModelError
-from erlif.models.arguments import Values, broadcasting, formula, require_between
+from erlif.models.arguments import Values, formula, require_between
 from erlif.models.contact.roots import find_roots, like
 
 
-@broadcasting
+@formula()
 def edge_exponent(angle: Values, *, modulus_ratio: Values = 1.0) -> Values:
     """Compute the exponent of the pressure at the sharp edge of a body on a flat, frictionless.
 

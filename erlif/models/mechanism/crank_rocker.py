@@ -9,7 +9,6 @@ import scipy
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
-    broadcasting,
     check_fields,
     formula,
 )
@@ -309,7 +308,7 @@ class CrankRocker:
             float(self.rocker_speed(at_fastest_rise, crank_speed=crank_speed)),
         )
 
-    @broadcasting
+    @formula()
     def crank_angle(
         self, rocker_angle: Values, *, rising: Values, tolerance: float = DEAD_POINT_TOLERANCE
     ) -> Values:
@@ -350,7 +349,7 @@ class CrankRocker:
         apart = self._angle_off_the_line(reach, self.coupler)
         return (self._direction_of_rocker_pin(psi) - sign(rising) * apart) % TURN
 
-    @broadcasting
+    @formula()
     def crank_angle_from_coupler(
         self, coupler_angle: Values, *, rising: Values, tolerance: float = DEAD_POINT_TOLERANCE
     ) -> Values:

@@ -7,7 +7,6 @@ import numpy as np
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
-    broadcasting,
     check_fields,
     formula,
 )
@@ -269,7 +268,7 @@ class SliderCrank:
         """
         return np.pi / 2, 3 * np.pi / 2
 
-    @broadcasting
+    @formula()
     def crank_angle(
         self, coupler_angle: Values, *, rising: Values, tolerance: float = DEAD_POINT_TOLERANCE
     ) -> Values:
@@ -299,7 +298,7 @@ class SliderCrank:
         falling_side = np.arcsin(height)  # cos t > 0, where phi falls
         return (np.pi / 2 + sign(rising) * (np.pi / 2 - falling_side)) % TURN
 
-    @broadcasting
+    @formula()
     def crank_angle_from_slider(
         self, slider_position: Values, *, rising: Values, tolerance: float = DEAD_POINT_TOLERANCE
     ) -> Values:

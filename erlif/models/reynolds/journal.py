@@ -202,7 +202,18 @@ class Motion:
         warn_of_units("load", load=self.load)
 
     def at(self, steps: Any) -> "Motion":
-        """The motion at some of its steps, as numpy selects them."""
+        """The motion at some of its steps.
+
+        Parameters
+        ----------
+        steps : slice or indices
+            Steps, as numpy selects them.
+
+        Returns
+        -------
+        Motion
+            Of these steps alone.
+        """
         return Motion(
             self.time[steps], self.angle[steps], self.load[steps], self.load_direction[steps]
         )

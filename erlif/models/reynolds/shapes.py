@@ -10,14 +10,11 @@ import numpy as np
 
 from erlif.models.arguments import (
     Values,
-    broadcasting,
-    require_finite,
-    require_not_negative,
-    require_positive,
+    formula,
 )
 
 
-@broadcasting
+@formula(x="signed number", radius="number")
 def roller_shape(x: Values, *, radius: Values) -> Values:
     """Height of the gap between a cylinder and a flat above its minimum: x^2 / (2 R).
 
@@ -43,12 +40,10 @@ def roller_shape(x: Values, *, radius: Values) -> Values:
     >>> print(f"{roller_shape(1e-3, radius=0.05) * 1e6:.1f} um")
     10.0 um
     """
-    require_finite(x=x)
-    require_positive(radius=radius)
     return x**2 / (2 * radius)
 
 
-@broadcasting
+@formula(x="signed number", z="signed number", radius="number", cross_radius="number")
 def pin_shape(x: Values, z: Values, *, radius: Values, cross_radius: Values) -> Values:
     """Height of the gap between a crowned pin and a flat above its minimum.
 
@@ -76,12 +71,10 @@ def pin_shape(x: Values, z: Values, *, radius: Values, cross_radius: Values) -> 
     >>> print(f"{pin_shape(1e-3, 2e-3, radius=0.05, cross_radius=0.1) * 1e6:.1f} um")
     30.0 um
     """
-    require_finite(x=x, z=z)
-    require_positive(radius=radius, cross_radius=cross_radius)
     return x**2 / (2 * radius) + z**2 / (2 * cross_radius)
 
 
-@broadcasting
+@formula(axial="signed number", radius="number", height="number or zero")
 def lobe_shape(axial: Values, *, centres: Sequence[float], radius: float, height: float) -> Values:
     """Height that crowned lobes inside a bushing add to its gap: zero beside them, else negative.
 
@@ -114,8 +107,5 @@ def lobe_shape(axial: Values, *, centres: Sequence[float], radius: float, height
     >>> lobe_shape([0.0, 0.05], centres=[-0.05, 0.05], radius=0.2, height=2e-4)
     array([-0.    , -0.0002])
     """
-    require_finite(axial=axial)
-    require_positive(radius=radius)
-    require_not_negative(height=height)
     off = np.min([(axial - centre) ** 2 for centre in centres], axis=0)
     return -np.maximum(height - off / (2 * radius), 0.0)
