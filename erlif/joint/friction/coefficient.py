@@ -68,23 +68,14 @@ def measure_friction(
     >>> measure_friction(log, pin_radius=0.025, arm=0.5).friction.values
     array([0.1  , 0.101])
     """
-    _require(pin_radius=pin_radius, torque_ratio=torque_ratio, arm=1.0 if arm is None else arm)
+    require_option(pin_radius=pin_radius, torque_ratio=torque_ratio)
     load = log["cells"].sum("cell").values - tare
     if not np.max(load) > 0:
         raise EnduranceError(
             f"Expected a tare below the reading of the cells, at most {np.max(load) + tare:g} N; "
             f"got {tare:g} N. Correct the tare, or choose other columns for the cells."
         )
-    if "torque" in log:
-        torque = log["torque"].values
-    elif arm is None:
-        raise EnduranceError(
-            "Expected the arm of the load cell whose force is logged; it is not given. Write "
-            '--arm "30 cm", or arm = "30 cm" under [machine] of the settings.'
-        )
-    else:
-        torque = log["arm_force"].values * arm
-
+    torque = torque_of(log, arm)
     time = log["time"].values
     other_sensors = {name: log[name].values for name in ("temperature", "vibration") if name in log}
     columns = {"load": load, "torque": torque, **other_sensors}
@@ -119,13 +110,65 @@ def measure_friction(
     return found
 
 
-def _require(**arguments: float) -> None:
-    for name, value in arguments.items():
+def require_option(**options: float) -> None:
+    """Refuse an option of a command, or a key of its settings, that is not positive.
+
+    Parameters
+    ----------
+    **options : float
+
+    Raises
+    ------
+    EnduranceError
+
+    Examples
+    --------
+    >>> require_option(arm=0.3)
+    """
+    for name, value in options.items():
         if not 0 < value < np.inf:
             raise EnduranceError(
                 f"Expected a positive {name}; got {value:g}. Give its value, with the unit in the "
                 "command and the settings."
             )
+
+
+def torque_of(log: xr.Dataset, arm: float | None) -> Array:
+    """Return the torque of a log, or that of the force on the arm which holds it.
+
+    Parameters
+    ----------
+    log : Dataset
+        From `erlif.joint.friction.read_torque_log`.
+    arm : float or None
+        Arm of the load cell. [m]
+
+    Returns
+    -------
+    array, (time,)
+        [N m]
+
+    Raises
+    ------
+    EnduranceError
+        If neither the torque nor the arm is known, or the arm is not positive.
+
+    Examples
+    --------
+    >>> torque_of(xr.Dataset({"arm_force": ("time", [400.0])}), 0.3)
+    array([120.])
+    """
+    if "torque" in log:
+        torque: Array = log["torque"].values
+        return torque
+    if arm is None:
+        raise EnduranceError(
+            "Expected the arm of the load cell whose force is logged; it is not given. Write "
+            '--arm "30 cm", or arm = "30 cm" under [machine] of the settings.'
+        )
+    require_option(arm=arm)
+    force: Array = log["arm_force"].values
+    return force * arm
 
 
 def _reverses(torque: Array) -> bool:

@@ -12,10 +12,10 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.errors import EnduranceError
 from erlif.io.files import replacing
+from erlif.joint.friction.coefficient import require_option, torque_of
 from erlif.joint.friction.plausible import doubt_friction
 from erlif.joint.friction.scatter import spread_of_line
 from erlif.joint.friction.stretches import Stretch, find_stretches
-from erlif.models.arguments import require_positive
 from erlif.models.friction import friction_coefficient
 
 _NORMAL = 1.959964  # standard deviations of 95 %, for the errors that all pairs share
@@ -102,10 +102,8 @@ def analyse_friction(
     Raises
     ------
     EnduranceError
-        If the torque does not reverse or is noise, fewer than two pairs are complete, or the arm is
-        missing.
-    ModelError
-        If a radius or speed is not positive.
+        If the torque does not reverse or is noise, fewer than two pairs are complete, the arm is
+        missing, or a length or the speed is not positive.
 
     Notes
     -----
@@ -128,13 +126,13 @@ def analyse_friction(
     >>> print(f"{found.friction:.3f} ± {found.friction_std:.4f}, {found.pairs.offset[0]:.3f}")
     0.150 ± 0.0015, 0.025
     """
-    require_positive(shaft_radius=shaft_radius)
+    require_option(shaft_radius=shaft_radius)
     if speed is not None:
-        require_positive(speed=speed)
+        require_option(speed=speed)
     cells = log["cells"].values
     load = np.sqrt((cells**2).sum(axis=0)) if vector else cells.sum(axis=0)
     time = log["time"].values
-    torque = _torque(log, arm)
+    torque = torque_of(log, arm)
     pairs = _pairs(time, torque, load, shaft_radius).assign_attrs(
         file=log.attrs.get("file", ""), shaft_radius=shaft_radius
     )
@@ -168,20 +166,6 @@ def analyse_friction(
         friction_interval=(mean - wide, mean + wide),
         trend_interval=(trend - of_trend.wide, trend + of_trend.wide),
     )
-
-
-def _torque(log: xr.Dataset, arm: float | None) -> Array:
-    if "torque" in log:
-        found: Array = log["torque"].values
-        return found
-    if arm is None:
-        raise EnduranceError(
-            "Expected the arm of the load cell whose force is logged; it is not given. Write "
-            '--arm "30 cm".'
-        )
-    require_positive(arm=arm)
-    force: Array = log["arm_force"].values
-    return force * arm
 
 
 def _pairs(time: Array, torque: Array, load: Array, radius: float) -> xr.Dataset:

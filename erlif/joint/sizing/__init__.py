@@ -1,6 +1,7 @@
 """A pin joint as the guide designs it: Strand (2005), chapter 2, from load and motion to sizes."""
 
 from erlif.joint.sizing.example import example_joint
+from erlif.joint.sizing.heat import FRICTION
 from erlif.joint.sizing.joint import DIMENSIONS, Dimensions, Joint, Lock, dimensions_of
 from erlif.joint.sizing.materials import Material, read_materials
 from erlif.joint.sizing.outcome import BearingDesign
@@ -13,6 +14,7 @@ from erlif.joint.sizing.walk import Walk, walk_guide
 
 __all__ = [
     "DIMENSIONS",
+    "FRICTION",
     "ROUNDING",
     "BearingDesign",
     "Dimensions",

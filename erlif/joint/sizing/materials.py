@@ -14,6 +14,7 @@ from typing import Any
 
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import ConfigError
+from erlif.models.bearing import hardness_from_strength
 
 BRINELL = 9.80665e6
 """Pascal of one Brinell: a kilogram-force on a square millimetre. [Pa]"""
@@ -86,8 +87,9 @@ class Material:
         """Lowest hardness as a pressure; from the tensile strength where it is not known. [Pa]"""
         if self.hardness_low is not None:
             return self.hardness_low * BRINELL
-        # eq. 13, Brinell in kgf/mm2 from the strength in MPa
-        return None if self.ultimate_stress is None else 0.3 * self.ultimate_stress / 1e6 * BRINELL
+        if self.ultimate_stress is None:
+            return None
+        return float(hardness_from_strength(self.ultimate_stress))
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from erlif.joint.sizing import BearingDesign, JointState, Step
+from erlif.joint.sizing import FRICTION, BearingDesign, JointState, Step
 from erlif.show.plots.style import (
     MEAN,
     MUTED,
@@ -36,7 +36,6 @@ _NEAR = 2.5  # times the highest pressure up to which the allowed one is drawn
 _FLAT = math.radians(60.0)  # half contact angle beyond which a flat arc has no meaning
 _ALIKE = 0.9  # mean over largest load from which one point stands for both
 _DECADE = 10.0 ** (1 / 2)  # room on either side of the points of the pv diagram
-_FRICTIONS = (0.1, 0.8)  # range of the guide, section 2.1.14
 
 
 @styled
@@ -283,9 +282,9 @@ def design_temperature(design: BearingDesign, *, ax: Axes | None = None) -> list
         return []
 
     outside, limit = joint.outside_temperature, step.allowed[1]
-    friction = np.array([0.0, max(_FRICTIONS[1], 1.1 * joint.friction)])
+    friction = np.array([0.0, max(FRICTION[1], 1.1 * joint.friction)])
     slope = (step.present - outside) / joint.friction if joint.friction > 0 else 0.0
-    ax.axvspan(*_FRICTIONS, color="#F2F2F2", zorder=-2, label="range of the guide")
+    ax.axvspan(*FRICTION, color="#F2F2F2", zorder=-2, label="range of the guide")
     lines: list[Artist] = list(
         ax.plot(friction, outside + slope * friction, color=OUTWARD, label="surface")
     )
