@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import csv
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +11,6 @@ import xarray as xr
 from erlif.core.arrays import AnyArray
 from erlif.core.progress import Progress
 from erlif.io.conversion.contents import maps_of, trigger_columns
-
-_LINE = "\r\n"
-"""End of a row after RFC 4180 (2005)."""
 
 _DECIMALS = 9
 """Decimals of a position in mm, a picometre."""
@@ -31,8 +28,9 @@ def write_trigger_table(film: xr.Dataset, output: Path) -> None:
     columns = trigger_columns(film)
     table = zip(*(_digits(column.values) for column in columns), strict=True)
     with output.open("w", encoding="utf-8", newline="") as file:
-        file.write(_row(_quoted(column.heading) for column in columns))
-        file.writelines(map(_row, table))
+        writer = csv.writer(file)  # rows end as RFC 4180 (2005) asks
+        writer.writerow(column.heading for column in columns)
+        writer.writerows(table)
 
 
 def write_map_table(film: xr.Dataset, output: Path, *, trigger: int, progress: Progress) -> None:
@@ -53,29 +51,18 @@ def write_map_table(film: xr.Dataset, output: Path, *, trigger: int, progress: P
     units = {name: film[name].attrs.get("units", "") for name in ("x", "y", *maps)}
     units["flags"] = ""
     with output.open("w", encoding="utf-8", newline="") as file:
-        file.write(_row(f"{name} [{unit}]" if unit else name for name, unit in units.items()))
+        writer = csv.writer(file)
+        writer.writerow(f"{name} [{unit}]" if unit else name for name, unit in units.items())
         for row, y in enumerate(down):
             values = (_digits(each[row]) for each in maps.values())
-            lines = zip(across, [y] * len(across), *values, strict=True)
-            file.writelines(map(_row, lines))
+            writer.writerows(zip(across, [y] * len(across), *values, strict=True))
             progress("map", row + 1, film.sizes["y"])
 
 
 def _digits(values: AnyArray) -> list[str]:
     """Numbers with the digits that their type holds, so that reading gives them back; words."""
     if values.dtype.kind in "OUST":
-        return [_quoted(str(each)) for each in values]
+        return [str(each) for each in values]
     if values.dtype.kind in "iub":
         return [str(int(each)) for each in values]
     return [("NaN" if each == "nan" else each) for each in values.astype(str).tolist()]
-
-
-def _quoted(text: str) -> str:
-    """A text with separators in quotation marks."""
-    if any(mark in text for mark in ',"\r\n'):
-        return '"' + text.replace('"', '""') + '"'
-    return text
-
-
-def _row(cells: Iterable[str]) -> str:
-    return ",".join(cells) + _LINE

@@ -129,12 +129,8 @@ def read_plan_settings(path: Path) -> PlanSettings:
         ...
     erlif.core.errors.ConfigError: Expected a plan in no plan.toml; there is no such file. Make ...
     """
-    if not path.is_file():
-        what = "it is a directory" if path.is_dir() else "there is no such file"
-        raise ConfigError(
-            f"Expected a plan in {path}; {what}. Make one with: erlif plan --example > plan.toml"
-        )
-    return _check(path, _load(path), PlanSettings)
+    hint = "Make one with: erlif plan --example > plan.toml"
+    return _read_named(path, PlanSettings, holds="a plan", hint=hint)
 
 
 def read_design_settings(path: Path) -> DesignSettings:
@@ -161,13 +157,8 @@ def read_design_settings(path: Path) -> DesignSettings:
         ...
     erlif.core.errors.ConfigError: Expected a joint in no joint.toml; there is no such file. ...
     """
-    if not path.is_file():
-        what = "it is a directory" if path.is_dir() else "there is no such file"
-        raise ConfigError(
-            f"Expected a joint in {path}; {what}. Make one with: erlif design --example > "
-            "joint.toml"
-        )
-    return _check(path, _load(path), DesignSettings)
+    hint = "Make one with: erlif design --example > joint.toml"
+    return _read_named(path, DesignSettings, holds="a joint", hint=hint)
 
 
 def read_endurance_settings(path: Path) -> EnduranceSettings:
@@ -194,10 +185,15 @@ def read_endurance_settings(path: Path) -> EnduranceSettings:
         ...
     erlif.core.errors.ConfigError: Expected settings in no.toml; there is no such file. Give a file.
     """
+    return _read_named(path, EnduranceSettings, holds="settings", hint="Give a file.")
+
+
+def _read_named(path: Path, kind: type[_Settings], *, holds: str, hint: str) -> _Settings:
+    """Settings of a file that the user names."""
     if not path.is_file():
         what = "it is a directory" if path.is_dir() else "there is no such file"
-        raise ConfigError(f"Expected settings in {path}; {what}. Give a file.")
-    return _check(path, _load(path), EnduranceSettings)
+        raise ConfigError(f"Expected {holds} in {path}; {what}. {hint}")
+    return _check(path, _load(path), kind)
 
 
 def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
