@@ -40,6 +40,7 @@ from erlif.pipeline.film import (
     pixel_positions,
 )
 from erlif.pipeline.fixture import find_calibration
+from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.fit import state_physics
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.physics.light import (
@@ -57,7 +58,6 @@ from erlif.pipeline.physics.prediction import (
     places_along_sliding,
     try_prediction,
 )
-from erlif.pipeline.recording.clock import fit_start
 from erlif.pipeline.recording.prepare import PreparedRun, prepare_run
 from erlif.pipeline.recording.pulse_order import check_first_pulses, check_pulses
 from erlif.pipeline.recording.register import FixtureMap

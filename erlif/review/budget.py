@@ -23,6 +23,7 @@ from erlif.io.ingest import open_run
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.film import choose_region, group_frames
 from erlif.pipeline.fixture import find_calibration
+from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.physics.light import (
     correct_light,
@@ -31,7 +32,6 @@ from erlif.pipeline.physics.light import (
     remaining_errors,
     run_patch,
 )
-from erlif.pipeline.recording.clock import fit_start
 from erlif.pipeline.recording.prepare import prepare_chain
 from erlif.pipeline.recording.pulses import read_energies
 from erlif.pipeline.recording.register import stored_map

@@ -33,6 +33,7 @@ from erlif.io.files import (
 from erlif.io.ingest import hash_files_beside_frames, open_run
 from erlif.io.settings import RunSettings, to_toml
 from erlif.pipeline.film import choose_region, describe_grid, pixel_positions
+from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.physics.prediction import (
     Prediction,
@@ -43,7 +44,6 @@ from erlif.pipeline.physics.prediction import (
     predict_run,
     refuse_steady,
 )
-from erlif.pipeline.recording.clock import fit_start
 from erlif.prediction.triggers import CELLS
 
 MAP = MapVariable(

@@ -21,7 +21,7 @@ from erlif.io.files import check_trigger, open_film, settings_of, takes
 from erlif.io.ingest import Run, open_run
 from erlif.io.settings import RunSettings
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
-from erlif.pipeline.recording.clock import fit_start
+from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.recording.prepare import prepare_with_map
 from erlif.ratio import BlurDifference, RatioSum, smooth_ratio
 from erlif.registration import CameraMap

@@ -18,9 +18,9 @@ from erlif.io.files import takes
 from erlif.io.ingest import Fixture, Run, format_notes, open_fixture, open_run
 from erlif.kinematics import encoder_notes
 from erlif.pipeline.film import describe_cycle, describe_triggers
+from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.recording.cameras import characterise_cameras
-from erlif.pipeline.recording.clock import fit_start
 from erlif.pipeline.recording.omissions import note_omissions
 from erlif.review.audit.calibration import note_calibration
 from erlif.review.audit.cameras import (

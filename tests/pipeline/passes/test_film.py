@@ -175,13 +175,3 @@ def test_pulse_energy_is_that_of_the_plain_film(calibration, shape):
     )
     found = measure_pulse(pair, FilmTables.of(calibration), attenuation=P)
     npt.assert_allclose(found, expected, rtol=1e-5)
-
-
-def test_maps_fill_the_spare_images(calibration):
-    pair, tables = pair_of(), FilmTables.of(calibration)
-    spare = tuple(np.empty(SHAPE, np.float32) for _ in range(3))
-    maps = measure_film(replace(pair, spare=spare), tables, WHOLE)
-    plain_maps = measure_film(pair, tables, WHOLE)
-    assert maps.thickness is spare[0]
-    for name in ("thickness", "thickness_std", "thickness_std_shared", "flags"):
-        npt.assert_array_equal(getattr(maps, name), getattr(plain_maps, name))

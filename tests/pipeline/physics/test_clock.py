@@ -7,8 +7,8 @@ import xarray as xr
 import erlif
 from erlif.core.errors import ErlifError
 from erlif.io.ingest import open_run
+from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
-from erlif.pipeline.recording.clock import fit_start
 from erlif.rig import RigSettings, simulate
 
 PERIOD = 60 / 114
