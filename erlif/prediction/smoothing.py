@@ -93,11 +93,11 @@ def smooth_path(time: Array, position: Array, covariance: Array) -> SmoothPath:
     Parameters
     ----------
     time : array, (time,)
-        Rising. [s]
+        Rising, `FEWEST` or more. [s]
     position : array, (time, parameter)
-        Measured.
+        Measured, finite.
     covariance : array, (time, parameter, parameter)
-        Of the part of their error that is new at every time.
+        Of the part of their error that is new at every time, finite.
 
     Returns
     -------
@@ -107,7 +107,7 @@ def smooth_path(time: Array, position: Array, covariance: Array) -> SmoothPath:
     Raises
     ------
     ModelError
-        If there are too few positions, times do not rise, or a covariance is not one.
+        If times do not rise, or a covariance is not one.
 
     Notes
     -----
@@ -122,7 +122,15 @@ def smooth_path(time: Array, position: Array, covariance: Array) -> SmoothPath:
     (array([3.]), np.float64(0.038))
     """
     count, parameters = position.shape
-    _check(time, position, covariance)
+    if not (np.diff(time) > 0).all():
+        raise ModelError(
+            "Expected rising times of the positions; they fall or repeat. Take each once, in order."
+        )
+    if not (np.linalg.eigvalsh(covariance)[:, 0] > 0).all():
+        raise ModelError(
+            "Expected covariances of positions that are positive definite; at least one is not. "
+            "Leave out positions without a standard deviation."
+        )
     middle = position.mean(axis=0)
     basis, slope = _lay_basis(time)
     size = basis.shape[1]
@@ -162,26 +170,6 @@ def smooth_path(time: Array, position: Array, covariance: Array) -> SmoothPath:
         weights=weights.reshape(count, 2 * parameters, count, parameters),
         noise_scale=scale,
     )
-
-
-def _check(time: Array, position: Array, covariance: Array) -> None:
-    """Refuse what has no path."""
-    if time.size < FEWEST:
-        raise ModelError(
-            f"Expected {FEWEST} or more positions to find a rate, got {time.size}. Record more "
-            "triggers per cycle."
-        )
-    if not (np.diff(time) > 0).all():
-        raise ModelError(
-            "Expected rising times of the positions; they fall or repeat. Take each once, in order."
-        )
-    if not (np.isfinite(position).all() and np.isfinite(covariance).all()):
-        raise ModelError("Expected finite positions and covariances; leave out times without one.")
-    if not (np.linalg.eigvalsh(covariance)[:, 0] > 0).all():
-        raise ModelError(
-            "Expected covariances of positions that are positive definite; at least one is not. "
-            "Leave out positions without a standard deviation."
-        )
 
 
 def _lay_basis(time: Array) -> tuple[Array, Array]:

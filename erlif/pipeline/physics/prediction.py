@@ -24,7 +24,7 @@ from erlif.prediction import (
     speed_correlation,
 )
 from erlif.prediction.triggers import CELLS
-from erlif.trend import Region, viscosity_at
+from erlif.trend import Joint, Region, viscosity_at
 
 _RIGID = "isoviscous-rigid"
 """Regime whose surfaces keep their shape, as the transient prediction takes them."""
@@ -98,6 +98,16 @@ def refuse_steady(settings: RunSettings, what: str) -> None:
     )
 
 
+def swinging_joint(settings: RunSettings) -> tuple[float, CrankRocker, Joint]:
+    """Speed of the crank [rad/s], linkage and joint of settings that `refuse_steady` lets pass."""
+    links, joint = settings.mechanism, describe_joint(settings)
+    assert isinstance(links, CrankRockerSettings)
+    assert joint is not None
+    linkage = build_linkage(links)
+    assert isinstance(linkage, CrankRocker)
+    return links.crank_speed, linkage, joint
+
+
 def frames_of_run(run: Run, cycle: xr.Dataset) -> xr.Dataset:
     """What the prediction needs of every frame.
 
@@ -126,16 +136,10 @@ def frames_of_run(run: Run, cycle: xr.Dataset) -> xr.Dataset:
 
 
 def build_journal(settings: RunSettings, viscosity: float) -> Journal:
-    """The joint of the settings with a viscosity [Pa s], as the solver needs it.
-
-    Raises
-    ------
-    ConfigError
-        If [joint] or [oil] is absent.
-    """
+    """The joint of the settings, which have one, with a viscosity [Pa s], for the solver."""
     joint, options = settings.joint, settings.prediction
-    if joint is None or settings.oil is None:
-        raise ConfigError("Expected [joint] and [oil] in run.toml for the prediction; add them.")
+    assert joint is not None  # `refuse_steady` has seen to both
+    assert settings.oil is not None
     return Journal(
         pin_radius=joint.pin_radius,
         bushing_radius=joint.bushing_radius,
@@ -158,15 +162,11 @@ def build_motion(settings: RunSettings, frames: xr.Dataset) -> FrameMotion:
         As `erlif.prediction.follow_motion`.
     """
     refuse_steady(settings, "the prediction")
-    links, joint = settings.mechanism, describe_joint(settings)
-    assert isinstance(links, CrankRockerSettings)
-    assert joint is not None
-    linkage = build_linkage(links)
-    assert isinstance(linkage, CrankRocker)
+    crank_speed, linkage, joint = swinging_joint(settings)
     return follow_motion(
         frames,
         linkage,
-        crank_speed=links.crank_speed,
+        crank_speed=crank_speed,
         viscosity=viscosity_at(frames, joint.viscosity),
         direction=1 if settings.prediction.direction == "along" else -1,
     )
@@ -210,11 +210,6 @@ def film_along_sliding(settings: RunSettings, predicted: xr.Dataset, position: A
     -------
     array, (..., pixel)
         The gap of the radii in [joint]. [um]
-
-    Raises
-    ------
-    ConfigError
-        If [joint] or [oil] is absent.
     """
     joint = build_journal(settings, 1.0)  # of any viscosity: the gap is that of the radii
     eccentric = predicted["eccentricity"].values * joint.clearance
@@ -465,11 +460,9 @@ def describe_sideways(options: PredictionOptions) -> str:
 
 def _why_transient(settings: RunSettings) -> str:
     """Why a steady formula does not describe this joint."""
-    links, joint = settings.mechanism, describe_joint(settings)
-    assert isinstance(links, CrankRockerSettings)
-    assert joint is not None
-    low, high = build_linkage(links).limits()
-    half = np.pi / links.crank_speed
+    crank_speed, linkage, joint = swinging_joint(settings)
+    low, high = linkage.limits()
+    half = np.pi / crank_speed
     return (
         f"the joint swings by {np.degrees(high - low):.1f} deg in {half:.3g} s and carries oil "
         f"{joint.stroke * 1e3:.3g} mm to and fro; a steady formula describes a surface that moves "

@@ -16,12 +16,15 @@ from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.variables import PRESSURE
 from erlif.core.version import __version__
 from erlif.io.files import open_film, set_coordinates, settings_of, take
-from erlif.io.settings import CrankRockerSettings, RunSettings
+from erlif.io.settings import RunSettings
 from erlif.models.contact import conformal_radius
-from erlif.models.mechanism import CrankRocker
-from erlif.pipeline.physics.joint import build_linkage, describe_joint
 from erlif.pipeline.physics.position import choose_view
-from erlif.pipeline.physics.prediction import build_journal, describe_sideways, refuse_steady
+from erlif.pipeline.physics.prediction import (
+    build_journal,
+    describe_sideways,
+    refuse_steady,
+    swinging_joint,
+)
 from erlif.prediction.motion import follow_motion
 from erlif.prediction.pin_motion import PinMotion, find_pin_motion
 from erlif.prediction.pressure import CHANGING, CLEAR, find_pressures
@@ -95,8 +98,7 @@ def _find(film: xr.Dataset, progress: Progress) -> xr.Dataset:
     view = _view(film, settings)
     known = _known(film)
     motion, order = _follow(film, settings, view, known)
-    joint = describe_joint(settings)
-    assert joint is not None  # `_view` refuses a film without one
+    _, _, joint = swinging_joint(settings)
     conditions = film[[name for name in ("temperature", "load") if name in film]].load()
     viscosity = viscosity_at(conditions, joint.viscosity)[order]
     x, y = _grid(film)
@@ -158,10 +160,7 @@ def _follow(
     film: xr.Dataset, settings: RunSettings, view: PinView, known: Mask
 ) -> tuple[PinMotion, npt.NDArray[np.intp]]:
     """Motion of the pin, and the triggers that it holds in the order of their times."""
-    links = settings.mechanism
-    assert isinstance(links, CrankRockerSettings)  # `refuse_steady` has seen to it
-    linkage = build_linkage(links)
-    assert isinstance(linkage, CrankRocker)
+    crank_speed, linkage, _ = swinging_joint(settings)
     frames = xr.Dataset(
         {
             "crank_angle": ("frame", film.crank_angle.values),
@@ -175,14 +174,14 @@ def _follow(
     moved = follow_motion(
         frames,
         linkage,
-        crank_speed=links.crank_speed,
+        crank_speed=crank_speed,
         viscosity=1.0,
         direction=direction,
     )
     time, angle = moved.motion.time[moved.steps], np.asarray(moved.motion.angle)[moved.steps]
-    crank_speed = np.gradient(moved.crank, moved.motion.time)[moved.steps]
+    speed = np.gradient(moved.crank, moved.motion.time)[moved.steps]
     turning = direction * np.asarray(
-        linkage.rocker_speed(moved.crank[moved.steps], crank_speed=crank_speed)
+        linkage.rocker_speed(moved.crank[moved.steps], crank_speed=speed)
     )
 
     order = np.flatnonzero(known)
