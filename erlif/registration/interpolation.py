@@ -229,6 +229,131 @@ def sample_spline(
     sample_rows(coefficients, *field, bad, *noise, out, *noise, 0, start, stop)
 
 
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST, inline="always")
+def _place_row(  # type: ignore[no-untyped-def]
+    displacement_x, displacement_y, drift_x, drift_y, y, last_column, rows_left, line
+):
+    """Fractions and whole parts of the displacement in a row."""
+    for t in range(line.shape[1]):
+        x = _at(t)
+        u = displacement_x[y, x] + drift_x
+        v = displacement_y[y, x] + drift_y
+        known = (abs(u) < FARTHEST) & (abs(v) < FARTHEST)
+        u = u if known else -FARTHEST
+        v = v if known else -FARTHEST
+
+        # the fraction is taken from the displacement alone, which float32 holds to a
+        # millionth of a pixel; the sum with x would lose three digits
+        whole_u = np.floor(u)
+        whole_v = np.floor(v)
+        u -= whole_u
+        v -= whole_v
+
+        # the last column and row are reached from the pixel before them
+        at_right = (np.float32(t) + whole_u == last_column) & (u == _ZERO)
+        at_bottom = (whole_v == rows_left) & (v == _ZERO)
+        line[_U, x] = _ONE if at_right else u
+        line[_V, x] = _ONE if at_bottom else v
+        line[_COLUMN, x] = whole_u - _ONE if at_right else whole_u
+        line[_ROW, x] = whole_v - _ONE if at_bottom else whole_v
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST, inline="always")
+def _find_changes(line, changes):  # type: ignore[no-untyped-def]
+    """Where the whole parts of a row change."""
+    for t in range(1, line.shape[1]):
+        x, before = _at(t), _at(t - 1)
+        other = (line[_COLUMN, x] != line[_COLUMN, before]) | (line[_ROW, x] != line[_ROW, before])
+        changes[x] = _NEXT if other else _SAME
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST, inline="always")
+def _find_factors(line):  # type: ignore[no-untyped-def]
+    """Factors of the variance in a row, see `interpolation_variance_factor`."""
+    for t in range(line.shape[1]):
+        x = _at(t)
+        p = line[_U, x] * (_ONE - line[_U, x])
+        q = line[_V, x] * (_ONE - line[_V, x])
+        along_x = _ONE - p * p * (_THREE + _CUBIC * p)
+        line[_FACTOR, x] = along_x * (_ONE - q * q * (_THREE + _CUBIC * q))
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST, inline="always")
+def _end_of_run(begin, changes, eights):  # type: ignore[no-untyped-def]
+    """The end of a run of one whole part, eight pixels at a time."""
+    end = begin + 1
+    while end & 7 and not changes[end]:
+        end += 1
+    if not end & 7:
+        k = end >> 3
+        while not eights[k]:
+            k += 1
+        end = k << 3
+        while not changes[end]:
+            end += 1
+    return end
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST, inline="always")
+def _sample_run(coefficients, line, j, shift, low, full, out):  # type: ignore[no-untyped-def]
+    """Values of a run: the four B-splines that reach each point, along x and along y.
+
+    Pixel i has its coefficient at i + 2, so the first of the four taps is at i + 1.
+    """
+    j1, j2, j3, j4 = _at(j + 1), _at(j + 2), _at(j + 3), _at(j + 4)
+    for t in range(low, full):
+        x = _at(t)
+        i1, i2 = _at(shift + t + 1), _at(shift + t + 2)
+        i3, i4 = _at(shift + t + 3), _at(shift + t + 4)
+        u = line[_U, x]
+        v = line[_V, x]
+        a0 = (_ONE - u) * (_ONE - u) * (_ONE - u)
+        a1 = _FOUR + u * u * (_THREE * u - _SIX)
+        a3 = u * u * u
+        a2 = _SIX - a0 - a1 - a3
+        b0 = (_ONE - v) * (_ONE - v) * (_ONE - v)
+        b1 = _FOUR + v * v * (_THREE * v - _SIX)
+        b3 = v * v * v
+        b2 = _SIX - b0 - b1 - b3
+
+        s1 = b0 * coefficients[j1, i1] + b1 * coefficients[j2, i1]
+        s1 += b2 * coefficients[j3, i1] + b3 * coefficients[j4, i1]
+        s2 = b0 * coefficients[j1, i2] + b1 * coefficients[j2, i2]
+        s2 += b2 * coefficients[j3, i2] + b3 * coefficients[j4, i2]
+        s3 = b0 * coefficients[j1, i3] + b1 * coefficients[j2, i3]
+        s3 += b2 * coefficients[j3, i3] + b3 * coefficients[j4, i3]
+        s4 = b0 * coefficients[j1, i4] + b1 * coefficients[j2, i4]
+        s4 += b2 * coefficients[j3, i4] + b3 * coefficients[j4, i4]
+        out[x] = (a0 * s1 + a1 * s2 + a2 * s3 + a3 * s4) * _PER_36
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST, inline="always")
+def _mask_run(bad, line, j, shift, low, high, out):  # type: ignore[no-untyped-def]
+    """NaN where one of the pixels of a point is marked."""
+    j0, j1 = _at(j), _at(j + 1)
+    for t in range(low, high):
+        x, i0, i1 = _at(t), _at(shift + t), _at(shift + t + 1)
+        left, above = line[_U, x] < _ONE, line[_V, x] < _ONE
+        hit = (bad[j0, i0] & left & above) | (bad[j0, i1] & above)
+        hit |= (bad[j1, i0] & left) | bad[j1, i1]
+        out[x] = _NAN if hit else out[x]
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST, inline="always")
+def _interpolate_run(  # type: ignore[no-untyped-def]
+    given, line, j, shift, low, full, out
+):
+    """A variance of a run, bilinear between the pixels of camera 2, times its factor."""
+    k0, k1 = _at(j % given.shape[0]), _at((j + 1) % given.shape[0])
+    for t in range(low, full):
+        x, i0, i1 = _at(t), _at(shift + t), _at(shift + t + 1)
+        u = line[_U, x]
+        v = line[_V, x]
+        upper = given[k0, i0] + u * (given[k0, i1] - given[k0, i0])
+        lower = given[k1, i0] + u * (given[k1, i1] - given[k1, i0])
+        out[x] = (upper + v * (lower - upper)) * line[_FACTOR, x]
+
+
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def sample_rows(  # type: ignore[no-untyped-def]
     coefficients,
@@ -281,7 +406,6 @@ def sample_rows(  # type: ignore[no-untyped-def]
     h = coefficients.shape[0] - 2 * _MARGIN
     w = coefficients.shape[1] - 2 * _MARGIN
     width = out.shape[1]
-    masked = bad.size > 0
     noisy = variance.size > 0
     total = 0.0
     count = 0
@@ -295,58 +419,17 @@ def sample_rows(  # type: ignore[no-untyped-def]
 
     for row in range(start, stop):
         y, kept = _at(row), _at(row - first)
-        last_column = np.float32(w - 1)
-        rows_left = np.float32(h - 1 - row)
-        for t in range(width):
-            x = _at(t)
-            u = displacement_x[y, x] + drift_x
-            v = displacement_y[y, x] + drift_y
-            known = (abs(u) < FARTHEST) & (abs(v) < FARTHEST)
-            u = u if known else -FARTHEST
-            v = v if known else -FARTHEST
-
-            # the fraction is taken from the displacement alone, which float32 holds to a
-            # millionth of a pixel; the sum with x would lose three digits
-            whole_u = np.floor(u)
-            whole_v = np.floor(v)
-            u -= whole_u
-            v -= whole_v
-
-            # the last column and row are reached from the pixel before them
-            at_right = (np.float32(t) + whole_u == last_column) & (u == _ZERO)
-            at_bottom = (whole_v == rows_left) & (v == _ZERO)
-            line[_U, x] = _ONE if at_right else u
-            line[_V, x] = _ONE if at_bottom else v
-            line[_COLUMN, x] = whole_u - _ONE if at_right else whole_u
-            line[_ROW, x] = whole_v - _ONE if at_bottom else whole_v
-
-        for t in range(1, width):
-            x, before = _at(t), _at(t - 1)
-            other = (line[_COLUMN, x] != line[_COLUMN, before]) | (
-                line[_ROW, x] != line[_ROW, before]
-            )
-            changes[x] = _NEXT if other else _SAME
+        last_column, rows_left = np.float32(w - 1), np.float32(h - 1 - row)
+        _place_row(
+            displacement_x, displacement_y, drift_x, drift_y, y, last_column, rows_left, line
+        )
+        _find_changes(line, changes)
         if noisy:
-            for t in range(width):
-                x = _at(t)
-                p = line[_U, x] * (_ONE - line[_U, x])
-                q = line[_V, x] * (_ONE - line[_V, x])
-                along_x = _ONE - p * p * (_THREE + _CUBIC * p)
-                line[_FACTOR, x] = along_x * (_ONE - q * q * (_THREE + _CUBIC * q))
+            _find_factors(line)
 
         begin = 0
         while begin < width:
-            # the end of the run, eight pixels at a time
-            end = begin + 1
-            while end & 7 and not changes[end]:
-                end += 1
-            if not end & 7:
-                k = end >> 3
-                while not eights[k]:
-                    k += 1
-                end = k << 3
-                while not changes[end]:
-                    end += 1
+            end = _end_of_run(begin, changes, eights)
 
             # the part of the run that camera 2 sees
             shift = int(line[_COLUMN, _at(begin)])
@@ -356,72 +439,29 @@ def sample_rows(  # type: ignore[no-untyped-def]
             high = max(min(end, last), low)
             if j < 0 or j > h - 2:
                 low = high = end
-            if low > begin or high < end:
-                for part in range(2):
-                    lost, until = (begin, low) if part == 0 else (high, end)
+            for part in range(2):
+                lost, until = (begin, low) if part == 0 else (high, end)
+                for t in range(lost, until):
+                    out[y, _at(t)] = _NAN
+                if noisy:
                     for t in range(lost, until):
-                        out[y, _at(t)] = _NAN
-                    if noisy:
-                        for t in range(lost, until):
-                            x = _at(t)
-                            out_variance[kept, x] = _NAN
-                            out_fixed[kept, x] = _NAN
-                            out_flags[kept, x] = _OUTSIDE
-                            line[_FACTOR, x] = _ZERO
+                        x = _at(t)
+                        out_variance[kept, x] = _NAN
+                        out_fixed[kept, x] = _NAN
+                        out_flags[kept, x] = _OUTSIDE
+                        line[_FACTOR, x] = _ZERO
 
             # whole registers: what they fill beyond the run, the next run fills again
             full = min(low + (high - low + 15) // 16 * 16, last) if high > low else low
             flagged = min(low + (high - low + 63) // 64 * 64, last) if high > low else low
-
-            # the four B-splines that reach the point, along x and along y; pixel i has its
-            # coefficient at i + 2, so the first of the four taps is at i + 1
-            j0, j1, j2, j3, j4 = _at(j), _at(j + 1), _at(j + 2), _at(j + 3), _at(j + 4)
-            for t in range(low, full):
-                x = _at(t)
-                i1, i2 = _at(shift + t + 1), _at(shift + t + 2)
-                i3, i4 = _at(shift + t + 3), _at(shift + t + 4)
-                u = line[_U, x]
-                v = line[_V, x]
-                a0 = (_ONE - u) * (_ONE - u) * (_ONE - u)
-                a1 = _FOUR + u * u * (_THREE * u - _SIX)
-                a3 = u * u * u
-                a2 = _SIX - a0 - a1 - a3
-                b0 = (_ONE - v) * (_ONE - v) * (_ONE - v)
-                b1 = _FOUR + v * v * (_THREE * v - _SIX)
-                b3 = v * v * v
-                b2 = _SIX - b0 - b1 - b3
-
-                s1 = b0 * coefficients[j1, i1] + b1 * coefficients[j2, i1]
-                s1 += b2 * coefficients[j3, i1] + b3 * coefficients[j4, i1]
-                s2 = b0 * coefficients[j1, i2] + b1 * coefficients[j2, i2]
-                s2 += b2 * coefficients[j3, i2] + b3 * coefficients[j4, i2]
-                s3 = b0 * coefficients[j1, i3] + b1 * coefficients[j2, i3]
-                s3 += b2 * coefficients[j3, i3] + b3 * coefficients[j4, i3]
-                s4 = b0 * coefficients[j1, i4] + b1 * coefficients[j2, i4]
-                s4 += b2 * coefficients[j3, i4] + b3 * coefficients[j4, i4]
-                out[y, x] = (a0 * s1 + a1 * s2 + a2 * s3 + a3 * s4) * _PER_36
-
-            if masked:
-                for t in range(low, high):
-                    x, i0, i1 = _at(t), _at(shift + t), _at(shift + t + 1)
-                    left, above = line[_U, x] < _ONE, line[_V, x] < _ONE
-                    hit = (bad[j0, i0] & left & above) | (bad[j0, i1] & above)
-                    hit |= (bad[j1, i0] & left) | bad[j1, i1]
-                    out[y, x] = _NAN if hit else out[y, x]
+            _sample_run(coefficients, line, j, shift, low, full, out[y])
+            if bad.size > 0:
+                _mask_run(bad, line, j, shift, low, high, out[y])
             if noisy:
-                k0, k1 = _at(j % variance.shape[0]), _at((j + 1) % variance.shape[0])
-                for t in range(low, full):
-                    x, i0, i1 = _at(t), _at(shift + t), _at(shift + t + 1)
-                    u = line[_U, x]
-                    v = line[_V, x]
-                    upper = variance[k0, i0] + u * (variance[k0, i1] - variance[k0, i0])
-                    lower = variance[k1, i0] + u * (variance[k1, i1] - variance[k1, i0])
-                    out_variance[kept, x] = (upper + v * (lower - upper)) * line[_FACTOR, x]
-                    upper = fixed[k0, i0] + u * (fixed[k0, i1] - fixed[k0, i0])
-                    lower = fixed[k1, i0] + u * (fixed[k1, i1] - fixed[k1, i0])
-                    out_fixed[kept, x] = (upper + v * (lower - upper)) * line[_FACTOR, x]
+                _interpolate_run(variance, line, j, shift, low, full, out_variance[kept])
+                _interpolate_run(fixed, line, j, shift, low, full, out_fixed[kept])
                 for t in range(low, flagged):
-                    out_flags[kept, _at(t)] = flags[j0, _at(shift + t)]
+                    out_flags[kept, _at(t)] = flags[_at(j), _at(shift + t)]
                 count += high - low
             begin = end
 
