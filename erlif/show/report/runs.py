@@ -42,7 +42,8 @@ from erlif.show.report.layout import (
     render,
 )
 from erlif.show.report.page import MAX_SIZE, check_size
-from erlif.show.report.tables import with_error, with_span, write_csv
+from erlif.show.report.tables import with_error, with_span
+from erlif.show.view.exports import table_csv
 
 _PER_MB = 1e6  # bytes
 _FRAME = 40_000  # bytes of style and headings
@@ -130,7 +131,7 @@ def write_runs_report(
     table = render(
         "runs.html",
         runs=Table(rows, _HEAD, numbers=[1, 3, 4, 5, 6, 7, 8, 9]),
-        link=download_link(write_csv(columns), name="runs.csv"),
+        link=download_link(table_csv(columns, digits=9, missing="NaN"), name="runs.csv"),
     )
     compared = _compare_runs(paths)
     room = max_size * _PER_MB - _FRAME - len((table + compared).encode())

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 import xarray as xr
@@ -20,6 +17,7 @@ from erlif.show.plots.files import FigureSource
 from erlif.show.plots.maps import flag_swatch, flag_title
 from erlif.show.report.layout import Table, download_link, file_name, render
 from erlif.show.report.prediction import carrying_sentences, compare_correlations
+from erlif.show.view.exports import table_csv
 
 _REASONS = {
     Flag.SATURATED: "a camera read full scale",
@@ -341,25 +339,5 @@ def trigger_csv(film: xr.Dataset, valid: Array, triggers: AnyArray) -> str:
         if each.name in film.variables and each.values.dtype.kind in "iufb"
     }
     columns["valid share [1]"] = valid
-    return write_csv({name: values[triggers].tolist() for name, values in columns.items()})
-
-
-def write_csv(columns: Mapping[str, Sequence[Any]]) -> str:
-    """Write columns as CSV, numbers with the nine digits that single precision holds.
-
-    Examples
-    --------
-    >>> write_csv({"run": ["a"], "load [N]": [222.0]}).splitlines()
-    ['run,load [N]', 'a,222']
-    """
-    file = io.StringIO()
-    writer = csv.writer(file)
-    writer.writerow(columns)
-    writer.writerows(zip(*(map(_cell, values) for values in columns.values()), strict=True))
-    return file.getvalue()
-
-
-def _cell(value: Any) -> str:
-    if isinstance(value, str):
-        return value
-    return "NaN" if math.isnan(value) else f"{value:.9g}"
+    chosen = {name: values[triggers].astype(float).tolist() for name, values in columns.items()}
+    return table_csv(chosen, digits=9, missing="NaN")

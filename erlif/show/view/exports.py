@@ -99,37 +99,42 @@ def map_csv(values: Image, flags: FlagImage, *, x: Array, y: Array, name: str) -
     across, down = np.meshgrid(x, y)
     shown = np.where(flags == 0, values, np.nan)
     columns = {"x_mm": across.ravel(), "y_mm": down.ravel(), name: shown.ravel()}
-    return table_csv({**columns, "flags": flags.ravel()})
+    return table_csv({**columns, "flags": flags.ravel()}).encode()
 
 
-def table_csv(columns: Mapping[str, Sequence[object] | AnyArray]) -> bytes:
+def table_csv(
+    columns: Mapping[str, Sequence[object] | AnyArray], *, digits: int = 7, missing: str = ""
+) -> str:
     """Write columns as text between commas.
 
     Parameters
     ----------
     columns : mapping of str to sequence
-        Values of one length by their headings; NaN and None are left empty.
+        Values by heading, all of one length.
+    digits : int
+        Significant digits of numbers that are not whole.
+    missing : str
+        What stands for NaN and None.
 
     Returns
     -------
-    bytes
-        UTF-8, one heading row; numbers have seven significant digits.
+    str
 
     Examples
     --------
-    >>> table_csv({"load_N": [220.0, None], "stroke": [1, -1]}).decode().splitlines()
+    >>> table_csv({"load_N": [220.0, None], "stroke": [1, -1]}).splitlines()
     ['load_N,stroke', '220,1', ',-1']
     """
+
+    def text(value: object) -> str:
+        if value is None or value != value:  # NaN differs from itself
+            return missing
+        number = isinstance(value, float | np.floating)
+        return f"{value:.{digits}g}" if number else str(value)
+
     file = io.StringIO()
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(columns)
-    texts = [[_text(value) for value in np.asarray(one, object)] for one in columns.values()]
+    texts = [[text(value) for value in np.asarray(one, object)] for one in columns.values()]
     writer.writerows(zip(*texts, strict=True))
-    return file.getvalue().encode()
-
-
-def _text(value: object) -> str:
-    """A number without digits that mean nothing; nothing for NaN."""
-    if value is None or (isinstance(value, float) and np.isnan(value)):
-        return ""
-    return f"{value:.7g}" if isinstance(value, float | np.floating) else str(value)
+    return file.getvalue()

@@ -516,7 +516,7 @@ def _export_map(request: Request) -> Export:
 def _export_profile(request: Request) -> Export:
     found = _find_profile(request)
     columns = {"position_mm": found.position, "value": found.values, "std": found.std}
-    return Export(_file_name(request, "profile", "csv"), table_csv(columns))
+    return Export(_file_name(request, "profile", "csv"), table_csv(columns).encode())
 
 
 def _export_region(request: Request) -> Export:
@@ -530,13 +530,13 @@ def _export_region(request: Request) -> Export:
     region = request.numbers("region", 4)
     columns |= {name: [value] for name, value in zip(names, region, strict=True)}
     columns |= {name: [value] for name, value in vars(found).items()}
-    return Export(_file_name(request, "region", "csv"), table_csv(columns))
+    return Export(_file_name(request, "region", "csv"), table_csv(columns).encode())
 
 
 def _export_cycle(request: Request) -> Export:
     cycle = describe_cycle(request.film().film)
     columns = {"stroke": cycle["stroke"], **cycle["columns"]}
-    return Export(_file_name(request, "cycle", "csv"), table_csv(columns))
+    return Export(_file_name(request, "cycle", "csv"), table_csv(columns).encode())
 
 
 def change_region(films: Sequence[FilmReader], body: bytes) -> dict[str, str]:

@@ -35,4 +35,4 @@ def test_a_map_as_text_holds_every_pixel():
 
 
 def test_a_text_with_a_comma_stays_one_column():
-    assert table_csv({"layer": ["thickness, mean"], "n": [3]}) == b'layer,n\n"thickness, mean",3\n'
+    assert table_csv({"layer": ["thickness, mean"], "n": [3]}) == 'layer,n\n"thickness, mean",3\n'
