@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -57,33 +57,6 @@ _Film: TypeAlias = tuple[tuple[int, int], int, dict[str, float]]
 """Cells, stride and unknowns of one film."""
 
 
-class Orbits(Protocol):
-    """What follows pins through the motion of a run.
-
-    Attributes
-    ----------
-    journal : Journal
-        The joint, with the viscosity to which the fitted fluidity is relative.
-    motion : Motion
-        Rotation of the bushing and load at each time.
-    """
-
-    @property
-    def journal(self) -> Journal: ...
-
-    @property
-    def motion(self) -> Motion: ...
-
-    def follow(self, unknowns: dict[str, Array]) -> Array:
-        """Displacement along the load and sideways, (case, step, axis). [m]
-
-        Unknowns are arrays (case,): fluidity, viscosity of the joint over that of the case;
-        start_film, logarithm of the film at the first step in metres; start_attitude [rad]; rest,
-        over the clearance; stiffness, decimal logarithm of that in N/m; cavitation_pressure,
-        suction in atmospheres. NaN where no film carries the load.
-        """
-
-
 @dataclass(frozen=True)
 class FreeOrbits:
     """Pins that are free sideways, or on a soft spring, in a film that does not rupture.
@@ -100,7 +73,12 @@ class FreeOrbits:
     motion: Motion
 
     def follow(self, unknowns: dict[str, Array]) -> Array:
-        """As `Orbits.follow`; fluidity, start_film and start_attitude, with a spring the others."""
+        """Displacement along the load and sideways, (case, step, axis). [m]
+
+        Unknowns are arrays (case,): fluidity, viscosity of the joint over that of the case;
+        start_film, logarithm of the film at the first step in metres; start_attitude [rad]; with a
+        spring rest, over the clearance, and stiffness, decimal logarithm of that in N/m.
+        """
         clearance = self.journal.clearance
         film = np.clip(np.exp(unknowns["start_film"]) / clearance, 2 * THINNEST, 1.0)
         eccentric, attitude = (1 - film) * clearance, unknowns["start_attitude"]
@@ -171,7 +149,11 @@ class HeldOrbits:
     followed: dict[tuple[object, ...], Array] = field(default_factory=dict, init=False, repr=False)
 
     def follow(self, unknowns: dict[str, Array]) -> Array:
-        """As `Orbits.follow`, one transient film for each case."""
+        """As `FreeOrbits.follow`, one transient film for each case.
+
+        Besides, cavitation_pressure is the suction in atmospheres. NaN where no film carries the
+        load.
+        """
         cases = len(unknowns["fluidity"])
         each = [{name: float(column[k]) for name, column in unknowns.items()} for k in range(cases)]
         found = np.stack(self._all_known([(self.cells, _STRIDE, case) for case in each]))
@@ -333,6 +315,10 @@ class HeldOrbits:
             return np.full((self.motion.time.size, 2), np.nan)
         both = solved.displacement_load.values, solved.displacement_side.values
         return np.stack([np.interp(self.motion.time, motion.time, axis) for axis in both], axis=1)
+
+
+Orbits: TypeAlias = FreeOrbits | HeldOrbits
+"""What follows pins through the motion of a run."""
 
 
 def film_change(place: Array, clearance: float, part: float) -> Array:
