@@ -104,6 +104,30 @@ def test_the_ghost_is_removed_from_the_ratio():
     assert after < 0.35 * before
 
 
+def parabola():
+    """Equal light of both cameras; its logarithm is a x^2 + b y^2, with derivatives 2 a and 2 b."""
+    y, x = np.indices(SHAPE) - 100.0
+    light = np.exp(1e-4 * x**2 - 2e-4 * y**2)
+    return frames(light, light, None, noise=False)
+
+
+BENT = BlurDifference(2.0, 0.5, 1e-3, 1e-3)
+
+
+def test_the_ghost_of_a_parabola_is_its_constant_curvature():
+    found = compute_ratio(parabola(), blur=BENT).log_ratio.values[0]
+    npt.assert_allclose(found[1:-1, 1:-1], -(2.0 * 2e-4 - 0.5 * 4e-4), atol=5e-6)
+    npt.assert_array_equal(found[[0, -1]], 0.0)
+
+
+def test_the_ratio_beside_pixels_without_light_is_not_changed():
+    pair = parabola()
+    pair["signal"][:, 0, 90, 120] = 0.0
+    found = compute_ratio(pair, blur=BENT).log_ratio.values[0]
+    npt.assert_array_equal(found[[89, 90, 90, 91], [120, 119, 121, 120]], 0.0)
+    assert found[88, 120] != 0
+
+
 def test_without_texture_the_ratio_is_not_changed():
     rng = np.random.default_rng(4)
     flat = np.ones(SHAPE)

@@ -122,7 +122,7 @@ REFUSED = [
     ("frame,other,load_N\n0,1,200\n", "Expected a column angle_deg in encoder.csv; its header is"),
     (
         "frame,angle_deg\n0,1.5\n1,2,5\n",
-        "values in row 3 of encoder.csv, as in its header; it has 3",
+        "values in row 3 of encoder.csv, as in its header; it has 3. A decimal comma",
     ),
     (f"{HEADER}0,1,200\n1,2\n", "Expected 3 values in row 3"),
     ("frame,angle_deg,frame\n0,1,0\n", "each column of encoder.csv once; frame comes 2 times"),
