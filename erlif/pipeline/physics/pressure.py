@@ -136,7 +136,7 @@ def _view(film: xr.Dataset, settings: RunSettings) -> PinView:
     if view is None or "pin_displacement" not in film:
         raise ConfigError(
             "Expected the position of the pin in the film; there is none, because the image is "
-            "wider than half a turn of the pin or the film is of an earlier version. Make the "
+            "wider than half a turn of the pin. Make the "
             "film again with: erlif process RUN_DIR"
         )
     return view
@@ -516,8 +516,6 @@ def _name_causes(found: xr.Dataset, ratio: float, *, shifted: bool) -> list[str]
     mount = f"the mount: {describe_sideways(settings.prediction)} in [prediction]"
     if "prediction.sideways" not in str(found.attrs.get("settings_stated", "")).split(", "):
         mount = "the mount: free sideways is assumed, as [prediction] states no mount"
-        if "settings_stated" not in found.attrs:  # a film of an earlier version
-            mount = f"the mount: {describe_sideways(settings.prediction)}, stated or by default"
     causes = [
         mount + " (free and guided pins have different load lines and cavities)",
         "load line or direction of the motion in [prediction]",
