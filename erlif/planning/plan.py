@@ -400,99 +400,75 @@ def _very_thick(design: Design, number: int) -> float:
 # design to dataset
 
 
+_DESIGN = {
+    "ratio": ("thickness", "1", "ratio camera 2 / camera 1"),
+    "log_ratio_slope": ("thickness", "um-1", "slope of ln ratio"),
+    "signal": ("camera thickness", "electron", "mean signal of a pixel in mid-beam"),
+    "full_scale": ("camera", "electron", "largest signal of a pixel"),
+    "thickness_std": ("thickness", "um", "standard deviation of one pixel of one frame"),
+    "thickness_std_frames": (
+        "thickness",
+        "um",
+        "standard deviation with the frames and the averaging of the plan",
+    ),
+    "frames_needed": ("thickness", "1", "frame pairs for the wanted standard deviation"),
+    "measurable_range": ("bound", "um", "measurable range of one pixel of one frame"),
+    "measurable_range_frames": ("bound", "um", "the same with the frames of the plan"),
+    "calibrated_range": ("bound", "um", "range in which the calibration would hold"),
+    "concentration": ("dye", "mol L-1", "concentration"),
+    "pulse_energy": ("", "1", "pulse energy over that of the plan"),
+    "attenuation_camera1": ("", "um-1", "p"),
+    "attenuation_camera2": ("", "um-1", "q"),
+    "ratio_at_zero": ("", "1", "K, ratio of a vanishing film"),
+    "ratio_thick": ("", "1", "ratio of a very thick film"),
+    "reabsorption": ("", "um-1", "of the band of camera 1 by dye 2"),
+    "absorption": ("", "um-1", "of the laser by both dyes"),
+    "largest_error": ("", "1", "largest standard deviation over thickness in the wanted range"),
+}
+"""Dims, unit and meaning of what is stated of a design, in the order of the dataset."""
+
+
 def _describe_design(
     design: Design, film: Film, films: np.ndarray[Any, Any], uncertainty: float
 ) -> xr.Dataset:
     """Curves over the thickness, ranges and numbers of one design."""
-    one_frame = replace(film, frames=1)
+    average, wanted = film.average, uncertainty * films
     reabsorption, absorption = optical_thickness(design)
-    t, c, b = ("thickness",), ("camera",), ("bound",)
-    curves: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
-        "ratio": (t, np.exp(log_ratio(design, films)), "1", "ratio camera 2 / camera 1"),
-        "log_ratio_slope": (t, log_ratio_slope(design, films), "um-1", "slope of ln ratio"),
-        "signal": (
-            (*c, *t),
-            np.stack([signal(design, number, films) for number in (1, 2)]),
-            "electron",
-            "mean signal of a pixel in mid-beam",
-        ),
-        "full_scale": (
-            c,
-            [camera.full_scale for camera in design.cameras],
-            "electron",
-            "largest signal of a pixel",
-        ),
-        "thickness_std": (
-            t,
-            thickness_std(design, films),
-            "um",
-            "standard deviation of one pixel of one frame",
-        ),
-        "thickness_std_frames": (
-            t,
-            thickness_std(design, films, frames=film.frames, average=film.average),
-            "um",
-            "standard deviation with the frames and the averaging of the plan",
-        ),
-        "frames_needed": (
-            t,
-            frames_needed(design, films, uncertainty * films, average=film.average),
-            "1",
-            "frame pairs for the wanted standard deviation",
-        ),
-        "measurable_range": (
-            b,
-            list(measurable_range(design, one_frame)),
-            "um",
-            "measurable range of one pixel of one frame",
-        ),
-        "measurable_range_frames": (
-            b,
-            list(measurable_range(design, film)),
-            "um",
-            "the same with the frames of the plan",
-        ),
-        "calibrated_range": (
-            b,
-            list(calibrated_range(design, film)),
-            "um",
-            "range in which the calibration would hold",
-        ),
-        "concentration": (("dye",), design.concentrations, "mol L-1", "concentration"),
-        "pulse_energy": ((), design.energy, "1", "pulse energy over that of the plan"),
-        "attenuation_camera1": ((), mean_attenuation(design, 1), "um-1", "p"),
-        "attenuation_camera2": ((), mean_attenuation(design, 2), "um-1", "q"),
-        "ratio_at_zero": (
-            (),
-            float(np.exp(log_ratio(design, 1e-6))),
-            "1",
-            "K, ratio of a vanishing film",
-        ),
-        "ratio_thick": (
-            (),
-            float(np.exp(log_ratio(design, _very_thick(design, 2)))),
-            "1",
-            "ratio of a very thick film",
-        ),
-        "reabsorption": ((), reabsorption, "um-1", "of the band of camera 1 by dye 2"),
-        "absorption": ((), absorption, "um-1", "of the laser by both dyes"),
-        "largest_error": (
-            (),
-            largest_error(design, film),
-            "1",
-            "largest standard deviation over thickness in the wanted range",
-        ),
+    values: dict[str, Any] = {
+        "ratio": np.exp(log_ratio(design, films)),
+        "log_ratio_slope": log_ratio_slope(design, films),
+        "signal": np.stack([signal(design, number, films) for number in (1, 2)]),
+        "full_scale": [camera.full_scale for camera in design.cameras],
+        "thickness_std": thickness_std(design, films),
+        "thickness_std_frames": thickness_std(design, films, frames=film.frames, average=average),
+        "frames_needed": frames_needed(design, films, wanted, average=average),
+        "measurable_range": measurable_range(design, replace(film, frames=1)),
+        "measurable_range_frames": measurable_range(design, film),
+        "calibrated_range": calibrated_range(design, film),
+        "concentration": design.concentrations,
+        "pulse_energy": design.energy,
+        "attenuation_camera1": mean_attenuation(design, 1),
+        "attenuation_camera2": mean_attenuation(design, 2),
+        "ratio_at_zero": np.exp(log_ratio(design, 1e-6)),
+        "ratio_thick": np.exp(log_ratio(design, _very_thick(design, 2))),
+        "reabsorption": reabsorption,
+        "absorption": absorption,
+        "largest_error": largest_error(design, film),
     }
     return xr.Dataset(
         {
-            name: (dims, np.asarray(values, float), {"units": units, "long_name": meaning})
-            for name, (dims, values, units, meaning) in curves.items()
+            name: (
+                tuple(dims.split()),
+                np.asarray(values[name], float),
+                {"units": units, "long_name": meaning},
+            )
+            for name, (dims, units, meaning) in _DESIGN.items()
         },
         {
-            "thickness": (t, films, {"units": "um", "long_name": "film thickness"}),
-            "camera": (c, [1, 2], {"long_name": "camera"}),
-            "dye": (("dye",), [1, 2], {"long_name": "dye"}),
-            "bound": (b, ["thinnest", "thickest"]),
+            "thickness": ("thickness", films, {"units": "um", "long_name": "film thickness"}),
+            "camera": ("camera", [1, 2], {"long_name": "camera"}),
+            "dye": ("dye", [1, 2], {"long_name": "dye"}),
+            "bound": ("bound", ["thinnest", "thickest"]),
         },
     )
 
