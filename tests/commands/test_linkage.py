@@ -14,7 +14,7 @@ LINKS = ("--coupler", "44 cm", "--rocker", "260 mm", "--ground", "0.51 m")
 def test_the_crank_of_the_thesis_for_26_degrees(command, tmp_path, monkeypatch):
     path = tmp_path / "linkage.png"
 
-    def written(design, path, *, overwrite):  # tests/plots draws it
+    def written(design, path, *, overwrite):  # tests/show/plots draws it
         path.write_text(f"{design.linkage.crank:.6f}", encoding="utf-8")
         return path
 

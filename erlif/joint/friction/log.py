@@ -207,45 +207,27 @@ def _read_table(path: Path, columns: LogColumns) -> LogTable:
 
 
 def _find(table: LogTable, columns: LogColumns) -> dict[str, list[LogColumn]]:
-    """Columns by quantity: chosen ones first, then those of a known name."""
-    found: dict[str, list[LogColumn]] = {}
-    taken: list[LogColumn] = []
-    for quantity in QUANTITIES:
-        names = columns.chosen(quantity)
-        if names:
-            found[quantity] = [_choose(quantity, name, table) for name in names]
-            taken += found[quantity]
+    """Columns by quantity: chosen ones first, then those of a known name, then of a similar one."""
+    found = {
+        quantity: [_choose(quantity, name, table) for name in columns.chosen(quantity)]
+        for quantity in QUANTITIES
+        if columns.chosen(quantity)
+    }
     for quantity, pattern in _KNOWN.items():
         if quantity in found or (quantity == "torque" and "arm_force" in found):
             continue
-        fitting = [
-            column
-            for column in table.columns
-            if column not in taken
-            and re.fullmatch(pattern, _base(column.name))
-            and _fits(column, quantity, columns)
-        ]
-        if quantity == "time" and len(fitting) > 1:
-            # seconds beside the time of day
-            fitting = [column for column in fitting if column.unit != CLOCK] or fitting
-        if fitting:
-            _refuse_many(quantity, fitting, table)
-            found[quantity] = fitting
-            taken += fitting
+        known = _known(quantity, pattern, table, columns, taken=_taken(found))
+        if known:
+            _refuse_many(quantity, known, table)
+            found[quantity] = known
 
+    taken = _taken(found)
     for quantity, pattern in _LOOSE.items():
         if quantity in found:
             continue
-        loose = [
-            column
-            for column in table.columns
-            if column not in taken
-            and re.fullmatch(pattern, _base(column.name))
-            and not _ELSEWHERE.search(_base(column.name))
-            and _scale(column, quantity, columns) is not None
-        ]
-        if len({_base(column.name) for column in loose}) == 1:
-            found[quantity] = loose
+        similar = _similar(quantity, pattern, table, columns, taken=taken)
+        if len({_base(column.name) for column in similar}) == 1:
+            found[quantity] = similar
 
     for quantity in ("time", "cells"):
         if quantity not in found:
@@ -253,6 +235,42 @@ def _find(table: LogTable, columns: LogColumns) -> dict[str, list[LogColumn]]:
     if "torque" not in found and "arm_force" not in found:
         _refuse_missing("torque or arm_force", table)
     return {quantity: found[quantity] for quantity in QUANTITIES if quantity in found}
+
+
+def _taken(found: dict[str, list[LogColumn]]) -> list[LogColumn]:
+    """The columns that belong to a quantity already."""
+    return [column for columns in found.values() for column in columns]
+
+
+def _known(
+    quantity: str, pattern: str, table: LogTable, columns: LogColumns, *, taken: list[LogColumn]
+) -> list[LogColumn]:
+    """Columns of a known name whose unit is of the right kind."""
+    fitting = [
+        column
+        for column in table.columns
+        if column not in taken
+        and re.fullmatch(pattern, _base(column.name))
+        and _fits(column, quantity, columns)
+    ]
+    if quantity == "time" and len(fitting) > 1:
+        # seconds beside the time of day
+        return [column for column in fitting if column.unit != CLOCK] or fitting
+    return fitting
+
+
+def _similar(
+    quantity: str, pattern: str, table: LogTable, columns: LogColumns, *, taken: list[LogColumn]
+) -> list[LogColumn]:
+    """Columns whose name resembles a known one, with a unit of the right kind."""
+    return [
+        column
+        for column in table.columns
+        if column not in taken
+        and re.fullmatch(pattern, _base(column.name))
+        and not _ELSEWHERE.search(_base(column.name))
+        and _scale(column, quantity, columns) is not None
+    ]
 
 
 def _base(name: str) -> str:

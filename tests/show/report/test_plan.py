@@ -120,7 +120,7 @@ def test_tables_hold_the_numbers_of_the_plan(planned):
 
 
 def test_files_are_complete_and_read_back(planned, tmp_path, monkeypatch):
-    # tests/plots looks at the figure, and the command writes it
+    # tests/show/plots looks at the figure, and the command writes it
     monkeypatch.setattr(
         "erlif.show.plots.plan_figure", lambda _: new_figure(1.0, 1.0).subplots().figure
     )
