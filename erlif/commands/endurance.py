@@ -103,12 +103,7 @@ def endurance(
     )
     names = [log.stem for log in logs]
     overviews = name_overviews(names)
-    doubled = {name for name in names if names.count(name) > 1}
-    if doubled:
-        raise click.UsageError(
-            f"Expected logs of different names; {', '.join(sorted(doubled))} comes twice. Rename "
-            "one, or analyse them with different -o."
-        )
+    _refuse_doubled(names)
     members = _divide(logs, designs or dict(given.designs))
     output = output or logs[0].parent / "endurance"
     table = output / "endurance.csv"
@@ -116,14 +111,10 @@ def endurance(
     for picture in overviews.values():
         refuse_existing(output / picture, overwrite=overwrite)
 
+    reading = {"skip_bad_rows": skip_bad_rows, "compression_negative": compression_negative}
     found = []
     for log in logs:
-        read = read_endurance_log(
-            log,
-            choice,
-            skip_bad_rows=skip_bad_rows,
-            compression_negative=compression_negative,
-        )
+        read = read_endurance_log(log, choice, **reading)
         found.append(
             analyse_endurance(
                 read,
@@ -145,12 +136,7 @@ def endurance(
         (first, one), (second, other) = members.items()
         failures = {result.name: result.failure for result in found}
         old, new = ([failures[name] for name in design] for design in (one, other))
-        compared = compare_designs(
-            old,
-            new,
-            names=(first, second),
-            model=model,
-        )
+        compared = compare_designs(old, new, names=(first, second), model=model)
         click.echo("\n".join(describe_designs(compared)) + "\n")
     click.echo(f"written: {write_test_table(found, table)}")
     for result in found:
@@ -158,6 +144,16 @@ def endurance(
             click.echo(f"written: {path}")
     if members:
         click.echo(f"written: {write_designs_figure(compared, old, new, output)}")
+
+
+def _refuse_doubled(names: list[str]) -> None:
+    """Outputs are named after the logs."""
+    doubled = {name for name in names if names.count(name) > 1}
+    if doubled:
+        raise click.UsageError(
+            f"Expected logs of different names; {', '.join(sorted(doubled))} comes twice. Rename "
+            "one, or analyse them with different -o."
+        )
 
 
 def _divide(logs: tuple[Path, ...], designs: Mapping[str, Sequence[str]]) -> dict[str, list[str]]:
