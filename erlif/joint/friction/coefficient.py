@@ -158,6 +158,8 @@ def torque_of(log: xr.Dataset, arm: float | None) -> Array:
     >>> torque_of(xr.Dataset({"arm_force": ("time", [400.0])}), 0.3)
     array([120.])
     """
+    if arm is not None:
+        require_option(arm=arm)
     if "torque" in log:
         torque: Array = log["torque"].values
         return torque
@@ -166,7 +168,6 @@ def torque_of(log: xr.Dataset, arm: float | None) -> Array:
             "Expected the arm of the load cell whose force is logged; it is not given. Write "
             '--arm "30 cm", or arm = "30 cm" under [machine] of the settings.'
         )
-    require_option(arm=arm)
     force: Array = log["arm_force"].values
     return force * arm
 

@@ -82,3 +82,9 @@ def test_a_length_that_is_no_positive_number_is_refused_by_its_name(name, value)
     given = {"pin_radius": 0.04, "arm": 0.3, name: value}
     with pytest.raises(EnduranceError, match=f"positive {name}"):
         measure_friction(log, **given)
+
+
+def test_an_arm_without_meaning_is_refused_beside_a_logged_torque():
+    log = log_of(np.arange(9.0), torque=np.ones(9))
+    with pytest.raises(EnduranceError, match="positive arm"):
+        measure_friction(log, pin_radius=0.04, arm=0.0)
