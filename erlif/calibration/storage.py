@@ -292,10 +292,11 @@ erlif process writes it; there is none. Make the film again with: erlif process 
     except OutputError:
         raise
     except Exception as error:  # a damaged record has values of any type
+        reason = f"it has no {error}" if isinstance(error, KeyError) else str(error).rstrip(".")
         raise OutputError(
             "Expected the calibration among the attributes of the film, as erlif process writes "
-            f"it; the one there cannot be used: {str(error).rstrip('.')}. Make the film again with "
-            "erlif process RUN_DIR"
+            f"it; the one there cannot be used: {reason}. Make the film again with erlif process "
+            "RUN_DIR"
         ) from error
     return calibration
 

@@ -395,7 +395,8 @@ class RigSettings:
             low, high = LIMITS.get(name, (-math.inf, math.inf))
             values = value if isinstance(value, tuple) else (value,)
             numbers = [one for one in values if isinstance(one, int | float)]
-            if not all(math.isfinite(one) and low <= one <= high for one in numbers):
+            text = isinstance(value, str) and not isinstance(getattr(RigSettings, name), str)
+            if text or not all(math.isfinite(one) and low <= one <= high for one in numbers):
                 among = f" from {low:g} to {high:g}" if name in LIMITS else ""
                 raise ModelError(
                     f"Expected {name} of the virtual rig as a number{among}; got {value}. "

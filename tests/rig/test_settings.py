@@ -11,6 +11,7 @@ from erlif.rig import RigSettings
 
 IMPOSSIBLE = (
     {"width": 8},
+    {"width": "320"},
     {"cycles": 0},
     {"light": 0.0},
     {"spacing": 0.0},
@@ -24,6 +25,8 @@ IMPOSSIBLE = (
     {"flat_levels": ()},
     {"film_floor": 0.0},
     {"background": -0.01},
+    {"background_beam": -0.01},
+    {"reference": -1.0},
     {"background_pages": -1},
     {"bleaching": (0.0, 1.0)},
     {"sideways": "glued"},

@@ -60,6 +60,9 @@ def make_film(truth, *, noise=0.0, turned=False, covariance=EXACT):
         "attenuation_camera2": Q,
         "covariance": covariance.tolist(),
         "thickness_range": [0.2, 16.0],
+        "covered_range": [0.2, 16.0],
+        "input_hashes": {},
+        "date": "",
     }
     return film.assign_attrs(
         settings=to_toml(RunSettings.model_validate(settings)), calibration=json.dumps(calibration)
