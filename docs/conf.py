@@ -25,6 +25,8 @@ os.environ["PYTHONPATH"] = os.pathsep.join(
 )  # for the kernel of the tutorial
 
 from erlif.core.version import __version__  # noqa: E402
+from erlif.io.settings import Settings  # noqa: E402
+from erlif.io.settings.keys import meaning_of  # noqa: E402
 
 project = "erlif"
 author = "The erlif developers"
@@ -230,12 +232,12 @@ def escape_bars(
 def list_settings(
     app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]
 ) -> None:
-    """Append the keys of a table of the settings, which pydantic keeps as descriptions."""
-    fields = getattr(thing, "model_fields", None) if what == "class" else None
-    if fields:
+    """Append the keys of a table of the settings with their meanings."""
+    if what == "class" and isinstance(thing, type) and issubclass(thing, Settings):
         lines.append("")
-        for key, field in fields.items():
-            lines += [f"``{key}``", f"    {field.description or 'See the table of this name.'}", ""]
+        for key in thing.model_fields:
+            meaning = meaning_of(thing, key)[0] or "See the table of this name."
+            lines += [f"``{key}``", f"    {meaning}", ""]
 
 
 def inline_math(self, node: nodes.math) -> None:

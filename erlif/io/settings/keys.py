@@ -1,12 +1,16 @@
 """The keys of a settings file, described: form, unit, default, bounds and meaning of each.
 
-Messages, the template of `erlif init`, the JSON schema and docs/files.md are made from these.
+Messages, the template of `erlif init`, the JSON schema and docs/files.md are made from these. Form,
+bounds and default are those of the type of a field; its meaning stands in keys.toml.
 """
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
+from importlib import resources
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
@@ -146,7 +150,7 @@ def keys_of(kind: type[Settings]) -> Iterator[Key]:
     """
     for name, field in kind.model_fields.items():
         if not tables_in(field.annotation):
-            yield _describe(name, field)
+            yield _describe(kind, name, field)
 
 
 def tables_in(annotation: Any) -> list[type[Settings]]:
@@ -173,9 +177,45 @@ def tables_in(annotation: Any) -> list[type[Settings]]:
     return [found for argument in get_args(annotation) for found in tables_in(argument)]
 
 
-def _describe(name: str, field: FieldInfo) -> Key:
+def meaning_of(kind: type[Settings], name: str) -> tuple[str, Any]:
+    """Meaning and example of a key or of an inner table, as keys.toml has them.
+
+    Parameters
+    ----------
+    kind : type of Settings
+        Class of the table around it.
+    name : str
+        Name of the key.
+
+    Returns
+    -------
+    str, Any
+        The meaning, empty for a table that describes itself; the example as a user writes it, None
+        where that of the type serves.
+
+    Examples
+    --------
+    >>> from erlif.io.settings import OpticsSettings
+    >>> meaning_of(OpticsSettings, "pixel_pitch")[1]
+    '60 um'
+    """
+    for one in kind.__mro__:  # a pin has the keys of any part
+        found = _read_meanings().get(one.__name__, {}).get(name)
+        if found is not None:
+            return " ".join(found["meaning"].split()), found.get("example")
+    return "", None
+
+
+@cache
+def _read_meanings() -> dict[str, Any]:
+    file = resources.files("erlif.io.settings").joinpath("keys.toml")
+    return tomllib.loads(file.read_text(encoding="utf-8"))
+
+
+def _describe(kind: type[Settings], name: str, field: FieldInfo) -> Key:
     """Key of a field."""
     plain, metadata = _unwrap(field)
+    meaning, own = meaning_of(kind, name)
     form = next((item for item in metadata if isinstance(item, Form)), None)
     choices = get_args(plain) if get_origin(plain) is Literal else ()
 
@@ -188,7 +228,7 @@ def _describe(name: str, field: FieldInfo) -> Key:
         default = list(default)
 
     # an example of the field itself is closer to its meaning than that of its type
-    examples = [*(field.examples or ()), *([form.example] if form else ()), default, *choices]
+    examples = [own, form.example if form else None, default, *choices]
     return Key(
         name=name,
         form="text"
@@ -202,7 +242,7 @@ def _describe(name: str, field: FieldInfo) -> Key:
         default=default,
         bounds=_describe_bounds(metadata),
         choices=choices,
-        meaning=field.description or "",
+        meaning=meaning,
     )
 
 

@@ -39,53 +39,23 @@ Share = Annotated[float, Field(ge=0, lt=1)]
 class CoefficientSettings(Settings):
     """A dye by its coefficients at the laser and in the bands of the cameras."""
 
-    laser: MolarAbsorption = Field(description="Molar absorption coefficient at the laser.")
-    camera1: MolarAbsorption = Field(description="The same in the band of camera 1.")
-    camera2: MolarAbsorption = Field(description="The same in the band of camera 2.")
-    emission1: EmissionDensity = Field(
-        description="Share of the emitted photons per nm in the band of camera 1."
-    )
-    emission2: EmissionDensity = Field(description="The same in the band of camera 2.")
+    laser: MolarAbsorption
+    camera1: MolarAbsorption
+    camera2: MolarAbsorption
+    emission1: EmissionDensity
+    emission2: EmissionDensity
 
 
 class DyeSettings(Settings):
     """One dye: what dissolves, absorbs and emits."""
 
-    name: Text = Field("", description="Name of the dye.", examples=["Pyrromethene 605"])
-    concentration: Concentration = Field(description="Concentration in the oil.")
-    quantum_yield: float = Field(
-        gt=0, le=1, description="Photons emitted for one absorbed.", examples=[0.7]
-    )
-    spectra: Literal["synthetic 605", "synthetic 650"] | None = Field(
-        None,
-        description="Invented spectra, for a first look: they are no measured spectra of any dye. "
-        "Give this, or absorption and emission, or coefficients.",
-    )
-    absorption: FileName | None = Field(
-        None,
-        description="Molar absorption coefficient, decadic, in L/mol/cm: CSV file with the columns "
-        "wavelength_nm,value, beside this file.",
-        examples=["dye1_absorption.csv"],
-    )
-    emission: FileName | None = Field(
-        None,
-        description="Emission over its whole band in any unit, photons per wavelength: CSV file "
-        "with the columns wavelength_nm,value.",
-        examples=["dye1_emission.csv"],
-    )
-    coefficients: CoefficientSettings | None = Field(
-        None,
-        description="Coefficients at the laser and in both bands, where no spectra are at hand.",
-        examples=[
-            {
-                "laser": "8.5e4 L/mol/cm",
-                "camera1": "3.5e3 L/mol/cm",
-                "camera2": "0 L/mol/cm",
-                "emission1": "0.017 1/nm",
-                "emission2": "0.008 1/nm",
-            }
-        ],
-    )
+    name: Text = ""
+    concentration: Concentration
+    quantum_yield: float = Field(gt=0, le=1)
+    spectra: Literal["synthetic 605", "synthetic 650"] | None = None
+    absorption: FileName | None = None
+    emission: FileName | None = None
+    coefficients: CoefficientSettings | None = None
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
@@ -113,64 +83,31 @@ class DyeSettings(Settings):
 class LaserSettings(Settings):
     """The laser."""
 
-    wavelength: Wavelength = Field(description="Wavelength.", examples=["532 nm"])
-    pulse_energy: Energy = Field(description="Energy of one pulse.")
-    beam_diameter: Length | None = Field(
-        None,
-        description="Diameter of the beam on the film. Default: it is not known, and light follows "
-        "from thick_film of the cameras.",
-        examples=["25 mm"],
-    )
+    wavelength: Wavelength
+    pulse_energy: Energy
+    beam_diameter: Length | None = None
 
 
 class OpticsOfPlan(Settings):
     """How much of the light reaches a pixel. Needed where thick_film is not given."""
 
-    pixel_pitch: Length = Field(
-        description="Size of a pixel in the object plane.", examples=["60 um"]
-    )
-    numerical_aperture: float = Field(
-        gt=0, lt=1, description="Sine of the half angle of the light collected, in air."
-    )
-    refractive_index: float = Field(1.47, ge=1, le=2, description="Refractive index of the oil.")
+    pixel_pitch: Length
+    numerical_aperture: float = Field(gt=0, lt=1)
+    refractive_index: float = Field(1.47, ge=1, le=2)
 
 
 class CameraOfPlan(Settings):
     """One camera and its filter."""
 
-    band: Wavelength = Field(
-        description="Centre wavelength of the filter. Camera 1 has the band that dye 2 reabsorbs."
-    )
-    bandwidth: Width = Field(
-        10.0,
-        description="Full width of the filter at half of its transmission.",
-        validate_default=False,
-    )
-    bit_depth: int = Field(
-        12, ge=8, le=16, description="Bits of a count: full scale is 2^bit_depth - 1."
-    )
-    gain: Gain = Field(description="Photo-electrons of one count.")
-    read_noise: Electrons = Field(description="Rms read noise of a pixel.")
-    offset: Counts = Field(64.0, description="Dark level.", validate_default=False)
-    full_well: FullWell | None = Field(
-        None,
-        description="Largest signal of a pixel. Default: full scale of the converter.",
-    )
-    thick_film: Electrons | None = Field(
-        None,
-        description="Photo-electrons of a pixel in mid-beam from a very thick film, at the "
-        "concentrations and the pulse energy of this file: measured once, it replaces [optics], "
-        "beam diameter and efficiency.",
-        examples=["11000 electron"],
-    )
-    efficiency: float | None = Field(
-        None,
-        gt=0,
-        le=1,
-        description="Photo-electrons for one photon that enters the lens: lens, filter and quantum "
-        "efficiency. Either efficiency or thick_film is required.",
-        examples=[0.3],
-    )
+    band: Wavelength
+    bandwidth: Width = 10.0
+    bit_depth: int = Field(12, ge=8, le=16)
+    gain: Gain
+    read_noise: Electrons
+    offset: Counts = 64.0
+    full_well: FullWell | None = None
+    thick_film: Electrons | None = None
+    efficiency: float | None = Field(None, gt=0, le=1)
 
     @model_validator(mode="after")
     def _light_is_known(self) -> Self:
@@ -201,23 +138,11 @@ class CameraOfPlan(Settings):
 class FilmOfPlan(Settings):
     """The films to be measured."""
 
-    thinnest: Length = Field(description="Thinnest film to be measured.", examples=["2 um"])
-    thickest: Length = Field(description="Thickest film to be measured.", examples=["10 um"])
-    uncertainty: float = Field(
-        0.05,
-        gt=0,
-        lt=1,
-        description="Standard deviation wanted, share of the film.",
-        examples=[0.01],
-    )
-    frames: int = Field(1, ge=1, description="Frame pairs that are averaged into one map.")
-    average: int = Field(
-        1,
-        ge=1,
-        le=500,
-        description="Side of the squares of pixels over which a map is averaged. 1: single "
-        "pixels. [px]",
-    )
+    thinnest: Length
+    thickest: Length
+    uncertainty: float = Field(0.05, gt=0, lt=1)
+    frames: int = Field(1, ge=1)
+    average: int = Field(1, ge=1, le=500)
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -232,74 +157,48 @@ class FilmOfPlan(Settings):
 class FixtureOfPlan(Settings):
     """Films of the calibration fixture."""
 
-    thinnest: Length | None = Field(
-        None,
-        description="Default: a twentieth of the thinnest film to be measured.",
-        examples=["0.1 um"],
-    )
-    thickest: Length | None = Field(
-        None,
-        description="Default: 1.5 times the thickest film to be measured.",
-        examples=["18 um"],
-    )
+    thinnest: Length | None = None
+    thickest: Length | None = None
 
 
 class ReferencesOfPlan(Settings):
     """Dark and flat pages."""
 
-    dark_pages: int = Field(8, ge=1, description="Dark pages of each camera.")
-    flat_pages: int = Field(
-        12,
-        ge=0,
-        description="Flat pages of each camera, all levels together. 0: the response of the pixels "
-        "is left out of the plan.",
-    )
-    flat_level: float = Field(
-        0.5, gt=0, le=1, description="Mean light of the flat pages, share of full scale."
-    )
+    dark_pages: int = Field(8, ge=1)
+    flat_pages: int = Field(12, ge=0)
+    flat_level: float = Field(0.5, gt=0, le=1)
 
 
 class OptimumOptions(Settings):
     """What the concentrations may be where the best ones are sought."""
 
-    largest_concentration: Concentration = Field(
-        0.05, description="Largest concentration that dissolves.", validate_default=False
-    )
-    fill: float = Field(
-        0.75,
-        gt=0,
-        le=1,
-        description="Largest mean signal, share of full scale. Speckle and the scatter of the "
-        "pulse energy need the rest; the pulse energy is lowered where the thickest film would "
-        "exceed it.",
-    )
+    largest_concentration: Concentration = 0.05
+    fill: float = Field(0.75, gt=0, le=1)
 
 
 class ToleranceOptions(Settings):
     """Tolerances, as shares of the value unless a unit is given."""
 
-    concentration: Share = Field(0.05, description="Concentration of each dye.")
-    filter: Shift = Field(
-        2.0, description="Centre wavelength of each filter.", validate_default=False
-    )
-    pulse_energy: Share = Field(0.10, description="Pulse energy.")
-    gain: Share = Field(0.05, description="Gain of each camera.")
-    read_noise: Share = Field(0.20, description="Read noise of both cameras.")
-    full_well: Share = Field(0.10, description="Full well of both cameras.")
+    concentration: Share = 0.05
+    filter: Shift = 2.0
+    pulse_energy: Share = 0.10
+    gain: Share = 0.05
+    read_noise: Share = 0.20
+    full_well: Share = 0.10
 
 
 class NameOfPlan(Settings):
     """The plan."""
 
-    name: Text = Field(description="Name, for figures and tables.", examples=["pin of the crank"])
+    name: Text
 
 
 class PlanSettings(Settings):
     """plan.toml."""
 
     plan: NameOfPlan
-    dye1: DyeSettings = Field(description="The dye whose light is reabsorbed.")
-    dye2: DyeSettings = Field(description="The dye that reabsorbs it.")
+    dye1: DyeSettings
+    dye2: DyeSettings
     laser: LaserSettings
     camera1: CameraOfPlan
     camera2: CameraOfPlan

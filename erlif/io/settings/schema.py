@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from erlif.io.settings.keys import keys_of, tables_of
+from erlif.io.settings.keys import keys_of, meaning_of, tables_of
 from erlif.io.settings.tables import Settings
 
 DRAFT = "http://json-schema.org/draft-07/schema#"
@@ -38,9 +38,16 @@ def json_schema(kind: type[Settings]) -> dict[str, Any]:
     schema = {"$schema": DRAFT, **_simplify(raw), "definitions": _simplify(raw["$defs"])}
     del schema["$defs"]
 
-    # defaults as a user writes them: pydantic has them in the unit in which they are kept
     for table in tables_of(kind):
         definition = schema if table.kind is kind else schema["definitions"][table.kind.__name__]
+        for name, entry in definition["properties"].items():
+            meaning, example = meaning_of(table.kind, name)
+            if meaning:
+                entry["description"] = meaning
+            if example is not None:
+                entry["examples"] = [example]
+
+        # defaults as a user writes them: pydantic has them in the unit in which they are kept
         for key in keys_of(table.kind):
             if key.default is not None:
                 definition["properties"][key.name]["default"] = key.default

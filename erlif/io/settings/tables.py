@@ -182,14 +182,8 @@ FilePart = Literal[
 class CameraSettings(Settings):
     """One camera: its files, its filter and its noise."""
 
-    files: FileName = Field(
-        description="Frames of this camera, in natural order (frame_2 before frame_10): a pattern, "
-        "or one multi-page file. The name is relative to this file."
-    )
-    band: Wavelength = Field(
-        description="Centre wavelength of the filter of this camera. Camera 1 has the shorter one, "
-        "whose light dye 2 reabsorbs."
-    )
+    files: FileName
+    band: Wavelength
 
     @field_validator("band")
     @classmethod
@@ -200,81 +194,19 @@ class CameraSettings(Settings):
             raise ValueError(f"expected {low:g} to {high:g} nm; got {band:g} nm")
         return band
 
-    bit_depth: int = Field(
-        12,
-        ge=8,
-        le=16,
-        description="Bits of a count: full scale is 2^bit_depth - 1. The data sheet of the camera "
-        "states it.",
-    )
-    alignment: Literal["right", "left"] = Field(
-        "right",
-        description="Bits of a 16-bit word that hold the count: the low ones (right) or the high "
-        "ones (left), as in counts that are multiples of 16 at 12 bits.",
-    )
-    part: FilePart | None = Field(
-        None,
-        description="Part of the files that belongs to this camera where one file holds both: half "
-        "of the sensor, odd or even pages (the first page is odd), a channel of an OME or ImageJ "
-        "file, or a frame of each LaVision image. Darks and flats have the same part. Default: the "
-        "whole file.",
-    )
-    dataset: Text | None = Field(
-        None,
-        description="Path of the frames in an HDF5 or netCDF file. Default: its only dataset of "
-        "three dimensions.",
-        examples=["/camera1/counts"],
-    )
-    dark_dataset: Text | None = Field(
-        None,
-        description="Path of the dark frames in an HDF5 or netCDF file. Default: that of the "
-        "frames.",
-        examples=["/camera1/dark"],
-    )
-    flat_dataset: Text | None = Field(
-        None,
-        description="Path of the flat frames in an HDF5 or netCDF file. Default: that of the "
-        "frames.",
-        examples=["/camera1/flat"],
-    )
-    background_dataset: Text | None = Field(
-        None,
-        description="Path of the frames of the dry joint in an HDF5 or netCDF file. Default: that "
-        "of the frames.",
-        examples=["/camera1/background"],
-    )
-    dark: FileName | None = Field(
-        None,
-        description="Dark frames: lens capped, exposure time and camera gain as in the run. Either "
-        "dark or offset is required.",
-        examples=["camera1_dark.tif"],
-    )
-    offset: Counts | None = Field(
-        None, description="Dark level of the camera where no dark frames were taken."
-    )
-    flat: FileName | None = Field(
-        None,
-        description="Flat frames of an evenly lit target, several at each of one or more light "
-        "levels. Default: all pixels are taken as equally sensitive.",
-        examples=["camera1_flat.tif"],
-    )
-    background: FileName | None = Field(
-        None,
-        description="Frames of the dry or dye-free joint under the laser, at the mean pulse energy "
-        "of the run. Their light above the dark, scaled by the pulse energy where the log has it, "
-        "is subtracted.",
-        examples=["camera1_background.tif"],
-    )
-    gain: Gain | None = Field(
-        None,
-        description="Photo-electrons per count. Default: measured from the flats by photon "
-        "transfer (EMVA 1288), without flats from the frames.",
-    )
-    read_noise: Electrons | None = Field(
-        None,
-        description="Rms read noise of a pixel. Default: measured from the darks, "
-        "without darks from the frames.",
-    )
+    bit_depth: int = Field(12, ge=8, le=16)
+    alignment: Literal["right", "left"] = "right"
+    part: FilePart | None = None
+    dataset: Text | None = None
+    dark_dataset: Text | None = None
+    flat_dataset: Text | None = None
+    background_dataset: Text | None = None
+    dark: FileName | None = None
+    offset: Counts | None = None
+    flat: FileName | None = None
+    background: FileName | None = None
+    gain: Gain | None = None
+    read_noise: Electrons | None = None
 
     @property
     def full_scale(self) -> int:
@@ -310,11 +242,7 @@ class CameraSettings(Settings):
 class OpticsSettings(Settings):
     """Scale and direction of the image of camera 1 in the object plane."""
 
-    pixel_pitch: Length = Field(
-        description="Size of a pixel of camera 1 in the object plane. Photograph a scale there and "
-        "divide a length by the number of pixels it covers.",
-        examples=["60 um"],
-    )
+    pixel_pitch: Length
 
     @field_validator("pixel_pitch")
     @classmethod
@@ -328,147 +256,45 @@ class OpticsSettings(Settings):
             )
         return pitch
 
-    x_axis: Literal["sliding", "axial"] = Field(
-        "sliding",
-        description="Direction of the joint along image x: the sliding (circumferential) or the "
-        "axial direction.",
-    )
+    x_axis: Literal["sliding", "axial"] = "sliding"
 
 
 class ColumnUnits(Settings):
     """Units of columns whose header has none; they take precedence over the header."""
 
-    angle: Literal["deg", "rad", "mrad", "turn", "tick"] | None = Field(
-        None, description="Unit of the angle; tick needs ticks_per_turn.", examples=["rad"]
-    )
-    time: Literal["s", "ms", "us", "ns", "min", "h"] | None = Field(
-        None, description="Unit of the time.", examples=["ms"]
-    )
-    load: Literal["N", "kN", "mN", "lbf", "kgf"] | None = Field(
-        None, description="Unit of the load.", examples=["lbf"]
-    )
-    temperature: Literal["degC", "K", "degF"] | None = Field(
-        None, description="Unit of the temperature.", examples=["degF"]
-    )
-    speed: Literal["m/s", "mm/s", "rad/s", "rpm", "deg/s", "rev/s"] | None = Field(
-        None, description="Unit of the speed.", examples=["mm/s"]
-    )
-    pulse_energy: Literal["mJ", "J", "uJ", "V", "1"] | None = Field(
-        None, description="Unit of the pulse energy.", examples=["mJ"]
-    )
+    angle: Literal["deg", "rad", "mrad", "turn", "tick"] | None = None
+    time: Literal["s", "ms", "us", "ns", "min", "h"] | None = None
+    load: Literal["N", "kN", "mN", "lbf", "kgf"] | None = None
+    temperature: Literal["degC", "K", "degF"] | None = None
+    speed: Literal["m/s", "mm/s", "rad/s", "rpm", "deg/s", "rev/s"] | None = None
+    pulse_energy: Literal["mJ", "J", "uJ", "V", "1"] | None = None
 
 
 class EncoderSettings(Settings):
     """The encoder and its log."""
 
-    file: FileName | None = Field(
-        None,
-        description="Encoder log: one row for each frame pair, or a column of times. Default: "
-        "there is none, as for a static film.",
-        examples=["encoder.csv"],
-    )
-    mounted_on: Literal["rocker", "crank", "coupler"] = Field(
-        "rocker",
-        description="Link whose angle against the ground link the encoder measures.",
-    )
-    zero: Angle | None = Field(
-        None,
-        description="Angle of that link, counted from the ground link, at encoder reading 0; of a "
-        "disc, its angle; of a sinusoidal slider, the angle of its drive, 0 at mid-stroke. "
-        "Default: the extremes of the log are matched to the dead points of the linkage; 0 for "
-        "disc and slider.",
-    )
-    triggers_per_cycle: int | None = Field(
-        None,
-        ge=1,
-        description="Triggers in one cycle, for folding several cycles; 1 averages all frames of a "
-        "static film. Default: from the angles of the log for a linkage, if its triggers repeat "
-        "from cycle to cycle; else each frame is a trigger.",
-        examples=[50],
-    )
-    bins: int | None = Field(
-        None,
-        ge=2,
-        description="Parts of a cycle, by the angle of the crank, over which frames are averaged. "
-        "No part holds frames of both strokes. Default: none.",
-        examples=[50],
-    )
-    direction: Literal["rising", "falling"] | None = Field(
-        None,
-        description="Whether the reading rises or falls while the angle of the link rises. "
-        "Default: as the log shows; rising where it does not show it.",
-    )
+    file: FileName | None = None
+    mounted_on: Literal["rocker", "crank", "coupler"] = "rocker"
+    zero: Angle | None = None
+    triggers_per_cycle: int | None = Field(None, ge=1)
+    bins: int | None = Field(None, ge=2)
+    direction: Literal["rising", "falling"] | None = None
 
     # columns of the log
-    angle: ColumnName | None = Field(
-        None,
-        description="Column with the reading of the encoder. Default: angle_deg, else a column "
-        "called angle or encoder.",
-    )
-    frame: ColumnName | None = Field(
-        None,
-        description="Column with the number of the frame. Default: frame; without one, a log with "
-        "as many rows as frames has one row for each.",
-        examples=["Image No"],
-    )
-    time: ColumnName | None = Field(
-        None,
-        description="Column with the time. Default: time_s, else a column called time or t.",
-        examples=["Time [ms]"],
-    )
-    load: ColumnName | None = Field(
-        None,
-        description="Column with the load on the joint. Default: load_N, else a column called load "
-        "or force.",
-        examples=["Force [lbf]"],
-    )
-    temperature: ColumnName | None = Field(
-        None,
-        description="Column with the temperature of the oil. Default: temperature_C, else a column "
-        "called temperature.",
-        examples=["T oil [°C]"],
-    )
-    speed: ColumnName | None = Field(
-        None,
-        description="Column with the sliding speed or the speed of rotation. Default: speed_m_s.",
-        examples=["Speed [mm/s]"],
-    )
-    pulse_energy: ColumnName | None = Field(
-        None,
-        description="Column with the energy of the laser pulse. Default: none.",
-        examples=["Laser [mJ]"],
-    )
-    units: ColumnUnits = Field(
-        ColumnUnits(),
-        description="Units of columns that have none in their header.",
-        examples=[{"angle": "rad", "load": "lbf"}],
-    )
-    ticks_per_turn: float | None = Field(
-        None,
-        gt=0,
-        description="Ticks that the encoder counts in a turn. Required where the unit of the angle "
-        "is tick.",
-        examples=[3600],
-    )
+    angle: ColumnName | None = None
+    frame: ColumnName | None = None
+    time: ColumnName | None = None
+    load: ColumnName | None = None
+    temperature: ColumnName | None = None
+    speed: ColumnName | None = None
+    pulse_energy: ColumnName | None = None
+    units: ColumnUnits = ColumnUnits()
+    ticks_per_turn: float | None = Field(None, gt=0)
 
     # frames in a continuous log
-    pulse: ColumnName | None = Field(
-        None,
-        description="Column of a continuous log with the trigger of the cameras: a voltage that "
-        "rises at each frame, or a count of the frames. Default: none.",
-        examples=["Trigger [V]"],
-    )
-    frame_rate: Frequency | None = Field(
-        None,
-        description="Rate of the frames in a continuous log. Default: times in the headers of the "
-        "camera files.",
-        examples=["500 Hz"],
-    )
-    start: Start | None = Field(
-        None,
-        description='Time of the first frame on the clock of a continuous log. "fit" finds it from '
-        "the light of the frames over the cycle. Default: none.",
-    )
+    pulse: ColumnName | None = None
+    frame_rate: Frequency | None = None
+    start: Start | None = None
 
     @model_validator(mode="after")
     def _one_grouping(self) -> Self:
@@ -493,102 +319,57 @@ class EncoderSettings(Settings):
 class CrankRockerSettings(Settings):
     """The four links and the speed of the crank."""
 
-    kind: Literal["crank-rocker"] = Field(description="Kind of linkage.")
-    crank: Length = Field(description="Length of the crank, from pivot to pivot.")
-    coupler: Length = Field(
-        description="Length of the coupler between crank and rocker, from pivot to pivot.",
-        examples=["44 cm"],
-    )
-    rocker: Length = Field(
-        description="Length of the rocker, from pivot to pivot.", examples=["26 cm"]
-    )
-    ground: Length = Field(
-        description="Distance of the fixed pivots of crank and rocker.", examples=["51 cm"]
-    )
-    crank_speed: Speed = Field(description="Speed of rotation of the crank.")
+    kind: Literal["crank-rocker"]
+    crank: Length
+    coupler: Length
+    rocker: Length
+    ground: Length
+    crank_speed: Speed
 
 
 class SliderCrankSettings(Settings):
     """Crank, connecting rod and the speed of the crank."""
 
-    kind: Literal["slider-crank"] = Field(description="Kind of linkage.")
-    crank: Length = Field(description="Length of the crank, from pivot to pivot.")
-    coupler: Length = Field(
-        description="Length of the connecting rod, from pivot to pivot.", examples=["44 cm"]
-    )
-    crank_speed: Speed = Field(description="Speed of rotation of the crank.")
+    kind: Literal["slider-crank"]
+    crank: Length
+    coupler: Length
+    crank_speed: Speed
 
 
 class RotationSettings(Settings):
     """A disc, ring or shaft that turns past the contact, as in a pin-on-disc tribometer."""
 
-    kind: Literal["rotation"] = Field(description="Kind of motion.")
-    radius: Length = Field(
-        description="Radius of the track: distance of the contact from the axis of rotation.",
-        examples=["20 mm"],
-    )
-    speed: Speed | None = Field(
-        None,
-        description="Speed of rotation. Default: from the angle and the time of the log.",
-        examples=["60 rpm"],
-    )
-    load: Force | None = Field(
-        None,
-        description="Load on the contact, where the encoder log has no column load_N. Default: the "
-        "film has no load.",
-        examples=["20 N"],
-    )
+    kind: Literal["rotation"]
+    radius: Length
+    speed: Speed | None = None
+    load: Force | None = None
 
 
 class SinusoidalSettings(Settings):
     """A slider that moves to and fro in a straight line, as a sine of the time."""
 
-    kind: Literal["sinusoidal"] = Field(description="Kind of motion.")
-    stroke: Length = Field(
-        description="Travel from end to end, twice the amplitude.", examples=["10 mm"]
-    )
-    frequency: Frequency = Field(description="Cycles to and fro in a unit of time.")
-    load: Force | None = Field(
-        None,
-        description="Load on the contact, where the encoder log has no column load_N. Default: the "
-        "film has no load.",
-        examples=["20 N"],
-    )
+    kind: Literal["sinusoidal"]
+    stroke: Length
+    frequency: Frequency
+    load: Force | None = None
 
 
 class MaterialSettings(Settings):
     """One side of the joint."""
 
-    youngs_modulus: Pressure = Field(description="Young's modulus.")
-    poissons_ratio: float = Field(gt=-1, le=0.5, description="Poisson's ratio.", examples=[0.37])
-    roughness: Length | None = Field(
-        None,
-        description="Rms roughness of the surface. Default: no film parameter Lambda is computed.",
-        examples=["0.2 um"],
-    )
+    youngs_modulus: Pressure
+    poissons_ratio: float = Field(gt=-1, le=0.5)
+    roughness: Length | None = None
 
 
 class JointSettings(Settings):
     """The pin and the bushing it turns in."""
 
-    pin_radius: Length = Field(description="Radius of the pin.", examples=["33.36 mm"])
-    bushing_radius: Length = Field(
-        description="Inner radius of the bushing, larger than pin_radius.", examples=["33.59 mm"]
-    )
-    clearance_std: Length | None = Field(
-        None,
-        description="Standard deviation of the radial clearance, bushing_radius less pin_radius. "
-        "It enters the error of the pressure. Default: the clearance is exact.",
-        examples=["1 um"],
-    )
-    length: Length = Field(
-        description="Loaded length of the joint along its axis.", examples=["237 mm"]
-    )
-    load: Force | None = Field(
-        None,
-        description="Load on the joint. Used where the encoder log has no column load_N, and "
-        "required there.",
-    )
+    pin_radius: Length
+    bushing_radius: Length
+    clearance_std: Length | None = None
+    length: Length
+    load: Force | None = None
     pin: MaterialSettings
     bushing: MaterialSettings
 
@@ -605,39 +386,19 @@ class JointSettings(Settings):
 class VogelSettings(Settings):
     """Vogel's law, viscosity = a exp(b/(T - c))."""
 
-    a: Viscosity = Field(
-        description="Viscosity in the limit of high temperature.", examples=["0.05 mPa s"]
-    )
-    b: TemperatureDifference = Field(description="Slope of ln(viscosity) over 1/(T - c).")
-    c: Temperature = Field(description="Temperature of the pole, below every temperature logged.")
+    a: Viscosity
+    b: TemperatureDifference
+    c: Temperature
 
 
 class OilSettings(Settings):
     """The oil between pin and bushing."""
 
-    name: Text = Field(
-        "", description="Name of the oil in figures and reports.", examples=["80W-90"]
-    )
-    viscosity: Viscosity | None = Field(
-        None,
-        description="Dynamic viscosity at the temperature of the run. Either viscosity or vogel is "
-        "required.",
-    )
-    vogel: VogelSettings | None = Field(
-        None,
-        description="Viscosity from the logged temperature by Vogel's law, a exp(b/(T - c)), in "
-        "place of one value.",
-        examples=[{"a": "0.05 mPa s", "b": "1100 K", "c": "-115 degC"}],
-    )
-    viscosity_std: Viscosity | None = Field(
-        None,
-        description="Standard deviation of the viscosity, with a vogel law at the mean temperature "
-        "of the run. It enters the error of the pressure. Default: the viscosity is exact.",
-        examples=["0.004 Pa s"],
-    )
-    pressure_viscosity: PressureViscosity = Field(
-        description="Pressure-viscosity coefficient of Barus."
-    )
+    name: Text = ""
+    viscosity: Viscosity | None = None
+    vogel: VogelSettings | None = None
+    viscosity_std: Viscosity | None = None
+    pressure_viscosity: PressureViscosity
 
     @model_validator(mode="after")
     def _one_viscosity(self) -> Self:
@@ -649,41 +410,21 @@ class OilSettings(Settings):
 class RegistrationOptions(Settings):
     """Registration of camera 2 to camera 1."""
 
-    window: int = Field(32, ge=16, le=256, description="Side of the interrogation window. [px]")
-    step: int = Field(8, ge=4, le=128, description="Distance between window centres. [px]")
-    model: Literal["auto", "surface", "local"] = Field(
-        "auto",
-        description="Form of the camera map: one smooth surface, one displacement for each "
-        "window, or the surface unless the distortion is finer.",
-    )
+    window: int = Field(32, ge=16, le=256)
+    step: int = Field(8, ge=4, le=128)
+    model: Literal["auto", "surface", "local"] = "auto"
     orientation: Literal[
         "normal", "mirrored_x", "mirrored_y", "rotated_90", "rotated_180", "rotated_270"
-    ] = Field(
-        "normal",
-        description="Turn or mirror image that lays the image of camera 2 over that of camera 1; "
-        "rotated_90 turns it counter-clockwise on the screen.",
-    )
-    reuse: bool = Field(
-        False,
-        description="Use the camera map stored with the calibration, after a check on the frames "
-        "of this run.",
-    )
-    frames: int | None = Field(
-        None,
-        ge=1,
-        description="Number of frame pairs for the fixed part of the camera map. Default: 12 small "
-        "or 4 large ones.",
-        examples=[12],
-    )
+    ] = "normal"
+    reuse: bool = False
+    frames: int | None = Field(None, ge=1)
 
 
 class RegionOfInterest(Settings):
     """Region of the film statistics, from the centre of the first pixel. [mm]"""
 
-    x: Interval = Field(description="Interval along image x. [mm]")
-    y: Interval = Field(
-        description="Interval along image y, which points down. [mm]", examples=[[2, 13]]
-    )
+    x: Interval
+    y: Interval
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -698,69 +439,25 @@ class RegionOfInterest(Settings):
 class ThicknessOptions(Settings):
     """Thickness maps and the statistics of a trigger."""
 
-    roi: RegionOfInterest | None = Field(
-        None,
-        description="Region in mm in which film_mean and film_min are taken. Default: the whole "
-        "image.",
-        examples=[{"x": [4, 15], "y": [2, 13]}],
-    )
-    least_signal: Electrons = Field(
-        100.0,  # 10 % of shot noise in one pixel
-        description="Signal below which a pixel is flagged dim.",
-        validate_default=False,
-        examples=["100 electron"],
-    )
-    no_film_below: float = Field(
-        0.25,
-        gt=0,
-        lt=1,
-        description="A pixel whose fluorescence is below this share of its surroundings is "
-        "flagged no_film (a bubble).",
-    )
-    smoothing: int | None = Field(
-        None,
-        ge=2,
-        le=50,
-        description="Resolution of the smoothed ratio behind the maps, full width at half maximum "
-        "[px]. Default: no smoothing.",
-        examples=[4],
-    )
+    roi: RegionOfInterest | None = None
+    least_signal: Electrons = 100.0
+    no_film_below: float = Field(0.25, gt=0, lt=1)
+    smoothing: int | None = Field(None, ge=2, le=50)
 
 
 class LightOptions(Settings):
     """Light that is not film."""
 
-    background: Literal["report", "correct"] = Field(
-        "report",
-        description="Light of joint and filters that light and films of the run show, beyond the "
-        "frames of the dry joint: reported with its uncertainty, or subtracted from the frames. It "
-        "is taken as even over the image.",
-    )
-    bleaching: Literal["report", "correct"] = Field(
-        "report",
-        description="Change of the ratio with every pulse at equal film, on the reference patch or "
-        "at equal triggers of several cycles: reported, or taken out of the ratio.",
-    )
+    background: Literal["report", "correct"] = "report"
+    bleaching: Literal["report", "correct"] = "report"
 
 
 class ReferenceSettings(Settings):
     """A patch of known film that both cameras see in every frame."""
 
-    region: RegionOfInterest | None = Field(
-        None,
-        description="Region of the patch in mm.",
-        examples=[{"x": [1.2, 3.4], "y": [6, 9]}],
-    )
-    thickness: Length | None = Field(
-        None,
-        description="Film of the patch. Default: there is no patch.",
-        examples=["5.2 um"],
-    )
-    uncertainty: Length | None = Field(
-        None,
-        description="Standard deviation of that film. Default: it is exact.",
-        examples=["0.02 um"],
-    )
+    region: RegionOfInterest | None = None
+    thickness: Length | None = None
+    uncertainty: Length | None = None
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
@@ -772,49 +469,19 @@ class ReferenceSettings(Settings):
 class PredictionOptions(Settings):
     """The film that theory predicts for an oscillating joint."""
 
-    sideways: Sideways = Field(
-        "free",
-        description="How the pin is held at right angles to the load: free, guided (it does not "
-        "move), or by a spring of this stiffness.",
-    )
-    cavitation_pressure: CavitationPressure = Field(
-        -1e5,
-        description="Pressure at which the oil film ruptures, relative to ambient; 0 Pa where air "
-        "enters the cavities.",
-        validate_default=False,
-    )
-    start_film: StartFilm = Field(
-        "fit",
-        description='Minimum film thickness at the first frame; "fit" is the one whose film is '
-        "nearest to the measured minima.",
-    )
-    load_line: Place | None = Field(
-        None,
-        description="Place of the load line along the sliding direction, from the centre of the "
-        "first pixel: there the pin would touch the bushing at rest. Default: the middle of the "
-        "image for the position, and for the prediction the place about which the pin swings.",
-    )
-    load_line_std: Length | None = Field(
-        None,
-        description="Standard deviation of the load line. It enters the error of the forces of the "
-        "pressure. Default: the load line is exact.",
-        examples=["0.2 mm"],
-    )
-    direction: Literal["along", "against"] = Field(
-        "along",
-        description="Whether the bushing moves along the sliding direction of the image or against "
-        "it while the angle of the rocker rises.",
-    )
-    long: bool = Field(
-        False,
-        description="Leave out the flow along the axis: an infinitely long joint.",
-    )
+    sideways: Sideways = "free"
+    cavitation_pressure: CavitationPressure = -1e5
+    start_film: StartFilm = "fit"
+    load_line: Place | None = None
+    load_line_std: Length | None = None
+    direction: Literal["along", "against"] = "along"
+    long: bool = False
 
 
 class RunName(Settings):
     """Name of the run."""
 
-    name: Text = Field(description="Name of the run in figures and reports.")
+    name: Text
 
 
 # "kind" selects the form of the table, so that a fault is reported for that form alone
@@ -828,13 +495,7 @@ MechanismSettings = Annotated[
 class RunSettings(Settings):
     """run.toml."""
 
-    calibration: FileName | None = Field(
-        None,
-        description="calibration.nc of a fixture photographed with the same cameras and filters; "
-        "made on the way if only its fixture.toml exists. The option --calibration takes "
-        "precedence.",
-        examples=["../fixture/calibration.nc"],
-    )
+    calibration: FileName | None = None
     run: RunName
     camera1: CameraSettings
     camera2: CameraSettings
@@ -897,20 +558,11 @@ class RunSettings(Settings):
 class FixtureProfile(Settings):
     """The calibration fixture and its profile from the coordinate measuring machine."""
 
-    name: Text = Field(description="Name of the fixture.", examples=["wedge"])
-    profile: FileName = Field(
-        description="Profile: CSV with the columns x_mm, thickness_um and, if known, y_mm and "
-        "uncertainty_um.",
-        examples=["profile.csv"],
-    )
-    origin: tuple[float, float] = Field(
-        (0.0, 0.0),
-        description="Pixel (x, y) of camera 1 at profile x = 0 (and y = 0).",
-    )
-    direction: Angle = Field(
-        0.0, description="Turn from image x to profile x.", validate_default=False
-    )
-    align: bool = Field(False, description="Refine origin and scale against the image.")
+    name: Text
+    profile: FileName
+    origin: tuple[float, float] = (0.0, 0.0)
+    direction: Angle = 0.0
+    align: bool = False
 
 
 class FixtureSettings(Settings):

@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any, Final
 
-from erlif.io.settings.keys import Key, Table, keys_of, tables_in, tables_of
+from erlif.io.settings.keys import Key, Table, keys_of, meaning_of, tables_in, tables_of
 from erlif.io.settings.tables import Settings
 from erlif.io.settings.toml import toml_value
 
@@ -140,9 +140,10 @@ def _table_lines(
 
     for name, field in table.kind.model_fields.items():
         if tables_in(field.annotation) and not field.is_required() and table.path:
+            meaning, example = meaning_of(table.kind, name)
             yield ""
-            yield from _comment(field.description or "")
-            yield f"# {name} = {toml_value((field.examples or [{}])[0])}"
+            yield from _comment(meaning)
+            yield f"# {name} = {toml_value(example)}"
 
 
 def _key_lines(key: Key, value: Any, remark: str | None) -> Iterator[str]:

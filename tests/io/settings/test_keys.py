@@ -1,29 +1,39 @@
 """Descriptions of the keys: complete, and true to the types."""
 
-import pytest
-
 from erlif.io.settings import (
     CameraSettings,
+    DesignSettings,
     EncoderSettings,
+    EnduranceSettings,
     FixtureSettings,
+    PlanSettings,
     RunSettings,
     ThicknessOptions,
     keys_of,
     tables_of,
 )
+from erlif.io.settings.keys import _read_meanings
+
+KINDS = (RunSettings, FixtureSettings, PlanSettings, DesignSettings, EnduranceSettings)
 
 
 def key(kind, name):
     return next(key for key in keys_of(kind) if key.name == name)
 
 
-@pytest.mark.parametrize("kind", [RunSettings, FixtureSettings])
-def test_every_key_and_table_has_a_meaning_and_an_example(kind):
-    for table in tables_of(kind):
+def test_every_key_and_table_has_a_meaning_and_an_example():
+    described = {}
+    for table in (table for kind in KINDS for table in tables_of(kind)):
         assert table.meaning
+        fields = {name for one in table.kind.__mro__ for name in getattr(one, "model_fields", ())}
+        described |= {one.__name__: fields for one in table.kind.__mro__}
         for one in keys_of(table.kind):
-            assert one.meaning.endswith((".", ". [px]", ". [mm]")), f"{table.title}.{one.name}"
+            assert one.meaning.endswith((".", "]")), f"{table.title}.{one.name}"
             assert one.example is not None, f"{table.title}.{one.name}"
+
+    # and keys.toml describes no key that there is not
+    for name, keys in _read_meanings().items():
+        assert set(keys) <= described[name], name
 
 
 def test_tables_come_in_the_order_of_the_file_and_inner_ones_after_their_own():
