@@ -207,7 +207,7 @@ def _note_of_range(path: Path) -> str:
     with xr.open_dataset(path) as truth:
         low, high = float(truth.wedge.min()), float(truth.wedge.max())
         for film in truth.film:  # one trigger in memory
-            outside += float(((film < low) | (film > high)).mean()) / truth.sizes["trigger"]
+            outside += float(((film < low) | (film > high)).mean()) / len(truth.film)
             thinnest, thickest = min(thinnest, float(film.min())), max(thickest, float(film.max()))
     if outside <= _SHARE_OUTSIDE:
         return ""
