@@ -3,22 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from erlif.commands.compiling import announced_compiling
-from erlif.commands.ending import echo_aside
-from erlif.commands.options import (
-    ALLOW_OUTSIDE,
-    OVERWRITE,
-    PATH,
-    SCHEDULER,
-    SKIP_BAD_FRAMES,
-    WORKERS,
-)
-from erlif.commands.progress import echo_above, show_progress
-from erlif.commands.status import BAD_INPUT, DEFECT, INTERRUPTED
+from erlif.commands.ending import BAD_INPUT, DEFECT, INTERRUPTED, echo_aside
+from erlif.commands.options import PATH, PROCESSING
+from erlif.commands.progress import echo_above, working
 from erlif.core.speed.imports import large_imports
 
 if TYPE_CHECKING:
@@ -37,21 +28,8 @@ if TYPE_CHECKING:
     is_flag=True,
     help="Keep films made from the same inputs and settings by this version.",
 )
-@WORKERS
-@SCHEDULER
-@SKIP_BAD_FRAMES
-@ALLOW_OUTSIDE
-@OVERWRITE
-def batch(
-    runs: tuple[Path, ...],
-    calibration: Path | None,
-    resume: bool,
-    workers: int | None,
-    scheduler: str | None,
-    skip_bad_frames: bool,
-    allow_outside: bool,
-    overwrite: bool,
-) -> None:
+@PROCESSING
+def batch(runs: tuple[Path, ...], calibration: Path | None, resume: bool, **options: Any) -> None:
     """Turn many run directories into film-thickness maps.
 
     RUNS are run directories, or a table of runs: a CSV file with a column run_dir and, optionally,
@@ -69,18 +47,14 @@ def batch(
         from erlif.pipeline.batch import batch as process_runs
 
     try:
-        with announced_compiling(), show_progress() as progress:
+        with working() as progress:
             outcomes = process_runs(
                 runs,
                 calibration=calibration,
                 resume=resume,
-                overwrite=overwrite,
-                skip_bad_frames=skip_bad_frames,
-                allow_outside=allow_outside,
-                workers=workers,
-                scheduler=scheduler,
                 report=lambda outcome: echo_above(_describe(outcome)),
                 progress=progress,
+                **options,
             )
     except KeyboardInterrupt:
         echo_aside("erlif: interrupted. The same command with --resume goes on.")

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
-from erlif.commands.compiling import announced_compiling
-from erlif.commands.options import ALLOW_OUTSIDE, PATH
-from erlif.commands.progress import show_progress
+from erlif.commands.options import ALLOW_OUTSIDE, CALIBRATION, PATH
+from erlif.commands.progress import working
 
 
 @click.command()
 @click.argument("run_dir", type=PATH)
-@click.option("--calibration", type=PATH, help="Default: the calibration that run.toml names.")
+@CALIBRATION
 @click.option(
     "--trigger", type=click.IntRange(min=0), help="Default: the trigger of highest speed."
 )
@@ -25,13 +25,7 @@ from erlif.commands.progress import show_progress
     help="Film thickness in um for which the budget is made; may be repeated.",
 )
 @ALLOW_OUTSIDE
-def budget(
-    run_dir: Path,
-    calibration: Path | None,
-    trigger: int | None,
-    films: tuple[float, ...],
-    allow_outside: bool,
-) -> None:
+def budget(run_dir: Path, films: tuple[float, ...], **options: Any) -> None:
     """Print the uncertainty of one map, term by term.
 
     \b
@@ -41,13 +35,6 @@ def budget(
     from erlif.review.budget import budget as make_budget
     from erlif.show.report import render_budget
 
-    with announced_compiling(), show_progress() as progress:
-        found = make_budget(
-            run_dir,
-            trigger=trigger,
-            calibration=calibration,
-            films=films or None,
-            allow_outside=allow_outside,
-            progress=progress,
-        )
+    with working() as progress:
+        found = make_budget(run_dir, films=films or None, progress=progress, **options)
     click.echo(render_budget(found), nl=False)

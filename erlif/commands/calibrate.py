@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from erlif.commands.compiling import announced_compiling
 from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, SKIP_BAD_FRAMES, expect_suffix
-from erlif.commands.progress import show_progress
+from erlif.commands.progress import working
 from erlif.core.errors import CalibrationError, ErlifError
 from erlif.core.speed.imports import large_imports
 
@@ -29,9 +28,8 @@ def calibrate(
     fixture_dir: Path,
     output: Path | None,
     against: Path | None,
-    skip_bad_frames: bool,
-    allow_outside: bool,
     overwrite: bool,
+    **reading: Any,
 ) -> None:
     """Fit the ratio-thickness calibration to a fixture; writes calibration.nc and its figure.
 
@@ -60,13 +58,8 @@ def calibrate(
     earlier = None if against is None else _open_comparable(against, fixture_dir)
     replaced = _open_replaced(output)
 
-    with announced_compiling(), show_progress() as progress:
-        calibration = pipeline.calibrate(
-            fixture_dir,
-            skip_bad_frames=skip_bad_frames,
-            allow_outside=allow_outside,
-            progress=progress,
-        )
+    with working() as progress:
+        calibration = pipeline.calibrate(fixture_dir, progress=progress, **reading)
     save_calibration(calibration, output, overwrite=overwrite)
     figure = write_calibration_figure(calibration, picture)
 

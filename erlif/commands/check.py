@@ -7,10 +7,9 @@ from pathlib import Path
 
 import click
 
-from erlif.commands.compiling import announced_compiling
+from erlif.commands.ending import BAD_INPUT, DEFECT
 from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_suffix
-from erlif.commands.progress import show_progress
-from erlif.commands.status import BAD_INPUT, DEFECT
+from erlif.commands.progress import working
 from erlif.core.notes import Level
 
 
@@ -45,7 +44,7 @@ def check(
     if page is not None:
         expect_suffix(page, ".html", option="--html")
         refuse_existing(page, overwrite=overwrite)
-    with announced_compiling(), show_progress(lines=False) as progress:
+    with working(lines=False) as progress:
         found = audit(directory, allow_outside=allow_outside, progress=progress)
     if as_json:
         click.echo(json.dumps(found.to_record(), indent=1))

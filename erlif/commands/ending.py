@@ -1,4 +1,4 @@
-"""How a command ends that does not reach its end: signals, and streams that are closed."""
+"""How a command ends: its status, signals, and streams that are closed."""
 
 from __future__ import annotations
 
@@ -11,6 +11,18 @@ from contextlib import contextmanager
 from types import FrameType
 
 import click
+
+BAD_INPUT = 2
+"""Exit status where the input or the usage is at fault."""
+
+DEFECT = 1
+"""Exit status where erlif is at fault."""
+
+BY_SIGNAL = 128
+"""Exit status after a signal, as shells expect it, less the number of the signal."""
+
+INTERRUPTED = BY_SIGNAL + 2
+"""Exit status after Ctrl-C."""
 
 SIGNALS = ("SIGTERM", "SIGHUP")
 """Signals that end a command as Ctrl-C does; a system may lack the second."""
@@ -75,17 +87,23 @@ def open_missing_streams() -> None:
 
 
 def echo_aside(text: str) -> None:
-    """Write a line to standard error; nothing happens where nobody can read it.
+    """Write a line to standard error, above a progress bar where there is one.
 
-    The terminal of a long run may be closed before its end. The run goes on.
+    Nothing happens where nobody can read it: the terminal of a long run may be closed before its
+    end, and the run goes on.
 
     Parameters
     ----------
     text : str
         One line.
     """
+    # the bar stands on the last line of the terminal; tqdm moves it down for the new line
+    tqdm = sys.modules.get("tqdm")
     try:
-        click.echo(text, err=True)
+        if tqdm is not None and sys.stderr.isatty():
+            tqdm.tqdm.write(text, file=sys.stderr)
+        else:
+            click.echo(text, err=True)
     except OSError:
         silence("stderr")
 

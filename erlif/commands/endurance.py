@@ -14,9 +14,8 @@ from erlif.commands.log_columns import (
     column_pairs,
     describe_reading,
     log_options,
-    quantity,
 )
-from erlif.commands.options import OVERWRITE, PATH
+from erlif.commands.options import LENGTH, OVERWRITE, PATH, Quantity
 from erlif.core.speed.imports import large_imports
 
 _FEWEST_RUNS = 2
@@ -25,9 +24,11 @@ _FEWEST_RUNS = 2
 @click.command()
 @click.argument("logs", metavar="LOG...", type=PATH, nargs=-1, required=True)
 @click.option("--settings", type=PATH, help="endurance.toml; options take precedence over it.")
-@click.option("--radius", callback=quantity("m"), help='Radius of the pin, "33.36 mm".')
-@click.option("--arm", callback=quantity("m"), help='Arm of the torque\'s load cell, "30 cm".')
-@click.option("--idle-load", callback=quantity("N"), help='Load up to which a run is idle, "2 kN".')
+@click.option("--radius", "pin_radius", type=LENGTH, help='Radius of the pin, "33.36 mm".')
+@click.option("--arm", type=LENGTH, help='Arm of the torque\'s load cell, "30 cm".')
+@click.option(
+    "--idle-load", type=Quantity("N", "LOAD"), help='Load up to which a run is idle, "2 kN".'
+)
 @click.option(
     "--least-rise",
     type=click.FloatRange(min=0),
@@ -54,11 +55,8 @@ _FEWEST_RUNS = 2
 def endurance(
     logs: tuple[Path, ...],
     settings: Path | None,
-    radius: float | None,
-    arm: float | None,
     columns: dict[str, tuple[str, ...]],
     units: dict[str, tuple[str, ...]],
-    idle_load: float | None,
     least_rise: float | None,
     designs: dict[str, tuple[str, ...]],
     model: Literal["lognormal", "weibull"],
@@ -66,6 +64,7 @@ def endurance(
     compression_negative: bool,
     output: Path | None,
     overwrite: bool,
+    **stated: float | None,
 ) -> None:
     """Find stages, onset of galling and load at failure in the logs of endurance tests.
 
@@ -92,13 +91,13 @@ def endurance(
 
     # everything that can be refused is refused before anything is written
     given = read_endurance_settings(settings) if settings else EnduranceSettings()
-    machine = given.machine
-    radius = radius if radius is not None else machine.pin_radius
-    if radius is None:
+    used = {name: value for name, value in stated.items() if value is not None}
+    machine = given.machine.model_copy(update=used)
+    if machine.pin_radius is None:
         raise click.UsageError('Expected the radius of the pin. Give it: --radius "33.36 mm"')
-    stated = given.columns.model_dump(exclude_none=True)
+    named = given.columns.model_dump(exclude_none=True)
     choice = choose_columns(
-        {name: one if isinstance(one, tuple) else (one,) for name, one in stated.items()} | columns,
+        {name: one if isinstance(one, tuple) else (one,) for name, one in named.items()} | columns,
         {name: (one,) for name, one in given.units.model_dump(exclude_none=True).items()} | units,
     )
     names = [log.stem for log in logs]
@@ -118,12 +117,12 @@ def endurance(
         found.append(
             analyse_endurance(
                 read,
-                pin_radius=radius,
-                arm=arm if arm is not None else machine.arm,
+                pin_radius=machine.pin_radius,
+                arm=machine.arm,
                 torque_ratio=machine.torque_ratio,
                 tare=machine.tare,
                 calibration=machine.load_error,
-                idle_load=idle_load if idle_load is not None else machine.idle_load,
+                idle_load=machine.idle_load,
                 significance=given.galling.significance,
                 least_rise=given.galling.least_rise if least_rise is None else least_rise,
                 name=log.stem,

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from erlif.commands.options import OVERWRITE, PATH
+from erlif.commands.options import OVERWRITE, PATH, choose_one
 from erlif.commands.progress import show_progress
 from erlif.core.speed.imports import large_imports
 
@@ -43,15 +43,10 @@ def export(
       erlif export data_samples/straight_bushing/film.nc --to vtk
     """
     with large_imports():
-        from erlif.io.conversion import FORMATS, choose_trigger
+        from erlif.io.conversion import FORMATS
         from erlif.io.conversion import export as export_film
-        from erlif.io.files import describe_trigger, open_film
 
-    with open_film(film) as opened:
-        chosen = choose_trigger(opened, trigger=trigger, angle=angle)
-        described = (
-            "" if chosen is None else describe_trigger(opened, chosen, by_crank=angle is not None)
-        )
+    chosen, described = choose_one(film, trigger, angle)
     part = "" if chosen is None else f"_trigger{chosen}"
     output = output or film.with_name(f"{film.stem}{part}{FORMATS[to].ending}")
     with show_progress() as progress:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
-from erlif.commands.compiling import announced_compiling
-from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, several
-from erlif.commands.progress import show_progress
+from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, choose_one, several
+from erlif.commands.progress import working
 from erlif.core.errors import OutputError
 
 
@@ -45,12 +45,7 @@ def figures(
     output: Path | None,
     trigger: int | None,
     angle: float | None,
-    formats: tuple[str, ...],
-    dpi: float | None,
-    only: tuple[str, ...] | None,
-    style: str | None,
-    allow_outside: bool,
-    overwrite: bool,
+    **options: Any,
 ) -> None:
     """Write the figures of a film.
 
@@ -60,8 +55,6 @@ def figures(
       erlif figures data_samples/straight_bushing/film.nc --only thickness_map --angle 90 \\
           --format svg --style paper -o paper
     """
-    from erlif.io.conversion import choose_trigger
-    from erlif.io.files import describe_trigger, open_film
     from erlif.show.plots import write_figures
 
     output = output or film.parent / "figures"
@@ -69,25 +62,9 @@ def figures(
         raise OutputError(
             f"Expected a directory for the figures; {output} is a file. Give another name with -o."
         )
-    described = ""
-    if trigger is not None or angle is not None:
-        with open_film(film) as opened:
-            trigger = choose_trigger(opened, trigger=trigger, angle=angle)
-            assert trigger is not None
-            described = describe_trigger(opened, trigger, by_crank=angle is not None)
-    with announced_compiling(), show_progress() as progress:
-        paths = write_figures(
-            film,
-            output,
-            trigger=trigger,
-            formats=formats,
-            only=only,
-            dpi=dpi,
-            style=style,
-            overwrite=overwrite,
-            allow_outside=allow_outside,
-            progress=progress,
-        )
+    trigger, described = choose_one(film, trigger, angle)
+    with working() as progress:
+        paths = write_figures(film, output, trigger=trigger, progress=progress, **options)
     if described:
         click.echo(described)
     for path in paths:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
-from erlif.commands.log_columns import choose_columns, describe_reading, log_options, quantity
-from erlif.commands.options import OVERWRITE, PATH
+from erlif.commands.log_columns import choose_columns, describe_reading, log_options
+from erlif.commands.options import LENGTH, OVERWRITE, PATH, Quantity
 from erlif.core.speed.imports import large_imports
 
 _SHARE = click.FloatRange(min=0, max=1)
@@ -15,10 +16,10 @@ _SHARE = click.FloatRange(min=0, max=1)
 
 @click.command()
 @click.argument("log", type=PATH)
-@click.option("--radius", callback=quantity("m"), help='Radius of the shaft, "5 mm".')
-@click.option("--arm", callback=quantity("m"), help='Arm of the torque\'s load cell, "30 cm".')
+@click.option("--radius", type=LENGTH, help='Radius of the shaft, "5 mm".')
+@click.option("--arm", type=LENGTH, help='Arm of the torque\'s load cell, "30 cm".')
 @click.option("--vector", is_flag=True, help="The load is the vector sum of the cells.")
-@click.option("--speed", callback=quantity("m/s"), help='Sliding speed, "10 mm/s".')
+@click.option("--speed", type=Quantity("m/s", "SPEED"), help='Sliding speed, "10 mm/s".')
 @click.option("--torque-std", type=_SHARE, default=0.0, help="Relative error of the torque.")
 @click.option("--load-std", type=_SHARE, default=0.0, help="Relative error of the load.")
 @click.option("--radius-std", type=_SHARE, default=0.0, help="Relative error of the radius.")
@@ -35,12 +36,7 @@ _SHARE = click.FloatRange(min=0, max=1)
 def friction(
     log: Path,
     radius: float | None,
-    arm: float | None,
     vector: bool,
-    speed: float | None,
-    torque_std: float,
-    load_std: float,
-    radius_std: float,
     torque_ratio: float,
     columns: dict[str, tuple[str, ...]],
     units: dict[str, tuple[str, ...]],
@@ -48,6 +44,7 @@ def friction(
     compression_negative: bool,
     output: Path | None,
     overwrite: bool,
+    **measured: Any,
 ) -> None:
     """Compute the friction of a bushing from a torque log with reversals.
 
@@ -84,16 +81,7 @@ def friction(
         skip_bad_rows=skip_bad_rows,
         compression_negative=compression_negative,
     )
-    found = analyse_friction(
-        read,
-        shaft_radius=radius,
-        arm=arm,
-        vector=vector,
-        speed=speed,
-        torque_std=torque_std,
-        load_std=load_std,
-        radius_std=radius_std,
-    )
+    found = analyse_friction(read, shaft_radius=radius, vector=vector, **measured)
     click.echo("\n".join(describe_friction(found, torque_ratio=torque_ratio)))
     click.echo("\n".join(describe_reading(read)) + "\n")
     click.echo(f"written: {write_friction_table(found, table)}")

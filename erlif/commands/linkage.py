@@ -9,32 +9,10 @@ from typing import Any
 
 import click
 
-from erlif.commands.options import OVERWRITE, PATH, expect_suffix
-from erlif.core.errors import ConfigError
+from erlif.commands.options import LENGTH, OVERWRITE, PATH, Quantity, expect_suffix
 from erlif.core.speed.imports import large_imports
-from erlif.core.units import parse_quantity
 
-
-class _Quantity(click.ParamType[float]):
-    """A number with a unit, such as "51 cm"."""
-
-    def __init__(self, unit: str, name: str) -> None:
-        self.unit, self.name = unit, name
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float:
-        try:
-            return parse_quantity(value, self.unit)
-        except (ConfigError, ValueError) as error:
-            self.fail(str(error), param, ctx)
-
-
-LENGTH, ANGLE, SPEED = (
-    _Quantity("m", "LENGTH"),
-    _Quantity("rad", "ANGLE"),
-    _Quantity("rad/s", "SPEED"),
-)
+ANGLE, SPEED = Quantity("rad", "ANGLE"), Quantity("rad/s", "SPEED")
 
 
 @click.command()
@@ -56,21 +34,14 @@ LENGTH, ANGLE, SPEED = (
 )
 @OVERWRITE
 def linkage(
-    crank: float | None,
-    coupler: float | None,
-    rocker: float | None,
-    ground: float | None,
-    swing: float | None,
     ratio: float | None,
-    time_ratio: float | None,
-    crank_speed: float | None,
-    rocker_speed: float | None,
     transmission: float,
     size: tuple[float, float] | None,
     width: float,
     longest: float | None,
     output: Path | None,
     overwrite: bool,
+    **wanted: Any,
 ) -> None:
     """Find crank-rockers for a wanted swing, speed and time ratio; two links at least are given.
 
@@ -95,19 +66,12 @@ def linkage(
     with warnings.catch_warnings(record=True) as doubts:
         warnings.simplefilter("always")
         found = synthesise_crank_rocker(
-            crank=crank,
-            coupler=coupler,
-            rocker=rocker,
-            ground=ground,
-            swing=swing,
             speed_ratio=ratio,
-            time_ratio=time_ratio,
-            crank_speed=crank_speed,
-            rocker_speed=rocker_speed,
             least_transmission_angle=transmission,
             largest_size=size or (math.inf, math.inf),
             link_width=width,
             longest_link=longest,
+            **wanted,
         )
     for doubt in doubts:
         click.echo(f"note: {doubt.message}", err=True)

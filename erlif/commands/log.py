@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import logging
-import sys
-from contextlib import suppress
 
 from erlif.commands.ending import echo_aside
 
@@ -17,15 +15,7 @@ class TerminalHandler(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Write one line."""
-        line = self.format(record)
-
-        # The bar stands on the last line of the terminal; tqdm moves it down for the new line.
-        tqdm = sys.modules.get("tqdm")
-        if tqdm is None or not sys.stderr.isatty():
-            echo_aside(line)
-            return
-        with suppress(OSError):  # a terminal that is closed by now
-            tqdm.tqdm.write(line, file=sys.stderr)
+        echo_aside(self.format(record))
 
 
 class _ElapsedFormatter(logging.Formatter):

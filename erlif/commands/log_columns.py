@@ -1,29 +1,13 @@
-"""Options of the commands that read logs of test machines: quantities, columns and their units."""
+"""Options of the commands that read logs of test machines: columns and their units."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
 import click
 
-from erlif.core.units import parse_quantity
-
-Command = TypeVar("Command", bound=Callable[..., Any])
-
-
-def quantity(unit: str) -> Callable[..., float | None]:
-    """Read the value of an option that is written with its unit."""
-
-    def read(ctx: click.Context, option: click.Parameter, value: str | None) -> float | None:
-        if value is None:
-            return None
-        try:
-            return parse_quantity(value, unit)
-        except ValueError as error:
-            raise click.BadParameter(str(error)) from error
-
-    return read
+from erlif.commands.options import Command, together
 
 
 def column_pairs(
@@ -48,7 +32,7 @@ def log_options(held: str) -> Callable[[Command], Command]:
         What a column can hold, for the help.
     """
     pairs: dict[str, Any] = {"multiple": True, "callback": column_pairs}
-    options = (
+    return together(
         click.option(
             "--column",
             "columns",
@@ -74,13 +58,6 @@ def log_options(held: str) -> Callable[[Command], Command]:
             help="The load cells read compression as negative.",
         ),
     )
-
-    def decorate(command: Command) -> Command:
-        for option in reversed(options):
-            command = option(command)
-        return command
-
-    return decorate
 
 
 def describe_reading(log: Any) -> list[str]:

@@ -7,42 +7,33 @@ import os
 import signal
 import sys
 import traceback
+from importlib import import_module
 from typing import Any
 
 import click
 
-from erlif.commands.batch import batch
-from erlif.commands.budget import budget
-from erlif.commands.calibrate import calibrate
-from erlif.commands.check import check
-from erlif.commands.compare import compare
-from erlif.commands.design import design
 from erlif.commands.ending import (
+    BAD_INPUT,
+    BY_SIGNAL,
+    DEFECT,
+    INTERRUPTED,
     EndedBySignal,
     echo_aside,
     open_missing_streams,
     signals_interrupt,
     silence,
 )
-from erlif.commands.endurance import endurance
-from erlif.commands.export import export
-from erlif.commands.figures import figures
-from erlif.commands.friction import friction
-from erlif.commands.init import init
-from erlif.commands.linkage import linkage
 from erlif.commands.log import show_log
-from erlif.commands.movie import movie
-from erlif.commands.plan import plan
-from erlif.commands.predict import predict
-from erlif.commands.pressure import pressure
-from erlif.commands.process import process
-from erlif.commands.report import report
-from erlif.commands.simulate import simulate
-from erlif.commands.sources import sources
-from erlif.commands.status import BAD_INPUT, BY_SIGNAL, DEFECT, INTERRUPTED
-from erlif.commands.view import view
 from erlif.core.errors import ErlifError
 from erlif.core.version import __version__
+
+COMMANDS = (
+    *("plan", "linkage", "design", "simulate"),
+    *("init", "check", "calibrate", "process", "batch", "predict", "pressure", "budget"),
+    *("figures", "movie", "report", "view", "export", "compare"),
+    *("endurance", "friction", "sources"),
+)
+"""Before a rig, from frames to films, what is shown of films, and tests of joints."""
 
 
 class _Commands(click.Group):
@@ -118,27 +109,5 @@ def main(verbose: int) -> None:
             stream.reconfigure(errors="replace")
 
 
-for command in (
-    plan,
-    linkage,
-    simulate,
-    init,
-    check,
-    calibrate,
-    process,
-    batch,
-    predict,
-    pressure,
-    budget,
-    figures,
-    movie,
-    report,
-    compare,
-    endurance,
-    friction,
-    export,
-    view,
-    design,
-    sources,
-):
-    main.add_command(command)
+for name in COMMANDS:
+    main.add_command(getattr(import_module(f"erlif.commands.{name}"), name))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -15,13 +16,18 @@ from erlif.core.speed.imports import large_imports
 @click.argument("film", type=PATH)
 @click.option("-o", "--output", type=PATH, help="GIF or MP4; default: cycle.gif beside FILM.")
 @click.option(
-    "--fps", type=float, default=10.0, show_default=True, help="Frames, one a trigger, per second."
+    "--fps",
+    "frames_per_second",
+    type=float,
+    default=10.0,
+    show_default=True,
+    help="Frames, one a trigger, per second.",
 )
 @click.option(
     "--style", metavar="STYLE", help="paper, slides, or a style sheet of matplotlib, as in figures."
 )
 @OVERWRITE
-def movie(film: Path, output: Path | None, fps: float, style: str | None, overwrite: bool) -> None:
+def movie(film: Path, output: Path | None, **options: Any) -> None:
     """Write a movie of the cycle: map, mechanism, and film against angle.
 
     MP4 needs the program ffmpeg. Of more than sixty triggers, sixty evenly chosen ones are shown.
@@ -36,12 +42,5 @@ def movie(film: Path, output: Path | None, fps: float, style: str | None, overwr
     output = output or film.parent / "cycle.gif"
     expect_suffix(output, ".gif", ".mp4")
     with show_progress() as progress:
-        cycle_movie(
-            film,
-            output,
-            frames_per_second=fps,
-            style=style,
-            overwrite=overwrite,
-            progress=progress,
-        )
+        cycle_movie(film, output, progress=progress, **options)
     click.echo(f"written: {output}")

@@ -2,27 +2,44 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, TypeVar
 
 import click
 
-from erlif.core.errors import OutputError
+from erlif.core.errors import ConfigError, OutputError
+from erlif.core.units import parse_quantity
+
+Command = TypeVar("Command", bound=Callable[..., Any])
 
 PATH = click.Path(path_type=Path)
 """A file or directory. The stages check whether it exists; their messages reach the user."""
 
+
+class Quantity(click.ParamType[float]):
+    """A number with a unit, such as "51 cm"."""
+
+    def __init__(self, unit: str, name: str) -> None:
+        self.unit, self.name = unit, name
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """The number in the unit of the program."""
+        try:
+            return parse_quantity(value, self.unit)
+        except (ConfigError, ValueError) as error:
+            self.fail(str(error), param, ctx)
+
+
+LENGTH = Quantity("m", "LENGTH")
+
+CALIBRATION = click.option(
+    "--calibration", type=PATH, help="Default: the calibration that run.toml names."
+)
+
 OVERWRITE = click.option("--overwrite", is_flag=True, help="Replace an existing output.")
-
-WORKERS = click.option(
-    "--workers", type=click.IntRange(min=1), help="Threads; default: one per processor."
-)
-
-SCHEDULER = click.option(
-    "--scheduler",
-    metavar="ADDRESS",
-    help="Workers of dask in place of threads: local:N starts N on this machine; or the address of "
-    "a scheduler, such as tcp://HOST:8786, or its scheduler file.",
-)
 
 SKIP_BAD_FRAMES = click.option(
     "--skip-bad-frames",
@@ -37,6 +54,34 @@ ALLOW_OUTSIDE = click.option(
 )
 
 
+def together(*options: Callable[[Command], Command]) -> Callable[[Command], Command]:
+    """Several options as one decorator, in the order of ``--help``."""
+
+    def decorate(command: Command) -> Command:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return decorate
+
+
+PROCESSING = together(
+    click.option(
+        "--workers", type=click.IntRange(min=1), help="Threads; default: one per processor."
+    ),
+    click.option(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="Workers of dask in place of threads: local:N starts N on this machine; or the "
+        "address of a scheduler, such as tcp://HOST:8786, or its scheduler file.",
+    ),
+    SKIP_BAD_FRAMES,
+    ALLOW_OUTSIDE,
+    OVERWRITE,
+)
+"""How runs are processed; the pipeline takes these options by the same names."""
+
+
 def several(
     ctx: click.Context, option: click.Parameter, value: str | None
 ) -> tuple[str, ...] | None:
@@ -45,6 +90,21 @@ def several(
         return None
     names = [name.strip() for name in value.split(",")]
     return tuple(dict.fromkeys(name for name in names if name))
+
+
+def choose_one(film: Path, trigger: int | None, angle: float | None) -> tuple[int | None, str]:
+    """The trigger of a film that a user names by number or crank angle, and its description.
+
+    None and an empty text where neither is given.
+    """
+    from erlif.io.conversion import choose_trigger
+    from erlif.io.files import describe_trigger, open_film
+
+    with open_film(film) as opened:
+        chosen = choose_trigger(opened, trigger=trigger, angle=angle)
+        if chosen is None:
+            return None, ""
+        return chosen, describe_trigger(opened, chosen, by_crank=angle is not None)
 
 
 def expect_suffix(output: Path, *suffixes: str, option: str = "-o") -> None:

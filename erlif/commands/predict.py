@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
-from erlif.commands.compiling import announced_compiling
 from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_suffix
-from erlif.commands.progress import show_progress
+from erlif.commands.progress import working
 from erlif.core.speed.imports import large_imports
 
 
@@ -20,9 +20,7 @@ from erlif.core.speed.imports import large_imports
 )
 @ALLOW_OUTSIDE
 @OVERWRITE
-def predict(
-    source: Path, output: Path | None, fitted: bool, allow_outside: bool, overwrite: bool
-) -> None:
+def predict(source: Path, output: Path | None, fitted: bool, **options: Any) -> None:
     """Predict the film of an oscillating joint at every trigger, as its camera would see it.
 
     The transient Reynolds equation is solved over the motion of the frames. [prediction] in
@@ -46,14 +44,8 @@ def predict(
     place = source.parent if is_film(source) else source
     output = output or place / "prediction.nc"
     expect_suffix(output, ".nc")
-    with announced_compiling(), show_progress() as progress:
-        prediction = predict_maps(
-            source,
-            output=output,
-            overwrite=overwrite,
-            allow_outside=allow_outside,
-            progress=progress,
-        )
+    with working() as progress:
+        prediction = predict_maps(source, output=output, progress=progress, **options)
     with prediction:
         click.echo(summarise_prediction(prediction))
     click.echo(f"written: {output}")
@@ -61,6 +53,6 @@ def predict(
         from erlif.pipeline.physics.fit import fit_film
         from erlif.show.report.fit import summarise_comparison
 
-        with announced_compiling(), show_progress() as progress:
+        with working() as progress:
             compared = fit_film(source, progress=progress)
         click.echo(summarise_comparison(compared))

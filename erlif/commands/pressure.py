@@ -6,9 +6,8 @@ from pathlib import Path
 
 import click
 
-from erlif.commands.compiling import announced_compiling
 from erlif.commands.options import OVERWRITE, PATH, expect_suffix
-from erlif.commands.progress import show_progress
+from erlif.commands.progress import working
 from erlif.core.speed.imports import large_imports
 
 
@@ -37,7 +36,7 @@ def pressure(film: Path, output: Path | None, overwrite: bool) -> None:
     expect_suffix(output, ".nc")
     refuse_existing(output, overwrite=overwrite, holds="peak_pressure")
     refuse_existing(picture, overwrite=overwrite)
-    with announced_compiling(), show_progress() as progress:
+    with working() as progress:
         found = pressure_from_film(film, progress=progress)
     write_dataset(found, output)
     click.echo(found.attrs["statement"])

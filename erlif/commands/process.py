@@ -4,44 +4,23 @@ from __future__ import annotations
 
 from os.path import normpath
 from pathlib import Path
+from typing import Any
 
 import click
 
-from erlif.commands.compiling import announced_compiling
-from erlif.commands.options import (
-    ALLOW_OUTSIDE,
-    OVERWRITE,
-    PATH,
-    SCHEDULER,
-    SKIP_BAD_FRAMES,
-    WORKERS,
-    expect_suffix,
-)
-from erlif.commands.progress import show_progress
+from erlif.commands.options import CALIBRATION, PATH, PROCESSING, expect_suffix
+from erlif.commands.progress import working
 from erlif.core.speed.imports import large_imports
 
 
 @click.command()
 @click.argument("run_dir", type=PATH)
-@click.option("--calibration", type=PATH, help="Default: the calibration that run.toml names.")
+@CALIBRATION
 @click.option(
     "-o", "--output", type=PATH, help="Default: RUN_DIR/film.nc; a name in .zarr writes zarr."
 )
-@WORKERS
-@SCHEDULER
-@SKIP_BAD_FRAMES
-@ALLOW_OUTSIDE
-@OVERWRITE
-def process(
-    run_dir: Path,
-    calibration: Path | None,
-    output: Path | None,
-    workers: int | None,
-    scheduler: str | None,
-    skip_bad_frames: bool,
-    allow_outside: bool,
-    overwrite: bool,
-) -> None:
+@PROCESSING
+def process(run_dir: Path, calibration: Path | None, output: Path | None, **options: Any) -> None:
     """Turn a run directory into film-thickness maps.
 
     Where run.toml names a calibration that does not exist yet, it is fitted from the fixture
@@ -62,17 +41,9 @@ def process(
 
     source = calibration or _named_calibration(run_dir)
     found = source is None or source.exists()
-    with announced_compiling(), show_progress() as progress:
+    with working() as progress:
         film = pipeline.process(
-            run_dir,
-            calibration=calibration,
-            output=output,
-            overwrite=overwrite,
-            skip_bad_frames=skip_bad_frames,
-            allow_outside=allow_outside,
-            workers=workers,
-            scheduler=scheduler,
-            progress=progress,
+            run_dir, calibration=calibration, output=output, progress=progress, **options
         )
 
     # the film stays open while it is summarised: its maps are read when they are used

@@ -1,4 +1,4 @@
-"""Progress of long work on the terminal."""
+"""Progress of long work on the terminal, and the line on kernels that are compiled."""
 
 from __future__ import annotations
 
@@ -22,6 +22,41 @@ _UNITS = {
     "pressure": "trigger",
 }
 """What is counted, where it is not frame pairs."""
+
+ANNOUNCEMENT = "compiling, once per machine"
+"""The line that is shown when the first kernel is compiled."""
+
+
+@contextmanager
+def working(*, lines: bool = True) -> Iterator[Progress]:
+    """Show the progress of work that runs compiled kernels."""
+    with announced_compiling(), show_progress(lines=lines) as progress:
+        yield progress
+
+
+@contextmanager
+def announced_compiling() -> Iterator[None]:
+    """Announce on standard error, in one line, that kernels are compiled.
+
+    Nothing is written where all of them come from the cache.
+    """
+    from numba.core import event
+
+    class Listener(event.Listener):
+        """Called by numba for each kernel, and for the functions of numba inside it."""
+
+        announced = False
+
+        def on_start(self, event: Any) -> None:
+            if not self.announced:
+                self.announced = True
+                echo_aside(ANNOUNCEMENT)
+
+        def on_end(self, event: Any) -> None:
+            pass
+
+    with event.install_listener("numba:compile", Listener()):
+        yield
 
 
 @contextmanager

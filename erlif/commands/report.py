@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
-from erlif.commands.compiling import announced_compiling
 from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_suffix
-from erlif.commands.progress import show_progress
+from erlif.commands.progress import working
 from erlif.core.errors import ErlifError
 
 
@@ -51,9 +51,8 @@ def report(
     films: tuple[Path, ...],
     output: Path | None,
     triggers: tuple[int, int] | None,
-    max_size: float,
     allow_outside: bool,
-    overwrite: bool,
+    **options: Any,
 ) -> None:
     """Write one self-contained HTML page about a film, or about several beside each other.
 
@@ -73,21 +72,16 @@ def report(
             f"Expected one film with --triggers; got {len(films)}. Leave out --triggers, or name "
             "one film."
         )
-    if several:
-        with show_progress() as progress:
-            page = write_runs_report(
-                films, output, max_size=max_size, overwrite=overwrite, progress=progress
+    with working() as progress:
+        if several:
+            write_runs_report(films, output, progress=progress, **options)
+        else:
+            write_report(
+                films[0],
+                output,
+                triggers=triggers,
+                allow_outside=allow_outside,
+                progress=progress,
+                **options,
             )
-        click.echo(f"written: {page}")
-        return
-    with announced_compiling(), show_progress() as progress:
-        page = write_report(
-            films[0],
-            output,
-            triggers=triggers,
-            max_size=max_size,
-            overwrite=overwrite,
-            allow_outside=allow_outside,
-            progress=progress,
-        )
-    click.echo(f"written: {page}")
+    click.echo(f"written: {output}")

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import math
 import re
+import sys
+import tomllib
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import click
 from click.core import ParameterSource
 
+from erlif.commands.options import PATH, Command, together
+from erlif.commands.progress import show_progress
 from erlif.rig.settings import CHOICES, SIDEWAYS, RigSettings
 
 _SIDE = re.compile("[0-9]{1,6}")
@@ -65,41 +70,9 @@ class NumberOrWord(click.ParamType["float | str"]):
             self.fail(f"{value!r} is {self.expected}.", param, ctx)
 
 
-RIG_OPTIONS = {
-    "mechanism": "Motion: a linkage, a disc, a slider, or none.",
-    "pictures": "Frame pairs in a cycle of a disc or slider, or of a static film.",
-    "spacing": "Rocker angle between two triggers, in degrees.",
-    "cycles": "Number of turns of the crank.",
-    "film": "Minimum film thickness at top speed, in um, of a power law; or reynolds, the film "
-    "that load and motion produce, which changes from cycle to cycle.",
-    "elapsed": "Film reynolds: turns of the crank from loading, with a centred pin, to the first "
-    "cycle.",
-    "sideways": "Film reynolds: how the pin is held at right angles to the load.",
-    "cavitation_pressure": "Film reynolds: pressure of cavities over the ambient one, in kPa.",
-    "write_mount": "Film reynolds: write the mount of the pin, the cavitation pressure and the "
-    "load line into run.toml.",
-    "load": "Mean load, in N.",
-    "viscosity": "Viscosity of the oil, in Pa s.",
-    "stated_viscosity": "Viscosity that run.toml states, in Pa s; 0: the true one.",
-    "exponent": "Exponent of the film thickness over speed/load.",
-    "marks": "Height of the turning marks, rms in um.",
-    "bubbles": "Largest number of bubbles in a frame.",
-    "light": "Exposure; 1 reaches nearly full scale.",
-    "vibration": "Vibration of camera 2, rms in pixels.",
-    "fixture_frames": "Number of frame pairs of the wedge.",
-    "cmm_noise": "Noise of the measured profile of the wedge, in um.",
-    "write_zero": "Write the encoder's zero into run.toml.",
-    "encoder": "Link that carries the encoder.",
-    "reading": "What the encoder shows; wrapped and ticks start again at 0 within the stroke.",
-    "pulses_per_cycle": "Frames per turn at even crank angles, 50.89 for example; 0: at marks of "
-    "the rocker.",
-    "log": "One row for each of the frames, or a log in time at 10 kHz.",
-    "background": "Even light that is not film, over the median light of the run.",
-    "background_beam": "The same with the shape of the laser beam.",
-    "background_pages": "Frames of the dry joint written for each camera.",
-    "bleaching": "Shares of dye 1 and dye 2 that each pulse destroys.",
-    "reference": "Film of a patch that stays the same, in um; 0: none.",
-}
+RIG_OPTIONS: dict[str, str] = tomllib.loads(
+    (files("erlif.commands") / "simulate.toml").read_text(encoding="utf-8")
+)
 """Help of the options that are settings of the rig, in the order of ``--help``."""
 
 _TYPES: dict[str, Any] = {
@@ -110,18 +83,14 @@ _TYPES: dict[str, Any] = {
 """Types that do not follow from default or choice."""
 
 
-def rig_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command the options of the rig, with its defaults and choices."""
-    for name, text in reversed(RIG_OPTIONS.items()):
-        default = DEFAULT.film_reference if name == "film" else getattr(DEFAULT, name)
-        kind = _TYPES.get(name) or (click.Choice(CHOICES[name]) if name in CHOICES else None)
-        flag = "--" + name.removeprefix("write_").replace("_", "-")
-        if isinstance(default, bool):
-            flag += flag.replace("--", "/--no-")
-        command = click.option(
-            flag, name, default=default, show_default=True, type=kind, help=text
-        )(command)
-    return command
+def _rig_option(name: str, text: str) -> Callable[[Command], Command]:
+    """The option of a setting of the rig, with its default and its choices."""
+    default = DEFAULT.film_reference if name == "film" else getattr(DEFAULT, name)
+    kind = _TYPES.get(name) or (click.Choice(CHOICES[name]) if name in CHOICES else None)
+    flag = "--" + name.removeprefix("write_").replace("_", "-")
+    if isinstance(default, bool):
+        flag += flag.replace("--", "/--no-")
+    return click.option(flag, name, default=default, show_default=True, type=kind, help=text)
 
 
 @click.command()
@@ -140,11 +109,11 @@ def rig_options(command: Callable[..., None]) -> Callable[..., None]:
     type=PictureSize(),
     help="Columns x rows of both cameras; the field stays 19.2 mm wide.",
 )
-@rig_options
+@together(*(_rig_option(*each) for each in RIG_OPTIONS.items()))
 @click.option(
     "--plan",
     "planned",
-    type=click.Path(path_type=Path),
+    type=PATH,
     help="plan.toml of `erlif plan`: its dyes, filters, light, cameras and films, at rest. Other "
     "options that are given go before it.",
 )
@@ -169,8 +138,6 @@ def simulate(
       erlif calibrate rehearsal/fixture
       erlif process rehearsal/run
     """
-    from tqdm import tqdm
-
     from erlif.rig import simulate as photograph
 
     rig = _rig_of_options(size, film, options)
@@ -181,16 +148,12 @@ def simulate(
             name: getattr(rig, name) for name in _fields_of_options(click.get_current_context())
         }
         rig = replace(rig_of(planned), **given)
-    with tqdm(unit="frame", disable=None) as bar:
+    with show_progress(lines=False) as progress:
 
         def show(what: str, number: int, total: int) -> None:
-            if number == 1:
-                bar.reset(total)
-                bar.set_description(what)
-            bar.update()
-
+            progress(what, number, total)
             # without a terminal there is no bar; one line per piece of work instead
-            if bar.disable and number == total:
+            if number == total and not sys.stderr.isatty():
                 click.echo(f"{what}s written: {total}")
 
         photograph(out, seed=seed, rig=rig, overwrite=overwrite, progress=show)

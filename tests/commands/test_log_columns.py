@@ -3,7 +3,7 @@
 import click
 import pytest
 
-from erlif.commands.log_columns import choose_columns, column_pairs, quantity
+from erlif.commands.log_columns import choose_columns, column_pairs
 
 
 def test_columns_and_units_become_the_choice_of_the_reader():
@@ -21,11 +21,3 @@ def test_names_are_separated_by_commas():
 def test_a_pair_without_name_or_column_is_refused(text):
     with pytest.raises(click.BadParameter, match="QUANTITY=NAME"):
         column_pairs(None, None, (text,))
-
-
-def test_a_quantity_is_read_with_its_unit():
-    read = quantity("m")
-    assert read(None, None, "5 mm") == pytest.approx(0.005)
-    assert read(None, None, None) is None
-    with pytest.raises(click.BadParameter):
-        read(None, None, "5")

@@ -3,11 +3,12 @@
 import io
 import sys
 
+import numba
 import pytest
 import xarray as xr
 
 from erlif.commands.main import main
-from erlif.commands.progress import echo_above, show_progress
+from erlif.commands.progress import ANNOUNCEMENT, announced_compiling, echo_above, show_progress
 from erlif.core.errors import ErlifError
 
 
@@ -81,3 +82,25 @@ def test_long_work_shows_its_bar_on_a_terminal(name, work, step, monkeypatch, tm
     with pytest.raises(ErlifError, match="Expected an end"):
         main.commands[name].main([str(tmp_path), *options], standalone_mode=False)
     assert f"{step}:  25%" in terminal.getvalue()
+
+
+def kernels():
+    """Two kernels that no cache holds; the second has a function of numba inside."""
+    return numba.njit(lambda x: x + 1), numba.njit(lambda x: max(x, 0.5) + min(x, 2.5))
+
+
+def test_the_first_kernel_is_announced_and_no_other(capsys):
+    one, two = kernels()
+    with announced_compiling():
+        assert capsys.readouterr().err == ""
+        assert (one(1.0), two(1.0)) == (2.0, 2.0)
+        assert one(1) == 2  # another type of argument
+    assert capsys.readouterr().err == f"{ANNOUNCEMENT}\n"
+
+
+def test_nothing_is_announced_where_nothing_is_compiled(capsys):
+    one, _ = kernels()
+    one(1.0)
+    with announced_compiling():
+        one(2.0)
+    assert capsys.readouterr().err == ""
