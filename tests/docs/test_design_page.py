@@ -43,7 +43,7 @@ def tables():
 
 @pytest.mark.parametrize("name", ["boom", "bucket_link"])
 def test_the_numbers_of_the_page(name):
-    walk = designed(name).walk
+    assessment = designed(name).assessment
     rows = tables()[name]
     assert len(rows) > 30
     for step, expression, printed, where in rows:
@@ -51,7 +51,7 @@ def test_the_numbers_of_the_page(name):
         assert abs(value - float(printed)) <= 0.51 * 10**-digits, step
         if where:
             key, _, number = where.partition(": ")
-            found = walk.step(key).number(number) if number else walk.step(key).present
+            found = assessment.step(key).number(number) if number else assessment.step(key).present
             assert found == pytest.approx(value, rel=1e-3), step
 
 
@@ -74,18 +74,18 @@ def test_the_eyes_of_the_table_are_those_of_the_boom():
 def test_all_steps_with_a_limit_are_on_the_page():
     for name, rows in tables().items():
         named = {where.partition(":")[0] for *_, where in rows}
-        limits = {step.key for step in designed(name).walk.limits} - {"lateral_force"}
+        limits = {step.key for step in designed(name).assessment.limits} - {"lateral_force"}
         assert limits <= named
 
 
 def test_what_the_page_states_of_both():
     boom = designed("boom")
     assert boom.sound
-    assert boom.walk.weakest.key == "housing_eye"
+    assert boom.assessment.weakest.key == "housing_eye"
     link = designed("bucket_link")
-    assert {step.key for step in link.walk.failed} == {"weld", "prong"}
-    assert [step.key for step in link.walk.doubtful] == ["seizure"]
-    assert [step.key for step in link.walk.unusual] == ["housing_ratio"]
+    assert {step.key for step in link.assessment.failed} == {"weld", "prong"}
+    assert [step.key for step in link.assessment.doubtful] == ["seizure"]
+    assert [step.key for step in link.assessment.unusual] == ["housing_ratio"]
 
 
 def test_the_changes_that_the_page_proposes_are_enough(tmp_path):

@@ -3,7 +3,14 @@
 import math
 from dataclasses import replace
 
-from erlif.joint.sizing import Joint, Lock, Material, read_materials
+from erlif.joint.sizing import (
+    Joint,
+    Lock,
+    Material,
+    assess_joint,
+    example_joint,
+    read_materials,
+)
 
 TABLE = list(read_materials().values())
 
@@ -15,6 +22,21 @@ def power(rng, low, high):
 
 def maybe(rng, value, share=0.5):
     return value if rng.random() < share else None
+
+
+def altered(joint=None, /, **changes):
+    """A joint, by default that of the examples; a dict of changes is for a part of it."""
+    joint = example_joint() if joint is None else joint
+    parts = {
+        name: altered(getattr(joint, name), **value) if isinstance(value, dict) else value
+        for name, value in changes.items()
+    }
+    return replace(joint, **parts)
+
+
+def assessed(joint=None, /, **changes):
+    """All steps of such a joint."""
+    return assess_joint(altered(joint, **changes))
 
 
 def random_material(rng):

@@ -1,5 +1,6 @@
 """A pin joint as the guide designs it: Strand (2005), chapter 2, from load and motion to sizes."""
 
+from erlif.joint.sizing.assessment import Assessment, assess_joint
 from erlif.joint.sizing.example import example_joint
 from erlif.joint.sizing.heat import FRICTION
 from erlif.joint.sizing.joint import DIMENSIONS, Dimensions, Joint, Lock, dimensions_of
@@ -10,12 +11,12 @@ from erlif.joint.sizing.sensitivity import Sensitivity, Substitute, sensitivitie
 from erlif.joint.sizing.size import size_joint
 from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import ROUNDING, Step
-from erlif.joint.sizing.walk import Walk, walk_guide
 
 __all__ = [
     "DIMENSIONS",
     "FRICTION",
     "ROUNDING",
+    "Assessment",
     "BearingDesign",
     "Dimensions",
     "Joint",
@@ -25,7 +26,7 @@ __all__ = [
     "Sensitivity",
     "Step",
     "Substitute",
-    "Walk",
+    "assess_joint",
     "dimensions_of",
     "example_joint",
     "read_materials",
@@ -33,5 +34,4 @@ __all__ = [
     "sensitivities",
     "size_joint",
     "substitutes",
-    "walk_guide",
 ]

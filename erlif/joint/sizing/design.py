@@ -27,38 +27,11 @@ from erlif.joint.sizing import (
     Joint,
     Lock,
     Material,
+    assess_joint,
     read_materials,
     size_joint,
-    walk_guide,
 )
-
-_EXAMPLE = {
-    "joint.name": "boom of a loader",
-    "load.force": "150 kN",
-    "load.mean_force": "80 kN",
-    "load.safety": 2.0,
-    "motion.half_swing": "25 deg",
-    "motion.period": "8 s",
-    "life.time": "5000 h",
-    "life.largest_wear": "1 mm",
-    "pin.material": "42CrMo4 hardened",
-    "pin.roughness": "0.4 um",
-    "bushing.material": "CuAl10Ni5Fe4",
-    "bushing.roughness": "0.8 um",
-    "bushing.wear": "5e-8 mm3/N/m",
-    "seat.material": "S355",
-    "housing.material": "S355",
-    "fit.interference": "60 um",
-    "fit.lateral_play": "1 mm",
-    "lock.kind": "open",
-    "lock.material": "S355",
-    "lock.lever": "80 mm",
-    "lock.length": "30 mm",
-    "lock.thickness": "12 mm",
-    "lock.screw_yield": "640 MPa",
-    "sizing.series": "R20",
-}
-"""Values of the example: an invented joint of a wheel loader."""
+from erlif.joint.sizing.quantities import read_table
 
 _HEAD = """\
 # joint.toml: load, motion, life and materials of a pin joint. `erlif design joint.toml` chooses the
@@ -80,7 +53,9 @@ def example_joint_file() -> str:
     >>> example_joint_file().count("[pin]")
     1
     """
-    return write_template(DesignSettings, _EXAMPLE, {}, head=_HEAD)
+    tables = read_table("example")["file"].items()
+    values = {f"{table}.{key}": value for table, keys in tables for key, value in keys.items()}
+    return write_template(DesignSettings, values, {}, head=_HEAD)
 
 
 def design(source: Path | str | DesignSettings, *, folder: Path | None = None) -> BearingDesign:
@@ -119,10 +94,10 @@ def design(source: Path | str | DesignSettings, *, folder: Path | None = None) -
         # quantities of joint.toml have units
         warnings.simplefilter("ignore", UnitWarning)
         sized = size_joint(wanted, series=settings.sizing.series)
-        walk = walk_guide(sized)
+        assessment = assess_joint(sized)
     return BearingDesign(
         name=settings.name,
-        walk=walk,
+        assessment=assessment,
         chosen=tuple(name for name in DIMENSIONS if getattr(wanted, name) is None),
         series=settings.sizing.series,
         settings=to_toml(sized_settings(settings, sized)),
@@ -189,7 +164,7 @@ def joint_of(settings: DesignSettings, folder: Path) -> Joint:
     materials = _materials(settings, folder)
     numbers = {
         name: float(value)
-        for name, (table, key) in _PLACES.items()
+        for name, (table, key) in _places().items()
         if (value := getattr(getattr(settings, table), key, None)) is not None
     }
     parts = {
@@ -200,53 +175,16 @@ def joint_of(settings: DesignSettings, folder: Path) -> Joint:
     return Joint(**numbers, **parts, lock=lock)  # type: ignore[arg-type]
 
 
-_PLACES = {
-    "force": ("load", "force"),
-    "safety": ("load", "safety"),
-    "mean_force": ("load", "mean_force"),
-    "half_swing": ("motion", "half_swing"),
-    "period": ("motion", "period"),
-    "life": ("life", "time"),
-    "largest_wear": ("life", "largest_wear"),
-    "friction": ("lubrication", "friction"),
-    "outside_temperature": ("lubrication", "outside_temperature"),
-    "assembly_temperature": ("lubrication", "assembly_temperature"),
-    "grease_temperature": ("lubrication", "largest_temperature"),
-    "pin_roughness": ("pin", "roughness"),
-    "bushing_roughness": ("bushing", "roughness"),
-    "pin_diameter": ("pin", "diameter"),
-    "hole_diameter": ("pin", "hole"),
-    "bushing_width": ("bushing", "width"),
-    "wall": ("bushing", "wall"),
-    "seat_width": ("seat", "width"),
-    "housing_diameter": ("housing", "diameter"),
-    "play": ("fit", "play"),
-    "interference": ("fit", "interference"),
-    "lateral_play": ("fit", "lateral_play"),
-    "eye_ratio": ("sizing", "eye_ratio"),
-}
-"""Table and key of each number of a joint."""
+@cache
+def _places() -> dict[str, tuple[str, str]]:
+    """Table and key of each number of a joint."""
+    numbers = read_table("quantities")["joint"]
+    return {name: tuple(number["place"].split(".")) for name, number in numbers.items()}
 
 
 def _materials(settings: DesignSettings, folder: Path) -> Mapping[str, Material]:
     own = settings.joint.materials
     return read_materials(None if own is None else folder / own)
-
-
-_FIELDS = {
-    "yield_stress": "yield_stress",
-    "ultimate_stress": "ultimate_stress",
-    "youngs_modulus": "youngs_modulus",
-    "poissons_ratio": "poissons_ratio",
-    "expansion": "expansion",
-    "conductivity": "conductivity",
-    "largest_temperature": "temperature",
-    "largest_pressure": "pressure",
-    "largest_speed": "speed",
-    "pv_limit": "pv",
-    "wear": "wear",
-}
-"""Field of a material by the key that changes it."""
 
 
 def _material(part: PartOfJoint, table: str, materials: Mapping[str, Material]) -> Material:
@@ -260,11 +198,9 @@ def _material(part: PartOfJoint, table: str, materials: Mapping[str, Material]) 
     known = materials[part.material] if part.material else Material("", source="joint.toml")
     changed: dict[str, Any] = {
         field: float(value)
-        for key, field in _FIELDS.items()
-        if (value := getattr(part, key, None)) is not None
+        for field, number in read_table("quantities")["material"].items()
+        if (value := getattr(part, number.get("place", ""), None)) is not None
     }
-    if part.hardness is not None:
-        changed |= {"hardness_low": float(part.hardness), "hardness_high": float(part.hardness)}
     if not known.name:
         return replace(known, name="as given", **changed)
     other = any(getattr(known, field) not in (None, value) for field, value in changed.items())
@@ -302,7 +238,7 @@ def sized_settings(settings: DesignSettings, joint: Joint) -> DesignSettings:
     """
     changed: dict[str, dict[str, Any]] = {}
     for name in DIMENSIONS:
-        table, key = _PLACES[name]
+        table, key = _places()[name]
         if getattr(getattr(settings, table), key) is None:
             changed.setdefault(table, {})[key] = _millimetres(getattr(joint, name))
     if settings.lock is not None and joint.lock is not None:

@@ -1,4 +1,4 @@
-"""Play: what is left of it by the press fit and by the growth of warm parts."""
+"""The housing and its fit: the eye, and the play that press fit and growth of warm parts leave."""
 
 from __future__ import annotations
 
@@ -7,10 +7,42 @@ from collections.abc import Callable
 
 from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result
-from erlif.models.bearing import RECOMMENDED_PLAY
+from erlif.models.bearing import RECOMMENDED_HOUSING, RECOMMENDED_PLAY, least_eyebar_diameter
 
 PUSH_OUT_FRICTION = 0.1
 """Friction in the press fit for which the push-out force is stated; it grows in proportion. [1]"""
+
+
+def _eye(state: JointState) -> Result:
+    joint, bore, outer = state.joint, state.size.fit, state.size.housing
+    strength, width = joint.housing.yield_stress, state.size.width
+    if strength is None:
+        return Result()
+    allowed, fits = strength / joint.safety, outer > bore
+    least = least_eyebar_diameter(
+        joint.force, bore=bore, width=width, yield_stress=strength, safety=joint.safety
+    )
+    stress = math.inf
+    if fits:
+        stress = joint.force * (bore / outer + outer / bore) / (width * (outer - bore))
+    return Result(
+        stress / 1e6,
+        most=allowed / 1e6,
+        values={
+            "least": least * 1e3,
+            # these are stated only where they apply
+            "wider": math.nan if math.isfinite(least) else joint.force / (allowed * bore) * 1e3,
+            "too_large": math.nan if fits else bore * 1e3,
+            "outer": outer * 1e3,
+            "strength": stress * joint.safety / 1e6,
+        },
+    )
+
+
+def _ratio(state: JointState) -> Result:
+    bore, (low, high) = state.size.fit, RECOMMENDED_HOUSING
+    values = {"from_outer": low * bore * 1e3, "to_outer": high * bore * 1e3}
+    return Result(state.size.housing / bore, least=low, most=high, values=values)
 
 
 def _if_pressed(equation: Callable[[JointState], Result]) -> Callable[[JointState], Result | None]:
@@ -127,6 +159,8 @@ def _warm_play(state: JointState) -> Result:
 
 
 EQUATIONS = {
+    "housing_eye": _eye,
+    "housing_ratio": _ratio,
     "press_fit": _press_fit,
     "press_bushing": _if_pressed(_pressed_bushing),
     "press_housing": _if_pressed(_pressed_housing),

@@ -14,6 +14,7 @@ from typing import Any
 
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import ConfigError
+from erlif.joint.sizing.quantities import read_table
 from erlif.models.bearing import hardness_from_strength
 
 BRINELL = 9.80665e6
@@ -92,34 +93,6 @@ class Material:
         return float(hardness_from_strength(self.ultimate_stress))
 
 
-@dataclass(frozen=True)
-class _Column:
-    """A column of the table: the field it fills, and the SI unit over that of the column."""
-
-    field: str
-    scale: float
-    low: float
-    high: float
-
-
-_COLUMNS = {
-    "yield_MPa": _Column("yield_stress", 1e6, 0.1, 1e4),
-    "ultimate_MPa": _Column("ultimate_stress", 1e6, 0.1, 1e4),
-    "hardness_low_HB": _Column("hardness_low", 1.0, 0.1, 3000.0),
-    "hardness_high_HB": _Column("hardness_high", 1.0, 0.1, 3000.0),
-    "youngs_modulus_GPa": _Column("youngs_modulus", 1e9, 1e-3, 2000.0),
-    "poissons_ratio": _Column("poissons_ratio", 1.0, 0.0, 0.5),
-    "expansion_1e-6/K": _Column("expansion", 1e-6, 0.0, 1000.0),
-    "conductivity_W/(m K)": _Column("conductivity", 1.0, 1e-3, 1e4),
-    "temperature_degC": _Column("temperature", 1.0, -200.0, 3000.0),
-    "pressure_MPa": _Column("pressure", 1e6, 1e-3, 1e4),
-    "speed_m/s": _Column("speed", 1.0, 1e-4, 1e3),
-    "pv_W/mm2": _Column("pv", 1e6, 1e-6, 1e4),
-    "wear_mm3/(N m)": _Column("wear", 1e-9, 0.0, 1.0),
-}
-"""Columns of numbers, the lowest and the highest that is accepted in the unit of the column."""
-
-
 def read_materials(path: Path | None = None) -> MappingProxyType[str, Material]:
     """Read the table of materials, with that of the user merged into it.
 
@@ -166,10 +139,17 @@ def read_materials(path: Path | None = None) -> MappingProxyType[str, Material]:
 
 @cache
 def _own_table() -> dict[str, Material]:
-    text = (
-        resources.files("erlif.joint.sizing").joinpath("materials.csv").read_text(encoding="utf-8")
-    )
-    return _merge({}, text.splitlines(), "materials.csv")
+    file = resources.files("erlif.joint.sizing").joinpath("materials.csv")
+    return _merge({}, file.read_text(encoding="utf-8").splitlines(), file.name)
+
+
+@cache
+def _columns() -> dict[str, dict[str, Any]]:
+    """Field, unit and accepted values by the headings of the numbers."""
+    fields = read_table("quantities")["material"].items()
+    return {
+        known["column"]: {"field": name, **known} for name, known in fields if "column" in known
+    }
 
 
 def _merge(known: dict[str, Material], lines: Iterable[str], name: str) -> dict[str, Material]:
@@ -181,7 +161,7 @@ def _merge(known: dict[str, Material], lines: Iterable[str], name: str) -> dict[
             f"Expected a table of materials in {name}, CSV; got {error}. Save it as text in UTF-8."
         ) from error
     head = [cell.strip() for cell in rows[0]] if rows else []
-    allowed = ["name", "use", *_COLUMNS, "source"]
+    allowed = ["name", "use", *_columns(), "source"]
     unknown = [cell for cell in head if cell not in allowed]
     if "name" not in head or unknown or len(set(head)) < len(head):
         got = f"the column {unknown[0]!r}" if unknown else ", ".join(head) or "an empty file"
@@ -224,7 +204,7 @@ def _read_row(cells: dict[str, str], known: dict[str, Material], where: str) -> 
         changed["source"] = source
     for title, cell in cells.items():
         if cell:
-            changed[_COLUMNS[title].field] = _read_cell(cell, title, where)
+            changed[_columns()[title]["field"]] = _read_cell(cell, title, where)
     material = replace(known.get(name, Material(name)), **changed)
     low, high = material.hardness_low or 0.0, material.hardness_high or math.inf
     if low > high:
@@ -236,14 +216,15 @@ def _read_row(cells: dict[str, str], known: dict[str, Material], where: str) -> 
 
 
 def _read_cell(cell: str, title: str, where: str) -> float:
-    column = _COLUMNS[title]
+    column = _columns()[title]
+    low, high = column["low"], column["high"]
     try:
         value = float(cell)
     except ValueError:
         value = math.nan
-    if not column.low <= value <= column.high:
+    if not low <= value <= high:
         raise ConfigError(
-            f"Expected a number from {column.low:g} to {column.high:g} as {title} in {where}; got "
-            f"{cell!r}. Correct the cell, or leave it empty."
+            f"Expected a number from {low:g} to {high:g} as {title} in {where}; got {cell!r}. "
+            "Correct the cell, or leave it empty."
         )
-    return value * column.scale
+    return float(value * column["unit"])

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+from erlif.joint.sizing.assessment import Assessment
 from erlif.joint.sizing.joint import Joint
 from erlif.joint.sizing.materials import Material
 from erlif.joint.sizing.practice import practice_notes
 from erlif.joint.sizing.sensitivity import Sensitivity, Substitute, sensitivities, substitutes
-from erlif.joint.sizing.walk import Walk
 
 
 @dataclass(frozen=True, repr=False)
@@ -20,7 +20,7 @@ class BearingDesign:
     ----------
     name : str
         Name of the joint.
-    walk : Walk
+    assessment : Assessment
         All steps of the guide.
     chosen : tuple[str, ...]
         Dimensions that were chosen, in the order of `erlif.joint.sizing.DIMENSIONS`.
@@ -35,7 +35,7 @@ class BearingDesign:
     """
 
     name: str
-    walk: Walk
+    assessment: Assessment
     chosen: tuple[str, ...]
     series: str
     settings: str
@@ -43,26 +43,26 @@ class BearingDesign:
     assumed: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        joint, weakest = self.joint, self.walk.weakest
+        joint, weakest = self.joint, self.assessment.weakest
         sizes = (
             f"pin {_millimetres(joint.pin_diameter)}, bushing {_millimetres(joint.bushing_width)}"
         )
-        found = "no limit known"
+        verdict = "no limit known"
         if weakest is not None:
-            failed = len(self.walk.failed)
+            failed = len(self.assessment.failed)
             verdict = "all limits hold" if self.sound else f"limits exceeded: {failed}"
-            found = f"{verdict}; weakest {weakest.title}, margin {100 * weakest.margin:+.3g} %"
-        return f"<BearingDesign {self.name!r}: {sizes}; {found}>"
+            verdict += f"; weakest {weakest.title}, margin {100 * weakest.margin:+.3g} %"
+        return f"<BearingDesign {self.name!r}: {sizes}; {verdict}>"
 
     @property
     def joint(self) -> Joint:
         """The joint with all dimensions. SI units."""
-        return self.walk.joint
+        return self.assessment.joint
 
     @property
     def sound(self) -> bool:
         """Whether all limits hold."""
-        return self.walk.sound
+        return self.assessment.sound
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -72,7 +72,7 @@ class BearingDesign:
     @cached_property
     def sensitivities(self) -> tuple[Sensitivity, ...]:
         """What the weakest margin depends on, the largest first."""
-        return sensitivities(self.walk)
+        return sensitivities(self.assessment)
 
     @cached_property
     def substitutes(self) -> tuple[Substitute, ...]:

@@ -6,7 +6,7 @@ import math
 
 from erlif.joint.sizing.materials import BRINELL
 from erlif.joint.sizing.state import JointState
-from erlif.joint.sizing.steps import Result, margin_below
+from erlif.joint.sizing.steps import Result, margin_below, strength_limit
 from erlif.models.bearing import (
     LARGEST_HOLE_RATIO,
     RECOMMENDED_SLENDERNESS,
@@ -29,17 +29,11 @@ _SMALL_SLOPE = 0.1  # sine of the slope up to which a beam bends as the equation
 
 
 def _shear(state: JointState) -> Result:
-    joint, d = state.joint, state.size.pin
-    strength = joint.pin.yield_stress
+    joint, strength = state.joint, state.joint.pin.yield_stress
     if strength is None:
         return Result()
     least = pin_diameter_in_shear(joint.force, yield_stress=strength, safety=joint.safety)
-    stress = 2 * math.sqrt(3) * joint.force / (math.pi * d**2)
-    return Result(
-        stress / 1e6,
-        most=strength / joint.safety / 1e6,
-        values={"least": least * 1e3, "strength": stress * joint.safety / 1e6},
-    )
+    return strength_limit(least, state.size.pin, strength, joint.safety, power=2)
 
 
 def bending_factor(ratio: float) -> tuple[float, float]:
@@ -90,29 +84,29 @@ def _bending(state: JointState) -> Result:
     if strength is None:
         return Result(variant=variant)
 
+    # the hole raises the stress of a whole pin
     d, free = size.pin, size.width + joint.lateral_play
     ratio = joint.hole_diameter / d
     concentration, remaining = bending_factor(ratio)
-    whole = 4 * joint.force * free / (math.pi * d**3)
-    stress = whole * concentration / remaining if remaining > 0 else math.inf
     unweakened = pin_diameter_in_bending(
         joint.force, free_length=free, yield_stress=strength, safety=joint.safety
     )
-    return Result(
-        stress / 1e6,
-        most=strength / joint.safety / 1e6,
+    return strength_limit(
+        unweakened,
+        d,
+        strength,
+        joint.safety,
+        power=3,
+        factor=concentration / remaining if remaining > 0 else math.inf,
         valid=d <= free and ratio <= LARGEST_HOLE_RATIO,
         variant=variant,
-        values={
-            "least": _with_hole(float(unweakened), joint.hole_diameter) * 1e3,
-            "strength": stress * joint.safety / 1e6,
-            "pin": d * 1e3,
-            "free": free * 1e3,
-            "concentration": concentration,
-            "ratio": ratio,
-            "largest_ratio": LARGEST_HOLE_RATIO,
-            "largest_concentration": LARGEST_CONCENTRATION,
-        },
+        least=_with_hole(float(unweakened), joint.hole_diameter) * 1e3,
+        pin=d * 1e3,
+        free=free * 1e3,
+        concentration=concentration,
+        ratio=ratio,
+        largest_ratio=LARGEST_HOLE_RATIO,
+        largest_concentration=LARGEST_CONCENTRATION,
     )
 
 
@@ -121,19 +115,16 @@ def _seat(state: JointState) -> Result:
     if hardness is None:
         return Result()
     least = least_seat_width(joint.force, diameter=size.pin, hardness=hardness, safety=joint.safety)
-    pressure = 4 * joint.force / (math.pi * size.pin * size.seat)
-    from_strength, brinell = joint.seat.hardness_low is None, hardness / BRINELL
-    return Result(
-        pressure / 1e6,
-        most=hardness / joint.safety / 1e6,
-        valid=not from_strength or brinell < LARGEST_BRINELL,
-        variant="from_strength" if from_strength else "",
-        values={
-            "least": least * 1e3,
-            "hardness": pressure * joint.safety / BRINELL,
-            "brinell": brinell,
-            "largest_brinell": LARGEST_BRINELL,
-        },
+    estimated, brinell = joint.seat.hardness_low is None, hardness / BRINELL
+    return strength_limit(
+        least,
+        size.seat,
+        hardness,
+        joint.safety,
+        valid=not estimated or brinell < LARGEST_BRINELL,
+        variant="from_strength" if estimated else "",
+        brinell=brinell,
+        largest_brinell=LARGEST_BRINELL,
     )
 
 
@@ -148,11 +139,10 @@ def _lateral(state: JointState) -> Result:
 
     # sine of the slope of the two straight halves; beyond 1 the pin folds
     slope = 8 * joint.force * size.length**2 / (3 * math.pi * modulus * size.pin**4)
-    bent = {"length": size.length, "diameter": size.pin, "youngs_modulus": modulus}
-    folds = slope > 1
-    shift = size.length if folds else lateral_shift(joint.force, **bent)
-    area = math.pi / 4 * size.pin**2
-    force = modulus * area if folds else lateral_force(joint.force, **bent)
+    shift, force = size.length, modulus * math.pi / 4 * size.pin**2
+    if slope <= 1:
+        bent = {"length": size.length, "diameter": size.pin, "youngs_modulus": modulus}
+        shift, force = lateral_shift(joint.force, **bent), lateral_force(joint.force, **bent)
     return Result(
         slope,
         most=1.0,

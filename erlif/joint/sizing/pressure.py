@@ -6,7 +6,7 @@ import math
 
 from erlif.joint.sizing.materials import BRINELL
 from erlif.joint.sizing.state import JointState
-from erlif.joint.sizing.steps import Result
+from erlif.joint.sizing.steps import Result, strength_limit
 from erlif.models.bearing import RECOMMENDED_WIDTH, least_bushing_width, least_projected_area
 
 SLOW = 0.02
@@ -26,21 +26,19 @@ HARDER = 100.0
 
 
 def _seizure(state: JointState) -> Result:
-    joint, size, pressure = state.joint, state.size, state.projected
+    joint, size, speed = state.joint, state.size, state.speed
     if joint.bushing.yield_stress is None:
         return Result()
     softer = min(joint.bushing.yield_stress, joint.pin.yield_stress or math.inf)
-    area, speed = least_projected_area(joint.force, yield_stress=softer), state.speed
-    return Result(
-        pressure / 1e6,
-        most=softer / 2e6,
+    area = least_projected_area(joint.force, yield_stress=softer)
+    return strength_limit(
+        area / size.pin,
+        size.width,
+        softer,
+        2.0,  # half of the yield stress, eq. 5
         valid=speed is not None and speed <= SLOW,
-        values={
-            "slow": SLOW,
-            "speed": "speed not known" if speed is None else f"{speed:.3g} m/s",
-            "least": area / size.pin * 1e3,
-            "strength": 2 * pressure / 1e6,
-        },
+        slow=SLOW,
+        speed="speed not known" if speed is None else f"{speed:.3g} m/s",
     )
 
 
@@ -109,16 +107,11 @@ def _material_pressure(state: JointState) -> Result:
 
 
 def _edge(state: JointState) -> Result:
-    joint, hardness = state.joint, state.joint.bushing.hardness
+    joint, d, hardness = state.joint, state.size.pin, state.joint.bushing.hardness
     if hardness is None:
         return Result()
-    least = least_bushing_width(
-        joint.force, diameter=state.size.pin, hardness=hardness, safety=joint.safety
-    )
-    pressure = 8 / math.pi * state.projected
-    brinell = pressure * joint.safety / BRINELL
-    values = {"least": least * 1e3, "hardness": brinell}
-    return Result(pressure / 1e6, most=_most(state), values=values)
+    least = least_bushing_width(joint.force, diameter=d, hardness=hardness, safety=joint.safety)
+    return strength_limit(least, state.size.width, hardness, joint.safety)
 
 
 def _width_ratio(state: JointState) -> Result:

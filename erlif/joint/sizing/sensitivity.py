@@ -2,84 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
+from erlif.joint.sizing.assessment import Assessment, assess_joint, margin_of
 from erlif.joint.sizing.joint import Joint
 from erlif.joint.sizing.materials import Material
+from erlif.joint.sizing.quantities import Number, numbers_of
 from erlif.joint.sizing.steps import Step
-from erlif.joint.sizing.walk import Walk, margin_of, walk_guide
 
 STEP = 1e-5
 """Relative step of the central differences; the margins are smooth to nine digits. [1]"""
 
 _PERCENT = 0.01
 _LARGEST_RATIO = 0.4999  # Poisson's ratio up to which it can grow
-_YIELD = "yield_stress"
 _SMALLEST = 1e-8  # change of a margin that is rounding
-
-_NUMBERS = {
-    "force": "load",
-    "mean_force": "mean load",
-    "safety": "safety factor",
-    "half_swing": "half swing",
-    "period": "period",
-    "life": "life",
-    "largest_wear": "largest wear",
-    "friction": "friction",
-    "pin_diameter": "pin diameter",
-    "hole_diameter": "hole in the pin",
-    "bushing_width": "bushing width",
-    "wall": "bushing wall",
-    "seat_width": "seat width",
-    "housing_diameter": "housing diameter",
-    "play": "play before pressing",
-    "interference": "interference",
-    "lateral_play": "lateral play",
-    "pin_roughness": "roughness of the pin",
-    "bushing_roughness": "roughness of the bushing",
-}
-"""Numbers of a joint that are varied by 1 %, as a reader names them."""
-
-_TEMPERATURES = {
-    "outside_temperature": "temperature outside",
-    "assembly_temperature": "temperature of assembly",
-    "grease_temperature": "temperature of the grease",
-}
-"""Those that are varied by 1 K."""
-
-_LOCK = {
-    "lever": "lever of the lock",
-    "length": "length of the prongs",
-    "thickness": "thickness of the plate",
-    "throat": "throat of the weld",
-    "height": "height of the prongs",
-    "end_width": "width of the closed end",
-    "weld_diameter": "diameter of the weld",
-    "screw_diameter": "diameter of the screw",
-    "screw_yield": "yield stress of the screw",
-    "friction_bushing": "worst friction in the bushing",
-    "friction_seat": "worst friction in the seats",
-}
-
-_PARTS = {"pin": "pin", "bushing": "bushing", "seat": "seats", "housing": "housing"}
-
-_PROPERTIES = {
-    "yield_stress": "yield stress",
-    "ultimate_stress": "tensile strength",
-    "hardness": "hardness",
-    "youngs_modulus": "modulus",
-    "poissons_ratio": "Poisson's ratio",
-    "expansion": "expansion",
-    "conductivity": "conductivity",
-    "temperature": "temperature limit",
-    "pressure": "pressure limit",
-    "speed": "speed limit",
-    "pv": "pv limit",
-    "wear": "wear rate",
-}
 
 
 @dataclass(frozen=True)
@@ -108,29 +46,29 @@ class Substitute:
     Attributes
     ----------
     material : Material
-    walk : Walk
+    assessment : Assessment
         The steps with it.
     """
 
     material: Material
-    walk: Walk
+    assessment: Assessment
 
     @property
     def weakest(self) -> Step | None:
         """The limit of the sliding surface with the smallest margin; None where none is known."""
-        return next((step for step in self.walk.limits if step.key in _SURFACE), None)
+        return next((step for step in self.assessment.limits if step.key in _SURFACE), None)
 
     @property
     def missing(self) -> tuple[Step, ...]:
         """The limits of the sliding surface that could not be computed."""
-        return tuple(step for step in self.walk.missing if step.key in _SURFACE)
+        return tuple(step for step in self.assessment.missing if step.key in _SURFACE)
 
     @property
     def unknown(self) -> tuple[Step, ...]:
         """The limits of the sliding surface that the table does not have for this material."""
         return tuple(
             step
-            for step in self.walk.steps
+            for step in self.assessment.steps
             if step.key in _SURFACE
             and (step.missing or (step.kind == "result" and step.key in _OF_MATERIAL))
         )
@@ -154,12 +92,12 @@ _OF_MATERIAL = ("pressure_peak", "pv")
 """Those that are results where the material has no limit; most have none of the speed."""
 
 
-def sensitivities(walk: Walk) -> tuple[Sensitivity, ...]:
+def sensitivities(assessment: Assessment) -> tuple[Sensitivity, ...]:
     """Return the derivatives of the weakest margin, the largest first.
 
     Parameters
     ----------
-    walk : Walk
+    assessment : Assessment
 
     Returns
     -------
@@ -172,50 +110,41 @@ def sensitivities(walk: Walk) -> tuple[Sensitivity, ...]:
     A prong in bending, the weakest part of the example, loses 1.0 % of its margin and of 1 with 1 %
     of load:
 
-    >>> from erlif.joint.sizing import example_joint, walk_guide
-    >>> found = {one.name: one.change for one in sensitivities(walk_guide(example_joint()))}
+    >>> from erlif.joint.sizing import example_joint, assess_joint
+    >>> found = {one.name: one.change for one in sensitivities(assess_joint(example_joint()))}
     >>> print(f"{found['load']:.4f}, {found['thickness of the plate']:.4f}")
     -0.0102, 0.0102
     """
-    weakest = walk.weakest
+    weakest = assessment.weakest
     if weakest is None or weakest.margin == float("inf"):
         return ()
 
-    found = []
-    for name, by, vary in _variations(walk.joint):
-        above, below = (margin_of(vary(step), weakest.key) for step in (STEP, -STEP))
+    changes = []
+    for number in numbers_of(assessment.joint):
+        if not number.name or (number.by == "1 %" and not _can_grow(number)):
+            continue
+        above, below = (
+            margin_of(_vary(assessment.joint, number.place, by, number.by), weakest.key)
+            for by in (STEP, -STEP)
+        )
         slope = (above - below) / (2 * STEP)
-        change = slope * (_PERCENT if by == "1 %" else 1.0)
+        change = slope * (_PERCENT if number.by == "1 %" else 1.0)
         if abs(change) > _SMALLEST:
-            found.append(Sensitivity(name, by, change))
-    return tuple(sorted(found, key=lambda one: -abs(one.change)))
+            changes.append(Sensitivity(number.name, number.by, change))
+    return tuple(sorted(changes, key=lambda one: -abs(one.change)))
 
 
-def _variations(joint: Joint) -> Iterator[tuple[str, str, Callable[[float], Joint]]]:
-    """Name, change and the joint after a relative change, or one in kelvin."""
-    for field, name in _NUMBERS.items():
-        if getattr(joint, field):
-            yield name, "1 %", partial(_vary, joint, (field,))
-    for field, name in _TEMPERATURES.items():
-        yield name, "1 K", partial(_vary, joint, (field,), shift=True)
-    if joint.lock is not None:
-        for field, name in _LOCK.items():
-            if getattr(joint.lock, field):
-                yield name, "1 %", partial(_vary, joint, ("lock", field))
-        yield "yield stress of the plate", "1 %", partial(_vary, joint, ("lock", "plate", _YIELD))
-    for part, title in _PARTS.items():
-        for field, name in _PROPERTIES.items():
-            value = getattr(getattr(joint, part), field)
-            at_end = field == "poissons_ratio" and value is not None and value > _LARGEST_RATIO
-            if value and not at_end:
-                yield f"{name} of the {title}", "1 %", partial(_vary, joint, (part, field))
+def _can_grow(number: Number) -> bool:
+    """Whether a number has a per cent, and Poisson's ratio is not at its end."""
+    at_end = number.place[-1] == "poissons_ratio" and number.value > _LARGEST_RATIO
+    return bool(number.value) and not at_end
 
 
-def _vary(table: Any, place: Sequence[str], by: float, *, shift: bool = False) -> Any:
-    """A joint, lock or material whose number at a place is scaled, or shifted."""
+def _vary(table: Any, place: Sequence[str], by: float, unit: str) -> Any:
+    """A joint, lock or material whose number at a place is scaled, or shifted by kelvin."""
     field, *inner = place
     if inner:
-        return replace(table, **{field: _vary(getattr(table, field), inner, by, shift=shift)})
+        return replace(table, **{field: _vary(getattr(table, field), inner, by, unit)})
 
     # both ends of the range of hardness change
     fields = ("hardness_low", "hardness_high") if field == "hardness" else (field,)
@@ -223,7 +152,7 @@ def _vary(table: Any, place: Sequence[str], by: float, *, shift: bool = False) -
     return replace(
         table,
         **{
-            name: value + by if shift else value * (1 + by)
+            name: value + by if unit == "1 K" else value * (1 + by)
             for name, value in known.items()
             if value is not None
         },
@@ -258,7 +187,7 @@ def substitutes(joint: Joint, materials: Iterable[Material]) -> tuple[Substitute
     True
     """
     tried = [
-        Substitute(material, walk_guide(replace(joint, bushing=material)))
+        Substitute(material, assess_joint(replace(joint, bushing=material)))
         for material in materials
         if material.use == "bushing" and material.name != joint.bushing.name
     ]

@@ -14,18 +14,19 @@ from dataclasses import replace
 from functools import partial
 
 from erlif.core.errors import ConfigError, UnitWarning
-from erlif.joint.sizing.inputs import warn_of_units
+from erlif.joint.sizing.assessment import EQUATIONS
 from erlif.joint.sizing.joint import Joint
 from erlif.joint.sizing.lock import size_lock
 from erlif.joint.sizing.preferred import Series, round_up
+from erlif.joint.sizing.quantities import warn_of_units
 from erlif.joint.sizing.state import JointState
-from erlif.joint.sizing.walk import EQUATIONS
 from erlif.models.bearing import (
     LARGEST_HOLE_RATIO,
     RECOMMENDED_HOUSING,
     RECOMMENDED_PLAY,
     RECOMMENDED_WIDTH,
     least_eyebar_diameter,
+    least_seat_width,
 )
 
 WALL = 0.1
@@ -118,10 +119,11 @@ def _size_with_play(joint: Joint, relative: float, series: Series) -> Joint:
     wall = _wall(joint, d, series)
     seat = joint.seat_width
     if seat is None:
-        hardness = joint.seat.hardness
-        least = (
-            w / 2 if hardness is None else 4 * joint.force * joint.safety / math.pi / d / hardness
-        )
+        hardness, least = joint.seat.hardness, w / 2
+        if hardness is not None:
+            least = least_seat_width(
+                joint.force, diameter=d, hardness=hardness, safety=joint.safety
+            )
         seat = round_up(least, series)
 
     housing, bore = joint.housing_diameter, d + 2 * wall

@@ -6,13 +6,13 @@ Steps are products: pressures in MPa, lengths in mm, plays in um, temperatures i
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache
-from importlib import resources
 from string import Formatter
-from typing import Any, Literal
+from typing import Literal
+
+from erlif.joint.sizing.materials import BRINELL
+from erlif.joint.sizing.quantities import read_table
 
 ROUNDING = 1e-9
 """Margin below which a limit is exceeded; a dimension that is just enough has a margin of 0."""
@@ -107,8 +107,8 @@ class Step:
 
         Examples
         --------
-        >>> from erlif.joint.sizing import example_joint, walk_guide
-        >>> step = walk_guide(example_joint()).step("prong")
+        >>> from erlif.joint.sizing import example_joint, assess_joint
+        >>> step = assess_joint(example_joint()).step("prong")
         >>> print(f"{step.number('lock force'):.1f} kN")
         50.0 kN
         """
@@ -207,22 +207,51 @@ class Result:
         return margin_between(self.present, (self.least, self.most))
 
 
-@cache
-def table_of_steps() -> dict[str, dict[str, Any]]:
-    """Read the texts of the steps, in the order of the guide.
+def strength_limit(
+    enough: float,
+    size: float,
+    strength: float,
+    safety: float,
+    *,
+    power: int = 1,
+    factor: float = 1.0,
+    valid: bool = True,
+    variant: str = "",
+    **values: float | str,
+) -> Result:
+    """Result of a stress that falls with a power of a size, from the least size of a model.
+
+    Parameters
+    ----------
+    enough, size : float
+        Size at which the stress is just allowed, and that of the joint. [m]
+    strength : float
+        Strength or hardness of the part. [Pa]
+    safety : float
+        Safety factor. [1]
+    power : int
+        That of the size by which the stress falls.
+    factor : float
+        By which the stress is higher than this law.
+    valid, variant
+        As in `Result`.
+    **values : float or str
+        More values of the texts. They have the least size, and the strength that would be enough as
+        ``strength`` in MPa and ``hardness`` in HB.
 
     Returns
     -------
-    dict
-        By the name of the step, the texts of its variants in tables of their own.
+    Result
 
     Examples
     --------
-    >>> table_of_steps()["pin_shear"]["equation"]
-    'eq. 1'
+    >>> strength_limit(0.02, 0.04, 600e6, 2.0, power=2).present
+    75.0
     """
-    file = resources.files("erlif.joint.sizing").joinpath("steps.toml")
-    return tomllib.loads(file.read_text(encoding="utf-8"))
+    needed = strength * factor * (enough / size) ** power
+    least = {"least": enough * 1e3, "strength": needed / 1e6, "hardness": needed / BRINELL}
+    present, most = needed / safety / 1e6, strength / safety / 1e6
+    return Result(present, most=most, valid=valid, variant=variant, values={**least, **values})
 
 
 def make_step(key: str, result: Result) -> Step:
@@ -243,7 +272,7 @@ def make_step(key: str, result: Result) -> Step:
     >>> make_step("pv", Result(0.1, most=1.5)).state, make_step("pv", Result()).missing
     ('holds', '[motion] half_swing and period')
     """
-    table = table_of_steps()[key]
+    table = read_table("steps")[key]
     text, values = table | table.get(result.variant, {}), result.values
     missing = math.isnan(result.present) and (result.missing or text["missing"])
     title = text["title"].format(**values)

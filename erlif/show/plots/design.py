@@ -63,7 +63,7 @@ def design_margins(design: BearingDesign, *, ax: Axes | None = None) -> list[Art
     """
     steps = [
         step
-        for step in design.walk.steps
+        for step in design.assessment.steps
         if step.kind in ("limit", "recommendation") and not math.isnan(step.margin)
     ]
     ax = given_or_new(ax, height=_BAR * len(steps) + 0.6)
@@ -133,13 +133,13 @@ def design_pressure(design: BearingDesign, *, ax: Axes | None = None) -> list[Ar
     ['eq. 9, Persson', 'eq. 7, cosine']
     """
     ax = given_or_new(ax)
-    walk, state = design.walk, JointState(design.joint)
+    assessment, state = design.assessment, JointState(design.joint)
     contact = state.contact
     reach = math.pi if contact is not None and contact.half_angle > math.pi / 2 else math.pi / 2
     angle = np.linspace(-reach, reach, 721)
     degrees, lines = np.degrees(angle), []
 
-    highest = walk.step("pressure_cosine").present
+    highest = assessment.step("pressure_cosine").present
     if contact is not None:
         persson = state.pressure_over_arc(angle) / 1e6
         lines += ax.plot(degrees, persson, color=OUTWARD, label="eq. 9, Persson")
@@ -152,12 +152,12 @@ def design_pressure(design: BearingDesign, *, ax: Axes | None = None) -> list[Ar
             highest = max(highest, contact.hertz_peak / 1e6)
 
     front = np.abs(angle) <= math.pi / 2
-    cosine = walk.step("pressure_cosine").present * np.clip(np.cos(angle), 0, None)
+    cosine = assessment.step("pressure_cosine").present * np.clip(np.cos(angle), 0, None)
     lines += ax.plot(degrees, cosine, color=MEAN, linestyle="--", label="eq. 7, cosine")
-    mean = np.where(front, walk.step("pressure_projected").present, 0.0)
+    mean = np.where(front, assessment.step("pressure_projected").present, 0.0)
     lines += ax.plot(degrees, mean, color=MUTED, linestyle="-.", label="eq. 6, projected")
 
-    allowed = walk.step("pressure_cosine").allowed[1]
+    allowed = assessment.step("pressure_cosine").allowed[1]
     if allowed < _NEAR * highest:
         ax.axhline(allowed, color="black", linewidth=0.8, label="hardness / safety")
         highest = max(highest, allowed)
@@ -194,12 +194,12 @@ def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
     ax = given_or_new(ax)
     joint, ring = design.joint, design.joint.bushing
     ax.set(xlabel="projected pressure [MPa]", ylabel="sliding speed [mm/s]")
-    speed = design.walk.step("speed").present
+    speed = design.assessment.step("speed").present
     if not speed > 0:
         state_empty(ax, "no motion")
         return []
 
-    largest = design.walk.step("pressure_projected").present
+    largest = design.assessment.step("pressure_projected").present
     mean = largest * joint.moving_force / joint.force
     halves = [
         part.yield_stress / 2e6 for part in (joint.pin, ring) if part.yield_stress is not None
@@ -275,7 +275,7 @@ def design_temperature(design: BearingDesign, *, ax: Axes | None = None) -> list
     2
     """
     ax = given_or_new(ax)
-    joint, step = design.joint, design.walk.step("temperature")
+    joint, step = design.joint, design.assessment.step("temperature")
     ax.set(xlabel="friction", ylabel="temperature [°C]")
     if step.missing:
         state_empty(ax, "conductivity or motion\nnot known")
@@ -325,7 +325,7 @@ def design_wear(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist
     ['worn depth']
     """
     ax = given_or_new(ax)
-    step = design.walk.step("wear")
+    step = design.assessment.step("wear")
     ax.set(xlabel="time in motion [h]", ylabel="worn depth [mm]")
     if step.missing:
         state_empty(ax, "wear rate, life or motion\nnot known")
@@ -399,7 +399,7 @@ def design_margins_figure(design: BearingDesign) -> Figure:
     >>> len(design_margins_figure(example_design()).axes)
     1
     """
-    count = sum(not math.isnan(step.margin) for step in design.walk.steps)
+    count = sum(not math.isnan(step.margin) for step in design.assessment.steps)
     figure = new_figure(1.45 * ONE_COLUMN, _BAR * count + 0.6)
     design_margins(design, ax=figure.add_subplot())
     return figure

@@ -66,24 +66,24 @@ def verdict(design: BearingDesign) -> list[str]:
     >>> verdict(example_design())[0].split(";")[0]
     'All limits hold'
     """
-    walk, weakest = design.walk, design.walk.weakest
+    assessment, weakest = design.assessment, design.assessment.weakest
     if weakest is None:
         return ["No limit is known: give the strength of the materials."]
     governing = f"{weakest.title} ({weakest.equation}) with a margin of {margin(weakest.margin)}"
-    if walk.sound:
+    if assessment.sound:
         lines = [f"All limits hold; the weakest is: {governing}."]
     else:
-        failed = count_of(len(walk.failed), "limit")
-        verb = "is" if len(walk.failed) == 1 else "are"
+        failed = count_of(len(assessment.failed), "limit")
+        verb = "is" if len(assessment.failed) == 1 else "are"
         lines = [f"{failed} {verb} exceeded; the worst is: {governing}."]
-        lines += [f"  {step.title}: {'; '.join(step.alternatives)}." for step in walk.failed]
-    if walk.doubtful:
+        lines += [f"  {step.title}: {'; '.join(step.alternatives)}." for step in assessment.failed]
+    if assessment.doubtful:
         named = "; ".join(
-            f"{step.title} ({step.equation}): {step.validity}" for step in walk.doubtful
+            f"{step.title} ({step.equation}): {step.validity}" for step in assessment.doubtful
         )
         lines.append(f"Outside of the validity of the equation: {named}.")
-    if walk.unusual:
-        named = ", ".join(step.title for step in walk.unusual)
+    if assessment.unusual:
+        named = ", ".join(step.title for step in assessment.unusual)
         lines.append(f"Outside of what is recommended: {named}.")
     return lines
 
@@ -149,7 +149,7 @@ def present(step: Step) -> str:
     Examples
     --------
     >>> from erlif.joint.sizing.design import example_design
-    >>> present(example_design().walk.step("friction"))
+    >>> present(example_design().assessment.step("friction"))
     '15 kN'
     """
     if math.isinf(step.present):
@@ -172,7 +172,7 @@ def outcome(step: Step) -> str:
     Examples
     --------
     >>> from erlif.joint.sizing.design import example_design
-    >>> outcome(example_design().walk.step("pin_shear"))
+    >>> outcome(example_design().assessment.step("pin_shear"))
     'holds'
     """
     state, _, doubt = step.state.partition(", ")
@@ -228,7 +228,7 @@ def within(step: Step) -> str:
     Examples
     --------
     >>> from erlif.joint.sizing.design import example_design
-    >>> within(example_design().walk.step("width_ratio"))
+    >>> within(example_design().assessment.step("width_ratio"))
     '0.5 to 1.5'
     """
     low, high = step.allowed
@@ -297,7 +297,7 @@ def _dimension_lines(design: BearingDesign) -> list[str]:
 
 def _step_lines(design: BearingDesign) -> list[str]:
     lines = [f"{'step':<34} {'source':<15} {'present':>19} {'allowed':>15} {'margin':>10}  state"]
-    for step in design.walk.steps:
+    for step in design.assessment.steps:
         if step.missing:
             continue
         source = step.equation.replace("section ", "")
@@ -310,7 +310,7 @@ def _step_lines(design: BearingDesign) -> list[str]:
 
 def _basis_lines(design: BearingDesign) -> list[str]:
     """What margins refer to that are not those of the value beside them."""
-    shown = [step for step in design.walk.steps if not step.missing]
+    shown = [step for step in design.assessment.steps if not step.missing]
     lines = [f"* {step.title}: margin of the {step.basis}" for step in shown if step.basis]
     if any("doubtful" in outcome(step) for step in shown):
         lines.append("(doubtful): outside of the validity of the equation")
@@ -318,7 +318,7 @@ def _basis_lines(design: BearingDesign) -> list[str]:
 
 
 def _missing_lines(design: BearingDesign) -> list[str]:
-    missing = design.walk.missing
+    missing = design.assessment.missing
     lines = [f"  {step.title} ({step.equation}): give {step.missing}" for step in missing]
     return ["Not computed:", *lines] if lines else []
 

@@ -177,15 +177,15 @@ def _step_table(design: BearingDesign) -> Markup:
             step.equation,
             step.quantity,
         )
-        for step in design.walk.steps
+        for step in design.assessment.steps
     ]
     # a narrow window shows the first columns, which matter most
     head = ("Step", "Margin", "State", "Present", "Allowed", "Source", "Quantity")
-    file = _steps_csv(design.walk.steps)
+    file = _steps_csv(design.assessment.steps)
     return render_part(
         "design.html",
         "steps",
-        bases=[(step.title, step.basis) for step in design.walk.steps if step.basis],
+        bases=[(step.title, step.basis) for step in design.assessment.steps if step.basis],
         link=download_link(file, name=file_name(design.name, "steps.csv")),
         rows=Table(rows, head, numbers=(1, 3, 4)),
     )
@@ -237,7 +237,7 @@ def _figures(design: BearingDesign) -> Iterator[PageFigure]:
 def _reasons(design: BearingDesign) -> Markup:
     """Each step in words; those that fail are open."""
     steps = []
-    for step in design.walk.steps:
+    for step in design.assessment.steps:
         if step.missing:
             continue
         rows = [("Valid for", _signs(step.validity))]
@@ -259,7 +259,7 @@ def _number(name: str, value: float, unit: str) -> str:
 
 
 def _sensitivity(design: BearingDesign) -> Markup:
-    weakest, found = design.walk.weakest, design.sensitivities
+    weakest, found = design.assessment.weakest, design.sensitivities
     if weakest is None or not found:
         return Markup()
     rows = [
@@ -282,7 +282,7 @@ def _substitutes(design: BearingDesign) -> Markup:
         weakest = one.weakest
         governing = "" if weakest is None else f"{weakest.title} ({weakest.equation})"
         value = "" if weakest is None else margin(weakest.margin)
-        difference = one.walk.step("hardness_difference")
+        difference = one.assessment.step("hardness_difference")
         hint = "" if difference.missing or difference.holds else "less than 100 HB below the pin"
         without = ", ".join(step.title for step in one.unknown)
         if without and weakest is not None and weakest.holds:

@@ -20,16 +20,16 @@ def path(tmp_path):
 def test_the_example_is_sound_and_complete(path):
     designed = erlif.design(path)
     assert designed.sound
-    assert not designed.walk.doubtful
-    assert {step.key for step in designed.walk.missing} == {"pressure_limit"}
-    assert designed.walk.steps == example_design().walk.steps
+    assert not designed.assessment.doubtful
+    assert {step.key for step in designed.assessment.missing} == {"pressure_limit"}
+    assert designed.assessment.steps == example_design().assessment.steps
 
 
 def test_the_sized_joint_gives_the_same_design_again():
     first = example_design()
     again = design(DesignSettings.model_validate(tomllib.loads(first.settings)))
     assert again.chosen == ()
-    for one, two in zip(first.walk.steps, again.walk.steps, strict=True):
+    for one, two in zip(first.assessment.steps, again.assessment.steps, strict=True):
         assert two.margin == pytest.approx(one.margin, rel=1e-9, abs=1e-9, nan_ok=True)
 
 
@@ -46,7 +46,7 @@ def test_a_table_of_the_user_is_found_beside_the_file(path):
     path.write_text(text.replace('"CuAl10Ni5Fe4"', '"own bronze"'), encoding="utf-8")
     designed = design(path)
     assert designed.joint.bushing.yield_stress == 300e6
-    assert "hardness of [bushing]" in {step.missing for step in designed.walk.missing}
+    assert "hardness of [bushing]" in {step.missing for step in designed.assessment.missing}
 
 
 def test_values_of_joint_toml_replace_those_of_the_table(path):

@@ -31,7 +31,7 @@ def test_bars_are_what_is_used_of_the_limits():
     designed = example_design()
     steps = [
         step
-        for step in designed.walk.steps
+        for step in designed.assessment.steps
         if step.kind in ("limit", "recommendation") and step.margin == step.margin
     ]
     bars = design_margins(designed)
@@ -44,15 +44,17 @@ def test_the_pressure_has_its_peak_under_the_load():
     persson = design_pressure(example_design())[0]
     angle, pressure = persson.get_data()
     assert angle[np.argmax(pressure)] == 0
-    assert pressure.max() == pytest.approx(example_design().walk.step("pressure_peak").present)
+    assert pressure.max() == pytest.approx(
+        example_design().assessment.step("pressure_peak").present
+    )
 
 
 def test_the_point_of_the_pv_diagram():
     largest, mean = design_pv(example_design())
-    walk = example_design().walk
+    assessment = example_design().assessment
     x, y = mean.get_data()
-    assert x[0] * y[0] / 1e3 == pytest.approx(walk.step("pv").present)
-    assert largest.get_xdata()[0] == pytest.approx(walk.step("pressure_projected").present)
+    assert x[0] * y[0] / 1e3 == pytest.approx(assessment.step("pv").present)
+    assert largest.get_xdata()[0] == pytest.approx(assessment.step("pressure_projected").present)
 
 
 def test_loads_that_are_alike_are_one_point():
@@ -70,7 +72,7 @@ def test_the_wear_reaches_its_value_at_the_end_of_the_life():
     (line,) = design_wear(example_design())
     hours, depth = line.get_data()
     assert np.interp(5000, hours, depth) == pytest.approx(
-        example_design().walk.step("wear").present
+        example_design().assessment.step("wear").present
     )
 
 

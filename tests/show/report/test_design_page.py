@@ -65,21 +65,21 @@ def test_tags_are_closed_and_nothing_is_loaded(page, unsound_page):
 
 
 def test_all_steps_have_a_row_and_a_reason(page):
-    for step in example_design().walk.steps:
+    for step in example_design().assessment.steps:
         assert step.title in page
         assert step.missing or f'id="step-{step.key}"' in page
 
 
 def test_the_saved_table_has_the_steps_with_their_margins(page):
     rows = list(csv.DictReader(io.StringIO(saved(page, "text/csv"))))
-    steps = example_design().walk.steps
+    steps = example_design().assessment.steps
     assert [row["step"] for row in rows] == [step.key for step in steps]
     assert float(rows[0]["margin"]) == pytest.approx(steps[0].margin, rel=1e-8)
 
 
 def test_the_saved_joint_can_be_designed_again(page):
     again = design(DesignSettings.model_validate(tomllib.loads(saved(page, "application/toml"))))
-    assert again.walk.weakest.key == example_design().walk.weakest.key
+    assert again.assessment.weakest.key == example_design().assessment.weakest.key
 
 
 def test_an_unsound_joint_is_reported_and_names_are_escaped(unsound_page):

@@ -7,13 +7,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from erlif.core.errors import UnitWarning
-from erlif.joint.sizing import fit, heat, housing, lock, pin, pressure
-from erlif.joint.sizing.inputs import warn_of_units
+from erlif.joint.sizing import fit, heat, lock, pin, pressure
 from erlif.joint.sizing.joint import Joint
+from erlif.joint.sizing.quantities import read_table, warn_of_units
 from erlif.joint.sizing.state import JointState
-from erlif.joint.sizing.steps import Result, Step, make_step, table_of_steps
+from erlif.joint.sizing.steps import Result, Step, make_step
 
-_PARTS = (pin, pressure, housing, lock, fit, heat)
+_PARTS = (pin, pressure, fit, lock, heat)
 
 EQUATIONS: dict[str, Callable[[JointState], Result | None]] = {
     key: equation for part in _PARTS for key, equation in part.EQUATIONS.items()
@@ -22,7 +22,7 @@ EQUATIONS: dict[str, Callable[[JointState], Result | None]] = {
 
 
 @dataclass(frozen=True, repr=False)
-class Walk:
+class Assessment:
     """The steps of a joint, in the order of the guide.
 
     Attributes
@@ -36,15 +36,15 @@ class Walk:
     steps: tuple[Step, ...]
 
     def __repr__(self) -> str:
-        return f"<Walk: {len(self.steps)} steps, {len(self.failed)} limits exceeded>"
+        return f"<Assessment: {len(self.steps)} steps, {len(self.failed)} limits exceeded>"
 
     def step(self, key: str) -> Step:
         """The step of a name.
 
         Examples
         --------
-        >>> from erlif.joint.sizing import example_joint, walk_guide
-        >>> walk_guide(example_joint()).step("pin_shear").equation
+        >>> from erlif.joint.sizing import example_joint, assess_joint
+        >>> assess_joint(example_joint()).step("pin_shear").equation
         'eq. 1'
         """
         return next(step for step in self.steps if step.key == key)
@@ -52,8 +52,8 @@ class Walk:
     @property
     def limits(self) -> tuple[Step, ...]:
         """The limits that have a margin, the weakest first."""
-        found = [step for step in self.steps if step.governs]
-        return tuple(sorted(found, key=lambda step: step.margin))
+        limits = [step for step in self.steps if step.governs]
+        return tuple(sorted(limits, key=lambda step: step.margin))
 
     @property
     def weakest(self) -> Step | None:
@@ -115,7 +115,7 @@ def margin_of(joint: Joint, key: str) -> float:
     return float("nan") if result is None else result.share
 
 
-def walk_guide(joint: Joint) -> Walk:
+def assess_joint(joint: Joint) -> Assessment:
     """Check a joint step by step. No joint raises: what exceeds a limit is part of the result.
 
     Parameters
@@ -125,7 +125,7 @@ def walk_guide(joint: Joint) -> Walk:
 
     Returns
     -------
-    Walk
+    Assessment
 
     Raises
     ------
@@ -141,8 +141,8 @@ def walk_guide(joint: Joint) -> Walk:
     Examples
     --------
     >>> from erlif.joint.sizing import example_joint
-    >>> walk = walk_guide(example_joint())
-    >>> walk.sound, walk.weakest.key
+    >>> assessment = assess_joint(example_joint())
+    >>> assessment.sound, assessment.weakest.key
     (True, 'prong')
     """
     warn_of_units(joint, dimensions=False)
@@ -150,8 +150,8 @@ def walk_guide(joint: Joint) -> Walk:
     with warnings.catch_warnings():
         # unusual joints are reported by their margins
         warnings.simplefilter("ignore", UnitWarning)
-        for key in table_of_steps():
+        for key in read_table("steps"):
             result = EQUATIONS[key](state)
             if result is not None:
                 steps.append(make_step(key, result))
-    return Walk(joint, tuple(steps))
+    return Assessment(joint, tuple(steps))
