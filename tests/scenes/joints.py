@@ -3,14 +3,8 @@
 import math
 from dataclasses import replace
 
-from erlif.joint.sizing import (
-    Joint,
-    Lock,
-    Material,
-    assess_joint,
-    example_joint,
-    read_materials,
-)
+from erlif.joint.sizing import Joint, Lock, Material, assess_joint, read_materials
+from erlif.joint.sizing.design import example_joint
 
 TABLE = list(read_materials().values())
 

@@ -1,7 +1,6 @@
 """A pin joint as the guide designs it: Strand (2005), chapter 2, from load and motion to sizes."""
 
 from erlif.joint.sizing.assessment import Assessment, assess_joint
-from erlif.joint.sizing.example import example_joint
 from erlif.joint.sizing.heat import FRICTION
 from erlif.joint.sizing.joint import DIMENSIONS, Dimensions, Joint, Lock, dimensions_of
 from erlif.joint.sizing.materials import Material, read_materials
@@ -28,7 +27,6 @@ __all__ = [
     "Substitute",
     "assess_joint",
     "dimensions_of",
-    "example_joint",
     "read_materials",
     "round_up",
     "sensitivities",

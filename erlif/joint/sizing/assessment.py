@@ -43,7 +43,8 @@ class Assessment:
 
         Examples
         --------
-        >>> from erlif.joint.sizing import example_joint, assess_joint
+        >>> from erlif.joint.sizing import assess_joint
+        >>> from erlif.joint.sizing.design import example_joint
         >>> assess_joint(example_joint()).step("pin_shear").equation
         'eq. 1'
         """
@@ -104,7 +105,7 @@ def margin_of(joint: Joint, key: str) -> float:
 
     Examples
     --------
-    >>> from erlif.joint.sizing import example_joint
+    >>> from erlif.joint.sizing.design import example_joint
     >>> margin_of(example_joint(), "weld") > 0
     True
     """
@@ -140,7 +141,7 @@ def assess_joint(joint: Joint) -> Assessment:
 
     Examples
     --------
-    >>> from erlif.joint.sizing import example_joint
+    >>> from erlif.joint.sizing.design import example_joint
     >>> assessment = assess_joint(example_joint())
     >>> assessment.sound, assessment.weakest.key
     (True, 'prong')

@@ -108,6 +108,23 @@ def design(source: Path | str | DesignSettings, *, folder: Path | None = None) -
     )
 
 
+@cache
+def example_joint() -> Joint:
+    """Return the joint of the examples, of a wheel loader, with all dimensions.
+
+    Returns
+    -------
+    Joint
+
+    Examples
+    --------
+    >>> example_joint().pin_diameter
+    0.08
+    """
+    return joint_of(DesignSettings.model_validate(read_table("example")["joint"]), Path())
+
+
+@cache
 def example_design() -> BearingDesign:
     """Return the design of the joint that `erlif design --example` prints.
 
@@ -120,11 +137,6 @@ def example_design() -> BearingDesign:
     >>> example_design().name
     'boom of a loader'
     """
-    return _example()
-
-
-@cache
-def _example() -> BearingDesign:
     return design(DesignSettings.model_validate(tomllib.loads(example_joint_file())))
 
 

@@ -55,7 +55,7 @@ def size_lock(joint: Joint, lock: Lock, *, series: Series = "none") -> Lock:
     Examples
     --------
     >>> from dataclasses import replace
-    >>> from erlif.joint.sizing import example_joint
+    >>> from erlif.joint.sizing.design import example_joint
     >>> joint = example_joint()
     >>> sized = size_lock(joint, replace(joint.lock, height=None))
     >>> print(f"{sized.height * 1e3:.1f} mm")

@@ -43,7 +43,7 @@ def practice_notes(joint: Joint, *, chosen: Collection[str] = ()) -> tuple[str, 
 
     Examples
     --------
-    >>> from erlif.joint.sizing import example_joint
+    >>> from erlif.joint.sizing.design import example_joint
     >>> practice_notes(example_joint())
     ('Fatigue is not checked at 3e+06 swings: the guide has no step for it.',)
     """

@@ -73,7 +73,7 @@ def numbers_of(joint: Any) -> Iterator[Number]:
 
     Examples
     --------
-    >>> from erlif.joint.sizing import example_joint
+    >>> from erlif.joint.sizing.design import example_joint
     >>> next(numbers_of(example_joint())).name
     'load'
     """
@@ -111,7 +111,7 @@ def warn_of_units(joint: Any, *, dimensions: bool = True) -> None:
 
     >>> import warnings
     >>> from dataclasses import replace
-    >>> from erlif.joint.sizing import example_joint
+    >>> from erlif.joint.sizing.design import example_joint
     >>> joint = example_joint()
     >>> soft = replace(joint, housing=replace(joint.housing, yield_stress=335.0))
     >>> with warnings.catch_warnings(record=True) as caught:

@@ -110,7 +110,8 @@ def sensitivities(assessment: Assessment) -> tuple[Sensitivity, ...]:
     A prong in bending, the weakest part of the example, loses 1.0 % of its margin and of 1 with 1 %
     of load:
 
-    >>> from erlif.joint.sizing import example_joint, assess_joint
+    >>> from erlif.joint.sizing import assess_joint
+    >>> from erlif.joint.sizing.design import example_joint
     >>> found = {one.name: one.change for one in sensitivities(assess_joint(example_joint()))}
     >>> print(f"{found['load']:.4f}, {found['thickness of the plate']:.4f}")
     -0.0102, 0.0102
@@ -181,7 +182,8 @@ def substitutes(joint: Joint, materials: Iterable[Material]) -> tuple[Substitute
 
     Examples
     --------
-    >>> from erlif.joint.sizing import example_joint, read_materials
+    >>> from erlif.joint.sizing import read_materials
+    >>> from erlif.joint.sizing.design import example_joint
     >>> found = substitutes(example_joint(), read_materials().values())
     >>> found[0].weakest.holds
     True

@@ -71,7 +71,7 @@ def size_joint(joint: Joint, *, series: Series = "none") -> Joint:
     Examples
     --------
     >>> from dataclasses import replace
-    >>> from erlif.joint.sizing import example_joint
+    >>> from erlif.joint.sizing.design import example_joint
     >>> joint = replace(example_joint(), pin_diameter=None, bushing_width=None)
     >>> sized = size_joint(joint, series="R20")
     >>> print(f"{sized.pin_diameter * 1e3:g} mm, {sized.bushing_width * 1e3:g} mm")

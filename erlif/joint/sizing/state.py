@@ -70,7 +70,7 @@ class JointState:
 
     Examples
     --------
-    >>> from erlif.joint.sizing import example_joint
+    >>> from erlif.joint.sizing.design import example_joint
     >>> print(f"{JointState(example_joint()).play * 1e6:.1f} um")
     110.1 um
     """

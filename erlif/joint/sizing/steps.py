@@ -107,7 +107,8 @@ class Step:
 
         Examples
         --------
-        >>> from erlif.joint.sizing import example_joint, assess_joint
+        >>> from erlif.joint.sizing import assess_joint
+        >>> from erlif.joint.sizing.design import example_joint
         >>> step = assess_joint(example_joint()).step("prong")
         >>> print(f"{step.number('lock force'):.1f} kN")
         50.0 kN

@@ -6,7 +6,8 @@ import numpy as np
 from scenes.guide import margins
 from scenes.joints import random_joint
 
-from erlif.joint.sizing import assess_joint, example_joint, size_joint
+from erlif.joint.sizing import assess_joint, size_joint
+from erlif.joint.sizing.design import example_joint
 
 SEED = 20051007  # any other number of cases and seeds has passed too
 

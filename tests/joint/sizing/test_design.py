@@ -7,7 +7,8 @@ import pytest
 import erlif
 from erlif.core.errors import ConfigError
 from erlif.io.settings import DesignSettings
-from erlif.joint.sizing.design import design, example_design, example_joint_file
+from erlif.joint.sizing import assess_joint
+from erlif.joint.sizing.design import design, example_design, example_joint, example_joint_file
 
 
 @pytest.fixture
@@ -54,3 +55,8 @@ def test_values_of_joint_toml_replace_those_of_the_table(path):
     path.write_text(text, encoding="utf-8")
     ring = design(path).joint.bushing
     assert (ring.name, ring.hardness_high) == ("CuAl10Ni5Fe4, changed", 150.0)
+
+
+def test_all_steps_of_the_joint_of_the_examples_but_those_that_need_a_test_are_computed():
+    missing = {step.key for step in assess_joint(example_joint()).missing}
+    assert missing == {"pressure_limit"}

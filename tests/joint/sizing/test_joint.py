@@ -4,7 +4,8 @@ import pytest
 from scenes.joints import altered
 
 from erlif.core.errors import ModelError
-from erlif.joint.sizing import assess_joint, dimensions_of, example_joint
+from erlif.joint.sizing import assess_joint, dimensions_of
+from erlif.joint.sizing.design import example_joint
 
 
 def test_derived_dimensions():

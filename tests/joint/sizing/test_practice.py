@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from erlif.joint.sizing import example_joint
+from erlif.joint.sizing.design import example_joint
 from erlif.joint.sizing.practice import practice_notes, tolerance_grade_7
 
 

@@ -3,7 +3,8 @@
 import pytest
 from scenes.joints import altered, assessed
 
-from erlif.joint.sizing import example_joint, read_materials, sensitivities, substitutes
+from erlif.joint.sizing import read_materials, sensitivities, substitutes
+from erlif.joint.sizing.design import example_joint
 
 
 def changes(joint):
