@@ -17,10 +17,11 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Image, Mask
 from erlif.core.errors import FrameError
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note
 from erlif.core.products import References
 from erlif.core.statistics import robust_std
 from erlif.correction.camera import CameraMeasurement
+from erlif.correction.findings import find
 from erlif.correction.view import BLOCKS, FrameView, mean_of_blocks
 
 _CLEAR = 4.0
@@ -161,22 +162,11 @@ def _find_light_in_dark(
     rest = y - share * x
     std = float(np.sqrt((rest * rest).sum() / (x.size - 2) / (x * x).sum()))
     if share > max(_LEAK, _SIGNIFICANT * std):
-        yield Note(
-            Level.WARNING,
-            camera,
-            f"the dark shows {share:.1%} of the light of the frames, in their shape: light fell on "
-            "the sensor. Record the darks again with the shutter closed and the laser off",
-        )
+        yield find(camera, "light_in_dark", share=share)
 
     page_std = darks.level_std * np.sqrt(darks.pages) if darks.pages > 1 else 0.0
     if page_std > max(_UNSTEADY * typical, 1.0):
-        yield Note(
-            Level.WARNING,
-            camera,
-            f"the dark level changes by {page_std:.1f} DN from page to page, "
-            f"{page_std / typical:.1%} of the light: some pages were lit, or the camera had not "
-            "settled. Record the darks again",
-        )
+        yield find(camera, "unsteady_dark", std=page_std, share=page_std / typical)
 
 
 def _find_missing_pages(
@@ -184,18 +174,14 @@ def _find_missing_pages(
 ) -> Iterator[Note]:
     """Pages that one camera lacks against the other, or one light level against the others."""
     pages, others = measured.darks.pages, other.darks.pages
-    cure = "The file may be cut short: export it again, or record it again"
     if 0 < pages < others:
-        text = f"{pages} dark page(s), the other camera has {others}. {cure}"
-        yield Note(Level.WARNING, camera, text)
+        yield find(camera, "few_darks", pages=pages, others=others)
 
     levels = measured.level_pages
     if measured.has_flat and measured.flat_pages < other.flat_pages:
-        text = f"{measured.flat_pages} flat page(s), the other camera has {other.flat_pages}."
-        yield Note(Level.WARNING, camera, f"{text} {cure}")
+        yield find(camera, "few_flats", pages=measured.flat_pages, others=other.flat_pages)
     elif len(levels) > 1 and levels[-1] < min(levels[:-1]):
-        text = f"{levels[-1]} page(s) at the last light level of the flat, {min(levels[:-1])} and "
-        yield Note(Level.WARNING, camera, f"{text}more at the others. {cure}")
+        yield find(camera, "few_last", pages=levels[-1], others=min(levels[:-1]))
 
 
 def _compare_flats(references: References) -> Iterator[Note]:
@@ -208,13 +194,7 @@ def _compare_flats(references: References) -> Iterator[Note]:
     for number, flat in blocks.items():
         darkest = float(flat.min() / flat.max())
         if darkest < _DARK_CORNER:
-            yield Note(
-                Level.WARNING,
-                f"camera{number}",
-                f"the light of the flat falls to {darkest:.0%} within the image, more than lenses "
-                "do: it shows the beam of the laser, a film or a shadow in place of an even "
-                "target. Record flats of an evenly lit target",
-            )
+            yield find(f"camera{number}", "uneven_flat", darkest=darkest)
     if len(blocks) < 2:
         return
 
@@ -223,13 +203,7 @@ def _compare_flats(references: References) -> Iterator[Note]:
     ratio = ratio / np.median(ratio)
     low, high = float(ratio.min()), float(ratio.max())
     if max(high, 1 / low) > 1 + _UNLIKE:
-        yield Note(
-            Level.WARNING,
-            "camera1 and camera2",
-            f"the light of their flats differs by {low - 1:+.0%} to {high - 1:+.0%} over the "
-            "image: the flats show different targets or lamps, and the ratio is wrong by as much. "
-            "Record the flats of both cameras with one evenly lit target",
-        )
+        yield find("camera1 and camera2", "unlike_flats", low=low - 1, high=high - 1)
 
 
 def _compare_patterns(
@@ -256,14 +230,7 @@ def _compare_patterns(
     for n in range(2):
         if (n, n) in shares and shares[n, n].is_missing:
             share = shares[n, n]
-            yield Note(
-                Level.WARNING,
-                f"camera{n + 1}",
-                "the frames do not show the response of the pixels that the flat shows "
-                f"({share.value:.2f} ± {share.std:.2f} of it): the flat is of another camera, "
-                "another region of interest or another time, and adds its structure to the film. "
-                "Name the flat that belongs to these frames, or record one",
-            )
+            yield find(f"camera{n + 1}", "foreign_flat", share=share.value, std=share.std)
 
 
 def find_share(

@@ -108,28 +108,6 @@ class PairLight:
 
 
 @dataclass(frozen=True)
-class BackgroundTables:
-    """Light of the dry joint in one camera, divided by the flat; images are (y, x).
-
-    Attributes
-    ----------
-    light : Image
-        At the mean pulse energy. [DN]
-    variance : Image
-        Of its mean page. [DN2]
-    least : Image
-        Light that is not dim. [DN]
-    recorded : float
-        1 where pages were recorded above the same dark, else 0.
-    """
-
-    light: Image
-    variance: Image
-    least: Image
-    recorded: float
-
-
-@dataclass(frozen=True)
 class CameraTables:
     """What the correction of one camera repeats in every frame; images are (y, x).
 
@@ -137,12 +115,6 @@ class CameraTables:
     ----------
     dark : Image
         [DN]
-    per_flat : Image
-        One over the flat. [1]
-    dark_var : Image
-        Variance of the dark; one row where all rows are alike. [DN2]
-    flat_var : Image
-        Variance of the light by the flat, for light 1. [1]
     least : AnyArray
         Smallest count that is not dim. [DN]
     bad : AnyArray
@@ -151,48 +123,23 @@ class CameraTables:
         Rows of the bad pixels. [px]
     columns : AnyArray
         Columns of the bad pixels. [px]
-    per_gain : float
-        One over the gain. [DN/electron]
-    read_var : float
-        Variance by reading and rounding. [DN2]
     full_scale : int
         Count at saturation. [DN]
-    background : BackgroundTables | None
-        Light of the dry joint; None where none was recorded.
+    noise : NoiseTables
+        What the variances of the light need; light and variances share the flat and the dry joint.
+    least_above_dry : Image | None
+        Light that is not dim once that of the dry joint is subtracted; None where no dry joint was
+        recorded. [DN]
     """
 
     dark: Image
-    per_flat: Image
-    dark_var: Image
-    flat_var: Image
     least: AnyArray
     bad: AnyArray
     rows: AnyArray
     columns: AnyArray
-    per_gain: float
-    read_var: float
     full_scale: int
-    background: BackgroundTables | None = None
-
-    def noise(self) -> NoiseTables:
-        """What the variances of the light need.
-
-        Returns
-        -------
-        NoiseTables
-        """
-        dry = self.background
-        none = np.zeros((0, 0), np.float32)
-        return NoiseTables(
-            self.per_flat,
-            self.dark_var,
-            self.flat_var,
-            none if dry is None else dry.light,
-            none if dry is None else dry.variance,
-            np.array(
-                [self.per_gain, self.read_var, 0 if dry is None else dry.recorded], np.float32
-            ),
-        )
+    noise: NoiseTables
+    least_above_dry: Image | None = None
 
 
 def tabulate(references: References, *, least_signal: float) -> tuple[CameraTables, CameraTables]:
@@ -214,43 +161,43 @@ def tabulate(references: References, *, least_signal: float) -> tuple[CameraTabl
 
 
 def _tabulate(reference: References, least_signal: float) -> CameraTables:
-    dark, flat = reference.dark.values, reference.flat.values
+    dark, gain = reference.dark.values, float(reference.gain)
     bad = np.ascontiguousarray(reference.bad.values)
-    rows, columns = np.nonzero(bad)
-    gain = float(reference.gain)
-
-    per_flat = 1 / flat.astype(float)
-    flat_var = (reference.flat_var.values * per_flat**2).astype(np.float32)
+    per_flat = 1 / reference.flat.values.astype(float)
 
     # a camera usually has one number for all pixels, for which a row is enough
     dark_var = reference.dark_var.values
     if (dark_var == dark_var[:1]).all():
         dark_var = dark_var[:1]
 
-    background = None
+    dry_light = dry_var = np.zeros((0, 0), np.float32)
+    least_above_dry, recorded = None, 0.0
     if "background" in reference:
-        background = BackgroundTables(
-            (reference.background.values * per_flat).astype(np.float32),
-            (reference.background_var.values * per_flat**2).astype(np.float32),
-            (least_signal / gain * per_flat).astype(np.float32),
-            float(reference.background_recorded),
-        )
+        dry_light = (reference.background.values * per_flat).astype(np.float32)
+        dry_var = (reference.background_var.values * per_flat**2).astype(np.float32)
+        least_above_dry = (least_signal / gain * per_flat).astype(np.float32)
+        recorded = float(reference.background_recorded)
+
+    read_var = (float(reference.read_noise) / gain) ** 2 + QUANTISATION_VAR
+    noise = NoiseTables(
+        per_flat.astype(np.float32),
+        np.ascontiguousarray(dark_var, np.float32),
+        (reference.flat_var.values * per_flat**2).astype(np.float32),
+        dry_light,
+        dry_var,
+        np.array([1 / gain, read_var, recorded], np.float32),
+    )
 
     # counts are whole numbers, so that the comparison with a rounded threshold is exact
     least = np.ceil(dark.astype(float) + least_signal / gain)
     return CameraTables(
         np.ascontiguousarray(dark, np.float32),
-        per_flat.astype(np.float32),
-        np.ascontiguousarray(dark_var, np.float32),
-        flat_var,
         np.clip(least, 0, np.iinfo(np.uint16).max).astype(np.uint16),
         bad,
-        rows,
-        columns,
-        1 / gain,
-        (float(reference.read_noise) / gain) ** 2 + QUANTISATION_VAR,
+        *np.nonzero(bad),
         int(reference.full_scale),
-        background,
+        noise,
+        least_above_dry,
     )
 
 
@@ -280,27 +227,18 @@ def measure_light(
     out = PairLight.empty(counts[0].shape) if out is None else out
 
     for n, table in enumerate(tables):
-        light = out.light[n]
-        out.peaks[n] = _measure(
-            counts[n],
-            table.dark,
-            table.per_flat,
-            table.least,
-            table.bad,
-            table.full_scale,
-            light,
-            out.flags[n],
-        )
-        if table.background is not None:
-            dry = table.background
-            _subtract(light, out.flags[n], dry.light, dry.least, np.float32(energy))
+        light, flags, noise = out.light[n], out.flags[n], table.noise
+        pixels = table.dark, noise.per_flat, table.least, table.bad, table.full_scale
+        out.peaks[n] = _measure(counts[n], *pixels, light, flags)
+        if table.least_above_dry is not None:
+            _subtract(light, flags, noise.dry_light, table.least_above_dry, np.float32(energy))
+
         # interpolation would ring about bad pixels
         _fill_from_neighbours(light, table.bad, table.rows, table.columns)
-        _bin(light, out.flags[n], out.half[n], out.half_weight[n], out.blocks[n])
+        _bin(light, flags, out.half[n], out.half_weight[n], out.blocks[n])
         if out.variance.size:
-            noise, height = tuple(table.noise()), light.shape[0]
             variances = out.variance[n], out.variance_fixed[n]
-            fill_noise(light, noise, np.float32(energy), *variances, 0, height)
+            fill_noise(light, tuple(noise), np.float32(energy), *variances, 0, light.shape[0])
     out.energy[0] = energy
     return out
 

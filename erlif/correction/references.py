@@ -7,7 +7,7 @@ Gain and read noise come from the settings where they are declared, else from da
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -19,6 +19,7 @@ from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.notes import Level, Note
 from erlif.core.products import References
 from erlif.correction.camera import CameraMeasurement
+from erlif.correction.findings import find, read_table
 from erlif.correction.flats import make_flat_field
 from erlif.correction.photon_transfer import (
     PhotonTransfer,
@@ -39,6 +40,9 @@ _TRIAL_VAR = 1.0
 """Dark variance by which the fitted slope is differentiated; the dependence is linear. [DN2]"""
 
 _NAN = float("nan")
+
+_CHARACTERISTICS = read_table("characteristics.toml")
+"""Attributes of the numbers of a camera."""
 
 
 @dataclass(frozen=True)
@@ -211,12 +215,7 @@ def _characterise(
 
     dataset = _build_dataset(measured, response, dark_var, transfer, gain, read_noise)
     line = _summarise(measured, declared, gain, read_noise, response.spread)
-    notes = [
-        *_gain_notes(camera, gain, declared, transfer),
-        *_read_noise_notes(camera, read_noise, declared, gain),
-        *_recording_notes(camera, measured),
-    ]
-    return dataset, line, notes
+    return dataset, line, [*_find_notes(camera, measured, declared, transfer, gain, read_noise)]
 
 
 def _find_response(
@@ -266,38 +265,21 @@ def _build_dataset(
     }
 
     # characteristics after EMVA 1288, with the values in use beside the measured ones
-    capacity = (measured.saturation - darks.level) * gain.value
-    scalars = {
-        "gain": (gain.value, "electron/DN", "gain in use"),
-        "gain_measured": (gain.measured, "electron/DN", "gain as measured"),
-        "gain_std": (gain.std, "electron/DN", "standard deviation of gain_measured"),
-        "bend": (transfer.bend if transfer else _NAN, "1", "bend of the photon transfer curve"),
-        "bend_std": (transfer.bend_std if transfer else _NAN, "1", "standard deviation of bend"),
-        "read_noise": (read_noise.value, "electron", "read noise in use"),
-        "read_noise_measured": (read_noise.measured, "electron", "read noise as measured"),
-        "read_noise_std": (
-            read_noise.std,
-            "electron",
-            "standard deviation of read_noise_measured",
-        ),
-        "full_scale": (measured.saturation, "DN", "count at which the camera saturates"),
-        "dark_signal": (darks.level, "DN", "mean dark level"),
-        "dark_signal_std": (
-            darks.level_std,
-            "DN",
-            "standard deviation of dark_signal, from page to page",
-        ),
-        "dark_spread": (
-            darks.spread,
-            "DN",
-            "standard deviation of the dark level over the pixels (DSNU)",
-        ),
-        "response_spread": (
-            response.spread,
-            "1",
-            "standard deviation of the response from pixel to pixel (PRNU)",
-        ),
-        "saturation_capacity": (capacity, "electron", "electrons at saturation"),
+    numbers = {
+        "gain": gain.value,
+        "gain_measured": gain.measured,
+        "gain_std": gain.std,
+        "bend": transfer.bend if transfer else _NAN,
+        "bend_std": transfer.bend_std if transfer else _NAN,
+        "read_noise": read_noise.value,
+        "read_noise_measured": read_noise.measured,
+        "read_noise_std": read_noise.std,
+        "full_scale": measured.saturation,
+        "dark_signal": darks.level,
+        "dark_signal_std": darks.level_std,
+        "dark_spread": darks.spread,
+        "response_spread": response.spread,
+        "saturation_capacity": (measured.saturation - darks.level) * gain.value,
     }
 
     # single precision: the images are multiplied with counts of at most 16 bits
@@ -312,10 +294,7 @@ def _build_dataset(
             "read_noise_known": ((), read_noise.known),
             "has_flat": ((), measured.has_flat),
         }
-        | {
-            name: ((), value, {"units": unit, "long_name": meaning})
-            for name, (value, unit, meaning) in scalars.items()
-        }
+        | {name: ((), value, _CHARACTERISTICS[name]) for name, value in numbers.items()}
     )
 
 
@@ -406,108 +385,43 @@ def _find_read_noise(
     return _Quantity(value, own, std, known)
 
 
-def _gain_notes(
-    camera: str, gain: _Quantity, declared: DeclaredNoise, transfer: PhotonTransfer | None
-) -> list[Note]:
-    notes = []
-
+def _find_notes(
+    camera: str,
+    measured: CameraMeasurement,
+    declared: DeclaredNoise,
+    transfer: PhotonTransfer | None,
+    gain: _Quantity,
+    read_noise: _Quantity,
+) -> Iterator[Note]:
+    """What needs attention of gain, read noise and recordings, in this order."""
     # the comparison is False where no gain was measured, because that gain is NaN
     if declared.gain is not None and abs(declared.gain / gain.measured - 1) > _TOLERATED:
         off = 100 * (declared.gain / gain.measured - 1)
-        notes.append(
-            Note(
-                Level.WARNING,
-                camera,
-                f"the declared gain, {declared.gain:g} electron/DN, deviates by {off:+.0f} % from "
-                "the measured one; the declared value is used. Check it: every error bar scales "
-                "with it.",
-            )
-        )
-
+        yield find(camera, "declared_gain", gain=declared.gain, off=off)
     if not gain.known:
-        notes.append(
-            Note(
-                Level.WARNING,
-                camera,
-                "neither gain nor flats with two pages of one light level; the gain will be "
-                "estimated from the noise of the frames",
-            )
-        )
+        yield find(camera, "no_gain")
 
     # variance per light of a response f is f'^2/f, which changes three times as much as f itself
     if transfer is not None and transfer.is_bent:
-        notes.append(
-            Note(
-                Level.WARNING,
-                camera,
-                "the photon transfer curve is not straight: variance per light changes by "
-                f"{100 * transfer.bend:+.1f} ± {100 * transfer.bend_std:.1f} % from dark to the "
-                "brightest flat, as for a response that departs from linear by about a third of "
-                "that, or for charge that spreads to neighbouring pixels",
-            )
-        )
-    return notes
-
-
-def _read_noise_notes(
-    camera: str, read_noise: _Quantity, declared: DeclaredNoise, gain: _Quantity
-) -> list[Note]:
-    notes = []
-    own, std = read_noise.measured, read_noise.std
+        yield find(camera, "bent", bend=100 * transfer.bend, std=100 * transfer.bend_std)
 
     # the measured read noise in electrons scales with the gain: without one there is no comparison
+    own, std = read_noise.measured, read_noise.std
     given = declared.read_noise if gain.known else None
     if given is not None and abs(given - own) > _TOLERATED * own + 3 * std:
-        notes.append(
-            Note(
-                Level.WARNING,
-                camera,
-                f"the declared read noise, {given:g} electron, differs from the measured one, "
-                f"{_with_std(own, std)} electron; the declared value is used.",
-            )
-        )
-
+        yield find(camera, "declared_read_noise", given=given, measured=_with_std(own, std))
     if not read_noise.known:
-        notes.append(
-            Note(
-                Level.WARNING,
-                camera,
-                "neither read noise nor two dark pages; the read noise will be estimated from the "
-                "noise of the frames",
-            )
-        )
-    return notes
+        yield find(camera, "no_read_noise")
 
-
-def _recording_notes(camera: str, measured: CameraMeasurement) -> list[Note]:
-    notes = []
-    if measured.background is not None:
-        notes.append(
-            Note(
-                Level.NOTE,
-                camera,
-                f"background of {measured.background.pages} frame(s) of the dry joint subtracted, "
-                f"{100 * measured.background.share:.2g} % of the median light",
-            )
-        )
+    dry = measured.background
+    if dry is not None:
+        yield find(camera, "background", level=Level.NOTE, pages=dry.pages, share=100 * dry.share)
 
     # a pile-up below full scale comes from the sensor or from a range set in the camera
-    top = measured.saturation
-    if top < measured.full_scale:
-        notes.append(
-            Note(
-                Level.WARNING,
-                camera,
-                f"counts pile up at {top}, below full scale ({measured.full_scale}): pixels of "
-                f"{top} and more count as saturated",
-            )
-        )
-
+    if measured.saturation < measured.full_scale:
+        yield find(camera, "pile_up", top=measured.saturation, full_scale=measured.full_scale)
     if not measured.has_flat:
-        notes.append(
-            Note(Level.WARNING, camera, "no flat; vignetting and pixel response are not corrected")
-        )
-    return notes
+        yield find(camera, "no_flat")
 
 
 def _summarise(

@@ -172,7 +172,7 @@ class FrameChain(PickledByFields):
     def noise(self) -> tuple[NoiseTables, NoiseTables]:
         """What the variances of both cameras need, that of camera 2 turned as its image is."""
         one, two = self.correct.tables
-        return one.noise(), turn_noise(two.noise(), self.tables.orientation)
+        return one.noise, turn_noise(two.noise, self.tables.orientation)
 
     @cached_property
     def search(self) -> DriftSearch:

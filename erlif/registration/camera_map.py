@@ -17,6 +17,7 @@ import xarray as xr
 from erlif.core.arrays import Array, Image, Mask
 from erlif.core.errors import RegistrationError
 from erlif.core.html import Range, captioned, card, colour_picture, picture_tag, rows_table
+from erlif.core.variables import REGISTRATION
 from erlif.registration.settings import RegistrationSettings
 
 
@@ -104,23 +105,6 @@ class CameraMap:
 
     def to_dataset(self) -> xr.Dataset:
         """Return the map as a dataset (y, x) for a file; `from_dataset` reads it back."""
-        what = "camera-2 pixel minus camera-1 pixel of the same object point"
-        described = {
-            "displacement_x": (self.displacement_x, "px", f"{what}, along x"),
-            "displacement_y": (self.displacement_y, "px", f"{what}, along y"),
-            "displacement_std": (
-                self.displacement_std,
-                "px",
-                "standard deviation of one component of the displacement",
-            ),
-            "overlap": (self.overlap.astype(np.uint8), "1", "1 where camera 2 sees the point"),
-            "poor": (
-                self.poor.astype(np.uint8),
-                "1",
-                "1 where the registration is not good enough",
-            ),
-        }
-
         # netCDF has no boolean attribute; the key "model" is taken by the description of the map
         settings = {
             _setting_attribute(name): int(value) if isinstance(value, bool) else value
@@ -128,8 +112,8 @@ class CameraMap:
         }
         return xr.Dataset(
             {
-                name: (("y", "x"), values, {"units": units, "long_name": long_name})
-                for name, (values, units, long_name) in described.items()
+                name: variable.fill(getattr(self, name).astype(variable.dtype, copy=False))
+                for name, variable in REGISTRATION.items()
             },
             attrs={
                 "registration_quality": self.quality,
@@ -151,7 +135,7 @@ class CameraMap:
         attributes = {name: _setting_attribute(name) for name in defaults}
         named = ("registration_quality", "registration_model", *attributes.values())
         # all that is missing is named at once
-        missing = [name for name in _VARIABLES if name not in dataset]
+        missing = [name for name in REGISTRATION if name not in dataset]
         missing += [name for name in named if name not in dataset.attrs]
         if missing:
             raise RegistrationError(
@@ -164,20 +148,18 @@ class CameraMap:
         chosen: dict[str, Any] = {
             name: type(default)(attrs[attributes[name]]) for name, default in defaults.items()
         }
+        kinds = {"float32": np.float32, "uint8": bool}
+        images = {
+            name: np.asarray(dataset[name].values, kinds[variable.dtype])
+            for name, variable in REGISTRATION.items()
+        }
         return cls(
-            displacement_x=np.asarray(dataset["displacement_x"].values, np.float32),
-            displacement_y=np.asarray(dataset["displacement_y"].values, np.float32),
-            displacement_std=np.asarray(dataset["displacement_std"].values, np.float32),
-            overlap=np.asarray(dataset["overlap"].values, bool),
-            poor=np.asarray(dataset["poor"].values, bool),
+            **images,
             quality=float(attrs["registration_quality"]),
             settings=RegistrationSettings(**chosen),
             **_read_model(str(attrs["registration_model"])),
         )
 
-
-_VARIABLES: Final = ("displacement_x", "displacement_y", "displacement_std", "overlap", "poor")
-"""Arrays of a map in a file."""
 
 _MODEL: Final = re.compile(
     r"(?P<kind>[^,;]+)(, (?P<resolution>.+?))??(?P<stored>, stored with the calibration)?"
@@ -275,21 +257,23 @@ def move_map(camera_map: CameraMap, by: Array) -> CameraMap:
 
 def _describe(camera_map: CameraMap) -> list[tuple[str, str]]:
     """Displacement and its error by name and value."""
-    rows = [("model", camera_map.model)]
-    for name, image in (
-        ("displacement along x", camera_map.displacement_x),
-        ("displacement along y", camera_map.displacement_y),
-    ):
+    ranges = []
+    for axis in ("x", "y"):
+        image = getattr(camera_map, f"displacement_{axis}")
         low, high = _limits(image, camera_map.overlap)
-        rows.append((name, f"{low:.2f} to {high:.2f} px"))
+        ranges.append((f"displacement along {axis}", f"{low:.2f} to {high:.2f} px"))
+
     std = camera_map.displacement_std[camera_map.overlap]
     known = std[np.isfinite(std)]
     median = f"{float(np.median(known)):.3f} px (median)" if known.size else "not known"
-    rows.append(("standard deviation", median))
-    rows.append(("correlation after alignment", f"{camera_map.quality:.3f}"))
-    rows.append(("seen by both cameras", f"{float(camera_map.overlap.mean()):.1%}"))
-    rows.append(("poor registration", f"{float(camera_map.poor.mean()):.1%}"))
-    return rows
+    return [
+        ("model", camera_map.model),
+        *ranges,
+        ("standard deviation", median),
+        ("correlation after alignment", f"{camera_map.quality:.3f}"),
+        ("seen by both cameras", f"{float(camera_map.overlap.mean()):.1%}"),
+        ("poor registration", f"{float(camera_map.poor.mean()):.1%}"),
+    ]
 
 
 def _limits(image: Image, where: Mask) -> Range:

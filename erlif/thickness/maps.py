@@ -12,6 +12,7 @@ from erlif.calibration import Calibration
 from erlif.core.arrays import AnyArray, FlagImage, Image
 from erlif.core.flags import FLAG_ATTRS
 from erlif.core.products import RatioImages, ThicknessMaps, require
+from erlif.core.variables import FILM
 from erlif.thickness.surroundings import PAD, Surroundings, decide, enter_row
 from erlif.thickness.tables import FilmTables
 
@@ -21,19 +22,8 @@ _at = np.uint64  # an index that cannot count from the end, as in `erlif.registr
 _STEPS = (61, 67)
 """Rows and columns between the pixels whose median is the offset of the sums: some hundreds."""
 
-_ATTRS: dict[str, dict[str, str]] = {
-    "thickness": {
-        "units": "um",
-        "long_name": "oil-film thickness",
-        "ancillary_variables": "thickness_std thickness_std_shared flags",
-    },
-    "thickness_std": {"units": "um", "long_name": "standard deviation of thickness, random part"},
-    "thickness_std_shared": {
-        "units": "um",
-        "long_name": "standard deviation of thickness, common to all pixels",
-    },
-    "log_ratio_near": {"units": "1", "long_name": "mean of log_ratio about the pixel"},
-}
+_NEAR = {"units": "1", "long_name": "mean of log_ratio about the pixel"}
+"""Attributes of log_ratio_near, which is in no file."""
 
 
 def measure_thickness(ratios: RatioImages, calibration: Calibration) -> ThicknessMaps:
@@ -108,17 +98,15 @@ def measure_thickness(ratios: RatioImages, calibration: Calibration) -> Thicknes
             maps,
         )
 
+    dims = ratios.log_ratio.dims
     images_by_name = {
         "thickness": thickness,
         "thickness_std": std,
         "thickness_std_shared": std_shared,
-        "log_ratio_near": near,
     }
-    dims = ratios.log_ratio.dims
-    described = {name: (dims, image, _ATTRS[name]) for name, image in images_by_name.items()}
-    return ThicknessMaps(
-        xr.Dataset(described | {"flags": (dims, flags, FLAG_ATTRS)}, ratios.coords)
-    )
+    described = {name: (dims, image, FILM[name].attrs) for name, image in images_by_name.items()}
+    others = {"log_ratio_near": (dims, near, _NEAR), "flags": (dims, flags, FLAG_ATTRS)}
+    return ThicknessMaps(xr.Dataset(described | others, ratios.coords))
 
 
 class LookUpRows(NamedTuple):
