@@ -1,9 +1,8 @@
 """Counts to light with variance: dark, flat, photon transfer, saturation."""
 
 from erlif.correction.agreement import find_reference_faults
-from erlif.correction.background import Background, reduce_background
 from erlif.correction.camera import CameraMeasurement, measure_camera
-from erlif.correction.darks import Darks, declare_darks, reduce_darks
+from erlif.correction.darks import Background, Darks, declare_darks, reduce_background, reduce_darks
 from erlif.correction.flats import FlatField, make_flat_field
 from erlif.correction.frames import correct_frames, gather_light
 from erlif.correction.light import CameraTables, PairLight

@@ -6,8 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from erlif.core.arrays import AnyArray, Counts
-from erlif.correction.background import Background, reduce_background
-from erlif.correction.darks import Darks, declare_darks, reduce_darks
+from erlif.correction.darks import Background, Darks, declare_darks, reduce_background, reduce_darks
 from erlif.correction.flats import reduce_flats, sum_light
 from erlif.correction.photon_transfer import LightLevel, reduce_level
 from erlif.correction.saturation import Histogram

@@ -1,4 +1,4 @@
-"""Dark pages: dark level, temporal variance, hot and noisy pixels."""
+"""Light that is not film: dark pages, and frames of the dry or dye-free joint under the laser."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.errors import FrameError
 from erlif.core.statistics import robust_std, sample_pixels
 from erlif.correction.pages import PageStack
+from erlif.correction.saturation import Histogram
 
 _HOT = 8.0
 """Excess over the surroundings from which a pixel is hot: robust standard deviations, and DN."""
@@ -24,6 +25,9 @@ _FALSE_NOISY = 1e-7
 
 _NOISY_FLOOR = 1.0
 """Added to that limit, so that rounding of a quiet camera makes no pixel noisy. [DN2]"""
+
+_FILM = 0.5
+"""Median light of the dry joint over that of the run from which its frames show a film. [1]"""
 
 
 @dataclass(frozen=True)
@@ -111,13 +115,8 @@ def reduce_darks(pages: Iterable[Counts]) -> Darks:
     >>> round(darks.level), round(darks.temporal_var - 1 / 12)
     (64, 4)
     """
-    # pages are added one at a time, so that a long recording needs no memory
-    stack: PageStack | None = None
-    levels = []
-    for page in pages:
-        stack = stack or PageStack(page)
-        stack.add(page)
-        levels.append(float(np.mean(page, dtype=float)))
+    levels: list[float] = []
+    stack = _stack_pages(pages, levels)
     if stack is None:
         raise FrameError(
             "Expected at least one dark page; there is none. Record one, or give offset."
@@ -151,6 +150,17 @@ def reduce_darks(pages: Iterable[Counts]) -> Darks:
     )
 
 
+def _stack_pages(pages: Iterable[Counts], levels: list[float] | None = None) -> PageStack | None:
+    """All pages, one at a time: a long recording needs no memory. Their levels are collected."""
+    stack: PageStack | None = None
+    for page in pages:
+        stack = stack or PageStack(page)
+        stack.add(page)
+        if levels is not None:
+            levels.append(float(np.mean(page, dtype=float)))
+    return stack
+
+
 def median_of_surroundings(image: AnyArray) -> Image:
     """Median over the 5 x 5 pixels about each pixel."""
     return np.asarray(cv2.medianBlur(np.ascontiguousarray(image, np.float32), 5), np.float32)
@@ -172,3 +182,77 @@ def _find_noisy(variance: AnyArray, pages: int) -> Mask:
     )
     limit = typical * scipy.special.chdtri(freedom, _FALSE_NOISY) / freedom + _NOISY_FLOOR
     return np.asarray(variance > limit)
+
+
+@dataclass(frozen=True)
+class Background:
+    """Light of the dry joint in one camera.
+
+    Attributes
+    ----------
+    light : AnyArray
+        Mean counts above the dark, (y, x). [DN]
+    pages : int
+        Number of pages.
+    share : float
+        Median over the median light of the run. [1]
+    """
+
+    light: AnyArray
+    pages: int
+    share: float
+
+
+def reduce_background(
+    pages: Iterable[Counts], *, darks: Darks, histogram: Histogram, camera: str
+) -> Background | None:
+    """Average the frames of the dry joint.
+
+    Parameters
+    ----------
+    pages : iterable of array, (y, x)
+        Counts. [DN]
+    darks : Darks
+        Darks of the same camera.
+    histogram : array of int, (full scale + 1,)
+        Pixels by count in some frames of the run; their median is the light to compare with.
+    camera : str
+        Name in messages, "camera1".
+
+    Returns
+    -------
+    Background or None
+        None where there is no page.
+
+    Raises
+    ------
+    FrameError
+        If the pages are half as bright as the frames of the run.
+
+    Examples
+    --------
+    >>> from erlif.correction import declare_darks
+    >>> dry = [np.full((2, 2), counts, np.uint16) for counts in (73, 75)]
+    >>> run = np.bincount([1064], minlength=4096)
+    >>> found = reduce_background(
+    ...     dry, darks=declare_darks(64.0, (2, 2)), histogram=run, camera="camera1"
+    ... )
+    >>> float(found.light[0, 0]), found.pages, found.share
+    (10.0, 2, 0.01)
+    """
+    stack = _stack_pages(pages)
+    if stack is None:
+        return None
+
+    # the median counts of the run, which has as many pixels below as above
+    below = np.cumsum(histogram)
+    typical = float(np.searchsorted(below, below[-1] / 2)) - darks.level
+    light = stack.mean - darks.mean
+    share = float(np.median(light)) / typical if typical > 0 else float("nan")
+    if share > _FILM:
+        raise FrameError(
+            f"Expected background of {camera} to be frames of the dry or dye-free joint under the "
+            f"laser; their median light is {share:.0%} of that of the run. Check that no dyed oil "
+            "was in the joint, or take the key out of run.toml."
+        )
+    return Background(light, stack.count, share)

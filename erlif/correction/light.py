@@ -163,6 +163,7 @@ def tabulate(references: References, *, least_signal: float) -> tuple[CameraTabl
 def _tabulate(reference: References, least_signal: float) -> CameraTables:
     dark, gain = reference.dark.values, float(reference.gain)
     bad = np.ascontiguousarray(reference.bad.values)
+    rows, columns = np.nonzero(bad)
     per_flat = 1 / reference.flat.values.astype(float)
 
     # a camera usually has one number for all pixels, for which a row is enough
@@ -194,7 +195,8 @@ def _tabulate(reference: References, least_signal: float) -> CameraTables:
         np.ascontiguousarray(dark, np.float32),
         np.clip(least, 0, np.iinfo(np.uint16).max).astype(np.uint16),
         bad,
-        *np.nonzero(bad),
+        rows,
+        columns,
         int(reference.full_scale),
         noise,
         least_above_dry,
@@ -234,7 +236,7 @@ def measure_light(
             _subtract(light, flags, noise.dry_light, table.least_above_dry, np.float32(energy))
 
         # interpolation would ring about bad pixels
-        _fill_from_neighbours(light, table.bad, table.rows, table.columns)
+        fill_gaps(light, table.bad, table.rows, table.columns, _FARTHEST)
         _bin(light, flags, out.half[n], out.half_weight[n], out.blocks[n])
         if out.variance.size:
             variances = out.variance[n], out.variance_fixed[n]
@@ -281,12 +283,23 @@ def _subtract(light, flags, background, least, energy):  # type: ignore[no-untyp
 
 
 @numba.njit(nogil=True, cache=True)
-def _fill_from_neighbours(signal, bad, rows, columns):  # type: ignore[no-untyped-def]
-    """Replace each bad pixel by the mean of the good pixels of the smallest ring that has some."""
+def fill_gaps(signal, bad, rows, columns, farthest):  # type: ignore[no-untyped-def]
+    """Replace each bad pixel by the mean of the good ones in the smallest square that has some.
+
+    Parameters
+    ----------
+    signal : array, (y, x)
+        Changed in place; a pixel without a good one near stays as it is.
+    bad : array of bool, (y, x)
+    rows, columns : array, (pixel,)
+        Places of the bad pixels.
+    farthest : int
+        Largest distance of a good pixel along either axis. [px]
+    """
     height, width = signal.shape
     for n in range(rows.size):
         i, j = rows[n], columns[n]
-        for reach in range(1, _FARTHEST + 1):
+        for reach in range(1, farthest + 1):
             total = 0.0
             count = 0
             for k in range(max(i - reach, 0), min(i + reach + 1, height)):

@@ -279,7 +279,7 @@ def _gather_cells(views: Iterable[NoiseView], blur: BlurDifference, *, size: int
 
 def _difference_kernels(blur: BlurDifference) -> tuple[Array, Array]:
     """Weights of the log light of camera 1 and camera 2 in a difference, ghost removal included."""
-    x, y = (blur.x, blur.y) if blur.significant else (0.0, 0.0)
+    x, y = blur.corrected
     ghost = np.array([[0, -y / 2, 0], [-x / 2, x + y, -x / 2], [0, -y / 2, 0]])
     pixel = np.zeros((3, 3))
     pixel[1, 1] = 1

@@ -6,15 +6,16 @@ ratio, and exchanged cameras change its sign alone.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numba
 import numpy as np
-import xarray as xr
 
 from erlif.core.arrays import FAST, Image
-from erlif.core.flags import FLAG_ATTRS, Flag
+from erlif.core.flags import Flag
 from erlif.core.products import AlignedFrames, RatioImages, require
 from erlif.ratio.bubbles import find_bubbles
-from erlif.ratio.pair import PairRatio
+from erlif.ratio.pair import PairRatio, gather_ratios
 from erlif.ratio.sharpness import BlurDifference
 
 _NAN, _ZERO, _HALF, _ONE, _TWO = (np.float32(value) for value in (np.nan, 0, 0.5, 1, 2))
@@ -78,6 +79,7 @@ def compute_ratio(
     --------
     Light of 4000 and 2000 DN with 1 % noise each:
 
+    >>> import xarray as xr
     >>> dims = ("camera", "frame", "y", "x")
     >>> light = np.ones((2, 1, 16, 16), np.float32) * np.reshape([4000, 2000], (2, 1, 1, 1))
     >>> frames = AlignedFrames(xr.Dataset({
@@ -98,59 +100,27 @@ def compute_ratio(
         np.ascontiguousarray(frames[name].values, np.float32)
         for name in ("signal", "signal_var", "signal_var_fixed")
     )
-    camera_flags = frames.flags.values
     map_var = np.square(frames.displacement_std.values, dtype=float).astype(np.float32)
     no_flags = np.zeros(map_var.shape, np.uint8)  # those of the map are among those of camera 2
-    along = (blur.x, blur.y) if blur is not None and blur.significant else (0.0, 0.0)
+    along = np.array(BlurDifference().corrected if blur is None else blur.corrected, np.float32)
 
-    ratios = [empty_ratio(map_var.shape) for _ in range(signal.shape[1])]
-    correlation = np.ones(len(ratios))
-    for n, ratio in enumerate(ratios):
+    ratios = []
+    for n in range(signal.shape[1]):
+        ratio = empty_ratio(map_var.shape)
         one, two = signal[:, n]
-        total, of_two = divide_rows(
-            one,
-            two,
-            variance[0, n],
-            fixed[0, n],
-            variance[1, n],
-            fixed[1, n],
-            camera_flags[0, n],
-            camera_flags[1, n],
-            no_flags,
-            map_var,
-            np.float32(along[0]),
-            np.float32(along[1]),
-            ratio.log_ratio,
-            ratio.variance,
-            ratio.variance_fixed,
-            ratio.variance_shared,
-            ratio.flags,
-            0,
-            0,
-            len(one),
+        noise = variance[0, n], fixed[0, n], variance[1, n], fixed[1, n]
+        flags = *frames.flags.values[:, n], no_flags
+        total, of_two = divide_rows(  # type: ignore[call-arg]
+            one, two, *noise, *flags, map_var, *along, *ratio.images, 0, 0, len(one)
         )
-        ratio.flags[find_bubbles(one, two, share=no_film_below)] |= _NO_FILM
-        if "interpolation" in frames:
-            correlation[n] = correlate_noise(total, of_two, float(frames.interpolation[n]))
 
-    dims = ("frame", "y", "x")
-    images = {
-        "log_ratio": [ratio.log_ratio for ratio in ratios],
-        "log_ratio_var": [ratio.variance for ratio in ratios],
-        "log_ratio_var_fixed": [ratio.variance_fixed for ratio in ratios],
-        "log_ratio_var_shared": [ratio.variance_shared for ratio in ratios],
-    }
-    return RatioImages(
-        xr.Dataset(
-            {name: (dims, np.stack(each), {"units": "1"}) for name, each in images.items()}
-            | {
-                "flags": (dims, np.stack([ratio.flags for ratio in ratios]), FLAG_ATTRS),
-                "signal_camera1": (dims, signal[0], {"units": "DN"}),
-                "noise_correlation": ("frame", correlation, {"units": "1"}),
-            },
-            {name: value for name, value in frames.coords.items() if "camera" not in value.dims},
-        )
-    )
+        ratio.flags[find_bubbles(one, two, share=no_film_below)] |= _NO_FILM
+        correlation = 1.0
+        if "interpolation" in frames:
+            correlation = correlate_noise(total, of_two, float(frames.interpolation[n]))
+        ratios.append(replace(ratio, light_one=one, noise_correlation=correlation))
+    coords = {name: value for name, value in frames.coords.items() if "camera" not in value.dims}
+    return RatioImages(gather_ratios(ratios).assign_coords(coords))
 
 
 def correlate_noise(total: float, of_two: float, averaging: float) -> float:

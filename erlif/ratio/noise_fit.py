@@ -72,8 +72,7 @@ class NoiseUnknowns:
         return bool(self.noise.any() or self.response[1])
 
 
-@dataclass(frozen=True)
-class NoiseCells:
+class NoiseCells(NamedTuple):
     """Cells of differences between two frames: their variance, and that of each cause at unit size.
 
     Attributes
@@ -102,17 +101,9 @@ class NoiseCells:
     @classmethod
     def join(cls, parts: Sequence[NoiseCells]) -> NoiseCells:
         """The cells of several pairs of frames together."""
-        if not parts:
-            none, by_camera = np.zeros(0), np.zeros((0, 2))
-            return cls(none, none.astype(np.int64), none, by_camera, by_camera, none)
-        return cls(
-            np.concatenate([part.pixels for part in parts]),
-            np.concatenate([part.block for part in parts]),
-            np.concatenate([part.variance for part in parts]),
-            np.concatenate([part.shot for part in parts]),
-            np.concatenate([part.read for part in parts]),
-            np.concatenate([part.pattern for part in parts]),
-        )
+        none, by_camera = np.zeros(0), np.zeros((0, 2))
+        empty = cls(none, none.astype(np.int64), none, by_camera, by_camera, none)
+        return cls(*(np.concatenate(column) for column in zip(empty, *parts, strict=True)))
 
 
 @dataclass(frozen=True)

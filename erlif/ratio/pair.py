@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
-from erlif.core.arrays import FlagImage, Image
+from erlif.core.arrays import AnyArray, FlagImage, Image
 from erlif.core.flags import FLAG_ATTRS
 from erlif.core.products import RatioImages
+
+_IMAGES = {
+    "log_ratio": "log_ratio",
+    "log_ratio_var": "variance",
+    "log_ratio_var_fixed": "variance_fixed",
+    "log_ratio_var_shared": "variance_shared",
+}
+"""Names of the images in a dataset, and their fields."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +65,12 @@ class PairRatio:
     digests: tuple[str, str] = ("", "")
     spare: tuple[Image, ...] = ()
 
+    @property
+    def images(self) -> tuple[Image, Image, Image, Image, FlagImage]:
+        """Log ratio, its three variances and the flags."""
+        variances = self.variance, self.variance_fixed, self.variance_shared
+        return self.log_ratio, *variances, self.flags
+
     @classmethod
     def of(cls, ratios: RatioImages, frame: int = 0) -> PairRatio:
         """One frame of ratio images.
@@ -84,16 +99,15 @@ class PairRatio:
             return np.ascontiguousarray(ratios[name].values[frame], np.float32)
 
         # a mean over frames has no light of its own
-        log_ratio = image("log_ratio")
+        log_ratio, variance, fixed, shared = (image(name) for name in _IMAGES)
         known = "signal_camera1" in ratios
-        light = image("signal_camera1") if known else np.full_like(log_ratio, np.nan)
         return cls(
             log_ratio,
-            image("log_ratio_var"),
-            image("log_ratio_var_fixed"),
-            image("log_ratio_var_shared"),
+            variance,
+            fixed,
+            shared,
             ratios.flags.values[frame],
-            light,
+            image("signal_camera1") if known else np.full_like(log_ratio, np.nan),
             number("noise_correlation", 1.0),
             (number("drift_x", 0.0), number("drift_y", 0.0)),
             (int(number("peak_camera1", 0)), int(number("peak_camera2", 0))),
@@ -108,24 +122,8 @@ class PairRatio:
         RatioImages
             As `erlif.ratio.compute_ratio` returns them, with the coordinates that `of` reads.
         """
-        dims, unit = ("frame", "y", "x"), {"units": "1"}
-
-        images = {
-            "log_ratio": self.log_ratio,
-            "log_ratio_var": self.variance,
-            "log_ratio_var_fixed": self.variance_fixed,
-            "log_ratio_var_shared": self.variance_shared,
-        }
-        dataset = xr.Dataset(
-            {name: (dims, image[None], unit) for name, image in images.items()}
-            | {
-                "flags": (dims, self.flags[None], FLAG_ATTRS),
-                "signal_camera1": (dims, self.light_one[None], {"units": "DN"}),
-                "noise_correlation": ("frame", [self.noise_correlation], unit),
-            }
-        )
         return RatioImages(
-            dataset.assign_coords(
+            gather_ratios([self]).assign_coords(
                 drift_x=("frame", [self.drift[0]]),
                 drift_y=("frame", [self.drift[1]]),
                 peak_camera1=("frame", [self.peaks[0]]),
@@ -134,3 +132,34 @@ class PairRatio:
                 digest_camera2=("frame", [self.digests[1]]),
             )
         )
+
+
+def gather_ratios(pairs: Sequence[PairRatio]) -> RatioImages:
+    """Ratios of frame pairs as a dataset on dim frame, without coordinates.
+
+    Parameters
+    ----------
+    pairs : sequence of PairRatio
+
+    Returns
+    -------
+    RatioImages
+    """
+    dims, unit = ("frame", "y", "x"), {"units": "1"}
+
+    def joined(name: str) -> AnyArray:
+        """All frames; a single one is not copied."""
+        images = [getattr(pair, name)[None] for pair in pairs]
+        return images[0] if len(images) == 1 else np.concatenate(images)
+
+    correlation = np.array([pair.noise_correlation for pair in pairs])
+    return RatioImages(
+        xr.Dataset(
+            {name: (dims, joined(field), unit) for name, field in _IMAGES.items()}
+            | {
+                "flags": (dims, joined("flags"), FLAG_ATTRS),
+                "signal_camera1": (dims, joined("light_one"), {"units": "DN"}),
+                "noise_correlation": ("frame", correlation, unit),
+            }
+        )
+    )

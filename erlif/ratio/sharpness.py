@@ -66,6 +66,11 @@ class BlurDifference:
         """Whether the texture shows a difference, along either axis."""
         return abs(self.x) > _SIGNIFICANT * self.std_x or abs(self.y) > _SIGNIFICANT * self.std_y
 
+    @property
+    def corrected(self) -> tuple[float, float]:
+        """The difference (x, y) whose ghost is subtracted: zero unless it is significant. [px2]"""
+        return (self.x, self.y) if self.significant else (0.0, 0.0)
+
 
 @dataclass
 class BlurMoments:

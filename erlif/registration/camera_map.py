@@ -149,7 +149,7 @@ class CameraMap:
             name: type(default)(attrs[attributes[name]]) for name, default in defaults.items()
         }
         kinds = {"float32": np.float32, "uint8": bool}
-        images = {
+        images: dict[str, Any] = {
             name: np.asarray(dataset[name].values, kinds[variable.dtype])
             for name, variable in REGISTRATION.items()
         }

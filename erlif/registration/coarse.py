@@ -19,10 +19,10 @@ from erlif.core.arrays import AnyArray, Array, Image, Mask
 from erlif.core.errors import RegistrationError
 from erlif.core.statistics import robust_rms
 from erlif.registration.blocks import FEWEST, agree, match_blocks
-from erlif.registration.interpolation import NOTHING_BAD, sample_spline, spline_coefficients
+from erlif.registration.interpolation import NOTHING_BAD, spline_coefficients
 from erlif.registration.normalise import binned, normalise
+from erlif.registration.pairs import laid_over
 from erlif.registration.settings import ORIENTATIONS, RegistrationSettings, orient
-from erlif.registration.surface import Box, Surface, affine_surface
 
 COARSE_SIZE: Final = 256
 """The frames are binned by powers of two until their longer side is at most this. [px]"""
@@ -112,10 +112,6 @@ class Start:
 
     blocks: int
 
-    def surface(self, box: Box) -> Surface:
-        """The same map as a surface."""
-        return affine_surface(box, self.matrix, self.offset)
-
 
 @dataclass(frozen=True)
 class Peak:
@@ -152,41 +148,17 @@ def _textures(image: AnyArray, weight: AnyArray | None, factor: int) -> tuple[An
     return normalise(small, sound, reach=TEXTURE_REACH)
 
 
-def _turned(
-    coefficients: AnyArray, bad: AnyArray, linear: Array, shift: Array, shape: tuple[int, int]
-) -> tuple[AnyArray, AnyArray]:
-    """Texture and weight of camera 2 at ``linear @ (x - centre) + centre + shift``; 0 outside."""
-    h, w = shape
-    centre = _centre(shape)
-    offset = centre + shift - linear @ centre
-    x, y = np.meshgrid(np.arange(w, dtype=np.float32), np.arange(h, dtype=np.float32))
-    dx = (linear[0, 0] - 1) * x + linear[0, 1] * y + offset[0]
-    dy = linear[1, 0] * x + (linear[1, 1] - 1) * y + offset[1]
-
-    out = np.empty(shape, np.float32)
-    sample_spline(
-        coefficients, dx.astype(np.float32), dy.astype(np.float32), 0.0, 0.0, bad, out, 0, h
-    )
-    sound = np.isfinite(out)
-    return np.where(sound, out, np.float32(0)), sound.astype(np.float32)
-
-
 def _centre(shape: tuple[int, int]) -> AnyArray:
     """Centre (x, y) of an image. [px]"""
     return np.array([(shape[1] - 1) / 2, (shape[0] - 1) / 2])
 
 
-def _linear(rotation: float, scale: float) -> AnyArray:
-    """Matrix of a rotation [rad] with a scale."""
-    c, s = np.cos(rotation), np.sin(rotation)
-    return scale * np.array([[c, -s], [s, c]])
-
-
 def _bank() -> Iterator[AnyArray]:
     """Matrices of all rotations and scales that are tried."""
     for rotation in ROTATIONS:
+        c, s = np.cos(rotation), np.sin(rotation)
         for scale in SCALES:
-            yield _linear(float(rotation), scale)
+            yield scale * np.array([[c, -s], [s, c]])
 
 
 @dataclass(frozen=True)
@@ -227,8 +199,21 @@ class CoarsePair:
         return self.a.shape[0], self.a.shape[1]
 
     def turned(self, linear: Array, shift: Array) -> tuple[AnyArray, AnyArray]:
-        """Texture and weight of camera 2 under an affine map."""
-        return _turned(self.coefficients, self.bad, linear, shift, self.shape)
+        """Texture and weight of camera 2 at ``linear @ (x - centre) + centre + shift``.
+
+        Both are 0 outside.
+        """
+        h, w = self.shape
+        centre = _centre(self.shape)
+        offset = centre + shift - linear @ centre
+        x, y = np.meshgrid(np.arange(w, dtype=np.float32), np.arange(h, dtype=np.float32))
+        dx = (linear[0, 0] - 1) * x + linear[0, 1] * y + offset[0]
+        dy = linear[1, 0] * x + (linear[1, 1] - 1) * y + offset[1]
+
+        fields = dx.astype(np.float32), dy.astype(np.float32)
+        out = laid_over((self.coefficients, self.bad), *fields, (0.0, 0.0), 1)
+        sound = np.isfinite(out)
+        return np.where(sound, out, np.float32(0)), sound.astype(np.float32)
 
     def with_second(self, moving: AnyArray, weight: AnyArray | None) -> CoarsePair:
         """The same camera 1 with another image of camera 2."""

@@ -33,7 +33,13 @@ from erlif.registration.solution import (
     fits_better,
     solve_local,
 )
-from erlif.registration.surface import Cells, Surface, equations, solve_surface
+from erlif.registration.surface import (
+    Cells,
+    Surface,
+    affine_surface,
+    equations,
+    solve_surface,
+)
 from erlif.registration.views import Views, expected_rms, make_cells
 from erlif.registration.whitening import make_filter, slope_gain
 
@@ -228,7 +234,7 @@ def align_small(pair: Pair, start: Start, settings: RegistrationSettings) -> Sur
     """
     (h, w), (height, width) = pair.reference.shape, pair.moving.shape
     binning = coarse_binning((min(h, height), min(w, width)))
-    surface = start.surface((0.0, float(w), 0.0, float(h)))
+    surface = affine_surface((0.0, float(w), 0.0, float(h)), start.matrix, start.offset)
 
     # two affine and two cubic passes on the smallest images, which small frames get at full size;
     # two cubic ones at each binning between, one at the last

@@ -7,12 +7,14 @@ Aldroubi and Eden 1993).
 
 from typing import Final
 
+import cv2
 import numpy as np
 from numba import njit
 
 from erlif.core.arrays import FAST, AnyArray, Image
 from erlif.core.errors import RegistrationError
 from erlif.core.flags import Flag
+from erlif.correction.light import fill_gaps
 from erlif.registration.bands import in_bands
 
 _POLE: Final = np.float32(np.sqrt(3.0) - 2.0)
@@ -473,48 +475,6 @@ def sample_rows(  # type: ignore[no-untyped-def]
     return total, count
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
-def fill_gaps(image: AnyArray, bad: AnyArray, out: AnyArray) -> None:
-    """Copy ``image`` and replace marked pixels by the mean of their nearest valid neighbours.
-
-    The B-spline filter reaches beyond its taps, so an invalid value must not enter it, nor a hole
-    with a sharp edge. A pixel without a valid neighbour within 9 px becomes 0.
-    """
-    h, w = image.shape
-    for y in range(h):
-        for x in range(w):
-            if not bad[y, x]:
-                out[y, x] = image[y, x]
-                continue
-
-            # the square around the pixel grows until it holds a valid one
-            value = np.float32(0)
-            for reach in range(1, _REACH + 1):
-                total = 0.0
-                count = 0
-                for j in range(max(0, y - reach), min(h, y + reach + 1)):
-                    for i in range(max(0, x - reach), min(w, x + reach + 1)):
-                        if not bad[j, i]:
-                            total += image[j, i]
-                            count += 1
-                if count > 0:
-                    value = np.float32(total / count)
-                    break
-            out[y, x] = value
-
-
-@njit(nogil=True, cache=True, error_model="numpy")
-def spread(bad: AnyArray, out: AnyArray) -> None:
-    """Mark every pixel that has a marked one among itself and its eight neighbours."""
-    h, w = bad.shape
-    for y in range(h):
-        for x in range(w):
-            if bad[y, x]:
-                for j in range(max(0, y - 1), min(h, y + 2)):
-                    for i in range(max(0, x - 1), min(w, x + 2)):
-                        out[j, i] = True
-
-
 def warp(
     image: AnyArray,
     displacement_x: AnyArray,
@@ -571,12 +531,15 @@ def warp(
 
     bad = NOTHING_BAD
     if image.dtype.kind == "f" and not np.isfinite(image).all():
+        # the filter of the spline reaches beyond its taps: no invalid value and no hole with a
+        # sharp edge must enter it
         holes = ~np.isfinite(image)
-        filled = np.empty(image.shape, np.float32)
-        fill_gaps(image, holes, filled)
-        image = filled
-        bad = np.zeros(image.shape, np.bool_)
-        spread(holes, bad)  # with the four pixels around the point this covers all sixteen taps
+        image = np.where(holes, 0, image).astype(np.float32)
+        rows, columns = np.nonzero(holes)
+        fill_gaps(image, holes, rows, columns, _REACH)
+
+        # with the four pixels around the point this covers all sixteen taps
+        bad = cv2.dilate(holes.view(np.uint8), np.ones((3, 3), np.uint8)).view(np.bool_)
 
     coefficients = spline_coefficients(image, threads=threads)
     dx = np.ascontiguousarray(displacement_x, np.float32)

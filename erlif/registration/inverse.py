@@ -9,7 +9,7 @@ session, so it decides nothing: magnification, rotation and distortion do.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from scipy import ndimage
@@ -59,6 +59,38 @@ class InverseComparison:
 
 
 @dataclass(frozen=True)
+class MapField:
+    """Displacement, its standard deviation, and where they can be used; any one shape.
+
+    Attributes
+    ----------
+    dx : Array
+        Displacement along x. [px]
+    dy : Array
+        Displacement along y. [px]
+    std : Array
+        Standard deviation of one component. [px]
+    known : Mask
+        True where the map can be used.
+    """
+
+    dx: Array
+    dy: Array
+    std: Array
+    known: Mask
+
+    @classmethod
+    def of(cls, camera_map: CameraMap, at: Any = ...) -> MapField:
+        """The map at some pixels, or the whole map."""
+        dx, dy, std = (
+            getattr(camera_map, f"displacement_{name}")[at].astype(float)
+            for name in ("x", "y", "std")
+        )
+        known = camera_map.overlap[at] & ~camera_map.poor[at] & np.isfinite(dx + dy + std)
+        return cls(dx, dy, std, known)
+
+
+@dataclass(frozen=True)
 class MapNodes:
     """A stored map at the points where it is compared: the map itself need not be kept.
 
@@ -72,38 +104,23 @@ class MapNodes:
         Columns of the points, (row, column). [px]
     y : Array
         Rows of the points, (row, column). [px]
-    dx : Array
-        Displacement along x at the points. [px]
-    dy : Array
-        Displacement along y at the points. [px]
-    std : Array
-        Standard deviation of one component. [px]
-    known : Mask
-        True where the map can be used.
+    field : MapField
+        The map at the points, (row, column).
     """
 
     shape: tuple[int, int]
     orientation: str
     x: Array
     y: Array
-    dx: Array
-    dy: Array
-    std: Array
-    known: Mask
+    field: MapField
 
     @classmethod
     def of(cls, camera_map: CameraMap) -> MapNodes:
         """The points of a map."""
         row, column = (np.unique(np.linspace(0, n - 1, NODES).round()) for n in camera_map.shape)
         x, y = np.meshgrid(column, row)
-        at = np.ix_(row.astype(int), column.astype(int))
-        dx, dy, std = (
-            getattr(camera_map, f"displacement_{name}")[at].astype(float)
-            for name in ("x", "y", "std")
-        )
-        known = camera_map.overlap[at] & ~camera_map.poor[at] & np.isfinite(dx + dy + std)
-        shape, orientation = camera_map.shape, camera_map.settings.orientation
-        return cls(shape, orientation, x, y, dx, dy, std, known)
+        field = MapField.of(camera_map, np.ix_(row.astype(int), column.astype(int)))
+        return cls(camera_map.shape, camera_map.settings.orientation, x, y, field)
 
 
 def compare_with_inverse(stored: CameraMap | MapNodes, found: CameraMap) -> InverseComparison:
@@ -137,14 +154,16 @@ def compare_with_inverse(stored: CameraMap | MapNodes, found: CameraMap) -> Inve
     >>> compare_with_inverse(magnify(1.02), magnify(1.02)).inverted
     False
     """
-    own = MapNodes.of(stored) if isinstance(stored, CameraMap) else stored
-    x, y = own.x, own.y
-    same = _sample(_Field.of(found), x, y) if _may_be_the_same(own, found) else None
-    exchanged = (
-        _sample(_Field.exchanged(found, own.orientation), x + own.dx, y + own.dy)
-        if _may_be_inverse(own, found)
-        else None
-    )
+    nodes = MapNodes.of(stored) if isinstance(stored, CameraMap) else stored
+    own, x, y = nodes.field, nodes.x, nodes.y
+    same = exchanged = None
+    if nodes.shape == found.shape and nodes.orientation == found.settings.orientation:
+        same = _sample(MapField.of(found), x, y)
+
+    # the turn of the run's camera 2 undoes that of the stored map's camera 2
+    turn = _turn(nodes.orientation)
+    if (turn @ _turn(found.settings.orientation) == np.eye(2)).all():
+        exchanged = _sample(_exchange(found, nodes.orientation), x + own.dx, y + own.dy)
 
     # one set of points for both candidates, so that their misfits can be compared
     known = own.known
@@ -191,46 +210,17 @@ def judge(misfit: float, misfit_inverse: float, *, apart: float, std: float) -> 
     )
 
 
-@dataclass(frozen=True)
-class _Field:
-    """Displacement, its standard deviation, and where they can be used; any one shape. [px]"""
+def _exchange(found: CameraMap, orientation: str) -> MapField:
+    """The map of a run on the pixels of the stored map's camera 2, after its orientation.
 
-    dx: Array
-    dy: Array
-    std: Array
-    known: Mask
-
-    @classmethod
-    def of(cls, camera_map: CameraMap) -> _Field:
-        """The whole map."""
-        dx, dy, std = (
-            np.asarray(getattr(camera_map, f"displacement_{name}"), float)
-            for name in ("x", "y", "std")
-        )
-        known = camera_map.overlap & ~camera_map.poor & np.isfinite(dx + dy + std)
-        return cls(dx, dy, std, known)
-
-    @classmethod
-    def exchanged(cls, found: CameraMap, orientation: str) -> _Field:
-        """The map of a run on the pixels of the stored map's camera 2, after its orientation.
-
-        The turn of camera 2 applies to camera 1 of the run if the cameras are exchanged: both the
-        image of the displacement and its vectors are turned.
-        """
-        own = cls.of(found)
-        turn = _turn(orientation)
-        dx, dy, std, known = (orient(a, orientation) for a in (own.dx, own.dy, own.std, own.known))
-        return cls(turn[0, 0] * dx + turn[0, 1] * dy, turn[1, 0] * dx + turn[1, 1] * dy, std, known)
-
-
-def _may_be_the_same(stored: MapNodes, found: CameraMap) -> bool:
-    return stored.shape == found.shape and stored.orientation == found.settings.orientation
-
-
-def _may_be_inverse(stored: MapNodes, found: CameraMap) -> bool:
-    """Whether the turn of the run's camera 2 undoes that of the stored map's camera 2."""
-    both = _turn(stored.orientation) @ _turn(found.settings.orientation)
-    return bool((both == np.eye(2)).all())
+    The turn of camera 2 applies to camera 1 of the run if the cameras are exchanged: both the image
+    of the displacement and its vectors are turned.
+    """
+    own, turn = MapField.of(found), _turn(orientation)
+    dx, dy, std, known = (orient(a, orientation) for a in (own.dx, own.dy, own.std, own.known))
+    return MapField(
+        turn[0, 0] * dx + turn[0, 1] * dy, turn[1, 0] * dx + turn[1, 1] * dy, std, known
+    )
 
 
 def _turn(orientation: str) -> Array:
@@ -245,13 +235,13 @@ def _turn(orientation: str) -> Array:
     )
 
 
-def _sample(field: _Field, x: Array, y: Array) -> _Field:
+def _sample(field: MapField, x: Array, y: Array) -> MapField:
     """The field at any points, by bilinear interpolation; not known beyond its edges."""
     dx, dy, std = (
         ndimage.map_coordinates(np.where(field.known, a, np.nan), [y, x], order=1, cval=np.nan)
         for a in (field.dx, field.dy, field.std)
     )
-    return _Field(dx, dy, std, np.isfinite(dx + dy + std))
+    return MapField(dx, dy, std, np.isfinite(dx + dy + std))
 
 
 def _rms(dx: Array, dy: Array, known: Mask) -> float:

@@ -77,13 +77,6 @@ def test_the_start_is_given_in_full_pixels(shape, binning):
     assert error_of(start_of(views), views) < 0.3 * binning
 
 
-def test_the_surface_of_a_start_is_the_same_map():
-    start = Start(np.array([[0.01, -0.02], [0.03, 0.004]]), np.array([5.0, -7.0]), 1.0, 10)
-    dx, dy = start.surface((0.0, 320.0, 0.0, 256.0)).evaluate(np.array([0, 100]), np.array([0, 50]))
-    npt.assert_allclose(dx, [[5, 6], [4, 5]], atol=1e-9)
-    npt.assert_allclose(dy, [[-7, -4], [-6.8, -3.8]], atol=1e-9)
-
-
 def test_cameras_of_different_size_are_aligned(views):
     """Camera 2 with 40 columns fewer on its left: the same point lies 40 px further left."""
     start = find_start(

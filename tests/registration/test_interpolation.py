@@ -15,7 +15,7 @@ from erlif.registration import (
     spline_coefficients,
     warp,
 )
-from erlif.registration.interpolation import NOTHING_BAD, fill_gaps, spread
+from erlif.registration.interpolation import NOTHING_BAD
 
 
 def grid(shape):
@@ -178,39 +178,6 @@ def test_a_hole_spreads_to_its_sixteen_taps_only():
     sound = np.isfinite(found)
     # the prefilter reaches further, but the hole was filled from its neighbours
     assert np.abs(found - whole)[sound].max() < 0.5 * np.nanstd(image)
-
-
-def test_gap_is_filled_by_the_mean_of_its_nearest_neighbours():
-    image = np.arange(30.0).reshape(5, 6).astype(np.float32)
-    bad = np.zeros(image.shape, bool)
-    bad[0, 0] = True  # neighbours 1, 6 and 7
-    bad[3, 4] = True  # eight neighbours about 22
-    image[bad] = np.nan
-    out = np.empty_like(image)
-    fill_gaps(image, bad, out)
-    npt.assert_allclose(out[0, 0], 14 / 3, rtol=1e-6)
-    npt.assert_allclose(out[3, 4], 22)
-    npt.assert_array_equal(out[~bad], image[~bad])
-
-
-def test_wide_gap_is_filled_up_to_nine_pixels():
-    image = np.full((3, 40), 5.0, np.float32)
-    bad = np.zeros(image.shape, bool)
-    bad[:, 10:] = True
-    image[bad] = np.nan
-    out = np.empty_like(image)
-    fill_gaps(image, bad, out)
-    npt.assert_array_equal(out[:, :19], 5)
-    npt.assert_array_equal(out[:, 19:], 0)
-
-
-@pytest.mark.parametrize("place", [(4, 5), (0, 0), (8, 10), (0, 10), (8, 0)])
-def test_mark_spreads_to_its_eight_neighbours(place):
-    bad = np.zeros((9, 11), bool)
-    bad[place] = True
-    out = np.zeros_like(bad)
-    spread(bad, out)
-    npt.assert_array_equal(out, ndimage.binary_dilation(bad, np.ones((3, 3))))
 
 
 def test_value_outside_camera_2_is_nan():

@@ -58,7 +58,7 @@ def measure_ratio(
     PairRatio
         With the images of `out`.
     """
-    along_x, along_y = (blur.x, blur.y) if blur.significant else (0.0, 0.0)
+    along = np.array(blur.corrected, np.float32)
     warp = Warp(light, tables, noise[1], drift, warped, band=BAND)
     height = out.log_ratio.shape[0]
     total = of_two = 0.0
@@ -76,27 +76,18 @@ def measure_ratio(
         last = first
         ready = stop if stop == height else stop - 1
         fill_noise(light.light[0], noise_one, energy, var_one, fixed_one, done, ready)
-        sums = divide_rows(
+        variances = var_one, fixed_one, warped.variance, warped.variance_fixed
+        flags = light.flags[0], warped.flags, tables.flags
+        rows = first, done, ready
+        sums = divide_rows(  # type: ignore[call-arg]
             light.light[0],
             warped.light,
-            var_one,
-            fixed_one,
-            warped.variance,
-            warped.variance_fixed,
-            light.flags[0],
-            warped.flags,
-            tables.flags,
+            *variances,
+            *flags,
             tables.variance,
-            np.float32(along_x),
-            np.float32(along_y),
-            out.log_ratio,
-            out.variance,
-            out.variance_fixed,
-            out.variance_shared,
-            out.flags,
-            first,
-            done,
-            ready,
+            *along,
+            *out.images,
+            *rows,
         )
         total, of_two, done = total + sums[0], of_two + sums[1], ready
 
