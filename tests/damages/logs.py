@@ -72,7 +72,7 @@ def _scale(factor):
 
 LOGS = [
     _log("empty", lambda rows: b"", "header"),
-    _log("header alone", lambda rows: rows[:1], "one row per trigger"),
+    _log("header alone", lambda rows: rows[:1], "rows of numbers"),
     _log("one row", lambda rows: rows[:2], "rows"),
     _log("a row missing in the middle", lambda rows: [*rows[:3], *rows[4:]], "missing"),
     _log("a row missing at the end", lambda rows: rows[:-1], "5 rows", "6 frames"),
@@ -115,7 +115,7 @@ LOGS = [
     _log("decimal commas", lambda rows: [row.replace(".", ",") for row in rows], "decimal"),
     _log("one line of 2 MB", lambda rows: b"frame," * 350_000, "encoder.csv"),
     _log("quote without an end", lambda rows: [rows[0], '"' + rows[1], *rows[2:]], "encoder.csv"),
-    _special("pipe", "run/encoder.csv", os.mkfifo, "process run", "pipe", "Correct file"),
+    _special("pipe", "run/encoder.csv", os.mkfifo, "process run", "pipe", "file in"),
     _special(
         "link to an endless device",
         "run/encoder.csv",

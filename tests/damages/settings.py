@@ -99,7 +99,7 @@ SETTINGS = [
     _edit("name climbs out", "camera1/*.tif", "../fixture/camera1/*.tif", "--allow-outside"),
     _edit("log of /etc", '"encoder.csv"', '"/etc/passwd"', "--allow-outside"),
     _edit("dark is not there", "camera1_dark.tif", "dark1.tif", "dark1.tif", "Put them there"),
-    _edit("log is not there", '"encoder.csv"', '"log.csv"', "log.csv", "Correct file"),
+    _edit("log is not there", '"encoder.csv"', '"log.csv"', "log.csv", "file in"),
     _edit(
         "dark and offset",
         "dark = ",

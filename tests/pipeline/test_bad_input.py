@@ -161,7 +161,7 @@ def header(old, new):
 
 LOGS = [
     (cell(4, "angle_deg", "nan"), "row 4, column angle_deg", "'nan'"),
-    (cell(4, "angle_deg", ""), "row 4, column angle_deg", "'nothing'"),
+    (cell(4, "angle_deg", ""), "row 4, column angle_deg", "an empty cell"),
     (cell(3, "load_N", "full"), "row 3, column load_N", "'full'"),
     (cell(3, "load_N", "inf"), "row 3, column load_N", "'inf'"),
     (cell(3, "load_N", "0"), "row 3, column load_N", "positive"),
@@ -177,7 +177,7 @@ LOGS = [
     ),
     (lambda rows: [*rows[:3], rows[3] + ",7", *rows[4:]], "row 4", "6 values", "decimal"),
     (header("angle_deg", "angle"), "unit of column angle", 'units = { angle = "deg" }'),
-    (header("angle_deg", "winkel"), "column angle_deg", 'angle = "name in the header"'),
+    (header("angle_deg", "winkel"), "column for the angle", 'angle = "NAME"'),
     (cell(4, "time_s", "0.001"), "time to rise", "row 4, column time_s"),
     (
         cell(3, "temperature_C", "-300"),
@@ -189,8 +189,8 @@ LOGS = [
     (header("laser_mJ", "load_N"), "load_N comes 2 times"),
     (header("laser_mJ", "laser/mJ"), "column 6", "'laser/mJ'", "Rename"),
     (header("laser_mJ", "thickness"), "column 6", "'thickness'", "Rename"),
-    (lambda rows: rows[:1], "one row per trigger"),
-    (lambda rows: [], "one row per trigger"),
+    (lambda rows: rows[:1], "rows of numbers"),
+    (lambda rows: [], "rows of numbers"),
     (lambda rows: rows[:-1], "5 rows", "6 frames", "frame_0005.tif"),
     # 47.4095 and 71.8355 by eq. A.1
     (cell(4, "angle_deg", "40"), "Frame 2, the logged angle", "47.410 to 71.836 deg"),

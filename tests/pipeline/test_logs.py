@@ -151,7 +151,11 @@ def more_rows(rows):
         (scaled(2), "", ["which the linkage cannot reach", "Check zero, direction"]),
         (renamed("angle_deg", "Encoder"), "", ["unit of column Encoder", 'angle = "deg"']),
         (renamed("angle_deg", "Encoder [ticks]"), "", ["ticks_per_turn = 3600"]),
-        (lambda rows: rows, 'angle = "Winkel"', ["column 'Winkel'", "names as angle", "angle_deg"]),
+        (
+            lambda rows: rows,
+            'angle = "Winkel"',
+            ["column 'Winkel'", "chosen as angle", "angle_deg"],
+        ),
         (lambda rows: rows, 'units = { angle = "grad" }', ["[encoder.units] angle", "'grad'"]),
         (lambda rows: rows, "bins = 1", ["[encoder] bins"]),
         (lambda rows: rows, "bins = 5", ["give either bins or triggers_per_cycle"]),

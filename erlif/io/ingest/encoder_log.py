@@ -12,7 +12,6 @@ from erlif.core.errors import EncoderError
 from erlif.core.notes import Level, Note
 from erlif.core.products import EncoderLog
 from erlif.io.ingest.images import Page, is_one_file
-from erlif.io.ingest.logs.binary import is_binary_log, read_binary_table
 from erlif.io.ingest.logs.checks import check_frame_numbers, check_values
 from erlif.io.ingest.logs.columns import (
     ColumnChoice,
@@ -22,7 +21,7 @@ from erlif.io.ingest.logs.columns import (
 )
 from erlif.io.ingest.logs.resample import FEWEST_SAMPLES, ContinuousLog, unwrap_angle
 from erlif.io.ingest.logs.table import LogTable
-from erlif.io.ingest.logs.text import read_text_table
+from erlif.io.ingest.logs.text import read_table
 from erlif.io.ingest.pairing import frame_numbers
 
 
@@ -78,7 +77,7 @@ def read_encoder_log(
     (array([10.5, 11.5]), 'degree')
     """
     choice = choice or ColumnChoice()
-    table = read_table(path, choice)
+    table = read_table(path, choice.wanted)
     found, _ = find_columns(table, choice)
     if "frame" not in found:
         missing_column("frame", table)
@@ -118,7 +117,7 @@ def read_log(
     EncoderError
         As `read_encoder_log`.
     """
-    table = read_table(path, choice)
+    table = read_table(path, choice.wanted)
     found, _ = find_columns(table, choice)
     in_time = in_time or "pulse" in found
     by_frame = "frame" in found or len(table.rows) == frames or "time" not in found
@@ -141,29 +140,6 @@ def _refuse_rows_of_neither(table: LogTable, frames: int) -> None:
         f'"name in the header", or that of frame numbers, frame = "name in the header"; the '
         f"header is {', '.join(table.names)}."
     )
-
-
-def read_table(path: Path, choice: ColumnChoice) -> LogTable:
-    """Read the table in the file of a log, of any format.
-
-    Parameters
-    ----------
-    path : Path
-    choice : ColumnChoice
-        Names by which the header is recognised.
-
-    Returns
-    -------
-    LogTable
-
-    Raises
-    ------
-    EncoderError
-        If the file cannot be read or is no table.
-    """
-    if is_binary_log(path):
-        return read_binary_table(path)
-    return read_text_table(path, choice.wanted)
 
 
 def check_rows(log: EncoderLog, pages: Sequence[Page], name: str) -> None:

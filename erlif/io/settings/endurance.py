@@ -9,13 +9,17 @@ from pydantic import Field
 from erlif.io.settings.tables import (
     ColumnName,
     FileName,
+    ForceUnit,
     Form,
     Length,
     Settings,
+    TemperatureUnit,
     Text,
+    TimeUnit,
     quantity,
 )
 
+TorqueUnit = Literal["N m", "kN m", "N mm", "lbf ft", "lbf in"]
 Tare = Annotated[float, *quantity("force", "0 N", "N")]
 ColumnNames = Annotated[tuple[ColumnName, ...], Form("list of columns", ("Cell 1", "Cell 2"))]
 Patterns = Annotated[
@@ -38,11 +42,11 @@ class LogColumnSettings(Settings):
 class LogUnits(Settings):
     """Units of columns whose header has none; they take precedence over the header."""
 
-    time: Literal["s", "ms", "us", "ns", "min", "h"] | None = None
-    cells: Literal["N", "kN", "mN", "lbf", "kgf"] | None = None
-    torque: Literal["N m", "kN m", "N mm", "lbf ft", "lbf in"] | None = None
-    arm_force: Literal["N", "kN", "mN", "lbf", "kgf"] | None = None
-    temperature: Literal["degC", "K", "degF"] | None = None
+    time: TimeUnit | None = None
+    cells: ForceUnit | None = None
+    torque: TorqueUnit | None = None
+    arm_force: ForceUnit | None = None
+    temperature: TemperatureUnit | None = None
 
 
 class MachineSettings(Settings):

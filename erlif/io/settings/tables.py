@@ -259,15 +259,24 @@ class OpticsSettings(Settings):
     x_axis: Literal["sliding", "axial"] = "sliding"
 
 
+# units of a log; the first of a quantity is that of films
+AngleUnit = Literal["deg", "rad", "mrad", "turn", "tick"]
+TimeUnit = Literal["s", "ms", "us", "ns", "min", "h"]
+ForceUnit = Literal["N", "kN", "mN", "lbf", "kgf"]
+TemperatureUnit = Literal["degC", "K", "degF"]
+SpeedUnit = Literal["rad/s", "rpm", "deg/s", "rev/s", "m/s", "mm/s"]
+PulseEnergyUnit = Literal["mJ", "J", "uJ", "V", "1"]
+
+
 class ColumnUnits(Settings):
     """Units of columns whose header has none; they take precedence over the header."""
 
-    angle: Literal["deg", "rad", "mrad", "turn", "tick"] | None = None
-    time: Literal["s", "ms", "us", "ns", "min", "h"] | None = None
-    load: Literal["N", "kN", "mN", "lbf", "kgf"] | None = None
-    temperature: Literal["degC", "K", "degF"] | None = None
-    speed: Literal["m/s", "mm/s", "rad/s", "rpm", "deg/s", "rev/s"] | None = None
-    pulse_energy: Literal["mJ", "J", "uJ", "V", "1"] | None = None
+    angle: AngleUnit | None = None
+    time: TimeUnit | None = None
+    load: ForceUnit | None = None
+    temperature: TemperatureUnit | None = None
+    speed: SpeedUnit | None = None
+    pulse_energy: PulseEnergyUnit | None = None
 
 
 class EncoderSettings(Settings):

@@ -11,14 +11,21 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.errors import EncoderError, EnduranceError
-from erlif.io.ingest.logs.binary import is_binary_log, read_binary_table
-from erlif.io.ingest.logs.columns import named_columns, plain_name, unit_suffix
-from erlif.io.ingest.logs.table import LogColumn, LogTable
-from erlif.io.ingest.logs.text import read_text_table
-from erlif.io.ingest.logs.units import UNITS, Scale, find_scale
-from erlif.joint.friction.bad_rows import leave_out_bad_rows
-from erlif.joint.friction.clock_times import CLOCK, with_clocks
+from erlif.core.errors import EnduranceError
+from erlif.io.ingest.logs.bad_rows import leave_out_bad_rows
+from erlif.io.ingest.logs.checks import check_temperature, check_time
+from erlif.io.ingest.logs.clock_times import with_clocks
+from erlif.io.ingest.logs.columns import (
+    choose_column,
+    find_unit,
+    missing_column,
+    plain_name,
+    refuse_several,
+    require_scale,
+)
+from erlif.io.ingest.logs.table import LogColumn, LogTable, LogUse
+from erlif.io.ingest.logs.text import read_table
+from erlif.io.ingest.logs.units import CLOCK, find_scale
 
 QUANTITIES = {
     "time": "time",
@@ -48,14 +55,21 @@ _KNOWN = {
 }
 """Names by which a column is found that is not chosen, without their unit and number."""
 
-_LOOSE = {"temperature": r".*temp(eratur|erature)?\b.*"}
-"""Words by which one column is found where none has a known name; its unit must be known."""
+_ANY_TEMPERATURE = r".*temp(eratur|erature)?\b.*"
+"""Words by which a temperature is found where none has a known name; its unit must be known."""
 
 _ELSEWHERE = re.compile(r"umgebung|raum|luft|ambient|room|air|junction|ref")
 """Temperatures that are not those of the bearing."""
 
 _FEWEST = 60  # samples of a test: fewer hold no stage
-_COLDEST, _HOTTEST = -273.15, 1000.0  # degC
+
+TORQUE_LOG = LogUse(
+    EnduranceError,
+    column="--column {quantity}={choice!r}, or under [columns] of the settings",
+    unit="--unit {quantity}={choice!r}, or under [units] of the settings",
+    bad_rows="Correct them, or leave these rows out with --skip-bad-rows.",
+)
+"""A log of load and torque."""
 
 
 @dataclass(frozen=True)
@@ -148,15 +162,18 @@ def read_torque_log(
     path, columns = Path(path), columns or LogColumns()
     table = with_clocks(_read_table(path, columns))
     used = _find(table, columns)
-    places = {quantity: _places(table, members) for quantity, members in used.items()}
-    members = [column for one in used.values() for column in one]
+    members = _taken(used)
+    others = [column.name for column in table.columns if column not in members]
+    places = {
+        quantity: [n for n, column in enumerate(table.columns) if column in one]
+        for quantity, one in used.items()
+    }
     table, left_out = leave_out_bad_rows(table, members, skip=skip_bad_rows)
     found = {name: [table.columns[n] for n in one] for name, one in places.items()}
 
     log = xr.Dataset()
     for quantity, members in found.items():
-        values = [_convert(column, quantity, table, columns) for column in members]
-        unit = _unit(members[0], quantity, columns)
+        values, unit = _convert(members, quantity, table, columns)
         if quantity == "time":
             log["time"] = ("time", values[0], {"units": "s"})
         elif quantity == "cells":
@@ -170,16 +187,9 @@ def read_torque_log(
         f"{quantity} from {' and '.join(repr(column.name) for column in members)}"
         for quantity, members in found.items()
     )
-    taken = {n for one in places.values() for n in one}
-    others = [column.name for n, column in enumerate(table.columns) if n not in taken]
     log.attrs["unused"] = ", ".join(repr(name) for name in others if name)
     log.attrs["left_out"] = left_out
     return log
-
-
-def _places(table: LogTable, members: Sequence[LogColumn]) -> list[int]:
-    """Places of columns in their table."""
-    return [n for n, column in enumerate(table.columns) if any(column is one for one in members)]
 
 
 def _read_table(path: Path, columns: LogColumns) -> LogTable:
@@ -194,13 +204,7 @@ def _read_table(path: Path, columns: LogColumns) -> LogTable:
             f"Expected a log of load and torque in {path}; it is empty. Export the log again."
         )
     wanted = [name for quantity in QUANTITIES for name in columns.chosen(quantity)]
-    try:
-        return read_binary_table(path) if is_binary_log(path) else read_text_table(path, wanted)
-    except EncoderError as error:
-        # the reader is that of the encoder's log, and so are its examples
-        reason = str(error).replace("one row per trigger", "one row for each sample")
-        reason = reason.replace("Correct file in [encoder] of run.toml", "Give another file")
-        raise EnduranceError(reason.replace("frame,angle_deg", "time_s,load_N")) from error
+    return read_table(path, wanted, TORQUE_LOG)
 
 
 # columns
@@ -209,31 +213,44 @@ def _read_table(path: Path, columns: LogColumns) -> LogTable:
 def _find(table: LogTable, columns: LogColumns) -> dict[str, list[LogColumn]]:
     """Columns by quantity: chosen ones first, then those of a known name, then of a similar one."""
     found = {
-        quantity: [_choose(quantity, name, table) for name in columns.chosen(quantity)]
+        quantity: [choose_column(quantity, name, table) for name in columns.chosen(quantity)]
         for quantity in QUANTITIES
         if columns.chosen(quantity)
     }
     for quantity, pattern in _KNOWN.items():
         if quantity in found or (quantity == "torque" and "arm_force" in found):
             continue
-        known = _known(quantity, pattern, table, columns, taken=_taken(found))
+        known = [
+            column
+            for column in _matching(pattern, table, found)
+            if _fits(column, quantity, columns)
+        ]
+        if quantity == "time" and len(known) > 1:
+            # seconds beside the time of day
+            known = [column for column in known if column.unit != CLOCK] or known
         if known:
-            _refuse_many(quantity, known, table)
+            # only numbered columns belong together
+            alike = len({_base(column.name) for column in known}) == 1 and quantity in SEVERAL
+            if len(known) > 1 and not alike:
+                refuse_several(quantity, known, table)
             found[quantity] = known
 
-    taken = _taken(found)
-    for quantity, pattern in _LOOSE.items():
-        if quantity in found:
-            continue
-        similar = _similar(quantity, pattern, table, columns, taken=taken)
+    # a temperature of any place of the bearing
+    if "temperature" not in found:
+        similar = [
+            column
+            for column in _matching(_ANY_TEMPERATURE, table, found)
+            if not _ELSEWHERE.search(_base(column.name))
+            and find_scale("temperature", find_unit(column, "temperature", columns.units))
+        ]
         if len({_base(column.name) for column in similar}) == 1:
-            found[quantity] = similar
+            found["temperature"] = similar
 
     for quantity in ("time", "cells"):
         if quantity not in found:
-            _refuse_missing(quantity, table)
+            missing_column(quantity, table)
     if "torque" not in found and "arm_force" not in found:
-        _refuse_missing("torque or arm_force", table)
+        missing_column("torque or arm_force", table)
     return {quantity: found[quantity] for quantity in QUANTITIES if quantity in found}
 
 
@@ -242,34 +259,13 @@ def _taken(found: dict[str, list[LogColumn]]) -> list[LogColumn]:
     return [column for columns in found.values() for column in columns]
 
 
-def _known(
-    quantity: str, pattern: str, table: LogTable, columns: LogColumns, *, taken: list[LogColumn]
-) -> list[LogColumn]:
-    """Columns of a known name whose unit is of the right kind."""
-    fitting = [
-        column
-        for column in table.columns
-        if column not in taken
-        and re.fullmatch(pattern, _base(column.name))
-        and _fits(column, quantity, columns)
-    ]
-    if quantity == "time" and len(fitting) > 1:
-        # seconds beside the time of day
-        return [column for column in fitting if column.unit != CLOCK] or fitting
-    return fitting
-
-
-def _similar(
-    quantity: str, pattern: str, table: LogTable, columns: LogColumns, *, taken: list[LogColumn]
-) -> list[LogColumn]:
-    """Columns whose name resembles a known one, with a unit of the right kind."""
+def _matching(pattern: str, table: LogTable, found: dict[str, list[LogColumn]]) -> list[LogColumn]:
+    """Columns of such a name that belong to no quantity yet."""
+    taken = _taken(found)
     return [
         column
         for column in table.columns
-        if column not in taken
-        and re.fullmatch(pattern, _base(column.name))
-        and not _ELSEWHERE.search(_base(column.name))
-        and _scale(column, quantity, columns) is not None
+        if column not in taken and re.fullmatch(pattern, _base(column.name))
     ]
 
 
@@ -280,86 +276,32 @@ def _base(name: str) -> str:
 
 def _fits(column: LogColumn, quantity: str, columns: LogColumns) -> bool:
     """Whether the unit of a column, where one is known, is of the right kind."""
-    kind = QUANTITIES[quantity]
-    if column.unit == CLOCK:
+    kind, unit = QUANTITIES[quantity], find_unit(column, quantity, {})
+    if unit == CLOCK:
         return quantity == "time"
-    unit = column.unit or unit_suffix(column.name)
     given = quantity in columns.units
     return given or not kind or not unit or find_scale(kind, unit) is not None
-
-
-def _choose(quantity: str, name: str, table: LogTable) -> LogColumn:
-    """The column of a chosen name; the unit in its brackets may be left out."""
-    near, columns = named_columns(name, table)
-    if len(near) == 1:
-        return near[0]
-    if near:
-        raise EnduranceError(
-            f"Expected one column {name!r} in {table.file}; there are {len(near)}. Rename one."
-        )
-    raise EnduranceError(
-        f"Expected column {name!r} in {table.file}, chosen as {quantity}; its {columns} Choose one "
-        "of them."
-    )
-
-
-def _refuse_many(quantity: str, fitting: Sequence[LogColumn], table: LogTable) -> None:
-    """Refuse columns that may mean several things: only numbered ones belong together."""
-    alike = len({_base(column.name) for column in fitting}) == 1 and quantity in SEVERAL
-    if len(fitting) == 1 or alike:
-        return
-    listed = " and ".join(repr(column.name) for column in fitting)
-    raise EnduranceError(
-        f"Expected to know which column of {table.file} is the {quantity}; {listed} may be meant. "
-        f"Choose with --column {quantity}={fitting[0].name!r}, or under [columns] of the settings."
-    )
-
-
-def _refuse_missing(quantity: str, table: LogTable) -> None:
-    known = ", ".join(repr(one) for one in table.names[:20] if one)
-    one = quantity.partition(" ")[0]
-    raise EnduranceError(
-        f"Expected a column for the {quantity} in {table.file}; its columns are {known}. Choose "
-        f'one with --column {one}="NAME", or under [columns] of the settings.'
-    )
 
 
 # numbers
 
 
-def _unit(column: LogColumn, quantity: str, columns: LogColumns) -> str:
-    scale = _scale(column, quantity, columns)
-    return scale.unit if scale else column.unit or "1"
-
-
-def _scale(column: LogColumn, quantity: str, columns: LogColumns) -> Scale | None:
-    if column.unit == CLOCK:
-        return Scale("s") if quantity == "time" else None
-    unit = _stated_unit(column, quantity, columns)
-    return find_scale(QUANTITIES[quantity], unit) if QUANTITIES[quantity] and unit else None
-
-
-def _stated_unit(column: LogColumn, quantity: str, columns: LogColumns) -> str:
-    """Unit that is given, of the header, or behind the name."""
-    return columns.units.get(quantity) or column.unit or unit_suffix(column.name)
-
-
-def _convert(column: LogColumn, quantity: str, table: LogTable, columns: LogColumns) -> Array:
-    """Numbers of a column in s, N, N m or degC."""
+def _convert(
+    members: Sequence[LogColumn], quantity: str, table: LogTable, columns: LogColumns
+) -> tuple[list[Array], str]:
+    """Numbers of the columns in s, N, N m or degC, and this unit."""
     kind = QUANTITIES[quantity]
     if not kind:
-        return column.values
-    scale = _scale(column, quantity, columns)
-    if scale is not None:
-        return column.values * scale.factor + scale.offset
-
-    unit = _stated_unit(column, quantity, columns)
-    got = repr(unit) if unit else "none in its header"
-    raise EnduranceError(
-        f"Expected the unit of column {column.name} of {table.file}, the {quantity}; got {got}. "
-        f"Give it with --unit {quantity}={next(iter(UNITS[kind]))!r} or under [units] of the "
-        f"settings; units are {', '.join(UNITS[kind])}."
-    )
+        return [column.values for column in members], members[0].unit or "1"
+    scales = [
+        require_scale(find_unit(column, quantity, columns.units), quantity, kind, column, table)
+        for column in members
+    ]
+    values = [
+        column.values * scale.factor + scale.offset
+        for column, scale in zip(members, scales, strict=True)
+    ]
+    return values, scales[0].unit
 
 
 def _check(
@@ -376,15 +318,7 @@ def _check(
             f"Expected at least {_FEWEST} rows in {table.file}; it has {time.size}. Export the "
             "whole log."
         )
-    still = np.flatnonzero(np.diff(time) <= 0)
-    if still.size:
-        n = int(still[0]) + 1
-        what = "repeats" if time[n] == time[n - 1] else "comes after"
-        raise EnduranceError(
-            f"Expected time to rise from row to row; row {table.rows[n]}, column "
-            f"{found['time'][0].name} of {table.file}: {time[n]:.9g} s {what} {time[n - 1]:.9g} s "
-            "of the row before. Export the log in the order of time and with more digits."
-        )
+    check_time(time, found["time"][0].name, table)
     cells = log["cells"].values
     load = np.sqrt((cells**2).sum(axis=0)) if vector else cells.sum(axis=0)
     if not np.percentile(load, 95) > 0:
@@ -395,12 +329,4 @@ def _check(
             "--compression-negative; else correct their sign, or choose other columns."
         )
     if "temperature" in log:
-        temperature = log["temperature"].values
-        off = np.flatnonzero((temperature < _COLDEST) | (temperature > _HOTTEST))
-        if off.size:
-            n = int(off[0])
-            raise EnduranceError(
-                f"Expected a temperature from {_COLDEST:g} to {_HOTTEST:g} degC in row "
-                f"{table.rows[n]}, column {found['temperature'][0].name} of {table.file}; got "
-                f"{temperature[n]:g} degC. Correct its unit or the value."
-            )
+        check_temperature(log["temperature"].values, found["temperature"][0].name, table)

@@ -100,10 +100,10 @@ REFUSED = [
     *(
         (
             f"{HEADER}0,1,200\n\n1,{value},200\n",
-            f"row 4, column angle_deg of encoder.csv; got {got}",
+            f"row 4, column angle_deg (1; got {got})",
         )
         for value, got in [
-            *(("nan", "'nan'"), ("inf", "'inf'"), ("", "'nothing'"), ("n/a", "'n/a'")),
+            *(("nan", "'nan'"), ("inf", "'inf'"), ("", "an empty cell"), ("n/a", "'n/a'")),
             *(("1_000", "'1_000'"), ("1;5", "'1;5'"), ("0x10", "'0x10'")),
         ]
     ),
@@ -118,8 +118,8 @@ REFUSED = [
     (by_frame(5, 4), "Expected frame 6 in row 3, column frame of encoder.csv; got 4"),
     (by_frame(0, 1.5), "whole number in row 3, column frame of encoder.csv; got 1.5"),
     (by_frame(2**53 + 2), "whole number in row 2"),
-    (by_frame("x"), "finite number in row 2, column frame"),
-    ("frame,other,load_N\n0,1,200\n", "Expected a column angle_deg in encoder.csv; its header is"),
+    (by_frame("x"), "row 2, column frame"),
+    ("frame,other,load_N\n0,1,200\n", "column for the angle in encoder.csv; its columns are"),
     (
         "frame,angle_deg\n0,1.5\n1,2,5\n",
         "values in row 3 of encoder.csv, as in its header; it has 3. A decimal comma",
@@ -239,7 +239,7 @@ def test_a_log_in_time_needs_time_and_angle(write_log):
     text = "2 rows for 5 frames, and no column is known as frame or time. .* the header is F, angle"
     with pytest.raises(EncoderError, match=text):
         read_log(write_log("F,angle_deg\n1,2\n3,4\n"), ColumnChoice(), frames=5)
-    with pytest.raises(EncoderError, match="Expected a column angle_deg"):
+    with pytest.raises(EncoderError, match="Expected a column for the angle"):
         read_log(write_log("F,time_s\n1,2\n3,4\n"), ColumnChoice(), frames=5)
     log = read_log(
         write_log("F,time_s\n1,2\n3,4\n4,5\n5,6\n"), ColumnChoice(), frames=5, needs_angle=False

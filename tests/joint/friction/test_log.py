@@ -100,7 +100,7 @@ def test_files_that_are_no_log_are_refused(tmp_path):
         (tmp_path / "none.csv", "no such file"),
         (tmp_path, "no regular file"),
         (short, "at least 60 rows"),
-        (head, "one row for each sample"),
+        (head, "rows of numbers"),
         (pulled, "positive load"),
     ):
         with pytest.raises(EnduranceError, match=message):

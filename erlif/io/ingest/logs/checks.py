@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError
 from erlif.io.ingest.logs.table import LogColumn, LogTable
 
@@ -36,9 +37,9 @@ def check_values(log: xr.Dataset, found: Mapping[str, LogColumn], table: LogTabl
         positive. The message names row and column.
     """
     if "time" in log:
-        _check_time(log["time"].values, found["time"].name, table)
+        check_time(log["time"].values, found["time"].name, table)
     if "temperature" in log:
-        _check_temperature(log["temperature"].values, found["temperature"].name, table)
+        check_temperature(log["temperature"].values, found["temperature"].name, table)
 
     # theory divides by the load
     for quantity, cure in (
@@ -58,29 +59,47 @@ def check_values(log: xr.Dataset, found: Mapping[str, LogColumn], table: LogTabl
             )
 
 
-def _check_time(time: np.ndarray, name: str, table: LogTable) -> None:
+def check_time(time: Array, name: str, table: LogTable) -> None:
+    """Refuse times that do not rise from row to row.
+
+    Parameters
+    ----------
+    time : array, (row,)
+        [s]
+    name : str
+        Name of the column.
+    table : LogTable
+        For messages.
+
+    Raises
+    ------
+    ErlifError
+        Names the first row that departs.
+    """
     still = np.flatnonzero(np.diff(time) <= 0)
-    if not still.size:
-        return
-    n = int(still[0]) + 1
-    what = "repeats" if time[n] == time[n - 1] else "comes after"
-    raise EncoderError(
-        f"Expected time to rise from row to row; row {table.rows[n]}, column {name} of "
-        f"{table.file}: {time[n]:.9g} s {what} {time[n - 1]:.9g} s of row {table.rows[n - 1]}. "
-        "Export the log with more digits and in the order of time, or take the column out."
-    )
+    if still.size:
+        n = int(still[0]) + 1
+        what = "repeats" if time[n] == time[n - 1] else "comes after"
+        raise table.use.error(
+            f"Expected time to rise from row to row; row {table.rows[n]}, column {name} of "
+            f"{table.file}: {time[n]:.9g} s {what} {time[n - 1]:.9g} s of row {table.rows[n - 1]}. "
+            "Export the log with more digits and in the order of time, or take the column out."
+        )
 
 
-def _check_temperature(temperature: np.ndarray, name: str, table: LogTable) -> None:
+def check_temperature(temperature: Array, name: str, table: LogTable) -> None:
+    """Refuse temperatures that no oil has.
+
+    Arguments and errors as in `check_time`, in degC.
+    """
     off = np.flatnonzero((temperature < ABSOLUTE_ZERO) | (temperature > HOTTEST))
-    if not off.size:
-        return
-    n = int(off[0])
-    raise EncoderError(
-        f"Expected the temperature of the oil, {ABSOLUTE_ZERO:g} to {HOTTEST:g} degC, in row "
-        f"{table.rows[n]}, column {name} of {table.file}; got {temperature[n]:g} degC. Correct the "
-        'unit, units = { temperature = "degF" } in [encoder], or the value.'
-    )
+    if off.size:
+        unit = table.use.unit.format(quantity="temperature", choice="degF")
+        raise table.use.error(
+            f"Expected a temperature from {ABSOLUTE_ZERO:g} to {HOTTEST:g} degC in row "
+            f"{table.rows[off[0]]}, column {name} of {table.file}; got {temperature[off[0]]:g} "
+            f"degC. Correct the unit, {unit}, or the value."
+        )
 
 
 def check_frame_numbers(number: Sequence[int], name: str, table: LogTable) -> None:

@@ -1,11 +1,14 @@
-"""Which column of a log holds what, and its numbers in the units of erlif."""
+"""Which column of a log holds what, and its numbers in the units of erlif.
+
+`choose_column` to `find_unit` serve every log; what follows is that of an encoder.
+"""
 
 from __future__ import annotations
 
 import difflib
 import re
 from collections import Counter
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,8 +17,9 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError
 from erlif.core.variables import FILM
+from erlif.io.ingest.logs.bad_rows import refuse_bad_rows
 from erlif.io.ingest.logs.table import LogColumn, LogTable, split_unit
-from erlif.io.ingest.logs.units import UNITS, find_scale
+from erlif.io.ingest.logs.units import CLOCK, UNITS, Scale, find_scale
 
 CONTRACT = {
     "frame": ("frame", "1"),
@@ -40,11 +44,11 @@ MEANINGS = {
 """Everything that a column can hold."""
 
 _OBVIOUS = {
-    "frame": ("frame", "frames", "frame number", "frame no", "frame id", "image number"),
-    "time": ("time", "t", "timestamp", "time stamp", "elapsed time", "relative time"),
-    "angle": ("angle", "encoder", "encoder angle", "rocker angle", "crank angle"),
-    "load": ("load", "force", "normal load", "normal force"),
-    "temperature": ("temperature", "temp", "oil temperature"),
+    "frame": r"frames?|frame (number|no|id)|image number",
+    "time": r"t|time( ?stamp)?|(elapsed|relative) time",
+    "angle": r"angle|encoder|(encoder|rocker|crank) angle",
+    "load": r"(normal )?(load|force)",
+    "temperature": r"(oil )?temperature|temp",
 }
 """Names by which a column is found that no key of [encoder] chooses."""
 
@@ -62,6 +66,206 @@ _RESERVED = frozenset(
     + [dim for variable in FILM.values() for dim in variable.dims]
 )
 """Names of the film's own variables, which no further column of the log may have."""
+
+
+# columns of any log
+
+
+def choose_column(quantity: str, name: str, table: LogTable) -> LogColumn:
+    """Find the column that the user chose.
+
+    Parameters
+    ----------
+    quantity : str
+        What it holds.
+    name : str
+        Name as the header has it; its group and the unit in brackets may be left out.
+    table : LogTable
+
+    Returns
+    -------
+    LogColumn
+
+    Raises
+    ------
+    ErlifError
+        If there is none or more than one. The message has the nearest name.
+
+    Examples
+    --------
+    >>> log = LogTable("log.csv", (LogColumn("Load [N]", "N", np.zeros(1)),), [2])
+    >>> choose_column("load", "Load", log).name
+    'Load [N]'
+    """
+    near = [column for column in table.columns if column.name == name]
+    near = near or [one for one in table.columns if split_unit(one.name)[0] == name]
+    near = near or [one for one in table.columns if one.name.rpartition("/")[2] == name]
+    if len(near) == 1:
+        return near[0]
+    if near:
+        raise table.use.error(
+            f"Expected one column {name!r} in {table.file}; there are {len(near)}. Rename one, or "
+            f"choose another; {_list_names(table)}."
+        )
+    guess = difflib.get_close_matches(name, table.names, n=1, cutoff=0.5)
+    hint = f" Did you mean {guess[0]!r}?" if guess else ""
+    chosen = table.use.column.format(quantity=quantity, choice=guess[0] if guess else "NAME")
+    raise table.use.error(
+        f"Expected column {name!r} in {table.file}, chosen as {quantity}; {_list_names(table)}."
+        f"{hint} Choose one of them: {chosen}."
+    )
+
+
+def _list_names(table: LogTable) -> str:
+    return f"its columns are {', '.join(repr(one) for one in table.names[:20] if one)}"
+
+
+def refuse_several(quantity: str, fitting: Sequence[LogColumn], table: LogTable) -> None:
+    """Refuse columns of which any may be meant.
+
+    Parameters
+    ----------
+    quantity : str
+        What one of them holds.
+    fitting : sequence of LogColumn
+    table : LogTable
+
+    Raises
+    ------
+    ErlifError
+        Always.
+    """
+    listed = " and ".join(repr(column.name) for column in fitting)
+    chosen = table.use.column.format(quantity=quantity, choice=fitting[0].name)
+    raise table.use.error(
+        f"Expected one column of {table.file} for the {quantity}; {listed} may be meant. Choose "
+        f"one: {chosen}."
+    )
+
+
+def missing_column(quantity: str, table: LogTable) -> None:
+    """Refuse a log without a column that is needed.
+
+    Parameters
+    ----------
+    quantity : str
+        What the column would hold; "torque or arm_force" where one of two would do.
+    table : LogTable
+
+    Raises
+    ------
+    ErlifError
+        Always.
+    """
+    comma = "" if len(table.names) > 1 else " Separate the columns with commas, semicolons or tabs."
+    chosen = table.use.column.format(quantity=quantity.partition(" ")[0], choice="NAME")
+    raise table.use.error(
+        f"Expected a column for the {quantity} in {table.file}; {_list_names(table)}.{comma} "
+        f"Choose one: {chosen}."
+    )
+
+
+def find_unit(column: LogColumn, quantity: str, units: Mapping[str, str]) -> str:
+    """Unit of a column: that of the settings, of the header, or behind the name.
+
+    Parameters
+    ----------
+    column : LogColumn
+    quantity : str
+        What it holds.
+    units : mapping of str to str
+        Units by quantity, which come before those of the header.
+
+    Returns
+    -------
+    str
+        Empty where none is known.
+    """
+    if column.unit == CLOCK:
+        return CLOCK
+    return units.get(quantity) or column.unit or unit_suffix(column.name)
+
+
+def require_scale(unit: str, quantity: str, kind: str, column: LogColumn, table: LogTable) -> Scale:
+    """Scale of the unit of a column, or a refusal that names the units.
+
+    Parameters
+    ----------
+    unit : str
+        From `find_unit`.
+    quantity : str
+        What the column holds.
+    kind : str
+        The kind of its unit, a key of `UNITS`.
+    column : LogColumn
+    table : LogTable
+
+    Returns
+    -------
+    Scale
+
+    Raises
+    ------
+    ErlifError
+        If the unit is not known, or none of this kind.
+    """
+    scale = find_scale(kind, unit)
+    if scale is not None:
+        return scale
+    chosen = table.use.unit.format(quantity=quantity, choice=UNITS[kind][0])
+    raise table.use.error(
+        f"Expected the unit of column {column.name} of {table.file}, the {quantity}; got "
+        f"{repr(unit) if unit else 'none in its header'}. Choose another column if this is no "
+        f"{quantity}, or give its unit: {chosen}; units are {', '.join(UNITS[kind])}."
+    )
+
+
+def plain_name(name: str) -> str:
+    """Reduce the name of a column to lower case, without its unit, words apart.
+
+    Parameters
+    ----------
+    name : str
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> plain_name("Encoder_Angle [deg]"), plain_name("time_ms"), plain_name("Log/Force")
+    ('encoder angle', 'time', 'force')
+    """
+    base = split_unit(name.rpartition("/")[2] if " / " not in name else name)[0]
+    suffix = unit_suffix(base)
+    if suffix:
+        base = base[: -len(suffix) - 1]
+    return re.sub(r"[\s_]+", " ", base).strip().lower()
+
+
+def unit_suffix(name: str) -> str:
+    """Find the unit behind the last underscore of a name.
+
+    Parameters
+    ----------
+    name : str
+
+    Returns
+    -------
+    str
+        Empty where there is none.
+
+    Examples
+    --------
+    >>> unit_suffix("time_ms"), unit_suffix("load_cell")
+    ('ms', '')
+    """
+    text = name.rpartition("_")[2] if "_" in name else ""
+    known = text and any(find_scale(quantity, text) for quantity in UNITS)
+    return text if known else ""
+
+
+# columns of an encoder
 
 
 @dataclass(frozen=True)
@@ -111,9 +315,9 @@ def find_columns(table: LogTable, choice: ColumnChoice) -> tuple[dict[str, LogCo
         If a chosen column is missing, a name fits several columns, or there is no angle.
     """
     by_name = {column.name: column for column in table.columns}
-    found: dict[str, LogColumn] = {}
-    for quantity, name in choice.names.items():
-        found[quantity] = by_name[_choose(quantity, name, table)]
+    found = {
+        quantity: choose_column(quantity, name, table) for quantity, name in choice.names.items()
+    }
 
     # names of the documentation, then obvious ones; a column serves one purpose
     remarks = [f"{quantity} from column {column.name!r}" for quantity, column in found.items()]
@@ -122,22 +326,21 @@ def find_columns(table: LogTable, choice: ColumnChoice) -> tuple[dict[str, LogCo
             if table.names.count(name) > 1:
                 _refuse_twice(name, table)
             found[quantity] = by_name[name]
-    for quantity, names in _OBVIOUS.items():
+    for quantity, pattern in _OBVIOUS.items():
         if quantity in found:
             continue
         fitting = [
             column
             for column in table.columns
             if column not in found.values()
-            and plain_name(column.name) in names
-            and (quantity in _WITHOUT_UNIT or _has_unit(column, quantity, choice))
+            and re.fullmatch(pattern, plain_name(column.name))
+            and (
+                quantity in _WITHOUT_UNIT
+                or find_scale(quantity, find_unit(column, quantity, choice.units))
+            )
         ]
         if len(fitting) > 1:
-            listed = " and ".join(repr(column.name) for column in fitting)
-            raise EncoderError(
-                f"Expected one column of {table.file} for the {quantity}; {listed} may be meant. "
-                f'Choose one in [encoder] of run.toml: {quantity} = "{fitting[0].name}".'
-            )
+            refuse_several(quantity, fitting, table)
         if fitting:
             found[quantity] = fitting[0]
             remarks.append(f"{quantity} from column {fitting[0].name!r}")
@@ -169,40 +372,16 @@ def convert_column(
     EncoderError
         If a cell holds no finite number, with row and column, or if the unit is not known.
     """
-    for place, text in column.texts.items():
-        comma = ""
-        if re.fullmatch(r"[+-]?\d+,\d+", text):
-            comma = (
-                " A comma within quotes may be decimal or separate thousands: write decimal "
-                "points, or separate the columns with semicolons."
-            )
-        raise EncoderError(
-            f"Expected a finite number in row {table.rows[place]}, column {column.name} of "
-            f"{table.file}; got {text or 'nothing'!r}.{comma} Correct the value, or take the row "
-            "and its frame of both cameras out and number the rows anew."
-        )
+    refuse_bad_rows(table, [column])
     if quantity not in UNITS:
         return column.values, "1"
 
-    # the settings come first, then the documented suffix, then the header
+    # the settings come first, then the documented suffix, then the header; of a pulse energy the
+    # mean is all that matters
     documented = CONTRACT.get(column.name, ("", ""))
-    unit = choice.units.get(quantity, "")
-    unit = unit or (documented[1] if documented[0] == quantity else "")
-    unit = unit or column.unit or unit_suffix(column.name)
-    if not unit and quantity == "pulse_energy":
-        unit = "1"  # its mean is all that matters
-    scale = find_scale(quantity, unit) if unit else None
-    if scale is None:
-        got, other = "none in its header", ""
-        if unit:
-            got = f"{unit!r}"
-            other = f" Choose another column if this is no {quantity}; or, where it is one,"
-        todo = f' Write units = {{ {quantity} = "{next(iter(UNITS[quantity]))}" }} in [encoder] of '
-        raise EncoderError(
-            f"Expected the unit of column {column.name} of {table.file}, the {quantity}; got {got}."
-            f"{other}{todo.replace('Write', 'write') if other else todo}"
-            f"run.toml; units of {quantity}: {', '.join(UNITS[quantity])}."
-        )
+    units = {documented[0]: documented[1], **choice.units}
+    unit = find_unit(column, quantity, units) or ("1" if quantity == "pulse_energy" else "")
+    scale = require_scale(unit, quantity, quantity, column, table)
     if scale.unit != "tick":
         return column.values * scale.factor + scale.offset, scale.unit
 
@@ -274,104 +453,6 @@ def convert_columns(
     return log, remarks
 
 
-# names
-
-
-def _choose(quantity: str, name: str, table: LogTable) -> str:
-    """Full name of a chosen column; the unit in its brackets may be left out."""
-    near, columns = named_columns(name, table)
-    if len(near) == 1:
-        return near[0].name
-    if near:
-        raise EncoderError(
-            f"Expected each column of {table.file} once; {name} comes {len(near)} times. Rename "
-            f"one, or name the other columns in [encoder]; its {columns}"
-        )
-    raise EncoderError(
-        f"Expected column {name!r} in {table.file}, which [encoder] names as {quantity}; its "
-        f"{columns} Correct {quantity} in [encoder] of run.toml."
-    )
-
-
-def named_columns(name: str, table: LogTable) -> tuple[list[LogColumn], str]:
-    """Find the columns of a chosen name.
-
-    Parameters
-    ----------
-    name : str
-        Name as the header has it; its group and the unit in brackets may be left out.
-    table : LogTable
-
-    Returns
-    -------
-    list of LogColumn, str
-        The columns, and a sentence with those of the table and the nearest of them.
-
-    Examples
-    --------
-    >>> log = LogTable("log.csv", (LogColumn("Load [N]", "N", np.zeros(1)),), [2])
-    >>> [column.name for column in named_columns("Load", log)[0]], named_columns("Lod", log)[1]
-    (['Load [N]'], "columns are 'Load [N]'. Did you mean 'Load [N]'?")
-    """
-    near = [column for column in table.columns if column.name == name]
-    near = near or [one for one in table.columns if split_unit(one.name)[0] == name]
-    near = near or [one for one in table.columns if one.name.rpartition("/")[2] == name]
-    known = ", ".join(repr(one) for one in table.names[:20] if one)
-    guess = difflib.get_close_matches(name, table.names, n=1, cutoff=0.5)
-    hint = f" Did you mean {guess[0]!r}?" if guess else ""
-    return near, f"columns are {known}.{hint}"
-
-
-def plain_name(name: str) -> str:
-    """Reduce the name of a column to lower case, without its unit, words apart.
-
-    Parameters
-    ----------
-    name : str
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> plain_name("Encoder_Angle [deg]"), plain_name("time_ms"), plain_name("Log/Force")
-    ('encoder angle', 'time', 'force')
-    """
-    base = split_unit(name.rpartition("/")[2] if " / " not in name else name)[0]
-    suffix = unit_suffix(base)
-    if suffix:
-        base = base[: -len(suffix) - 1]
-    return re.sub(r"[\s_]+", " ", base).strip().lower()
-
-
-def unit_suffix(name: str) -> str:
-    """Find the unit behind the last underscore of a name.
-
-    Parameters
-    ----------
-    name : str
-
-    Returns
-    -------
-    str
-        Empty where there is none.
-
-    Examples
-    --------
-    >>> unit_suffix("time_ms"), unit_suffix("load_cell")
-    ('ms', '')
-    """
-    text = name.rpartition("_")[2] if "_" in name else ""
-    known = text and any(find_scale(quantity, text) for quantity in UNITS)
-    return text if known else ""
-
-
-def _has_unit(column: LogColumn, quantity: str, choice: ColumnChoice) -> bool:
-    unit = choice.units.get(quantity) or column.unit or unit_suffix(column.name)
-    return find_scale(quantity, unit) is not None
-
-
 def _name_fault(name: str, counts: Counter[str]) -> str:
     if counts[name] > 1:
         return "twice"
@@ -404,28 +485,3 @@ def _check_whole(values: Array, column: LogColumn, table: LogTable) -> None:
             f"Expected a whole number in row {table.rows[off[0]]}, column {column.name} of "
             f"{table.file}; got {values[off[0]]:g}. Number the rows 0, 1, 2, ..."
         )
-
-
-def missing_column(quantity: str, table: LogTable, wanted: Collection[str] = CONTRACT) -> None:
-    """Refuse a log without a column that is needed.
-
-    Parameters
-    ----------
-    quantity : str
-        What the column would hold.
-    table : LogTable
-    wanted : collection of str
-        The names that are known.
-
-    Raises
-    ------
-    EncoderError
-        Always.
-    """
-    documented = next((name for name, (what, _) in CONTRACT.items() if what == quantity), quantity)
-    comma = "" if len(table.names) > 1 else " Separate the columns with commas, semicolons or tabs."
-    raise EncoderError(
-        f"Expected a column {documented} in {table.file}; its header is {', '.join(table.names)}."
-        f"{comma} Choose the column in [encoder] of run.toml, "
-        f'{quantity} = "name in the header"; columns erlif knows: {", ".join(wanted)}.'
-    )

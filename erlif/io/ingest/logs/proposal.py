@@ -11,7 +11,6 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.errors import EncoderError
-from erlif.io.ingest.logs.binary import is_binary_log, read_binary_table
 from erlif.io.ingest.logs.columns import (
     CONTRACT,
     ColumnChoice,
@@ -19,7 +18,7 @@ from erlif.io.ingest.logs.columns import (
     find_columns,
 )
 from erlif.io.ingest.logs.table import LogColumn, LogTable
-from erlif.io.ingest.logs.text import read_text_table
+from erlif.io.ingest.logs.text import read_table
 
 LOG_SUFFIXES = frozenset(
     {".csv", ".txt", ".tsv", ".dat", ".asc", ".tdms", ".mat", ".h5", ".hdf5", ".hdf"}
@@ -92,8 +91,7 @@ def propose_log(paths: Iterable[Path], frames: int, *, unnamed: bool = False) ->
     other: LogProposal | None = None
     for path in paths:
         try:
-            binary = is_binary_log(path)
-            table = read_binary_table(path) if binary else read_text_table(path, ())
+            table = read_table(path, ())
             found, _ = find_columns(table, ColumnChoice())
         except EncoderError:
             continue  # a picture, a report, or columns that may mean two things

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
+from erlif.core.errors import EncoderError, ErlifError
 
 LARGEST_FILE = 256 * 2**20
 """Size above which the file of a log is not read: an hour of four columns at 2 kHz. [byte]"""
@@ -18,6 +19,35 @@ MOST_CELLS = 32_000_000
 
 MOST_TEXTS = 2_000_000
 """Cells without a number above which a file is no table of numbers."""
+
+
+@dataclass(frozen=True)
+class LogUse:
+    """For what a log is read: the error that refuses it, and what its messages propose.
+
+    Attributes
+    ----------
+    error : type[ErlifError]
+    column, unit : str
+        How a column and its unit are chosen, with the fields ``{quantity}`` and ``{choice}``.
+    bad_rows : str
+        What can be done about rows without a number.
+    """
+
+    error: type[ErlifError]
+    column: str
+    unit: str
+    bad_rows: str
+
+
+ENCODER = LogUse(
+    EncoderError,
+    column='{quantity} = "{choice}" in [encoder] of run.toml',
+    unit='units = {{ {quantity} = "{choice}" }} in [encoder] of run.toml',
+    bad_rows="Correct the value, or take the row and its frame of both cameras out and number the "
+    "rows anew.",
+)
+"""The log of the encoder of a run."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,12 +95,15 @@ class LogTable:
         Number of each row in the file, counted from 1.
     remarks : tuple[str, ...]
         How the file was read, where that was not plain.
+    use : LogUse
+        For what it is read.
     """
 
     file: str
     columns: tuple[LogColumn, ...]
     rows: Sequence[int]
     remarks: tuple[str, ...] = ()
+    use: LogUse = ENCODER
 
     @property
     def names(self) -> list[str]:

@@ -1,4 +1,4 @@
-"""Text files of data loggers: separators, decimal commas, comments, headers and rows of units."""
+"""Files of data loggers; of text, their separators, decimal commas, headers and rows of units."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import re
 from array import array
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
 
@@ -18,12 +18,15 @@ import numpy as np
 
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import EncoderError
+from erlif.io.ingest.logs.binary import is_binary_log, read_binary_table
 from erlif.io.ingest.logs.table import (
+    ENCODER,
     LARGEST_FILE,
     MOST_CELLS,
     MOST_TEXTS,
     LogColumn,
     LogTable,
+    LogUse,
     split_unit,
 )
 from erlif.io.ingest.logs.units import is_unit
@@ -48,6 +51,34 @@ _FEWEST_ROWS = 2
 
 _Row = tuple[int, list[str]]
 """Number of a row in the file, from 1, and its cells without spaces around them."""
+
+
+def read_table(path: Path, wanted: Collection[str], use: LogUse = ENCODER) -> LogTable:
+    """Read the file of a data logger, of any format.
+
+    Parameters
+    ----------
+    path : Path
+    wanted : collection of str
+        Names by which the header of a text file is recognised.
+    use : LogUse
+        For what the log is read.
+
+    Returns
+    -------
+    LogTable
+
+    Raises
+    ------
+    ErlifError
+        That of `use`, if the file cannot be read or is no table.
+    """
+    try:
+        is_binary = is_binary_log(path)
+        table = read_binary_table(path) if is_binary else read_text_table(path, wanted)
+    except EncoderError as error:
+        raise use.error(str(error)) from error
+    return replace(table, use=use)
 
 
 def read_text_table(path: Path, wanted: Collection[str]) -> LogTable:
@@ -82,7 +113,7 @@ def read_text_table(path: Path, wanted: Collection[str]) -> LogTable:
     [('Zeit', 's', [0.5, 0.6]), ('Winkel', 'deg', [1.25, 1.5])]
     """
     content = _read_content(path)
-    encoding, spoken = _find_encoding(content, path)
+    encoding, spoken = _find_encoding(content)
     if b"\0" in content and not encoding.startswith("utf-16"):
         raise EncoderError(
             f"Expected {path.name} to be a CSV text file; it holds bytes of zero. Save the log as "
@@ -133,12 +164,12 @@ def _read_content(path: Path) -> bytes:
         return read_bounded(path, largest=LARGEST_FILE)
     except OSError as error:
         raise EncoderError(
-            f"Expected the encoder log {path.name}; it cannot be read: {error.strerror}. Correct "
-            "file in [encoder] of run.toml."
+            f"Expected the log {path.name}; it cannot be read: {error.strerror}. Correct its name; "
+            "for that of an encoder, file in [encoder] of run.toml."
         ) from error
 
 
-def _find_encoding(content: bytes, path: Path) -> tuple[str, str]:
+def _find_encoding(content: bytes) -> tuple[str, str]:
     """Encoding of the text, and a remark where it is not UTF-8."""
     # "utf-8-sig" also reads the byte order mark that spreadsheets write
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
@@ -158,7 +189,7 @@ def _rows(text: io.TextIOWrapper, separator: str, path: Path) -> Iterator[_Row]:
             if len(line) > LONGEST_LINE:
                 raise EncoderError(
                     f"Expected rows of a table in {path.name}; a line has more than "
-                    f"{LONGEST_LINE} characters. Correct file in [encoder] of run.toml."
+                    f"{LONGEST_LINE} characters. Name the file of the log."
                 )
             yield line
 
@@ -201,8 +232,8 @@ def _find_layout(text: io.TextIOWrapper, wanted: Collection[str], path: Path) ->
     plain = [row for row in rows if not _is_comment(row[1])]
     if len(plain) < _FEWEST_ROWS and not (plain and len(rows) > len(plain)):
         raise EncoderError(
-            f"Expected a header and one row per trigger in {path.name}; it has {len(plain)} "
-            "row(s). Export the whole log."
+            f"Expected a header and rows of numbers in {path.name}; it has {len(plain)} row(s). "
+            "Export the whole log."
         )
 
     first = next((n for n, row in enumerate(plain) if _is_numeric(row[1], separator)), len(plain))
@@ -213,7 +244,7 @@ def _find_layout(text: io.TextIOWrapper, wanted: Collection[str], path: Path) ->
             number, cells = plain[0]
             raise EncoderError(
                 f"Expected a header with the names of the columns in {path.name}; row {number} is "
-                f"{separator.join(cells)!r}. Put a row such as frame,angle_deg above the numbers."
+                f"{separator.join(cells)!r}. Put a row such as time_s,load_N above the numbers."
             )
         number, names = found
         return _Layout(separator, names, [split_unit(name)[1] for name in names], number, number)
@@ -390,8 +421,8 @@ def _read_rows(
 
     if not rows:
         raise EncoderError(
-            f"Expected a header and one row per trigger in {path.name}; it has 1 row(s). Export "
-            "the whole log."
+            f"Expected a header and rows of numbers in {path.name}; it has 1 row(s). Export the "
+            "whole log."
         )
     return builders, rows.tolist()
 

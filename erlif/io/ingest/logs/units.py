@@ -2,9 +2,21 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, get_args
 
 from erlif.core.units import convert
+from erlif.io.settings.endurance import TorqueUnit
+from erlif.io.settings.tables import (
+    AngleUnit,
+    ForceUnit,
+    PulseEnergyUnit,
+    SpeedUnit,
+    TemperatureUnit,
+    TimeUnit,
+)
+
+CLOCK = "clock time"
+"""Unit of a column whose clock times became seconds."""
 
 
 class Scale(NamedTuple):
@@ -23,14 +35,14 @@ class Scale(NamedTuple):
     offset: float = 0.0
 
 
-UNITS = {
-    "angle": ("deg", "rad", "mrad", "turn", "tick"),
-    "time": ("s", "ms", "us", "ns", "min", "h"),
-    "load": ("N", "kN", "mN", "lbf", "kgf"),
-    "torque": ("N m", "kN m", "N mm", "lbf ft", "lbf in"),
-    "temperature": ("degC", "K", "degF"),
-    "speed": ("rad/s", "rpm", "deg/s", "rev/s", "m/s", "mm/s"),
-    "pulse_energy": ("mJ", "J", "uJ", "V", "1"),
+UNITS: dict[str, tuple[str, ...]] = {
+    "angle": get_args(AngleUnit),
+    "time": get_args(TimeUnit),
+    "load": get_args(ForceUnit),
+    "torque": get_args(TorqueUnit),
+    "temperature": get_args(TemperatureUnit),
+    "speed": get_args(SpeedUnit),
+    "pulse_energy": get_args(PulseEnergyUnit),
 }
 """Units by the quantity of a column; the first is that of the result."""
 
@@ -44,47 +56,30 @@ _OFFSETS = {"K": Scale("degree_Celsius", 1.0, -273.15)}
 _OFFSETS["degF"] = Scale("degree_Celsius", 5 / 9, -160 / 9)
 
 _SPELLINGS = {
-    "°": "deg",
-    "degree": "deg",
-    "degrees": "deg",
-    "radian": "rad",
-    "radians": "rad",
-    "rev": "turn",
-    "turns": "turn",
-    "ticks": "tick",
-    "count": "tick",
-    "counts": "tick",
-    "inc": "tick",
-    "sec": "s",
-    "second": "s",
-    "seconds": "s",
-    "µs": "us",
-    "μs": "us",
-    "newton": "N",
-    "nm": "N m",
-    "n·m": "N m",
-    "n*m": "N m",
-    "knm": "kN m",
-    "nmm": "N mm",
-    "ft lbf": "lbf ft",
-    "in lbf": "lbf in",
-    "ft-lbf": "lbf ft",
-    "in-lbf": "lbf in",
-    "c": "degC",
-    "°c": "degC",
-    "degree_celsius": "degC",
-    "celsius": "degC",
-    "f": "degF",
-    "°f": "degF",
-    "kelvin": "K",
-    "1/min": "rpm",
-    "min-1": "rpm",
-    "min^-1": "rpm",
-    "u/min": "rpm",
-    "m s-1": "m/s",
-    "rad s-1": "rad/s",
-    "µj": "uJ",
-    "-": "1",
+    other: unit
+    for unit, others in {
+        "deg": ("°", "degree", "degrees"),
+        "rad": ("radian", "radians"),
+        "turn": ("rev", "turns"),
+        "tick": ("ticks", "count", "counts", "inc"),
+        "s": (CLOCK, "sec", "second", "seconds"),
+        "us": ("µs", "μs"),
+        "N": ("newton",),
+        "N m": ("nm", "n·m", "n*m"),
+        "kN m": ("knm",),
+        "N mm": ("nmm",),
+        "lbf ft": ("ft lbf", "ft-lbf"),
+        "lbf in": ("in lbf", "in-lbf"),
+        "degC": ("c", "°c", "degree_celsius", "celsius"),
+        "degF": ("f", "°f"),
+        "K": ("kelvin",),
+        "rpm": ("1/min", "min-1", "min^-1", "u/min"),
+        "m/s": ("m s-1",),
+        "rad/s": ("rad s-1",),
+        "uJ": ("µj",),
+        "1": ("-",),
+    }.items()
+    for other in others
 }
 """Other spellings of a unit, in lower case."""
 

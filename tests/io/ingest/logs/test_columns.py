@@ -10,10 +10,11 @@ from erlif.io.ingest.logs.text import read_text_table
 
 
 def table(*names, rows=(2, 3), **texts):
-    columns = [
-        LogColumn(name, split_unit(name)[1], np.array([1.0, 2.0]) + n, texts.get(name, {}))
-        for n, name in enumerate(names)
-    ]
+    columns = []
+    for n, name in enumerate(names):
+        values = np.array([1.0, 2.0]) + n
+        values[list(texts.get(name, {}))] = np.nan
+        columns.append(LogColumn(name, split_unit(name)[1], values, texts.get(name, {})))
     return LogTable("log.csv", tuple(columns), rows)
 
 
@@ -95,14 +96,14 @@ def test_ticks_need_the_number_in_a_turn():
 
 def test_a_chosen_column_that_is_not_there_is_refused_with_the_nearest():
     message = refusal(table("Encoder [deg]", "t"), angle="Encodr [deg]")
-    assert "which [encoder] names as angle; its columns are 'Encoder [deg]', 't'" in message
+    assert "chosen as angle; its columns are 'Encoder [deg]', 't'" in message
     assert "Did you mean 'Encoder [deg]'?" in message
-    assert "comes 2 times" in refusal(table("a [V]", "a [N]"), angle="a")
+    assert "there are 2" in refusal(table("a [V]", "a [N]"), angle="a")
 
 
 def test_a_text_among_numbers_is_refused_with_row_and_column():
     message = refusal(table("a", "angle_deg", rows=(5, 9), angle_deg={1: "1,5"}))
-    assert "finite number in row 9, column angle_deg of log.csv; got '1,5'" in message
+    assert "row 9, column angle_deg (1; got '1,5')" in message
     assert "write decimal points" in message
 
 
@@ -113,7 +114,9 @@ def test_columns_of_a_logger_with_unusable_names_are_left_out_with_a_remark():
 
 
 def test_a_missing_column_is_named():
-    with pytest.raises(EncoderError, match=r"Expected a column angle_deg in log.csv; its header"):
+    with pytest.raises(
+        EncoderError, match=r"Expected a column for the angle in log.csv; its columns"
+    ):
         missing_column("angle", table("a", "b"))
 
 

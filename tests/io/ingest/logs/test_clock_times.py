@@ -4,7 +4,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
-from erlif.joint.friction.clock_times import read_clock
+from erlif.io.ingest.logs.clock_times import read_clock
 
 
 @pytest.mark.parametrize(

@@ -13,9 +13,7 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.io.ingest.logs.table import LogColumn, LogTable
-
-CLOCK = "clock time"
-"""Unit of a column whose clock times became seconds."""
+from erlif.io.ingest.logs.units import CLOCK
 
 _DAY, _HOUR, _MINUTE = 86400.0, 3600.0, 60.0
 _TRIED = 5  # cells of a column by which clock times are recognised

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from erlif.core.errors import EnduranceError
 from erlif.core.units import count_of
 from erlif.io.ingest.logs.table import LogColumn, LogTable
 
 _SHOWN = 5  # rows that a message names
+
+_COMMA = re.compile(r"[+-]?\d+,\d+")
 
 
 def leave_out_bad_rows(
@@ -34,15 +36,15 @@ def leave_out_bad_rows(
 
     Raises
     ------
-    EnduranceError
+    ErlifError
         If there are such rows and `skip` is false.
     """
+    if not skip:
+        refuse_bad_rows(table, used)
     bad = {column.name: np.flatnonzero(~np.isfinite(column.values)) for column in used}
     places = np.unique(np.concatenate(list(bad.values())))
     if not places.size:
         return table, ""
-    if not skip:
-        _refuse(table, used)
 
     kept = np.setdiff1d(np.arange(len(table.rows)), places)
     columns = tuple(
@@ -63,31 +65,49 @@ def leave_out_bad_rows(
     return replace(table, columns=columns, rows=[table.rows[n] for n in kept.tolist()]), note
 
 
-def _refuse(table: LogTable, used: Sequence[LogColumn]) -> None:
-    """One message for all rows, by column."""
-    found, places = [], set[int]()
+def refuse_bad_rows(table: LogTable, used: Sequence[LogColumn]) -> None:
+    """Refuse rows in which a used column has no finite number, all in one message.
+
+    Parameters
+    ----------
+    table : LogTable
+    used : sequence of LogColumn
+        The columns that are used.
+
+    Raises
+    ------
+    ErlifError
+        If there are such rows. The message names rows and columns.
+    """
+    found, places, got = [], set[int](), ""
     for column in used:
         bad = np.flatnonzero(~np.isfinite(column.values)).tolist()
+        if not bad:
+            continue
         places |= set(bad)
-        if bad:
-            shown = ", ".join(str(table.rows[n]) for n in bad[:_SHOWN])
-            more = " and others" if len(bad) > _SHOWN else ""
-            got = column.texts.get(bad[0], "")
-            what = repr(got) if got else "an empty cell"
-            found.append(
-                f"row{'s' if len(bad) > 1 else ''} {shown}{more}, column {column.name} "
-                f"({len(bad)}; got {what})"
-            )
-    whole = len(places) == len(table.rows)
-    have = "has" if len(places) == 1 else "have"
-    if whole:
-        raise EnduranceError(
-            f"Expected finite numbers in {table.file}; no row has them: {'; '.join(found)}. Choose "
-            "another column, or export the log with numbers; times may be HH:MM:SS, with the date "
-            "before them."
+        got = column.texts.get(bad[0], "")
+        shown = ", ".join(str(table.rows[n]) for n in bad[:_SHOWN])
+        more = " and others" if len(bad) > _SHOWN else ""
+        found.append(
+            f"row{'s' if len(bad) > 1 else ''} {shown}{more}, column {column.name} "
+            f"({len(bad)}; got {repr(got) if got else 'an empty cell'})"
         )
-    raise EnduranceError(
+    if not places:
+        return
+
+    cure = table.use.bad_rows
+    if _COMMA.fullmatch(got):
+        cure = (
+            "A comma within quotes may be decimal or separate thousands: write decimal points, or "
+            "separate the columns with semicolons."
+        )
+    elif len(places) == len(table.rows):
+        cure = (
+            "Choose another column, or export the log with numbers; times may be HH:MM:SS, with "
+            "the date before them."
+        )
+    have = "has" if len(places) == 1 else "have"
+    raise table.use.error(
         f"Expected finite numbers in {table.file}; {count_of(len(places), 'row')} of "
-        f"{len(table.rows)} {have} none: {'; '.join(found)}. Correct "
-        "them, or leave these rows out with --skip-bad-rows."
+        f"{len(table.rows)} {have} none: {'; '.join(found)}. {cure}"
     )

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from erlif.core.errors import EnduranceError
+from erlif.core.errors import EncoderError
+from erlif.io.ingest.logs.bad_rows import leave_out_bad_rows
 from erlif.io.ingest.logs.table import LogColumn, LogTable
-from erlif.joint.friction.bad_rows import leave_out_bad_rows
 
 LOAD = LogColumn("load", "N", np.array([1.0, np.nan, 3.0, np.nan]), {1: "", 3: "broken"})
 NOTE = LogColumn("note", "", np.full(4, np.nan), {0: "a", 1: "b", 2: "c", 3: "d"})
@@ -27,5 +27,5 @@ def test_columns_that_are_not_used_may_hold_text():
 
 
 def test_a_column_without_any_number_is_not_to_be_skipped():
-    with pytest.raises(EnduranceError, match="Choose another column"):
+    with pytest.raises(EncoderError, match="Choose another column"):
         leave_out_bad_rows(TABLE, [LOAD, NOTE], skip=False)
