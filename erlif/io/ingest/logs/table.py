@@ -28,8 +28,10 @@ class LogUse:
     Attributes
     ----------
     error : type[ErlifError]
-    column, unit : str
-        How a column and its unit are chosen, with the fields ``{quantity}`` and ``{choice}``.
+    column : str
+        How a column is chosen, with the fields ``{quantity}`` and ``{choice}``.
+    unit : str
+        How its unit is chosen, with the same fields.
     bad_rows : str
         What can be done about rows without a number.
     """
