@@ -103,26 +103,3 @@ def frame_times(triggers: Triggers, rig: RigSettings) -> Array:
     """Return the time of every frame, all cycles after one another. [s]"""
     cycles = 1 if rig.pulses_per_cycle else rig.cycles
     return np.concatenate([triggers.time + cycle * cycle_time(rig) for cycle in range(cycles)])
-
-
-def encoder_toml(triggers: Triggers, rig: RigSettings, zero: float) -> str:
-    """Return the table [encoder] of run.toml; empty for a static film."""
-    if rig.mechanism == "static":
-        # pictures of several cycles show the same films again
-        return f"[encoder]\ntriggers_per_cycle = {rig.pictures}\n\n" if rig.cycles > 1 else ""
-    if rig.mechanism != "crank-rocker":
-        fold = f"triggers_per_cycle = {triggers.reading.size}\n" if rig.cycles > 1 else ""
-        return f'[encoder]\nfile = "encoder.csv"\n{fold}\n'
-    lines = ["[encoder]", 'file = "encoder.csv"', f'mounted_on = "{rig.encoder}"']
-    if rig.write_zero:
-        lines.append(f'zero = "{zero:.6f} deg"')
-    if not rig.pulses_per_cycle:
-        lines.append(f"triggers_per_cycle = {triggers.reading.size}")
-    if rig.log == "continuous":
-        lines += ['angle = "Encoder"', 'time = "Time"', 'load = "Force"', 'temperature = "Oil"']
-        lines.append('pulse = "Trigger"')
-    elif rig.reading == "ticks":
-        lines.append('angle = "encoder"')
-    if rig.reading == "ticks":
-        lines.append(f"ticks_per_turn = {TICKS}")
-    return "\n".join(lines) + "\n\n"

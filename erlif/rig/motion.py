@@ -54,31 +54,3 @@ def cycle_time(rig: RigSettings) -> float:
         "sinusoidal": 1 / rig.frequency,
         "static": rig.pictures / _LASER,
     }[rig.mechanism]
-
-
-def mechanism_toml(rig: RigSettings) -> str:
-    """Return [mechanism] of run.toml; empty for a static film."""
-    tables = {
-        "crank-rocker": f"""[mechanism]
-kind = "crank-rocker"
-crank = "{rig.crank:g} cm"
-coupler = "{rig.coupler:g} cm"
-rocker = "{rig.rocker:g} cm"
-ground = "{rig.ground:g} cm"
-crank_speed = "{rig.crank_speed:g} rpm"
-
-""",
-        "rotation": f"""[mechanism]
-kind = "rotation"
-radius = "{rig.track_radius:g} mm"
-speed = "{rig.disc_speed:g} rpm"
-
-""",
-        "sinusoidal": f"""[mechanism]
-kind = "sinusoidal"
-stroke = "{rig.stroke:g} mm"
-frequency = "{rig.frequency:g} Hz"
-
-""",
-    }
-    return tables.get(rig.mechanism, "")

@@ -4,10 +4,12 @@ import csv
 import dataclasses
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import Any
 
 import h5netcdf
 import numpy as np
 import tifffile
+from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from erlif.core.arrays import Array, Counts
 from erlif.rig.camera import FULL_SCALE, expose, vibrate
@@ -22,8 +24,8 @@ from erlif.rig.film import (
     draw_marks,
 )
 from erlif.rig.journal import list_gaps
-from erlif.rig.logger import encoder_toml, frame_times, read_encoder, write_log_in_time
-from erlif.rig.motion import list_pictures, mechanism_toml
+from erlif.rig.logger import TICKS, frame_times, read_encoder, write_log_in_time
+from erlif.rig.motion import list_pictures
 from erlif.rig.scene import mix_grains
 from erlif.rig.settings import RigSettings
 from erlif.rig.setup import Setup, Shot, build_setup, photograph, random_stream
@@ -53,28 +55,6 @@ _NAMES = {
     "static": "static film",
 }
 """Name of the run by the mechanism."""
-
-_JOINT_TOML = """[joint]
-pin_radius = "{rig.pin_radius:g} mm"
-bushing_radius = "{rig.bushing_radius:g} mm"
-length = "{rig.length:g} mm"
-load = "{rig.load:g} N"
-pin = {{ {solid}, roughness = "0.2 um" }}
-bushing = {{ {solid}, roughness = "0.2 um" }}
-
-[oil]
-name = "80W-90"
-viscosity = "{viscosity:g} Pa s"
-pressure_viscosity = "20 1/GPa"
-
-"""
-
-_SOLIDS = {
-    "law": 'youngs_modulus = "2.7 GPa", poissons_ratio = 0.37',
-    "reynolds": 'youngs_modulus = "1000 GPa", poissons_ratio = 0.1',
-}
-"""Acrylic; and as stiff as diamond for the film of theory, whose pin and bushing are rigid."""
-
 
 # the directories
 
@@ -275,79 +255,43 @@ def write_encoder_log(
 # settings files
 
 
-def camera_toml(rig: RigSettings, *, background: bool = False) -> str:
-    """Return the tables that run.toml and fixture.toml share."""
-    bands = BANDS if rig.dyes is None else rig.dyes.bands
-    dry = 'background = "camera{}_background.tif"\n' if background else ""
-    tables = [
-        f"""[camera{number}]
-files = "camera{number}/*.tif"
-band = "{bands[number - 1]:.10g} nm"
-bit_depth = 12
-dark = "camera{number}_dark.tif"
-flat = "camera{number}_flat.tif"
-gain = "{rig.gain:g} electron/DN"
-read_noise = "{rig.read_noise:g} electron"
-{dry.format(number)}"""
-        for number in (1, 2)
-    ]
-    tables.append(f"""[optics]
-pixel_pitch = "{1e3 * rig.pitch:.10g} um"
-x_axis = "sliding"
-""")
-    return "\n".join(tables)
+def _fill(template: str, **values: Any) -> str:
+    """The text of a settings file from its template."""
+    environment = Environment(
+        loader=PackageLoader("erlif.rig"),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    return environment.get_template(template).render(**values)
 
 
 def fixture_toml(rig: RigSettings) -> str:
     """Return fixture.toml of the virtual wedge."""
-    return f"""[fixture]
-name = "virtual wedge"
-profile = "profile.csv"
-origin = [0.0, 0.0]
-direction = "0 deg"
-
-{camera_toml(rig)}"""
-
-
-def mount_toml(rig: RigSettings) -> str:
-    """Return the table [prediction] of run.toml: what the virtual laboratory knows of the mount."""
-    held = rig.sideways if isinstance(rig.sideways, str) else f"{rig.sideways:g} N/m"
-    return f"""[prediction]
-sideways = "{held}"
-cavitation_pressure = "{rig.cavitation_pressure:g} kPa"
-load_line = "{rig.centre[0] * rig.pitch + rig.thin_line:.6g} mm"
-direction = "along"
-
-"""
+    bands = BANDS if rig.dyes is None else rig.dyes.bands
+    return _fill("fixture.toml", rig=rig, bands=bands, background=False)
 
 
 def run_toml(rig: RigSettings, triggers: Triggers) -> str:
     """Return run.toml of the virtual run."""
-    (left, right), (top, bottom) = rig.region
-    reference = ""
-    if rig.reference:
-        (first, last), (upper, lower) = rig.patch
-        edge = _PATCH_EDGE * rig.pitch
-        reference = f"""
-[reference]
-region = {{ x = [{first + edge:.6g}, {last - edge:.6g}], \
-y = [{upper + edge:.6g}, {lower - edge:.6g}] }}
-thickness = "{rig.reference:g} um"
-uncertainty = "{_REFERENCE_STD:g} um"
-"""
-    zero = read_encoder(np.radians(triggers.crank_angle), triggers, rig).zero
-    viscosity = rig.stated_viscosity or rig.viscosity
     linked = rig.mechanism == "crank-rocker"
-    mount = mount_toml(rig) if rig.film == "reynolds" and rig.write_mount else ""
-    joint = (
-        _JOINT_TOML.format(rig=rig, viscosity=viscosity, solid=_SOLIDS[rig.film]) if linked else ""
+    (first, last), (upper, lower) = rig.patch
+    edge = _PATCH_EDGE * rig.pitch
+    return _fill(
+        "run.toml",
+        rig=rig,
+        name=_NAMES[rig.mechanism],
+        bands=BANDS if rig.dyes is None else rig.dyes.bands,
+        background=rig.background_pages > 0,
+        linked=linked,
+        zero=read_encoder(np.radians(triggers.crank_angle), triggers, rig).zero,
+        # frames at even crank angles need not repeat; without a linkage only cycles do
+        folded=not rig.pulses_per_cycle if linked else rig.cycles > 1,
+        triggers=triggers.reading.size,
+        ticks=TICKS,
+        load_line=rig.centre[0] * rig.pitch + rig.thin_line,
+        roi=(*rig.region[0], *rig.region[1]),
+        patch=(first + edge, last - edge, upper + edge, lower - edge),
+        reference_std=_REFERENCE_STD,
     )
-    return f"""calibration = "../fixture/calibration.nc"
-
-[run]
-name = "virtual {_NAMES[rig.mechanism]}"
-
-{camera_toml(rig, background=rig.background_pages > 0)}
-{encoder_toml(triggers, rig, zero)}{mechanism_toml(rig)}{joint}{mount}[thickness]
-roi = {{ x = [{left:g}, {right:g}], y = [{top:g}, {bottom:g}] }}
-{reference}"""

@@ -1,83 +1,23 @@
 """Settings of the virtual rig: every quantity that can be chosen, with unit and default."""
 
 import math
+import tomllib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from importlib.resources import files
 
 from erlif.core.errors import ModelError
 
-SMALLEST_PICTURE = 32
-"""Fewest rows and columns. [pixel]"""
-CHOICES = {
-    "mechanism": ("crank-rocker", "rotation", "sinusoidal", "static"),
-    "encoder": ("rocker", "coupler", "crank"),
-    "reading": ("degrees", "wrapped", "ticks"),
-    "log": ("frames", "continuous"),
-    "film": ("law", "reynolds"),
-}
+_TABLE = tomllib.loads((files("erlif.rig") / "settings.toml").read_text(encoding="utf-8"))
+
+CHOICES: Mapping[str, Sequence[str]] = _TABLE["choices"]
 """Settings that are one of several words."""
+LIMITS: Mapping[str, Sequence[float]] = _TABLE["limits"]
+"""Smallest and largest value of the settings, of each number of a pair, in their units."""
 SIDEWAYS = ("free", "guided")
 """How a pin without a spring is held at right angles to the load."""
-MOST_FRAMES = 1_000_000
-"""Largest number of frame pairs of a run; a week of simulation at 320 x 256."""
 SWING = 24.0
 """Angle through which the rocker of the thesis turns; the default one differs little. [degree]"""
-LIMITS = {
-    "spacing": (1e-9, 10),  # the rocker turns by 24 degrees
-    "cycles": (1, math.inf),
-    "pictures": (1, MOST_FRAMES),
-    "track_radius": (1e-3, 1e6),
-    "disc_speed": (1e-6, 1e6),
-    "stroke": (1e-6, 1e6),
-    "frequency": (1e-9, 1e6),
-    "width": (SMALLEST_PICTURE, 16384),
-    "height": (SMALLEST_PICTURE, 16384),
-    "field_width": (0.01, 1000),
-    "crank_speed": (0.001, 1e5),
-    "load": (1e-6, 1e9),
-    "length": (1e-3, 1e6),
-    "viscosity": (1e-6, 1e6),
-    "stated_viscosity": (0, 1e6),
-    "elapsed": (0, 1e4),
-    "cavitation_pressure": (-101.325, 0),
-    "load_swing": (0, 0.99),
-    "film_reference": (1e-3, 1000),
-    "film_floor": (1e-3, 1000),
-    "exponent": (-10, 10),
-    "tilt": (-1000, 1000),
-    "marks": (0, 10),
-    "bubbles": (0, 10_000),
-    "light": (1e-6, 1000),
-    "pulse_jitter": (0, 0.3),
-    "speckle_fixed": (0, 1),
-    "speckle_new": (0, 1),
-    "speckle_size": (0.1, 100),
-    "gain": (1e-3, 1e6),
-    "read_noise": (0, 1e6),
-    "full_well": (10, 1e9),
-    "offset": (0, 4095),
-    "column_pattern": (0, 1000),
-    "response_spread": (0, 0.3),
-    "hot_fraction": (0, 1),
-    "dead_pixels": (0, 1_000_000),
-    "dust": (0, 10_000),
-    "background": (0, 10),
-    "background_beam": (0, 10),
-    "background_pages": (0, 10_000),
-    "reference": (0, 1000),
-    "vibration": (0, 20),
-    "bleaching": (0, 1 - 1e-9),
-    # beyond these the search for the object points of camera 2 may not converge
-    "scale": (0.8, 1.2),
-    "rotation": (-10, 10),
-    "distortion": (-10, 10),
-    "fixture_frames": (1, 100_000),
-    "wedge_form": (0, 100),
-    "cmm_noise": (0, 100),
-    "dark_pages": (1, 10_000),
-    "flat_pages": (1, 10_000),
-}
-"""Smallest and largest value of the settings, of each number of a pair, in their units; beyond them
-random numbers, memory or the search for object points fail."""
 
 
 @dataclass(frozen=True)
@@ -420,9 +360,10 @@ class RigSettings:
             )
         in_turn = self.pulses_per_cycle or 2 * SWING / self.spacing
         in_turn = in_turn if linked else self.pictures
-        if in_turn * self.cycles > MOST_FRAMES:
+        most = LIMITS["pictures"][1]
+        if in_turn * self.cycles > most:
             raise ModelError(
-                f"Expected a run of at most {MOST_FRAMES} frame pairs; a spacing of "
+                f"Expected a run of at most {most} frame pairs; a spacing of "
                 f"{self.spacing:g} degrees and {self.cycles} cycles have more. Choose a larger "
                 "spacing or fewer cycles."
             )

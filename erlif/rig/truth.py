@@ -1,9 +1,10 @@
 """truth.nc: the true film and all other inputs of a simulated run."""
 
-from collections.abc import Iterator
+import tomllib
 from dataclasses import asdict
 from importlib.metadata import version
-from typing import NamedTuple
+from importlib.resources import files
+from typing import Any, NamedTuple
 
 import h5netcdf
 import numpy as np
@@ -21,6 +22,22 @@ from erlif.rig.setup import Setup
 _FILM_STEPS = 4096  # per um: the film is rounded to 0.12 nm
 _SIGNAL_STEPS = 2048  # of the mantissa: the signal is rounded to 0.05 %
 
+
+_Values = dict[str, NDArray[Any]]
+"""Values of variables by name."""
+
+_TABLE = tomllib.loads((files("erlif.rig") / "truth.toml").read_text(encoding="utf-8"))
+
+_FILM_DIM = {"law": "trigger", "reynolds": "frame"}
+"""Dimension along which the film changes."""
+
+_PIN = {
+    "pin_displacement_load": "along",
+    "pin_displacement_side": "side",
+    "eccentricity": "eccentricity",
+    "attitude": "attitude",
+}
+"""Variables of the place of the pin, and their names in `JournalGap`."""
 
 _LAW = ("film_reference", "exponent", "film_floor", "film_table", "tilt")
 """Settings of the film by the law alone."""
@@ -46,22 +63,6 @@ class Session(NamedTuple):
     energy: Array
 
 
-class _Variable(NamedTuple):
-    name: str
-    dims: tuple[str, ...]
-    values: NDArray[np.generic]
-    units: str
-    meaning: str
-
-
-class _Image(NamedTuple):
-    name: str
-    dims: tuple[str, ...]
-    kind: str
-    units: str
-    meaning: str
-
-
 def describe_truth(
     file: h5netcdf.File,
     setup: Setup,
@@ -84,30 +85,36 @@ def describe_truth(
         "y": rig.height,
         "x": rig.width,
     }
-    for small in (
-        *_list_axes(rig),
-        *_list_triggers(triggers, rig.mechanism),
-        *_list_gaps(triggers, gaps, rig),
-        *_list_frames(triggers, session),
-        *_list_geometry(setup),
-    ):
-        variable = file.create_variable(small.name, small.dims, data=small.values)
-        variable.attrs["units"] = small.units
-        variable.attrs["long_name"] = small.meaning
+    groups: dict[str, _Values] = {
+        "axes": {
+            "x": np.arange(rig.width) * rig.pitch,
+            "y": np.arange(rig.height) * rig.pitch,
+            "camera": np.array([1, 2]),
+        },
+        "triggers": _list_triggers(triggers, rig.mechanism),
+        "gaps": _list_gaps(gaps),
+        "loading": _list_loading(triggers, rig) if rig.film == "reynolds" else {},
+        "frames": _list_frames(triggers, session),
+        "geometry": _list_geometry(setup),
+    }
+    film = _FILM_DIM[rig.film]
+    for group, variables in groups.items():
+        for name, values in variables.items():
+            entry = _TABLE[group][name]
+            _describe(file.create_variable(name, _dims(entry, film), data=values), entry)
 
-    for image in _IMAGES:
-        dims = tuple(_FILM_DIM[rig.film] if dim == "film" else dim for dim in image.dims)
+    for name, entry in _TABLE["images"].items():
+        dims = _dims(entry, film)
         variable = file.create_variable(
-            image.name,
+            name,
             dims,
-            image.kind,
+            entry["type"],
             compression="gzip",
             compression_opts=4,
             shuffle=True,
             chunks=(1,) * (len(dims) - 2) + (rig.height, rig.width),
         )
-        variable.attrs["units"] = image.units
-        variable.attrs["long_name"] = image.meaning
+        _describe(variable, entry)
 
     file.attrs["title"] = "truth of a virtual ERLIF run"
     origin = "invented" if rig.dyes is None else "those of a plan"
@@ -123,121 +130,70 @@ def describe_truth(
     file.attrs["rig_pixel_pitch"] = np.float64(rig.pitch)
 
 
-def _list_axes(rig: RigSettings) -> Iterator[_Variable]:
-    """Positions of the pixels on the object, and camera numbers."""
-    columns, rows = np.arange(rig.width), np.arange(rig.height)
-    yield _Variable("x", ("x",), columns * rig.pitch, "mm", "object position along sliding")
-    yield _Variable("y", ("y",), rows * rig.pitch, "mm", "object position across sliding")
-    yield _Variable("camera", ("camera",), np.array([1, 2]), "1", "camera number")
+def _dims(entry: dict[str, str], film: str) -> tuple[str, ...]:
+    """Dims of an entry of the table, with the dimension along which the film changes."""
+    return tuple(film if dim == "film" else dim for dim in entry["dims"].split())
 
 
-def _list_triggers(triggers: Triggers, mechanism: str) -> Iterator[_Variable]:
+def _describe(variable: h5netcdf.Variable, entry: dict[str, str]) -> None:
+    variable.attrs["units"] = entry["units"]
+    variable.attrs["long_name"] = entry["long_name"]
+
+
+def _list_triggers(triggers: Triggers, mechanism: str) -> _Values:
     """Film and motion of each trigger."""
-    dims = ("trigger",)
-    yield _Variable("encoder_angle", dims, triggers.reading, "degree", "encoder reading")
-    yield _Variable("load", dims, triggers.load, "N", "load on the joint")
+    values = {"encoder_angle": triggers.reading, "load": triggers.load}
     if mechanism != "crank-rocker":
-        yield _Variable("sliding_speed", dims, triggers.speed, "m s-1", "signed, of the surface")
-        yield _Variable("time", dims, triggers.time, "s", "time in the first cycle")
-        return
-
-    rocker = triggers.zero + triggers.reading
-    ground, side = "from the ground link", "from the ground link, rocker side positive"
-    yield _Variable("rocker_angle", dims, rocker, "degree", ground)
-    yield _Variable("crank_angle", dims, triggers.crank_angle, "degree", side)
-    yield _Variable("rocker_speed", dims, triggers.speed, "rad s-1", "positive with rising angle")
+        return values | {"sliding_speed": triggers.speed, "time": triggers.time}
+    return values | {
+        "rocker_angle": triggers.zero + triggers.reading,
+        "crank_angle": triggers.crank_angle,
+        "rocker_speed": triggers.speed,
+    }
 
 
-def _list_gaps(triggers: Triggers, gaps: list[Gap], rig: RigSettings) -> Iterator[_Variable]:
+def _list_gaps(gaps: list[Gap]) -> _Values:
     """Minimum of every film, and the place of the pin where there is one."""
-    dims = (_FILM_DIM[rig.film],)
-    minimum = "minimum film thickness of the smooth gap in the region of interest"
-    yield _Variable("film_min", dims, np.array([gap.film_min for gap in gaps]), "um", minimum)
+    values = {"film_min": np.array([gap.film_min for gap in gaps])}
+    if all(isinstance(gap, JournalGap) for gap in gaps):
+        for name, field in _PIN.items():
+            values[name] = np.array([getattr(gap, field) for gap in gaps])
+    return values
 
-    pins = [gap for gap in gaps if isinstance(gap, JournalGap)]
-    if not pins:
-        return
-    columns = (
-        ("pin_displacement_load", "along", "um", "of the pin from the bushing, along the load"),
-        ("pin_displacement_side", "side", "um", "of the pin from the bushing, along +x"),
-        ("eccentricity", "eccentricity", "1", "distance of the axes over the radial clearance"),
-        ("attitude", "attitude", "rad", "from the load line to the thinnest film, along +x"),
-    )
-    for name, field, units, meaning in columns:
-        yield _Variable(name, dims, np.array([getattr(pin, field) for pin in pins]), units, meaning)
 
+def _list_loading(triggers: Triggers, rig: RigSettings) -> _Values:
+    """What the film of theory follows from, for each frame."""
     time = frame_times(triggers, rig)
-    since = time + rig.elapsed * cycle_time(rig)
-    line = np.array(rig.centre[0] * rig.pitch + rig.thin_line)
-    viscosity = np.full(time.size, rig.viscosity)
-    yield _Variable("time", dims, time, "s", "as in the encoder log")
-    yield _Variable("time_since_loading", dims, since, "s", "the pin is centred at time 0")
-    yield _Variable("frame_load", dims, load_at(time, rig), "N", "load on the joint")
-    yield _Variable("viscosity", dims, viscosity, "Pa s", "of the oil in the gap")
-    yield _Variable("load_line", (), line, "mm", "position of the load line along x")
+    return {
+        "time": time,
+        "time_since_loading": time + rig.elapsed * cycle_time(rig),
+        "frame_load": load_at(time, rig),
+        "viscosity": np.full(time.size, rig.viscosity),
+        "load_line": np.array(rig.centre[0] * rig.pitch + rig.thin_line),
+    }
 
 
-def _list_frames(triggers: Triggers, session: Session) -> Iterator[_Variable]:
+def _list_frames(triggers: Triggers, session: Session) -> _Values:
     """Trigger, pulse energy and shift of each frame."""
-    frame, fixture_frame = ("frame",), ("fixture_frame",)
-    drift, fixture_drift = session.drift, session.fixture_drift
-    number = np.arange(session.energy.size) % triggers.reading.size
-    fixture = "the same in the fixture's session"
-    energy = "laser pulse energy over its mean"
-    yield _Variable("frame_trigger", frame, number, "1", "trigger at which a frame was taken")
-    yield _Variable("pulse_energy", frame, session.energy, "1", energy)
-    yield _Variable("drift_x", frame, drift[:, 0], "pixel", "extra shift of camera 2 along x")
-    yield _Variable("drift_y", frame, drift[:, 1], "pixel", "extra shift of camera 2 along y")
-    yield _Variable("fixture_drift_x", fixture_frame, fixture_drift[:, 0], "pixel", fixture)
-    yield _Variable("fixture_drift_y", fixture_frame, fixture_drift[:, 1], "pixel", fixture)
+    return {
+        "frame_trigger": np.arange(session.energy.size) % triggers.reading.size,
+        "pulse_energy": session.energy,
+        "drift_x": session.drift[:, 0],
+        "drift_y": session.drift[:, 1],
+        "fixture_drift_x": session.fixture_drift[:, 0],
+        "fixture_drift_y": session.fixture_drift[:, 1],
+    }
 
 
-def _list_geometry(setup: Setup) -> Iterator[_Variable]:
+def _list_geometry(setup: Setup) -> _Values:
     """Displacement of camera 2, and the film of the fixture."""
     dx, dy = displacement(setup.x, setup.y, setup.rig)
-    wedge = Wedge(setup.rig)(setup.x, setup.y)[0]
-    yield _Variable(
-        "background_typical",
-        ("camera",),
-        np.array(setup.typical),
-        "electron",
-        "median light of the run, of which rig_background and rig_background_beam are shares",
-    )
-    meaning = "camera-2 pixel minus camera-1 pixel, at zero drift"
-    yield _Variable("displacement_x", ("y", "x"), dx, "pixel", meaning)
-    yield _Variable("displacement_y", ("y", "x"), dy, "pixel", meaning)
-    yield _Variable("wedge", ("x",), wedge, "um", "film of the calibration fixture")
-
-
-_FILM_DIM = {"law": "trigger", "reynolds": "frame"}
-"""Dimension along which the film changes."""
-
-_IMAGES = (
-    _Image(
-        name="film",
-        dims=("film", "y", "x"),
-        kind="f4",
-        units="um",
-        meaning="film with its marks, without bubbles, at pixel centres of camera 1",
-    ),
-    _Image(
-        name="expected_electrons",
-        dims=("camera", "film", "y", "x"),
-        kind="f4",
-        units="electron",
-        meaning=(
-            "mean signal above dark of the object point under each camera-1 pixel: lens and beam "
-            "included, speckle, bubbles, pulse energy, pixel response and dust not"
-        ),
-    ),
-    _Image(
-        name="bubble",
-        dims=("frame", "y", "x"),
-        kind="u1",
-        units="1",
-        meaning="1 where a bubble or its meniscus takes oil away",
-    ),
-)
+    return {
+        "background_typical": np.array(setup.typical),
+        "displacement_x": dx,
+        "displacement_y": dy,
+        "wedge": Wedge(setup.rig)(setup.x, setup.y)[0],
+    }
 
 
 def write_true_film(file: h5netcdf.File, setup: Setup, gaps: list[Gap]) -> None:

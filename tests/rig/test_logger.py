@@ -12,7 +12,8 @@ from scenes.rig import QUICK
 from erlif.core.errors import ModelError
 from erlif.rig import RigSettings, simulate
 from erlif.rig.film import list_triggers, rocker_angle
-from erlif.rig.logger import TICKS, encoder_toml, frame_times, read_encoder, write_log_in_time
+from erlif.rig.logger import TICKS, frame_times, read_encoder, write_log_in_time
+from erlif.rig.run import run_toml
 
 
 def pins(crank, rig):
@@ -72,9 +73,11 @@ def test_the_log_in_time_rises_at_each_frame(tmp_path):
 
 def test_the_table_of_the_encoder_names_its_columns():
     rig = RigSettings(log="continuous", reading="ticks", encoder="coupler", pulses_per_cycle=9.5)
-    table = tomllib.loads(encoder_toml(list_triggers(rig), rig, 12.5))["encoder"]
+    table = tomllib.loads(run_toml(rig, list_triggers(rig)))["encoder"]
+    zero = float(table.pop("zero").removesuffix(" deg"))
+    assert zero == pytest.approx(read_encoder(np.zeros(1), list_triggers(rig), rig).zero, abs=1e-6)
     assert table == {
-        "file": "encoder.csv", "mounted_on": "coupler", "zero": "12.500000 deg",
+        "file": "encoder.csv", "mounted_on": "coupler",
         "angle": "Encoder", "time": "Time", "load": "Force", "temperature": "Oil",
         "pulse": "Trigger", "ticks_per_turn": TICKS,
     }  # fmt: skip

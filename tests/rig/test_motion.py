@@ -10,7 +10,8 @@ from erlif.core.errors import ModelError
 from erlif.io.settings.tables import RotationSettings, SinusoidalSettings
 from erlif.rig import RigSettings
 from erlif.rig.film import list_triggers
-from erlif.rig.motion import cycle_time, list_pictures, mechanism_toml
+from erlif.rig.motion import cycle_time, list_pictures
+from erlif.rig.run import run_toml
 
 
 def test_a_linkage_has_its_triggers():
@@ -57,7 +58,7 @@ def test_a_static_film_is_the_same_in_all_pictures():
 )
 def test_settings_of_the_motion_are_those_of_the_rig(mechanism, table):
     rig = RigSettings(mechanism=mechanism)
-    raw = tomllib.loads(mechanism_toml(rig))
+    raw = tomllib.loads(run_toml(rig, list_pictures(rig)))
     settings = table.model_validate(raw["mechanism"])
     if mechanism == "rotation":
         assert (settings.radius, settings.speed) == (0.02, pytest.approx(2 * np.pi))
@@ -66,7 +67,8 @@ def test_settings_of_the_motion_are_those_of_the_rig(mechanism, table):
 
 
 def test_a_static_film_has_no_table_of_motion():
-    assert mechanism_toml(RigSettings(mechanism="static")) == ""
+    rig = RigSettings(mechanism="static")
+    assert "mechanism" not in tomllib.loads(run_toml(rig, list_pictures(rig)))
 
 
 @pytest.mark.parametrize(
