@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 import struct
+import tomllib
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
+from importlib import resources
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -105,8 +108,9 @@ class Format:
         Name of the format in messages and in the table of the documentation.
     suffixes : tuple[str, ...]
         Endings of file names in lower case, with the dot.
-    recognise : Callable[[Path, bytes], bool]
-        Whether a file is of this format, from its path and its first 512 bytes.
+    recognise : Callable[[Path, bytes], bool] | None
+        Whether a file is of this format, from its path and its first 512 bytes; None where its
+        suffix alone tells.
     open : Callable[[Path], FrameFile]
         Opens a file and reads its header; FrameError with the bare reason where it is damaged. A
         reason that ends with a full stop includes what to do.
@@ -118,10 +122,28 @@ class Format:
 
     name: str
     suffixes: tuple[str, ...]
-    recognise: Callable[[Path, bytes], bool]
+    recognise: Callable[[Path, bytes], bool] | None
     open: Callable[[Path], FrameFile]
     extra: str = ""
     open_dataset: Callable[[Path, str], FrameFile] | None = None
+
+    def fits(self, path: Path, head: bytes) -> bool:
+        """Whether a file is of this format, from its path and its first bytes."""
+        if self.recognise is None:
+            return path.suffix.lower() in self.suffixes
+        return self.recognise(path, head)
+
+
+SECONDS = {
+    **dict.fromkeys(("d", "day", "days"), 86400.0),
+    **dict.fromkeys(("h", "hour", "hours"), 3600.0),
+    **dict.fromkeys(("min", "minute", "minutes"), 60.0),
+    **dict.fromkeys(("s", "sec", "second", "seconds"), 1.0),
+    **dict.fromkeys(("ms", "millisecond", "milliseconds"), 1e-3),
+    **dict.fromkeys(("us", "µs", "μs", "microsecond", "microseconds"), 1e-6),
+    **dict.fromkeys(("ns", "nanosecond", "nanoseconds"), 1e-9),
+}
+"""Units of times, as cameras, xarray, OME and ImageJ write them. [s]"""
 
 
 def describe_shape(shape: tuple[int, ...]) -> str:
@@ -137,14 +159,14 @@ def colour_camera(what: str = "recording") -> FrameError:
     )
 
 
-def read_fields(source: Source, fields: Mapping[str, tuple[str, int]], start: int = 0) -> Any:
-    """Read numbers of a header that lie at fixed places.
+def read_header(source: Source, name: str, start: int = 0) -> Any:
+    """Read the numbers of a header that lie at fixed places.
 
     Parameters
     ----------
     source : Source
-    fields : mapping of str to (str, int)
-        Code of `struct` and place from the start of the header, by name. [byte]
+    name : str
+        Name of the layout in headers.toml.
     start : int
         Where the header begins. [byte]
 
@@ -160,10 +182,16 @@ def read_fields(source: Source, fields: Mapping[str, tuple[str, int]], start: in
     """
     return SimpleNamespace(
         **{
-            name: struct.unpack(code, source.read(start + place, struct.calcsize(code)))[0]
-            for name, (code, place) in fields.items()
+            field: struct.unpack(code, source.read(start + place, struct.calcsize(code)))[0]
+            for field, (code, place) in _read_layouts()[name].items()
         }
     )
+
+
+@cache
+def _read_layouts() -> dict[str, dict[str, tuple[str, int]]]:
+    file = resources.files("erlif.io.readers").joinpath("headers.toml")
+    return tomllib.loads(file.read_text(encoding="utf-8"))
 
 
 def check_claim(frames: int, kind: FrameKind, size: int, *, packing: float = 1.0) -> None:

@@ -33,7 +33,7 @@ class FitsFrames(RawFrames):
     """Frames of a FITS image, unsigned where the header moves their zero."""
 
     def __init__(self, path: Path, layout: FrameLayout, start: int, count: int, dtype: str) -> None:
-        super().__init__(path, layout, range(start, start + count * layout.size, layout.size))
+        super().__init__(path, layout, layout.in_a_row(start, count))
         self._dtype = dtype
         if dtype != layout.kind.dtype:
             kind = FrameKind(layout.shape, dtype)

@@ -16,6 +16,7 @@ Pixel formats have the names of the GenICam pixel format naming convention (EMVA
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from pathlib import Path
 
@@ -27,20 +28,11 @@ from erlif.io.readers.raw import FrameLayout, RawFrames, count_frames
 from erlif.io.readers.sidecar import find_beside, read_text
 from erlif.io.readers.unpack import Packing
 
-_FORMATS = {
-    "Mono8": (8, ""),
-    "Mono10": (10, ""),
-    "Mono12": (12, ""),
-    "Mono14": (14, ""),
-    "Mono16": (16, ""),
-    "Mono10p": (10, "LOW_10"),
-    "Mono12p": (12, "LOW_12"),
-    "Mono10Packed": (10, "SPLIT_10"),
-    "Mono12Packed": (12, "SPLIT_12"),
-    "Mono10pmsb": (10, "HIGH_10"),
-    "Mono12pmsb": (12, "HIGH_12"),
-}
-"""Bits of a count and order of packed bits by the name of a pixel format."""
+_FORMAT = re.compile(r"Mono(8|10|12|14|16)|Mono(10|12)(p|Packed|pmsb)")
+"""Pixel formats that are read."""
+
+_PACKINGS = {"p": "LOW", "Packed": "SPLIT", "pmsb": "HIGH"}
+"""Order of packed bits by the end of the name of a pixel format."""
 
 _EXAMPLE = 'width = 1280, height = 1024, pixel_format = "Mono12p"'
 
@@ -52,7 +44,7 @@ class _Description(BaseModel):
 
     width: int = Field(ge=0, lt=1 << 48)
     height: int = Field(ge=0, lt=1 << 48)
-    pixel_format: str = Field(pattern=f"^({'|'.join(_FORMATS)})$")
+    pixel_format: str = Field(pattern=f"^({_FORMAT.pattern})$")
     frames: int | None = Field(None, ge=0, lt=1 << 48)
     frame_rate: float | None = Field(None, ge=1e-6, le=1e9)
     header_bytes: int = Field(0, ge=0, lt=1 << 48)
@@ -83,31 +75,21 @@ def open_raw(path: Path) -> FrameFile:
         )
     given = _read_description(beside)
     shape = given.height, given.width
-    bits, packing = _FORMATS[given.pixel_format]
-    layout = FrameLayout(shape, "|u1" if bits == 8 else "<u2")
-    if packing:
-        layout = FrameLayout(shape, "<u2", packing=Packing[packing])
+    plain, packed, order = _FORMAT.fullmatch(given.pixel_format).groups()  # type: ignore[union-attr]
+    packing = Packing[f"{_PACKINGS[order]}_{packed}"] if packed else None
+    layout = FrameLayout(shape, "|u1" if plain == "8" else "<u2", packing=packing)
 
-    start, size, step = given.header_bytes, path.stat().st_size, max(layout.size, 1)
-    held = count_frames(size, start=start, step=step)
-    count = held if given.frames is None else given.frames
-    file = RawFrames(
+    start, size = given.header_bytes, path.stat().st_size
+    held = count_frames(size, start=start, step=max(layout.size, 1))
+    return RawFrames(
         path,
         layout,
-        range(start, start + count * step, step),
-        bits=bits,
+        layout.in_a_row(start, held if given.frames is None else given.frames),
+        bits=int(plain or packed),
         interval=None if given.frame_rate is None else 1 / given.frame_rate,
         companions=(beside,),
+        described_by=beside.name,
     )
-
-    # a wrong width shifts each row a little, which nothing else reveals
-    if size > start + count * step:
-        file.close()
-        raise FrameError(
-            f"{beside.name} describes {count} frames of {step} bytes, and the file has {size} "
-            f"bytes. Correct width, height, pixel_format, frames or header_bytes in {beside.name}."
-        )
-    return file
 
 
 def _read_description(path: Path) -> _Description:
@@ -127,9 +109,5 @@ def _read_description(path: Path) -> _Description:
         raise FrameError(f"{path.name} cannot be read: {error}") from error
 
 
-def _is_raw(path: Path, head: bytes) -> bool:
-    return path.suffix.lower() == ".raw"
-
-
-GENICAM = Format("GenICam raw", (".raw",), _is_raw, open_raw)
+GENICAM = Format("GenICam raw", (".raw",), None, open_raw)
 """Raw frames of industrial cameras."""

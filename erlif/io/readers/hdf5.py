@@ -18,7 +18,7 @@ from erlif.core.hdf5 import (
     find_chunks,
     open_hdf5,
 )
-from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim
+from erlif.io.readers.base import SECONDS, Format, FrameFile, FrameKind, check_claim
 
 _DENSEST = 1100
 """Decoded bytes per byte of a file that deflate can reach."""
@@ -34,17 +34,6 @@ _MOST_VISITED = 10_000
 
 _LARGEST_TIMES = 64 * 2**20
 """Size of a chunk of times above which they are not read. [byte]"""
-
-_SECONDS = {
-    **dict.fromkeys(("d", "day", "days"), 86400.0),
-    **dict.fromkeys(("h", "hour", "hours"), 3600.0),
-    **dict.fromkeys(("min", "minute", "minutes"), 60.0),
-    **dict.fromkeys(("s", "sec", "second", "seconds"), 1.0),
-    **dict.fromkeys(("ms", "millisecond", "milliseconds"), 1e-3),
-    **dict.fromkeys(("us", "µs", "μs", "microsecond", "microseconds"), 1e-6),
-    **dict.fromkeys(("ns", "nanosecond", "nanoseconds"), 1e-9),
-}
-"""Units of a time axis, as cameras and xarray write them. [s]"""
 
 
 class Hdf5Frames(FrameFile):
@@ -243,7 +232,7 @@ def _times(data: Any) -> Array | None:
     found: list[Array] = []
     for name in data.parent:
         item = _array_beside(data, name)
-        factor = None if item is None else _SECONDS.get(_read_unit(item))
+        factor = None if item is None else SECONDS.get(_read_unit(item))
         if factor is None:
             continue
 

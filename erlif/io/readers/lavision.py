@@ -25,23 +25,11 @@ from erlif.io.readers.base import (
     FrameFile,
     FrameKind,
     check_claim,
-    read_fields,
+    read_header,
 )
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 from erlif.io.readers.unpack import Packing, unpack
-
-_FIELDS = {
-    "version": ("<h", 0),
-    "packing": ("<h", 2),
-    "format": ("<h", 4),
-    "sparse": ("<h", 6),
-    "columns": ("<i", 8),
-    "rows": ("<i", 12),
-    "planes": ("<i", 16),
-    "frames": ("<i", 20),
-}
-"""What is needed of the header."""
 
 _HEADER_SIZE = 256
 
@@ -76,7 +64,7 @@ class CompressedImage(FrameFile):
     ----------
     path : Path
     header : object
-        The fields of `_FIELDS`.
+        The fields of lavision in headers.toml.
     """
 
     def __init__(self, path: Path, header: Any) -> None:
@@ -212,7 +200,7 @@ def open_im7(path: Path) -> FrameFile:
         With the bare reason, if the file is damaged or holds no counts.
     """
     with Source(path) as source:
-        header = read_fields(source, _FIELDS)
+        header = read_header(source, "lavision")
     if header.version != 0 or header.sparse:
         raise FrameError(
             "it is an image of DaVis 6 or earlier, or damaged. Open it in DaVis and save it as IM7."
@@ -233,9 +221,7 @@ def open_im7(path: Path) -> FrameFile:
     file: FrameFile
     if header.packing == _PLAIN:
         layout = FrameLayout((header.rows, header.columns), _TYPES[header.format])
-        step = max(layout.size, 1)
-        places = range(_HEADER_SIZE, _HEADER_SIZE + header.frames * step, step)
-        file = RawFrames(path, layout, places)
+        file = RawFrames(path, layout, layout.in_a_row(_HEADER_SIZE, header.frames))
     elif header.format == -3 and header.packing != _ZLIB:
         raise FrameError("the file is damaged: numbers of 32 bits are not stored in 12 or 16")
     else:
@@ -297,17 +283,9 @@ def open_set(path: Path) -> FrameFile:
     return SetFrames(sorted(images, key=lambda found: (len(found.name), found.name)))
 
 
-def _is_im7(path: Path, head: bytes) -> bool:
-    # the header begins with zeros, as do many files
-    return path.suffix.lower() == ".im7"
-
-
-def _is_set(path: Path, head: bytes) -> bool:
-    return path.suffix.lower() == ".set"
-
-
-IM7 = Format("LaVision IM7", (".im7",), _is_im7, open_im7)
+# an IM7 begins with zeros, as do many files: its suffix tells
+IM7 = Format("LaVision IM7", (".im7",), None, open_im7)
 """Images of DaVis."""
 
-SET = Format("LaVision SET", (".set",), _is_set, open_set)
+SET = Format("LaVision SET", (".set",), None, open_set)
 """Folders of images of DaVis."""

@@ -7,7 +7,6 @@ Format; the versions 3 to 5 are read.
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
@@ -19,11 +18,10 @@ from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import FrameError
 from erlif.io.readers.base import (
     MOST_FRAMES,
-    TRUNCATED,
     Format,
     FrameFile,
     colour_camera,
-    read_fields,
+    read_header,
 )
 from erlif.io.readers.raw import FrameLayout, RawFrames, count_frames, frame_interval
 from erlif.io.readers.source import Source
@@ -32,24 +30,6 @@ _MAGIC = b"\xed\xfe\0\0"
 
 _NAME = "Norpix seq".encode("utf-16-le")
 """What follows the first four bytes."""
-
-
-_FIELDS = {
-    "version": ("<i", 28),
-    "header_size": ("<I", 32),
-    "width": ("<I", 548),
-    "height": ("<I", 552),
-    "bits": ("<I", 556),
-    "significant_bits": ("<I", 560),
-    "image_bytes": ("<I", 564),
-    "format": ("<I", 568),
-    "frames": ("<I", 572),
-    "step": ("<I", 580),
-    "rate": ("<d", 584),
-    "compression": ("<I", 620),
-    "oldest": ("<I", 656),
-}
-"""What is needed of the header; the oldest frame is above 0 for a recording in a loop."""
 
 _LARGER_HEADER = 5
 """Version from which on the frames begin at 8192 and time stamps have microseconds."""
@@ -67,8 +47,8 @@ _HIGH_BITS = (112, 114)
 _BAYER = (101, 113, 115, 132, 134)
 """Formats of colour sensors."""
 
-_STAMP = struct.Struct("<IHH")
-"""Time stamp: seconds, milliseconds, microseconds."""
+_STAMP = [("second", "<u4"), ("thousandth", "<u2"), ("millionth", "<u2")]
+"""Time stamp behind the counts of a frame."""
 
 
 class NorpixFrames(RawFrames):
@@ -81,34 +61,20 @@ class NorpixFrames(RawFrames):
     @cached_property
     def times(self) -> Array | None:  # type: ignore[override]
         """Time of each frame from the first; after the rate where the stamps are not set. [s]"""
-        stamps = np.array([self._read_stamp(index) for index in range(len(self.kinds))])
-        known = np.isfinite(stamps)
-        if known[0] and (len(stamps) == 1 or np.ptp(stamps[known]) > 0):
-            elapsed: Array = stamps - stamps[0]
-            return elapsed
-        interval = frame_interval(self.rate)
-        return None if interval is None else interval * np.arange(len(stamps), dtype=np.float64)
-
-    def _read_stamp(self, index: int) -> float:
-        """Time of a frame from the start of its epoch; NaN for a truncated frame. [s]"""
-        if self.kinds[index] == TRUNCATED:
-            return float("nan")
-        place = int(self.offsets[index]) + self.layout.size
-        try:
-            seconds, thousandths, millionths = _STAMP.unpack(self._source.read(place, _STAMP.size))
-        except FrameError:  # the file ends right behind the counts
-            return float("nan")
+        stamps, held = self.read_stamps(self.layout.size, _STAMP)
 
         # before version 5 the last number is padding; seconds are counted from the first frame on,
         # because 64 bits resolve a time since 1970 to a quarter of a microsecond only
-        micro = millionths * 1e-6 if self.has_microseconds else 0.0
-        return float((seconds - self._epoch) + thousandths * 1e-3 + micro)
+        seconds = stamps["second"].astype(np.float64) - stamps["second"][0]
+        times = seconds + stamps["thousandth"] * 1e-3
+        if self.has_microseconds:
+            times += stamps["millionth"] * 1e-6
 
-    @cached_property
-    def _epoch(self) -> int:
-        """Second of the first frame."""
-        place = int(self.offsets[0]) + self.layout.size
-        return int(struct.unpack("<I", self._source.read(place, 4))[0])
+        if held[0] and (len(times) == 1 or np.ptp(times[held]) > 0):
+            elapsed: Array = np.where(held, times - times[0], np.nan)
+            return elapsed
+        interval = frame_interval(self.rate)
+        return None if interval is None else interval * np.arange(len(times), dtype=np.float64)
 
 
 def open_norpix(path: Path) -> FrameFile:
@@ -130,7 +96,7 @@ def open_norpix(path: Path) -> FrameFile:
     with Source(path) as source:
         if source.read(0, 4) != _MAGIC:
             raise FrameError("it does not begin as a SEQ file does")
-        header, size = read_fields(source, _FIELDS), source.size
+        header, size = read_header(source, "norpix"), source.size
     layout = _find_layout(header)
 
     is_large = header.version >= _LARGER_HEADER
@@ -144,7 +110,7 @@ def open_norpix(path: Path) -> FrameFile:
 
     # a recording that was not closed has no number of frames
     count = header.frames or count_frames(size, start=start, step=header.step)
-    places = range(start, start + count * header.step, header.step)
+    places = layout.in_a_row(start, count, header.step)
     in_time: Sequence[int] | AnyArray = places
     if is_large and 0 < header.oldest < count <= min(size // layout.size, MOST_FRAMES):
         # a loop goes on at its first place after the last; a lying number takes no memory

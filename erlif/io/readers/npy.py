@@ -56,7 +56,7 @@ def open_npy(path: Path) -> FrameFile:
     frames = shape[0] if len(shape) == 3 else 1
     layout = FrameLayout((int(shape[-2]), int(shape[-1])), dtype.str)
     check_claim(1, layout.kind, path.stat().st_size)
-    return RawFrames(path, layout, range(start, start + frames * layout.size, layout.size))
+    return RawFrames(path, layout, layout.in_a_row(start, frames))
 
 
 NPY = Format("NPY", (".npy",), lambda path, head: head[:6] == _START, open_npy)

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import struct
 from pathlib import Path
 
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import Format, FrameFile, colour_camera
+from erlif.io.readers.base import Format, FrameFile, colour_camera, read_header
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 
-_HEADER = struct.Struct("<4s5i")
-"""Letters, size of the file, size of the header, columns, rows, whether a second part follows."""
+_HEADER_SIZE = 24
 
-_COLOUR = struct.Struct("<i")
-"""First number of the second part: 1 for a colour camera."""
+_COLOUR = b"\1\0\0\0"
+"""First number of the second part of the header, for a colour camera."""
 
 
 def open_pco(path: Path) -> FrameFile:
@@ -35,21 +33,16 @@ def open_pco(path: Path) -> FrameFile:
         With the bare reason, if the file is damaged or of a colour camera.
     """
     with Source(path) as source:
-        letters, _, start, columns, rows, extended = _HEADER.unpack(source.read(0, _HEADER.size))
-        if letters != b"PCO-":
+        header = read_header(source, "pco")
+        if header.letters != b"PCO-":
             raise FrameError("it does not begin as a B16 file does")
-        if start < _HEADER.size:
-            raise FrameError(f"the header is damaged: it ends at byte {start}")
-        if extended and start >= _HEADER.size + _COLOUR.size:
-            (colour,) = _COLOUR.unpack(source.read(_HEADER.size, _COLOUR.size))
-            if colour == 1:
-                raise colour_camera("frame")
-    return RawFrames(path, FrameLayout((rows, columns), "<u2"), [start])
+        if header.size < _HEADER_SIZE:
+            raise FrameError(f"the header is damaged: it ends at byte {header.size}")
+        has_second = header.extended and header.size >= _HEADER_SIZE + len(_COLOUR)
+        if has_second and source.read(_HEADER_SIZE, len(_COLOUR)) == _COLOUR:
+            raise colour_camera("frame")
+    return RawFrames(path, FrameLayout((header.rows, header.columns), "<u2"), [header.size])
 
 
-def _is_pco(path: Path, head: bytes) -> bool:
-    return head[:4] == b"PCO-"
-
-
-PCO = Format("PCO B16", (".b16",), _is_pco, open_pco)
+PCO = Format("PCO B16", (".b16",), lambda path, head: head[:4] == b"PCO-", open_pco)
 """Frames of PCO cameras."""

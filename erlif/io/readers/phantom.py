@@ -22,29 +22,10 @@ import numpy as np
 
 from erlif.core.arrays import Array, Counts
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile, read_fields
+from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile, read_header
 from erlif.io.readers.raw import FrameLayout, RawFrames, frame_interval
 from erlif.io.readers.source import Source
 from erlif.io.readers.unpack import Packing
-
-_FILE_HEADER = {
-    "kind": ("2s", 0),
-    "compression": ("<H", 4),
-    "images": ("<I", 20),
-    "bitmap": ("<I", 24),
-    "setup": ("<I", 28),
-    "offsets": ("<I", 32),
-}
-"""What is needed of CINEFILEHEADER."""
-
-_BITMAP = {
-    "width": ("<I", 4),
-    "height": ("<i", 8),
-    "bits": ("<H", 14),
-    "compression": ("<I", 16),
-    "image_size": ("<I", 20),
-}
-"""What is needed of BITMAPINFOHEADER."""
 
 _COMPRESSIONS = {1: "JPEG-compressed", 2: "from a colour sensor"}
 """Values of the compression that are not read."""
@@ -154,7 +135,7 @@ def open_phantom(path: Path) -> FrameFile:
         With the bare reason, if the file is damaged, compressed or of a colour camera.
     """
     with Source(path) as source:
-        header = read_fields(source, _FILE_HEADER)
+        header = read_header(source, "phantom")
         if header.kind != b"CI":
             raise FrameError("it does not begin as a CINE file does")
         if header.compression in _COMPRESSIONS:
@@ -165,7 +146,7 @@ def open_phantom(path: Path) -> FrameFile:
         if not 0 < header.images <= MOST_FRAMES:
             raise FrameError(f"the file is damaged: its header names {header.images} frames")
 
-        bitmap = read_fields(source, _BITMAP, header.bitmap)
+        bitmap = read_header(source, "bitmap", header.bitmap)
         layout = _find_layout(bitmap)
         setup = _read_setup(source, header.setup)
         times = _read_times(source, setup.end, header)

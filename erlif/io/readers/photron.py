@@ -163,25 +163,15 @@ def open_photron(path: Path) -> FrameFile:
     if header.stored_bits == 12:
         layout = FrameLayout(header.shape, "<u2", packing=Packing.HIGH_12)
 
-    step = max(layout.size, 1)
-    file = RawFrames(
+    return RawFrames(
         counts_path,
         layout,
-        range(0, header.frames * step, step),
+        layout.in_a_row(0, header.frames),
         bits=header.bits,
         interval=header.interval,
         companions=(counts_path if path == header_path else header_path,),
+        described_by=header_path.name,
     )
-
-    # a header of another recording gives frames of shifted rows, which nothing else reveals
-    size = counts_path.stat().st_size
-    if size > header.frames * step:
-        file.close()
-        raise FrameError(
-            f"the header {header_path.name} describes {header.frames} frames of {step} bytes, and "
-            f"the file of counts has {size} bytes. Put the header of this recording beside it."
-        )
-    return file
 
 
 def _find_entries(text: str) -> dict[str, str]:
@@ -244,9 +234,5 @@ def _whole(entries: dict[str, str], name: str) -> int:
     return int(value)
 
 
-def _is_photron(path: Path, head: bytes) -> bool:
-    return path.suffix.lower() in (".mraw", *_HEADERS)
-
-
-PHOTRON = Format("Photron MRAW", (".mraw", *_HEADERS), _is_photron, open_photron)
+PHOTRON = Format("Photron MRAW", (".mraw", *_HEADERS), None, open_photron)
 """Counts of Photron cameras with their header."""

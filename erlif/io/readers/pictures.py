@@ -96,7 +96,7 @@ def open_bmp(path: Path) -> FrameFile:
         (start,) = struct.unpack("<I", source.read(10, 4))
         layout = bitmap_layout(source.read(14, min(_LARGEST_BITMAP, source.size - 14)))
         check_claim(1, layout.kind, source.size)
-    return RawFrames(path, layout, range(start, start + layout.size, layout.size))
+    return RawFrames(path, layout, [start])
 
 
 def bitmap_layout(header: bytes) -> FrameLayout:
@@ -193,8 +193,8 @@ def open_pgm(path: Path) -> FrameFile:
         for n in range(1, count):
             if source.read(n * step, min(match.end(), size - n * step)) != match[0]:
                 raise FrameError("the file is damaged: it goes on behind its last count")
-    offsets = range(match.end(), match.end() + count * step, step)
-    return RawFrames(path, layout, offsets, bits=most.bit_length())
+    places = layout.in_a_row(match.end(), count, step)
+    return RawFrames(path, layout, places, bits=most.bit_length())
 
 
 def _lossy_name(head: bytes) -> str:

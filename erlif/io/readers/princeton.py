@@ -11,11 +11,9 @@ import re
 from functools import cached_property
 from pathlib import Path
 
-import numpy as np
-
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import TRUNCATED, Format, FrameFile, read_fields
+from erlif.io.readers.base import Format, FrameFile, read_header
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 
@@ -33,19 +31,6 @@ _NAMES = {
 
 _LONGEST_TEXT = 64 * 2**20
 """Size of the XML text above which the header is damaged; a region has a few kB. [byte]"""
-
-
-_FIELDS = {
-    "columns": ("<H", 42),
-    "type": ("<h", 108),
-    "resolution": ("<H", 194),
-    "rows": ("<H", 656),
-    "text": ("<Q", 678),
-    "frames": ("<i", 1446),
-    "regions": ("<h", 1510),
-    "version": ("<f", 1992),
-}
-"""What is needed of the header."""
 
 _EVENTS = ("ExposureStarted", "ExposureEnded")
 """Events of a time stamp, the preferred first."""
@@ -66,16 +51,11 @@ class LightfieldFrames(RawFrames):
     @cached_property
     def times(self) -> Array | None:  # type: ignore[override]
         """Time of each frame from the first; None without stamps or where frames were cut. [s]"""
-        if self.stamp is None or any(kind == TRUNCATED for kind in self.kinds):
+        if self.stamp is None:
             return None
         place, unit = self.stamp
-        try:
-            parts = [self._source.read(int(offset) + place, 8) for offset in self.offsets]
-        except FrameError:  # the file ends right behind the counts
-            return None
-        ticks = np.frombuffer(b"".join(parts), "<i8")
-        elapsed: Array = (ticks - ticks[0]) * unit
-        return elapsed
+        ticks, held = self.read_stamps(place, "<i8")
+        return (ticks - ticks[0]) * unit if held.all() else None
 
 
 def open_princeton(path: Path) -> FrameFile:
@@ -97,7 +77,7 @@ def open_princeton(path: Path) -> FrameFile:
         With the bare reason, if the file is damaged or holds several regions.
     """
     with Source(path) as source:
-        header = read_fields(source, _FIELDS)
+        header = read_header(source, "princeton")
         if header.version >= 3 and header.text:
             return _open_lightfield(path, source, header.text)
 
@@ -106,8 +86,7 @@ def open_princeton(path: Path) -> FrameFile:
     if header.regions > 1:
         raise FrameError(_one_region(header.regions))
     layout = FrameLayout((header.rows, header.columns), _TYPES[header.type])
-    step = max(layout.size, 1)
-    places = range(_HEADER_SIZE, _HEADER_SIZE + max(header.frames, 0) * step, step)
+    places = layout.in_a_row(_HEADER_SIZE, max(header.frames, 0))
     known = 8 <= header.resolution <= 16 and _TYPES[header.type] in ("<u2", "<i2")
     return RawFrames(path, layout, places, bits=header.resolution if known else None)
 
@@ -139,8 +118,7 @@ def _open_lightfield(path: Path, source: Source, start: int) -> FrameFile:
         raise FrameError(
             f"the file is damaged: frames of {layout.size} bytes cannot lie {step} apart"
         )
-    places = range(_HEADER_SIZE, _HEADER_SIZE + count * step, step)
-    file = LightfieldFrames(path, layout, places)
+    file = LightfieldFrames(path, layout, layout.in_a_row(_HEADER_SIZE, count, step))
     file.stamp = _find_stamp(text, layout.size, step)
     return file
 
@@ -189,10 +167,6 @@ def _one_region(regions: int) -> str:
     )
 
 
-def _is_princeton(path: Path, head: bytes) -> bool:
-    # the header has no letters at its start
-    return path.suffix.lower() == ".spe"
-
-
-PRINCETON = Format("Princeton SPE", (".spe",), _is_princeton, open_princeton)
+# the header has no letters at its start: the suffix tells
+PRINCETON = Format("Princeton SPE", (".spe",), None, open_princeton)
 """Recordings of WinView and LightField."""

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from erlif.core.arrays import AnyArray, Counts
+from erlif.core.arrays import AnyArray, Counts, Mask
 from erlif.core.errors import FrameError
 from erlif.io.readers.base import (
     MOST_FRAMES,
@@ -76,6 +76,11 @@ class FrameLayout:
             return self.packing.size(rows * columns)
         return rows * (self.row_bytes or columns * np.dtype(self.dtype).itemsize)
 
+    def in_a_row(self, start: int, count: int, step: int = 0) -> range:
+        """Places of frames that follow each other, without a gap where `step` is 0. [byte]"""
+        step = step or max(self.size, 1)
+        return range(start, start + count * step, step)
+
 
 class RawFrames(FrameFile):
     """Frames at known places of a file.
@@ -92,6 +97,8 @@ class RawFrames(FrameFile):
         Bytes of a header of the frame between that place and its counts, at least.
     interval : float or None
         Time between two frames; None where the file has none. [s]
+    described_by : str
+        Name of the file beside the counts that holds their header; empty where there is none.
     bits, companions
         As in `FrameFile`.
 
@@ -99,7 +106,7 @@ class RawFrames(FrameFile):
     ------
     FrameError
         With the bare reason, if the file holds none of the frames, or far fewer than the header
-        claims.
+        claims; if it holds more than a header beside it describes.
 
     Examples
     --------
@@ -123,12 +130,15 @@ class RawFrames(FrameFile):
         bits: int | None = None,
         interval: float | None = None,
         companions: Sequence[Path] = (),
+        described_by: str = "",
     ) -> None:
         self.layout, self.offsets = layout, offsets
         self.bits, self.companions = bits, companions
         self._source = Source(path)
         try:
             self.kinds = self._find_kinds(before)
+            if described_by:
+                self._check_rest(described_by)
         except BaseException:
             self.close()
             raise
@@ -156,11 +166,54 @@ class RawFrames(FrameFile):
             )
         return [kind if inside else TRUNCATED for inside in whole.tolist()]
 
+    def _check_rest(self, header: str) -> None:
+        """Refuse counts behind the last frame.
+
+        The header of another recording, or a wrong width, gives frames of shifted rows, which
+        nothing else reveals.
+        """
+        end = int(self.offsets[-1]) + self.layout.size
+        if self._source.size > end:
+            raise FrameError(
+                f"{header} describes {len(self.offsets)} frames of {self.layout.size} bytes, which "
+                f"end at byte {end}; the file of counts has {self._source.size} bytes. Put the "
+                "header of this recording beside it, or correct the header."
+            )
+
     def read(self, index: int) -> AnyArray:
         """As `FrameFile.read`."""
         if self.kinds[index] == TRUNCATED:
             raise FrameError("the file is truncated")
         return read_counts(self._source, self.layout, self.find_counts(index))
+
+    def read_stamps(self, place: int, dtype: str | list[tuple[str, str]]) -> tuple[AnyArray, Mask]:
+        """Read what lies behind the counts of each frame.
+
+        Parameters
+        ----------
+        place : int
+            From the start of a frame. [byte]
+        dtype : str or list
+            Type of the numbers, in the notation of numpy.
+
+        Returns
+        -------
+        array, (frame,)
+            Zero where the file ends before.
+        array of bool, (frame,)
+            Whether the file has them.
+        """
+        size, end = np.dtype(dtype).itemsize, self._source.size
+        starts = [int(offset) + place for offset in self.offsets]
+        held = [
+            kind != TRUNCATED and start + size <= end
+            for kind, start in zip(self.kinds, starts, strict=True)
+        ]
+        parts = [
+            self._source.read(start, size) if whole else bytes(size)
+            for start, whole in zip(starts, held, strict=True)
+        ]
+        return np.frombuffer(b"".join(parts), dtype), np.array(held)
 
     def find_counts(self, index: int) -> int:
         """Where the counts of a frame begin; formats with a header before each frame differ.

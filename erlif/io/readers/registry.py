@@ -125,7 +125,7 @@ def find_format(path: Path, head: bytes) -> Format:
     'TIFF'
     """
     for entry in FORMATS:
-        if entry.recognise(path, head):
+        if entry.fits(path, head):
             return entry
     faults: list[str] = []
     for name, loaded in _foreign_formats():
@@ -303,7 +303,7 @@ def _missing(found: Format, package: str) -> str:
 def _recognised(entry: Format, path: Path, head: bytes) -> bool:
     """Whether the format of another package fits; a fault of that package is none of the file."""
     try:
-        return entry.recognise(path, head)
+        return entry.fits(path, head)
     except Exception:
         return False
 

@@ -170,8 +170,7 @@ class _ImageJStack(RawFrames):
     def __init__(self, path: Path, first: TiffFrames) -> None:
         assert first.stack is not None
         layout, start = first.stack
-        step, count = layout.size, first.images
-        super().__init__(path, layout, range(start, start + count * step, step))
+        super().__init__(path, layout, layout.in_a_row(start, first.images))
         self.channels, self.times = first.description.channels, first.description.times
 
 

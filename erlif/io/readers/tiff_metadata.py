@@ -11,10 +11,7 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import MOST_FRAMES
-
-_SECONDS = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "us": 1e-6, "ns": 1e-9, "min": 60.0, "sec": 1.0}
-"""Units of time in OME and ImageJ. [s]"""
+from erlif.io.readers.base import MOST_FRAMES, SECONDS
 
 
 @dataclass(frozen=True)
@@ -82,7 +79,7 @@ def _read_imagej(text: str) -> Description:
     # channels follow each other fastest, then slices, then frames
     channels = sizes["channels"] if images % sizes["channels"] == 0 else 1
     steps = channels * sizes["slices"]
-    unit = _SECONDS.get(entries.get("tunit", "s").strip(), 0.0)
+    unit = SECONDS.get(entries.get("tunit", "s").strip(), 0.0)
     interval = _number(entries.get("finterval")) * unit
     times = None
     if interval > 0 and sizes["frames"] > 1 and steps * sizes["frames"] == images:
@@ -123,7 +120,7 @@ def _read_pixels(
         tuple(element.get(f"The{axis}", "0") for axis in "ZCT"): _number(
             element.get("DeltaT"), np.nan
         )
-        * _SECONDS.get(element.get("DeltaTUnit", "s"), np.nan)
+        * SECONDS.get(element.get("DeltaTUnit", "s"), np.nan)
         for element in pixels
         if _plain(element.tag) == "Plane"
     }
