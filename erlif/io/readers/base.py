@@ -109,8 +109,8 @@ class Format:
     suffixes : tuple[str, ...]
         Endings of file names in lower case, with the dot.
     recognise : Callable[[Path, bytes], bool] | None
-        Whether a file is of this format, from its path and its first 512 bytes; None where its
-        suffix alone tells.
+        Whether a file is of this format, from its path and its first 512 bytes; None for one
+        that has no mark but its suffix.
     open : Callable[[Path], FrameFile]
         Opens a file and reads its header; FrameError with the bare reason where it is damaged. A
         reason that ends with a full stop includes what to do.

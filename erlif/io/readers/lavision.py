@@ -283,7 +283,7 @@ def open_set(path: Path) -> FrameFile:
     return SetFrames(sorted(images, key=lambda found: (len(found.name), found.name)))
 
 
-# an IM7 begins with zeros, as do many files: its suffix tells
+# the header of an IM7 begins with zeros, as do many files: only its suffix marks it
 IM7 = Format("LaVision IM7", (".im7",), None, open_im7)
 """Images of DaVis."""
 

@@ -167,6 +167,6 @@ def _one_region(regions: int) -> str:
     )
 
 
-# the header has no letters at its start: the suffix tells
+# the header has no letters at its start: only the suffix marks it
 PRINCETON = Format("Princeton SPE", (".spe",), None, open_princeton)
 """Recordings of WinView and LightField."""
