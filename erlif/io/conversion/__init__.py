@@ -3,6 +3,7 @@
 from erlif.io.conversion.contents import TriggerColumn, choose_trigger, maps_of, trigger_columns
 from erlif.io.conversion.export import FORMATS, export, format_of
 from erlif.io.conversion.surface import find_surface
+from erlif.io.conversion.table import table_csv
 
 __all__ = [
     "FORMATS",
@@ -12,5 +13,6 @@ __all__ = [
     "find_surface",
     "format_of",
     "maps_of",
+    "table_csv",
     "trigger_columns",
 ]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+import io
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +59,44 @@ def write_map_table(film: xr.Dataset, output: Path, *, trigger: int, progress: P
             values = (_digits(each[row]) for each in maps.values())
             writer.writerows(zip(across, [y] * len(across), *values, strict=True))
             progress("map", row + 1, film.sizes["y"])
+
+
+def table_csv(
+    columns: Mapping[str, Sequence[object] | AnyArray], *, digits: int = 7, missing: str = ""
+) -> str:
+    """Write columns as text between commas.
+
+    Parameters
+    ----------
+    columns : mapping of str to sequence
+        Values by heading, all of one length.
+    digits : int
+        Significant digits of numbers that are not whole.
+    missing : str
+        What stands for NaN and None.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> table_csv({"load_N": [220.0, None], "stroke": [1, -1]}).splitlines()
+    ['load_N,stroke', '220,1', ',-1']
+    """
+
+    def text(value: object) -> str:
+        if value is None or value != value:  # NaN differs from itself
+            return missing
+        number = isinstance(value, float | np.floating)
+        return f"{value:.{digits}g}" if number else str(value)
+
+    file = io.StringIO()
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(columns)
+    texts = [[text(value) for value in np.asarray(one, object)] for one in columns.values()]
+    writer.writerows(zip(*texts, strict=True))
+    return file.getvalue()
 
 
 def _digits(values: AnyArray) -> list[str]:

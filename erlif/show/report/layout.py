@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import base64
 import functools
+import math
 import re
 from collections.abc import Iterable, Sequence
 from importlib import resources
 from itertools import groupby
 from typing import Any, NamedTuple
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup, escape
 
 from erlif.show.plots.style import ONE_COLUMN, AnyFigure, figure_bytes
@@ -53,17 +54,49 @@ def render_part(template: str, part: str, **content: Any) -> Markup:
     return Markup(getattr(macros, part)(**content))
 
 
+def render_text(template: str, **content: Any) -> str:
+    """Fill a template of plain text for the terminal; it ends without a new line."""
+    return _templates().get_template(template).render(**content).rstrip("\n")
+
+
 @functools.cache
 def _templates() -> Environment:
     environment = Environment(
         loader=PackageLoader("erlif.show.report"),
-        autoescape=True,
+        autoescape=select_autoescape(("html",)),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     environment.filters["units"] = print_units
+    environment.filters["g"] = lambda value, digits=6: f"{float(value):.{digits}g}"
+    environment.tests["finite"] = math.isfinite
     return environment
+
+
+def print_columns(rows: Iterable[Sequence[str]], widths: str) -> str:
+    """Lay out a table for the terminal.
+
+    Parameters
+    ----------
+    rows : iterable of sequence of str
+        Cells, the titles of the columns first.
+    widths : str
+        Alignment and width of each column as in a format, ``"<24 >6"``.
+
+    Returns
+    -------
+    str
+        Columns with a space between them.
+
+    Examples
+    --------
+    >>> print_columns([("film", "std"), ("2.5", "0.1")], "<6 >4")
+    'film    std\\n2.5     0.1'
+    """
+    formats = widths.split()
+    lines = [[f"{cell:{width}}" for cell, width in zip(row, formats, strict=True)] for row in rows]
+    return "\n".join(" ".join(line) for line in lines)
 
 
 def print_units(text: str) -> Markup:

@@ -15,6 +15,7 @@ from erlif.core.errors import ErlifError
 from erlif.core.notes import Level, split_notes
 from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.version import __version__
+from erlif.io.conversion import table_csv
 from erlif.io.files import (
     describe_trigger,
     fastest_trigger,
@@ -43,7 +44,6 @@ from erlif.show.report.layout import (
 )
 from erlif.show.report.page import MAX_SIZE, check_size
 from erlif.show.report.tables import with_error, with_span
-from erlif.show.view.exports import table_csv
 
 _PER_MB = 1e6  # bytes
 _FRAME = 40_000  # bytes of style and headings

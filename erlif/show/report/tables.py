@@ -11,13 +11,12 @@ from markupsafe import Markup
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.flags import Flag, describe_share
-from erlif.io.conversion import trigger_columns
+from erlif.io.conversion import table_csv, trigger_columns
 from erlif.io.files import motion_of, settings_of
 from erlif.show.plots.files import FigureSource
 from erlif.show.plots.maps import flag_swatch, flag_title
 from erlif.show.report.layout import Table, download_link, file_name, render
 from erlif.show.report.prediction import carrying_sentences, compare_correlations
-from erlif.show.view.exports import table_csv
 
 _REASONS = {
     Flag.SATURATED: "a camera read full scale",

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 import io
-from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from erlif.core.arrays import AnyArray, Array, FlagImage, Image
+from erlif.core.arrays import Array, FlagImage, Image
+from erlif.io.conversion import table_csv
 
 
 def map_tiff(
@@ -100,41 +99,3 @@ def map_csv(values: Image, flags: FlagImage, *, x: Array, y: Array, name: str) -
     shown = np.where(flags == 0, values, np.nan)
     columns = {"x_mm": across.ravel(), "y_mm": down.ravel(), name: shown.ravel()}
     return table_csv({**columns, "flags": flags.ravel()}).encode()
-
-
-def table_csv(
-    columns: Mapping[str, Sequence[object] | AnyArray], *, digits: int = 7, missing: str = ""
-) -> str:
-    """Write columns as text between commas.
-
-    Parameters
-    ----------
-    columns : mapping of str to sequence
-        Values by heading, all of one length.
-    digits : int
-        Significant digits of numbers that are not whole.
-    missing : str
-        What stands for NaN and None.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> table_csv({"load_N": [220.0, None], "stroke": [1, -1]}).splitlines()
-    ['load_N,stroke', '220,1', ',-1']
-    """
-
-    def text(value: object) -> str:
-        if value is None or value != value:  # NaN differs from itself
-            return missing
-        number = isinstance(value, float | np.floating)
-        return f"{value:.{digits}g}" if number else str(value)
-
-    file = io.StringIO()
-    writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(columns)
-    texts = [[text(value) for value in np.asarray(one, object)] for one in columns.values()]
-    writer.writerows(zip(*texts, strict=True))
-    return file.getvalue()

@@ -13,10 +13,11 @@ import numpy as np
 from erlif.core.arrays import FlagImage, Image
 from erlif.core.errors import ErlifError
 from erlif.core.flags import FLAG_COLOURS, Flag, count_flags
+from erlif.io.conversion import table_csv
 from erlif.io.files import axis_labels, fastest_trigger
 from erlif.show.view.cycle import describe_cycle, to_list
 from erlif.show.view.differences import significance, subtract_maps
-from erlif.show.view.exports import map_csv, map_tiff, table_csv
+from erlif.show.view.exports import map_csv, map_tiff
 from erlif.show.view.films import FilmReader, check_one_grid
 from erlif.show.view.layers import DIFFERENCE, LAYERS, SIGNIFICANCE, Layer, palette
 from erlif.show.view.levels import Window, choose_step, reduce_map

@@ -6,7 +6,8 @@ import numpy as np
 import numpy.testing as npt
 import tifffile
 
-from erlif.show.view.exports import map_csv, map_tiff, table_csv
+from erlif.io.conversion import table_csv
+from erlif.show.view.exports import map_csv, map_tiff
 
 X, Y = 0.06 * np.arange(20), 1.0 + 0.06 * np.arange(10)
 VALUES = np.random.default_rng(5).normal(5, 1, (10, 20)).astype(np.float32)
