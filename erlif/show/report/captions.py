@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import dataclass, replace
+from importlib.resources import files
 
 import xarray as xr
 
@@ -33,87 +35,12 @@ class Caption:
 
 
 CAPTIONS = {
-    "speed_against_angle": Caption(
-        "Speed of the joint against encoder angle",
-        "The line is the kinematics of the linkage; the points are the triggers: filled circles "
-        "for rising angle, open squares for falling angle. Right axis: surface speed of the pin.",
-    ),
-    "fixture_profile": Caption(
-        "Profile of the calibration fixture",
-        "Thickness by the coordinate measuring machine (CMM); bars are one standard deviation "
-        "where the profile gives it. Shaded: calibrated range.",
-    ),
-    "processed_images": Caption(
-        "Processed images of one trigger",
-        "Both bands after correction by dark and flat, on one colour scale; camera 2 is resampled "
-        "onto the pixel grid of camera 1. Grey: outside the image of camera 2.",
-        "png",
-    ),
-    "ratio_image": Caption(
-        "Ratio of the two images",
-        "Camera 2 over camera 1, which rises with film thickness: the ratio that the map was "
-        "computed from. Grey: flagged.",
-        "png",
-    ),
-    "calibration": Caption(
-        "Calibration",
-        "(a) Ratio against thickness with the fitted reabsorption model and its 95 % band; bars "
-        "are one standard deviation and include the error of the CMM. (b) Residuals of the fit. "
-        "Shaded: calibrated range.",
-    ),
-    "thickness_map": Caption(
-        "Film thickness at one trigger",
-        "(a) Map; flagged pixels have the colour of their flag; dashed: region of interest. "
-        "(b) Profile along sliding, averaged over the axial extent of the region, with the gap of "
-        "rigid bodies h = h_min + x²/2R fitted to it. (c) Difference of the two. Bands are 95 % "
-        "of the random error, dashed lines 95 % of the error that all pixels share.",
-        "png",
-    ),
-    "film_against_speed": Caption(
-        "Film thickness against speed over load",
-        "(a) Mean and minimum film thickness of each trigger with the fitted powers n; bars are "
-        "one standard deviation, random and shared. Grey: too slow for the fit. (b) Minimum film "
-        "thickness beside theory; open diamonds: the transient film predicted at the same trigger; "
-        "lines: steady theory at the same speed and load, whose range the legend states where it "
-        "is beyond the axis.",
-    ),
-    "map_sheet": Caption(
-        "Maps of the cycle", "One colour scale for all maps. Grey: flagged.", "png"
-    ),
-    "film_over_cycle": Caption(
-        "Film thickness and speed over the cycle",
-        "(a) Mean and minimum film thickness; bands, where they are wider than the markers, are "
-        "95 % of random and shared errors; "
-        "(b) speed. Dotted: dead points of the mechanism.",
-    ),
-    "film_and_prediction": Caption(
-        "Measured and predicted film",
-        "(a) Minimum film thickness at every trigger with its standard deviation, and the "
-        "transient film that theory predicts over the cycle. (b) The same against the turns of the "
-        "crank since the first frame; a trigger of several frames lies at their mean turn.",
-    ),
-    "prediction_map": Caption(
-        "Measured and predicted map",
-        "(a) Measured and (b) predicted film on one colour scale, (c) their difference, white at "
-        "zero. Grey: not valid.",
-        "png",
-    ),
-    "pin_orbit": Caption(
-        "Orbit of the pin",
-        "(a) Displacement of the pin at every trigger; grey: the clearance, where pin and bore "
-        "touch. (b) Film where they are closest, against the angle of this place; filled ellipses: "
-        "95 % of the random error, dashed: with the errors that all triggers share. (c) Curvature "
-        "of the gap along sliding, left free, with bars of 95 %, and that of circles with the "
-        "radii of the joint.",
-    ),
-    "registration": Caption(
-        "Registration of the cameras",
-        "(a, b) Displacement of camera 2 against camera 1 less its mean; dashed: edge of the "
-        "overlap. (c) Drift of each frame, in addition to the displacement.",
-        "png",
-    ),
+    name: Caption(**row)
+    for name, row in tomllib.loads(
+        (files("erlif.show.report") / "captions.toml").read_text(encoding="utf-8")
+    ).items()
 }
-"""Captions by the name of the figure, as in `erlif.show.plots.files.DRAWN`."""
+"""Captions by the name of the figure: of `erlif.show.plots.files.DRAWN`, then of other pages."""
 
 
 def caption_of(name: str, film: xr.Dataset) -> Caption:

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from erlif.core.notes import Level, Note
 from erlif.core.units import count_of
 from erlif.core.version import __version__
-from erlif.io.files import refuse_existing, replacing
+from erlif.io.files import refuse_existing
 from erlif.review.audit import Audit
 from erlif.show.plots.audit import (
     difference_figure,
@@ -21,7 +21,7 @@ from erlif.show.plots.audit import (
     pair_figure,
     steps_figure,
 )
-from erlif.show.report.captions import Caption
+from erlif.show.report.captions import CAPTIONS
 from erlif.show.report.layout import (
     Table,
     arrange_figures,
@@ -29,6 +29,7 @@ from erlif.show.report.layout import (
     embed_figure,
     print_units,
     render,
+    save_page,
 )
 
 _TITLES = {Level.ERROR: "Errors", Level.WARNING: "Warnings", Level.NOTE: "Found"}
@@ -67,10 +68,7 @@ def write_check_page(audit: Audit, out_path: str | Path, *, overwrite: bool = Fa
     """
     out_path = Path(out_path)
     refuse_existing(out_path, overwrite=overwrite)
-    text = _make_page(audit)
-    with replacing(out_path) as scratch:
-        scratch.write_text(text, encoding="utf-8")
-    return out_path
+    return save_page(_make_page(audit), out_path)
 
 
 def _make_page(audit: Audit) -> str:
@@ -78,8 +76,7 @@ def _make_page(audit: Audit) -> str:
     if audit.pairs:
         sections.append(("pairs", "Pairs", _pair_table(audit)))
     figures = arrange_figures(
-        embed_figure(name, figure, caption, caption.text)
-        for name, figure, caption in _figures(audit)
+        embed_figure(name, figure, CAPTIONS[name]) for name, figure in _figures(audit)
     )
     if figures:
         sections.append(("figures", "Figures", figures))
@@ -127,49 +124,14 @@ def _pair_table(audit: Audit) -> Markup:
     return render("pairs.html", pairs=Table(rows, head, "First, last and odd pairs", (0, 3, 4, 5)))
 
 
-def _figures(audit: Audit) -> Iterator[tuple[str, Figure, Caption]]:
-    """Name, figure and caption of each picture that the audit allows."""
+def _figures(audit: Audit) -> Iterator[tuple[str, Figure]]:
+    """Name and figure of each picture that the audit allows."""
     if audit.cameras is not None:
-        picture = audit.cameras.picture
-        yield (
-            "pair",
-            pair_figure(picture),
-            Caption(
-                "A frame pair",
-                "Light of both cameras after correction, camera 2 on the pixels of camera 1. "
-                "Grey: flagged.",
-                "png",
-            ),
-        )
-        yield (
-            "difference",
-            difference_figure(picture),
-            Caption(
-                "Difference after registration",
-                "Ratio of the cameras over its mean in the surroundings. Noise alone is even; "
-                "edges and texture that remain are errors of the registration. Grey: flagged.",
-                "png",
-            ),
-        )
+        yield "pair", pair_figure(audit.cameras.picture)
+        yield "difference", difference_figure(audit.cameras.picture)
     if audit.survey is not None:
-        yield (
-            "counts",
-            histogram_figure(audit.survey),
-            Caption(
-                "Counts",
-                "Pixels by count in the frames that were read. Dotted: full scale.",
-            ),
-        )
-        yield (
-            "light",
-            light_figure(audit.survey, audit.darks),
-            Caption(
-                "Light over the run",
-                "(a) Median light of each frame that was read. (b) Its fine structure over the "
-                "light: it falls where a frame is out of focus.",
-            ),
-        )
+        yield "counts", histogram_figure(audit.survey)
+        yield "light", light_figure(audit.survey, audit.darks)
     figure = None if audit.steps is None else steps_figure(audit.steps)
     if figure is not None:
-        text = "Angle of the encoder and time from row to row of the log, as far as it has them."
-        yield "steps", figure, Caption("Steps of the log", text)
+        yield "steps", figure

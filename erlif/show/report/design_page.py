@@ -2,29 +2,29 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from markupsafe import Markup
-from matplotlib.figure import Figure
 
 from erlif.core.version import __version__
-from erlif.io.files import refuse_existing, replacing
+from erlif.io.conversion import table_csv
+from erlif.io.files import refuse_existing
 from erlif.joint.sizing import BearingDesign, Step
 from erlif.show.plots.design import design_figure, design_margins_figure
-from erlif.show.report.captions import Caption
+from erlif.show.report.captions import CAPTIONS
 from erlif.show.report.design import (
     dimension_title,
     dimensions,
     hardness_range,
     margin,
+    name_materials,
     outcome,
     plain,
     present,
+    scaled,
     verdict,
     within,
 )
@@ -38,21 +38,7 @@ from erlif.show.report.layout import (
     file_name,
     print_units,
     render_part,
-)
-
-_FIGURE = Caption(
-    "Pressure, pv, temperature and wear",
-    "(a) Pressure over the arc after eq. 9 with the assembled play, beside the simpler equations; "
-    "Hertz where its arc is below 60 degrees; the hardness over the safety factor where it is "
-    "near. (b) The joint at its largest and its mean load, by which pv is judged, with the limits "
-    "that are known. "
-    "(c) Surface temperature against friction at the mean load; shaded: friction that the guide "
-    "expects. (d) Worn depth over the time in motion.",
-)
-
-_MARGINS = Caption(
-    "Margins",
-    "Part of each limit that is used, in the order of the guide. A bar beyond 1.3 is cut off.",
+    save_page,
 )
 
 _MOST_ROWS = 12  # numbers in the table of sensitivities
@@ -93,10 +79,7 @@ def write_design_page(
     """
     out_path = Path(out_path)
     refuse_existing(out_path, overwrite=overwrite)
-    text = make_design_page(design)
-    with replacing(out_path) as scratch:
-        scratch.write_text(text, encoding="utf-8")
-    return out_path
+    return save_page(make_design_page(design), out_path)
 
 
 def make_design_page(design: BearingDesign) -> str:
@@ -135,8 +118,7 @@ def make_design_page(design: BearingDesign) -> str:
 
 
 def _result(design: BearingDesign) -> Markup:
-    first, *rest = verdict(design)
-    joint = design.joint
+    found, joint = verdict(design), design.joint
     given = [("Largest load", f"{joint.force / 1e3:.4g} kN")]
     if joint.mean_force is not None:
         given.append(("Mean load in motion", f"{joint.mean_force / 1e3:.4g} kN"))
@@ -146,18 +128,16 @@ def _result(design: BearingDesign) -> Markup:
         given.append(("Swing", swing))
     if joint.life is not None:
         given.append(("Life in motion", f"{plain(joint.life / 3600)} h"))
-    for part in ("pin", "bushing", "seat", "housing"):
-        name = getattr(joint, part).name + " (assumed)" * (part in design.assumed)
-        given.append((part.capitalize(), name))
+    given += [(part.capitalize(), name) for part, name in name_materials(design).items()]
 
     sizes = [(title, _signs(value), source) for title, value, source in dimensions(design)]
     return render_part(
         "design.html",
         "result",
-        verdict=_signs(first),
-        exceeded=[_signs(line.strip()) for line in rest if line.startswith("  ")],
-        sentences=[_signs(line) for line in rest if not line.startswith("  ")],
-        notes=[_signs(note) for note in design.notes],
+        verdict=_signs(found.head),
+        exceeded=[_signs(line) for line in found.exceeded],
+        sentences=[_signs(line) for line in found.sentences],
+        notes=[_signs(line) for line in design.notes],
         sizes=Table(sizes, caption=dimension_title(design), numbers=[1]),
         given=Table(given, caption="Load, motion and materials"),
     )
@@ -204,34 +184,33 @@ def _state(step: Step) -> str:
     return text if usual else Markup("<strong>{}</strong>").format(text)
 
 
-_CSV_HEAD = (
-    "step title source kind quantity unit present least most margin valid state validity missing"
-)
+def _steps_csv(steps: Sequence[Step]) -> str:
+    """The steps for other programs; a limit that is none is empty."""
+
+    def texts(*fields: str) -> dict[str, list[object]]:
+        return {field: [getattr(step, field) for step in steps] for field in fields}
+
+    def numbers(values: Iterable[float]) -> list[object]:
+        return [value if math.isfinite(value) else None for value in values]
+
+    columns = {
+        "step": [step.key for step in steps],
+        "title": [step.title for step in steps],
+        "source": [step.equation for step in steps],
+        **texts("kind", "quantity", "unit"),
+        "present": numbers(step.present for step in steps),
+        "least": numbers(step.allowed[0] for step in steps),
+        "most": numbers(step.allowed[1] for step in steps),
+        "margin": numbers(step.margin for step in steps),
+        "valid": [str(step.valid).lower() for step in steps],
+        **texts("state", "validity", "missing"),
+    }
+    return table_csv(columns, digits=9)
 
 
-def _steps_csv(steps: Iterable[Step]) -> str:
-    file = io.StringIO()
-    writer = csv.writer(file)
-    writer.writerow(_CSV_HEAD.split())
-    for step in steps:
-        texts = (step.key, step.title, step.equation, step.kind, step.quantity, step.unit)
-        numbers = [_digits(value) for value in (step.present, *step.allowed, step.margin)]
-        valid = str(step.valid).lower()
-        writer.writerow([*texts, *numbers, valid, step.state, step.validity, step.missing])
-    return file.getvalue()
-
-
-def _digits(value: float) -> str:
-    return "" if math.isnan(value) or math.isinf(value) else f"{value:.9g}"
-
-
-def _figures(design: BearingDesign) -> Iterator[PageFigure]:
-    drawn: tuple[tuple[str, Figure, Caption], ...] = (
-        ("margins", design_margins_figure(design), _MARGINS),
-        ("joint", design_figure(design), _FIGURE),
-    )
-    for name, figure, caption in drawn:
-        yield embed_figure(name, figure, caption, caption.text)
+def _figures(design: BearingDesign) -> list[PageFigure]:
+    drawn = {"margins": design_margins_figure(design), "joint": design_figure(design)}
+    return [embed_figure(name, figure, CAPTIONS[name]) for name, figure in drawn.items()]
 
 
 def _reasons(design: BearingDesign) -> Markup:
@@ -310,11 +289,11 @@ def _materials(design: BearingDesign) -> Markup:
         (
             part,
             one.name,
-            _cell(one.yield_stress, 1e6),
+            scaled(one.yield_stress, 1e6, ""),
             hardness_range(one),
-            _cell(one.youngs_modulus, 1e9),
-            _cell(one.conductivity, 1),
-            _cell(one.expansion, 1e-6),
+            scaled(one.youngs_modulus, 1e9, ""),
+            scaled(one.conductivity, 1, ""),
+            scaled(one.expansion, 1e-6, ""),
         )
         for part, one in parts.items()
     ]
@@ -322,10 +301,6 @@ def _materials(design: BearingDesign) -> Markup:
     sources = {one.name: one.source for one in parts.values()}
     table = Table(rows, _MATERIAL_HEAD, numbers=(2, 3, 4, 5, 6))
     return render_part("design.html", "materials", rows=table, sources=sources.items())
-
-
-def _cell(value: float | None, scale: float) -> str:
-    return "" if value is None else f"{value / scale:.4g}"
 
 
 def _settings(design: BearingDesign) -> Markup:

@@ -9,11 +9,13 @@ import re
 from collections.abc import Iterable, Sequence
 from importlib import resources
 from itertools import groupby
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup, escape
 
+from erlif.io.files import replacing
 from erlif.show.plots.style import ONE_COLUMN, AnyFigure, figure_bytes
 from erlif.show.report.captions import Caption
 
@@ -150,6 +152,13 @@ def compose_page(
     )
 
 
+def save_page(text: str, out_path: Path) -> Path:
+    """Write a page, complete or not at all."""
+    with replacing(out_path) as scratch:
+        scratch.write_text(text, encoding="utf-8")
+    return out_path
+
+
 def read_resource(name: str) -> Markup:
     """A file of this folder: style or script of a page."""
     folder = resources.files("erlif.show.report")
@@ -180,7 +189,7 @@ class PageFigure(NamedTuple):
     wide: bool
 
 
-def embed_figure(name: str, figure: AnyFigure, caption: Caption, text: str) -> PageFigure:
+def embed_figure(name: str, figure: AnyFigure, caption: Caption) -> PageFigure:
     """Embed one figure, its image as base64 text."""
     # lines stay sharp as SVG; an image of many pixels, or many points, is much smaller as PNG
     kind = caption.kind
@@ -189,7 +198,7 @@ def embed_figure(name: str, figure: AnyFigure, caption: Caption, text: str) -> P
         kind = "png"
         image = figure_bytes(figure, kind=kind, dpi=caption.dpi)
     wide = figure.bbox.width > 1.5 * ONE_COLUMN * figure.dpi
-    return PageFigure(name, _embed(image, _MEDIA[kind]), caption.title, text, wide)
+    return PageFigure(name, _embed(image, _MEDIA[kind]), caption.title, caption.text, wide)
 
 
 def arrange_figures(

@@ -22,7 +22,6 @@ from erlif.io.files import (
     open_film,
     reading_film,
     refuse_existing,
-    replacing,
     settings_of,
     takes,
 )
@@ -37,6 +36,7 @@ from erlif.show.report.layout import (
     embed_figure,
     read_resource,
     render,
+    save_page,
 )
 from erlif.show.report.maps import embed_map
 from erlif.show.report.tables import (
@@ -133,9 +133,7 @@ def write_report(
         source = find_source(Path(film_path), film, opening, run_dir, fixture_dir)
         source = replace(source, allow_outside=allow_outside)
         text = _make_page(source, chosen, max_size, report)
-    with replacing(out_path) as scratch:
-        scratch.write_text(text, encoding="utf-8")
-    return out_path
+    return save_page(text, out_path)
 
 
 def check_size(max_size: float) -> None:
@@ -263,11 +261,11 @@ def figures_section(
         if reason is not None:
             missing.append((caption.title, reason))
             continue
-        text = caption.text
         if name in _OF_ONE_TRIGGER:
-            text = f"{describe_trigger(source.film, source.trigger).capitalize()}. {text}"
+            trigger = describe_trigger(source.film, source.trigger).capitalize()
+            caption = replace(caption, text=f"{trigger}. {caption.text}")
         with in_style(None):
-            parts.append(embed_figure(name, draw(source), caption, text))
+            parts.append(embed_figure(name, draw(source), caption))
     progress("figures", len(DRAWN), len(DRAWN))
 
     reason = Markup(

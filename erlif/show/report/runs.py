@@ -25,14 +25,13 @@ from erlif.io.files import (
     reading_film,
     refuse_existing,
     refuse_repeated,
-    replacing,
     settings_of,
 )
 from erlif.review.comparison import compare
 from erlif.show.plots.comparison import comparison_figure
 from erlif.show.plots.maps import common_limits, thickness_map
 from erlif.show.plots.style import in_style
-from erlif.show.report.captions import Caption
+from erlif.show.report.captions import CAPTIONS, Caption
 from erlif.show.report.layout import (
     PageFigure,
     Table,
@@ -41,6 +40,7 @@ from erlif.show.report.layout import (
     download_link,
     embed_figure,
     render,
+    save_page,
 )
 from erlif.show.report.page import MAX_SIZE, check_size
 from erlif.show.report.tables import with_error, with_span
@@ -48,11 +48,6 @@ from erlif.show.report.tables import with_error, with_span
 _PER_MB = 1e6  # bytes
 _FRAME = 40_000  # bytes of style and headings
 _MOST_COMPARED = 12  # runs whose pairs a figure still shows
-_COMPARED = Caption(
-    "Runs compared",
-    "Minimum film thickness against the duty parameter, where speed and load are known, and the "
-    "differences of all pairs, second run less first. erlif compare states which differ.",
-)
 _HEAD = (
     *("Run", "Load [N]", "Oil", "Speed [mm/s]", "Thinnest film of the run [µm]"),
     *("Mean film at the fastest trigger [µm]", "Power of speed over load"),
@@ -148,9 +143,7 @@ def write_runs_report(
         subtitle=f"Oil-film thickness from two-camera fluorescence, erlif {__version__}; "
         "± is one standard deviation, random and shared",
     )
-    with replacing(out_path) as scratch:
-        scratch.write_text(text, encoding="utf-8")
-    return out_path
+    return save_page(text, out_path)
 
 
 def _describe_run(film: xr.Dataset) -> tuple[list[str], dict[str, Any]]:
@@ -206,7 +199,7 @@ def _compare_runs(paths: list[Path]) -> Markup:
         return Markup("<p>The runs are not compared: {}</p>").format(error)
     with in_style(None):
         figure = comparison_figure(found)
-        return arrange_figures([embed_figure("compared", figure, _COMPARED, _COMPARED.text)])
+        return arrange_figures([embed_figure("compared", figure, CAPTIONS["compared"])])
 
 
 def _map_section(
@@ -239,9 +232,8 @@ def _map_section(
 def _draw_map(film: xr.Dataset, label: str, number: int, limits: tuple[float, float]) -> PageFigure:
     """The map of a run at its fastest trigger."""
     trigger = fastest_trigger(film)
-    caption = Caption(label, "", "png", 110)
+    text = f"{describe_trigger(film, trigger).capitalize()}."
     with in_style(None):
         image = thickness_map(film, trigger=trigger, limits=limits)
-        figure = image.axes.figure
-        text = f"{describe_trigger(film, trigger).capitalize()}."
-        return embed_figure(f"run-{number + 1}", figure, caption, text)
+        caption = Caption(label, text, "png", 110)
+        return embed_figure(f"run-{number + 1}", image.axes.figure, caption)

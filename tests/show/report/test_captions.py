@@ -12,7 +12,7 @@ from erlif.show.report.captions import CAPTIONS
 
 
 def test_every_figure_has_a_caption():
-    assert set(CAPTIONS) == set(DRAWN)
+    assert set(CAPTIONS) >= set(DRAWN)
 
 
 @pytest.mark.parametrize("caption", CAPTIONS.values(), ids=list(CAPTIONS))

@@ -39,7 +39,7 @@ def test_names_are_escaped_and_sections_are_linked(read_page):
 def test_a_figure_is_part_of_the_page(read_page):
     figure = new_figure()
     figure.add_subplot()
-    embedded = embed_figure("empty", figure, Caption("Title", "Text"), "<text>")
+    embedded = embed_figure("empty", figure, Caption("Title", "<text>"))
     assert not embedded.wide
     page = read_page(arrange_figures([embedded]))
     assert page.texts["figcaption"] == "Title. <text>"
@@ -75,7 +75,7 @@ def test_wide_figures_scroll_in_narrow_windows():
     """Labels of 6.5 pt in 190 mm have 9 px at 640 px, and 3 px in the 342 px of a telephone."""
     figure = new_figure(TWO_COLUMNS)
     figure.add_subplot()
-    embedded = embed_figure("wide", figure, Caption("Title", "Text"), "")
+    embedded = embed_figure("wide", figure, Caption("Title", "Text"))
     assert embedded.wide
     assert re.search(r'<div class="wide"><img [^>]*></div>', arrange_figures([embedded]))
 
