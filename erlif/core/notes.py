@@ -45,6 +45,30 @@ class Note:
         return f"{self.subject}: {self.text}" if self.subject else self.text
 
 
+def remark(subject: str, text: str, cure: str = "") -> Note:
+    """A note; a warning that ends with its cure where there is one.
+
+    Parameters
+    ----------
+    subject : str
+    text : str
+    cure : str
+        What to do, without a full stop.
+
+    Returns
+    -------
+    Note
+
+    Examples
+    --------
+    >>> remark("load", "load 2 to 4 N").level, remark("load", "load 2 N", "Correct it").text
+    (<Level.NOTE: 'note'>, 'load 2 N. Correct it')
+    """
+    return (
+        Note(Level.WARNING, subject, f"{text}. {cure}") if cure else Note(Level.NOTE, subject, text)
+    )
+
+
 _ORDER = (Level.ERROR, Level.WARNING, Level.NOTE)
 
 

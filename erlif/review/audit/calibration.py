@@ -10,7 +10,7 @@ import numpy as np
 from erlif.calibration import Calibration, check_bands, open_calibration
 from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Level, Note, remark
 from erlif.io.ingest import Run, hash_inputs, open_fixture
 from erlif.pipeline.recording.swap import refuse_swapped_cameras
 from erlif.registration import MapNodes
@@ -29,18 +29,6 @@ _MARGIN = 0.1
 def note_calibration(run: Run, cameras: CameraSurvey, *, allow_outside: bool) -> Iterator[Note]:
     """Whether the calibration fits the bands, the ratios and the fixture.
 
-    Parameters
-    ----------
-    run : Run
-    cameras : CameraSurvey
-        Of the run.
-    allow_outside : bool
-        As for `erlif.check`.
-
-    Yields
-    ------
-    Note
-
     Raises
     ------
     CalibrationError
@@ -55,12 +43,12 @@ def note_calibration(run: Run, cameras: CameraSurvey, *, allow_outside: bool) ->
     path = run.directory / settings.calibration
     has_fixture = (path.parent / "fixture.toml").is_file()
     if not path.exists():
-        if has_fixture:
-            text = f"{settings.calibration} is not made yet; process will make it from the fixture"
-            yield Note(Level.NOTE, "calibration", text)
-        else:
-            text = f"{settings.calibration} does not exist; process will need --calibration"
-            yield Note(Level.WARNING, "calibration", text)
+        level, text = (
+            (Level.NOTE, "is not made yet; process will make it from the fixture")
+            if has_fixture
+            else (Level.WARNING, "does not exist; process will need --calibration")
+        )
+        yield Note(level, "calibration", f"{settings.calibration} {text}")
         return
 
     calibration = open_calibration(path)
@@ -74,28 +62,17 @@ def note_calibration(run: Run, cameras: CameraSurvey, *, allow_outside: bool) ->
     )
     low, high = calibration.thickness_range
     text = f"{calibration.fixture!r}, calibrated range {low:.2f} to {high:.2f} um"
-    yield Note(Level.NOTE, "calibration", text)
+    yield remark("calibration", text)
     yield from note_range(calibration, cameras.log_ratios)
     if has_fixture:
         yield from note_age(calibration, path, allow_outside=allow_outside)
 
 
 def note_range(calibration: Calibration, log_ratios: Array) -> Iterator[Note]:
-    """Ratios of the run against those of the calibrated range.
-
-    Parameters
-    ----------
-    calibration : Calibration
-    log_ratios : array, (pixel,)
-        Logarithms of the ratio in a few pairs.
-
-    Yields
-    ------
-    Note
-    """
+    """Ratios of the run against those of the calibrated range."""
     if not log_ratios.size:
-        text = "no pixel has a ratio. Check exposure and registration of the cameras"
-        yield Note(Level.WARNING, "ratio", text)
+        cure = "Check exposure and registration of the cameras"
+        yield remark("ratio", "no pixel has a ratio", cure)
         return
     low, high = (float(one) for one in calibration.predict_log(calibration.thickness_range))
     first, last = np.exp(np.quantile(log_ratios, [0.05, 0.95]))
@@ -108,31 +85,15 @@ def note_range(calibration: Calibration, log_ratios: Array) -> Iterator[Note]:
     # noise alone takes half of the pixels at a limit beyond it, so that the range is widened
     margin = _MARGIN * (high - low)
     covered = (log_ratios > low - margin) & (log_ratios < high + margin)
-    if covered.mean() < _COVERED:
-        cure = (
-            "The films are thinner or thicker than the fixture's, or dyes, filters or light have "
-            "changed since the calibration. Calibrate again with a fixture of these films"
-        )
-        yield Note(Level.WARNING, "ratio", f"{text}. {cure}")
-    else:
-        yield Note(Level.NOTE, "ratio", text)
+    cure = (
+        "The films are thinner or thicker than the fixture's, or dyes, filters or light have "
+        "changed since the calibration. Calibrate again with a fixture of these films"
+    )
+    yield remark("ratio", text, cure if covered.mean() < _COVERED else "")
 
 
 def note_age(calibration: Calibration, path: Path, *, allow_outside: bool) -> Iterator[Note]:
-    """Files of the fixture that have changed since the calibration was made.
-
-    Parameters
-    ----------
-    calibration : Calibration
-    path : Path
-        Its file, in the directory of the fixture.
-    allow_outside : bool
-        As for `erlif.check`.
-
-    Yields
-    ------
-    Note
-    """
+    """Files of the fixture that have changed since the calibration was made."""
     recorded = calibration.input_hashes
     if not recorded:
         return
@@ -146,14 +107,14 @@ def note_age(calibration: Calibration, path: Path, *, allow_outside: bool) -> It
     files = {page.path for pages in fixture.pairs.pages for page in pages}
     if sum(file.stat().st_size for file in files if file.exists()) > _LARGEST:
         text = "the files of the fixture are not compared with it, they exceed 2 GB"
-        yield Note(Level.NOTE, "calibration", text)
+        yield remark("calibration", text)
         return
     now = hash_inputs(fixture)
     changed = sorted(name for name in recorded if now.get(name) != recorded[name])
     if changed:
-        yield Note(
-            Level.WARNING,
+        files_now = f"{', '.join(changed)} changed"
+        yield remark(
             "calibration",
-            f"it was made from other files than the fixture has now: {', '.join(changed)} "
-            f"changed. Calibrate again with: erlif calibrate {path.parent} --overwrite",
+            f"it was made from other files than the fixture has now: {files_now}",
+            f"Calibrate again with: erlif calibrate {path.parent} --overwrite",
         )

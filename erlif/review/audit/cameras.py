@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, Image
-from erlif.core.notes import Level, Note, list_numbers
+from erlif.core.notes import Note, list_numbers, remark
 from erlif.core.progress import silent
 from erlif.core.statistics import robust_std
 from erlif.io.ingest import Fixture, FramePairs, Run
@@ -190,21 +190,11 @@ def _mean_of_surroundings(values: Image, valid: AnyArray) -> Image:
 
 
 def note_registration(survey: CameraSurvey) -> Iterator[Note]:
-    """Displacement, correlation and overlap.
-
-    Parameters
-    ----------
-    survey : CameraSurvey
-
-    Yields
-    ------
-    Note
-    """
+    """Displacement, correlation and overlap."""
     found = survey.chain.camera_map
     overlap, quality = float(found.overlap.mean()), found.quality
     x, y = (float(np.nanmedian(one)) for one in (found.displacement_x, found.displacement_y))
-    yield Note(
-        Level.NOTE,
+    yield remark(
         "registration",
         f"camera 2 displaced by ({x:+.2f}, {y:+.2f}) px, correlation of the textures "
         f"{quality:.2f}, {overlap:.0%} of the image seen by both cameras",
@@ -212,43 +202,24 @@ def note_registration(survey: CameraSurvey) -> Iterator[Note]:
     found_again = [one for one in survey.frames if np.isfinite(one.drift).all()]
     for one in found_again[:: max(len(found_again) // SHOWN, 1)][:SHOWN]:
         drift = ", ".join(f"{value:+.2f}" for value in one.drift)
-        yield Note(Level.NOTE, "registration", f"pair {one.frame}: camera 2 moved by ({drift}) px")
+        yield remark("registration", f"pair {one.frame}: camera 2 moved by ({drift}) px")
 
     if overlap < _LITTLE_OVERLAP:
-        yield Note(
-            Level.WARNING,
-            "registration",
-            f"the cameras have {overlap:.0%} of the image in common. Turn the cameras until both "
-            "show the same part of the joint",
-        )
+        text = f"the cameras have {overlap:.0%} of the image in common"
+        cure = "Turn the cameras until both show the same part of the joint"
+        yield remark("registration", text, cure)
     if quality < _WEAK:
-        yield Note(
-            Level.WARNING,
-            "registration",
-            f"the textures of the cameras have a correlation of {quality:.2f}: light, focus or "
-            "texture are weak. Check focus and exposure of both cameras",
-        )
+        text = f"the textures of the cameras have a correlation of {quality:.2f}: light, focus or"
+        cure = "Check focus and exposure of both cameras"
+        yield remark("registration", f"{text} texture are weak", cure)
     lost = [one.frame for one in survey.frames if not np.isfinite(one.drift).all()]
     if lost:
-        yield Note(
-            Level.WARNING,
-            "registration",
-            f"no common texture of the cameras in pairs {list_numbers(lost)}. Leave these pairs "
-            "out",
-        )
+        text = f"no common texture of the cameras in pairs {list_numbers(lost)}"
+        yield remark("registration", text, "Leave these pairs out")
 
 
 def note_textures(survey: CameraSurvey) -> Iterator[Note]:
-    """Whether the flats show a texture of the joint, which both cameras see.
-
-    Parameters
-    ----------
-    survey : CameraSurvey
-
-    Yields
-    ------
-    Note
-    """
+    """Whether the flats show a texture of the joint, which both cameras see."""
     references, found = survey.chain.correct.references, survey.chain.camera_map
     if not bool(references.has_flat.values.all()):
         return
@@ -260,12 +231,11 @@ def note_textures(survey: CameraSurvey) -> Iterator[Note]:
         orientation=found.settings.orientation,
     )
     if correlation > _SHARED:
-        yield Note(
-            Level.WARNING,
+        yield remark(
             "registration",
             f"the flats of both cameras show one texture, correlation {correlation:.2f}: they were "
-            "recorded on the joint or with the laser, and take its texture for that of the "
-            "sensors. Record flats of an evenly lit target without structure",
+            "recorded on the joint or with the laser, and take its texture for that of the sensors",
+            "Record flats of an evenly lit target without structure",
         )
 
 
@@ -319,17 +289,6 @@ def note_pulses(
 ) -> Iterator[Note]:
     """Pairs whose images belong to different laser pulses.
 
-    Parameters
-    ----------
-    survey : CameraSurvey
-    pairs : FramePairs
-    counted : iterable of int
-        Frame pairs whose counts were compared; copies among them have a note.
-
-    Yields
-    ------
-    Note
-
     Raises
     ------
     PulseError
@@ -339,8 +298,7 @@ def note_pulses(
     for note in check_pulses(survey.frames, pairs, copies=not known):
         yield Note(note.level, "pulses", str(note))
     judged = f"{len(survey.frames)} of {len(pairs.usable)} pairs"
-    yield Note(
-        Level.NOTE,
+    yield remark(
         "pulses",
         f"{judged} searched for images of other pulses"
         + ("; erlif process searches all" if len(survey.frames) < len(pairs.usable) else ""),

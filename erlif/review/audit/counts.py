@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from erlif.core.arrays import AnyArray, Counts
-from erlif.core.notes import Level, Note, list_numbers
+from erlif.core.arrays import AnyArray
+from erlif.core.notes import Level, Note, list_numbers, remark
 from erlif.core.products import References
 from erlif.correction import count_pixels
 from erlif.correction.saturation import Histogram
@@ -99,24 +99,15 @@ def survey_counts(pairs: FramePairs, frames: Sequence[int]) -> CountSurvey:
     one, two = (np.zeros(full_scale + 1, np.int64) for full_scale in pairs.full_scales)
     found = []
     for frame in frames:
-        counts = read_pair(pairs, frame).counts
-        one += count_pixels(counts[0], one.size - 1)
-        two += count_pixels(counts[1], two.size - 1)
-        found.append(_measure(frame, counts, pairs.full_scales))
+        measured = []
+        for image, histogram in zip(read_pair(pairs, frame).counts, (one, two), strict=True):
+            full_scale = histogram.size - 1
+            histogram += count_pixels(image, full_scale)
+            saturated = float((image >= full_scale).mean())
+            digest = hashlib.sha256(image.tobytes()).hexdigest()
+            measured.append((float(np.median(image)), saturated, _sharpness(image), digest))
+        found.append(FrameCounts(frame, *zip(*measured, strict=True)))
     return CountSurvey(tuple(found), (one, two))
-
-
-def _measure(
-    frame: int, counts: tuple[Counts, Counts], full_scales: tuple[int, int]
-) -> FrameCounts:
-    one, two = counts
-    return FrameCounts(
-        frame,
-        (float(np.median(one)), float(np.median(two))),
-        (float((one >= full_scales[0]).mean()), float((two >= full_scales[1]).mean())),
-        (_sharpness(one), _sharpness(two)),
-        (_digest(one), _digest(two)),
-    )
 
 
 def _sharpness(counts: AnyArray) -> float:
@@ -127,22 +118,8 @@ def _sharpness(counts: AnyArray) -> float:
     return float(1.4826 * np.median(rest) / max(float(image.mean()), 1.0))
 
 
-def _digest(counts: AnyArray) -> str:
-    return hashlib.sha256(counts.tobytes()).hexdigest()
-
-
 def note_counts(survey: CountSurvey, pairs: FramePairs) -> Iterator[Note]:
-    """Highest count of each camera, and how much of a frame is saturated.
-
-    Parameters
-    ----------
-    survey : CountSurvey
-    pairs : FramePairs
-
-    Yields
-    ------
-    Note
-    """
+    """Highest count of each camera, and how much of a frame is saturated."""
     saturated = np.array([one.saturated for one in survey.frames]).max(axis=0)
     for camera, (histogram, bit_depth) in enumerate(
         zip(survey.histograms, pairs.bit_depths, strict=True), 1
@@ -160,16 +137,7 @@ def note_counts(survey: CountSurvey, pairs: FramePairs) -> Iterator[Note]:
 
 
 def note_bits(survey: CountSurvey) -> Iterator[Note]:
-    """Bits that are never or always set, and counts that never occur.
-
-    Parameters
-    ----------
-    survey : CountSurvey
-
-    Yields
-    ------
-    Note
-    """
+    """Bits that are never or always set, and counts that never occur."""
     for camera, histogram in enumerate(survey.histograms, 1):
         for text in find_bit_faults(histogram):
             yield Note(Level.WARNING, "bits", f"camera{camera}: {text}")
@@ -243,39 +211,16 @@ def _find_gaps(histogram: Histogram) -> list[str]:
 
 
 def note_bad_pixels(references: References) -> Iterator[Note]:
-    """Share of the hot, noisy and dead pixels of each camera, by its darks and flats.
-
-    Parameters
-    ----------
-    references : References
-
-    Yields
-    ------
-    Note
-    """
+    """Share of the hot, noisy and dead pixels of each camera, by its darks and flats."""
     for camera, bad in enumerate(references.bad.values, 1):
         share = float(bad.mean())
         text = f"camera{camera}: {share:.2%} of the pixels are hot, noisy or dead and are flagged"
-        if share > MANY_BAD:
-            cure = "Look at darks and flats for dust, light and clipping, and record them again"
-            yield Note(Level.WARNING, "darks and flats", f"{text}. {cure}")
-        else:
-            yield Note(Level.NOTE, "darks and flats", text)
+        cure = "Look at darks and flats for dust, light and clipping, and record them again"
+        yield remark("darks and flats", text, cure if share > MANY_BAD else "")
 
 
 def note_light(survey: CountSurvey, darks: Sequence[float]) -> Iterator[Note]:
-    """Light and sharpness over the run, and frames that depart from the others.
-
-    Parameters
-    ----------
-    survey : CountSurvey
-    darks : sequence of two float
-        Dark level of camera 1 and camera 2. [DN]
-
-    Yields
-    ------
-    Note
-    """
+    """Light above the dark levels [DN] and sharpness of the run, and frames that depart from it."""
     levels = np.array([one.level for one in survey.frames])
     light = levels - np.asarray(darks)
     sharpness = np.array([one.sharpness for one in survey.frames])
@@ -283,8 +228,7 @@ def note_light(survey: CountSurvey, darks: Sequence[float]) -> Iterator[Note]:
     usual, usual_sharpness = np.median(light, axis=0), np.median(sharpness, axis=0)
     dim = light < _UNLIT * usual
 
-    yield Note(
-        Level.NOTE,
+    yield remark(
         "light",
         "; ".join(
             f"camera{n + 1}: median light of a frame {light[:, n].min():.0f} to "
@@ -294,21 +238,19 @@ def note_light(survey: CountSurvey, darks: Sequence[float]) -> Iterator[Note]:
         ),
     )
     if dim.any():
-        yield Note(
-            Level.WARNING,
-            "light",
-            f"frame pairs {list_numbers(numbers[dim.any(axis=1)])} have less than {_UNLIT:.0%} of "
-            "the light of the others: the laser or a shutter missed the pulse. Leave these pairs "
-            "out",
+        text = f"frame pairs {list_numbers(numbers[dim.any(axis=1)])} have less than {_UNLIT:.0%}"
+        fault = "the laser or a shutter missed the pulse"
+        yield remark(
+            "light", f"{text} of the light of the others: {fault}", "Leave these pairs out"
         )
     blurred = (sharpness < _BLURRED * usual_sharpness) & ~dim
     if blurred.any():
-        yield Note(
-            Level.WARNING,
+        yield remark(
             "light",
             f"frame pairs {list_numbers(numbers[blurred.any(axis=1)])} have less than "
             f"{_BLURRED:.0%} of the fine structure of the others: they are out of focus, or were "
-            "smoothed. Check the focus, and export the frames without filters",
+            "smoothed",
+            "Check the focus, and export the frames without filters",
         )
 
 
@@ -332,17 +274,7 @@ def find_copies(survey: CountSurvey) -> list[tuple[int, ...]]:
 
 
 def note_copies(survey: CountSurvey) -> Iterator[Note]:
-    """Frames that are copies of others.
-
-    Parameters
-    ----------
-    survey : CountSurvey
-
-    Yields
-    ------
-    Note
-        An error where all frames of a camera are copies of one.
-    """
+    """Frames that are copies of others."""
     # images of both cameras that agree to the last count are one image
     same = [one.frame for one in survey.frames if one.digest[0] == one.digest[1]]
     if same:
@@ -365,10 +297,9 @@ def note_copies(survey: CountSurvey) -> Iterator[Note]:
                 "export was stuck. Export the recording again, one frame for each pulse",
             )
         else:
-            yield Note(
-                Level.WARNING,
+            yield remark(
                 "pairs",
-                f"frame pairs {list_numbers(frames)} show the same image: a camera or its "
-                "export was stuck, or a file was copied. Export them again, or leave out all but "
-                "one",
+                f"frame pairs {list_numbers(frames)} show the same image: a camera or its export "
+                "was stuck, or a file was copied",
+                "Export them again, or leave out all but one",
             )

@@ -10,7 +10,7 @@ from typing import Any
 
 from erlif.calibration import read_profile
 from erlif.core.errors import ConfigError, ErlifError
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Level, Note, remark
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.core.timing import stage
 from erlif.core.version import __version__
@@ -210,7 +210,7 @@ def _describe(recording: Run | Fixture) -> Note:
     text = f"{count} pairs of {width} x {height} pixels, {recording.settings.name!r}"
     if count > MOST_SPREAD:
         text += f"; counts of {MOST_SPREAD} of them, evenly spread, are examined"
-    return Note(Level.NOTE, "frames", text)
+    return remark("frames", text)
 
 
 @dataclass(frozen=True)
@@ -255,7 +255,7 @@ class _Parts:
         odd = {frame for frames in find_copies(survey) for frame in frames}
         self.found.pairs = tabulate_pairs(pairs, _run_of(self.recording), odd=odd)
         for row in self.found.pairs:
-            yield Note(Level.NOTE, "pairs", str(row))
+            yield remark("pairs", str(row))
         yield from note_copies(survey)
 
     def references(self) -> Iterator[Note]:
@@ -290,7 +290,7 @@ class _Parts:
         located = locate_run(run)
         yield from encoder_notes(located)
         triggers = describe_triggers(run, located)
-        yield Note(Level.NOTE, "encoder log", describe_cycle(located))
+        yield remark("encoder log", describe_cycle(located))
         yield from note_motion(run.log, located, run.settings)
         yield from note_conditions(run.log, run.settings)
         assert self.found.cameras is not None
@@ -312,4 +312,4 @@ class _Parts:
             yield Note(note.level, "profile", str(note))
         low, high = profile.thickness.min(), profile.thickness.max()
         text = f"{profile.thickness.size} points from {low:.2f} to {high:.2f} um"
-        yield Note(Level.NOTE, "profile", text)
+        yield remark("profile", text)

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, remark
 from erlif.core.products import EncoderLog
 from erlif.io.settings import RunSettings
 from erlif.pipeline.recording.pulses import read_energies
@@ -70,19 +70,7 @@ class Steps:
 
 
 def note_motion(log: EncoderLog, located: xr.Dataset, settings: RunSettings) -> Iterator[Note]:
-    """Steps of angle and time against each other and against the mechanism.
-
-    Parameters
-    ----------
-    log : EncoderLog
-    located : xarray.Dataset
-        Position and speed of each frame, as `erlif.pipeline.physics.joint.locate_run` returns them.
-    settings : RunSettings
-
-    Yields
-    ------
-    Note
-    """
+    """Steps of angle and time against each other and against the mechanism."""
     steps = Steps.of(log)
     if steps.angle is not None and steps.angle.size >= _FEWEST:
         yield from _note_angles(steps.angle)
@@ -95,8 +83,7 @@ def _note_angles(angle: Array) -> Iterator[Note]:
     signed = (np.diff(angle) + 180.0) % 360.0 - 180.0  # an encoder that starts again at 0
     step = np.abs(signed)
     turns = int(np.count_nonzero(np.diff(np.sign(signed[step > 0]))))
-    yield Note(
-        Level.NOTE,
+    yield remark(
         "motion",
         f"angle from {angle.min():.2f} to {angle.max():.2f} deg in steps of "
         f"{np.median(step):.3g} deg (median), {step.max():.3g} deg at most; {turns} reversal(s)",
@@ -110,31 +97,24 @@ def _note_angles(angle: Array) -> Iterator[Note]:
     gaps = 2 + np.flatnonzero(even & (step[2:-2] > _GAP * usual))
     if gaps.size:
         shown = ", ".join(f"{k} and {k + 1} ({step[k]:.3g} deg)" for k in gaps[:5])
-        yield Note(
-            Level.WARNING,
-            "motion",
-            f"the angle jumps between frames {shown}: a trigger was missed, or rows of the log are "
-            "out of place. Compare the log with the frames there",
-        )
+        text = f"the angle jumps between frames {shown}: a trigger was missed, or rows of the log"
+        yield remark("motion", f"{text} are out of place", "Compare the log with the frames there")
 
     still = step == 0
     runs = np.convolve(still, np.ones(_STUCK - 1), "valid") == _STUCK - 1
     if runs.any():
         first = int(np.argmax(runs))
-        yield Note(
-            Level.WARNING,
-            "motion",
+        text = (
             f"the angle stays at {angle[first]:g} deg in frames {first} to {first + _STUCK - 1} "
-            "and perhaps longer: the encoder or its logger was stuck. Check the cable, and leave "
-            "these frames out",
+            "and perhaps longer: the encoder or its logger was stuck"
         )
+        yield remark("motion", text, "Check the cable, and leave these frames out")
 
 
 def _note_times(time: Array) -> Iterator[Note]:
     step = np.diff(time)
     usual = float(np.median(step))
-    yield Note(
-        Level.NOTE,
+    yield remark(
         "motion",
         f"time from {time[0]:.6g} to {time[-1]:.6g} s, steps of {usual:.3g} s (median), "
         f"{step.min():.3g} to {step.max():.3g} s",
@@ -142,12 +122,8 @@ def _note_times(time: Array) -> Iterator[Note]:
     pauses = np.flatnonzero(step > _PAUSE * usual)
     if pauses.size:
         shown = ", ".join(f"{k} and {k + 1} ({step[k]:.3g} s)" for k in pauses[:5])
-        yield Note(
-            Level.WARNING,
-            "motion",
-            f"the recording pauses between frames {shown}. Check whether the rig stood still or "
-            "frames are missing",
-        )
+        cure = "Check whether the rig stood still or frames are missing"
+        yield remark("motion", f"the recording pauses between frames {shown}", cure)
 
 
 def _note_speed(time: Array, located: xr.Dataset, settings: RunSettings) -> Iterator[Note]:
@@ -163,67 +139,40 @@ def _note_speed(time: Array, located: xr.Dataset, settings: RunSettings) -> Iter
     found = float(turned[moved].sum() / np.diff(time)[moved].sum()) / 6.0
     stated = float(np.degrees(settings.linkage.crank_speed)) / 6.0
     text = f"the crank turns at {found:.4g} rpm by angles and times, {stated:.4g} rpm in run.toml"
-    if abs(found / stated - 1) > _SPEED:
-        cure = "Correct crank_speed, or the unit of the column of time"
-        yield Note(Level.WARNING, "motion", f"{text}. {cure}")
-    else:
-        yield Note(Level.NOTE, "motion", text)
+    cure = "Correct crank_speed, or the unit of the column of time"
+    yield remark("motion", text, cure if abs(found / stated - 1) > _SPEED else "")
 
 
 def note_conditions(log: EncoderLog, settings: RunSettings) -> Iterator[Note]:
-    """Temperature and load of the log.
-
-    Parameters
-    ----------
-    log : EncoderLog
-    settings : RunSettings
-
-    Yields
-    ------
-    Note
-    """
+    """Temperature and load of the log."""
     if "temperature" in log:
         values = np.asarray(log["temperature"].values, float)
         text = f"temperature {values.min():.1f} to {values.max():.1f} degC"
         jump = float(np.abs(np.diff(values)).max(initial=0.0))
+        cure = ""
         if values.min() < _OIL[0] or values.max() > _OIL[1]:
+            text += ", no oil of a rig has that"
             cure = 'Correct the unit, units = { temperature = "degF" } in [encoder], or the column'
-            yield Note(Level.WARNING, "conditions", f"{text}, no oil of a rig has that. {cure}")
         elif jump > _JUMP:
             where = int(np.argmax(np.abs(np.diff(values))))
             text += f", it changes by {jump:.1f} K from frame {where} to {where + 1}"
-            yield Note(Level.WARNING, "conditions", f"{text}. Check the sensor and its cable")
-        else:
-            yield Note(Level.NOTE, "conditions", text)
+            cure = "Check the sensor and its cable"
+        yield remark("conditions", text, cure)
 
     if "load" in log:
         values = np.asarray(log["load"].values, float)
         text, joint = f"load {values.min():.4g} to {values.max():.4g} N", settings.joint
         stated = None if joint is None else joint.load
         factor = 1.0 if stated is None else float(np.median(values)) / stated
+        cure = ""
         if not 1 / _LOAD < factor < _LOAD:
+            text += f", {factor:.2g} times the load in [joint], {stated:.4g} N"
             cure = 'Correct the unit, units = { load = "lbf" } in [encoder], or the load in [joint]'
-            text += f", {factor:.2g} times the load in [joint], {stated:.4g} N. {cure}"
-            yield Note(Level.WARNING, "conditions", text)
-        else:
-            yield Note(Level.NOTE, "conditions", text)
+        yield remark("conditions", text, cure)
 
 
 def note_energy(log: EncoderLog, frames: Sequence[int], light: Array) -> Iterator[Note]:
-    """Pulse energy of the log against the light of consecutive frames.
-
-    Parameters
-    ----------
-    log : EncoderLog
-    frames : sequence of int
-        Numbers of consecutive frames.
-    light : array, (frame, camera)
-        Their median light. [DN]
-
-    Yields
-    ------
-    Note
-    """
+    """Pulse energy of the log against the light of consecutive frames."""
     energies = read_energies(log)
     numbers = np.asarray(frames)
     if energies is None or numbers.size < _FEWEST or (np.diff(numbers) != 1).any():
@@ -240,8 +189,5 @@ def note_energy(log: EncoderLog, frames: Sequence[int], light: Array) -> Iterato
     slope = float((x * y).sum()) / scatter
     std = float(np.sqrt(((y - slope * x) ** 2).sum() / max(x.size - 2, 1) / scatter))
     text = f"the light changes by {slope:.2f} ± {std:.2f} % per % of the pulse energy of the log"
-    if slope + 3 * std < _WITHOUT_PULSE:
-        cure = "The energies belong to other pulses: check the column and its first row"
-        yield Note(Level.WARNING, "conditions", f"{text}. {cure}")
-    else:
-        yield Note(Level.NOTE, "conditions", text)
+    cure = "The energies belong to other pulses: check the column and its first row"
+    yield remark("conditions", text, cure if slope + 3 * std < _WITHOUT_PULSE else "")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from erlif.core.notes import Level, Note, list_numbers
+from erlif.core.notes import Note, list_numbers, remark
 from erlif.io.ingest import FramePairs, Run
 from erlif.io.ingest.pairing import frame_numbers
 
@@ -94,25 +94,16 @@ def _describe(pairs: FramePairs, run: Run | None, k: int) -> PairRow:
 
 
 def note_numbers(pairs: FramePairs) -> Iterator[Note]:
-    """Gaps in the numbers of the files.
-
-    Parameters
-    ----------
-    pairs : FramePairs
-
-    Yields
-    ------
-    Note
-    """
+    """Gaps in the numbers of the files."""
     for camera, pages in enumerate(pairs.pages, 1):
         missing = find_missing(frame_numbers(pages))
         if missing:
-            yield Note(
-                Level.WARNING,
+            yield remark(
                 "pairs",
                 f"camera{camera}: no file has the number {list_numbers(missing)}, between "
-                f"{pages[0].name} and {pages[-1].name}. If these pulses were not recorded, their "
-                "rows must be missing in the log too; otherwise copy the files again",
+                f"{pages[0].name} and {pages[-1].name}",
+                "If these pulses were not recorded, their rows must be missing in the log too; "
+                "otherwise copy the files again",
             )
 
 

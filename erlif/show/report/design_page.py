@@ -193,7 +193,7 @@ def _steps_csv(steps: Sequence[Step]) -> str:
     def numbers(values: Iterable[float]) -> list[object]:
         return [value if math.isfinite(value) else None for value in values]
 
-    columns = {
+    columns: dict[str, list[object]] = {
         "step": [step.key for step in steps],
         "title": [step.title for step in steps],
         "source": [step.equation for step in steps],
