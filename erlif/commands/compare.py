@@ -58,7 +58,7 @@ def compare(
     with large_imports():
         from erlif.io.files import refuse_existing, replacing_set, write_dataset
         from erlif.review.comparison import compare as compare_films
-        from erlif.review.comparison import describe_comparison, write_pair_table
+        from erlif.review.comparison import describe_comparison
 
     # everything that can be refused is refused before the work starts
     if len(films) > 1 and not (pair[0] != pair[1] and all(1 <= k <= len(films) for k in pair)):
@@ -83,6 +83,7 @@ def compare(
         return
 
     from erlif.show.plots import write_comparison_figures
+    from erlif.show.report import write_pair_table
 
     # one file of an earlier comparison beside those of this one would belong to other films
     with replacing_set(output, (*_TABLES, *_FIGURES)) as scratch:

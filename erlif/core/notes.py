@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -67,6 +67,26 @@ def remark(subject: str, text: str, cure: str = "") -> Note:
     return (
         Note(Level.WARNING, subject, f"{text}. {cure}") if cure else Note(Level.NOTE, subject, text)
     )
+
+
+def retitle(subject: str, notes: Iterable[Note]) -> Iterator[Note]:
+    """Notes under another subject; their own stands before the text.
+
+    Parameters
+    ----------
+    subject : str
+    notes : iterable of Note
+
+    Yields
+    ------
+    Note
+
+    Examples
+    --------
+    >>> [str(note) for note in retitle("cameras", [remark("camera1", "dark 64.0 DN")])]
+    ['cameras: camera1: dark 64.0 DN']
+    """
+    return (Note(note.level, subject, str(note)) for note in notes)
 
 
 _ORDER = (Level.ERROR, Level.WARNING, Level.NOTE)

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, Image
-from erlif.core.notes import Note, list_numbers, remark
+from erlif.core.notes import Note, list_numbers, remark, retitle
 from erlif.core.progress import silent
 from erlif.core.statistics import robust_std
 from erlif.io.ingest import Fixture, FramePairs, Run
@@ -295,8 +295,7 @@ def note_pulses(
         As `erlif.pipeline.recording.pulse_order.check_pulses`.
     """
     known = {one.frame for one in survey.frames} <= set(counted)
-    for note in check_pulses(survey.frames, pairs, copies=not known):
-        yield Note(note.level, "pulses", str(note))
+    yield from retitle("pulses", check_pulses(survey.frames, pairs, copies=not known))
     judged = f"{len(survey.frames)} of {len(pairs.usable)} pairs"
     yield remark(
         "pulses",

@@ -10,7 +10,7 @@ from typing import Any
 
 from erlif.calibration import read_profile
 from erlif.core.errors import ConfigError, ErlifError
-from erlif.core.notes import Level, Note, remark
+from erlif.core.notes import Level, Note, remark, retitle
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.core.timing import stage
 from erlif.core.version import __version__
@@ -97,10 +97,7 @@ class Audit:
             "name": self.name,
             "errors": self.count(Level.ERROR),
             "warnings": self.count(Level.WARNING),
-            "notes": [
-                {"level": one.level.value, "subject": one.subject, "text": one.text}
-                for one in self.notes
-            ],
+            "notes": [asdict(note) for note in self.notes],
             "pairs": [asdict(row) for row in self.pairs],
             "frames": [asdict(one) for one in frames],
         }
@@ -114,17 +111,13 @@ def check(
 
     Parameters
     ----------
-    directory : path
-        With ``run.toml`` or ``fixture.toml``.
-    allow_outside : bool
-        Follow links and names of files that leave the directory.
-    progress : "bar", bool or callable, optional
-        As for `erlif.process`.
+    directory, allow_outside, progress
+        As for `erlif.review.audit.audit`.
 
     Returns
     -------
     list of Note
-        Findings in the order of the audit, see `erlif.review.audit.audit`.
+        Findings in the order of the audit.
 
     Examples
     --------
@@ -168,8 +161,9 @@ def audit(
         recording = _open(found.directory, allow_outside)
         found.name = recording.settings.name
         found.notes.append(_describe(recording))
-        found.pairs = tabulate_pairs(recording.pairs, _run_of(recording))
-        parts = _Parts(recording, found, allow_outside=allow_outside).list()
+        run = recording if isinstance(recording, Run) else None
+        found.pairs = tabulate_pairs(recording.pairs, run)
+        parts = _Parts(recording, run, found, allow_outside).list()
         for done, (name, step) in enumerate(parts, 1):
             subject = name
             with stage(f"check of {name}", _logger):
@@ -200,10 +194,6 @@ def _open(directory: Path, allow_outside: bool) -> Run | Fixture:
     )
 
 
-def _run_of(recording: Run | Fixture) -> Run | None:
-    return recording if isinstance(recording, Run) else None
-
-
 def _describe(recording: Run | Fixture) -> Note:
     height, width = recording.pairs.shape
     count = len(recording.pairs.usable)
@@ -213,13 +203,16 @@ def _describe(recording: Run | Fixture) -> Note:
     return remark("frames", text)
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Parts:
-    """The parts of an audit; each adds what it has found."""
+    """The parts of an audit; each adds what it has found, which those after it use."""
 
     recording: Run | Fixture
+    run: Run | None
     found: Audit
     allow_outside: bool
+    survey: CountSurvey = field(init=False)
+    cameras: CameraSurvey = field(init=False)
 
     def list(self) -> list[tuple[str, Step]]:
         """Subject and function of each part."""
@@ -230,9 +223,10 @@ class _Parts:
             ("registration", self.registration),
             ("pulses", self.pulses),
         ]
-        run = _run_of(self.recording)
-        if run is None:
-            return [*steps, ("profile", self.profile)]
+        if isinstance(self.recording, Fixture):
+            fixture = self.recording
+            return [*steps, ("profile", lambda: _note_profile(fixture))]
+        run = self.recording
         return [
             *steps,
             ("encoder log", lambda: self.log(run)),
@@ -243,45 +237,38 @@ class _Parts:
         """Formats, highest counts, saturation and bits."""
         pairs = self.recording.pairs
         yield from format_notes(pairs)
-        self.found.survey = survey = survey_counts(pairs, pairs.spread(MOST_SPREAD))
-        yield from note_counts(survey, pairs)
-        yield from note_bits(survey)
+        self.found.survey = self.survey = survey_counts(pairs, pairs.spread(MOST_SPREAD))
+        yield from note_counts(self.survey, pairs)
+        yield from note_bits(self.survey)
 
     def pairing(self) -> Iterator[Note]:
         """Names of the files, and images that are copies."""
-        pairs, survey = self.recording.pairs, self.found.survey
-        assert survey is not None
-        yield from note_numbers(pairs)
-        odd = {frame for frames in find_copies(survey) for frame in frames}
-        self.found.pairs = tabulate_pairs(pairs, _run_of(self.recording), odd=odd)
+        yield from note_numbers(self.recording.pairs)
+        odd = {frame for frames in find_copies(self.survey) for frame in frames}
+        self.found.pairs = tabulate_pairs(self.recording.pairs, self.run, odd=odd)
         for row in self.found.pairs:
             yield remark("pairs", str(row))
-        yield from note_copies(survey)
+        yield from note_copies(self.survey)
 
     def references(self) -> Iterator[Note]:
         """Dark level, noise and gain, and the light above the dark level."""
         cameras = characterise_cameras(self.recording)
-        for note in cameras.notes:
-            yield Note(note.level, "darks and flats", str(note))
+        yield from retitle("darks and flats", cameras.notes)
         yield from note_bad_pixels(cameras.references)
         one, two = (float(level) for level in cameras.references.dark_signal.values)
         self.found.darks = one, two
-        assert self.found.survey is not None
-        yield from note_light(self.found.survey, self.found.darks)
+        yield from note_light(self.survey, self.found.darks)
 
     def registration(self) -> Iterator[Note]:
         """Map, overlap and drift."""
-        self.found.cameras = survey_cameras(self.recording)
-        yield from note_registration(self.found.cameras)
-        yield from note_textures(self.found.cameras)
+        self.found.cameras = self.cameras = survey_cameras(self.recording)
+        yield from note_registration(self.cameras)
+        yield from note_textures(self.cameras)
 
     def pulses(self) -> Iterator[Note]:
         """Whether both cameras show the same pulses."""
-        assert self.found.cameras is not None
-        counted = (
-            [] if self.found.survey is None else [one.frame for one in self.found.survey.frames]
-        )
-        yield from note_pulses(self.found.cameras, self.recording.pairs, counted=counted)
+        counted = [one.frame for one in self.survey.frames]
+        yield from note_pulses(self.cameras, self.recording.pairs, counted=counted)
 
     def log(self, run: Run) -> Iterator[Note]:
         """Triggers, cycles, steps and conditions, and what the film will lack."""
@@ -293,23 +280,18 @@ class _Parts:
         yield remark("encoder log", describe_cycle(located))
         yield from note_motion(run.log, located, run.settings)
         yield from note_conditions(run.log, run.settings)
-        assert self.found.cameras is not None
-        numbers = [one.frame for one in self.found.cameras.frames]
-        yield from note_energy(run.log, numbers, self.found.cameras.light)
+        numbers = [one.frame for one in self.cameras.frames]
+        yield from note_energy(run.log, numbers, self.cameras.light)
         yield from note_omissions(run.settings, triggers)
 
     def calibration(self, run: Run) -> Iterator[Note]:
         """Whether it exists, fits, and is as new as its fixture."""
-        assert self.found.cameras is not None
-        yield from note_calibration(run, self.found.cameras, allow_outside=self.allow_outside)
+        yield from note_calibration(run, self.cameras, allow_outside=self.allow_outside)
 
-    def profile(self) -> Iterator[Note]:
-        """Number of points and range of the measured profile."""
-        assert isinstance(self.recording, Fixture)
-        name = self.recording.settings.fixture.profile
-        profile = read_profile(self.recording.directory / name)
-        for note in profile.notes:
-            yield Note(note.level, "profile", str(note))
-        low, high = profile.thickness.min(), profile.thickness.max()
-        text = f"{profile.thickness.size} points from {low:.2f} to {high:.2f} um"
-        yield remark("profile", text)
+
+def _note_profile(fixture: Fixture) -> Iterator[Note]:
+    """Number of points and range of the measured profile."""
+    profile = read_profile(fixture.directory / fixture.settings.fixture.profile)
+    yield from retitle("profile", profile.notes)
+    low, high = profile.thickness.min(), profile.thickness.max()
+    yield remark("profile", f"{profile.thickness.size} points from {low:.2f} to {high:.2f} um")

@@ -5,7 +5,7 @@ from erlif.review.comparison.control import control_chart
 from erlif.review.comparison.difference import PairDifference, average_difference, correct_for_many
 from erlif.review.comparison.maps import difference_map
 from erlif.review.comparison.records import RunRecord, read_run, refuse_unlike
-from erlif.review.comparison.table import describe_comparison, write_pair_table
+from erlif.review.comparison.table import describe_comparison
 
 __all__ = [
     "PairDifference",
@@ -18,5 +18,4 @@ __all__ = [
     "difference_map",
     "read_run",
     "refuse_unlike",
-    "write_pair_table",
 ]

@@ -78,6 +78,36 @@ def film_gradient(calibration: Calibration, film: Array) -> Array:
     return np.asarray(-calibration.gradient(film) / calibration.slope(film))
 
 
+def calibration_var(
+    one: Array, other: Array, calibrations: tuple[Calibration, Calibration], *, same: bool
+) -> Array:
+    """Variance that calibrations add to the difference of two films.
+
+    Errors of one calibration cancel as far as the films are equal; those of two add.
+
+    Parameters
+    ----------
+    one, other : array, (..., parameter)
+        Change of each film with the parameters of its calibration.
+    calibrations : (Calibration, Calibration)
+    same : bool
+        Whether both are one.
+
+    Returns
+    -------
+    array, (...)
+        [um2]
+    """
+    first, second = (each.full_covariance for each in calibrations)
+    if same:
+        return _quadratic(other - one, first)
+    return _quadratic(one, first) + _quadratic(other, second)
+
+
+def _quadratic(gradient: Array, covariance: Array) -> Array:
+    return np.asarray(np.einsum("...i,ij,...j->...", gradient, covariance, gradient))
+
+
 def cell_edges(films: list[xr.Dataset], axis: str) -> Array:
     """Edges of cells that lie within all images along one axis. [mm]
 

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.calibration import Calibration, compare_calibrations
+from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
 from erlif.review.comparison.records import RunRecord
 
@@ -56,11 +57,7 @@ def control_chart(records: Sequence[RunRecord], calibrations: Sequence[Calibrati
         if all(each.size > 1 for each in known):
             value = np.array([each.mean() for each in known])
             std = np.array([each.std(ddof=1) / np.sqrt(each.size) for each in known])
-            chart["patch_ratio"] = ("run", value, {"units": "1"})
-            chart["patch_ratio_std"] = ("run", std, {"units": "1"})
-            chart["patch_centre"] = ((), value.mean(), {"units": "1"})
-            limit = LIMIT * float(np.sqrt((std**2).mean()))
-            chart["patch_limit"] = ((), limit, {"units": "1"})
+            chart = _centred("patch", "run", value, std)
     if len(calibrations) > 1:
         chart = chart.merge(_chart_calibrations(sorted(calibrations, key=lambda each: each.date)))
     return chart
@@ -81,15 +78,23 @@ def _chart_calibrations(calibrations: list[Calibration]) -> xr.Dataset:
             verdicts.append(compare_calibrations(later, earlier).verdict)
         except CalibrationError as error:
             verdicts.append(f"not compared: {error}")
-    dim = "calibration"
+    chart = _centred("calibration", "calibration", value, std)
+    return chart.assign(
+        calibration_date=("calibration", [each.date for each in calibrations]),
+        calibration_verdict=("calibration", verdicts),
+        calibration_film=((), film, {"units": "um"}),
+    )
+
+
+def _centred(name: str, dim: str, value: Array, std: Array) -> xr.Dataset:
+    """A chart of ratios with its centre and its limits."""
+    limit = LIMIT * float(np.sqrt((std**2).mean()))
+    columns = {
+        "ratio": (dim, value),
+        "ratio_std": (dim, std),
+        "centre": ((), value.mean()),
+        "limit": ((), limit),
+    }
     return xr.Dataset(
-        {
-            "calibration_ratio": (dim, value, {"units": "1"}),
-            "calibration_ratio_std": (dim, std, {"units": "1"}),
-            "calibration_date": (dim, [each.date for each in calibrations]),
-            "calibration_verdict": (dim, verdicts),
-            "calibration_centre": ((), value.mean(), {"units": "1"}),
-            "calibration_limit": ((), LIMIT * float(np.sqrt((std**2).mean())), {"units": "1"}),
-            "calibration_film": ((), film, {"units": "um"}),
-        }
+        {f"{name}_{part}": (*column, {"units": "1"}) for part, column in columns.items()}
     )

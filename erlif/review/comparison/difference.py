@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ErlifError
+from erlif.review.comparison.cells import calibration_var
 from erlif.review.comparison.records import REPEATING, RunRecord
 
 _FULL_TURN = 360.0  # degree
@@ -173,17 +175,12 @@ def average_difference(
     (v1, own1, g1), (v2, own2, g2) = parts
     at = v2 - v1
     use = np.isfinite(at) & np.isfinite(own1) & np.isfinite(own2)
-    same = one.calibration_key == other.calibration_key
-    c1, c2 = one.calibration.full_covariance, other.calibration.full_covariance
-
-    def calibration_var(first: Array, second: Array) -> Array:
-        if same:
-            change = second - first
-            return np.asarray(np.einsum("...i,ij,...j->...", change, c1, change))
-        of_first = np.einsum("...i,ij,...j->...", first, c1, first)
-        return np.asarray(of_first + np.einsum("...i,ij,...j->...", second, c2, second))
-
-    at_std = np.sqrt(own1**2 + own2**2 + calibration_var(g1, g2))
+    common = partial(
+        calibration_var,
+        calibrations=(one.calibration, other.calibration),
+        same=one.calibration_key == other.calibration_key,
+    )
+    at_std = np.sqrt(own1**2 + own2**2 + common(g1, g2))
     if not use.any():
         return PairDifference(math.nan, math.nan, math.nan, math.nan, at, at_std)
 
@@ -194,7 +191,7 @@ def average_difference(
         + repeating * float(own[use].mean()) ** 2
         for own in (own1, own2)
     )
-    shared = float(calibration_var(g1[use].mean(axis=0), g2[use].mean(axis=0)))
+    shared = float(common(g1[use].mean(axis=0), g2[use].mean(axis=0)))
     value, std = float(at[use].mean()), math.sqrt(own_var + shared)
     probability = math.erfc(abs(value) / std / math.sqrt(2)) if std > 0 else float(value == 0)
     return PairDifference(value, std, math.sqrt(own_var), probability, at, at_std)

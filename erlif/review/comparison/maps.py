@@ -9,7 +9,7 @@ from erlif.calibration import calibration_of
 from erlif.core.arrays import Array, FlagImage
 from erlif.core.errors import ErlifError
 from erlif.io.files import describe_trigger, settings_of
-from erlif.review.comparison.cells import average_cells, cell_edges
+from erlif.review.comparison.cells import average_cells, calibration_var, cell_edges
 
 FALSE_DISCOVERIES = 0.05
 """Expected share of cells that do not differ, among those stated to differ."""
@@ -54,19 +54,14 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
             "Compare the film statistics alone, or runs of one camera."
         )
     edges = {f"{axis}_edges": cell_edges([one, other], axis) for axis in ("x", "y")}
-    calibrations = [calibration_of(film) for film in (one, other)]
+    calibrations = calibration_of(one), calibration_of(other)
     a, b = (
         average_cells(film, trigger, calibration, **edges)
         for film, trigger, calibration in zip((one, other), triggers, calibrations, strict=True)
     )
     same = one.attrs["calibration"] == other.attrs["calibration"]
-    c1, c2 = (each.full_covariance for each in calibrations)
-    if same:
-        change = b.gradient - a.gradient
-        shared = np.einsum("iyx,ij,jyx->yx", change, c1, change)
-    else:
-        shared = np.einsum("iyx,ij,jyx->yx", a.gradient, c1, a.gradient)
-        shared = shared + np.einsum("iyx,ij,jyx->yx", b.gradient, c2, b.gradient)
+    of_a, of_b = (np.moveaxis(each.gradient, 0, -1) for each in (a, b))
+    shared = calibration_var(of_a, of_b, calibrations, same=same)
 
     difference = b.film - a.film
     std = np.where(np.isfinite(difference), np.sqrt(a.own_var + b.own_var + shared), np.nan)
@@ -84,8 +79,12 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
             "differs": (dims, _significant(significance), {"units": "1"}),
         },
         {
-            name: (name, 0.5 * (edges[f"{name}_edges"][1:] + edges[f"{name}_edges"][:-1]), attrs)
-            for name, attrs in (("x", {"units": "mm"}), ("y", {"units": "mm"}))
+            name: (
+                name,
+                0.5 * (edges[f"{name}_edges"][1:] + edges[f"{name}_edges"][:-1]),
+                {"units": "mm"},
+            )
+            for name in ("x", "y")
         },
         {
             "first": described[0],

@@ -1,31 +1,13 @@
-"""A comparison in words and tables."""
+"""A comparison in words."""
 
 from __future__ import annotations
-
-import csv
-from html import escape
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from erlif.io.files import replacing
-
 _NAMES = {"film_min": "minimum film", "film_mean": "mean film"}
 _NO_CHANCE = 1e-12  # probabilities below it depend on tails that nobody has measured
 _SIDES = 1.96  # standard deviations of a difference that is found in half of the cases
-
-_COLUMNS = (
-    "first",
-    "second",
-    "statistic",
-    "difference [um]",
-    "std [um]",
-    "probability",
-    "probability corrected",
-    "differs",
-    "same calibration",
-)
 
 
 def describe_comparison(found: xr.Dataset) -> list[str]:
@@ -138,87 +120,3 @@ def _conclude(found: xr.Dataset) -> str:
     if not sentences:
         return f"no two runs differ by more than chance, at 5 % for all {tests} tests together"
     return "; ".join(sentences)
-
-
-def pair_rows(found: xr.Dataset) -> list[list[str]]:
-    """Rows of the table of pairs, as text in the order of its columns."""
-    rows = []
-    for k in range(found.sizes["pair"]):
-        for name in _NAMES:
-            one = found.isel(pair=k).sel(statistic=name)
-            rows.append(
-                [
-                    str(one["first"].item()),
-                    str(one.second.item()),
-                    name,
-                    f"{float(one.difference):.4f}",
-                    f"{float(one.difference_std):.4f}",
-                    f"{float(one.probability):.3g}",
-                    f"{float(one.probability_corrected):.3g}",
-                    str(int(one.differs)),
-                    str(int(one.same_calibration)),
-                ]
-            )
-    return rows
-
-
-def write_pair_table(found: xr.Dataset, output: Path) -> None:
-    """Write the table of pairs, as CSV or as HTML by the suffix.
-
-    Parameters
-    ----------
-    found : xarray.Dataset
-        As `erlif.compare` returns it.
-    output : Path
-        File in .csv or .html.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be written.
-
-    Examples
-    --------
-    >>> import erlif
-    >>> from tempfile import TemporaryDirectory
-    >>> from erlif.show.plots import example_film
-    >>> film = example_film()
-    >>> found = erlif.compare([film, film.assign(film_min=film.film_min + 0.5)])
-    >>> with TemporaryDirectory() as directory:
-    ...     write_pair_table(found, Path(directory) / "compare.csv")
-    ...     (Path(directory) / "compare.csv").read_text().splitlines()[1][:40]
-    'example (1),example (2),film_min,0.5000,'
-    """
-    rows = pair_rows(found)
-    with replacing(output) as scratch:
-        if output.suffix == ".html":
-            scratch.write_text(_html(rows), encoding="utf-8")
-            return
-        with scratch.open("w", encoding="utf-8", newline="") as file:
-            csv.writer(file).writerows([_COLUMNS, *rows])
-
-
-def _html(rows: list[list[str]]) -> str:
-    """The table as a page; a probability below those that are known is stated as such."""
-    chances = [_COLUMNS.index(name) for name in ("probability", "probability corrected")]
-    for row in rows:
-        for k in chances:
-            row[k] = "below 1e-12" if float(row[k]) < _NO_CHANCE else row[k]
-    head = "".join(f"<th>{escape(name)}</th>" for name in _COLUMNS)
-    body = "\n".join(
-        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
-    )
-    style = (
-        ":root{color-scheme:light dark}body{font:15px sans-serif;margin:1rem}"
-        "div{overflow-x:auto}td,th{padding:.2rem .6rem;text-align:right}"
-        "table{border-collapse:collapse;font-variant-numeric:tabular-nums}"
-        "tr{border-bottom:1px solid #8886}"
-    )
-    return (
-        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width">\n'
-        '<meta name="generator" content="erlif">\n'
-        f"<title>Runs compared</title><style>{style}</style></head>\n<body><h1>Runs compared</h1>"
-        "\n<p>Differences are the second run less the first; std is one standard deviation.</p>"
-        f"\n<div><table><tr>{head}</tr>\n{body}</table></div></body></html>\n"
-    )

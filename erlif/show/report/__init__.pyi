@@ -1,5 +1,6 @@
 from .budget import render_budget
 from .check_page import write_check_page
+from .comparison import write_pair_table
 from .design import list_materials, summarise_design
 from .design_page import make_design_page, write_design_page
 from .linkage import summarise_linkages
@@ -27,6 +28,7 @@ __all__ = [
     "summarise_prediction",
     "write_check_page",
     "write_design_page",
+    "write_pair_table",
     "write_plan",
     "write_report",
     "write_runs_report",
