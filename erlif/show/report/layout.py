@@ -6,7 +6,7 @@ import base64
 import functools
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib import resources
 from itertools import groupby
 from pathlib import Path
@@ -110,6 +110,33 @@ def print_units(text: str) -> Markup:
     Markup('steps of 2 µm &lt; 3 µm')
     """
     return Markup(re.sub(r"\bum\b", "µm", re.sub(r"\bdegC\b", "°C", str(escape(text)))))
+
+
+def print_rows(head: str, rows: Mapping[str, str], *, width: int = 28) -> str:
+    """Lay out titles and texts for the terminal, below a first line.
+
+    Parameters
+    ----------
+    head : str
+    rows : mapping of str to str
+        Text by title; its further lines stand below the first one.
+    width : int
+        Columns of the titles.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> print_rows("a film", {"load": "222 N", "notes": "one\\ntwo"}, width=6).splitlines()
+    ['a film', '  load  222 N', '  notes one', '        two']
+    """
+    lines = [head]
+    for title, text in rows.items():
+        for k, line in enumerate(filter(None, text.split("\n"))):
+            lines.append(f"  {title if k == 0 else '':{width}s}{line}")
+    return "\n".join(lines)
 
 
 def compose_page(

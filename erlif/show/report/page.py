@@ -224,14 +224,13 @@ def _embedded_maps(film: xr.Dataset, kept: KeptMaps, progress: Progress) -> Mark
 def _summary_section(source: FigureSource, shares: Array) -> Markup:
     """Write the tables of the summary, and the notes."""
     film = source.film
-    valid, flagged = float(shares[:, 0].mean()), shares[:, 1:].mean(axis=0)
     return render(
         "summary.html",
-        results=results_table(film, valid),
+        results=results_table(film, shares),
         **theory_sentences(film),
         calibration=calibration_table(source),
         registration=registration_table(source.group("registration"), source.group("frames")),
-        flags=flag_table(flagged),
+        flags=flag_table(shares[:, 1:].mean(axis=0)),
         notes=dict.fromkeys(split_notes(str(film.attrs.get("notes", "")))),
     )
 

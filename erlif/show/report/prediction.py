@@ -6,16 +6,15 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.notes import rank_notes
+from erlif.core.notes import join_notes
 from erlif.io.files import settings_of
 from erlif.pipeline.physics.prediction import describe_sideways, note_difference
 from erlif.prediction import speed_correlation
+from erlif.show.report.layout import print_rows
 
-_TITLE = 28  # columns of the titles, as in the summary of a film
 
-
-def correlation_lines(film: xr.Dataset) -> list[str]:
-    """Correlation of the film with the size of the speed, measured and predicted.
+def describe_correlations(film: xr.Dataset) -> str:
+    """Correlation of the minimum film with the size of the speed over the triggers.
 
     Parameters
     ----------
@@ -24,55 +23,26 @@ def correlation_lines(film: xr.Dataset) -> list[str]:
 
     Returns
     -------
-    list of str
-        One line; none without a speed or a prediction.
-    """
-    found = compare_correlations(film)
-    if found is None:
-        return []
-    measured, predicted = (f"{value:+.2f}" if np.isfinite(value) else "none" for value in found)
-    return [_line("correlation with |speed|", f"measured {measured}, predicted {predicted}")]
-
-
-def compare_correlations(film: xr.Dataset) -> tuple[float, float] | None:
-    """Correlation of minimum film and size of the speed over the triggers.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-        With film_predicted_min, rocker_speed and, where it was measured, film_min (trigger).
-
-    Returns
-    -------
-    tuple of float, or None
-        Measured and predicted, NaN where it is not known; None without a speed or a prediction.
+    str
+        Measured and predicted; empty without a speed or a prediction.
     """
     if "film_predicted_min" not in film or "rocker_speed" not in film:
-        return None
+        return ""
     speed = film["rocker_speed"].values
-    measured = film["film_min"].values if "film_min" in film else np.full(speed.shape, np.nan)
-    return speed_correlation(measured, speed), speed_correlation(
-        film["film_predicted_min"].values, speed
-    )
+    found = [
+        speed_correlation(film[name].values, speed) if name in film else np.nan
+        for name in ("film_min", "film_predicted_min")
+    ]
+    measured, predicted = (f"{value:+.2f}" if np.isfinite(value) else "none" for value in found)
+    return f"measured {measured}, predicted {predicted}"
 
 
-def difference_lines(film: xr.Dataset) -> list[str]:
-    """Deviation of the measured minimum from the predicted one.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-        With film_predicted_min and film_min (trigger); otherwise there are no lines.
-
-    Returns
-    -------
-    list of str
-    """
+def describe_difference(film: xr.Dataset) -> str:
+    """Mean and rms of the measured minimum less the predicted one; empty without either."""
     off = _differences(film)
     if not off.size:
-        return []
-    text = f"mean {off.mean():+.3g} um, rms {np.sqrt(np.mean(off**2)):.3g} um"
-    return [_line("measured less predicted", text)]
+        return ""
+    return f"mean {off.mean():+.3g} um, rms {np.sqrt(np.mean(off**2)):.3g} um"
 
 
 def carrying_sentences(film: xr.Dataset) -> list[str]:
@@ -158,21 +128,15 @@ def summarise_prediction(prediction: xr.Dataset) -> str:
     """
     attrs, minimum = prediction.attrs, prediction["film_predicted_min"].values
     name = str(attrs["title"]).removeprefix("predicted oil-film thickness, ")
-    lines = [
-        f"{name}: {attrs['model']}, {minimum.size} triggers",
-        _line("predicted minimum film", f"{minimum.min():.4g} to {minimum.max():.4g} um"),
-    ]
+    rows = {"predicted minimum film": f"{minimum.min():.4g} to {minimum.max():.4g} um"}
     if "film_min" in prediction and np.isfinite(prediction["film_min"].values).any():
         low, high = np.nanmin(prediction["film_min"]), np.nanmax(prediction["film_min"])
-        lines.append(_line("measured minimum film", f"{low:.4g} to {high:.4g} um"))
+        rows["measured minimum film"] = f"{low:.4g} to {high:.4g} um"
     source = "fitted to the measured minima" if attrs["start_film_fitted"] else "as given"
-    lines.append(_line("minimum at the first frame", f"{attrs['start_film']:.4g} um, {source}"))
-    lines += [*difference_lines(prediction), *correlation_lines(prediction)]
+    rows["minimum at the first frame"] = f"{attrs['start_film']:.4g} um, {source}"
+    rows["measured less predicted"] = describe_difference(prediction)
+    rows["correlation with |speed|"] = describe_correlations(prediction)
     if "settings" in attrs:
-        notes = rank_notes(note_difference(prediction, settings_of(prediction).prediction))
-        lines += [_line("notes", f"{note.level}: {note}") for note in notes]
-    return "\n".join(lines)
-
-
-def _line(title: str, text: str) -> str:
-    return f"  {title:{_TITLE}s}{text}"
+        notes = note_difference(prediction, settings_of(prediction).prediction)
+        rows["notes"] = join_notes(notes)
+    return print_rows(f"{name}: {attrs['model']}, {minimum.size} triggers", rows)

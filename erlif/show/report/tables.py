@@ -15,8 +15,9 @@ from erlif.io.conversion import table_csv, trigger_columns
 from erlif.io.files import motion_of, settings_of
 from erlif.show.plots.files import FigureSource
 from erlif.show.plots.maps import flag_swatch, flag_title
-from erlif.show.report.layout import Table, download_link, file_name, render
-from erlif.show.report.prediction import carrying_sentences, compare_correlations
+from erlif.show.report.layout import Table, download_link, file_name, print_units, render
+from erlif.show.report.prediction import carrying_sentences
+from erlif.show.report.summary import describe_film
 
 _REASONS = {
     Flag.SATURATED: "a camera read full scale",
@@ -58,14 +59,28 @@ def with_digits(value: float, digits: int) -> str:
     return f"{value:.{digits}f}".replace("-", "−") if math.isfinite(value) else _UNKNOWN
 
 
-def results_table(film: xr.Dataset, valid: float) -> Table:
-    """Make the table of the results; `valid` is the mean share of valid pixels."""
+_SUMMARISED = (
+    "minimum film thickness",
+    "mean film thickness",
+    "displacement of the pin",
+    "valid pixels",
+    "power of speed over load",
+    "correlation with |speed|",
+)
+"""Rows of the summary of a film that stand among the results; the report has tables of the rest."""
+
+
+def results_table(film: xr.Dataset, shares: Array) -> Table:
+    """Make the table of the results; `shares` as `erlif.io.files.flag_shares` returns them."""
+    found = describe_film(film, shares)
     rows = [
         ("Triggers, frame pairs", f"{film.sizes['trigger']}, {int(film.frames_used.sum())}"),
         ("Image", f"{film.sizes['x']} × {film.sizes['y']} pixels"),
-        ("Valid pixels", f"{100 * valid:.1f} %"),
-        *_film_rows(film),
-        *_exponent_rows(film),
+        *(
+            (title.capitalize(), print_units(found[title].replace(" -", " −")))
+            for title in _SUMMARISED
+            if title in found
+        ),
         *_theory_rows(film),
     ]
     if "film_parameter" in film:
@@ -88,40 +103,6 @@ def theory_sentences(film: xr.Dataset) -> dict[str, list[str]]:
     }
 
 
-def _film_rows(film: xr.Dataset) -> list[tuple[str, str]]:
-    """Range of minimum and mean film thickness over the cycle."""
-    rows = []
-    for name, title in (
-        ("film_min", "Minimum film thickness"),
-        ("film_mean", "Mean film thickness"),
-    ):
-        value, std = film[name].values, film[f"{name}_std"].values
-        if np.isfinite(value).any():
-            low, high = int(np.nanargmin(value)), int(np.nanargmax(value))
-            ends = [with_error(float(value[k]), float(std[k])) for k in (low, high)]
-            over = "over the cycle" if "crank_angle" in film else "over the run"
-            span = f"{ends[0]} to {ends[1]}" if low != high else ends[0]
-            rows.append((f"{title}, {over}", f"{span} µm"))
-    return rows
-
-
-def _exponent_rows(film: xr.Dataset) -> list[tuple[str, str]]:
-    """Fitted powers of speed over load."""
-    rows = []
-    for name, title in (("speed_exponent", "minimum"), ("speed_exponent_mean", "mean")):
-        if name not in film:
-            continue
-        if not math.isfinite(float(film[name])):
-            reason = "not fitted: fewer than five triggers can be used, or it hardly varies"
-            rows.append((f"Power of speed over load, {title} film thickness", reason))
-            continue
-        text = with_error(float(film[name]), float(film[f"{name}_std"]))
-        used = film[name].attrs.get("triggers_used")
-        count = f" ({int(used)} triggers)" if used is not None else ""
-        rows.append((f"Power of speed over load, {title} film thickness", text + count))
-    return rows
-
-
 def _theory_rows(film: xr.Dataset) -> list[tuple[str, str]]:
     """Predicted films, and the measured minimum relative to them."""
     if "film_theory" not in film:
@@ -135,7 +116,7 @@ def _theory_rows(film: xr.Dataset) -> list[tuple[str, str]]:
     if "film_predicted_min" in film:
         regime = film.film_regime_map.attrs.get("regime", "")
         text = f"{with_span(film.film_regime_map.values)} µm, {regime}"
-        steady = [*_correlation_rows(film), ("Regime map for steady motion", text)]
+        steady = [("Regime map for steady motion", text)]
     return [
         ("Theory", str(theory.attrs.get("long_name", ""))),
         ("Range of the theory", span),
@@ -143,17 +124,6 @@ def _theory_rows(film: xr.Dataset) -> list[tuple[str, str]]:
         *steady,
         ("2.65 line-contact formula", f"{with_span(film.film_hamrock_dowson.values)} µm"),
     ]
-
-
-def _correlation_rows(film: xr.Dataset) -> list[tuple[str, str]]:
-    """Correlation of the minimum film with the size of the speed, measured and predicted."""
-    found = compare_correlations(film)
-    if found is None:
-        return []
-    measured, predicted = (
-        f"{value:+.2f}".replace("-", "−") if math.isfinite(value) else _UNKNOWN for value in found
-    )
-    return [("Correlation of film with |speed|", f"measured {measured}, predicted {predicted}")]
 
 
 def calibration_table(source: FigureSource) -> Table:
