@@ -75,7 +75,9 @@ def open_raw(path: Path) -> FrameFile:
         )
     given = _read_description(beside)
     shape = given.height, given.width
-    ((plain, packed, order),) = _FORMAT.findall(given.pixel_format)
+    name = _FORMAT.fullmatch(given.pixel_format)
+    assert name is not None  # as the description was checked
+    plain, packed, order = name.groups()
     packing = Packing[f"{_PACKINGS[order]}_{packed}"] if packed else None
     layout = FrameLayout(shape, "|u1" if plain == "8" else "<u2", packing=packing)
 
