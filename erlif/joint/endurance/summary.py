@@ -56,7 +56,7 @@ def describe_test(found: EnduranceResult) -> list[str]:
 
     Examples
     --------
-    >>> from erlif.show.plots.endurance_example import example_test
+    >>> from erlif.show.plots.example import example_test
     >>> print(describe_test(example_test())[0])
     example: 6 stages and 6 idle runs in 4424 s
     """
@@ -251,7 +251,7 @@ def write_test_table(found: Sequence[EnduranceResult], output: Path) -> Path:
     Examples
     --------
     >>> import tempfile
-    >>> from erlif.show.plots.endurance_example import example_test
+    >>> from erlif.show.plots.example import example_test
     >>> path = Path(tempfile.mkdtemp(), "endurance.csv")
     >>> write_test_table([example_test()], path).read_text().splitlines()[1][:12]
     'example,6,1,'

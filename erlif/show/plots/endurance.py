@@ -59,7 +59,7 @@ def load_profile(result: EnduranceResult, *, ax: Axes | None = None) -> list[Art
 
     Examples
     --------
-    >>> from erlif.show.plots.endurance_example import example_test
+    >>> from erlif.show.plots.example import example_test
     >>> line, *_ = load_profile(example_test())
     >>> line.axes.get_ylabel()
     'load [kN]'
@@ -96,7 +96,7 @@ def friction_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> li
 
     Examples
     --------
-    >>> from erlif.show.plots.endurance_example import example_test
+    >>> from erlif.show.plots.example import example_test
     >>> line, *_ = friction_over_test(example_test())
     >>> line.axes.get_ylabel()
     'friction coefficient'
@@ -125,7 +125,7 @@ def quantity_over_test(
 
     Examples
     --------
-    >>> from erlif.show.plots.endurance_example import example_test
+    >>> from erlif.show.plots.example import example_test
     >>> line, *_ = quantity_over_test(example_test(), "vibration")
     >>> line.axes.get_ylabel()
     'vibration [g]'
@@ -163,7 +163,7 @@ def endurance_figure(result: EnduranceResult, *, figure: AnyFigure | None = None
 
     Examples
     --------
-    >>> from erlif.show.plots.endurance_example import example_test
+    >>> from erlif.show.plots.example import example_test
     >>> len(endurance_figure(example_test()).axes)
     5
     """
@@ -205,7 +205,7 @@ def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) 
 
     Examples
     --------
-    >>> from erlif.show.plots.endurance_example import example_test
+    >>> from erlif.show.plots.example import example_test
     >>> [ax.get_ylabel() for ax in failure_figure(example_test()).axes]
     ['torque [N m]', 'friction coefficient']
     """
@@ -266,7 +266,7 @@ def name_figures(result: EnduranceResult, *, overview: str = "") -> list[str]:
 
     Examples
     --------
-    >>> from erlif.show.plots.endurance_example import example_test
+    >>> from erlif.show.plots.example import example_test
     >>> name_figures(example_test(galls=False))
     ['example.png', 'example_load.png', 'example_friction.png', 'example_temperature.png']
     """

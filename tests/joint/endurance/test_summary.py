@@ -4,7 +4,7 @@ import csv
 from dataclasses import replace
 
 from erlif.joint.endurance import describe_test, write_test_table
-from erlif.show.plots.endurance_example import example_test
+from erlif.show.plots.example import example_test
 
 
 def test_a_failure_is_described_with_its_interval():

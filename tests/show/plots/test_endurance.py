@@ -18,7 +18,7 @@ from erlif.show.plots import (
     quantity_over_test,
     write_endurance_figures,
 )
-from erlif.show.plots.endurance_example import example_test
+from erlif.show.plots.example import example_test
 
 
 def test_onset_and_stages_are_marked():
