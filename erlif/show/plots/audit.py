@@ -9,22 +9,8 @@ from erlif.core.arrays import Array
 from erlif.review.audit.cameras import Picture
 from erlif.review.audit.counts import CountSurvey
 from erlif.review.audit.log import Steps
-from erlif.show.plots.style import (
-    FLAGGED_DIFFERENCE,
-    MUTED,
-    ONE_COLUMN,
-    OUTWARD,
-    RETURN,
-    TWO_COLUMNS,
-    add_colour_bar,
-    colour_limits,
-    draw_image,
-    even_limits,
-    letter,
-    letter_panels,
-    new_figure,
-    styled,
-)
+from erlif.show.plots import style
+from erlif.show.plots.style import MUTED, ONE_COLUMN, OUTWARD, RETURN, TWO_COLUMNS, styled
 
 _LOOKS = ((OUTWARD, "o", OUTWARD), (RETURN, "s", "white"))
 _WITHIN = 99.5  # percentile of the differences at the ends of their colour scale
@@ -49,12 +35,12 @@ def pair_figure(picture: Picture) -> Figure:
         Two columns wide.
     """
     rows, columns = picture.light[0].shape
-    figure = new_figure(TWO_COLUMNS, 0.38 * TWO_COLUMNS * rows / columns + _AROUND)
+    figure = style.new_figure(TWO_COLUMNS, 0.38 * TWO_COLUMNS * rows / columns + _AROUND)
     for ax, light, number in zip(figure.subplots(1, 2), picture.light, (1, 2), strict=True):
-        image = draw_image(ax, light, colour_limits(light))
-        add_colour_bar(image, ax, "corrected light [DN]")
+        image = style.draw_image(ax, light, style.colour_limits(light))
+        style.add_colour_bar(image, ax, "corrected light [DN]")
         ax.set_title(f"camera {number}, pair {picture.frame}")
-        letter(ax, "ab"[number - 1])
+        style.letter(ax, "ab"[number - 1])
         ax.set_axis_off()
     return figure
 
@@ -73,12 +59,12 @@ def difference_figure(picture: Picture) -> Figure:
         One column wide.
     """
     rows, columns = picture.difference.shape
-    figure = new_figure(ONE_COLUMN, 0.76 * ONE_COLUMN * rows / columns + _AROUND)
+    figure = style.new_figure(ONE_COLUMN, 0.76 * ONE_COLUMN * rows / columns + _AROUND)
     ax = figure.add_subplot()
     share = 100 * picture.difference
-    limits = even_limits(share, within=_WITHIN, least=_LEAST_SHARE)
-    image = draw_image(ax, share, limits, colours="vik", bad=FLAGGED_DIFFERENCE)
-    add_colour_bar(image, ax, "ratio over its surroundings [%]")
+    limits = style.even_limits(share, within=_WITHIN, least=_LEAST_SHARE)
+    image = style.draw_image(ax, share, limits, colours="vik", bad=style.FLAGGED_DIFFERENCE)
+    style.add_colour_bar(image, ax, "ratio over its surroundings [%]")
     ax.set_axis_off()
     return figure
 
@@ -96,7 +82,7 @@ def histogram_figure(survey: CountSurvey) -> Figure:
     Figure
         One column wide.
     """
-    figure = new_figure()
+    figure = style.new_figure()
     ax = figure.add_subplot()
     for number, (histogram, (colour, *_)) in enumerate(
         zip(survey.histograms, _LOOKS, strict=True), 1
@@ -128,7 +114,7 @@ def light_figure(survey: CountSurvey, darks: tuple[float, float]) -> Figure:
     Figure
         One column wide.
     """
-    figure = new_figure(height=1.0 * ONE_COLUMN)
+    figure = style.new_figure(height=1.0 * ONE_COLUMN)
     upper, lower = figure.subplots(2, 1, sharex=True)
     numbers = [one.frame for one in survey.frames]
     light = np.array([one.level for one in survey.frames]) - np.asarray(darks)
@@ -149,7 +135,7 @@ def light_figure(survey: CountSurvey, darks: tuple[float, float]) -> Figure:
     upper.set_ylabel("median light [DN]")
     lower.set(ylabel="fine structure [%]", xlabel="frame pair [1]")
     upper.legend(title="camera", ncols=2)
-    letter_panels(upper, lower)
+    style.letter_panels(upper, lower)
     return figure
 
 
@@ -173,7 +159,7 @@ def steps_figure(steps: Steps) -> Figure | None:
     ]
     if not shown:
         return None
-    figure = new_figure(height=0.5 * ONE_COLUMN * len(shown))
+    figure = style.new_figure(height=0.5 * ONE_COLUMN * len(shown))
     axes = np.atleast_1d(np.asarray(figure.subplots(len(shown), 1, sharex=True)))
     for ax, (values, name, unit), mark in zip(axes, shown, "ab", strict=False):
         drawn: Array = values if name == "angle" else 1e3 * np.diff(values)
@@ -186,6 +172,6 @@ def steps_figure(steps: Steps) -> Figure | None:
             middle = float(np.median(drawn))
             room = max(float(np.abs(drawn - middle).max()), _STEADY * middle)
             ax.set_ylim(middle - 1.1 * room, middle + 1.1 * room)
-        letter(ax, mark)
+        style.letter(ax, mark)
     axes[-1].set_xlabel("frame pair [1]")
     return figure

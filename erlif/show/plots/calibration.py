@@ -12,30 +12,8 @@ from matplotlib.lines import Line2D
 
 from erlif.calibration import Calibration, Profile
 from erlif.core.arrays import Array
-from erlif.show.plots.style import (
-    COVERAGE,
-    MUTED,
-    ONE_COLUMN,
-    OUTWARD,
-    RETURN,
-    STACK,
-    AnyFigure,
-    add_colour_bar,
-    colour_map,
-    frame_legend,
-    given_or_new,
-    in_style,
-    is_page,
-    is_visible,
-    legend_above,
-    letter_panels,
-    new_figure,
-    pt,
-    room_for,
-    rows_or_columns,
-    save_figure,
-    styled,
-)
+from erlif.show.plots import style
+from erlif.show.plots.style import MUTED, ONE_COLUMN, OUTWARD, RETURN, AnyFigure, pt, styled
 
 _SHADE: dict[str, Any] = {
     "facecolor": "#EDEDED",
@@ -100,17 +78,17 @@ def fixture_profile(
     >>> points.axes.get_xlabel(), points.axes.get_ylabel()
     ('profile x [mm]', 'thickness by CMM [µm]')
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     if profile.position.ndim == 2:
         scatter = ax.scatter(
             profile.position[:, 0],
             profile.position[:, 1],
             c=profile.thickness,
-            cmap=colour_map("batlow"),
+            cmap=style.colour_map("batlow"),
             s=6,
             linewidths=0,
         )
-        add_colour_bar(scatter, ax, "thickness by CMM [µm]", extend="neither")
+        style.add_colour_bar(scatter, ax, "thickness by CMM [µm]", extend="neither")
         ax.set(xlabel="profile x [mm]", ylabel="profile y [mm]", aspect="equal")
         return [scatter]
 
@@ -126,7 +104,7 @@ def fixture_profile(
     )
     ax.set(xlabel="profile x [mm]", ylabel="thickness by CMM [µm]")
     ax.margins(x=0.01)
-    legend_above(ax)
+    style.legend_above(ax)
     return [points, *artists]
 
 
@@ -142,7 +120,7 @@ def _grid(calibration: Calibration) -> Array:
 
 def _band(calibration: Calibration, thickness: Array) -> Array:
     """Half width of the 95 % band of the fitted ratio, relative to the ratio. [1]"""
-    return COVERAGE * calibration.log_ratio_std(thickness)
+    return style.COVERAGE * calibration.log_ratio_std(thickness)
 
 
 @styled
@@ -168,7 +146,7 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
     >>> fit.axes.get_xlabel(), fit.axes.get_ylabel()
     ('thickness [µm]', 'ratio 610 nm / 580 nm [1]')
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
 
     # the band is symmetric in the logarithm of the ratio, in which the fit was made
     t = _grid(calibration)
@@ -201,13 +179,13 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
     one, two = calibration.bands
     ax.set(xlabel="thickness [µm]", ylabel=f"ratio {two:g} nm / {one:g} nm [1]")
     ax.margins(x=0.01)
-    if is_visible(ax, ratio * np.sinh(share) * 2, pt(1.0)):
+    if style.is_visible(ax, ratio * np.sinh(share) * 2, pt(1.0)):
         band.set_label("fit, 95 % band")
-    frame_legend(ax, loc="lower right")
+    style.frame_legend(ax, loc="lower right")
 
     # the parameters stand above the steep part of the curve
     low, high = ax.get_ylim()
-    ax.set_ylim(low, high + room_for(ax, _ABOVE) * (high - low))
+    ax.set_ylim(low, high + style.room_for(ax, _ABOVE) * (high - low))
     ax.annotate(
         _parameters(calibration),
         (0.04, 0.97),
@@ -258,7 +236,7 @@ def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list
     >>> float(abs(points.get_ydata()).max())
     0.0
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     t = _grid(calibration)
     percent = 100 * _band(calibration, t)
     ax.axvspan(*calibration.thickness_range, linewidth=pt(0.5), **_SHADE)
@@ -293,7 +271,7 @@ def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list
         artists.append(points)
     ax.set(xlabel="thickness [µm]", ylabel="residual [% of ratio]")
     ax.margins(x=0.01)
-    legend_above(ax)
+    style.legend_above(ax)
     return artists
 
 
@@ -319,13 +297,13 @@ def calibration_figure(calibration: Calibration, *, figure: AnyFigure | None = N
     >>> calibration_figure(example_calibration()).get_suptitle()
     'calibration with example wedge'
     """
-    figure = new_figure(ONE_COLUMN, STACK * ONE_COLUMN) if figure is None else figure
-    above, below = rows_or_columns(figure, 2, sharex=True, ratios=_PANELS)
+    figure = style.given_figure(figure, ONE_COLUMN, style.STACK * ONE_COLUMN)
+    above, below = style.rows_or_columns(figure, 2, sharex=True, ratios=_PANELS)
     ratio_against_thickness(calibration, ax=above)
     ratio_residuals(calibration, ax=below)
-    if not is_page():
+    if not style.is_page():
         above.set_xlabel("")
-    letter_panels(above, below)
+    style.letter_panels(above, below)
     figure.suptitle(f"calibration with {calibration.fixture}", parse_math=False)
     return figure
 
@@ -358,5 +336,5 @@ def write_calibration_figure(calibration: Calibration, path: str | Path) -> Path
     ...     write_calibration_figure(example_calibration(), f"{directory}/wedge.pdf").name
     'wedge.pdf'
     """
-    with in_style(None):
-        return save_figure(calibration_figure(calibration), Path(path))
+    with style.in_style(None):
+        return style.save_figure(calibration_figure(calibration), Path(path))

@@ -15,28 +15,9 @@ from matplotlib.lines import Line2D
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
+from erlif.show.plots import style
 from erlif.show.plots.maps import image_height, pixel_edges
-from erlif.show.plots.style import (
-    COVERAGE,
-    FLAGGED_DIFFERENCE,
-    MEAN,
-    MINIMUM,
-    MUTED,
-    ONE_COLUMN,
-    OUTWARD,
-    RETURN,
-    TWO_COLUMNS,
-    add_colour_bar,
-    draw_image,
-    even_limits,
-    given_or_new,
-    legend_below,
-    letter_panels,
-    new_figure,
-    save_figure,
-    styled,
-    swatch,
-)
+from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, TWO_COLUMNS, styled
 from erlif.show.plots.trend import plain_ticks
 from erlif.trend import SLOWEST
 
@@ -89,7 +70,7 @@ def film_against_duty(
             "Expected runs with speed and load; one of them has none. Compare runs whose log has "
             "them."
         )
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     ax.set(xscale="log", yscale="log")
     scale, unit = _prefixed(comparison.duty.values, str(comparison.duty.attrs["units"]))
     artists: list[Artist | Container] = []
@@ -206,18 +187,18 @@ def difference_map_of_runs(comparison: xr.Dataset, *, ax: Axes | None = None) ->
     'x [mm]'
     """
     cells = comparison[["map_difference", "map_differs"]].rename(map_x="x", map_y="y")
-    ax = given_or_new(ax, height=image_height(cells, _MAP_WIDTH * ONE_COLUMN) + _LABELS)
+    ax = style.given_or_new(ax, height=image_height(cells, _MAP_WIDTH * style.ONE_COLUMN) + _LABELS)
     values = cells.map_difference.values
-    image = draw_image(
+    image = style.draw_image(
         ax,
         values,
-        even_limits(values, within=99, least=_LEAST_LIMIT),
+        style.even_limits(values, within=99, least=_LEAST_LIMIT),
         colours="vik",
-        bad=FLAGGED_DIFFERENCE,
+        bad=style.FLAGGED_DIFFERENCE,
         extent=pixel_edges(cells),
     )
     _outline(ax, cells)
-    add_colour_bar(image, ax, "difference [µm]")
+    style.add_colour_bar(image, ax, "difference [µm]")
     attrs = comparison.attrs
     ax.set(xlabel="x [mm]", ylabel="y [mm]")
     ax.set_title(
@@ -226,11 +207,11 @@ def difference_map_of_runs(comparison: xr.Dataset, *, ax: Axes | None = None) ->
     )
     keys: list[Artist] = [
         Line2D([], [], color="black", linewidth=0.8, label="edge of a significant difference"),
-        swatch("white", "no difference"),
+        style.swatch("white", "no difference"),
     ]
     if not np.isfinite(values).all():
-        keys.append(swatch(FLAGGED_DIFFERENCE, "too few valid pixels"))
-    legend_below(ax, keys)
+        keys.append(style.swatch(style.FLAGGED_DIFFERENCE, "too few valid pixels"))
+    style.legend_below(ax, keys)
     return image
 
 
@@ -294,7 +275,7 @@ def control_chart_of(
             f"Expected a comparison with a control chart of the {quantity}; this one has none. "
             "Compare runs with a reference patch, or name several calibrations."
         )
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     value, std = comparison[f"{quantity}_ratio"].values, comparison[f"{quantity}_ratio_std"].values
     centre, limit = float(comparison[f"{quantity}_centre"]), float(comparison[f"{quantity}_limit"])
     place = np.arange(value.size)
@@ -357,14 +338,14 @@ def comparison_figure(comparison: xr.Dataset) -> Figure:
     """
     height = 0.55 * TWO_COLUMNS
     if "duty" not in comparison:
-        figure = new_figure(height=height)
+        figure = style.new_figure(height=height)
         _draw_differences(figure.add_subplot(), comparison)
         return figure
-    figure = new_figure(TWO_COLUMNS, height)
+    figure = style.new_figure(TWO_COLUMNS, height)
     left, right = figure.subplots(1, 2)
     film_against_duty(comparison, ax=left)
     _draw_differences(right, comparison)
-    letter_panels(left, right)
+    style.letter_panels(left, right)
     return figure
 
 
@@ -379,7 +360,7 @@ def _draw_differences(ax: Axes, comparison: xr.Dataset) -> None:
         ax.errorbar(
             place + shift,
             one.difference.values,
-            COVERAGE * one.difference_std.values,
+            style.COVERAGE * one.difference_std.values,
             fmt=marker,
             color=colour,
             elinewidth=0.9,
@@ -447,7 +428,7 @@ def write_comparison_figures(comparison: xr.Dataset, folder: Path) -> list[Path]
     figures["difference_map"] = drawn
     for quantity in ("patch", "calibration"):
         if f"{quantity}_ratio" in comparison:
-            figure = new_figure()
+            figure = style.new_figure()
             control_chart_of(comparison, quantity, ax=figure.add_subplot())
             figures[f"control_{quantity}"] = figure
-    return [save_figure(figure, folder / f"{name}.png") for name, figure in figures.items()]
+    return [style.save_figure(figure, folder / f"{name}.png") for name, figure in figures.items()]

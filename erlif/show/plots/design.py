@@ -13,20 +13,8 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from erlif.joint.sizing import FRICTION, BearingDesign, JointState, Step
-from erlif.show.plots.style import (
-    MEAN,
-    MUTED,
-    ONE_COLUMN,
-    OUTWARD,
-    RETURN,
-    TWO_COLUMNS,
-    frame_legend,
-    given_or_new,
-    letter,
-    new_figure,
-    state_empty,
-    styled,
-)
+from erlif.show.plots import style
+from erlif.show.plots.style import MEAN, MUTED, ONE_COLUMN, OUTWARD, RETURN, TWO_COLUMNS, styled
 
 _TALL = 0.72  # height by width of the figure of four panels
 _BAR = 0.16  # inch: height of a bar with its space
@@ -66,7 +54,7 @@ def design_margins(design: BearingDesign, *, ax: Axes | None = None) -> list[Art
         for step in design.assessment.steps
         if step.kind in ("limit", "recommendation") and not math.isnan(step.margin)
     ]
-    ax = given_or_new(ax, height=_BAR * len(steps) + 0.6)
+    ax = style.given_or_new(ax, height=_BAR * len(steps) + 0.6)
     bars: list[Artist] = []
     for row, step in enumerate(steps):
         used = _used(step)
@@ -132,7 +120,7 @@ def design_pressure(design: BearingDesign, *, ax: Axes | None = None) -> list[Ar
     >>> [line.get_label() for line in design_pressure(example_design())][:2]
     ['eq. 9, Persson', 'eq. 7, cosine']
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     assessment, state = design.assessment, JointState(design.joint)
     contact = state.contact
     reach = math.pi if contact is not None and contact.half_angle > math.pi / 2 else math.pi / 2
@@ -164,7 +152,7 @@ def design_pressure(design: BearingDesign, *, ax: Axes | None = None) -> list[Ar
     ax.set(xlabel="angle from the load [degree]", ylabel="pressure [MPa]")
     ax.set(xlim=(degrees[0], degrees[-1]), ylim=(0, _ABOVE * highest))
     ax.set_xticks(np.linspace(degrees[0], degrees[-1], 5))
-    frame_legend(ax, loc="upper center", ncols=2, columnspacing=1.0)
+    style.frame_legend(ax, loc="upper center", ncols=2, columnspacing=1.0)
     return list(lines)
 
 
@@ -191,12 +179,12 @@ def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
     >>> [point.get_label() for point in design_pv(example_design())]
     ['largest load', 'mean load']
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     joint, ring = design.joint, design.joint.bushing
     ax.set(xlabel="projected pressure [MPa]", ylabel="sliding speed [mm/s]")
     speed = design.assessment.step("speed").present
     if not speed > 0:
-        state_empty(ax, "no motion")
+        style.state_empty(ax, "no motion")
         return []
 
     largest = design.assessment.step("pressure_projected").present
@@ -248,7 +236,7 @@ def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_formatter(NullFormatter())
-    frame_legend(ax, loc="best")
+    style.frame_legend(ax, loc="best")
     return points
 
 
@@ -274,11 +262,11 @@ def design_temperature(design: BearingDesign, *, ax: Axes | None = None) -> list
     >>> len(design_temperature(example_design()))
     2
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     joint, step = design.joint, design.assessment.step("temperature")
     ax.set(xlabel="friction", ylabel="temperature [°C]")
     if step.missing:
-        state_empty(ax, "conductivity or motion\nnot known")
+        style.state_empty(ax, "conductivity or motion\nnot known")
         return []
 
     outside, limit = joint.outside_temperature, step.allowed[1]
@@ -324,11 +312,11 @@ def design_wear(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist
     >>> [line.get_label() for line in design_wear(example_design())]
     ['worn depth']
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     step = design.assessment.step("wear")
     ax.set(xlabel="time in motion [h]", ylabel="worn depth [mm]")
     if step.missing:
-        state_empty(ax, "wear rate, life or motion\nnot known")
+        style.state_empty(ax, "wear rate, life or motion\nnot known")
         return []
 
     life = (design.joint.life or 0.0) / 3600
@@ -346,7 +334,7 @@ def design_wear(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist
             hours = f"{float(f'{reached:.2g}'):.10g}"
             ax.set_title(f"largest wear, {limit:g} mm, after {hours} h", fontsize="medium")
     ax.set(xlim=(0, end), ylim=(0, _ABOVE * highest))
-    frame_legend(ax, loc="upper left", ncols=3, columnspacing=1.0)
+    style.frame_legend(ax, loc="upper left", ncols=3, columnspacing=1.0)
     return list(lines)
 
 
@@ -370,12 +358,12 @@ def design_figure(design: BearingDesign) -> Figure:
     >>> len(design_figure(example_design()).axes)
     4
     """
-    figure = new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS)
+    figure = style.new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS)
     panels: Any = figure.subplots(2, 2).ravel()
     drawings = (design_pressure, design_pv, design_temperature, design_wear)
     for ax, draw, text in zip(panels, drawings, "abcd", strict=True):
         draw(design, ax=ax)
-        letter(ax, text)
+        style.letter(ax, text)
     return figure
 
 
@@ -400,6 +388,6 @@ def design_margins_figure(design: BearingDesign) -> Figure:
     1
     """
     count = sum(not math.isnan(step.margin) for step in design.assessment.steps)
-    figure = new_figure(1.45 * ONE_COLUMN, _BAR * count + 0.6)
+    figure = style.new_figure(1.45 * ONE_COLUMN, _BAR * count + 0.6)
     design_margins(design, ax=figure.add_subplot())
     return figure

@@ -13,20 +13,9 @@ from matplotlib.lines import Line2D
 
 from erlif.core.units import count_of
 from erlif.joint.endurance import DesignComparison, FailureLoad
+from erlif.show.plots import style
 from erlif.show.plots.endurance import DESIGNS
-from erlif.show.plots.style import (
-    MUTED,
-    ONE_COLUMN,
-    OUTWARD,
-    RETURN,
-    AnyFigure,
-    given_or_new,
-    in_style,
-    new_figure,
-    pt,
-    save_figure,
-    styled,
-)
+from erlif.show.plots.style import MUTED, ONE_COLUMN, OUTWARD, RETURN, AnyFigure, pt, styled
 
 _LINE = 0.19  # inch, height of a row of the table
 _RUN = 0.16  # inch, height of a run
@@ -66,7 +55,7 @@ def loads_of_designs(
     >>> survived.get_xdata().tolist()
     [40.0]
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     artists: list[Artist] = []
     ticks, labels, row = [], [], 0
     for name, runs, colour in (
@@ -144,8 +133,7 @@ def designs_figure(
     """
     rows = table_of_designs(compared)
     height, lines = _RUN * (len(first) + len(second) + 6), _LINE * len(rows)
-    if figure is None:
-        figure = new_figure(ONE_COLUMN, height + lines, text=lines)
+    figure = style.given_figure(figure, ONE_COLUMN, height + lines, text=lines)
     figure.suptitle(f"{compared.second} against {compared.first}")
     panels = figure.subplots(2, 1, height_ratios=(height - 4 * _LINE, pt(lines)))
     loads_of_designs(compared, first, second, ax=panels[0])
@@ -222,5 +210,5 @@ def write_designs_figure(
     >>> write_designs_figure.__name__
     'write_designs_figure'
     """
-    with in_style(None):
-        return save_figure(designs_figure(compared, first, second), folder / DESIGNS)
+    with style.in_style(None):
+        return style.save_figure(designs_figure(compared, first, second), folder / DESIGNS)

@@ -12,19 +12,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import StepPatch
 
 from erlif.core.arrays import Array
-from erlif.show.plots.style import (
-    MEAN,
-    MINIMUM,
-    MUTED,
-    OUTWARD,
-    RETURN,
-    add_colour_bar,
-    colour_map,
-    given_or_new,
-    legend_above,
-    pt,
-    styled,
-)
+from erlif.show.plots import style
+from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, pt, styled
 
 _MEGA, _MILLI = 1e-6, 1e3
 
@@ -63,7 +52,7 @@ def contact_pressure_map(found: xr.Dataset, *, ax: Axes | None = None) -> QuadMe
     >>> contact_pressure_map(contact).axes.get_xlabel()
     'axial place z [mm]'
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     across = "angle" if "angle" in found.dims else "x"
     pressure = found.pressure.transpose(across, "z").values * _MEGA
     place = np.degrees(found[across].values) if across == "angle" else found.x.values * _MILLI
@@ -71,7 +60,7 @@ def contact_pressure_map(found: xr.Dataset, *, ax: Axes | None = None) -> QuadMe
         _axial_lines(found) * _MILLI,
         _lines(place),
         np.where(pressure > 0, pressure, np.nan),
-        cmap=colour_map("lajolla"),
+        cmap=style.colour_map("lajolla"),
         vmin=0.0,
     )
     touching = place[(pressure > _REST * pressure.max()).any(axis=1)]
@@ -85,7 +74,7 @@ def contact_pressure_map(found: xr.Dataset, *, ax: Axes | None = None) -> QuadMe
         ax.set_xlim(max(first - margin, lines[0]), min(last + margin, lines[-1]))
     label = "angle from the load [°]" if across == "angle" else "across x [mm]"
     ax.set(xlabel="axial place z [mm]", ylabel=label)
-    add_colour_bar(mesh, ax, "pressure [MPa]", extend="neither")
+    style.add_colour_bar(mesh, ax, "pressure [MPa]", extend="neither")
     return mesh
 
 
@@ -121,7 +110,7 @@ def axial_pressure(
     >>> line.get_label()
     "Hertz's line contact"
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     artists: list[StepPatch | Line2D] = []
     for k, (label, found) in enumerate(contacts.items()):
         across = "angle" if "angle" in found.dims else "x"
@@ -141,7 +130,7 @@ def axial_pressure(
         artists.append(level)
     ax.set(xlabel="axial place z [mm]", ylabel="pressure [MPa]")
     ax.set_ylim(bottom=0.0)
-    legend_above(ax, ncols=1 + len(artists) // 2)
+    style.legend_above(ax, ncols=1 + len(artists) // 2)
     return artists
 
 
@@ -174,7 +163,7 @@ def stress_section(stress: xr.Dataset, *, ax: Axes | None = None) -> PolyCollect
     >>> stress_section(stress).axes.get_ylabel()
     'depth [mm]'
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     section = "point" in stress.dims
     if section:
         place, width = stress.z.values * _MILLI, stress.width_z.values * _MILLI
@@ -194,7 +183,7 @@ def stress_section(stress: xr.Dataset, *, ax: Axes | None = None) -> PolyCollect
         np.stack([place, height], axis=-1)[:, None]
         + corners * np.stack([width, depth], axis=-1)[:, None]
     )
-    colours = colour_map("batlow")
+    colours = style.colour_map("batlow")
     patches = PolyCollection(list(boxes), cmap=colours, edgecolors="face", linewidths=pt(0.1))
     patches.set_array(values)
     patches.set_clim(0.0, float(values.max()))
@@ -212,7 +201,7 @@ def stress_section(stress: xr.Dataset, *, ax: Axes | None = None) -> PolyCollect
         xlim=(stressed[..., 0].min(), stressed[..., 0].max()),
         ylim=(boxes[..., 1].max(), boxes[..., 1].min()),
     )
-    add_colour_bar(patches, ax, "von Mises [MPa]", extend="neither")
+    style.add_colour_bar(patches, ax, "von Mises [MPa]", extend="neither")
     return patches
 
 
@@ -245,9 +234,9 @@ def undercut_pressure(found: xr.Dataset, *, ax: Axes | None = None) -> list[Line
     >>> line.get_label()
     '20'
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     chosen = found.patch_pressure.sel(width=float(found.best_width))
-    colours = colour_map("batlow")(np.linspace(0.05, 0.8, found.sizes["depth"]))
+    colours = style.colour_map("batlow")(np.linspace(0.05, 0.8, found.sizes["depth"]))
     lines: list[Line2D] = []
     for colour, (depth, line) in zip(colours, chosen.groupby("depth"), strict=True):
         lines += ax.plot(
@@ -265,7 +254,7 @@ def undercut_pressure(found: xr.Dataset, *, ax: Axes | None = None) -> list[Line
     )  # fmt: skip
     mean = float(found.patch_pressure.attrs["patch"]) * _MILLI
     ax.set(xlabel="lip D3 [mm]", ylabel=f"largest mean over {mean:g} mm [MPa]")
-    legend_above(ax, title="depth D1 [mm]", ncols=3, handles=lines[:-1])
+    style.legend_above(ax, title="depth D1 [mm]", ncols=3, handles=lines[:-1])
     return lines
 
 

@@ -13,22 +13,8 @@ from matplotlib.lines import Line2D
 from erlif.core.arrays import Array
 from erlif.core.errors import EnduranceError
 from erlif.joint.endurance import EnduranceResult
-from erlif.show.plots.style import (
-    OUTWARD,
-    RETURN,
-    TWO_COLUMNS,
-    AnyFigure,
-    given_or_new,
-    in_style,
-    legend_of_figure,
-    letter,
-    new_figure,
-    pt,
-    rows_or_columns,
-    save_figure,
-    styled,
-    swatch,
-)
+from erlif.show.plots import style
+from erlif.show.plots.style import OUTWARD, RETURN, TWO_COLUMNS, AnyFigure, pt, styled
 
 _MINUTE = 60.0
 _ROW = 1.15  # inch, height of a panel
@@ -64,7 +50,7 @@ def load_profile(result: EnduranceResult, *, ax: Axes | None = None) -> list[Art
     >>> line.axes.get_ylabel()
     'load [kN]'
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     artists = _draw(result, result.test["load"].values / 1e3, ax, "load [kN]")
     for stage in result.loaded:
         middle = 0.5 * (stage.start + stage.end) / _MINUTE
@@ -168,17 +154,15 @@ def endurance_figure(result: EnduranceResult, *, figure: AnyFigure | None = None
     5
     """
     names = [name for name in _PANELS if name in result.test]
-    figure = (
-        new_figure(TWO_COLUMNS, _ROW * len(names) + 0.2, text=0.6) if figure is None else figure
-    )
+    figure = style.given_figure(figure, TWO_COLUMNS, _ROW * len(names) + 0.2, text=0.6)
     figure.suptitle(result.name)
-    panels = rows_or_columns(figure, len(names), sharex=True)
+    panels = style.rows_or_columns(figure, len(names), sharex=True)
     for ax, name, mark in zip(panels, names, "abcde", strict=False):
         quantity_over_test(result, name, ax=ax)
-        letter(ax, mark)
+        style.letter(ax, mark)
         if ax is not panels[-1]:
             ax.set_xlabel("")
-    legend_of_figure(figure, _keys(result))
+    style.legend_of_figure(figure, _keys(result))
     return figure
 
 
@@ -215,13 +199,13 @@ def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) 
             f"Expected a test with an onset of galling to draw; {result.name} survived. Draw "
             "endurance_figure in its place."
         )
-    figure = new_figure(height=_ROW * 2.4, text=0.4) if figure is None else figure
+    figure = style.given_figure(figure, height=_ROW * 2.4, text=0.4)
     when = "in a pause of the log" if onset.pause else f"at {onset.time:.1f} s"
     figure.suptitle(f"{result.name}: galling {when}")
     stage = result.whole[onset.stage]
     time = result.test["time"].values[stage.samples]
     near = time > onset.earliest - _BEFORE
-    panels = rows_or_columns(figure, 2, sharex=True)
+    panels = style.rows_or_columns(figure, 2, sharex=True)
     for ax, name, label in (
         (panels[0], "torque", "torque [N m]"),
         (panels[1], "friction", "friction coefficient"),
@@ -339,7 +323,7 @@ def write_endurance_figures(
     'write_endurance_figures'
     """
     written = []
-    with in_style(None):
+    with style.in_style(None):
         for name, kind in zip(
             name_figures(result, overview=overview), ["", *_kinds(result)], strict=True
         ):
@@ -349,7 +333,7 @@ def write_endurance_figures(
                 figure = _one_panel(result, kind)
             else:
                 figure = endurance_figure(result)
-            written.append(save_figure(figure, folder / name))
+            written.append(style.save_figure(figure, folder / name))
     return written
 
 
@@ -357,15 +341,15 @@ def write_endurance_figures(
 def _one_panel(result: EnduranceResult, kind: str) -> AnyFigure:
     """A quantity over the time of the test; friction twice, so that its running-in is seen."""
     twice = kind == "friction" and result.onset is not None
-    figure = new_figure(height=_ROW * 3.2, text=0.4) if twice else new_figure()
-    panels = rows_or_columns(figure, 1 + twice, sharex=True)
+    figure = style.new_figure(height=_ROW * 3.2, text=0.4) if twice else style.new_figure()
+    panels = style.rows_or_columns(figure, 1 + twice, sharex=True)
     for ax in panels:
         quantity_over_test(result, kind, ax=ax)
     if twice:
         panels[0].set_xlabel("")
         _limit_to_before(result, panels[1])
     figure.suptitle(result.name)
-    legend_of_figure(figure, _keys(result))
+    style.legend_of_figure(figure, _keys(result))
     return figure
 
 
@@ -382,7 +366,7 @@ def _limit_to_before(result: EnduranceResult, ax: Axes) -> None:
 
 def _keys(result: EnduranceResult) -> list[Artist]:
     """Keys of the marks: stages, and the onset in both units of time."""
-    keys: list[Artist] = [swatch(_LOADS, "stage under load")]
+    keys: list[Artist] = [style.swatch(_LOADS, "stage under load")]
     onset = result.onset
     if onset is not None:
         when = (
@@ -404,7 +388,7 @@ def _in_stages(result: EnduranceResult, name: str) -> Array:
 
 def _draw(result: EnduranceResult, values: Array, ax: Axes | None, label: str) -> list[Artist]:
     """A line over the time of the test, the stages shaded, the onset marked."""
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     time = result.test["time"].values / _MINUTE
     artists: list[Artist] = []
     artists += ax.plot(time, values, color=OUTWARD, linewidth=pt(0.7))

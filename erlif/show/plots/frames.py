@@ -11,20 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.image import AxesImage
 
 from erlif.io.files import describe_trigger, settings_of
+from erlif.show.plots import style
 from erlif.show.plots.maps import MAP_WIDTH, image_height, joint_image
-from erlif.show.plots.naming import name_film, reason_empty
-from erlif.show.plots.style import (
-    ONE_COLUMN,
-    TWO_COLUMNS,
-    AnyFigure,
-    add_colour_bar,
-    colour_limits,
-    given_or_new,
-    letter_panels,
-    new_figure,
-    state_empty,
-    styled,
-)
+from erlif.show.plots.naming import reason_empty
+from erlif.show.plots.style import ONE_COLUMN, TWO_COLUMNS, AnyFigure, styled
 
 _WIDE = 0.37  # of two columns, for one of two images beside their colour bars
 _AROUND = 0.62  # inch above and below them, for title and labels
@@ -70,13 +60,13 @@ def band_images(
     'camera 1, 580 nm'
     """
     height = image_height(film, MAP_WIDTH * ONE_COLUMN)
-    ax = given_or_new(ax, film, height=height + _LABELS, text=_LABELS)
+    ax = style.given_or_new(ax, film, height=height + _LABELS, text=_LABELS)
 
     # bubbles and the dark edge of camera 2 would take most of the scale, so valid pixels set it
     light = images.light.sel(camera=camera).values
-    found = colour_limits(light[images.flags.values == 0])
+    found = style.colour_limits(light[images.flags.values == 0])
     image = joint_image(ax, film, light, limits or found)
-    add_colour_bar(image, ax, "corrected light [DN]")
+    style.add_colour_bar(image, ax, "corrected light [DN]")
 
     settings = settings_of(film)
     band = (settings.camera1, settings.camera2)[camera - 1].band
@@ -113,18 +103,19 @@ def band_images_figure(
     >>> title[0], title[-1]
     ('example', 'frame pair 1')
     """
-    if figure is None:
-        height = image_height(film, _WIDE * TWO_COLUMNS)
-        figure = new_figure(TWO_COLUMNS, height + _AROUND, text=_AROUND)
+    height = image_height(film, _WIDE * TWO_COLUMNS)
+    more = f"{describe_trigger(film, trigger)}, {_describe_frames(images)}"
+    figure = style.given_figure(
+        figure, TWO_COLUMNS, height + _AROUND, text=_AROUND, film=film, more=more
+    )
     left, right = figure.subplots(1, 2, sharey=True)
-    limits = colour_limits(images.light.values[:, images.flags.values == 0])
+    limits = style.colour_limits(images.light.values[:, images.flags.values == 0])
     band_images(images, film, camera=1, ax=left, limits=limits)
     band_images(images, film, camera=2, ax=right, limits=limits)
 
     # both images have one axis along y
     right.set_ylabel("")
-    letter_panels(left, right)
-    name_film(figure, film, f"{describe_trigger(film, trigger)}, {_describe_frames(images)}")
+    style.letter_panels(left, right)
     return figure
 
 
@@ -159,13 +150,13 @@ def ratio_image(images: xr.Dataset, film: xr.Dataset, *, ax: Axes | None = None)
     'ratio'
     """
     height = image_height(film, MAP_WIDTH * ONE_COLUMN)
-    ax = given_or_new(ax, film, height=height + _LABELS, text=_LABELS)
+    ax = style.given_or_new(ax, film, height=height + _LABELS, text=_LABELS)
     valid = images.flags.values == 0
     ratio = np.where(valid, np.exp(images.log_ratio.values), np.nan)
     settings = settings_of(film)
     label = f"ratio {settings.camera2.band:g} nm / {settings.camera1.band:g} nm [1]\ngrey: flagged"
-    image = joint_image(ax, film, ratio, colour_limits(ratio))
-    add_colour_bar(image, ax, label)
+    image = joint_image(ax, film, ratio, style.colour_limits(ratio))
+    style.add_colour_bar(image, ax, label)
     if reason := reason_empty(images.flags.values):
-        state_empty(ax, reason.replace(": ", "\n").replace(", ", "\n"))
+        style.state_empty(ax, reason.replace(": ", "\n").replace(", ", "\n"))
     return image

@@ -8,18 +8,8 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from erlif.joint.friction import ReversalSeries
-from erlif.show.plots.style import (
-    ONE_COLUMN,
-    OUTWARD,
-    RETURN,
-    given_or_new,
-    in_style,
-    legend_above,
-    new_figure,
-    pt,
-    save_figure,
-    styled,
-)
+from erlif.show.plots import style
+from erlif.show.plots.style import ONE_COLUMN, OUTWARD, RETURN, pt, styled
 
 _MINUTE = 60.0
 _HEIGHT = 3.0  # inch
@@ -55,7 +45,7 @@ def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -
     >>> points.axes.get_xlabel()
     'time [min]'
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     pairs = series.pairs
     known = "sliding_distance" in pairs
     x = pairs["sliding_distance"].values if known else pairs["time"].values / _MINUTE
@@ -82,7 +72,7 @@ def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -
         ylabel="apparent friction coefficient",
     )
     ax.margins(y=0.1)
-    legend_above(ax)
+    style.legend_above(ax)
     return [drawn[0], mean]
 
 
@@ -110,8 +100,8 @@ def write_reversal_figure(series: ReversalSeries, output: Path) -> Path:
     >>> write_reversal_figure.__name__
     'write_reversal_figure'
     """
-    with in_style(None):
-        figure = new_figure(ONE_COLUMN, _HEIGHT, text=0.4)
+    with style.in_style(None):
+        figure = style.new_figure(ONE_COLUMN, _HEIGHT, text=0.4)
         figure.suptitle(Path(series.pairs.attrs.get("file") or output).stem)
         friction_over_reversals(series, ax=figure.subplots())
-        return save_figure(figure, output)
+        return style.save_figure(figure, output)

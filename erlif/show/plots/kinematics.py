@@ -19,28 +19,9 @@ from erlif.io.files import flag_shares, settings_of
 from erlif.io.settings import RunSettings, SinusoidalSettings
 from erlif.models.mechanism import SliderCrank
 from erlif.pipeline.physics.joint import build_linkage
-from erlif.show.plots.naming import describe_shares, name_film
-from erlif.show.plots.style import (
-    COVERAGE,
-    MEAN,
-    MINIMUM,
-    MUTED,
-    ONE_COLUMN,
-    STACK,
-    AnyFigure,
-    frame_legend,
-    given_or_new,
-    is_page,
-    is_visible,
-    legend_above,
-    letter_panels,
-    new_figure,
-    pt,
-    room_for,
-    rows_or_columns,
-    state_empty,
-    styled,
-)
+from erlif.show.plots import style
+from erlif.show.plots.naming import describe_shares
+from erlif.show.plots.style import COVERAGE, MEAN, MINIMUM, MUTED, ONE_COLUMN, AnyFigure, pt, styled
 from erlif.show.plots.triggers import (
     choose_abscissa,
     draw_strokes,
@@ -171,7 +152,7 @@ def speed_against_angle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     >>> float(np.ptp(curve.get_xdata()).round(2))
     24.43
     """
-    ax = given_or_new(ax, film)
+    ax = style.given_or_new(ax, film)
     settings = settings_of(film)
     if settings.linkage is None:
         return _draw_sliding_speed(ax, film, against_position=True)
@@ -194,7 +175,7 @@ def speed_against_angle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
 
     ax.set_xlabel("encoder angle [°]")
     _label_speed(ax, settings)
-    frame_legend(ax, loc="center")
+    style.frame_legend(ax, loc="center")
     return [curve, *points]
 
 
@@ -233,7 +214,7 @@ def _draw_sliding_speed(ax: Axes, film: xr.Dataset, *, against_position: bool) -
     ax.set_xlabel(label)
     ax.set_ylabel("sliding speed [mm/s]")
     if against_position and "stroke" in film:
-        frame_legend(ax, loc="center")
+        style.frame_legend(ax, loc="center")
     return artists
 
 
@@ -265,7 +246,7 @@ def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist
     >>> curve.axes.get_xlabel(), curve.axes.get_ylabel()
     ('crank angle [°]', 'joint speed [rad/s]')
     """
-    ax = given_or_new(ax, film)
+    ax = style.given_or_new(ax, film)
     if settings_of(film).linkage is None:
         return _draw_sliding_speed(ax, film, against_position=False)
     cycle = linkage_cycle(film)
@@ -305,7 +286,7 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     >>> line.get_label(), line.axes.get_ylabel()
     ('mean of the region', 'film thickness [µm]')
     """
-    ax = given_or_new(ax, film)
+    ax = style.given_or_new(ax, film)
     along = choose_abscissa(film)
     artists: list[Artist] = []
     for name, colour, dashes, label in (
@@ -339,17 +320,17 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
         ]
     )
     low, high = film_limits(known)
-    ax.set_ylim(low, high + room_for(ax, _LEGEND) * (high - low))
+    ax.set_ylim(low, high + style.room_for(ax, _LEGEND) * (high - low))
     if not any(np.isfinite(film[name].values).any() for name in _STATISTICS):
         shares = describe_shares(flag_shares(film).mean(axis=0))
-        state_empty(ax, f"no film thickness at any trigger\n{shares}")
+        style.state_empty(ax, f"no film thickness at any trigger\n{shares}")
         return artists
 
     # a band hidden by the markers is not announced as one
     widths = np.concatenate([2 * COVERAGE * film[f"{name}_std"].values for name in _STATISTICS])
-    visible = is_visible(ax, widths, pt(_MARKER))
+    visible = style.is_visible(ax, widths, pt(_MARKER))
     title = "bands: 95 %" if visible else "95 % errors: within markers"
-    frame_legend(ax, loc="upper center", ncols=2, title=title)
+    style.frame_legend(ax, loc="upper center", ncols=2, title=title)
     return artists
 
 
@@ -380,18 +361,16 @@ def cycle_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFig
     ['film thickness [µm]', 'joint speed [rad/s]']
     """
     if not has_varying_speed(film):
-        figure = new_figure() if figure is None else figure
+        figure = style.given_figure(figure, film=film)
         film_over_cycle(film, ax=figure.add_subplot())
-        name_film(figure, film)
         return figure
 
-    figure = new_figure(ONE_COLUMN, STACK * ONE_COLUMN) if figure is None else figure
-    above, below = rows_or_columns(figure, 2, sharex=True, ratios=_PANELS)
+    figure = style.given_figure(figure, ONE_COLUMN, style.STACK * ONE_COLUMN, film=film)
+    above, below = style.rows_or_columns(figure, 2, sharex=True, ratios=_PANELS)
     film_over_cycle(film, ax=above)
     speed_over_cycle(film, ax=below)
-    if not is_page():
+    if not style.is_page():
         above.set_xlabel("")
-    name_film(figure, film)
 
     for n, turn in enumerate(dead_points(film)):
         for ax in (above, below):
@@ -400,8 +379,8 @@ def cycle_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFig
 
     # the markers of the strokes are those of both panels
     if "stroke" in film:
-        legend_above(below)
-    letter_panels(above, below)
+        style.legend_above(below)
+    style.letter_panels(above, below)
     return figure
 
 

@@ -16,25 +16,10 @@ from erlif.io.files import refuse_existing, replacing
 from erlif.models.linkage import LinkageDesign, measure_linkage
 from erlif.models.linkage.measures import links_of, swept_box
 from erlif.models.mechanism import CrankRocker
+from erlif.show.plots import style
 from erlif.show.plots.mechanism import pin_places
 from erlif.show.plots.movie import draw_pictures, encode_gif
-from erlif.show.plots.style import (
-    MEAN,
-    MINIMUM,
-    MUTED,
-    OUTWARD,
-    RETURN,
-    TWO_COLUMNS,
-    AnyFigure,
-    given_or_new,
-    in_style,
-    legend_above,
-    letter_panels,
-    new_figure,
-    pt,
-    save_figure,
-    styled,
-)
+from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
 
 POSITIONS = 48
 """Frames of a movie: one for every 7.5 degrees of the crank."""
@@ -105,7 +90,7 @@ def linkage_positions(
     >>> len(view.links.get_xdata())
     4
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     linkage = design.linkage
     places = 1e3 * pin_places(linkage, _TURN)
     middle = places[:, 1:3].mean(axis=1)
@@ -149,7 +134,7 @@ def linkage_positions(
     ax.margins(_MARGIN)
     ax.set(xlabel="along the ground link [mm]", ylabel="across [mm]")
     ax.set_aspect("equal", adjustable="datalim")
-    legend_above(ax)
+    style.legend_above(ax)
     view = LinkageView(linkage, drawn)
     rising = (at_smallest + at_largest + 2 * np.pi) / 2
     view.show(rising if crank_angle is None else crank_angle)
@@ -184,7 +169,7 @@ def transmission_over_crank(design: LinkageDesign, *, ax: Axes | None = None) ->
     >>> print(np.round(extremes.get_ydata(), 2))
     [ 76.3  104.69]
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     degrees = np.degrees(np.asarray(design.linkage.transmission_angle(_TURN)))
     line = ax.plot(np.degrees(_TURN), degrees, color=MINIMUM)
     extremes = ax.plot([0, 180], np.degrees(design.transmission), "o", color=RETURN)
@@ -229,7 +214,7 @@ def rocker_over_crank(design: LinkageDesign, *, ax: Axes | None = None) -> list[
     >>> line.axes.get_ylabel()
     'rocker speed [rpm]'
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     known = np.isfinite(design.crank_speed)
     rate = np.asarray(design.linkage.rocker_speed(_TURN, crank_speed=1.0))
     line = ax.plot(
@@ -285,12 +270,12 @@ def linkage_view(design: LinkageDesign, *, figure: AnyFigure | None = None) -> L
     >>> drawn = linkage_view(example_linkage())
     >>> drawn.view.show(np.pi)
     """
-    figure = new_figure(TWO_COLUMNS, _HEIGHT * TWO_COLUMNS) if figure is None else figure
+    figure = style.given_figure(figure, style.TWO_COLUMNS, _HEIGHT * style.TWO_COLUMNS)
     panels = figure.subplot_mosaic("pp;st", height_ratios=(1.5, 1))
     view = linkage_positions(design, ax=panels["p"])
     rocker_over_crank(design, ax=panels["s"])
     transmission_over_crank(design, ax=panels["t"])
-    letter_panels(*(panels[name] for name in "pst"))
+    style.letter_panels(*(panels[name] for name in "pst"))
     marks = tuple(
         panels[panel].axvline(0.0, color=RETURN, linewidth=pt(0.9), zorder=3) for panel in "st"
     )
@@ -385,7 +370,7 @@ def linkage_movie(
         )
     refuse_existing(path, overwrite=overwrite)
     angles = 2 * np.pi * np.arange(positions) / positions
-    with in_style(None):
+    with style.in_style(None):
         drawn = linkage_view(design)
         pictures = draw_pictures(drawn.figure, drawn.view.show, angles.tolist(), progress=False)
     content = encode_gif(pictures, frames_per_second)
@@ -445,5 +430,5 @@ def write_linkage(design: LinkageDesign, path: str | Path, *, overwrite: bool = 
     if path.suffix == ".gif":
         return linkage_movie(design, path, overwrite=overwrite)
     refuse_existing(path, overwrite=overwrite)
-    with in_style(None):
-        return save_figure(linkage_figure(design), path)
+    with style.in_style(None):
+        return style.save_figure(linkage_figure(design), path)

@@ -19,35 +19,9 @@ from erlif.core.arrays import Array, FlagImage, Mask
 from erlif.core.flags import Flag, describe_share
 from erlif.io.files import axis_labels as axis_labels
 from erlif.io.files import check_trigger, describe_trigger, region_of, settings_of
+from erlif.show.plots import style
 from erlif.show.plots.naming import name_film, reason_empty
-from erlif.show.plots.style import (
-    COVERAGE,
-    FLAG_COLOURS,
-    FLAGGED,
-    ONE_COLUMN,
-    OUTWARD,
-    RETURN,
-    TWO_COLUMNS,
-    AnyFigure,
-    add_colour_bar,
-    close_frame,
-    colour_limits,
-    colour_map,
-    draw_image,
-    given_or_new,
-    keep_in_place,
-    legend_above,
-    legend_below,
-    legend_of_figure,
-    letter_panels,
-    new_figure,
-    pt,
-    room_for,
-    state_empty,
-    styled,
-    swatch,
-    wrap_title,
-)
+from erlif.show.plots.style import ONE_COLUMN, OUTWARD, RETURN, TWO_COLUMNS, AnyFigure, pt, styled
 from erlif.trend import average_across_sliding, rigid_gap
 
 Limits = tuple[float, float]
@@ -74,7 +48,7 @@ def common_limits(film: xr.Dataset, triggers: Iterable[int] | None = None) -> Li
     """Find the thickness range of all but the 0.5 % thinnest and thickest pixels. [um]"""
     chosen = range(film.sizes["trigger"]) if triggers is None else triggers
     samples = [film.thickness.isel(trigger=k).values[::_EVERY, ::_EVERY].ravel() for k in chosen]
-    low, high = colour_limits(np.concatenate(samples))
+    low, high = style.colour_limits(np.concatenate(samples))
     return low, max(high, low + _LEAST_SPAN)
 
 
@@ -103,7 +77,7 @@ def joint_image(
     ax: Axes, film: xr.Dataset, values: npt.ArrayLike, limits: Limits, **look: Any
 ) -> AxesImage:
     """Draw an image of the joint on its labelled axes; `look` as for `draw_image`."""
-    image = draw_image(ax, values, limits, extent=pixel_edges(film), **look)
+    image = style.draw_image(ax, values, limits, extent=pixel_edges(film), **look)
     label_position(ax, film)
     return image
 
@@ -151,23 +125,23 @@ def thickness_map(
     """
     check_trigger(film, trigger)
     height = image_height(film, MAP_WIDTH * ONE_COLUMN)
-    ax = given_or_new(ax, film, height=height + _LABELS, text=_LABELS)
+    ax = style.given_or_new(ax, film, height=height + _LABELS, text=_LABELS)
     limits = limits or common_limits(film, [trigger])
     image = joint_image(ax, film, film.thickness.isel(trigger=trigger).values, limits, bad=None)
 
     flags = film.flags.isel(trigger=trigger).values
     handles = _draw_flags(ax, flags, film)
-    bar = add_colour_bar(image, ax, "film thickness [µm]")
+    bar = style.add_colour_bar(image, ax, "film thickness [µm]")
     if reason := reason_empty(flags):
-        state_empty(ax, reason.replace(": ", "\n"))
+        style.state_empty(ax, reason.replace(": ", "\n"))
 
     if region:
         handles.append(_outline_region(ax, film))
     ax.set_title(describe_trigger(film, trigger))
-    wrap_title(ax)
+    style.wrap_title(ax)
     if handles:
-        legend_below(ax, handles)
-    keep_in_place(ax, bar)
+        style.legend_below(ax, handles)
+    style.keep_in_place(ax, bar)
     return image
 
 
@@ -175,7 +149,7 @@ def first_flag(flags: FlagImage) -> FlagImage:
     """Number the flag that is shown for each pixel: 0 valid, 1 the first of FLAG_COLOURS, ..."""
     # from the last to the first, so that the first remains
     shown = np.zeros(flags.shape, np.uint8)
-    for n, flag in reversed(list(enumerate(FLAG_COLOURS, 1))):
+    for n, flag in reversed(list(enumerate(style.FLAG_COLOURS, 1))):
         shown[(flags & int(flag)) != 0] = n
     return shown
 
@@ -187,25 +161,25 @@ def flag_title(flag: Flag) -> str:
 
 def flag_swatch(flag: Flag) -> str:
     """Write the colour of a flag as a web page does."""
-    red, green, blue, _ = (round(255 * part) for part in to_rgba(FLAG_COLOURS[flag]))
+    red, green, blue, _ = (round(255 * part) for part in to_rgba(style.FLAG_COLOURS[flag]))
     return f"#{red:02x}{green:02x}{blue:02x}"
 
 
 def _draw_flags(ax: Axes, flags: FlagImage, film: xr.Dataset) -> list[Artist]:
     """Draw flagged pixels over the map; returns the keys of the flags that occur."""
     shown = first_flag(flags)
-    palette = ListedColormap(["none", *FLAG_COLOURS.values()])
+    palette = ListedColormap(["none", *style.FLAG_COLOURS.values()])
     ax.imshow(
         shown,
         cmap=palette,
         vmin=-0.5,
-        vmax=len(FLAG_COLOURS) + 0.5,
+        vmax=len(style.FLAG_COLOURS) + 0.5,
         extent=pixel_edges(film),
         interpolation="none",
     )
     return [
-        swatch(colour, f"{flag_title(flag)}, {describe_share(share)}")
-        for n, (flag, colour) in enumerate(FLAG_COLOURS.items(), 1)
+        style.swatch(colour, f"{flag_title(flag)}, {describe_share(share)}")
+        for n, (flag, colour) in enumerate(style.FLAG_COLOURS.items(), 1)
         if (share := float((shown == n).mean())) > 0
     ]
 
@@ -257,7 +231,7 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
     >>> line.axes.get_xlabel(), line.axes.get_ylabel()
     ('x (sliding) [mm]', 'film thickness [µm]')
     """
-    ax = given_or_new(ax, film)
+    ax = style.given_or_new(ax, film)
     profile = average_across_sliding(film, trigger=trigger)
     x, h = profile.position.values, profile.thickness.values
     artists = _draw_profile(ax, film, profile, np.zeros_like(x))
@@ -286,12 +260,12 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
     # the limits leave room for the text; the rigid gap may leave them beside the measured profile
     if np.isfinite(h).any():
         low, high = float(np.nanmin(h)), float(np.nanmax(h))
-        below = _ROOM if gap is None else room_for(ax, _NOTE)
+        below = _ROOM if gap is None else style.room_for(ax, _NOTE)
         ax.set_ylim(low - below * (high - low), high + _ROOM * (high - low))
     else:
-        state_empty(ax, "no valid pixel in the region of interest")
+        style.state_empty(ax, "no valid pixel in the region of interest")
     ax.set_ylabel("film thickness [µm]")
-    legend_above(ax, ncols=2)
+    style.legend_above(ax, ncols=2)
     return artists
 
 
@@ -324,7 +298,7 @@ def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) 
     >>> bool(0.5 < np.nanstd(line.get_ydata()) / (0.05 / 17**0.5) < 1.5)
     True
     """
-    ax = given_or_new(ax, film)
+    ax = style.given_or_new(ax, film)
     profile = average_across_sliding(film, trigger=trigger)
     gap = rigid_gap(profile, film)
     x = profile.position.values
@@ -340,8 +314,8 @@ def _draw_profile(ax: Axes, film: xr.Dataset, profile: xr.Dataset, base: Array) 
     """Draw the profile less `base`, with its random band and the limits of its shared error."""
     # a profile along y runs to the right as well, so that both directions compare
     x, h = profile.position.values, profile.thickness.values - base
-    random = COVERAGE * profile.thickness_std.values
-    shared = COVERAGE * profile.thickness_std_shared.values
+    random = style.COVERAGE * profile.thickness_std.values
+    shared = style.COVERAGE * profile.thickness_std_shared.values
     (line,) = ax.plot(x, h, color=OUTWARD, linewidth=pt(0.7), label="measured")
     band = ax.fill_between(
         x, h - random, h + random, color=OUTWARD, alpha=0.3, linewidth=0, label="random, 95 %"
@@ -394,9 +368,11 @@ def thickness_figure(
     >>> [ax.get_ylabel() for ax in figure.axes]
     ['y (axial) [mm]', 'film thickness [µm]', 'measured −\\nrigid gap [µm]']
     """
-    if figure is None:
-        height = image_height(film, _WIDE * TWO_COLUMNS)
-        figure = new_figure(TWO_COLUMNS, height + _AROUND, text=_AROUND)
+    height = image_height(film, _WIDE * TWO_COLUMNS)
+    more = describe_trigger(film, trigger)
+    figure = style.given_figure(
+        figure, TWO_COLUMNS, height + _AROUND, text=_AROUND, film=film, more=more
+    )
     if settings_of(film).joint is None:
         panels = figure.subplot_mosaic("mp", width_ratios=(1.25, 1))
     else:
@@ -419,11 +395,10 @@ def thickness_figure(
     if above_profile is not None:
         handles += panels["p"].get_legend_handles_labels()[0]
         above_profile.remove()
-    legend_of_figure(figure, handles)
+    style.legend_of_figure(figure, handles)
 
     panels["m"].set_title("")
-    name_film(figure, film, describe_trigger(film, trigger))
-    letter_panels(*panels.values())
+    style.letter_panels(*panels.values())
     return figure
 
 
@@ -459,9 +434,8 @@ def map_sheet_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> An
     rows = [math.ceil(members.size / columns) for _, members in groups]
     left, right, bottom, top = pixel_edges(film)
     height = (TWO_COLUMNS - _BAR) / columns * (bottom - top) / (right - left) + _TITLE
-    if figure is None:
-        text = sum(rows) * _TITLE + _FOOT
-        figure = new_figure(TWO_COLUMNS, sum(rows) * height + _FOOT, text=text)
+    text = sum(rows) * _TITLE + _FOOT
+    figure = style.given_figure(figure, TWO_COLUMNS, sum(rows) * height + _FOOT, text=text)
     panels = figure.subplots(sum(rows), columns, squeeze=False)
 
     # a dozen maps are enough for the limits, and are read much faster than all
@@ -553,7 +527,7 @@ def _draw_small_map(ax: Axes, film: xr.Dataset, trigger: int, limits: Limits) ->
     values = one.thickness.values[::every, ::every]
     image = ax.imshow(
         values,
-        cmap=colour_map("batlow", bad=FLAGGED),
+        cmap=style.colour_map("batlow", bad=style.FLAGGED),
         vmin=limits[0],
         vmax=limits[1],
         extent=pixel_edges(film),
@@ -561,7 +535,7 @@ def _draw_small_map(ax: Axes, film: xr.Dataset, trigger: int, limits: Limits) ->
     if not np.isfinite(values).any():
         ax.text(0.5, 0.5, "no valid\npixel", transform=ax.transAxes, ha="center", va="center")
     ax.set_title(_small_title(film, trigger)[1], fontsize=pt(6), pad=pt(1.5))
-    close_frame(ax)
+    style.close_frame(ax)
     return image
 
 

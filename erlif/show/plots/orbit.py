@@ -14,7 +14,6 @@ from matplotlib.patches import Ellipse
 
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ConfigError
-from erlif.show.plots.naming import name_film
 from erlif.show.plots.style import (
     COVERAGE,
     MEAN,
@@ -22,10 +21,10 @@ from erlif.show.plots.style import (
     MUTED,
     ONE_COLUMN,
     AnyFigure,
+    given_figure,
     given_or_new,
     legend_above,
     letter_panels,
-    new_figure,
     pt,
     rows_or_columns,
     styled,
@@ -260,9 +259,8 @@ def pin_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigur
     >>> len(pin_figure(example_film()).axes)
     3
     """
-    figure = new_figure(ONE_COLUMN, _TALL * ONE_COLUMN) if figure is None else figure
+    figure = given_figure(figure, ONE_COLUMN, _TALL * ONE_COLUMN, film=film)
     panels = rows_or_columns(figure, 3)
-    name_film(figure, film)
     for ax, draw in zip(panels, (pin_orbit, closest_film, gap_curvature), strict=True):
         draw(film, ax=ax)
     letter_panels(*panels)

@@ -13,19 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from erlif.io.settings import PlanSettings
-from erlif.show.plots.style import (
-    MEAN,
-    MUTED,
-    OUTWARD,
-    RETURN,
-    TWO_COLUMNS,
-    frame_legend,
-    given_or_new,
-    letter_panels,
-    new_figure,
-    plain_log_axis,
-    styled,
-)
+from erlif.show.plots import style
+from erlif.show.plots.style import MEAN, MUTED, OUTWARD, RETURN, TWO_COLUMNS, styled
 
 _CALIBRATED: dict[str, Any] = {"facecolor": "#F2F2F2", "edgecolor": "none", "zorder": -2}
 _MEASURABLE: dict[str, Any] = {"facecolor": "#DCE9F2", "edgecolor": "none", "zorder": -1}
@@ -54,7 +43,7 @@ def _finish(plan: xr.Dataset, ax: Axes) -> None:
     """Thickness on a logarithmic axis with plain numbers, over the films of the plan."""
     ax.set_xscale("log")
     ax.set_xlim(float(plan.thickness[0]), float(plan.thickness[-1]))
-    plain_log_axis(ax.xaxis)
+    style.plain_log_axis(ax.xaxis)
     ax.set_xlabel("film thickness [µm]")
 
 
@@ -80,7 +69,7 @@ def plan_ratio(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     >>> planned.axes.get_ylabel()
     'ratio camera 2 / camera 1'
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     _draw_ranges(plan, ax, label=True)
     lines: list[Artist] = [
         *ax.plot(plan.thickness, plan.ratio, color=OUTWARD, label="as planned"),
@@ -96,7 +85,7 @@ def plan_ratio(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     low, high = float(values.min()), float(values.max())
     ax.set(ylabel="ratio camera 2 / camera 1", ylim=(low - 0.05 * (high - low), None))
     ax.set_ylim(top=low + _ABOVE * (high - low))
-    frame_legend(ax, loc="upper left", ncols=2, columnspacing=1.0)
+    style.frame_legend(ax, loc="upper left", ncols=2, columnspacing=1.0)
     _finish(plan, ax)
     return lines
 
@@ -128,7 +117,7 @@ def plan_precision(
     >>> [line.get_label() for line in lines]
     ['1 pixel, 1 frame', '1 pixel, 1 frame, best conc.']
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     _draw_ranges(plan, ax)
     scale = 100 / plan.thickness if relative else xr.ones_like(plan.thickness)
     frames, average = int(plan.attrs["frames"]), int(plan.attrs["average"])
@@ -158,9 +147,9 @@ def plan_precision(
         low, high = min(low, wanted), max(high, wanted)
     ax.set_yscale("log")
     ax.set_ylim(low / 1.3, high * 1.3 * (high / low) ** (_ABOVE - 1))
-    plain_log_axis(ax.yaxis)
+    style.plain_log_axis(ax.yaxis)
     ax.set_ylabel("std / thickness [%]" if relative else "standard deviation [µm]")
-    frame_legend(ax, loc="upper left")
+    style.frame_legend(ax, loc="upper left")
     _finish(plan, ax)
     return lines
 
@@ -187,7 +176,7 @@ def plan_signal(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     >>> [line.get_label() for line in lines]
     ['camera 1', 'camera 2']
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     _draw_ranges(plan, ax)
     lines: list[Artist] = []
     for number, colour, dashes in ((1, OUTWARD, "-"), (2, RETURN, "--")):
@@ -201,7 +190,7 @@ def plan_signal(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
         ax.axhline(value / 1e3, color="black", linewidth=0.8, linestyle=(0, (1, 1)), label=name)
     top = max(full[-1], float(plan.signal.max())) / 1e3
     ax.set(ylabel="signal [1000 electrons]", ylim=(0, _ABOVE * top))
-    frame_legend(ax, loc="upper left", ncols=3, columnspacing=1.0)
+    style.frame_legend(ax, loc="upper left", ncols=3, columnspacing=1.0)
     _finish(plan, ax)
     return lines
 
@@ -225,13 +214,13 @@ def plan_figure(plan: xr.Dataset) -> Figure:
     >>> len(plan_figure(example_plan_results()).axes)
     4
     """
-    figure = new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS)
+    figure = style.new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS)
     (a, b), (c, d) = figure.subplots(2, 2)
     plan_ratio(plan, ax=a)
     plan_precision(plan, ax=b)
     plan_precision(plan, relative=True, ax=c)
     plan_signal(plan, ax=d)
-    letter_panels(a, b, c, d)
+    style.letter_panels(a, b, c, d)
     about = "; invented spectra" if plan.attrs["synthetic"] else ""
     one, two = plan.concentration.values
     first, last = plan.film_range.values

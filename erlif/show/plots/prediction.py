@@ -15,28 +15,10 @@ from erlif.io.files import check_trigger, describe_trigger, settings_of
 from erlif.pipeline.physics.predict import spread_over_image
 from erlif.pipeline.physics.prediction import film_along_sliding, places_along_sliding
 from erlif.prediction import speed_correlation
+from erlif.show.plots import style
 from erlif.show.plots.maps import common_limits, image_height, joint_image
-from erlif.show.plots.naming import name_film, reason_empty
-from erlif.show.plots.style import (
-    FLAGGED_DIFFERENCE,
-    MINIMUM,
-    OUTWARD,
-    TWO_COLUMNS,
-    AnyFigure,
-    add_colour_bar,
-    even_limits,
-    frame_legend,
-    given_or_new,
-    legend_of_figure,
-    letter_panels,
-    new_figure,
-    pt,
-    room_for,
-    signed,
-    state_empty,
-    styled,
-    swatch,
-)
+from erlif.show.plots.naming import reason_empty
+from erlif.show.plots.style import MINIMUM, OUTWARD, TWO_COLUMNS, AnyFigure, pt, styled
 from erlif.show.plots.triggers import (
     broken,
     choose_abscissa,
@@ -90,7 +72,7 @@ def film_and_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     'predicted, pin free sideways'
     """
     _require_prediction(film)
-    ax = given_or_new(ax, film)
+    ax = style.given_or_new(ax, film)
     angle, label, _ = choose_abscissa(film)
     artists = _draw_measured(ax, film, angle)
 
@@ -137,7 +119,7 @@ def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes | None = Non
     'turns of the crank [1]'
     """
     _require_prediction(film)
-    ax = given_or_new(ax, film)
+    ax = style.given_or_new(ax, film)
     turns, trigger = frames.elapsed_cycles.values, frames.trigger.values
     number = film.sizes["trigger"]
     count = np.maximum(np.bincount(trigger, minlength=number)[:number], 1)
@@ -168,11 +150,11 @@ def _finish(ax: Axes, label: str) -> None:
     """Label the axes, with room for the legend above and for a text below."""
     low, high = ax.get_ylim()
     span = max(high - low, _LEAST_SPAN * high)
-    below, above = room_for(ax, _LINES[0]), room_for(ax, _LINES[1])
+    below, above = style.room_for(ax, _LINES[0]), style.room_for(ax, _LINES[1])
     ax.set_ylim(max(low - below * span, 0.0), high + above * span)
     ax.set_xlabel(label)
     ax.set_ylabel("minimum film thickness [µm]")
-    frame_legend(ax, loc="upper right", title="bars: 1 s.d.")
+    style.frame_legend(ax, loc="upper right", title="bars: 1 s.d.")
 
 
 @styled
@@ -205,8 +187,7 @@ def prediction_figure(
     >>> [ax.get_xlabel() for ax in figure.axes]
     ['crank angle [°]', 'turns of the crank [1]']
     """
-    figure = new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS) if figure is None else figure
-    name_film(figure, film)
+    figure = style.given_figure(figure, TWO_COLUMNS, _TALL * TWO_COLUMNS, film=film)
     left, right = figure.subplots(1, 2)
     film_and_prediction(film, ax=left)
     film_over_run(film, frames, ax=right)
@@ -216,10 +197,10 @@ def prediction_figure(
             speed_correlation(film[name].values, speed)
             for name in ("film_min", "film_predicted_min")
         ]
-        measured, predicted = (signed(one) if np.isfinite(one) else "none" for one in values)
+        measured, predicted = (style.signed(one) if np.isfinite(one) else "none" for one in values)
         text = f"correlation with |speed|: measured {measured}, predicted {predicted}"
         left.annotate(text, (0.02, 0.02), xycoords="axes fraction", fontsize=pt(6.5))
-    letter_panels(left, right)
+    style.letter_panels(left, right)
     return figure
 
 
@@ -297,15 +278,15 @@ def prediction_map_figure(
     low, high = common_limits(film, [trigger])
     low, high = min(low, float(predicted.min())), max(high, float(predicted.max()))
     difference = measured - predicted
-    reach = even_limits(difference, within=_WITHIN, least=_LEAST_REACH)
+    reach = style.even_limits(difference, within=_WITHIN, least=_LEAST_REACH)
 
-    if figure is None:
-        height = image_height(film, _THIRD * TWO_COLUMNS)
-        figure = new_figure(TWO_COLUMNS, height + _AROUND, text=_AROUND)
-    name_film(figure, film, describe_trigger(film, trigger))
+    height, more = image_height(film, _THIRD * TWO_COLUMNS), describe_trigger(film, trigger)
+    figure = style.given_figure(
+        figure, TWO_COLUMNS, height + _AROUND, text=_AROUND, film=film, more=more
+    )
     panels = figure.subplots(1, 3, sharey=True)
     images = [
-        joint_image(ax, film, values, limits, colours=name, bad=FLAGGED_DIFFERENCE)
+        joint_image(ax, film, values, limits, colours=name, bad=style.FLAGGED_DIFFERENCE)
         for ax, values, name, limits in zip(
             panels,
             (measured, predicted, difference),
@@ -314,18 +295,18 @@ def prediction_map_figure(
             strict=True,
         )
     ]
-    add_colour_bar(images[1], panels[1], "film, (a, b) [µm]")
-    add_colour_bar(images[2], panels[2], "difference [µm]")
-    keys = [swatch("white", "(c) no difference")]
+    style.add_colour_bar(images[1], panels[1], "film, (a, b) [µm]")
+    style.add_colour_bar(images[2], panels[2], "difference [µm]")
+    keys = [style.swatch("white", "(c) no difference")]
     if not np.isfinite(measured).all():
-        keys.append(swatch(FLAGGED_DIFFERENCE, "not valid"))
-    legend_of_figure(figure, keys)
+        keys.append(style.swatch(style.FLAGGED_DIFFERENCE, "not valid"))
+    style.legend_of_figure(figure, keys)
     if reason := reason_empty(film.flags.isel(trigger=trigger).values):
-        state_empty(panels[0], reason.replace(": ", "\n").replace(", ", "\n"))
+        style.state_empty(panels[0], reason.replace(": ", "\n").replace(", ", "\n"))
     titles = ("measured", "predicted", "measured − predicted")
     for ax, title in zip(panels, titles, strict=True):
         ax.set_title(title)
-    letter_panels(*panels)
+    style.letter_panels(*panels)
     for ax in panels[1:]:
         ax.set_ylabel("")
     return figure

@@ -14,26 +14,9 @@ from matplotlib.image import AxesImage
 
 from erlif.core.errors import ConfigError
 from erlif.io.files import check_trigger, describe_trigger
+from erlif.show.plots import style
 from erlif.show.plots.maps import image_height, label_position, pixel_edges
-from erlif.show.plots.naming import name_film
-from erlif.show.plots.style import (
-    COVERAGE,
-    FLAGGED,
-    MEAN,
-    MUTED,
-    TWO_COLUMNS,
-    AnyFigure,
-    add_colour_bar,
-    close_frame,
-    colour_map,
-    given_or_new,
-    in_style,
-    letter_panels,
-    new_figure,
-    pt,
-    save_figure,
-    styled,
-)
+from erlif.show.plots.style import COVERAGE, MEAN, MUTED, TWO_COLUMNS, AnyFigure, pt, styled
 from erlif.show.plots.triggers import broken, choose_abscissa, draw_strokes, in_order
 
 _THIRD = 0.3  # of two columns, for each of three panels
@@ -73,20 +56,20 @@ def pressure_map(found: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> 
     'trigger 0'
     """
     check_trigger(found, trigger)
-    ax = given_or_new(ax, found)
+    ax = style.given_or_new(ax, found)
     image = ax.imshow(
         found.pressure.isel(trigger=trigger).values,
-        cmap=colour_map("batlow", bad=FLAGGED),
+        cmap=style.colour_map("batlow", bad=style.FLAGGED),
         extent=pixel_edges(found),
         interpolation="nearest",
     )
     # nodes lie on the first and last pixel: their outer halves are beyond the image
     x, y = found.x.values, found.y.values
     ax.set(xlim=(x[0], x[-1]), ylim=(y[-1], y[0]))
-    close_frame(ax)
+    style.close_frame(ax)
     label_position(ax, found)
     ax.set_title(f"trigger {trigger}")
-    add_colour_bar(image, ax, "pressure [kPa]", extend="neither")
+    style.add_colour_bar(image, ax, "pressure [kPa]", extend="neither")
     return image
 
 
@@ -119,7 +102,7 @@ def pressure_profile(
     'pressure [kPa]'
     """
     check_trigger(found, trigger)
-    ax = given_or_new(ax, found)
+    ax = style.given_or_new(ax, found)
     one = found.isel(trigger=trigger)
     place, value = one.place.values, one.pressure_profile.values
     reach = COVERAGE * one.pressure_profile_std.values
@@ -165,7 +148,7 @@ def load_balance(found: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     >>> logged.get_label()
     'logged'
     """
-    ax = given_or_new(ax, found)
+    ax = style.given_or_new(ax, found)
     angle, label, _ = choose_abscissa(found)
     load, std = found.load_from_pressure.values, found.load_from_pressure_std.values
     artists = draw_strokes(ax, found, angle, load, std, elinewidth=pt(0.7))
@@ -261,13 +244,13 @@ def pressure_figure(
     """
     chosen = best_trigger(found) if trigger is None else trigger
     height = max(image_height(found, _THIRD * TWO_COLUMNS) + _AROUND, _LEAST_HEIGHT)
-    figure = new_figure(TWO_COLUMNS, height, text=_AROUND) if figure is None else figure
-    name_film(figure, found, describe_trigger(found, chosen))
+    more = describe_trigger(found, chosen)
+    figure = style.given_figure(figure, TWO_COLUMNS, height, text=_AROUND, film=found, more=more)
     panels = figure.subplots(1, 3)
     pressure_map(found, trigger=chosen, ax=panels[0])
     pressure_profile(found, trigger=chosen, ax=panels[1])
     load_balance(found, ax=panels[2])
-    letter_panels(*panels)
+    style.letter_panels(*panels)
     return figure
 
 
@@ -300,5 +283,5 @@ def write_pressure_figure(found: xr.Dataset, path: Path) -> Path:
     ...     path.stat().st_size > 10_000
     True
     """
-    with in_style(None):
-        return save_figure(pressure_figure(found), path)
+    with style.in_style(None):
+        return style.save_figure(pressure_figure(found), path)

@@ -10,24 +10,8 @@ from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from erlif.show.plots.naming import name_film
-from erlif.show.plots.style import (
-    FLAGGED_DIFFERENCE,
-    MUTED,
-    OUTWARD,
-    RETURN,
-    TWO_COLUMNS,
-    AnyFigure,
-    add_colour_bar,
-    draw_image,
-    given_or_new,
-    letter_panels,
-    new_figure,
-    pt,
-    room_for,
-    signed,
-    styled,
-)
+from erlif.show.plots import style
+from erlif.show.plots.style import MUTED, OUTWARD, RETURN, TWO_COLUMNS, AnyFigure, pt, styled
 from erlif.show.plots.triggers import broken
 
 _LEAST_REACH = 1e-3  # px; a constant displacement still needs a colour scale
@@ -67,17 +51,17 @@ def displacement_map(
     >>> image.axes.get_title()
     'mean Δx = +3.00 px'
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     field = registration[f"displacement_{component}"].values.astype(float)
     mean = float(np.nanmean(field))
 
     # white is the mean, so the scale is as long on either side
     reach = max(float(np.nanmax(np.abs(field - mean))), _LEAST_REACH)
     limits = (-reach, reach)
-    image = draw_image(ax, field - mean, limits, colours="vik", bad=FLAGGED_DIFFERENCE)
+    image = style.draw_image(ax, field - mean, limits, colours="vik", bad=style.FLAGGED_DIFFERENCE)
     _outline_masks(ax, registration)
-    add_colour_bar(image, ax, f"Δ{component} less its mean [px]", extend="neither")
-    ax.set_title(f"mean Δ{component} = {signed(mean)} px")
+    style.add_colour_bar(image, ax, f"Δ{component} less its mean [px]", extend="neither")
+    ax.set_title(f"mean Δ{component} = {style.signed(mean)} px")
     ax.set(xlabel="column [px]", ylabel="row [px]")
     return image
 
@@ -122,7 +106,7 @@ def drift_of_frames(frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artis
     >>> along_x.get_label()
     'along x, rms 0.10 px'
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     number = frames.frame.values
     # frame pairs that were left out break the line
     stretches = np.split(np.arange(number.size), np.flatnonzero(np.diff(number) > 1) + 1)
@@ -148,7 +132,7 @@ def drift_of_frames(frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artis
     ax.set_ylabel("drift of camera 2 [px]")
     ax.margins(x=0.01)
     low, high = ax.get_ylim()
-    ax.set_ylim(low, high + room_for(ax, 2.0) * (high - low))
+    ax.set_ylim(low, high + style.room_for(ax, 2.0) * (high - low))
     ax.legend(loc="upper right", ncols=2)
     return artists
 
@@ -186,10 +170,8 @@ def registration_figure(
     """
     height, width = registration.displacement_x.shape
     tall = _WIDE * TWO_COLUMNS * height / width
-    if figure is None:
-        figure = new_figure(TWO_COLUMNS, tall + _DRIFT + _AROUND, text=_AROUND)
-    if film is not None:
-        name_film(figure, film)
+    height_of_all = tall + _DRIFT + _AROUND
+    figure = style.given_figure(figure, TWO_COLUMNS, height_of_all, text=_AROUND, film=film)
     panels = figure.subplot_mosaic("xy;dd", height_ratios=(tall, _DRIFT))
     displacement_map(registration, component="x", ax=panels["x"])
     displacement_map(registration, component="y", ax=panels["y"])
@@ -198,5 +180,5 @@ def registration_figure(
     quality = float(registration.attrs["registration_quality"])
     model = registration.attrs["registration_model"]
     panels["d"].set_title(f"correlation of the aligned textures {quality:.3f}; model: {model}")
-    letter_panels(*(panels[name] for name in "xyd"))
+    style.letter_panels(*(panels[name] for name in "xyd"))
     return figure

@@ -10,18 +10,8 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from erlif.show.plots.style import (
-    MEAN,
-    MINIMUM,
-    MUTED,
-    OUTWARD,
-    RETURN,
-    given_or_new,
-    legend_above,
-    plain_log_axis,
-    pt,
-    styled,
-)
+from erlif.show.plots import style
+from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, pt, styled
 
 _COLOURS = (MINIMUM, OUTWARD, RETURN, MEAN, MUTED)
 _DASHES = ("-", "--", "-.", ":", (0, (5, 1)))
@@ -55,7 +45,7 @@ def joint_force(simulations: Mapping[str, xr.Dataset], *, ax: Axes | None = None
     >>> line.axes.get_ylabel()
     'joint force [N]'
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     lines = []
     for k, (name, found) in enumerate(simulations.items()):
         (line,) = ax.plot(
@@ -70,7 +60,7 @@ def joint_force(simulations: Mapping[str, xr.Dataset], *, ax: Axes | None = None
     ax.set(xlabel="crank angle [°]", ylabel="joint force [N]")
     ax.set_ylim(bottom=0)
     ax.margins(x=0)
-    legend_above(ax)
+    style.legend_above(ax)
     return lines
 
 
@@ -101,7 +91,7 @@ def joint_wear(worn: xr.Dataset, *, ax: Axes | None = None) -> list[Line2D]:
     >>> lines[-1].get_label()
     '100 cycles'
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     degrees = np.degrees(worn.angle.values)
     last = worn.sizes["cycle"] - 1
     chosen = sorted({round(last * k / _PROFILES) for k in range(1, _PROFILES + 1)} - {0})
@@ -129,7 +119,7 @@ def joint_wear(worn: xr.Dataset, *, ax: Axes | None = None) -> list[Line2D]:
         ylabel="worn depth [mm]",
     )
     ax.set_ylim(bottom=0)
-    legend_above(ax, ncols=2)
+    style.legend_above(ax, ncols=2)
     return lines
 
 
@@ -164,7 +154,7 @@ def extrapolation_error(
     >>> lines[0].axes.get_xlabel()
     'extrapolation factor [cycles]'
     """
-    ax = given_or_new(ax)
+    ax = style.given_or_new(ax)
     factors = found.extrapolation.values
     drawn: list[Artist] = []
     for name, label, colour, mark, dash, size in (
@@ -189,6 +179,6 @@ def extrapolation_error(
     ax.set(xscale="log", yscale="log", xlabel="extrapolation factor [cycles]", ylabel="error [%]")
     ax.set_xticks(factors, [f"{factor:g}" for factor in factors])
     ax.minorticks_off()
-    plain_log_axis(ax.yaxis)
-    legend_above(ax, ncols=2)
+    style.plain_log_axis(ax.yaxis)
+    style.legend_above(ax, ncols=2)
     return drawn

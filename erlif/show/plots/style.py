@@ -268,6 +268,22 @@ def new_figure(
     return Picture(**_figure_options(width, height, text))
 
 
+def given_figure(
+    given: AnyFigure | None,
+    width: float = ONE_COLUMN,
+    height: float = 0.72 * ONE_COLUMN,
+    *,
+    text: float = 0.0,
+    film: xr.Dataset | None = None,
+    more: str = "",
+) -> AnyFigure:
+    """Take the given figure, or a new one; it names the film, and `more` that its panels share."""
+    figure = new_figure(width, height, text=text) if given is None else given
+    if film is not None:
+        name_film(figure, film, more)
+    return figure
+
+
 def _figure_options(width: float, height: float, text: float) -> dict[str, Any]:
     column, page = matplotlib.rcParams["figure.figsize"]
     scale = column / ONE_COLUMN

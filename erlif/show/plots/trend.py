@@ -15,24 +15,9 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from erlif.core.arrays import Array, Mask
 from erlif.io.files import flag_shares
-from erlif.show.plots.naming import describe_shares, name_film
-from erlif.show.plots.style import (
-    MEAN,
-    MINIMUM,
-    MUTED,
-    OUTWARD,
-    RETURN,
-    STROKES,
-    TWO_COLUMNS,
-    AnyFigure,
-    given_or_new,
-    letter_panels,
-    new_figure,
-    pt,
-    room_for,
-    state_empty,
-    styled,
-)
+from erlif.show.plots import style
+from erlif.show.plots.naming import describe_shares
+from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
 from erlif.show.plots.triggers import draw_strokes
 from erlif.trend import SLOWEST
 
@@ -97,7 +82,7 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
     >>> float(np.polyfit(x, y, 1)[0].round(6))
     0.6
     """
-    ax = given_or_new(ax, film)
+    ax = style.given_or_new(ax, film)
     ax.set(xscale="log", yscale="log")
     artists: list[Artist] = []
     lines: list[Line2D] = []
@@ -120,7 +105,7 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
         ax.legend(handles=[*drawn, *_stroke_keys(film)], loc="best", title=_BARS, alignment="left")
     else:
         shares = describe_shares(flag_shares(film).mean(axis=0))
-        state_empty(ax, f"no film thickness at any trigger\n{shares}")
+        style.state_empty(ax, f"no film thickness at any trigger\n{shares}")
     return [*artists, *lines]
 
 
@@ -181,7 +166,7 @@ def _stroke_keys(film: xr.Dataset) -> list[Line2D]:
             markerfacecolor=MUTED if sign > 0 else "white",
             label=str(look["label"]),
         )
-        for sign, look in STROKES.items()
+        for sign, look in style.STROKES.items()
         if (film.stroke.values == sign).any()
     ]
 
@@ -209,7 +194,7 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     >>> theory.get_label().splitlines()
     ['regime map, isoviscous-rigid', 'beyond the axis: 74.5 to 129 µm']
     """
-    ax = given_or_new(ax, film)
+    ax = style.given_or_new(ax, film)
     ax.set(xscale="log", yscale="log")
     x = _MILLI * speed_over_load(film)
     value = film.film_min.values
@@ -256,7 +241,7 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
 
     ax.set_xlabel(_LABELS[_speed_name(film)])
     ax.set_ylabel("film thickness [µm]")
-    ax.set_ylim(low, high * (high / low) ** room_for(ax, lines))
+    ax.set_ylim(low, high * (high / low) ** style.room_for(ax, lines))
     plain_ticks(ax)
     ax.legend(loc="upper left", title=_BARS, alignment="left")
     return artists
@@ -332,15 +317,13 @@ def speed_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFig
     ['film thickness [µm]', 'film thickness [µm]']
     """
     if "film_theory" not in film:
-        figure = new_figure() if figure is None else figure
+        figure = style.given_figure(figure, film=film)
         film_against_speed(film, ax=figure.add_subplot())
-        name_film(figure, film)
         return figure
 
-    figure = new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS) if figure is None else figure
-    name_film(figure, film)
+    figure = style.given_figure(figure, style.TWO_COLUMNS, _TALL * style.TWO_COLUMNS, film=film)
     left, right = figure.subplots(1, 2)
     film_against_speed(film, ax=left)
     film_and_theory(film, ax=right)
-    letter_panels(left, right)
+    style.letter_panels(left, right)
     return figure
