@@ -36,12 +36,13 @@ def pair_figure(picture: Picture) -> Figure:
     """
     rows, columns = picture.light[0].shape
     figure = style.new_figure(TWO_COLUMNS, 0.38 * TWO_COLUMNS * rows / columns + _AROUND)
-    for ax, light, number in zip(figure.subplots(1, 2), picture.light, (1, 2), strict=True):
+    panels = figure.subplots(1, 2)
+    for ax, light, number in zip(panels, picture.light, (1, 2), strict=True):
         image = style.draw_image(ax, light, style.colour_limits(light))
         style.add_colour_bar(image, ax, "corrected light [DN]")
         ax.set_title(f"camera {number}, pair {picture.frame}")
-        style.letter(ax, "ab"[number - 1])
         ax.set_axis_off()
+    style.letter_panels(*panels)
     return figure
 
 
@@ -161,7 +162,7 @@ def steps_figure(steps: Steps) -> Figure | None:
         return None
     figure = style.new_figure(height=0.5 * ONE_COLUMN * len(shown))
     axes = np.atleast_1d(np.asarray(figure.subplots(len(shown), 1, sharex=True)))
-    for ax, (values, name, unit), mark in zip(axes, shown, "ab", strict=False):
+    for ax, (values, name, unit) in zip(axes, shown, strict=True):
         drawn: Array = values if name == "angle" else 1e3 * np.diff(values)
         ax.plot(
             np.arange(drawn.size), drawn, color=OUTWARD, marker="o", markersize=2, linewidth=0.5
@@ -172,6 +173,6 @@ def steps_figure(steps: Steps) -> Figure | None:
             middle = float(np.median(drawn))
             room = max(float(np.abs(drawn - middle).max()), _STEADY * middle)
             ax.set_ylim(middle - 1.1 * room, middle + 1.1 * room)
-        style.letter(ax, mark)
+    style.letter_panels(*axes)
     axes[-1].set_xlabel("frame pair [1]")
     return figure

@@ -10,7 +10,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from erlif.joint.sizing import FRICTION, BearingDesign, JointState, Step
 from erlif.show.plots import style
@@ -233,9 +232,7 @@ def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
         )
     ax.set(xscale="log", yscale="log", xlim=across, ylim=up)
     for axis in (ax.xaxis, ax.yaxis):
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_formatter(NullFormatter())
+        style.plain_log_axis(axis)
     style.frame_legend(ax, loc="best")
     return points
 
@@ -361,9 +358,9 @@ def design_figure(design: BearingDesign) -> Figure:
     figure = style.new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS)
     panels: Any = figure.subplots(2, 2).ravel()
     drawings = (design_pressure, design_pv, design_temperature, design_wear)
-    for ax, draw, text in zip(panels, drawings, "abcd", strict=True):
+    for ax, draw in zip(panels, drawings, strict=True):
         draw(design, ax=ax)
-        style.letter(ax, text)
+    style.letter_panels(*panels)
     return figure
 
 

@@ -157,11 +157,11 @@ def endurance_figure(result: EnduranceResult, *, figure: AnyFigure | None = None
     figure = style.given_figure(figure, TWO_COLUMNS, _ROW * len(names) + 0.2, text=0.6)
     figure.suptitle(result.name)
     panels = style.rows_or_columns(figure, len(names), sharex=True)
-    for ax, name, mark in zip(panels, names, "abcde", strict=False):
+    for ax, name in zip(panels, names, strict=True):
         quantity_over_test(result, name, ax=ax)
-        style.letter(ax, mark)
         if ax is not panels[-1]:
             ax.set_xlabel("")
+    style.letter_panels(*panels)
     style.legend_of_figure(figure, _keys(result))
     return figure
 

@@ -5,22 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
-from erlif.io.files import flag_shares, settings_of
-from erlif.io.settings import RunSettings, SinusoidalSettings
+from erlif.io.files import settings_of
+from erlif.io.settings import SinusoidalSettings
 from erlif.models.mechanism import SliderCrank
 from erlif.pipeline.physics.joint import build_linkage
 from erlif.show.plots import style
-from erlif.show.plots.naming import describe_shares
 from erlif.show.plots.style import COVERAGE, MEAN, MINIMUM, MUTED, ONE_COLUMN, AnyFigure, pt, styled
 from erlif.show.plots.triggers import (
     choose_abscissa,
@@ -28,14 +27,21 @@ from erlif.show.plots.triggers import (
     film_limits,
     has_varying_speed,
     in_order,
+    label_abscissa,
     limit_to_turn,
+    state_no_film,
 )
 
 _CYCLE = np.linspace(0.0, 2 * math.pi, 721)  # crank angle every half degree [rad]
 _PANELS = (1.35, 1)  # heights of film and speed
 _STATISTICS = ("film_mean", "film_min")
+_LOOKS: tuple[tuple[str, Any, str], ...] = (
+    (MEAN, (0, (3, 1.5)), "mean of the region"),
+    (MINIMUM, "-", "minimum"),
+)
+"""Colour, dashes and label of the statistics."""
+
 _MARKER = 2.4  # point
-_DASHES = (0, (3, 1.5))
 _LEGEND = 3.2  # lines of text above the films
 
 
@@ -106,17 +112,6 @@ def _times(factor: float) -> Callable[[npt.ArrayLike], Array]:
     return lambda values: np.asarray(values, float) * factor
 
 
-def _label_speed(ax: Axes, settings: RunSettings) -> None:
-    """Label the joint speed, with a second axis of the sliding speed where the pin is known."""
-    ax.set_ylabel("joint speed [rad/s]")
-    if settings.joint is None:
-        return
-    radius = settings.joint.pin_radius * 1e3  # mm
-    second = ax.secondary_yaxis("right", functions=(_times(radius), _times(1 / radius)))
-    second.set_ylabel("sliding speed [mm/s]")
-    ax.spines["right"].set_visible(False)
-
-
 @styled
 def speed_against_angle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw joint speed against encoder angle, and sliding speed on a second axis.
@@ -153,30 +148,43 @@ def speed_against_angle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     24.43
     """
     ax = style.given_or_new(ax, film)
-    settings = settings_of(film)
-    if settings.linkage is None:
+    if settings_of(film).linkage is None:
         return _draw_sliding_speed(ax, film, against_position=True)
     cycle = linkage_cycle(film)
 
     # the reading of an encoder on the crank jumps back to zero after 360 degree
     jump = np.abs(np.diff(cycle.reading, prepend=cycle.reading[:1])) > 180
-    (curve,) = ax.plot(
-        np.where(jump, np.nan, cycle.reading),
-        cycle.speed,
-        color=MUTED,
-        linewidth=pt(0.9),
-        label="kinematics of the linkage",
-        zorder=2,
-    )
-    speed = film.rocker_speed.values
-    points = draw_strokes(ax, film, film.encoder_angle.values, speed, zorder=3)
-    if cycle.speed.min() < 0:
-        ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
-
+    reading = np.where(jump, np.nan, cycle.reading)
+    artists = _draw_joint_speed(ax, film, film.encoder_angle.values, reading, cycle.speed)
+    artists[0].set_label("kinematics of the linkage")
     ax.set_xlabel("encoder angle [°]")
-    _label_speed(ax, settings)
     style.frame_legend(ax, loc="center")
-    return [curve, *points]
+    return artists
+
+
+def _draw_joint_speed(
+    ax: Axes, film: xr.Dataset, angle: Array, place: Array, speed: Array
+) -> list[Artist]:
+    """Draw the speed of the links at `place`, and of the triggers at `angle`, with both units."""
+    curve = ax.plot(place, speed, color=MUTED, linewidth=pt(0.9), zorder=2)
+    points = draw_strokes(ax, film, angle, film.rocker_speed.values, zorder=3)
+    _draw_zero(ax, speed)
+    ax.set_ylabel("joint speed [rad/s]")
+
+    # the sliding speed is that of the surface of the pin, whose radius must be known
+    joint = settings_of(film).joint
+    if joint is not None:
+        radius = joint.pin_radius * 1e3  # mm
+        second = ax.secondary_yaxis("right", functions=(_times(radius), _times(1 / radius)))
+        second.set_ylabel("sliding speed [mm/s]")
+        ax.spines["right"].set_visible(False)
+    return [*curve, *points]
+
+
+def _draw_zero(ax: Axes, speed: Array) -> None:
+    """Draw the line between both directions where there are two."""
+    if speed.min() < 0:
+        ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
 
 
 def _draw_sliding_speed(ax: Axes, film: xr.Dataset, *, against_position: bool) -> list[Artist]:
@@ -207,9 +215,8 @@ def _draw_sliding_speed(ax: Axes, film: xr.Dataset, *, against_position: bool) -
             limit_to_turn(ax)
 
     artists += draw_strokes(ax, film, x, speed, zorder=3)
-    if speed.min() < 0:
-        ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
-    else:
+    _draw_zero(ax, speed)
+    if not speed.min() < 0:
         ax.set_ylim(0, 1.1 * speed.max())  # whole markers
     ax.set_xlabel(label)
     ax.set_ylabel("sliding speed [mm/s]")
@@ -250,14 +257,11 @@ def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist
     if settings_of(film).linkage is None:
         return _draw_sliding_speed(ax, film, against_position=False)
     cycle = linkage_cycle(film)
-    (curve,) = ax.plot(cycle.crank_angle, cycle.speed, color=MUTED, linewidth=pt(0.9), zorder=2)
-    points = draw_strokes(ax, film, film.crank_angle.values, film.rocker_speed.values, zorder=3)
-    if cycle.speed.min() < 0:
-        ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
+    angle = film.crank_angle.values
+    artists = _draw_joint_speed(ax, film, angle, cycle.crank_angle, cycle.speed)
     limit_to_turn(ax)
     ax.set_xlabel("crank angle [°]")
-    _label_speed(ax, settings_of(film))
-    return [curve, *points]
+    return artists
 
 
 @styled
@@ -288,47 +292,31 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     """
     ax = style.given_or_new(ax, film)
     along = choose_abscissa(film)
+    value = np.array([film[name].values for name in _STATISTICS])
+    reach = COVERAGE * np.array([film[f"{name}_std"].values for name in _STATISTICS])
     artists: list[Artist] = []
-    for name, colour, dashes, label in (
-        ("film_mean", MEAN, _DASHES, "mean of the region"),
-        ("film_min", MINIMUM, "-", "minimum"),
-    ):
-        value, half = film[name].values, COVERAGE * film[f"{name}_std"].values
-        for n, members in enumerate(in_order(film, along.values)):
-            x, y, reach = along.values[members], value[members], half[members]
-            artists.append(
-                ax.fill_between(x, y - reach, y + reach, color=colour, alpha=0.3, linewidth=0)
-            )
+    for film_of, half, (colour, dashes, label) in zip(value, reach, _LOOKS, strict=True):
+        for n, part in enumerate(in_order(film, along.values)):
+            x, low, high = along.values[part], (film_of - half)[part], (film_of + half)[part]
+            artists.append(ax.fill_between(x, low, high, color=colour, alpha=0.3, linewidth=0))
             own = label if n == 0 else None  # one key for all stretches
-            artists += ax.plot(x, y, color=colour, linestyle=dashes, linewidth=pt(0.9), label=own)
-        draw_strokes(ax, film, along.values, value, colour=colour, markersize=pt(_MARKER))
+            look = {"color": colour, "linestyle": dashes, "linewidth": pt(0.9), "label": own}
+            artists += ax.plot(x, film_of[part], **look)
+        draw_strokes(ax, film, along.values, film_of, colour=colour, markersize=pt(_MARKER))
 
-    if along.whole_turn:
-        limit_to_turn(ax)
-    elif along.label == "trigger":
-        ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    ax.set_xlabel(along.label)
+    label_abscissa(ax, along)
     ax.set_ylabel("film thickness [µm]")
 
     # the legend has room above all curves, because the thinnest films are at the dead points, close
     # to the lower edge
-    known = np.concatenate(
-        [
-            film[name].values + side * COVERAGE * film[f"{name}_std"].values
-            for name in _STATISTICS
-            for side in (-1, 1)
-        ]
-    )
-    low, high = film_limits(known)
+    low, high = film_limits(np.concatenate([value - reach, value + reach]))
     ax.set_ylim(low, high + style.room_for(ax, _LEGEND) * (high - low))
-    if not any(np.isfinite(film[name].values).any() for name in _STATISTICS):
-        shares = describe_shares(flag_shares(film).mean(axis=0))
-        style.state_empty(ax, f"no film thickness at any trigger\n{shares}")
+    if not np.isfinite(value).any():
+        state_no_film(ax, film)
         return artists
 
     # a band hidden by the markers is not announced as one
-    widths = np.concatenate([2 * COVERAGE * film[f"{name}_std"].values for name in _STATISTICS])
-    visible = style.is_visible(ax, widths, pt(_MARKER))
+    visible = style.is_visible(ax, 2 * reach, pt(_MARKER))
     title = "bands: 95 %" if visible else "95 % errors: within markers"
     style.frame_legend(ax, loc="upper center", ncols=2, title=title)
     return artists

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +12,13 @@ from matplotlib.lines import Line2D
 
 from erlif.core.arrays import Array
 from erlif.core.errors import OutputError
-from erlif.io.files import refuse_existing, replacing
+from erlif.io.files import refuse_existing
 from erlif.models.linkage import LinkageDesign, measure_linkage
 from erlif.models.linkage.measures import links_of, swept_box
 from erlif.models.mechanism import CrankRocker
 from erlif.show.plots import style
 from erlif.show.plots.mechanism import pin_places
-from erlif.show.plots.movie import draw_pictures, encode_gif
+from erlif.show.plots.movie import check_movie, draw_pictures, write_pictures
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
 
 POSITIONS = 48
@@ -47,6 +47,11 @@ class LinkageView:
     linkage: CrankRocker
     links: Line2D
     marks: tuple[Line2D, ...] = ()
+
+    @property
+    def figure(self) -> AnyFigure:
+        """Figure of the links."""
+        return style.figure_of(self.links)
 
     def show(self, crank_angle: float) -> None:
         """Move the linkage.
@@ -99,8 +104,7 @@ def linkage_positions(
         ax.plot(*path.T, color=colour, linewidth=pt(0.9), linestyle=":", zorder=1, label=name)
 
     # the limits: folded and stretched
-    at_smallest, at_largest = linkage.dead_points()
-    ends = 1e3 * pin_places(linkage, np.array([at_smallest, at_largest]))
+    ends = 1e3 * pin_places(linkage, np.array(linkage.dead_points()))
     looks = ((ends[0], RETURN, "smallest"), (ends[1], OUTWARD, "largest"))
     for links, colour, name in looks:
         ax.plot(
@@ -136,9 +140,14 @@ def linkage_positions(
     ax.set_aspect("equal", adjustable="datalim")
     style.legend_above(ax)
     view = LinkageView(linkage, drawn)
-    rising = (at_smallest + at_largest + 2 * np.pi) / 2
-    view.show(rising if crank_angle is None else crank_angle)
+    view.show(_rising(linkage) if crank_angle is None else crank_angle)
     return view
+
+
+def _rising(linkage: CrankRocker) -> float:
+    """Crank angle half-way from the smallest to the largest rocker angle. [rad]"""
+    at_smallest, at_largest = linkage.dead_points()
+    return (at_smallest + at_largest + 2 * np.pi) / 2
 
 
 def _rocker_degrees(links: Array) -> float:
@@ -233,24 +242,8 @@ def _over_a_turn(ax: Axes, label: str) -> None:
     ax.set_xticks(range(0, 361, 90))
 
 
-@dataclass(frozen=True)
-class LinkageFigure:
-    """The figure of a crank-rocker, and what moves on it.
-
-    Attributes
-    ----------
-    figure : Figure or SubFigure
-        Positions, rocker speed and transmission angle.
-    view : LinkageView
-        The linkage; its `show` moves it.
-    """
-
-    figure: AnyFigure
-    view: LinkageView
-
-
 @styled
-def linkage_view(design: LinkageDesign, *, figure: AnyFigure | None = None) -> LinkageFigure:
+def linkage_view(design: LinkageDesign, *, figure: AnyFigure | None = None) -> LinkageView:
     """Draw a crank-rocker with its limits, rocker speed and transmission angle, to be moved.
 
     Parameters
@@ -262,13 +255,13 @@ def linkage_view(design: LinkageDesign, *, figure: AnyFigure | None = None) -> L
 
     Returns
     -------
-    LinkageFigure
-        The figure, and the view whose `show` moves the linkage.
+    LinkageView
+        Its `show` moves the linkage, and marks of its angle on the curves.
 
     Examples
     --------
     >>> drawn = linkage_view(example_linkage())
-    >>> drawn.view.show(np.pi)
+    >>> drawn.show(np.pi)
     """
     figure = style.given_figure(figure, style.TWO_COLUMNS, _HEIGHT * style.TWO_COLUMNS)
     panels = figure.subplot_mosaic("pp;st", height_ratios=(1.5, 1))
@@ -280,10 +273,9 @@ def linkage_view(design: LinkageDesign, *, figure: AnyFigure | None = None) -> L
         panels[panel].axvline(0.0, color=RETURN, linewidth=pt(0.9), zorder=3) for panel in "st"
     )
     figure.suptitle(_name(design))
-    moving = LinkageView(view.linkage, view.links, marks)
-    at_smallest, at_largest = design.linkage.dead_points()
-    moving.show((at_smallest + at_largest + 2 * np.pi) / 2)
-    return LinkageFigure(figure, moving)
+    moving = replace(view, marks=marks)
+    moving.show(_rising(design.linkage))
+    return moving
 
 
 def linkage_figure(design: LinkageDesign, *, figure: AnyFigure | None = None) -> AnyFigure:
@@ -361,22 +353,17 @@ def linkage_movie(
     b'GIF89a'
     """
     path = Path(path)
-    if path.suffix != ".gif":
-        raise OutputError(f"Expected a name in .gif for the movie; got {path.name}. Name it so.")
-    if positions < 2 or not 0.1 <= frames_per_second <= 60:
+    check_movie(path, frames_per_second, (".gif",))
+    if positions < 2:
         raise OutputError(
-            "Expected a movie of 2 positions at least and 0.1 to 60 frames per second; got "
-            f"{positions} and {frames_per_second:g}. Choose other values."
+            f"Expected a movie of 2 positions at least; got {positions}. Choose more of them."
         )
     refuse_existing(path, overwrite=overwrite)
     angles = 2 * np.pi * np.arange(positions) / positions
     with style.in_style(None):
         drawn = linkage_view(design)
-        pictures = draw_pictures(drawn.figure, drawn.view.show, angles.tolist(), progress=False)
-    content = encode_gif(pictures, frames_per_second)
-    with replacing(path) as scratch:
-        scratch.write_bytes(content)
-    return path
+        pictures = draw_pictures(drawn.figure, drawn.show, angles.tolist(), progress=False)
+    return write_pictures(pictures, path, frames_per_second)
 
 
 def example_linkage() -> LinkageDesign:

@@ -6,6 +6,7 @@ import io
 import shutil
 import subprocess
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
@@ -25,7 +26,6 @@ from erlif.io.files import describe_trigger, open_film, refuse_existing, replaci
 from erlif.show.plots.kinematics import film_over_cycle
 from erlif.show.plots.maps import common_limits, image_height, joint_image, sheet_groups
 from erlif.show.plots.mechanism import MechanismView, draw_mechanism
-from erlif.show.plots.naming import name_film
 from erlif.show.plots.style import (
     MEAN,
     MUTED,
@@ -36,8 +36,8 @@ from erlif.show.plots.style import (
     add_colour_bar,
     colour_map,
     fix_layout,
+    given_figure,
     in_style,
-    new_figure,
     pt,
     styled,
 )
@@ -151,13 +151,14 @@ def cycle_view(film: xr.Dataset, *, trigger: int, figure: AnyFigure | None = Non
     'trigger 2, '
     """
     height = max(image_height(film, _MAP * TWO_COLUMNS) + _AROUND, _LEAST)
-    figure = new_figure(TWO_COLUMNS, height, text=_AROUND) if figure is None else figure
+    chosen, total = order_of_cycle(film), film.sizes["trigger"]
+    more = "" if len(chosen) == total else f"{len(chosen)} of {total} triggers"
+    figure = given_figure(figure, TWO_COLUMNS, height, text=_AROUND, film=film, more=more)
     panels = figure.subplot_mosaic("am;af", width_ratios=(1.2, 1), height_ratios=(1, 1.3))
     mechanism = draw_mechanism(film, trigger=trigger, ax=panels["m"])
     if mechanism is None:
         panels["m"].remove()
 
-    chosen = order_of_cycle(film)
     limits = common_limits(film, chosen[:: max(1, len(chosen) // 12)])
     ax = panels["a"]
     image = joint_image(ax, film, thin_map(film, trigger), limits)
@@ -165,8 +166,6 @@ def cycle_view(film: xr.Dataset, *, trigger: int, figure: AnyFigure | None = Non
 
     film_over_cycle(film, ax=panels["f"])
     marker = panels["f"].axvline(0.0, color=RETURN, linewidth=pt(1.2), zorder=4)
-    total = film.sizes["trigger"]
-    name_film(figure, film, "" if len(chosen) == total else f"{len(chosen)} of {total} triggers")
     view = CycleView(film, figure, image, marker, mechanism)
     view.show(trigger)
     return view
@@ -224,75 +223,42 @@ def cycle_movie(
     b'GIF89a'
     """
     path = Path(path)
-    if path.suffix not in (".gif", ".mp4"):
+    check_movie(path, frames_per_second, (".gif", ".mp4"))
+    refuse_existing(path, overwrite=overwrite)
+    opened = nullcontext(film) if isinstance(film, xr.Dataset) else open_film(film)
+    with opened as shown, in_style(style):
+        chosen = order_of_cycle(shown)
+        view = cycle_view(shown, trigger=chosen[0])
+        pictures = draw_pictures(view.figure, view.show, chosen, progress)
+    return write_pictures(pictures, path, frames_per_second)
+
+
+def check_movie(path: Path, speed: float, suffixes: Sequence[str]) -> None:
+    """Refuse a movie of another format or speed, and MP4 without the program that encodes it."""
+    if path.suffix not in suffixes:
         raise OutputError(
-            f"Expected a name in .gif or .mp4 for the movie; got {path.name}. Name it so."
+            f"Expected a name in {' or '.join(suffixes)} for the movie; got {path.name}. "
+            "Name it so."
         )
-    if not _SPEED[0] <= frames_per_second <= _SPEED[1]:
+    if not _SPEED[0] <= speed <= _SPEED[1]:
         raise OutputError(
             f"Expected a movie of {_SPEED[0]:g} to {_SPEED[1]:g} frames per second; got "
-            f"{frames_per_second:g}. Choose a speed between them."
+            f"{speed:g}. Choose a speed between them."
         )
-    encoder = _find_ffmpeg() if path.suffix == ".mp4" else ""
-    refuse_existing(path, overwrite=overwrite)
-    if not isinstance(film, xr.Dataset):
-        with open_film(film) as opened:
-            return _write(opened, path, frames_per_second, style, progress, encoder)
-    return _write(film, path, frames_per_second, style, progress, encoder)
-
-
-def _find_ffmpeg() -> str:
-    """The program that encodes MP4."""
-    found = shutil.which("ffmpeg")
-    if found is None:
+    if path.suffix == ".mp4" and shutil.which("ffmpeg") is None:
         raise OutputError(
             "Expected the program ffmpeg for a movie in MP4; it is not installed. Install it, or "
             "write a GIF with a name that ends in .gif."
         )
-    return found
 
 
-def _write(
-    film: xr.Dataset,
-    path: Path,
-    speed: float,
-    style: str | Path | None,
-    progress: ShowProgress,
-    encoder: str,
-) -> Path:
-    with in_style(style):
-        frames = draw_frames(film, progress)
-    content = _encode_mp4(frames, speed, encoder) if encoder else encode_gif(frames, speed)
+def write_pictures(frames: list[Image.Image], path: Path, speed: float) -> Path:
+    """Write pictures as the movie that the suffix of `path` names, whole or not at all."""
+    encode = _encode_mp4 if path.suffix == ".mp4" else _encode_gif
+    content = encode(frames, speed)
     with replacing(path) as scratch:
         scratch.write_bytes(content)
     return path
-
-
-@styled
-def draw_frames(film: xr.Dataset, progress: ShowProgress = None) -> list[Image.Image]:
-    """Draw the frames of a movie.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-        As `erlif.process` returns it.
-    progress : callable, bool or "bar"
-        As for `cycle_movie`.
-
-    Returns
-    -------
-    list of PIL.Image.Image
-        One for each trigger, in the order of `order_of_cycle`; width and height are even.
-
-    Examples
-    --------
-    >>> from erlif.show.plots import example_film
-    >>> [frame.width for frame in draw_frames(example_film().isel(trigger=[0, 1]))]
-    [960, 960]
-    """
-    chosen = order_of_cycle(film)
-    view = cycle_view(film, trigger=chosen[0])
-    return draw_pictures(view.figure, view.show, chosen, progress)
 
 
 _Place = TypeVar("_Place", int, float)
@@ -331,7 +297,7 @@ def _palette() -> bytes:
     return bytes(np.rint(255 * np.concatenate([batlow, *lines])).astype(np.uint8))
 
 
-def encode_gif(frames: list[Image.Image], speed: float) -> bytes:
+def _encode_gif(frames: list[Image.Image], speed: float) -> bytes:
     """Encode pictures as a GIF that repeats, with one palette, so that nothing flickers."""
     palette = Image.new("P", (1, 1))
     palette.putpalette(_palette())
@@ -350,10 +316,10 @@ def encode_gif(frames: list[Image.Image], speed: float) -> bytes:
     return content.getvalue()
 
 
-def _encode_mp4(frames: list[Image.Image], speed: float, encoder: str) -> bytes:
+def _encode_mp4(frames: list[Image.Image], speed: float) -> bytes:
     """H.264 in the form that browsers take; one thread and no dates, so the same every time."""
     width, height = frames[0].size
-    command = [encoder, "-hide_banner", "-loglevel", "error", "-y"]
+    command = ["ffmpeg", "-hide_banner", "-loglevel", "error", "-y"]
     command += ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}"]
     command += ["-r", f"{speed:g}", "-i", "-", "-an", "-c:v", "libx264", "-pix_fmt", "yuv420p"]
     command += ["-crf", "20", "-threads", "1", "-fflags", "+bitexact", "-flags:v", "+bitexact"]

@@ -14,27 +14,14 @@ from matplotlib.patches import Ellipse
 
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ConfigError
-from erlif.show.plots.style import (
-    COVERAGE,
-    MEAN,
-    MINIMUM,
-    MUTED,
-    ONE_COLUMN,
-    AnyFigure,
-    given_figure,
-    given_or_new,
-    legend_above,
-    letter_panels,
-    pt,
-    rows_or_columns,
-    styled,
-)
+from erlif.show.plots import style
+from erlif.show.plots.style import COVERAGE, MEAN, MINIMUM, MUTED, ONE_COLUMN, AnyFigure, pt, styled
 from erlif.show.plots.triggers import (
     broken,
     choose_abscissa,
     draw_strokes,
     in_order,
-    limit_to_turn,
+    label_abscissa,
     stroke_looks,
 )
 
@@ -93,7 +80,7 @@ def pin_orbit(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     (6, 6)
     """
     _require_position(film)
-    ax = given_or_new(ax, film)
+    ax = style.given_or_new(ax, film)
     load, side = film.pin_displacement.values.T
     known = np.isfinite(load) & np.isfinite(side)
     clearance = float(film.pin_displacement.attrs["clearance"])
@@ -111,7 +98,7 @@ def pin_orbit(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     ax.set(xlim=(low, high), ylim=_around(np.append(load[known], wall))[::-1])
     ax.set_xlabel("sideways [µm]")
     ax.set_ylabel("towards the load [µm]")
-    legend_above(ax)
+    style.legend_above(ax)
     return artists
 
 
@@ -148,7 +135,7 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     array([0., 0., 0.])
     """
     _require_position(film)
-    ax = given_or_new(ax, film)
+    ax = style.given_or_new(ax, film)
     load, side = film.pin_displacement.values.T
     known = np.isfinite(load) & np.isfinite(side)
     distance = np.hypot(load, side)
@@ -160,7 +147,7 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     # the errors of both displacements, turned to angle and film
     last = int(np.flatnonzero(known)[-1])
     parts = [(k, film.pin_position_cov_random, _RANDOM) for k in np.flatnonzero(known)]
-    for k, covariance, style in [*parts, (last, film.pin_position_cov, _WHOLE)]:
+    for k, covariance, look in [*parts, (last, film.pin_position_cov, _WHOLE)]:
         turn = np.array(
             [
                 np.degrees([-side[k], load[k]]) / distance[k] ** 2,
@@ -168,7 +155,7 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
             ]
         )
         turned = turn @ covariance.values[k, :2, :2] @ turn.T
-        artists.append(ax.add_patch(_ellipse(angle[k], closest[k], turned, **style)))
+        artists.append(ax.add_patch(_ellipse(angle[k], closest[k], turned, **look)))
 
     ax.set(xlim=_around(angle[known]), ylim=_around(closest[known]))
     ax.set_xlabel("angle from the load line [°]")
@@ -176,7 +163,7 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     dashes = Line2D([], [], color=MINIMUM, linestyle=_DASHES, linewidth=pt(0.7))
     dashes.set_label("95 % with shared errors")
     keys = [artist for artist in artists if isinstance(artist, Line2D)]
-    legend_above(ax, handles=[*keys, dashes], ncols=2)
+    style.legend_above(ax, handles=[*keys, dashes], ncols=2)
     return artists
 
 
@@ -207,7 +194,7 @@ def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     'circles of the radii; bars: 95 %'
     """
     _require_position(film)
-    ax = given_or_new(ax, film)
+    ax = style.given_or_new(ax, film)
     abscissa = choose_abscissa(film)
     curvature, std = film.film_curvature.values, film.film_curvature_std.values
     # fifty bars stand side by side
@@ -224,11 +211,9 @@ def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
         label="circles of the radii; bars: 95 %",
         zorder=1.5,
     )
-    if abscissa.whole_turn:
-        limit_to_turn(ax)
-    ax.set_xlabel(abscissa.label)
+    label_abscissa(ax, abscissa)
     ax.set_ylabel("curvature [µm/mm²]")
-    legend_above(ax, ncols=2)
+    style.legend_above(ax, ncols=2)
     return artists
 
 
@@ -259,11 +244,11 @@ def pin_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigur
     >>> len(pin_figure(example_film()).axes)
     3
     """
-    figure = given_figure(figure, ONE_COLUMN, _TALL * ONE_COLUMN, film=film)
-    panels = rows_or_columns(figure, 3)
+    figure = style.given_figure(figure, ONE_COLUMN, _TALL * ONE_COLUMN, film=film)
+    panels = style.rows_or_columns(figure, 3)
     for ax, draw in zip(panels, (pin_orbit, closest_film, gap_curvature), strict=True):
         draw(film, ax=ax)
-    letter_panels(*panels)
+    style.letter_panels(*panels)
 
     # the strokes look alike in all panels
     strokes = {str(look["label"]) for _, look in stroke_looks(film)}
@@ -273,7 +258,7 @@ def pin_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigur
         texts = [text.get_text() for text in legend.get_texts()]
         own = [n for n, text in enumerate(texts) if text not in strokes]
         handles = [legend.legend_handles[n] for n in own]
-        legend_above(ax, handles=handles, labels=[texts[n] for n in own])
+        style.legend_above(ax, handles=handles, labels=[texts[n] for n in own])
     return figure
 
 

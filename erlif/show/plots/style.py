@@ -42,6 +42,14 @@ from erlif.core.flags import FLAG_COLOURS as FLAG_COLOURS
 from erlif.io.files import replacing, takes_products
 from erlif.show.plots.naming import name_film
 
+
+def _read_sheet(name: str) -> dict[str, Any]:
+    """Settings of a style sheet beside this module."""
+    sheet = Path(__file__).with_name(f"{name}.mplstyle")
+    settings: Any = matplotlib.rc_params_from_file(sheet, use_default_template=False)
+    return dict(settings)
+
+
 ONE_COLUMN, TWO_COLUMNS = 90 / 25.4, 190 / 25.4
 """Widths of a journal's columns. [inch]"""
 
@@ -70,55 +78,20 @@ COVERAGE = 1.96
 _TEXT = 7.0
 """Size of text that the lengths below belong to. [point]"""
 
-_POINTS = {
-    "font.size": _TEXT,
-    "axes.labelsize": 7.0,
-    "axes.titlesize": 7.0,
-    "xtick.labelsize": 6.5,
-    "ytick.labelsize": 6.5,
-    "legend.fontsize": 6.5,
-    "legend.title_fontsize": 6.5,
-    "figure.titlesize": 6.5,
-    "axes.linewidth": 0.6,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "xtick.minor.width": 0.4,
-    "ytick.minor.width": 0.4,
-    "xtick.major.size": 2.5,
-    "ytick.major.size": 2.5,
-    "xtick.minor.size": 1.5,
-    "ytick.minor.size": 1.5,
-    "lines.linewidth": 1.0,
-    "lines.markersize": 3.0,
-    "lines.markeredgewidth": 0.7,
-    "errorbar.capsize": 1.2,
-    "hatch.linewidth": 0.5,
-}
+_LENGTHS = _read_sheet("lengths")
 """Lengths in points beside text of 7 points; they follow the size of the text."""
 
-_PLAIN: dict[str, Any] = {
-    "font.family": ["DejaVu Sans"],  # part of matplotlib, so the same on every machine
-    "figure.figsize": [ONE_COLUMN, 0.72 * ONE_COLUMN],
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "legend.frameon": False,
-    "legend.handlelength": 1.8,
-    "legend.borderaxespad": 0.3,
-    "figure.dpi": 150.0,
-    "savefig.dpi": 300.0,
-    "savefig.facecolor": "white",
-    "pdf.fonttype": 42,
-}
+_PLAIN = _read_sheet("look")
+"""The rest of the look: font, frames, resolution."""
 
+# no layout engine but that of the figure, and a fixed salt: the same figure gives the same file
 _FIXED: dict[str, Any] = {
     "svg.hashsalt": "erlif",
-    # no layout engine but the one of the figure
     "figure.autolayout": False,
     "figure.constrained_layout.use": False,
 }
-"""Settings that no style changes: files are the same every time."""
+"""Settings that no style changes."""
 
-# the same figure gives the same file on every day and machine
 STYLES = ("paper", "slides")
 """Style sheets of erlif; matplotlib finds them as ``erlif.show.plots.paper`` and so on."""
 
@@ -184,7 +157,7 @@ def _look(given: Axes | None = None) -> dict[Any, Any]:
     scale = now["font.size"] / _TEXT if chosen else 1.0
     if given is not None and not chosen:
         scale = float(given.xaxis.label.get_fontsize()) / _TEXT
-    wanted = _PLAIN | {name: scale * length for name, length in _POINTS.items()}
+    wanted = _PLAIN | {name: scale * length for name, length in _LENGTHS.items()}
     return {name: to for name, to in wanted.items() if now[name] == default[name]} | _FIXED
 
 
@@ -228,7 +201,7 @@ class Picture(Figure):
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
-        names = [*_PLAIN, *_POINTS, *_FIXED]
+        names = [*_PLAIN, *_LENGTHS, *_FIXED]
         now: Any = matplotlib.rcParams
         self._look: dict[Any, Any] = {name: now[name] for name in names}
 
@@ -586,7 +559,7 @@ def signed(value: float, digits: int = 2) -> str:
 
 
 def letter(ax: Axes, text: str) -> None:
-    """Mark a panel as (a), (b), ... at its upper left; its title follows where it is long."""
+    """Mark a panel as (a) at its upper left; its title follows where it is long."""
     title = ax.get_title()
     beside = (_ACROSS * ax.get_window_extent().width - ax.title.get_window_extent().width) / 2
     if title and (is_page() or beside < pt(_PANEL) * figure_of(ax).dpi / 72):
@@ -606,13 +579,13 @@ def plain_log_axis(axis: Axis) -> None:
 
 def letter_panels(*panels: Axes) -> None:
     """Mark panels as (a), (b), ... in their order."""
-    for ax, text in zip(panels, "abcd", strict=False):
+    for ax, text in zip(panels, "abcdefgh", strict=False):
         letter(ax, text)
 
 
-def figure_of(ax: Axes) -> Figure | SubFigure:
-    """Return the figure of an axes."""
-    figure = ax.get_figure()
+def figure_of(drawn: Artist) -> Figure | SubFigure:
+    """Return the figure of axes or of what is drawn on them."""
+    figure = drawn.get_figure()
     assert figure is not None
     return figure
 

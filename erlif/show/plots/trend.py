@@ -11,14 +11,12 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from erlif.core.arrays import Array, Mask
-from erlif.io.files import flag_shares
 from erlif.show.plots import style
-from erlif.show.plots.naming import describe_shares
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
-from erlif.show.plots.triggers import draw_strokes
+from erlif.show.plots.triggers import draw_strokes, state_no_film
 from erlif.trend import SLOWEST
 
 _LABELS = {
@@ -41,7 +39,7 @@ _MARGIN = 0.06  # of the axis on either side of the curves
 
 def _speed_name(film: xr.Dataset) -> str:
     """The speed that the exponents of a film belong to."""
-    # films of earlier versions do not name it
+    # the log may have a sliding speed of its own, which the exponents then name
     named = film["speed_exponent"].attrs.get("speed") if "speed_exponent" in film else None
     if isinstance(named, str) and named in _LABELS and named in film:
         return named
@@ -104,8 +102,7 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
     if drawn:
         ax.legend(handles=[*drawn, *_stroke_keys(film)], loc="best", title=_BARS, alignment="left")
     else:
-        shares = describe_shares(flag_shares(film).mean(axis=0))
-        style.state_empty(ax, f"no film thickness at any trigger\n{shares}")
+        state_no_film(ax, film)
     return [*artists, *lines]
 
 
@@ -283,7 +280,7 @@ def plain_ticks(ax: Axes) -> None:
         every: tuple[float, ...] = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0)
         steps = every if decades < 0.7 else (1.0, 2.0, 3.0, 5.0) if decades < 1.5 else (1.0,)
         axis.set_major_locator(LogLocator(base=10, subs=steps, numticks=20))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_major_formatter("{x:g}")
         axis.set_minor_locator(
             LogLocator(base=10, subs=tuple(map(float, range(1, 10))), numticks=20)
         )

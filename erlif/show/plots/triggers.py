@@ -9,10 +9,12 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from erlif.core.arrays import Array, Mask
-from erlif.io.files import motion_of
-from erlif.show.plots.style import OUTWARD, STROKES, is_page
+from erlif.io.files import flag_shares, motion_of
+from erlif.show.plots.naming import describe_shares
+from erlif.show.plots.style import OUTWARD, STROKES, is_page, state_empty
 
 _STEADY = 0.01
 """Relative range of a speed below which it is not drawn: that of a steady disc and its log."""
@@ -87,6 +89,15 @@ def limit_to_turn(ax: Axes) -> None:
     """Let an axis of angles end with a whole turn."""
     ax.set_xlim(0, 360)
     ax.set_xticks(range(0, 361, 120 if is_page() else 60))
+
+
+def label_abscissa(ax: Axes, along: Abscissa) -> None:
+    """Label the axis of a quantity, with its limits and ticks where these are known."""
+    if along.whole_turn:
+        limit_to_turn(ax)
+    elif along.label == "trigger":
+        ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+    ax.set_xlabel(along.label)
 
 
 def film_limits(values: Array) -> tuple[float, float]:
@@ -276,3 +287,9 @@ def has_varying_speed(film: xr.Dataset) -> bool:
         return False
     speed = film[name].values
     return bool(np.ptp(speed) > _STEADY * np.abs(speed).max())
+
+
+def state_no_film(ax: Axes, film: xr.Dataset) -> None:
+    """Write in empty axes which flags take the pixels of all triggers."""
+    shares = describe_shares(flag_shares(film).mean(axis=0))
+    state_empty(ax, f"no film thickness at any trigger\n{shares}")

@@ -33,7 +33,7 @@ def test_links_keep_their_lengths_and_turn_with_the_crank(design):
 
 
 def test_limits_are_drawn_with_crank_and_coupler_in_line(drawn):
-    lines = {line.get_label(): line for line in drawn.view.links.axes.get_lines()}
+    lines = {line.get_label(): line for line in drawn.links.axes.get_lines()}
     (low,) = (line for name, line in lines.items() if "smallest rocker angle 47.41°" in name)
     (high,) = (line for name, line in lines.items() if "largest rocker angle 71.84°" in name)
     for line, reach in ((low, 440 - 55), (high, 440 + 55)):
@@ -42,16 +42,16 @@ def test_limits_are_drawn_with_crank_and_coupler_in_line(drawn):
     (middle,) = (line for name, line in lines.items() if "middle" in name)
     x, y = middle.get_data()
     # half-way along the coupler at crank angle 0
-    pins = 1e3 * pin_places(drawn.view.linkage, np.zeros(1))[0]
+    pins = 1e3 * pin_places(drawn.linkage, np.zeros(1))[0]
     npt.assert_allclose([x[0], y[0]], pins[1:3].mean(axis=0))
 
 
 def test_showing_another_angle_moves_links_and_marks(drawn):
-    drawn.view.show(np.pi)
-    x, y = drawn.view.links.get_data()
+    drawn.show(np.pi)
+    x, y = drawn.links.get_data()
     npt.assert_allclose([x[1], y[1]], [-55, 0], atol=1e-9)
-    assert len(drawn.view.marks) == 2
-    for mark in drawn.view.marks:
+    assert len(drawn.marks) == 2
+    for mark in drawn.marks:
         npt.assert_allclose(mark.get_xdata(), [180, 180])
 
 
