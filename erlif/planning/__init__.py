@@ -16,7 +16,7 @@ from erlif.planning.design import (
     scaled_to,
     signal,
 )
-from erlif.planning.optimum import Aim, Optimum, find_optimum, largest_error
+from erlif.planning.optimum import Optimum, find_optimum, largest_error
 from erlif.planning.precision import (
     Film,
     calibrated_range,
@@ -38,7 +38,6 @@ from erlif.planning.tolerances import TOLERANCES, Change, vary_tolerances
 __all__ = [
     "SYNTHETIC",
     "TOLERANCES",
-    "Aim",
     "Band",
     "Camera",
     "Change",

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from erlif.core.arrays import Array
 from erlif.models.fluorescence import band_signal
-from erlif.planning.spectra import Dye
+from erlif.planning.spectra import SYNTHETIC, Dye, synthetic_spectra
 
 PLANCK = 6.62607015e-34
 """[J s]"""
@@ -84,9 +84,9 @@ class Design:
 
     Attributes
     ----------
-    dyes : tuple[Dye, Dye]
+    dyes : tuple[Dye, ...]
         Dye 1, whose light is reabsorbed, and dye 2, which reabsorbs it.
-    cameras : tuple[Camera, Camera]
+    cameras : tuple[Camera, ...]
         Camera 1 in the band that is reabsorbed, and camera 2.
     laser : float
         Wavelength. [nm]
@@ -96,21 +96,17 @@ class Design:
         Dark and flat pages.
     """
 
-    dyes: tuple[Dye, Dye]
-    cameras: tuple[Camera, Camera]
+    dyes: tuple[Dye, ...]
+    cameras: tuple[Camera, ...]
     laser: float
     energy: float = 1.0
     references: References = References()
 
     def with_concentrations(self, concentrations: npt.ArrayLike) -> Design:
         """The same design with other concentrations of dye 1 and 2. [mol/L]"""
-        one, two = (float(value) for value in np.asarray(concentrations))
+        pairs = zip(self.dyes, np.asarray(concentrations), strict=True)
         return replace(
-            self,
-            dyes=(
-                replace(self.dyes[0], concentration=one),
-                replace(self.dyes[1], concentration=two),
-            ),
+            self, dyes=tuple(replace(dye, concentration=float(value)) for dye, value in pairs)
         )
 
     @property
@@ -202,20 +198,9 @@ def emitted_light(design: Design, number: int, thickness: npt.ArrayLike) -> Arra
 
 
 def signal(design: Design, number: int, thickness: npt.ArrayLike) -> Array:
-    """Photo-electrons of a pixel in mid-beam.
+    """Mean signal of a pixel in mid-beam above the dark level. [electron]
 
-    Parameters
-    ----------
-    design : Design
-    number : int
-        Camera, 1 or 2.
-    thickness : array_like
-        Film thickness. [um]
-
-    Returns
-    -------
-    array
-        Mean signal above the dark level, not limited by full scale. [electron]
+    It is not limited by full scale. Arguments as in `emitted_light`.
 
     Examples
     --------
@@ -227,18 +212,7 @@ def signal(design: Design, number: int, thickness: npt.ArrayLike) -> Array:
 
 
 def log_ratio(design: Design, thickness: npt.ArrayLike) -> Array:
-    """Natural logarithm of the ratio camera 2 / camera 1.
-
-    Parameters
-    ----------
-    design : Design
-    thickness : array_like
-        Film thickness, above 0. [um]
-
-    Returns
-    -------
-    array
-        [1]
+    """Natural logarithm of the ratio camera 2 / camera 1 [1], of films [um] above 0.
 
     Examples
     --------
@@ -249,18 +223,7 @@ def log_ratio(design: Design, thickness: npt.ArrayLike) -> Array:
 
 
 def log_ratio_slope(design: Design, thickness: npt.ArrayLike) -> Array:
-    """Derivative of `log_ratio` with respect to thickness.
-
-    Parameters
-    ----------
-    design : Design
-    thickness : array_like
-        Film thickness, above 0. [um]
-
-    Returns
-    -------
-    array
-        [1/um]
+    """Derivative of `log_ratio` with respect to thickness [1/um], of films [um] above 0.
 
     Examples
     --------
@@ -360,7 +323,7 @@ def scaled_to(design: Design, thick_film: tuple[float, float]) -> Design:
         band = band_of(design, number)
         thick = float((band.weight / band.attenuation).sum())
         cameras.append(replace(camera, scale=electrons / thick))
-    return replace(design, cameras=(cameras[0], cameras[1]))
+    return replace(design, cameras=tuple(cameras))
 
 
 def example_design() -> Design:
@@ -375,14 +338,12 @@ def example_design() -> Design:
     >>> example_design().concentrations
     array([0.008, 0.024])
     """
-    from erlif.planning.spectra import SYNTHETIC, synthetic_spectra
-
-    dyes = [
+    dyes = tuple(
         Dye(concentration, 0.7, *synthetic_spectra(name))
         for concentration, name in zip((0.008, 0.024), SYNTHETIC, strict=True)
-    ]
-    cameras = [Camera(band, 10.0, 4.4, 9.0, 20000.0, 4095 - 64) for band in (580.0, 610.0)]
-    design = Design((dyes[0], dyes[1]), (cameras[0], cameras[1]), laser=532.0)
+    )
+    cameras = tuple(Camera(band, 10.0, 4.4, 9.0, 20000.0, 4095 - 64) for band in (580.0, 610.0))
+    design = Design(dyes, cameras, laser=532.0)
     return scaled_to(design, (11000.0, 11500.0))
 
 

@@ -21,23 +21,6 @@ _LEAST_DEPTH = 1e-2  # optical depth of the thickest film at the smallest concen
 
 
 @dataclass(frozen=True)
-class Aim:
-    """What the concentrations may be.
-
-    Attributes
-    ----------
-    largest : float
-        Largest concentration that dissolves, of each dye. [mol/L]
-    fill : float
-        Largest mean signal, share of full scale; speckle and pulse energy need the rest. The pulse
-        energy is lowered where the thickest film would exceed it. [1]
-    """
-
-    largest: float = 0.05
-    fill: float = 0.75
-
-
-@dataclass(frozen=True)
 class Optimum:
     """The best concentrations.
 
@@ -80,7 +63,9 @@ def largest_error(design: Design, film: Film) -> float:
     return float((std / films).max())
 
 
-def find_optimum(design: Design, film: Film, aim: Aim) -> Optimum:
+def find_optimum(
+    design: Design, film: Film, *, largest: float = 0.05, fill: float = 0.75
+) -> Optimum:
     """Find the concentrations with the smallest `largest_error`.
 
     A coarse grid of logarithms of both concentrations, then the simplex of Nelder and Mead from its
@@ -91,7 +76,11 @@ def find_optimum(design: Design, film: Film, aim: Aim) -> Optimum:
     design : Design
         Its concentrations do not matter; its pulse energy is the largest one allowed.
     film : Film
-    aim : Aim
+    largest : float
+        Largest concentration that dissolves, of each dye. [mol/L]
+    fill : float
+        Largest mean signal, share of full scale; speckle and pulse energy need the rest. The pulse
+        energy is lowered where the thickest film would exceed it. [1]
 
     Returns
     -------
@@ -106,7 +95,7 @@ def find_optimum(design: Design, film: Film, aim: Aim) -> Optimum:
     --------
     >>> from erlif.planning.design import example_design
     >>> film = Film(2.0, 30.0, (0.5, 45.0))
-    >>> found = find_optimum(example_design(), film, Aim())
+    >>> found = find_optimum(example_design(), film)
     >>> found.error < largest_error(example_design(), film)
     True
     """
@@ -114,14 +103,14 @@ def find_optimum(design: Design, film: Film, aim: Aim) -> Optimum:
 
     # with less than the smallest concentration the thickest film would not absorb at all
     depth = np.array([film.thickest * _attenuation_per_molar(design, dye) for dye in design.dyes])
-    high = np.full(2, np.log(aim.largest))
+    high = np.full(2, np.log(largest))
     with np.errstate(divide="ignore"):  # a dye that absorbs nowhere has no smallest concentration
         low = np.log(_LEAST_DEPTH / depth)
     low = np.minimum(low, high - 1.0)
 
     def prepared(logarithms: Array) -> Design:
         mixed = design.with_concentrations(np.exp(np.minimum(logarithms, high)))
-        return dimmed_to_full_scale(mixed, film.thickest, aim.fill)
+        return dimmed_to_full_scale(mixed, film.thickest, fill)
 
     def error(logarithms: Array) -> float:
         # the logarithm has a finite slope where the error is huge; beyond the solubility it rises
@@ -142,7 +131,7 @@ def find_optimum(design: Design, film: Film, aim: Aim) -> Optimum:
             "Expected two bands whose ratio rises with thickness for some concentrations; none "
             "was found. Exchange the cameras, or choose filters of which dye 2 absorbs only one."
         )
-    limited = found.concentrations > 0.999 * aim.largest
+    limited = found.concentrations > 0.999 * largest
     return Optimum(found, reached, (bool(limited[0]), bool(limited[1])))
 
 

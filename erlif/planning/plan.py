@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import math
 import os
+import tomllib
 from dataclasses import replace
+from functools import cache
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
 from erlif.core.units import Quantity
 from erlif.io.settings import DyeSettings, PlanSettings, read_plan_settings, to_toml, write_template
 from erlif.planning import (
-    Aim,
     Camera,
     Design,
     Dye,
@@ -53,39 +56,18 @@ _BEYOND = (0.4, 1.6)  # of the thinnest and the thickest wanted film: ends of th
 _DIGITS = 3  # significant digits of a proposed concentration
 _RIG_STEP = 0.25  # nm: spectra that the virtual rig is given
 
-_EXAMPLE = {
-    "plan.name": "example rig",
-    "dye1.name": "like Pyrromethene 605",
-    "dye1.concentration": "0.008 mol/L",
-    "dye1.quantum_yield": 0.7,
-    "dye1.spectra": "synthetic 605",
-    "dye2.name": "like Pyrromethene 650",
-    "dye2.concentration": "0.024 mol/L",
-    "dye2.quantum_yield": 0.7,
-    "dye2.spectra": "synthetic 650",
-    "laser.wavelength": "532 nm",
-    "laser.pulse_energy": "50 mJ",
-    "camera1.band": "580 nm",
-    "camera1.gain": "4.4 electron/DN",
-    "camera1.read_noise": "9 electron",
-    "camera1.thick_film": "11000 electron",
-    "camera2.band": "610 nm",
-    "camera2.gain": "4.4 electron/DN",
-    "camera2.read_noise": "9 electron",
-    "camera2.thick_film": "11500 electron",
-    "film.thinnest": "2 um",
-    "film.thickest": "10 um",
-    "fixture.thinnest": "0.1 um",
-    "fixture.thickest": "18 um",
-}
-"""Values of the example: the rig of Farzaneh (2002), with invented spectra and light."""
-
 _HEAD = """\
 # plan.toml: what a rig is to be. `erlif plan plan.toml` predicts what it would measure.
 # Quantities are text with a unit. A key behind "#" is optional and shown with its default, or with
 # an example where there is no default.
 # The concentrations, the laser and the filters are those of Farzaneh (2002). The spectra and the
 # light are invented: replace them by your own."""
+
+
+@cache
+def _read_table() -> dict[str, dict[str, Any]]:
+    file = files("erlif.planning") / "plan.toml"
+    return tomllib.loads(file.read_text(encoding="utf-8"))
 
 
 def example_plan() -> str:
@@ -101,7 +83,9 @@ def example_plan() -> str:
     >>> example_plan().count("[dye1]")
     1
     """
-    return write_template(PlanSettings, _EXAMPLE, {}, leave_out=["optics"], head=_HEAD)
+    tables = _read_table()["example"].items()
+    values = {f"{table}.{key}": value for table, keys in tables for key, value in keys.items()}
+    return write_template(PlanSettings, values, {}, leave_out=["optics"], head=_HEAD)
 
 
 def plan(source: Path | str | PlanSettings, *, folder: Path | None = None) -> xr.Dataset:
@@ -139,15 +123,14 @@ def plan(source: Path | str | PlanSettings, *, folder: Path | None = None) -> xr
     """
     settings, folder = _read(source, folder)
     design, film = design_of(settings, folder), film_of(settings)
-    aim = Aim(float(settings.optimum.largest_concentration), settings.optimum.fill)
-    best = find_optimum(design, film, aim)
+    largest = float(settings.optimum.largest_concentration)
+    best = find_optimum(design, film, largest=largest, fill=settings.optimum.fill)
 
     low, high = film.thinnest * _BEYOND[0], film.thickest * _BEYOND[1]
     films = np.geomspace(low, high, FILMS)
     planned = _describe_design(design, film, films, settings.film.uncertainty)
-    for name, variable in _describe_design(
-        best.design, film, films, settings.film.uncertainty
-    ).items():
+    improved = _describe_design(best.design, film, films, settings.film.uncertainty)
+    for name, variable in improved.items():
         planned[f"optimum_{name}"] = variable.assign_attrs(
             long_name=f"{variable.attrs['long_name']}, best concentrations"
         )
@@ -209,7 +192,7 @@ def design_of(settings: PlanSettings, folder: Path) -> Design:
     """
     bands = (float(settings.camera1.band), float(settings.camera2.band))
     wavelengths = (float(settings.laser.wavelength), *bands)
-    cameras = [
+    cameras = tuple(
         Camera(
             band=float(camera.band),
             bandwidth=float(camera.bandwidth),
@@ -219,14 +202,14 @@ def design_of(settings: PlanSettings, folder: Path) -> Design:
             counts=(1 << camera.bit_depth) - 1 - float(camera.offset),
         )
         for camera in (settings.camera1, settings.camera2)
-    ]
+    )
     pages = settings.references
     design = Design(
         dyes=(
             _dye_of(settings.dye1, 1, folder, wavelengths),
             _dye_of(settings.dye2, 2, folder, wavelengths),
         ),
-        cameras=(cameras[0], cameras[1]),
+        cameras=cameras,
         laser=wavelengths[0],
         references=References(pages.dark_pages, pages.flat_pages, pages.flat_level),
     )
@@ -303,7 +286,7 @@ def _with_light(design: Design, settings: PlanSettings) -> Design:
                 efficiency=camera.efficiency,
             )
             cameras[n] = replace(cameras[n], scale=scale)
-    return replace(known, cameras=(cameras[0], cameras[1]))
+    return replace(known, cameras=tuple(cameras))
 
 
 def film_of(settings: PlanSettings) -> Film:
@@ -358,23 +341,12 @@ def best_settings(settings: PlanSettings, best: Optimum) -> PlanSettings:
     """
     design = best.design
 
-    def quantity(value: float, unit: str, digits: int = _DIGITS) -> Quantity:
-        text = f"{value:.{digits}g}"
-        return Quantity(float(text), f"{text} {unit}")
+    def quantity(value: float, unit: str, digits: int = _DIGITS, of_si: float = 1.0) -> Quantity:
+        text = f"{of_si * value:.{digits}g}"
+        return Quantity(float(text) / of_si, f"{text} {unit}")
 
-    changed: dict[str, Any] = {
-        "laser": settings.laser.model_copy(
-            update={
-                "pulse_energy": quantity(
-                    1e3 * float(settings.laser.pulse_energy) * design.energy, "mJ", 4
-                )
-            }
-        )
-    }
-    energy = float(changed["laser"].pulse_energy) / 1e3
-    changed["laser"] = settings.laser.model_copy(
-        update={"pulse_energy": Quantity(energy, changed["laser"].pulse_energy.text)}
-    )
+    energy = quantity(float(settings.laser.pulse_energy) * design.energy, "mJ", 4, of_si=1e3)
+    changed: dict[str, Any] = {"laser": settings.laser.model_copy(update={"pulse_energy": energy})}
     for number, dye in enumerate((settings.dye1, settings.dye2), start=1):
         value = float(design.concentrations[number - 1])
         changed[f"dye{number}"] = dye.model_copy(update={"concentration": quantity(value, "mol/L")})
@@ -400,77 +372,53 @@ def _very_thick(design: Design, number: int) -> float:
 # design to dataset
 
 
-_DESIGN = {
-    "ratio": ("thickness", "1", "ratio camera 2 / camera 1"),
-    "log_ratio_slope": ("thickness", "um-1", "slope of ln ratio"),
-    "signal": ("camera thickness", "electron", "mean signal of a pixel in mid-beam"),
-    "full_scale": ("camera", "electron", "largest signal of a pixel"),
-    "thickness_std": ("thickness", "um", "standard deviation of one pixel of one frame"),
-    "thickness_std_frames": (
-        "thickness",
-        "um",
-        "standard deviation with the frames and the averaging of the plan",
-    ),
-    "frames_needed": ("thickness", "1", "frame pairs for the wanted standard deviation"),
-    "measurable_range": ("bound", "um", "measurable range of one pixel of one frame"),
-    "measurable_range_frames": ("bound", "um", "the same with the frames of the plan"),
-    "calibrated_range": ("bound", "um", "range in which the calibration would hold"),
-    "concentration": ("dye", "mol L-1", "concentration"),
-    "pulse_energy": ("", "1", "pulse energy over that of the plan"),
-    "attenuation_camera1": ("", "um-1", "p"),
-    "attenuation_camera2": ("", "um-1", "q"),
-    "ratio_at_zero": ("", "1", "K, ratio of a vanishing film"),
-    "ratio_thick": ("", "1", "ratio of a very thick film"),
-    "reabsorption": ("", "um-1", "of the band of camera 1 by dye 2"),
-    "absorption": ("", "um-1", "of the laser by both dyes"),
-    "largest_error": ("", "1", "largest standard deviation over thickness in the wanted range"),
-}
-"""Dims, unit and meaning of what is stated of a design, in the order of the dataset."""
-
-
-def _describe_design(
-    design: Design, film: Film, films: np.ndarray[Any, Any], uncertainty: float
-) -> xr.Dataset:
+def _describe_design(design: Design, film: Film, films: Array, uncertainty: float) -> xr.Dataset:
     """Curves over the thickness, ranges and numbers of one design."""
     average, wanted = film.average, uncertainty * films
     reabsorption, absorption = optical_thickness(design)
-    values: dict[str, Any] = {
-        "ratio": np.exp(log_ratio(design, films)),
-        "log_ratio_slope": log_ratio_slope(design, films),
-        "signal": np.stack([signal(design, number, films) for number in (1, 2)]),
-        "full_scale": [camera.full_scale for camera in design.cameras],
-        "thickness_std": thickness_std(design, films),
-        "thickness_std_frames": thickness_std(design, films, frames=film.frames, average=average),
-        "frames_needed": frames_needed(design, films, wanted, average=average),
-        "measurable_range": measurable_range(design, replace(film, frames=1)),
-        "measurable_range_frames": measurable_range(design, film),
-        "calibrated_range": calibrated_range(design, film),
-        "concentration": design.concentrations,
-        "pulse_energy": design.energy,
-        "attenuation_camera1": mean_attenuation(design, 1),
-        "attenuation_camera2": mean_attenuation(design, 2),
-        "ratio_at_zero": np.exp(log_ratio(design, 1e-6)),
-        "ratio_thick": np.exp(log_ratio(design, _very_thick(design, 2))),
-        "reabsorption": reabsorption,
-        "absorption": absorption,
-        "largest_error": largest_error(design, film),
-    }
+    described = _as_variables(
+        ratio=np.exp(log_ratio(design, films)),
+        log_ratio_slope=log_ratio_slope(design, films),
+        signal=np.stack([signal(design, number, films) for number in (1, 2)]),
+        full_scale=[camera.full_scale for camera in design.cameras],
+        thickness_std=thickness_std(design, films),
+        thickness_std_frames=thickness_std(design, films, frames=film.frames, average=average),
+        frames_needed=frames_needed(design, films, wanted, average=average),
+        # ranges and numbers
+        measurable_range=measurable_range(design, replace(film, frames=1)),
+        measurable_range_frames=measurable_range(design, film),
+        calibrated_range=calibrated_range(design, film),
+        concentration=design.concentrations,
+        pulse_energy=design.energy,
+        attenuation_camera1=mean_attenuation(design, 1),
+        attenuation_camera2=mean_attenuation(design, 2),
+        ratio_at_zero=np.exp(log_ratio(design, 1e-6)),
+        ratio_thick=np.exp(log_ratio(design, _very_thick(design, 2))),
+        reabsorption=reabsorption,
+        absorption=absorption,
+        largest_error=largest_error(design, film),
+    )
+    return described.assign_coords(
+        thickness=("thickness", films, {"units": "um", "long_name": "film thickness"}),
+        camera=("camera", [1, 2], {"long_name": "camera"}),
+        dye=("dye", [1, 2], {"long_name": "dye"}),
+        bound=("bound", ["thinnest", "thickest"]),
+    )
+
+
+def _as_variables(**values: Any) -> xr.Dataset:
+    """Values by name, with the dimensions, unit and meaning that the table gives them."""
+    table = _read_table()["variables"]
     return xr.Dataset(
         {
-            name: (
-                tuple(dims.split()),
-                np.asarray(values[name], float),
-                {"units": units, "long_name": meaning},
-            )
-            for name, (dims, units, meaning) in _DESIGN.items()
-        },
-        {
-            "thickness": ("thickness", films, {"units": "um", "long_name": "film thickness"}),
-            "camera": ("camera", [1, 2], {"long_name": "camera"}),
-            "dye": ("dye", [1, 2], {"long_name": "dye"}),
-            "bound": ("bound", ["thinnest", "thickest"]),
-        },
+            name: (table[name][0].split(), np.asarray(value, float), _attributes(*table[name][1:]))
+            for name, value in values.items()
+        }
     )
+
+
+def _attributes(units: str, meaning: str) -> dict[str, str]:
+    return {"units": units, "long_name": meaning}
 
 
 def _describe_tolerances(design: Design, film: Film, settings: PlanSettings) -> xr.Dataset:
@@ -482,31 +430,18 @@ def _describe_tolerances(design: Design, film: Film, settings: PlanSettings) -> 
     }
     sizes["filter"] = float(settings.tolerances.filter)
     changes = vary_tolerances(design, film, sizes)
-    dims = ("tolerance",)
-    columns = {
-        "tolerance_std": ([c.std for c in changes], "1", "change of the largest error"),
-        "tolerance_thinnest": ([c.thinnest for c in changes], "um", "change of the thinnest film"),
-        "tolerance_thickest": ([c.thickest for c in changes], "um", "change of the thickest film"),
-        "tolerance_film": (
-            [c.film for c in changes],
-            "1",
-            "largest relative error of a film, where the change follows the calibration",
-        ),
-    }
-    described = xr.Dataset(
-        {
-            name: (dims, np.asarray(values, float), {"units": units, "long_name": meaning})
-            for name, (values, units, meaning) in columns.items()
-        },
-        {"tolerance": (dims, [c.what for c in changes])},
-    )
-    described["tolerance_size"] = (dims, [c.tolerance for c in changes], {"long_name": "tolerance"})
-    for name, values, meaning in (
-        ("film_range", (film.thinnest, film.thickest), "films to be measured"),
-        ("covered_range", film.covered, "films of the fixture"),
-    ):
-        described[name] = (("bound",), list(values), {"units": "um", "long_name": meaning})
-    return described
+    described = _as_variables(
+        tolerance_std=[change.std for change in changes],
+        tolerance_thinnest=[change.thinnest for change in changes],
+        tolerance_thickest=[change.thickest for change in changes],
+        tolerance_film=[change.film for change in changes],
+    ).assign_coords(tolerance=[change.what for change in changes])
+
+    # the size is text with its unit, as the unit differs from part to part
+    of_parts = [change.tolerance for change in changes]
+    described["tolerance_size"] = ("tolerance", of_parts, {"long_name": "tolerance"})
+    ranges = _as_variables(film_range=(film.thinnest, film.thickest), covered_range=film.covered)
+    return described.merge(ranges)
 
 
 def _describe_pulse(settings: PlanSettings, design: Design) -> dict[str, float]:

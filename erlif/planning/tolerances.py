@@ -105,50 +105,35 @@ def _variations(
             design.concentrations * np.where(np.arange(2) == n, 1 + step, 1.0)
         )
 
-    def one(n: int, key: str, *, relative: bool = True) -> _Vary:
-        def change(step: float) -> Design:
-            cameras = list(design.cameras)
-            cameras[n] = _changed(cameras[n], key, step, relative=relative)
-            return replace(design, cameras=(cameras[0], cameras[1]))
+    def camera(key: str, *numbers: int, relative: bool = True) -> _Vary:
+        def changed(one: Camera, step: float) -> Camera:
+            value = getattr(one, key)
+            return replace(one, **{key: value * (1 + step) if relative else value + step})
 
-        return change
+        return lambda step: replace(
+            design,
+            cameras=tuple(
+                changed(one, step) if n in numbers else one for n, one in enumerate(design.cameras)
+            ),
+        )
 
-    def both(key: str) -> _Vary:
-        def change(step: float) -> Design:
-            cameras = [_changed(camera, key, step, relative=True) for camera in design.cameras]
-            return replace(design, cameras=(cameras[0], cameras[1]))
-
-        return change
+    def energy(step: float) -> Design:
+        return replace(design, energy=design.energy * (1 + step))
 
     size = {**TOLERANCES, **tolerances}
     found: list[tuple[str, float, str, _Vary]] = []
     for n in (0, 1):
         found += [
             (f"concentration of dye {n + 1}", size["concentration"], "%", dye(n)),
-            (
-                f"filter of camera {n + 1}",
-                size["filter"],
-                "nm",
-                one(n, "band", relative=False),
-            ),
-            (f"gain of camera {n + 1}", size["gain"], "%", one(n, "gain")),
+            (f"filter of camera {n + 1}", size["filter"], "nm", camera("band", n, relative=False)),
+            (f"gain of camera {n + 1}", size["gain"], "%", camera("gain", n)),
         ]
-    found += [
-        (
-            "pulse energy",
-            size["pulse_energy"],
-            "%",
-            lambda step: replace(design, energy=design.energy * (1 + step)),
-        ),
-        ("read noise", size["read_noise"], "%", both("read_noise")),
-        ("full well", size["full_well"], "%", both("full_well")),
+    return [
+        *found,
+        ("pulse energy", size["pulse_energy"], "%", energy),
+        ("read noise", size["read_noise"], "%", camera("read_noise", 0, 1)),
+        ("full well", size["full_well"], "%", camera("full_well", 0, 1)),
     ]
-    return found
-
-
-def _changed(camera: Camera, key: str, step: float, *, relative: bool) -> Camera:
-    value = getattr(camera, key)
-    return replace(camera, **{key: value * (1 + step) if relative else value + step})
 
 
 def _worse(design: Design, film: Film, what: str, size: float, unit: str, vary: _Vary) -> Change:

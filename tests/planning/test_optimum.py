@@ -7,21 +7,21 @@ import numpy.testing as npt
 import pytest
 
 from erlif.core.errors import ModelError
-from erlif.planning import Aim, Film, Spectrum, find_optimum, largest_error
+from erlif.planning import Film, Spectrum, find_optimum, largest_error
 from erlif.planning.precision import dimmed_to_full_scale
 
-AIM = Aim(largest=1.0)
+FILL = 0.75  # of full scale, the default
 
 
 @pytest.fixture(scope="module")
 def best(design, film):
-    return find_optimum(design, film, AIM)
+    return find_optimum(design, film, largest=1.0)
 
 
 def test_no_concentrations_of_a_dense_grid_are_better(design, film, best):
     errors = [
         largest_error(
-            dimmed_to_full_scale(design.with_concentrations((one, two)), 10.0, AIM.fill), film
+            dimmed_to_full_scale(design.with_concentrations((one, two)), 10.0, FILL), film
         )
         for one in np.geomspace(1e-3, 0.3, 20)
         for two in np.geomspace(1e-3, 0.3, 20)
@@ -33,14 +33,14 @@ def test_no_concentrations_of_a_dense_grid_are_better(design, film, best):
 def test_ten_times_the_films_need_a_tenth_of_the_dyes(design, film, best):
     """Attenuation enters as its product with thickness alone."""
     scaled = Film(10 * film.thinnest, 10 * film.thickest, (1.0, 180.0))
-    found = find_optimum(design, scaled, AIM)
+    found = find_optimum(design, scaled, largest=1.0)
     npt.assert_allclose(found.error, best.error, rtol=1e-3)
     npt.assert_allclose(10 * found.design.concentrations, best.design.concentrations, rtol=0.05)
 
 
 def test_solubility_limits_a_concentration_and_is_reported(design, film, best):
     limit = 0.5 * float(best.design.concentrations[1])
-    found = find_optimum(design, film, Aim(largest=limit))
+    found = find_optimum(design, film, largest=limit)
     assert found.at_limit[1]
     assert found.design.concentrations.max() <= limit
     assert found.error > best.error
@@ -48,7 +48,7 @@ def test_solubility_limits_a_concentration_and_is_reported(design, film, best):
 
 def test_light_fills_the_cameras_no_further_than_asked(design, film):
     bright = replace(design, energy=10.0)
-    found = find_optimum(bright, film, Aim(fill=0.5))
+    found = find_optimum(bright, film, fill=0.5)
     assert found.design.energy < 10.0
 
 
@@ -58,10 +58,10 @@ def test_a_dye_that_does_not_absorb_the_laser_has_a_best_concentration(design, f
     ideal = replace(
         design.dyes[1], absorption=Spectrum(nm, np.array([0.0, 3.5e4, 2e3]), "absorption of dye 2")
     )
-    found = find_optimum(replace(design, dyes=(design.dyes[0], ideal)), film, AIM)
+    found = find_optimum(replace(design, dyes=(design.dyes[0], ideal)), film, largest=1.0)
     errors = [
         largest_error(
-            dimmed_to_full_scale(found.design.with_concentrations((one, two)), 10.0, AIM.fill), film
+            dimmed_to_full_scale(found.design.with_concentrations((one, two)), 10.0, FILL), film
         )
         for one in np.geomspace(1e-3, 0.3, 8)
         for two in np.geomspace(1e-3, 0.3, 8)
@@ -72,4 +72,4 @@ def test_a_dye_that_does_not_absorb_the_laser_has_a_best_concentration(design, f
 def test_exchanged_filters_have_no_optimum(design, film):
     exchanged = replace(design, cameras=design.cameras[::-1])
     with pytest.raises(ModelError, match="Exchange the cameras"):
-        find_optimum(exchanged, film, AIM)
+        find_optimum(exchanged, film, largest=1.0)

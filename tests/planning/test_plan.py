@@ -13,7 +13,7 @@ import erlif
 from erlif.core.errors import ConfigError
 from erlif.core.flags import Flag
 from erlif.io.settings import PlanSettings
-from erlif.planning import Aim, find_optimum, log_ratio, measurable_range, signal, thickness_std
+from erlif.planning import find_optimum, log_ratio, measurable_range, signal, thickness_std
 from erlif.planning.plan import (
     best_settings,
     design_of,
@@ -136,7 +136,7 @@ def test_the_best_plan_is_as_good_as_predicted(planned):
 def test_the_best_plan_keeps_the_light_of_its_pulse_energy():
     settings = settings_of(('"11000 electron"', '"90000 electron"'))
     design, film = design_of(settings, Path()), film_of(settings)
-    best = find_optimum(design, film, Aim())
+    best = find_optimum(design, film)
     again = design_of(best_settings(settings, best), Path())
     assert best.design.energy < 1
     films = np.array([2.0, 10.0])
