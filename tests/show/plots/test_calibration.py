@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import numpy.testing as npt
-import pytest
 from scenes import film as scene
 
 from erlif.calibration import Profile, calibration_of
@@ -36,13 +35,6 @@ def test_points_lie_on_the_curve_but_for_their_residuals(calibration):
     )
 
 
-def test_bars_of_the_points_are_one_standard_deviation(calibration):
-    *_, points = plots.ratio_against_thickness(calibration)
-    low, high = bars_of(points)
-    npt.assert_allclose(high - points.get_ydata(), 2e-3)
-    npt.assert_allclose(points.get_ydata() - low, 2e-3)
-
-
 def test_residuals_are_in_per_cent_of_the_ratio(calibration):
     points = plots.ratio_residuals(calibration)[-1]
     ratio = scene.true_ratio(calibration.curve.curve_thickness.values)
@@ -50,16 +42,6 @@ def test_residuals_are_in_per_cent_of_the_ratio(calibration):
     low, high = bars_of(points)
     npt.assert_allclose(high - low, 2 * 100 * 2e-3 / ratio)
     assert points.axes.get_ylabel() == "residual [% of ratio]"
-
-
-def test_axes_name_quantity_and_unit(calibration):
-    for draw, label in (
-        (plots.ratio_against_thickness, "ratio 610 nm / 580 nm [1]"),
-        (plots.ratio_residuals, "residual [% of ratio]"),
-    ):
-        ax = draw(calibration)[0].axes
-        assert ax.get_xlabel() == "thickness [µm]"
-        assert ax.get_ylabel() == label
 
 
 def test_band_of_the_fit_holds_the_scatter_of_its_parameters(calibration):
@@ -85,18 +67,6 @@ def test_band_of_the_residuals_is_that_of_the_fit(calibration):
         ends = above.get_paths()[0].vertices, below.get_paths()[0].vertices
         half = [np.ptp(end[end[:, 0] == thickness, 1]) / 2 for end in ends]
         npt.assert_allclose(half[1], 100 * half[0] / ratio, rtol=1e-3)
-
-
-def test_shaded_range_is_the_calibrated_range(calibration):
-    ax = plots.ratio_against_thickness(calibration)[0].axes
-    (shade,) = ax.patches
-    npt.assert_allclose([shade.get_x(), shade.get_x() + shade.get_width()], [0.5, 15.0])
-    assert "calibrated range" in labels_of(ax)
-
-
-def test_curve_reaches_all_points(calibration):
-    fit, *_ = plots.ratio_against_thickness(calibration)
-    npt.assert_allclose([fit.get_xdata().min(), fit.get_xdata().max()], [0.3, 15.5])
 
 
 def test_parameters_are_written_with_their_standard_deviations(calibration):
@@ -148,14 +118,6 @@ def test_profile_of_a_line_has_points_bars_and_range(calibration):
     assert labels_of(points.axes) == ["calibrated range", "CMM, bars 1 s.d."]
 
 
-def test_profile_without_uncertainty_has_no_bars():
-    line = Profile(np.linspace(0, 10, 9), np.linspace(0, 8, 9), None)
-    (points,) = plots.fixture_profile(line)
-    (container,) = points.axes.containers
-    assert container.lines[2] == ()
-    assert labels_of(points.axes) == ["CMM"]
-
-
 def test_profile_of_a_surface_is_drawn_as_coloured_points():
     x, y = (grid.ravel() for grid in np.meshgrid(np.arange(4.0), np.arange(3.0)))
     surface = Profile(np.stack([x, y], axis=1), x + y, None)
@@ -166,21 +128,3 @@ def test_profile_of_a_surface_is_drawn_as_coloured_points():
     assert ax.get_aspect() == 1
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("profile x [mm]", "profile y [mm]")
     assert [bar.get_ylabel() for bar in ax.child_axes] == ["thickness by CMM [µm]"]
-
-
-def test_panels_of_the_figure_share_the_axis_of_thickness(calibration):
-    figure = plots.calibration_figure(calibration)
-    above, below = figure.axes
-    assert above.get_xlim() == below.get_xlim()
-    assert (above.get_xlabel(), below.get_xlabel()) == ("", "thickness [µm]")
-    assert figure.get_suptitle() == "calibration with known wedge"
-    assert [ax.get_title(loc="left") for ax in figure.axes] == ["(a)", "(b)"]
-
-
-@pytest.mark.parametrize(
-    ("kind", "first"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")]
-)
-def test_figure_is_written_by_the_suffix(calibration, tmp_path, kind, first):
-    path = plots.write_calibration_figure(calibration, tmp_path / f"calibration.{kind}")
-    assert path == tmp_path / f"calibration.{kind}"
-    assert path.read_bytes().startswith(first)

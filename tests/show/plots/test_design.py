@@ -62,12 +62,6 @@ def test_loads_that_are_alike_are_one_point():
     assert point.get_label() == "largest and mean load"
 
 
-def test_the_legend_of_the_temperature_covers_no_shading():
-    ax = design_temperature(example_design())[0].axes
-    ax.figure.canvas.draw()
-    assert ax.get_legend().get_window_extent().y0 >= ax.get_window_extent().y1 - 1
-
-
 def test_the_wear_reaches_its_value_at_the_end_of_the_life():
     (line,) = design_wear(example_design())
     hours, depth = line.get_data()

@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 from scenes.pictures import picture, without_texts
 
-import erlif.show.plots.endurance
+import erlif.show.plots.style
 from erlif.core.errors import EnduranceError
 from erlif.show.plots import (
     endurance_figure,
     failure_figure,
     friction_over_test,
-    load_profile,
-    name_figures,
     name_overviews,
     quantity_over_test,
     write_endurance_figures,
@@ -29,27 +27,6 @@ def test_onset_and_stages_are_marked():
     assert drawn.sum() == sum(stage.last - stage.first + 1 for stage in result.loaded)
 
 
-def test_a_survivor_has_no_mark():
-    assert len(friction_over_test(example_test(galls=False))) == 1
-
-
-def test_stages_are_numbered():
-    line, *_ = load_profile(example_test())
-    assert [text.get_text() for text in line.axes.texts] == ["1", "2", "3", "4", "5", "6"]
-
-
-def test_panels_are_those_of_the_log():
-    result = example_test()
-    labels = [ax.get_ylabel() for ax in endurance_figure(result).axes]
-    assert labels == [
-        "load [kN]",
-        "torque [N m]",
-        "friction coefficient",
-        "temperature [°C]",
-        "vibration [g]",
-    ]
-
-
 def test_the_figure_of_the_failure_shows_the_interval_of_the_onset():
     result = example_test()
     _, friction = failure_figure(result).axes
@@ -58,11 +35,6 @@ def test_the_figure_of_the_failure_shows_the_interval_of_the_onset():
     assert friction.get_xlim()[0] > result.onset.earliest - 100
     with pytest.raises(EnduranceError, match="survived"):
         failure_figure(example_test(galls=False))
-
-
-def test_figures_have_names_by_what_they_show():
-    assert "example_failure.png" in name_figures(example_test())
-    assert "example_failure.png" not in name_figures(example_test(galls=False))
 
 
 def test_no_overview_has_the_name_of_another_figure():
@@ -93,14 +65,10 @@ def test_marks_have_keys_and_the_onset_both_units_of_time():
     assert f"{seconds / 60:.2f} min = {seconds:.1f} s" in onset
 
 
-def test_the_load_begins_at_zero():
-    assert load_profile(example_test())[0].axes.get_ylim()[0] == 0
-
-
 def test_friction_is_drawn_a_second_time_without_the_jump(tmp_path, monkeypatch):
     drawn = {}
     monkeypatch.setattr(
-        erlif.plots.endurance, "save_figure", lambda figure, path: drawn.update({path.name: figure})
+        erlif.show.plots.style, "save_figure", lambda figure, path: drawn.update({path.name: figure})
     )
     result = example_test()
     write_endurance_figures(result, tmp_path)

@@ -6,7 +6,6 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
-from erlif.calibration import calibration_of
 from erlif.core.flags import Flag
 from erlif.io.files import open_film
 from erlif.show import plots
@@ -50,26 +49,6 @@ def test_scatter_is_that_of_the_error_bars(film):
 def test_thickness_is_missing_exactly_where_a_flag_is_set(film):
     npt.assert_array_equal(np.isnan(film.thickness), film.flags != 0)
     assert set(np.unique(film.flags)) == {0, Flag.OUTSIDE_OVERLAP, Flag.NO_FILM}
-
-
-def test_images_invert_to_the_map(film):
-    images = plots.example_images(film, trigger=4)
-    valid = images.flags.values == 0
-    inverted = calibration_of(film).invert(images.log_ratio.values[valid])
-    npt.assert_allclose(inverted, film.thickness.values[4][valid], rtol=1e-4)
-    npt.assert_allclose(
-        np.log(images.light.values[1] / images.light.values[0])[valid],
-        images.log_ratio.values[valid],
-    )
-
-
-def test_displacement_is_a_small_turn():
-    """A turn moves rows along x and columns along y by the same angle, with opposite sign."""
-    registration = plots.example_registration()
-    along_y = np.diff(registration.displacement_x, axis=0)
-    along_x = np.diff(registration.displacement_y, axis=1)
-    npt.assert_allclose(along_y, -5e-3)
-    npt.assert_allclose(along_x, 5e-3)
 
 
 def test_written_film_reads_back(film, tmp_path):

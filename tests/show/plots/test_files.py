@@ -9,7 +9,6 @@ import matplotlib
 import numpy as np
 import numpy.testing as npt
 import pytest
-from matplotlib.figure import Figure
 from scenes import film as scene
 from scenes.pictures import picture, without_texts
 
@@ -134,12 +133,6 @@ def test_no_label_is_cut_off(all_drawn):
                 assert inside, (name, text.get_text())
 
 
-def test_formats_are_written_side_by_side(film_path, tmp_path, monkeypatch):
-    few(monkeypatch, "calibration")
-    paths = plots.write_figures(film_path, tmp_path, formats=("svg", "pdf"))
-    assert [path.name for path in paths] == ["calibration.svg", "calibration.pdf"]
-
-
 def test_without_the_run_the_rest_is_drawn_and_the_log_gives_the_reason(
     alone, tmp_path, caplog, monkeypatch
 ):
@@ -176,13 +169,6 @@ def test_frames_of_another_run_are_the_reason_of_their_figures(film_path, film, 
         restore_images(film_path, tmp_path / "other", trigger=0)
     source = source_of(film_path, film, run_dir=tmp_path / "other")
     assert "could not be read again" in reason_missing("processed_images", source)
-
-
-def test_images_are_those_of_the_pipeline(film_path, film):
-    source = source_of(film_path, film)
-    images = restore_images(film_path, film_path.parent, trigger=source.trigger)
-    npt.assert_array_equal(source.images.log_ratio, images.log_ratio)
-    assert source.images is source.images  # computed once for two figures
 
 
 def test_run_directory_is_recognised_by_the_name_of_the_run(film_path, film, tmp_path):
@@ -232,11 +218,6 @@ def test_damaged_calibration_is_passed_over(film_path, film, fixture_dir, caplog
     assert "calibration.nc" in caplog.text
 
 
-def test_default_trigger_is_the_fastest_outward_one(film_path, film):
-    speed = scene.rocker_speed(scene.CRANK)
-    assert source_of(film_path, film).trigger == int(np.argmax(speed))
-
-
 def test_trigger_that_the_film_lacks_is_refused(film_path, tmp_path):
     with pytest.raises(ErlifError, match="from 0 to 5"):
         plots.write_figures(film_path, tmp_path / "figures", trigger=6)
@@ -249,59 +230,6 @@ def test_existing_figures_are_kept_without_overwrite(film_path, tmp_path):
         plots.write_figures(film_path, tmp_path, formats=("svg",))
     assert [path.name for path in tmp_path.iterdir()] == ["calibration.svg"]
     assert (tmp_path / "calibration.svg").read_text() == "mine"
-
-
-def test_existing_figures_are_replaced_on_request(film_path, tmp_path, monkeypatch):
-    few(monkeypatch, "calibration")
-    target = tmp_path / "calibration.pdf"
-    plots.write_calibration_figure(plots.example_calibration(), target)
-    earlier = target.read_bytes()
-    plots.write_figures(film_path, tmp_path, formats=("pdf",), overwrite=True)
-    assert target.read_bytes() != earlier
-
-
-def test_unknown_format_is_refused_before_the_work(film_path, tmp_path):
-    with pytest.raises(OutputError, match="gif"):
-        plots.write_figures(film_path, tmp_path / "figures", formats=("gif",))
-    assert not (tmp_path / "figures").exists()
-
-
-def test_chosen_trigger_is_drawn(film_path, film, tmp_path, monkeypatch):
-    """Figures of one trigger show the one that is asked for."""
-    shown = []
-    monkeypatch.setattr(
-        plot_files,
-        "DRAWN",
-        {"thickness_map": lambda source: shown.append(source.trigger) or Figure()},
-    )
-    plots.write_figures(film_path, tmp_path, trigger=4, formats=("pdf",))
-    assert shown == [4]
-
-
-def test_ratio_is_titled_with_its_trigger(film_path, film):
-    source = source_of(film_path, film)
-    (ax,) = DRAWN["ratio_image"](source).axes
-    assert ax.get_title().startswith(f"trigger {source.trigger}, ")
-    drawn = ax.images[0].get_array()
-    valid = source.images.flags.values == 0
-    npt.assert_allclose(np.log(drawn[valid]), source.images.log_ratio.values[valid], rtol=1e-5)
-
-
-def test_profile_is_drawn_with_the_range_of_its_calibration(film_path, film, fixture_dir):
-    source = source_of(film_path, film, fixture_dir=fixture_dir)
-    (ax,) = DRAWN["fixture_profile"](source).axes
-    (shade,) = ax.patches
-    npt.assert_allclose([shade.get_y(), shade.get_y() + shade.get_height()], [0.2, 16.0])
-    (points,) = (box.lines[0] for box in ax.containers)
-    npt.assert_allclose(points.get_ydata(), 0.8 * points.get_xdata(), atol=0.005)
-
-
-def test_groups_stay_in_memory_when_the_file_is_gone(film_path, film, tmp_path):
-    copy = shutil.copy(film_path, tmp_path / "film.nc")
-    source = source_of(copy, film)
-    frames = source.group("frames")
-    copy.unlink()
-    assert frames.drift_x.sizes["frame"] == scene.TRIGGERS
 
 
 def test_film_without_its_run_is_drawn_from_zarr(tmp_path, monkeypatch):

@@ -48,34 +48,6 @@ def test_colour_scale_is_that_of_the_valid_pixels(images, film):
     assert high < 2000
 
 
-def test_half_of_a_per_cent_lies_beyond_either_end_of_the_scale(images, film):
-    ramp = images.copy(deep=True)
-    ramp.light.values[0] = np.arange(scene.ROWS * scene.COLUMNS).reshape(scene.ROWS, scene.COLUMNS)
-    ramp.flags.values[:] = 0
-    low, high = plots.band_images(ramp, film, camera=1).get_clim()
-    last = scene.ROWS * scene.COLUMNS - 1
-    npt.assert_allclose([low, high], [0.005 * last, 0.995 * last])
-
-
-def test_pixels_that_camera_2_does_not_see_have_no_colour_of_the_scale(images, film):
-    moved = images.copy(deep=True)
-    moved.light.values[1, :, :5] = np.nan
-    image = plots.band_images(moved, film, camera=2)
-    colours = image.to_rgba(image.get_array())
-    npt.assert_allclose(colours[0, 0], (0xD9 / 255, 0xD9 / 255, 0xD9 / 255, 1))
-
-
-def test_image_lies_at_the_positions_of_the_film(images, film):
-    image = plots.ratio_image(images, film)
-    left, right, bottom, top = image.get_extent()
-    half = scene.PITCH / 2
-    npt.assert_allclose([left, top], [-half, -half])
-    npt.assert_allclose(
-        [right, bottom],
-        [scene.PITCH * scene.COLUMNS - half, scene.PITCH * scene.ROWS - half],
-    )
-
-
 def test_ratio_is_drawn_where_no_flag_is_set(images, film):
     image = plots.ratio_image(images, film)
     drawn = np.ma.filled(image.get_array(), np.nan)
@@ -92,14 +64,6 @@ def test_ratio_image_without_valid_pixels_is_drawn(images, film):
     blind = images.copy(deep=True)
     blind.flags.values[:] = Flag.POOR_REGISTRATION
     assert np.ma.count(plots.ratio_image(blind, film).get_array()) == 0
-
-
-def test_both_images_have_one_colour_scale(images, film):
-    """The scale of all valid pixels of both cameras."""
-    figure = plots.band_images_figure(images, film, trigger=TRIGGER)
-    valid = images.light.values[:, images.flags.values == 0]
-    for ax in figure.axes:
-        npt.assert_allclose(ax.images[0].get_clim(), np.percentile(valid, (0.5, 99.5)))
 
 
 def test_figure_names_trigger_and_frame(images, film):

@@ -23,16 +23,6 @@ def test_speed_curve_is_the_linkage_and_goes_through_the_triggers(film):
     assert len(outward.get_xdata()) + len(back.get_xdata()) == scene.TRIGGERS
 
 
-def test_strokes_differ_in_marker_and_are_named(film):
-    curve, outward, back = plots.speed_against_angle(film)
-    assert (outward.get_ydata() > 0).all()
-    assert (back.get_ydata() < 0).all()
-    assert outward.get_marker() != back.get_marker()
-    assert back.get_markerfacecolor() == "white"
-    labels = [text.get_text() for text in curve.axes.get_legend().get_texts()]
-    assert labels == ["kinematics of the linkage", "outward", "return"]
-
-
 @pytest.mark.parametrize("draw", [plots.speed_against_angle, plots.speed_over_cycle])
 def test_second_axis_is_the_sliding_speed(film, draw):
     """The surface of a pin of 33.36 mm radius moves by 33.36 mm/s at 1 rad/s."""
@@ -90,14 +80,6 @@ def test_film_over_the_cycle_is_in_the_order_of_the_crank(film):
         npt.assert_array_equal(y, film[name].values[order])
 
 
-def test_lines_stop_where_the_stroke_changes(film):
-    """Between the strokes the film was not measured."""
-    lines = plots.film_over_cycle(film)[1::2]
-    for line in lines:
-        speeds = scene.rocker_speed(line.get_xdata())
-        assert len(set(np.sign(speeds))) == 1
-
-
 def test_bands_are_95_per_cent_of_the_standard_deviation(film):
     artists = plots.film_over_cycle(film)
     for band, line in zip(artists[0::2], artists[1::2], strict=True):
@@ -119,14 +101,6 @@ def test_film_over_the_cycle_fills_its_axes_unless_it_comes_close_to_contact(fil
     assert bottom <= drawn[0]
     assert drawn[1] < top
     assert drawn[1] - max(drawn[0], 0.0) > 0.5 * (top - bottom)
-
-
-def test_film_thickness_is_named(film):
-    ax = plots.film_over_cycle(film)[0].axes
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("crank angle [°]", "film thickness [µm]")
-    legend = ax.get_legend()
-    assert [text.get_text() for text in legend.get_texts()] == ["mean of the region", "minimum"]
-    assert legend.get_title().get_text() == "95 % errors: within markers"
 
 
 def test_bands_are_announced_where_they_are_wider_than_the_markers(film):
@@ -168,21 +142,6 @@ def test_dotted_lines_stand_at_the_dead_points(film):
     for ax in figure.axes:
         dotted = [line.get_xdata()[0] for line in ax.lines if line.get_linestyle() == ":"]
         npt.assert_allclose(dotted, turns, atol=0.5)
-
-
-def test_panels_of_the_cycle_share_the_crank_angle(film):
-    above, below = plots.cycle_figure(film).axes
-    assert above.get_xlim() == below.get_xlim() == (0, 360)
-    assert (above.get_xlabel(), below.get_xlabel()) == ("", "crank angle [°]")
-    assert [ax.get_title(loc="left") for ax in (above, below)] == ["(a)", "(b)"]
-
-
-def test_cycle_without_valid_films_shows_the_speed(film):
-    above, below = plots.cycle_figure(scene.without_valid_pixels(film)).axes
-    assert all(
-        np.isnan(line.get_ydata()).all() for line in above.lines if line.get_label()[0] != "_"
-    )
-    npt.assert_allclose(below.lines[0].get_ydata().max(), 2.552104, rtol=1e-5)
 
 
 def test_joint_of_a_slider_crank_turns_by_crank_less_rod(with_settings):

@@ -6,9 +6,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import numpy.testing as npt
 import pytest
-import xarray as xr
 from matplotlib.colors import to_hex
-from matplotlib.figure import Figure
 from scenes import film as scene
 
 from erlif.core.errors import ErlifError
@@ -18,13 +16,11 @@ from erlif.show.plots.maps import (
     best_columns,
     common_limits,
     first_flag,
-    flag_swatch,
-    flag_title,
     image_height,
     pixel_edges,
 )
 from erlif.show.plots.style import FLAG_COLOURS
-from erlif.trend import average_across_sliding, rigid_gap
+from erlif.trend import average_across_sliding
 
 SHOWN = list(FLAG_COLOURS)
 
@@ -51,21 +47,6 @@ def test_image_lies_at_the_positions_of_its_pixels(film):
     npt.assert_allclose(pixel_edges(film), [left, right, bottom, top])
     assert image.axes.get_ylim() == pytest.approx((12.7, -0.1))  # y runs down
     npt.assert_allclose(image_height(film, 8.0), 8.0 * scene.ROWS / scene.COLUMNS)
-
-
-def test_axes_are_named_by_the_direction_of_sliding(film, with_settings):
-    ax = plots.thickness_map(film, trigger=2).axes
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("x (sliding) [mm]", "y (axial) [mm]")
-    turned = with_settings(('x_axis = "sliding"', 'x_axis = "axial"'))
-    ax = plots.thickness_map(turned, trigger=2).axes
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("x (axial) [mm]", "y (sliding) [mm]")
-
-
-def test_title_names_trigger_angle_stroke_and_speed(film):
-    title = plots.thickness_map(film, trigger=0).axes.get_title()
-    angle = scene.rocker_angle(scene.CRANK[:1])[0] - scene.INNER_ANGLE
-    speed = scene.rocker_speed(scene.CRANK[:1])[0]
-    assert title == f"trigger 0, {angle:.2f}°, outward, {speed:.2f} rad/s"
 
 
 def test_flagged_pixels_have_the_colour_of_their_flag(film):
@@ -96,35 +77,12 @@ def test_every_flag_has_a_colour_of_its_own():
     assert first_flag(np.zeros(1, np.uint8))[0] == 0
 
 
-def test_first_of_several_flags_is_shown():
-    for n, flag in enumerate(SHOWN):
-        rest = int(np.bitwise_or.reduce([int(other) for other in SHOWN[n:]]))
-        assert first_flag(np.array([rest], np.uint8))[0] == 1 + SHOWN.index(flag)
-
-
-def test_flags_are_written_as_plain_text_and_web_colour():
-    assert flag_title(Flag.OUTSIDE_OVERLAP) == "outside overlap"
-    for flag, colour in FLAG_COLOURS.items():
-        assert flag_swatch(flag) == colour.lower()
-
-
-def test_colour_scale_is_the_one_given(film):
-    assert plots.thickness_map(film, trigger=0, limits=(2.0, 9.0)).get_clim() == (2.0, 9.0)
-
-
 def test_colour_scale_leaves_half_a_per_cent_beyond_either_end(film):
     low, high = common_limits(film, [0])
     values = film.thickness.values[0][np.isfinite(film.thickness.values[0])]
     assert 0.001 < (values < low).mean() < 0.01
     assert 0.001 < (values > high).mean() < 0.01
     assert plots.thickness_map(film, trigger=0).get_clim() == (low, high)
-
-
-def test_even_map_has_a_colour_scale_of_some_width(film):
-    even = film.assign(thickness=xr.full_like(film.thickness, 3.0))
-    low, high = common_limits(even)
-    assert low == 3.0
-    assert high > low
 
 
 def test_region_of_interest_is_outlined_at_its_place(film):
@@ -137,11 +95,6 @@ def test_region_of_interest_is_outlined_at_its_place(film):
     bare = plots.thickness_map(film, trigger=2, region=False).axes
     assert len(bare.lines) == 0
     assert "region of interest" not in labels_of(bare)
-
-
-def test_map_is_drawn_into_the_given_axes(film):
-    ax = Figure().add_subplot()
-    assert plots.thickness_map(film, trigger=0, ax=ax).axes is ax
 
 
 @pytest.mark.parametrize("trigger", [-1, scene.TRIGGERS])
@@ -165,16 +118,6 @@ def test_profile_finds_the_gap_within_its_error_bars(film):
         assert 0.7 < pull.std() < 1.3
         assert np.isnan(profile.thickness.values[:3]).all()  # outside the overlap
         npt.assert_allclose(profile.thickness_std_shared.values[20], 0.02, rtol=1e-3)
-
-
-def test_rigid_gap_has_radius_place_and_minimum_of_the_scene(film):
-    for trigger in (1, 4):
-        gap = rigid_gap(average_across_sliding(film, trigger=trigger), film)
-        npt.assert_allclose(gap.radius, scene.RADIUS, rtol=1e-6)
-        npt.assert_allclose(gap.position_of_minimum, scene.PLACE, atol=0.1)
-        npt.assert_allclose(gap.minimum, scene.minimum_film()[trigger], atol=0.05)
-        assert abs(gap.curvature - 0.20525) < 4 * gap.curvature_std  # 1/R of 4.872 m
-        assert gap.curvature_std < 0.02
 
 
 def test_part_of_a_profile_beyond_the_range_is_not_shown(film):
@@ -229,15 +172,6 @@ def test_curvature_is_written_beside_that_of_the_rigid_gap(film):
     npt.assert_allclose(number, gap.get_ydata().min(), atol=0.01)  # between two pixels
 
 
-def test_limits_follow_the_measured_profile(film):
-    """The rigid gap rises steeply beside the measured part and may leave the panel."""
-    line, *_ = plots.sliding_profile(film, trigger=1)
-    low, high = line.axes.get_ylim()
-    assert low < np.nanmin(line.get_ydata())
-    span = np.ptp(line.get_ydata()[np.isfinite(line.get_ydata())])
-    assert np.nanmax(line.get_ydata()) < high < np.nanmax(line.get_ydata()) + 0.2 * span
-
-
 def test_residual_is_the_profile_less_the_rigid_gap(film):
     line, *_, gap = plots.sliding_profile(film, trigger=1)
     residual, _, above, below, zero = plots.profile_residual(film, trigger=1)
@@ -245,31 +179,6 @@ def test_residual_is_the_profile_less_the_rigid_gap(film):
     npt.assert_allclose(above.get_ydata(), -below.get_ydata())  # the shared error lies about zero
     npt.assert_array_equal(zero.get_ydata(), 0)
     assert residual.axes.get_ylabel() == "measured −\nrigid gap [µm]"
-
-
-def test_figure_joins_map_profile_and_residual(film):
-    figure = plots.thickness_figure(film, trigger=1)
-    panels = {ax.get_title(loc="left"): ax for ax in figure.axes}
-    assert list(panels) == ["(a)", "(b)", "(c)"]
-    npt.assert_array_equal(drawn(panels["(a)"].images[0]), film.thickness.values[1])
-    profile = average_across_sliding(film, trigger=1)
-    npt.assert_array_equal(panels["(b)"].lines[0].get_ydata(), profile.thickness.values)
-    assert panels["(b)"].get_xlim() == panels["(c)"].get_xlim()
-    assert "222 N, 0.12 Pa s; trigger 1, " in figure.get_suptitle()
-    labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert "outside overlap, 3.75 %" in labels
-    assert panels["(a)"].get_legend() is None
-
-
-def test_film_without_valid_pixels_is_drawn_as_such(film):
-    empty = scene.without_valid_pixels(film)
-    overlay = plots.thickness_map(empty, trigger=0).axes.images[1].get_array()
-    assert (overlay == 1 + SHOWN.index(Flag.ABOVE_RANGE)).all()
-    profile = average_across_sliding(empty, trigger=0)
-    assert rigid_gap(profile, empty) is None
-    assert len(plots.sliding_profile(empty, trigger=0)) == 4  # no rigid gap
-    sheet = plots.map_sheet_figure(empty)
-    assert all(np.ma.count(ax.images[0].get_array()) == 0 for ax in sheet.axes if ax.images)
 
 
 def test_map_without_valid_pixels_states_why(film):
@@ -329,13 +238,6 @@ def test_sheet_of_a_long_cycle_shows_sixty_maps(film):
     assert sum(bool(ax.images) for ax in figure.axes) == 60
 
 
-def test_sheet_of_one_stroke_has_one_group(film):
-    outward = film.isel(trigger=film.stroke.values > 0)
-    figure = plots.map_sheet_figure(outward)
-    labels = {ax.get_ylabel() for ax in figure.axes if ax.images} - {""}
-    assert labels == {"outward"}
-
-
 def test_large_maps_of_a_sheet_are_thinned_to_what_print_resolves(film):
     """Every second pixel of 480 columns; the place of the image stays that of the film."""
     wide = film.isel(x=np.resize(np.arange(scene.COLUMNS), 480), y=slice(0, 6))
@@ -365,14 +267,6 @@ def test_profile_of_a_film_that_slides_along_y_is_that_of_the_turned_film(film, 
     other, *_ = plots.sliding_profile(turned, trigger=1)
     npt.assert_allclose(other.get_ydata(), line.get_ydata())
     assert other.axes.get_xlabel() == "y (sliding) [mm]"
-
-
-def test_curves_of_a_profile_differ_in_look(film):
-    line, band, above, below, gap = plots.sliding_profile(film, trigger=1)
-    assert line.get_color() != gap.get_color()
-    assert above.get_linestyle() == below.get_linestyle() != line.get_linestyle()
-    assert band.get_alpha() < 1
-    assert below.get_label().startswith("_")  # one key for both limits
 
 
 def test_colour_scale_of_chosen_triggers_leaves_the_others_out(film):

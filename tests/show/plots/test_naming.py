@@ -42,12 +42,6 @@ def test_panel_of_its_own_is_named(film, draw):
     assert draw(film)[0].get_figure().get_suptitle() == run_line(film)
 
 
-def test_panel_among_others_is_not_named(film):
-    figure = Figure()
-    plots.film_over_cycle(film, ax=figure.add_subplot())
-    assert figure.get_suptitle() == ""
-
-
 def test_reason_gives_the_largest_shares():
     flags = np.full((10, 10), int(Flag.DIM), np.uint8)
     flags[:3] |= int(Flag.OUTSIDE_OVERLAP)

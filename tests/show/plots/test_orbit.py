@@ -73,18 +73,6 @@ def test_curvature_is_drawn_beside_that_of_circles(film):
     npt.assert_allclose(np.sort(drawn), np.sort(expected + 0.002))
 
 
-def test_trigger_without_a_position_is_left_out(film):
-    changed = film.load().copy(deep=True)
-    changed.pin_displacement.values[0] = np.nan
-    ellipses = [artist for artist in plots.pin_orbit(changed) if isinstance(artist, Ellipse)]
-    assert len(ellipses) == scene.TRIGGERS - 1
-
-
-def test_figure_has_three_panels_with_letters(film):
-    figure = plots.pin_figure(film)
-    assert [ax.get_title(loc="left") for ax in figure.axes] == ["(a)", "(b)", "(c)"]
-
-
 def test_film_without_positions_is_refused(film):
     empty = scene.without_valid_pixels(film)
     for without in (film.drop_vars("pin_displacement"), empty, film.isel(trigger=[0])):

@@ -6,7 +6,7 @@ import pytest
 from scenes.motion import DISC, THEORY, film_of, slider_film, static_film
 
 from erlif.core.errors import ConfigError
-from erlif.io.files import describe_trigger, fastest_trigger, motion_of
+from erlif.io.files import fastest_trigger, motion_of
 from erlif.show import plots
 from erlif.show.plots.files import DRAWN, FigureSource, reason_missing
 from erlif.show.report.captions import caption_of
@@ -66,13 +66,6 @@ def test_film_without_theory_has_one_panel_against_sliding_speed():
     assert labels(figure) == [(label, "film thickness [µm]")]
     x = np.abs(slider_film().sliding_speed / slider_film()["load"])
     npt.assert_allclose(plots.trend.speed_over_load(slider_film()), x)
-
-
-def test_trigger_is_described_by_what_is_known():
-    assert describe_trigger(static_film(), 2) == "trigger 2"
-    assert describe_trigger(slider_film(), 0).endswith("outward, 148 mm/s")
-    timed = static_film().assign(time=("trigger", np.arange(6.0)))
-    assert describe_trigger(timed, 1) == "trigger 1, 1.000 s"
 
 
 def test_example_trigger_is_the_fastest_or_the_first():

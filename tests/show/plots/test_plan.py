@@ -37,8 +37,3 @@ def test_several_frames_have_a_curve_of_their_own(planned):
     several = planned.assign_attrs(frames=4, average=8)
     labels = [line.get_label() for line in plots.plan_precision(several)]
     assert labels[1] == "8 × 8 pixels, 4 frames"
-
-
-def test_figure_states_the_concentrations_and_invented_spectra(planned):
-    title = plots.plan_figure(planned).get_suptitle()
-    assert "0.008 and 0.024 mol/L; invented spectra" in title

@@ -9,7 +9,6 @@ from erlif.show.plots import (
     example_film,
     example_frames,
     film_and_prediction,
-    film_and_theory,
     film_over_run,
     predicted_map,
     prediction_figure,
@@ -81,15 +80,6 @@ def test_the_predicted_map_is_the_gap_of_circles():
     expected = 230 * (1 - float(FILM.eccentricity[4]) * np.cos(turned))
     found = predicted_map(FILM, trigger=4)
     npt.assert_allclose(found, np.broadcast_to(expected, found.shape), rtol=1e-5)
-
-
-def test_the_transient_film_is_drawn_beside_the_steady_ones():
-    *_, transient, steady, formula = film_and_theory(FILM)
-    npt.assert_array_equal(transient.get_ydata(), FILM.film_predicted_min)
-    npt.assert_allclose(np.sort(steady.get_ydata()), np.sort(FILM.film_regime_map.values))
-    assert formula.get_label().startswith("2.65")
-    labels = [one.get_label() for one in film_and_theory(without(FILM))]
-    assert "transient film over the cycle" not in labels
 
 
 def test_a_film_without_a_prediction_is_refused():

@@ -55,20 +55,6 @@ def test_every_load_is_within_the_axis_and_below_the_legend(found):
     assert {text.get_text() for text in legend.get_texts()} == {"outward", "logged"}
 
 
-def test_the_legend_of_the_profile_covers_no_point(found):
-    ax = plots.pressure_figure(found).axes[1]
-    ax.figure.draw_without_rendering()
-    assert ax.get_legend().get_window_extent().y0 >= ax.bbox.y1
-
-
-def test_a_peak_at_the_edge_of_the_image_is_drawn(found):
-    edge = found.assign(peak_place=0 * found.peak_place + float(found.place[0]))
-    *_, peak = plots.pressure_profile(edge, trigger=1)
-    marker = peak.lines[0]
-    assert marker.get_xdata() == float(found.place[0])
-    assert not marker.get_clip_on()
-
-
 def test_the_figure_shows_the_trigger_that_is_known_best(found):
     assert best_trigger(found) == 1
     assert plots.pressure_figure(found).axes[0].get_title() == "trigger 1"

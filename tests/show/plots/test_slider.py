@@ -52,11 +52,6 @@ def test_profiles_of_wear_end_with_the_last_cycle_and_the_pin(worn):
     npt.assert_allclose(bushing[-1].get_xdata()[12], 0.0, atol=1e-9)
 
 
-def test_pin_that_does_not_wear_has_no_line(worn):
-    lines = plots.joint_wear(worn.assign(pin_depth=0 * worn.pin_depth))
-    assert [line.get_label() for line in lines][-1] == "8,000 cycles"
-
-
 def test_error_of_the_extrapolation_is_in_per_cent_below_its_bound():
     def wear(factor):
         value = ("cycle", [0.0, 2.0 + 2e-5 * factor])

@@ -16,18 +16,12 @@ from matplotlib.figure import Figure
 from erlif.core.errors import OutputError
 from erlif.show import plots
 from erlif.show.plots.style import (
-    ONE_COLUMN,
-    STROKES,
-    TWO_COLUMNS,
     add_colour_bar,
     colour_map,
     figure_bytes,
-    frame_legend,
-    given_or_new,
     letter,
     new_figure,
     room_for,
-    signed,
 )
 
 
@@ -76,30 +70,11 @@ def test_fonts_are_embedded_where_fonttools_has_no_list_of_dropped_tables(monkey
     assert len(large) > len(small)
 
 
-@pytest.mark.parametrize(("dpi", "width"), [(100.0, 354), (300.0, 1062)])
-def test_picture_has_the_width_of_a_column(dpi, width):
-    figure = new_figure()
-    figure.add_subplot()
-    content = figure_bytes(figure, kind="png", dpi=dpi)
-    assert int.from_bytes(content[16:20], "big") == width  # the header of a PNG
-
-
-def test_columns_are_90_and_190_millimetres_wide():
-    npt.assert_allclose([25.4 * ONE_COLUMN, 25.4 * TWO_COLUMNS], [90, 190])
-
-
 def test_settings_of_the_caller_are_left_alone(film):
     before = dict(matplotlib.rcParams)
     plots.thickness_map(film, trigger=0)
     plots.calibration_figure(plots.example_calibration())
     assert dict(matplotlib.rcParams) == before
-
-
-def test_style_reaches_a_figure_that_is_written_later(film, tmp_path):
-    """Text is drawn when the file is written; fonts are those of the style even then."""
-    image = plots.thickness_map(film, trigger=0)
-    assert image.axes.title.get_fontsize() == 7.0
-    assert image.axes.title.get_fontname() == "DejaVu Sans"
 
 
 def test_drawing_and_viewer_are_loaded_only_when_needed_and_open_no_window():
@@ -123,11 +98,6 @@ def test_thicker_film_is_brighter():
     assert np.ptp(lightness) > 60
 
 
-def test_colour_of_missing_values_is_the_one_given():
-    colours = colour_map("vik", bad="#123456")
-    npt.assert_allclose(colours(np.ma.masked), (0x12 / 255, 0x34 / 255, 0x56 / 255, 1))
-
-
 def test_colour_bar_has_the_height_of_the_image():
     ax = new_figure().add_subplot()
     image = ax.imshow(np.arange(6.0).reshape(2, 3))
@@ -138,20 +108,6 @@ def test_colour_bar_has_the_height_of_the_image():
     npt.assert_allclose([beside.y0, beside.y1], [own.y0, own.y1], atol=0.6)
     assert beside.x0 > own.x1
     assert bar.get_ylabel() == "counts [DN]"
-
-
-def test_strokes_differ_in_print_without_colour():
-    one, other = STROKES[1], STROKES[-1]
-    assert one["marker"] != other["marker"]
-    assert one["markerfacecolor"] != "white" == other["markerfacecolor"]
-
-
-def test_legend_covers_the_lines_behind_it():
-    ax = new_figure().add_subplot()
-    (line,) = ax.plot([0, 1], [0, 1], label="line")
-    frame_legend(ax, loc="center")
-    assert ax.get_legend().get_zorder() > line.get_zorder()
-    assert ax.get_legend().get_frame().get_alpha() == 1.0
 
 
 def test_letter_of_a_panel_is_bold_beside_a_long_title_as_well():
@@ -166,19 +122,6 @@ def test_letter_of_a_panel_is_bold_beside_a_long_title_as_well():
         assert drawn.startswith(place)
         assert title.replace("$", r"\$") in drawn
         ax.get_figure().draw_without_rendering()
-
-
-def test_given_axes_are_used():
-    ax = Figure().add_subplot()
-    assert given_or_new(ax) is ax
-    npt.assert_allclose(given_or_new(None, height=2.0).get_figure().get_size_inches()[1], 2.0)
-
-
-@pytest.mark.parametrize(
-    ("value", "digits", "text"), [(3.0, 2, "+3.00"), (-0.25, 1, "−0.2"), (-3.14159, 3, "−3.142")]
-)
-def test_numbers_are_written_with_their_sign(value, digits, text):
-    assert signed(value, digits) == text
 
 
 def test_style_of_the_caller_is_kept(film):

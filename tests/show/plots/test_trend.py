@@ -9,7 +9,6 @@ from scenes import film as scene
 
 from erlif.show import plots
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED
-from erlif.show.plots.trend import speed_over_load
 
 SPEED_OVER_LOAD = 1e3 * np.abs(scene.rocker_speed(scene.CRANK)) / scene.LOAD
 
@@ -30,10 +29,6 @@ def points_of(artists, colour):
 def changed(film):
     """A copy of the film that a test may change."""
     return film.load().copy(deep=True)
-
-
-def test_speed_over_load_has_no_sign(film):
-    npt.assert_allclose(1e3 * speed_over_load(film), SPEED_OVER_LOAD, rtol=1e-6)
 
 
 def test_points_are_the_statistics_of_the_triggers(film):
@@ -73,22 +68,6 @@ def test_legend_gives_the_powers_and_the_strokes(film):
     ]
 
 
-def test_axes_are_logarithmic_and_name_their_units(film):
-    for draw in (plots.film_against_speed, plots.film_and_theory):
-        ax = draw(film)[0].axes
-        assert (ax.get_xscale(), ax.get_yscale()) == ("log", "log")
-        assert ax.get_xlabel() == "speed over load, |ω|/F [10⁻³ rad s⁻¹ N⁻¹]"
-        assert ax.get_ylabel() == "film thickness [µm]"
-
-
-def test_ticks_are_plain_numbers(film):
-    ax = plots.film_against_speed(film)[0].axes
-    ax.get_figure().draw_without_rendering()
-    texts = [text.get_text() for text in ax.get_yticklabels() if text.get_text()]
-    assert len(texts) >= 2
-    assert all(text == f"{float(text):g}" for text in texts)
-
-
 def test_triggers_too_slow_for_the_fit_are_grey(changed):
     changed.rocker_speed.values[0] *= 0.02
     artists = plots.film_against_speed(changed)
@@ -97,13 +76,6 @@ def test_triggers_too_slow_for_the_fit_are_grey(changed):
     npt.assert_allclose(x, 1e3 * abs(float(changed.rocker_speed[0])) / scene.LOAD)
     # the fitted line ends at the slowest trigger of the fit
     assert artists[-1].get_xdata().min() > x.max()
-
-
-def test_trigger_without_a_film_is_not_drawn(changed):
-    changed.film_min.values[1] = np.nan
-    changed.film_min.values[2] = -0.1
-    _, y = points_of(plots.film_against_speed(changed)[:-2], MINIMUM)
-    assert y.size == scene.TRIGGERS - 2
 
 
 def test_power_that_was_not_fitted_is_not_drawn(changed):
@@ -154,12 +126,6 @@ def test_axis_holds_the_film_with_its_bars_and_theory_that_is_near(changed, fact
     assert ("beyond" in theory.get_label()) == (factor > 3)
 
 
-def test_figure_has_both_panels_even_without_a_film(film):
-    for one in (film, scene.without_valid_pixels(film)):
-        figure = plots.speed_figure(one)
-        assert [ax.get_title(loc="left") for ax in figure.axes] == ["(a)", "(b)"]
-
-
 @pytest.mark.parametrize(("decades", "fewest"), [(0.3, 3), (1.2, 3), (4.0, 4)])
 def test_axis_of_any_length_has_ticks_to_read(changed, decades, fewest):
     """Ticks follow the range: every digit over part of a decade, decades over many."""
@@ -173,13 +139,6 @@ def test_axis_of_any_length_has_ticks_to_read(changed, decades, fewest):
     assert fewest <= len(inside) <= 12
 
 
-def test_load_of_each_trigger_enters_the_axis(changed):
-    """Half the load is twice the speed over load."""
-    changed["load"] = changed["load"].copy(data=np.full(scene.TRIGGERS, scene.LOAD / 2))
-    x, _ = points_of(plots.film_against_speed(changed)[:-2], MINIMUM)
-    npt.assert_allclose(x, 2 * np.sort(SPEED_OVER_LOAD), rtol=1e-6)
-
-
 def test_the_speed_of_the_exponent_is_drawn(film):
     """A film of a linkage whose log has the speed."""
     logged = film.copy()
@@ -187,14 +146,6 @@ def test_the_speed_of_the_exponent_is_drawn(film):
     ax = plots.film_against_speed(logged)[0].axes
     assert ax.get_xlabel().startswith("sliding speed over load")
     assert plots.film_against_speed(film)[0].axes.get_xlabel().startswith("speed over load")
-
-
-def test_the_transient_film_is_seen_round_and_below_the_points(film):
-    *points, transient, _, _ = plots.film_and_theory(film)
-    assert transient.get_markerfacecolor() == "none"
-    for line in points:
-        assert transient.get_markersize() > line.get_markersize()
-        assert transient.get_zorder() < line.get_zorder()
 
 
 def test_a_statistic_without_a_point_is_not_in_the_legend(changed):

@@ -43,12 +43,6 @@ def test_without_a_motion_time_angle_or_trigger_are_taken_in_this_order():
     assert choose_abscissa(film).values.tolist() == [0, 1, 2, 3, 4, 5]
 
 
-def test_without_strokes_all_triggers_look_alike():
-    ((members, look),) = stroke_looks(film_of(DISC, without=["stroke"]))
-    assert members.all()
-    assert look["label"] == "trigger"
-
-
 @pytest.mark.parametrize(("speed", "varies"), [([0.25] * 6, False), (np.arange(6.0), True)])
 def test_a_steady_speed_is_recognised(speed, varies):
     film = film_of(DISC, without=["rocker_speed"], sliding_speed=np.asarray(speed))
