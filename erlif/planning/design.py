@@ -198,9 +198,12 @@ def emitted_light(design: Design, number: int, thickness: npt.ArrayLike) -> Arra
 
 
 def signal(design: Design, number: int, thickness: npt.ArrayLike) -> Array:
-    """Mean signal of a pixel in mid-beam above the dark level. [electron]
+    """Photo-electrons of a pixel in mid-beam. Arguments as in `emitted_light`.
 
-    It is not limited by full scale. Arguments as in `emitted_light`.
+    Returns
+    -------
+    array
+        Mean signal above the dark level, not limited by full scale. [electron]
 
     Examples
     --------
@@ -212,7 +215,12 @@ def signal(design: Design, number: int, thickness: npt.ArrayLike) -> Array:
 
 
 def log_ratio(design: Design, thickness: npt.ArrayLike) -> Array:
-    """Natural logarithm of the ratio camera 2 / camera 1 [1], of films [um] above 0.
+    """Natural logarithm of the ratio camera 2 / camera 1, of films above 0.
+
+    Returns
+    -------
+    array
+        [1]
 
     Examples
     --------
@@ -223,7 +231,12 @@ def log_ratio(design: Design, thickness: npt.ArrayLike) -> Array:
 
 
 def log_ratio_slope(design: Design, thickness: npt.ArrayLike) -> Array:
-    """Derivative of `log_ratio` with respect to thickness [1/um], of films [um] above 0.
+    """Derivative of `log_ratio` with respect to thickness.
+
+    Returns
+    -------
+    array
+        [1/um]
 
     Examples
     --------

@@ -68,7 +68,9 @@ def test_marks_have_keys_and_the_onset_both_units_of_time():
 def test_friction_is_drawn_a_second_time_without_the_jump(tmp_path, monkeypatch):
     drawn = {}
     monkeypatch.setattr(
-        erlif.show.plots.style, "save_figure", lambda figure, path: drawn.update({path.name: figure})
+        erlif.show.plots.style,
+        "save_figure",
+        lambda figure, path: drawn.update({path.name: figure}),
     )
     result = example_test()
     write_endurance_figures(result, tmp_path)
