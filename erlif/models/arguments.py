@@ -4,17 +4,24 @@
 `erlif.core.errors.ModelError`; one that is so far from that of any oil or machine that a slip of
 units is the likely reason warns with `erlif.core.errors.UnitWarning`, and the calculation
 continues. The message holds the name of the argument. The ``require_*`` functions refuse values in
-the same manner where a condition concerns more than one argument, or a number on the way. NaN
-stands for a missing value and passes all of them.
+the same manner where a condition concerns more than one argument, or a number on the way: they take
+floats or arrays under the caller's names. NaN stands for a missing value and passes all of them but
+`require_known`.
+
+Quantities, with the sizes that they have in machines, and the kinds of common arguments stand in
+arguments.toml beside this file.
 """
 
 import math
+import re
 import sys
+import tomllib
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cache, wraps
-from inspect import Parameter, formatannotation, signature
+from importlib.resources import files
+from inspect import cleandoc, formatannotation, signature
 from itertools import pairwise
 from typing import Any, ParamSpec, TypeAlias, TypeVar, cast
 
@@ -34,16 +41,6 @@ _Result = TypeVar("_Result")
 
 def require_finite(**arguments: Values) -> None:
     """Refuse infinite values, and what is not a number.
-
-    Parameters
-    ----------
-    **arguments : float or array
-        Values under the caller's names.
-
-    Raises
-    ------
-    ModelError
-        Names the first argument that holds an infinite value or no number at all.
 
     Examples
     --------
@@ -67,40 +64,17 @@ def require_finite(**arguments: Values) -> None:
 def require_positive(**arguments: Values) -> None:
     """Refuse zero, negative and infinite values.
 
-    Parameters
-    ----------
-    **arguments : float or array
-        Values under the caller's names.
-
-    Raises
-    ------
-    ModelError
-        Names the first argument that holds such a value.
-
     Examples
     --------
     >>> require_positive(load=[1.0, -5.0])
     Traceback (most recent call last):
     erlif.core.errors.ModelError: load must be positive, got -5.
     """
-    require_finite(**arguments)
-    for name, value in arguments.items():
-        if value <= 0 if isinstance(value, float) else np.any(np.less_equal(value, 0)):
-            raise ModelError(f"{name} must be positive, got {_smallest(value)}.")
+    _refuse_below("be positive", np.less_equal, arguments)
 
 
 def require_not_negative(**arguments: Values) -> None:
     """Refuse negative and infinite values.
-
-    Parameters
-    ----------
-    **arguments : float or array
-        Values under the caller's names.
-
-    Raises
-    ------
-    ModelError
-        Names the first argument that holds such a value.
 
     Examples
     --------
@@ -109,26 +83,21 @@ def require_not_negative(**arguments: Values) -> None:
     Traceback (most recent call last):
     erlif.core.errors.ModelError: friction must not be negative, got -0.1.
     """
+    _refuse_below("not be negative", np.less, arguments)
+
+
+def _refuse_below(
+    wanted: str, below_zero: Callable[..., Values], arguments: dict[str, Values]
+) -> None:
+    """Refuse infinite values, and those for which a comparison with zero holds."""
     require_finite(**arguments)
     for name, value in arguments.items():
-        if value < 0 if isinstance(value, float) else np.any(np.less(value, 0)):
-            raise ModelError(f"{name} must not be negative, got {_smallest(value)}.")
+        if np.any(below_zero(value, 0)):
+            raise ModelError(f"{name} must {wanted}, got {_smallest(value)}.")
 
 
 def require_between(lowest: float, highest: float, **arguments: Values) -> None:
     """Refuse values outside a closed range.
-
-    Parameters
-    ----------
-    lowest, highest : float
-        Ends of the range; both are accepted.
-    **arguments : float or array
-        Values under the caller's names.
-
-    Raises
-    ------
-    ModelError
-        Names the first argument that holds a value outside the range.
 
     Examples
     --------
@@ -148,16 +117,6 @@ def require_between(lowest: float, highest: float, **arguments: Values) -> None:
 def require_poisson(**arguments: Values) -> None:
     """Refuse Poisson's ratios outside -1 to 0.5, the range of a stable isotropic solid.
 
-    Parameters
-    ----------
-    **arguments : float or array
-        Poisson's ratios under the caller's names. [1]
-
-    Raises
-    ------
-    ModelError
-        Names the first argument at or below -1 or above 0.5.
-
     Examples
     --------
     >>> require_poisson(poisson_1=0.3, poisson_2=0.6)
@@ -173,16 +132,6 @@ def require_poisson(**arguments: Values) -> None:
 
 def require_increasing(**arguments: Values) -> None:
     """Refuse arguments that are not each larger than the one before it.
-
-    Parameters
-    ----------
-    **arguments : float or array
-        Values under the caller's names, from the smallest to the largest.
-
-    Raises
-    ------
-    ModelError
-        Names the first pair that is equal or in the wrong order, with its values.
 
     Examples
     --------
@@ -203,16 +152,6 @@ def require_increasing(**arguments: Values) -> None:
 def require_single(**arguments: Values) -> None:
     """Refuse arrays where one number is needed.
 
-    Parameters
-    ----------
-    **arguments : float
-        Values under the caller's names.
-
-    Raises
-    ------
-    ModelError
-        Names the first argument that holds more than one number.
-
     Examples
     --------
     >>> require_single(crank=[0.05, 0.06])
@@ -226,16 +165,6 @@ def require_single(**arguments: Values) -> None:
 
 def require_known(**arguments: Values) -> None:
     """Refuse NaN, where a missing value has no meaning.
-
-    Parameters
-    ----------
-    **arguments : float or array
-        Values under the caller's names.
-
-    Raises
-    ------
-    ModelError
-        Names the first argument that holds NaN.
 
     Examples
     --------
@@ -278,69 +207,27 @@ class _Within:
                 )
 
 
-QUANTITIES: dict[str, tuple[Callable[..., None], _Scale | None]] = {
-    "number": (require_positive, None),
-    # half of a contact: up to a right angle, and up to where it closes round the pin
-    "right_angle": (_Within(0.0, np.pi / 2), None),
-    "arc": (_Within(0.0, np.pi, ends=False), None),
-    "share": (_Within(0.0, 1.0), None),
-    # diameter of a hole over the width of its link
-    "hole_ratio": (_Within(0.0, 1.0, ends=False), None),
-    "poisson": (require_poisson, None),
-    # from the softest rubber to ten times diamond; steel in MPa, 2e5, lies below
-    "modulus": (require_positive, _Scale("Pa", 3e5, 1e13, "GPa or MPa")),
-    # yield stress, tensile strength, hardness: from grey putty to ten times diamond
-    "strength": (require_positive, _Scale("Pa", 1e5, 1e12, "MPa or kgf/mm2 (Brinell, Vickers)")),
-    # from a tenth of air to the heaviest gear oil in frost; 0.06 Pa s given in mPa s lies above
-    "viscosity": (require_positive, _Scale("Pa s", 1e-6, 50.0, "mPa s (cP), or kinematic, in cSt")),
-    # as the dynamic viscosity, at about 1000 kg/m3
-    "kinematic_viscosity": (require_positive, _Scale("m2/s", 1e-8, 0.05, "mm2/s (cSt)")),
-    # water has 5e-10, traction fluids 4e-8
-    "pressure_viscosity": (require_not_negative, _Scale("1/Pa", 1e-11, 1e-6, "1/GPa or 1/MPa")),
-    # diameters, widths, walls and plays of joints; the clearance of a fit may be below 1 um
-    "length": (require_positive, _Scale("m", 1e-7, 10.0, "mm or um")),
-    # a fit with a clearance of 1 um on a radius of 0.1 m has 1e4 m
-    "reduced_radius": (require_positive, _Scale("m", 1e-6, 1e5, "mm")),
-    # films and roughnesses; a measured minimum may be as small as noise makes it
-    "film": (require_positive, _Scale("m", 0.0, 0.01, "um or mm")),
-    # the largest presses reach 1e9 N
-    "load": (require_positive, _Scale("N", 0.0, 1e9, "mN")),
-    # a load cell at rest may show anything near zero
-    "line_load": (require_positive, _Scale("N/m", 0.0, 1e10, "mN/m")),
-    # surface speeds; turbine shafts reach 150 m/s
-    "speed": (require_finite, _Scale("m/s", 0.0, 1e3, "mm/s")),
-    # from the coldest grease to molten steel
-    "temperature": (require_positive, _Scale("K", 120.0, 3000.0, "degrees Celsius")),
-    # from foam to osmium
-    "density": (require_positive, _Scale("kg/m3", 50.0, 3e4, "g/cm3")),
-    # linear and cubic: oils 7e-4, steel 1.2e-5
-    "expansion": (require_finite, _Scale("1/K", 1e-8, 1e-2, "1e-6/K")),
-    # from aerogel to diamond
-    "conductivity": (require_positive, _Scale("W/(m K)", 1e-3, 1e4, "W/(cm K) or mW/(m K)")),
-    # half of the angle from end to end of a swinging joint
-    "swing": (require_not_negative, _Scale("rad", 0.0, np.pi, "degrees")),
-    # volume over load and distance; ice on sandpaper reaches 1e-10
-    "specific_wear": (require_not_negative, _Scale("1/Pa", 0.0, 1e-9, "mm3/(N m)")),
+_REFUSE: dict[str, Callable[..., None]] = {
+    "infinite": require_finite,
+    "negative": require_not_negative,
+    "positive": require_positive,
+    "poisson": require_poisson,
 }
+
+
+def _read_quantity(
+    *, refuse: str = "", within: tuple[float, ...] = (), ends: bool = True, **scale: Any
+) -> tuple[Callable[..., None], _Scale | None]:
+    require = _Within(*within, ends) if within else _REFUSE[refuse]
+    return require, _Scale(**scale) if scale else None
+
+
+_TABLE = tomllib.loads((files("erlif.models") / "arguments.toml").read_text(encoding="utf-8"))
+
+QUANTITIES = {name: _read_quantity(**row) for name, row in _TABLE["quantities"].items()}
 """Kinds of arguments: what refuses a value of each, and the sizes that it has in machines."""
 
-ARGUMENTS = {
-    **dict.fromkeys(["contact_modulus", "youngs_modulus", "youngs_1", "youngs_2"], "modulus"),
-    **dict.fromkeys(["modulus", "model_youngs_modulus"], "modulus"),
-    **dict.fromkeys(["poisson", "poisson_1", "poisson_2"], "poisson"),
-    **dict.fromkeys(["hardness", "fatigue_strength", "yield_stress"], "strength"),
-    **dict.fromkeys(["pin_radius", "shaft_radius", "bushing_radius", "thickness"], "length"),
-    **dict.fromkeys(["pin_diameter", "diameter", "width", "length", "wall"], "length"),
-    **{name: name for name in ("viscosity", "pressure_viscosity", "density", "load")},
-    **{name: name for name in ("temperature", "expansion", "specific_wear")},
-    **dict.fromkeys(["entrainment_speed", "sliding_speed"], "speed"),
-    **dict.fromkeys(["conductivity", "pin_conductivity", "bushing_conductivity"], "conductivity"),
-    **dict.fromkeys(["friction", "sliding_distance", "coefficient"], "number or zero"),
-    **dict.fromkeys(["crank_angle", "crank_speed", "crank_acceleration"], "signed number"),
-    "load_per_length": "line_load",
-    "torque_ratio": "number",
-    "half_swing": "swing",
-}
+ARGUMENTS = {name: kind for kind, names in _TABLE["names"].items() for name in names}
 """Kinds of the arguments that mean the same in all models; the others are declared."""
 
 
@@ -349,6 +236,8 @@ class _Kind:
     """What a declared argument is checked for."""
 
     requires: tuple[Callable[..., None], ...]
+    refused: str
+    """What is refused, in words."""
     scale: _Scale | None
     low: float
     """Floats from here to `high` pass all checks: fits call a formula thousands of times."""
@@ -375,37 +264,42 @@ _INSIDE = 1e-9
 
 
 @cache
-def _read_kind(text: str) -> _Kind:
-    """Meaning of "length", "load or zero", "signed length", "one number", "known number"."""
-    words = text.split()
-    count = words.pop(0) if words[0] in ("one", "known", "whole") else ""
-    before: dict[str, tuple[Callable[..., None], ...]] = {
-        "": (),
-        "one": (require_single,),
-        "known": (require_single, require_known),
-        "whole": (require_single, require_known),
-    }
-    after = (_require_whole,) if count == "whole" else ()
+def _read_kind(text: str, annotation: str) -> _Kind:
+    """Meaning of "length", "load or zero", "signed length" for an argument of a type."""
+    # one number where the type says so, and a whole one for integers
+    whole = annotation.startswith("int")
+    single = whole or annotation.startswith("float")
+    before = (require_single, require_known) if single else ()
+    after = (_require_whole,) if whole else ()
 
     # the quantity has a usual sign, from which an equation may differ
-    name = next(word for word in words if word in QUANTITIES)
-    require, scale = QUANTITIES[name]
-    if words[0] == "signed":
+    sign, *words = ("", *text.split()) if text.split()[0] in QUANTITIES else text.split()
+    require, scale = QUANTITIES[words[0]]
+    if sign == "signed":
         require = require_finite
-    elif words[0] == "positive":
+    elif sign == "positive":
         require = require_positive
     elif words[1:] == ["or", "zero"]:
         require = require_not_negative
 
     low = max(scale.lowest if scale else 0.0, sys.float_info.min)
     high = scale.highest if scale else sys.float_info.max
+    refused = _REFUSED.get(require, "infinite")
     if isinstance(require, _Within):
         low, high = require.lowest + _INSIDE, require.highest - _INSIDE
+        refused = f"outside {require.lowest:g} to {require.highest:.5g}"
     elif require is require_poisson:
         high = 0.5
-    if count == "whole":
+    if whole:
         low = math.inf  # no float passes without a second look
-    return _Kind((*before[count], require, *after), scale, low, high)
+    return _Kind((*before, require, *after), refused, scale, low, high)
+
+
+_REFUSED = {
+    require_positive: "not positive",
+    require_not_negative: "negative",
+    require_poisson: "outside -1 to 0.5",
+}
 
 
 def formula(
@@ -415,15 +309,16 @@ def formula(
 
     Lists become arrays and integers become floats before the call, unless an argument is annotated
     as integer or text; scalars of numpy become floats after it, inside tuples and dataclasses too.
-    Arrays and DataArrays stay as they are, so the equation itself broadcasts.
+    Arrays and DataArrays stay as they are, so the equation itself broadcasts. An argument annotated
+    as float or integer is refused as an array and as NaN. A docstring without a section Raises gets
+    one from the kinds.
 
     Parameters
     ----------
     **kinds : str
         Kind of each argument, from `QUANTITIES`, with "signed" or "positive" before it or "or zero"
-        behind it where the sign differs from the usual one, "one" where arrays are refused,
-        "known" where NaN is refused as well, and "whole" for whole numbers. An argument without a
-        kind has that of its name in `ARGUMENTS`; one without either is not checked.
+        behind it where the sign differs from the usual one. An argument without a kind has that of
+        its name in `ARGUMENTS`; one without either is not checked.
 
     Returns
     -------
@@ -455,20 +350,43 @@ def formula(
     """
 
     def decorate(equation: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
-        parameters = signature(equation).parameters
-        declared = {name: ARGUMENTS[name] for name in parameters if name in ARGUMENTS} | kinds
-        return _checked(equation, {name: _read_kind(kind) for name, kind in declared.items()})
+        annotations = {
+            name: _text_of(parameter.annotation)
+            for name, parameter in signature(equation).parameters.items()
+        }
+        declared = {name: ARGUMENTS[name] for name in annotations if name in ARGUMENTS} | kinds
+        found = {name: _read_kind(kind, annotations[name]) for name, kind in declared.items()}
+        checked = _checked(equation, found, annotations)
+        if checked.__doc__:
+            checked.__doc__ = _with_refusals(cleandoc(checked.__doc__), found)
+        return checked
 
     return decorate
 
 
+def _with_refusals(text: str, kinds: dict[str, _Kind]) -> str:
+    """Docstring with a section Raises, where it has none: what is refused of each argument."""
+    if "Raises\n------" in text or not kinds:
+        return text
+    refused: dict[str, list[str]] = {}
+    for name, kind in kinds.items():
+        refused.setdefault(kind.refused, []).append(f"`{name}`")
+    parts = [f"{', '.join(names)} {what}" for what, names in refused.items()]
+    section = f"Raises\n------\nModelError\n    An infinite value, or {'; '.join(parts)}.\n\n"
+    place = re.search(r"(Warns|Notes|Examples)\n-", text)
+    where = place.start() if place else len(text)
+    return f"{text[:where].rstrip()}\n\n{section}{text[where:]}".rstrip()
+
+
 def _checked(
-    equation: Callable[_Parameters, _Result], kinds: dict[str, _Kind]
+    equation: Callable[_Parameters, _Result], kinds: dict[str, _Kind], annotations: dict[str, str]
 ) -> Callable[_Parameters, _Result]:
     """Equation behind the conversion and the checks of its arguments."""
     parameters = signature(equation).parameters
     names = tuple(parameters)
-    plain = {name for name, parameter in parameters.items() if _is_plain(parameter)}
+    # no numbers that broadcast: integers, text, pairs of numbers
+    others = ("int", "str", "Literal", "typing.Literal", "tuple")
+    plain = {name for name, text in annotations.items() if text.startswith(others)}
     optional = {name for name, parameter in parameters.items() if parameter.default is None}
 
     def accept(name: str, value: Values) -> Values:
@@ -490,22 +408,20 @@ def _checked(
     return evaluate
 
 
-def _is_plain(parameter: Parameter) -> bool:
-    """Whether an argument is no number that broadcasts: an integer, text, a pair of numbers."""
-    annotation = parameter.annotation
-    text = annotation if isinstance(annotation, str) else formatannotation(annotation)
-    return text.startswith(("int", "str", "Literal", "typing.Literal", "tuple"))
+def _text_of(annotation: Any) -> str:
+    """An annotation as it is written."""
+    return annotation if isinstance(annotation, str) else formatannotation(annotation)
 
 
 def check_fields(table: Any, **kinds: str) -> None:
-    """Check the fields of a dataclass as `formula` checks arguments.
+    """Check the fields of a dataclass as `formula` checks arguments; an optional one may be None.
 
     Parameters
     ----------
     table : dataclass
         Its fields as numbers in SI units.
     **kinds : str
-        Kind of each field to check, as in `formula`.
+        Kind of each field that has none by its name, as in `formula`.
 
     Raises
     ------
@@ -519,13 +435,19 @@ def check_fields(table: Any, **kinds: str) -> None:
 
     Examples
     --------
-    >>> from types import SimpleNamespace
-    >>> check_fields(SimpleNamespace(crank=-0.05), crank="one length")
+    >>> @dataclass
+    ... class Arm:
+    ...     length: float
+    >>> check_fields(Arm(-0.05))
     Traceback (most recent call last):
-    erlif.core.errors.ModelError: crank must be positive, got -0.05.
+    erlif.core.errors.ModelError: length must be positive, got -0.05.
     """
-    for name, text in kinds.items():
-        kind, value = _read_kind(text), getattr(table, name)
+    for field in fields(table):
+        name, value = field.name, getattr(table, field.name)
+        text = kinds.get(name) or ARGUMENTS.get(name)
+        if text is None or value is None:
+            continue
+        kind = _read_kind(text, _text_of(field.type))
         if not kind.passes(value):
             kind.check(name, _as_number(name, value))
 

@@ -75,17 +75,7 @@ class ClearanceFit:
     budget: dict[str, float]
 
 
-@formula(
-    clearance="signed number",
-    friction="number",
-    friction_std="number",
-    clearance_std="number or zero",
-    load_per_length="one line_load",
-    shaft_radius="one length",
-    thickness="one length",
-    load_std="number or zero",
-    radius_std="number or zero",
-)
+@formula(friction="number")
 def fit_clearances(
     clearance: Values,
     *,

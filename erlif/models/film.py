@@ -53,7 +53,7 @@ BORDER = 0.9
 """Share of the largest asymptote from which a second one lies at a border of the regime map."""
 
 
-@formula(radius="reduced_radius")
+@formula()
 def isoviscous_rigid_film(
     entrainment_speed: Values, *, load_per_length: Values, viscosity: Values, radius: Values
 ) -> Values:
@@ -101,7 +101,7 @@ def isoviscous_rigid_film(
     return MARTIN_CONSTANT * radius * viscosity * np.abs(entrainment_speed) / load_per_length
 
 
-@formula(radius="reduced_radius")
+@formula()
 def piezoviscous_rigid_film(
     entrainment_speed: Values, *, viscosity: Values, pressure_viscosity: Values, radius: Values
 ) -> Values:
@@ -152,7 +152,7 @@ def piezoviscous_rigid_film(
     )
 
 
-@formula(radius="reduced_radius")
+@formula()
 def isoviscous_elastic_film(
     entrainment_speed: Values,
     *,
@@ -212,7 +212,7 @@ def isoviscous_elastic_film(
     return 3.10 * radius * U**0.6 * W**-0.2
 
 
-@formula(radius="reduced_radius")
+@formula()
 def dowson_higginson_film(
     entrainment_speed: Values,
     *,
@@ -284,7 +284,7 @@ def dowson_higginson_film(
     return 2.65 * radius * G**0.54 * U**0.7 * W**-0.13
 
 
-@formula(radius="reduced_radius")
+@formula()
 def thesis_film(
     sliding_speed: Values,
     *,
@@ -391,7 +391,7 @@ class LineContactFilm:
     notes: tuple[str, ...]
 
 
-@formula(radius="reduced_radius")
+@formula()
 def line_contact_film(
     entrainment_speed: Values,
     *,
@@ -507,7 +507,7 @@ class EllipticalFilm(NamedTuple):
     central: Values
 
 
-@formula(radius_along="reduced_radius", radius_across="reduced_radius")
+@formula()
 def hamrock_dowson_film(
     entrainment_speed: Values,
     *,
@@ -585,7 +585,7 @@ def hamrock_dowson_film(
     return EllipticalFilm(minimum, central)
 
 
-@formula(film="film", half_width="length")
+@formula(film="film")
 def squeeze_time(
     film: Values, *, half_width: Values, load_per_length: Values, viscosity: Values
 ) -> Values:
@@ -628,7 +628,7 @@ def squeeze_time(
     return 4 * viscosity * half_width**3 / (load_per_length * film**2)
 
 
-@formula(film="film or zero", roughness_a="film or zero", roughness_b="film or zero")
+@formula(film="film or zero")
 def film_parameter(film: Values, *, roughness_a: Values, roughness_b: Values) -> Values:
     """Film thickness over combined roughness: Lambda = h / sqrt(Ra^2 + Rb^2).
 

@@ -79,7 +79,7 @@ def mean_transmission_log_slope(depth: Values) -> Values:
     return _mean_transmission_log_slope(x)
 
 
-@formula(thickness="signed number", brightness="signed number", attenuation="number or zero")
+@formula(thickness="signed number")
 def band_signal(thickness: Values, *, attenuation: Values, brightness: Values = 1.0) -> Values:
     """Light of a film in one narrow band, reabsorbed on its way out.
 
@@ -117,12 +117,7 @@ def band_signal(thickness: Values, *, attenuation: Values, brightness: Values = 
     return brightness * t * mean_transmission(attenuation * t)
 
 
-@formula(
-    thickness="signed number",
-    ratio_at_zero="number",
-    attenuation_camera1="number or zero",
-    attenuation_camera2="number or zero",
-)
+@formula(thickness="signed number")
 def log_band_ratio(
     thickness: Values,
     *,
@@ -179,11 +174,7 @@ def log_band_ratio(
     )
 
 
-@formula(
-    thickness="signed number",
-    attenuation_camera1="number or zero",
-    attenuation_camera2="number or zero",
-)
+@formula(thickness="signed number")
 def log_band_ratio_slope(
     thickness: Values, *, attenuation_camera1: Values, attenuation_camera2: Values
 ) -> Values:
@@ -228,12 +219,7 @@ def log_band_ratio_slope(
     return thin * (1.0 - thick) + far * thick
 
 
-@formula(
-    thickness="signed number",
-    ratio_at_zero="number",
-    attenuation_camera1="number or zero",
-    attenuation_camera2="number or zero",
-)
+@formula(thickness="signed number")
 def log_band_ratio_gradient(
     thickness: Values,
     *,

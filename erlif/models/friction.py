@@ -117,7 +117,7 @@ def friction_coefficient(
     return torque / (torque_ratio * load * radius)
 
 
-@formula(half_angle="right_angle")
+@formula()
 def uniform_torque_ratio(half_angle: Values) -> Values:
     """Compute T* of a uniform pressure over an arc. Colbert et al. (2009), eq. 4.
 
@@ -148,7 +148,7 @@ def uniform_torque_ratio(half_angle: Values) -> Values:
     return 1 / _sinc(half_angle)
 
 
-@formula(half_angle="right_angle")
+@formula()
 def cosine_torque_ratio(half_angle: Values) -> Values:
     """Compute T* of the pressure cos(pi theta / 2 alpha). Colbert et al. (2009), eq. A6.
 
@@ -186,7 +186,7 @@ def cosine_torque_ratio(half_angle: Values) -> Values:
     return 2 * (np.pi + 2 * half_angle) / (np.pi**2 * _sinc(rest))
 
 
-@formula(half_angle="right_angle")
+@formula()
 def elliptic_torque_ratio(half_angle: Values) -> Values:
     """Compute T* of the pressure sqrt(1 - (theta/alpha)^2). Colbert et al. (2009), section 3.
 
@@ -217,7 +217,7 @@ def elliptic_torque_ratio(half_angle: Values) -> Values:
     return 1 / scipy.special.hyp0f1(2.0, -(half_angle**2) / 4)
 
 
-@formula(half_angle="right_angle")
+@formula()
 def truncated_cosine_torque_ratio(half_angle: Values) -> Values:
     """Compute T* of the pressure cos theta cut off at the ends of the arc.
 
@@ -250,7 +250,7 @@ def truncated_cosine_torque_ratio(half_angle: Values) -> Values:
     return 2 * _sinc(half_angle) / (1 + _sinc(2 * half_angle))
 
 
-@formula(half_angle="right_angle")
+@formula()
 def thin_winkler_torque_ratio(half_angle: Values) -> Values:
     """Compute mu* of a Winkler bushing with a thin clearance. Colbert et al. (2009), B1 to B10.
 
@@ -290,7 +290,7 @@ def thin_winkler_torque_ratio(half_angle: Values) -> Values:
     return small * series + (1 - small) * closed
 
 
-@formula(half_angle="right_angle")
+@formula()
 def thin_winkler_load(half_angle: Values) -> Values:
     """Compute the load group F* t* R/c of a thin-clearance Winkler bushing.
 
@@ -324,7 +324,7 @@ def thin_winkler_load(half_angle: Values) -> Values:
     return (half_angle - np.sin(half_angle) * np.cos(half_angle)) / np.cos(half_angle)
 
 
-@formula(angle="signed number", pressure="number or zero")
+@formula(angle="signed number")
 def torque_ratio(angle: Values, *, pressure: Values) -> Values:
     """Integrate T* of any pressure distribution. Colbert et al. (2009), eq. 4.
 
@@ -389,7 +389,7 @@ class ReversalFriction:
     standard_error: float
 
 
-@formula(torque="signed number", radius="one length")
+@formula(torque="signed number", radius="length")
 def average_reversals(
     torque: Values, *, load: Values, radius: float, direction: Values
 ) -> ReversalFriction:

@@ -61,7 +61,7 @@ defensible coefficient.
 """
 
 
-@formula(a="number", temperature="signed temperature", b="signed number", c="signed number")
+@formula(a="number", temperature="signed temperature")
 def vogel_viscosity(temperature: Values, *, a: Values, b: Values, c: Values) -> Values:
     """Dynamic viscosity of an oil at a temperature: eta = a exp(b / (T - c)).
 
@@ -123,7 +123,7 @@ class VogelConstants(NamedTuple):
     c: float
 
 
-@formula(temperatures="temperature", viscosities="viscosity")
+@formula(viscosities="viscosity")
 def fit_vogel(temperatures: Values, *, viscosities: Values) -> VogelConstants:
     """Find the constants of Vogel's law through three measured viscosities; the solution is exact.
 
@@ -181,12 +181,7 @@ def fit_vogel(temperatures: Values, *, viscosities: Values) -> VogelConstants:
     return VogelConstants(float(np.exp(y[0] - b / (T[0] - c))), float(b), float(c))
 
 
-@formula(
-    viscosity_1="signed kinematic_viscosity",
-    temperature_1="temperature",
-    viscosity_2="signed kinematic_viscosity",
-    temperature_2="temperature",
-)
+@formula()
 def walther_viscosity(
     temperature: Values,
     *,
@@ -349,7 +344,7 @@ def roelands_viscosity(
     return viscosity * np.exp(scale * ((1 + pressure / ROELANDS_PRESSURE) ** exponent - 1))
 
 
-@formula(pressure="number or zero")
+@formula()
 def density_at_pressure(pressure: Values, *, density: Values) -> Values:
     """Density of a mineral oil under pressure: rho = rho0 [1 + 0.6 p / (1 + 1.7 p)], p in GPa.
 
@@ -382,7 +377,7 @@ def density_at_pressure(pressure: Values, *, density: Values) -> Values:
     return density * (1 + 0.6e-9 * pressure / (1 + 1.7e-9 * pressure))
 
 
-@formula(reference_temperature="temperature")
+@formula()
 def density_at_temperature(
     temperature: Values, *, density: Values, reference_temperature: Values, expansion: Values
 ) -> Values:

@@ -179,7 +179,7 @@ class ViscosityFit:
         return ViscosityInterval(value / ratio, value * ratio)
 
 
-@formula(temperatures="temperature", viscosities="number", relative_std="number")
+@formula(viscosities="number")
 def fit_viscosity(
     temperatures: Values,
     *,

@@ -246,7 +246,7 @@ def _ranges(angle: Values, chosen: Values) -> str:
     return " and ".join(parts) + " degrees"
 
 
-@formula(rocker_torque="signed number")
+@formula()
 def coupler_force(linkage: CrankRocker, *, crank_angle: Values, rocker_torque: Values) -> Values:
     """Compute the force in the coupler of a crank-rocker. Farzaneh (2002), appendix A.3.
 
@@ -285,7 +285,7 @@ def coupler_force(linkage: CrankRocker, *, crank_angle: Values, rocker_torque: V
     return rocker_torque / (linkage.rocker * np.sin(linkage.transmission_angle(crank_angle)))
 
 
-@formula(rating="load", speed="number", exponent="number")
+@formula(speed="number")
 def rolling_bearing_life(
     load: Values, *, rating: Values, speed: Values, exponent: Values = 3.0
 ) -> Values:
@@ -332,7 +332,7 @@ def rolling_bearing_life(
     return 1e6 * 2 * np.pi / speed * (rating / load) ** exponent
 
 
-@formula(force="signed load")
+@formula()
 def rod_stress(force: Values, *, diameter: Values) -> Values:
     """Compute the axial stress in a round rod: 4F / (pi d^2). Farzaneh (2002), appendix A.4.1.
 

@@ -105,16 +105,7 @@ class _Wall:
         return float(np.sum(pressure) / np.sum(pressure * np.cos(self.angle)))
 
 
-@formula(
-    load="known load",
-    shaft_radius="known length",
-    bushing_radius="known length",
-    width="known length",
-    thickness="known length",
-    modulus="known modulus",
-    specific_wear="known positive specific_wear",
-    cells="whole number",
-)
+@formula(specific_wear="positive specific_wear")
 def run_in_bushing(
     load: float,
     *,
@@ -309,7 +300,7 @@ def _edge(wall: _Wall, pressure: Array) -> float:
     return float(wall.angle[last] + wall.cell * min(beyond, 1.0))
 
 
-@formula(clearance="signed number")
+@formula()
 def thin_wall_torque_ratio(
     load_per_length: Values,
     *,

@@ -14,7 +14,7 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.described import describe
 from erlif.core.errors import ModelError
-from erlif.models.arguments import check_fields, formula, require_positive
+from erlif.models.arguments import formula, require_known, require_positive, require_single
 from erlif.models.mechanism import SliderCrank
 from erlif.models.reaction import SliderCrankBodies, warn_of_compression
 from erlif.models.slider.contact import ContactLaw
@@ -68,15 +68,7 @@ _VARIABLES = {
 """Units and descriptions of the variables of a simulation."""
 
 
-@formula(
-    crank_speed="known signed number",
-    duration="known number",
-    crank_angle="known signed number",
-    crank_inertia="known number or zero",
-    slowest_slip="known number",
-    samples="whole number",
-    tolerance="known number",
-)
+@formula(tolerance="number")
 def simulate_slider_crank(
     linkage: SliderCrank,
     *,
@@ -166,7 +158,8 @@ def simulate_slider_crank(
     >>> print(f"{abs(turn.drive_work[-1]):.6f} J, {float(turn.force.max()):.1f} N")
     0.000000 J, 77.0 N
     """
-    check_fields(bodies, **dict.fromkeys(vars(bodies), "known number or zero"))
+    require_single(**vars(bodies))
+    require_known(**vars(bodies))
     if eccentricity is not None and not np.all(np.isfinite(eccentricity)):
         raise ModelError(f"eccentricity must be two finite numbers, got {eccentricity}.")
     require_positive(rod_mass=bodies.rod_mass, slider_mass=bodies.slider_mass)

@@ -16,7 +16,14 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.described import Columns, describe
 from erlif.core.errors import ModelError
-from erlif.models.arguments import Values, check_fields, formula, require_positive
+from erlif.models.arguments import (
+    Values,
+    check_fields,
+    formula,
+    require_known,
+    require_positive,
+    require_single,
+)
 from erlif.models.mechanism import SliderCrank
 from erlif.models.reaction import SliderCrankBodies, joint_reaction
 from erlif.models.slider.contact import ContactLaw
@@ -64,24 +71,10 @@ class WearingJoint:
     pin_specific_wear: float = 0.0
 
     def __post_init__(self) -> None:
-        check_fields(
-            self,
-            width="known length",
-            thickness="known length",
-            modulus="known modulus",
-            specific_wear="known specific_wear",
-            pin_specific_wear="known specific_wear",
-        )
+        check_fields(self)
 
 
-@formula(
-    crank_speed="known number",
-    cycles="whole number",
-    extrapolation="whole number",
-    steps_per_cycle="whole number",
-    cells="whole number",
-    settling="whole number or zero",
-)
+@formula(crank_speed="number")
 def wear_slider_crank(
     linkage: SliderCrank,
     *,
@@ -188,7 +181,8 @@ def wear_slider_crank(
     >>> print(f"{worn.worn_volume[-1] * 2200 * 1e3:.2f} g")
     0.27 g
     """
-    check_fields(bodies, **dict.fromkeys(vars(bodies), "known number or zero"))
+    require_single(**vars(bodies))
+    require_known(**vars(bodies))
     require_positive(pin_radius=bodies.pin_radius)
     if contact is not None and simulated is not None:
         raise ModelError("contact and simulated exclude each other: one of them gives the forces.")

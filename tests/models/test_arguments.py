@@ -131,12 +131,10 @@ def test_refused_value_is_named(check, message):
         check()
 
 
-@formula(
-    width="length", play="signed length", friction="number or zero", turns="one number",
-    stiffness="known number", share="share", angle="arc", poisson="poisson",
-)  # fmt: skip
-def declared(width, *, play=0.0, friction=0.1, turns=1.0, stiffness=1.0, share=0.5, angle=1.0,
+@formula(turns="number", angle="arc")
+def declared(width, *, play=0.0, friction=0.1, turns: float = 1.0, restitution=0.5, angle=1.0,
              poisson=0.3, stroke=None, cells: int = 3):  # fmt: skip
+    """Width and play."""
     return width + play, cells
 
 
@@ -147,13 +145,15 @@ def test_declared_arguments_are_refused_by_name():
         ("play", -np.inf, "must be finite"),
         ("friction", [0.1, -0.1], "must not be negative"),
         ("turns", [1.0, 2.0], "must be one number"),
-        ("stiffness", np.nan, "must be a number, got NaN"),
-        ("share", 1.1, "must lie in 0 to 1, got 1.1"),
+        ("turns", np.nan, "must be a number, got NaN"),
+        ("cells", 2.5, "must be a whole number"),
+        ("restitution", 1.1, "must lie in 0 to 1, got 1.1"),
         ("angle", 0.0, "must lie between 0 and 3.14159"),
         ("poisson", 0.6, "must be at most 0.5"),
     ):
         with pytest.raises(ModelError, match=f"^{name} {message}"):
             declared(**{"width": 1.0, name: value})
+    assert "`width`, `turns`, `cells` not positive" in declared.__doc__
 
 
 def test_declared_arguments_pass_warn_and_keep_integers():

@@ -197,15 +197,3 @@ def test_unusable_pressures_are_refused(angle, pressure, message):
 def test_no_load_wraps_a_thin_clearance_to_90_degrees():
     with pytest.raises(ModelError, match=r"^half_angle must be below pi/2"):
         thin_winkler_load([0.5, np.pi / 2])
-
-
-FORMULAS = {
-    friction_torque: {"friction": 0.1, "load": 1e4, "radius": 0.03, "torque_ratio": 1.2},
-    friction_coefficient: {"torque": 30.0, "load": 1e4, "radius": 0.03, "torque_ratio": 1.2},
-    uniform_torque_ratio: {"half_angle": 0.7},
-    cosine_torque_ratio: {"half_angle": 0.7},
-    elliptic_torque_ratio: {"half_angle": 0.7},
-    truncated_cosine_torque_ratio: {"half_angle": 0.7},
-    thin_winkler_torque_ratio: {"half_angle": 0.7},
-    thin_winkler_load: {"half_angle": 0.7},
-}

@@ -197,12 +197,6 @@ def test_threaded_rod_of_the_thesis():
 RIG = CrankRocker(0.055, 0.44, 0.26, 0.51)
 WORN = SliderCrank(0.0762, 0.2032, 1e-4)
 RUBBED = SliderCrankBodies(**BODIES, spring_preload=68.354, friction=0.15, pin_radius=9.525e-3)
-FORMULAS = {
-    joint_reaction: {"linkage": WORN, "crank_angle": 1.0, "crank_speed": 3.0, "bodies": RUBBED},
-    coupler_force: {"linkage": RIG, "crank_angle": 1.0, "rocker_torque": 2000.0},
-    rolling_bearing_life: {"load": 4.1e3, "rating": 23.9e3, "speed": 12.0, "exponent": 3.0},
-    rod_stress: {"force": 8.2e3, "diameter": 0.0127},
-}
 
 
 def test_bodies_refuse_infinity_and_warn_of_units():

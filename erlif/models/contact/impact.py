@@ -57,13 +57,7 @@ def impact_stiffness(
     return 4 / 3 * contact_modulus * np.sqrt(outside if as_printed else inside)
 
 
-@formula(
-    penetration="signed number",
-    rate="speed",
-    impact_speed="positive speed",
-    stiffness="number",
-    restitution="share",
-)
+@formula()
 def impact_force(
     penetration: Values,
     *,

@@ -22,7 +22,7 @@ class LineContact(NamedTuple):
     pressure: Values
 
 
-@formula(radius="reduced_radius")
+@formula()
 def hertz_line(load_per_length: Values, *, radius: Values, contact_modulus: Values) -> LineContact:
     """Compute half width and maximum pressure of a Hertzian line contact. Strand (2005), eq. 8.
 

@@ -91,7 +91,7 @@ def persson_peak_group(half_angle: Values) -> Values:
     return 2 * b / (np.pi * np.sqrt(1 + b**2)) + np.arcsinh(b) / (np.pi * b**2 * (1 + b**2))
 
 
-@formula(group="signed number")
+@formula()
 def persson_half_angle(group: Values) -> Values:
     """Find the half contact angle from E Delta / 2q, the inverse of `persson_group`.
 
@@ -200,7 +200,7 @@ class ConformalContact(NamedTuple):
     pressure: Values
 
 
-@formula(play="signed length")
+@formula()
 def persson_contact(
     load_per_length: Values, *, play: Values, pin_diameter: Values, youngs_modulus: Values
 ) -> ConformalContact:
@@ -310,7 +310,7 @@ def closed_contact_pressure(
     return alone + 2 * load_per_length / (np.pi * pin_diameter)
 
 
-@formula(half_angle="arc", play="signed length")
+@formula(half_angle="arc")
 def persson_load(half_angle: Values, *, play: Values, youngs_modulus: Values) -> Values:
     """Compute the line load that spreads the contact to a half angle. Strand (2005), eq. 9.
 

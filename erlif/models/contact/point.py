@@ -132,7 +132,7 @@ class EllipticalContact:
     approach: Values
 
 
-@formula(radius="reduced_radius", radius_across="reduced_radius")
+@formula()
 def hertz_ellipse(
     load: Values, *, radius: Values, radius_across: Values, contact_modulus: Values
 ) -> EllipticalContact:
@@ -196,7 +196,7 @@ def hertz_ellipse(
     return _ellipse(load, radius, radius_across, contact_modulus, axis_ratio=p**-0.5, F1=F1, F2=F2)
 
 
-@formula(radius="reduced_radius", radius_across="reduced_radius")
+@formula()
 def thesis_ellipse(
     load: Values, *, radius: Values, radius_across: Values, contact_modulus: Values
 ) -> EllipticalContact:

@@ -76,7 +76,7 @@ def contact_modulus(
     return 1 / ((1 - poisson_1**2) / youngs_1 + (1 - poisson_2**2) / youngs_2)
 
 
-@formula(load="signed load", length_ratio="number")
+@formula(load="signed load")
 def scale_load(
     load: Values,
     *,
@@ -125,7 +125,7 @@ def scale_load(
     return load * model_youngs_modulus / youngs_modulus * length_ratio**2
 
 
-@formula(stress="signed number")
+@formula()
 def scale_stress(stress: Values, *, youngs_modulus: Values, model_youngs_modulus: Values) -> Values:
     """Compute the stress in a model joint. Farzaneh (2002), eq. 3.13.
 

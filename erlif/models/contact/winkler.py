@@ -76,7 +76,7 @@ def winkler_modulus(youngs_modulus: Values, *, poisson: Values) -> Values:
     return (1 - poisson) * youngs_modulus / ((1 + poisson) * (1 - 2 * poisson))
 
 
-@formula(half_angle="right_angle")
+@formula()
 def winkler_load(
     half_angle: Values,
     *,

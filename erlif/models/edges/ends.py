@@ -74,7 +74,7 @@ def _edge_misfit(exponent: Values, angle: Values, softness: Values) -> Values:
     return (softness * edge - 2 * np.cos(np.pi * m) * flat) / exponent
 
 
-@formula(axial="signed number", load="load or zero")
+@formula(load="load or zero")
 def lundberg_profile(
     axial: Values, *, load: Values, length: Values, contact_modulus: Values
 ) -> Values:

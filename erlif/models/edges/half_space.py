@@ -24,14 +24,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-@formula(
-    spacing="number",
-    contact_modulus="one modulus",
-    load="one number",
-    approach="one number",
-    tolerance="number",
-    mirror="signed number",
-)
+@formula(load="number", approach="number", tolerance="number")
 def solve_contact(
     gap: Values,
     *,

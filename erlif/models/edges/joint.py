@@ -93,13 +93,8 @@ class Joint:
 
     def __post_init__(self) -> None:
         """Refuse radii, lengths and moduli that are no joint."""
-        check_fields(
-            self,
-            **dict.fromkeys(["pin_radius", "bushing_radius", "outer_radius"], "one number"),
-            **dict.fromkeys(["length", "pin_length"], "one length"),
-            **dict.fromkeys(["youngs_modulus", "pin_youngs_modulus"], "one modulus"),
-            **dict.fromkeys(["poisson", "pin_poisson"], "one poisson"),
-        )
+        radii = ["pin_radius", "bushing_radius", "outer_radius"]
+        check_fields(self, **dict.fromkeys(radii, "number"))
         require_increasing(
             pin_radius=self.pin_radius,
             bushing_radius=self.bushing_radius,
@@ -271,13 +266,7 @@ def prepare_joint(
     return ElasticJoint(joint, cells, span, (body, ring), pin, bushing)
 
 
-@formula(
-    load="one load",
-    lobe_radius="number",
-    lobe_height="number or zero",
-    patch="number",
-    tolerance="number",
-)
+@formula(tolerance="number")
 def solve_joint(
     elastic: ElasticJoint,
     *,

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-@formula(depth="number", poisson="one poisson")
+@formula(depth="number")
 def subsurface_stress(
     contact: "xr.Dataset", *, depth: Values, poisson: float = 0.3
 ) -> "xr.Dataset":

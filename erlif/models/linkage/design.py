@@ -90,7 +90,7 @@ class LinkageDesign:
         return min(smallest, np.pi - largest)
 
 
-@formula(crank_speed="one number", rocker_speed="one number", link_width="one length or zero")
+@formula(crank_speed="number")
 def measure_linkage(
     linkage: CrankRocker,
     *,

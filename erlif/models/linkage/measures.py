@@ -52,7 +52,7 @@ def links_of(linkage: CrankRocker) -> Links:
     return Links(linkage.crank, linkage.coupler, linkage.rocker, linkage.ground)
 
 
-@formula(**dict.fromkeys(["crank", "coupler", "rocker", "ground"], "one number"))
+@formula(crank="number", coupler="number", rocker="number", ground="number")
 def grashof_class(*, crank: float, coupler: float, rocker: float, ground: float) -> Kind:
     """Classify a four-bar linkage by Grashof's condition.
 

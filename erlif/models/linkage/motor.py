@@ -76,12 +76,7 @@ class DrivePower:
     rms_torque: float
 
 
-@formula(
-    crank_speed="one number",
-    torque="one number or zero",
-    inertia="one number or zero",
-    efficiency="one number",
-)
+@formula(crank_speed="number", torque="number or zero")
 def drive_power(
     linkage: CrankRocker,
     *,
@@ -165,7 +160,7 @@ def drive_power(
     )
 
 
-@formula(power="one number")
+@formula()
 def choose_motor(power: float, *, series: Literal["hp", "kW"] = "kW") -> float:
     """Choose the next standard rating of a motor.
 

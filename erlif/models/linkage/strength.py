@@ -35,7 +35,7 @@ THREAD_DEPTH = 0.9382
 """Diameter less that of the stress area, in pitches, of a 60 degree thread. ISO 898-1."""
 
 
-@formula(force="signed load", arm="length", depth="length")
+@formula(depth="length")
 def beam_bending_stress(force: Values, *, arm: Values, thickness: Values, depth: Values) -> Values:
     """Compute the bending stress in a link of rectangular section: 6 F L / (t h^2).
 
@@ -149,7 +149,7 @@ def open_hole_concentration(hole_ratio: Values) -> Values:
     return a + left * (b + left * (c + left * d))
 
 
-@formula(force="signed load", hole="length", concentration="number")
+@formula()
 def hole_stress(
     force: Values, *, width: Values, thickness: Values, hole: Values, concentration: Values
 ) -> Values:
@@ -193,7 +193,7 @@ def hole_stress(
     return concentration * force / ((width - hole) * thickness)
 
 
-@formula(pitch="length")
+@formula()
 def thread_stress_area(diameter: Values, *, pitch: Values) -> Values:
     """Compute the stress area of a 60 degree thread: pi/4 (d - 0.9382 p)^2. ISO 898-1.
 
@@ -230,7 +230,7 @@ def thread_stress_area(diameter: Values, *, pitch: Values) -> Values:
     return np.pi / 4 * core**2
 
 
-@formula(amplitude="number or zero", mean="number or zero")
+@formula()
 def fatigue_safety(
     amplitude: Values,
     *,

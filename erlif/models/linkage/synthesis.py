@@ -107,13 +107,7 @@ class _Limits:
         return np.where(excess > ATTAINED, -excess, angle)
 
 
-@formula(
-    **dict.fromkeys(["crank", "coupler", "rocker", "ground"], "known length"),
-    **dict.fromkeys(["crank_speed", "rocker_speed", "swing"], "known number"),
-    **dict.fromkeys(["speed_ratio", "time_ratio", "longest_link"], "known number"),
-    least_transmission_angle="known right_angle",
-    link_width="known length or zero",
-)
+@formula(crank_speed="number")
 def synthesise_crank_rocker(
     *,
     swing: float | None = None,

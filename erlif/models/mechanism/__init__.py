@@ -4,15 +4,6 @@ The crank-rocker is the rig of Farzaneh (2002), appendix A.2, the slider-crank t
 (2008); the positions, their time derivatives and the inverse maps are exact.
 """
 
-from erlif.models.mechanism.crank_rocker import ROOT_TOLERANCE, CrankRocker, crank_for_swing
-from erlif.models.mechanism.reach import DEAD_POINT_TOLERANCE, TURN
-from erlif.models.mechanism.slider_crank import SliderCrank
+import lazy_loader
 
-__all__ = [
-    "DEAD_POINT_TOLERANCE",
-    "ROOT_TOLERANCE",
-    "TURN",
-    "CrankRocker",
-    "SliderCrank",
-    "crank_for_swing",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -64,9 +64,9 @@ class CrankRocker:
     ground: float
 
     def __post_init__(self) -> None:
-        check_fields(self, **dict.fromkeys(vars(self), "one length"))
+        check_fields(self)
 
-        # Grashof's condition; a length of NaN fails it as well
+        # Grashof's condition
         others = sorted((self.coupler, self.rocker, self.ground))
         if not (self.crank < others[0] and self.crank + others[2] < others[0] + others[1]):
             raise ModelError(
@@ -271,7 +271,7 @@ class CrankRocker:
         falling = at_smallest - at_largest
         return max(falling, TURN - falling) / min(falling, TURN - falling)
 
-    @formula(crank_speed="one number")
+    @formula(crank_speed="number")
     def speed_limits(self, *, crank_speed: float) -> tuple[float, float]:
         """Range of the rocker speed over a cycle at constant crank speed.
 
@@ -404,7 +404,7 @@ class CrankRocker:
         return 2 * np.arctan2(np.sqrt(beyond), np.sqrt(short))
 
 
-@formula(swing="one number", coupler="one length", rocker="one length", ground="one length")
+@formula()
 def crank_for_swing(swing: float, *, coupler: float, rocker: float, ground: float) -> float:
     """Find the crank length of a crank-rocker that swings its rocker through an angle.
 

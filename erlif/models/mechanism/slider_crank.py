@@ -62,9 +62,7 @@ class SliderCrank:
     clearance: float = 0.0
 
     def __post_init__(self) -> None:
-        check_fields(
-            self, crank="one length", coupler="one length", clearance="known number or zero"
-        )
+        check_fields(self, clearance="number or zero")
         if not self.coupler > self.crank:
             raise ModelError(
                 f"coupler must be longer than the crank for the crank to turn fully, got coupler "

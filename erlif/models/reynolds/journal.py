@@ -10,9 +10,9 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
+    check_fields,
     require_finite,
     require_increasing,
-    require_not_negative,
     require_positive,
     require_single,
     warn_of_units,
@@ -76,29 +76,12 @@ class Journal:
     roughness: float | None = None
 
     def __post_init__(self) -> None:
-        positive = {
-            "pin_radius": self.pin_radius,
-            "bushing_radius": self.bushing_radius,
-            "length": self.length,
-            "viscosity": self.viscosity,
-        }
-        for name in ("foundation", "roughness"):
-            if getattr(self, name) is not None:
-                positive[name] = getattr(self, name)
-        other = {
-            "pressure_viscosity": self.pressure_viscosity,
-            "cavitation_pressure": self.cavitation_pressure,
-        }
-        require_single(**positive, **other)
-        require_positive(**positive)
-        require_finite(**other)
-        missing = [name for name, value in {**positive, **other}.items() if np.isnan(value)]
-        if missing:
-            raise ModelError(f"{missing[0]} must be a number, got nan.")
+        check_fields(
+            self, cavitation_pressure="signed number", foundation="number", roughness="film"
+        )
 
         # then what the numbers are to each other
         require_increasing(pin_radius=self.pin_radius, bushing_radius=self.bushing_radius)
-        require_not_negative(pressure_viscosity=self.pressure_viscosity)
         if self.cavitation_pressure > 0:
             raise ModelError(
                 "cavitation_pressure is relative to ambient and at most 0, got "
@@ -106,15 +89,6 @@ class Journal:
             )
         if self.axial_shape is not None:
             self._check_shape()
-        warn_of_units(
-            "length",
-            pin_radius=self.pin_radius,
-            bushing_radius=self.bushing_radius,
-            length=self.length,
-        )
-        warn_of_units("viscosity", viscosity=self.viscosity)
-        warn_of_units("pressure_viscosity", pressure_viscosity=self.pressure_viscosity)
-        warn_of_units("film", roughness=self.roughness or 0.0)
 
     def _check_shape(self) -> None:
         """Refuse an axial shape that is no row of heights."""

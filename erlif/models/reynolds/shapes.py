@@ -14,7 +14,7 @@ from erlif.models.arguments import (
 )
 
 
-@formula(x="signed number", radius="number")
+@formula(radius="number")
 def roller_shape(x: Values, *, radius: Values) -> Values:
     """Height of the gap between a cylinder and a flat above its minimum: x^2 / (2 R).
 
@@ -43,7 +43,7 @@ def roller_shape(x: Values, *, radius: Values) -> Values:
     return x**2 / (2 * radius)
 
 
-@formula(x="signed number", z="signed number", radius="number", cross_radius="number")
+@formula(radius="number")
 def pin_shape(x: Values, z: Values, *, radius: Values, cross_radius: Values) -> Values:
     """Height of the gap between a crowned pin and a flat above its minimum.
 
@@ -74,7 +74,7 @@ def pin_shape(x: Values, z: Values, *, radius: Values, cross_radius: Values) -> 
     return x**2 / (2 * radius) + z**2 / (2 * cross_radius)
 
 
-@formula(axial="signed number", radius="number", height="number or zero")
+@formula(radius="number")
 def lobe_shape(axial: Values, *, centres: Sequence[float], radius: float, height: float) -> Values:
     """Height that crowned lobes inside a bushing add to its gap: zero beside them, else negative.
 

@@ -36,15 +36,7 @@ class CoupledWear:
     greatest_force: Values
 
 
-@formula(
-    crank_speed="known number",
-    bushing_radius="known length",
-    bushing_width="known length",
-    specific_wear="known specific_wear",
-    cycles="whole number",
-    extrapolation="whole number",
-    steps_per_cycle="whole number",
-)
+@formula(crank_speed="number")
 def coupled_wear(
     linkage: SliderCrank,
     *,

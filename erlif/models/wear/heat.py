@@ -5,7 +5,7 @@ import numpy as np
 from erlif.models.arguments import Values, formula
 
 
-@formula(period="number")
+@formula()
 def mean_sliding_speed(half_swing: Values, *, diameter: Values, period: Values) -> Values:
     """Compute the mean sliding speed of a swinging joint. Strand (2005), eq. 26.
 
@@ -46,7 +46,7 @@ def mean_sliding_speed(half_swing: Values, *, diameter: Values, period: Values) 
     return 2 * diameter * half_swing / period
 
 
-@formula(load="signed load", speed="speed")
+@formula(load="signed load")
 def pressure_velocity(load: Values, *, diameter: Values, width: Values, speed: Values) -> Values:
     """Compute the product pv of projected pressure and speed. Strand (2005), section 2.1.13.
 
@@ -82,7 +82,7 @@ def pressure_velocity(load: Values, *, diameter: Values, width: Values, speed: V
     return load * speed / (diameter * width)
 
 
-@formula(speed="speed", load="load or zero")
+@formula(load="load or zero")
 def friction_heat(load: Values, *, friction: Values, speed: Values) -> Values:
     """Compute the heat of a sliding joint: Q = mu F |v|. Strand (2005), eqs. 27 and 28.
 
@@ -145,7 +145,7 @@ def bushing_heat_share(pin_conductivity: Values, *, bushing_conductivity: Values
     return 1 / (1 + pin_conductivity / bushing_conductivity)
 
 
-@formula(heat="signed number", measured_temperature="temperature", arc="number")
+@formula()
 def surface_temperature(
     measured_temperature: Values,
     *,
@@ -208,7 +208,7 @@ def surface_temperature(
     )
 
 
-@formula(temperature_change="signed number")
+@formula()
 def thermal_growth(diameter: Values, *, expansion: Values, temperature_change: Values) -> Values:
     """Compute the thermal growth of a diameter: d alpha dT. Strand (2005), eq. 30.
 

@@ -102,12 +102,7 @@ def abrasive_wear(
     )
 
 
-@formula(
-    load="load or zero",
-    failure_strain="number",
-    asperity_distribution="number or zero",
-    particle_size="number or zero",
-)
+@formula(load="load or zero")
 def fatigue_wear(
     load: Values,
     *,
@@ -167,7 +162,7 @@ def fatigue_wear(
     )
 
 
-@formula(pressure="number or zero")
+@formula()
 def wear_depth(pressure: Values, *, sliding_distance: Values, specific_wear: Values) -> Values:
     """Compute the depth worn under a pressure. Strand (2005), eq. 32; Mukras et al. (2008), eq. 4.
 

@@ -7,27 +7,14 @@ import xarray as xr
 
 from erlif.core.errors import ModelError
 from erlif.models.contact import (
-    conformal_radius,
     contact_modulus,
     hertz_ellipse,
-    hertz_line,
     impact_force,
-    impact_stiffness,
-    persson_contact,
     persson_group,
-    persson_half_angle,
     persson_load,
-    persson_peak_group,
-    persson_pressure,
-    projected_pressure,
     relative_radii,
-    scale_load,
-    scale_stress,
-    sinusoidal_pressure,
-    thesis_ellipse,
     winkler_contact,
     winkler_load,
-    winkler_modulus,
 )
 
 STEEL = contact_modulus(200e9, poisson_1=0.3, youngs_2=200e9, poisson_2=0.3)
@@ -90,67 +77,3 @@ def test_coordinates_of_several_arguments_cross():
 def test_bad_values_are_named(call, named):
     with pytest.raises(ModelError, match=named):
         call()
-
-
-FORMULAS = {
-    conformal_radius: {"pin_radius": 0.0333, "bushing_radius": 0.0336},
-    contact_modulus: {"youngs_1": 2e11, "poisson_1": 0.3, "youngs_2": 2.7e9, "poisson_2": 0.37},
-    scale_load: {
-        "load": 1e5,
-        "youngs_modulus": 2e11,
-        "model_youngs_modulus": 2.7e9,
-        "length_ratio": 0.5,
-    },
-    scale_stress: {"stress": 1e6, "youngs_modulus": 2e11, "model_youngs_modulus": 2.7e9},
-    projected_pressure: {"load_per_length": 1e5, "pin_diameter": 0.08},
-    sinusoidal_pressure: {"load_per_length": 1e5, "pin_diameter": 0.08},
-    hertz_line: {"load_per_length": 1e5, "radius": 4.872, "contact_modulus": 1.1e11},
-    relative_radii: {
-        "radius_1": -0.04,
-        "radius_1_across": 0.2,
-        "radius_2": 0.03,
-        "radius_2_across": 0.3,
-        "angle": 0.2,
-    },
-    hertz_ellipse: {"load": 1e5, "radius": 4.9, "radius_across": 0.2, "contact_modulus": 1.1e11},
-    thesis_ellipse: {"load": 1e5, "radius": 4.9, "radius_across": 0.2, "contact_modulus": 1.1e11},
-    persson_group: {"half_angle": 0.7},
-    persson_peak_group: {"half_angle": 0.7},
-    persson_half_angle: {"group": 0.7},
-    persson_pressure: {
-        "angle": 0.3,
-        "half_angle": 0.7,
-        "load_per_length": 1e5,
-        "pin_diameter": 0.08,
-    },
-    persson_contact: {
-        "load_per_length": 1e5,
-        "play": 4e-4,
-        "pin_diameter": 0.08,
-        "youngs_modulus": 2e11,
-    },
-    persson_load: {"half_angle": 0.7, "play": 4e-4, "youngs_modulus": 2e11},
-    winkler_modulus: {"youngs_modulus": 1.1e9, "poisson": 0.4},
-    winkler_load: {
-        "half_angle": 0.7,
-        "shaft_radius": 0.0098,
-        "bushing_radius": 0.0102,
-        "thickness": 0.003,
-        "modulus": 1e9,
-    },
-    winkler_contact: {
-        "load_per_length": 1e5,
-        "shaft_radius": 0.0098,
-        "bushing_radius": 0.0102,
-        "thickness": 0.003,
-        "modulus": 1e9,
-    },
-    impact_stiffness: {"pin_radius": 0.0095, "bushing_radius": 0.0096, "contact_modulus": 1.6e8},
-    impact_force: {
-        "penetration": 1e-5,
-        "rate": 0.05,
-        "impact_speed": 0.1,
-        "stiffness": 1e8,
-        "restitution": 0.9,
-    },
-}

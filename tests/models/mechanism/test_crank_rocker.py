@@ -180,7 +180,7 @@ def test_missing_angles_stay_missing():
         ((0.25, 0.30, 0.26, 0.51), "longest"),
         ((-0.055, 0.44, 0.26, 0.51), "crank must be positive"),
         ((0.055, 0.44, 0.26, 0.0), "ground must be positive"),
-        ((np.nan, 0.44, 0.26, 0.51), "no crank-rocker"),
+        ((np.nan, 0.44, 0.26, 0.51), "crank must be a number"),
     ],
 )
 def test_a_linkage_whose_crank_cannot_turn_is_refused(links, named):

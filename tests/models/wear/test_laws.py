@@ -2,7 +2,9 @@
 
 import numpy as np
 import numpy.testing as npt
+import pytest
 
+from erlif.core.errors import ModelError
 from erlif.models.wear import (
     abrasive_wear,
     adhesive_wear,
@@ -43,3 +45,9 @@ def test_abrasive_and_fatigue_wear_are_archards_law():
         ),
         adhesive_wear(5.0, coefficient=0.1 * 2 * 3 / 0.25, **case),
     )
+
+
+def test_slope_of_an_asperity_lies_below_a_right_angle():
+    for slope in (-0.1, 2.0):
+        with pytest.raises(ModelError, match=rf"^asperity_slope must lie .* got {slope:g} rad"):
+            abrasive_wear(1.0, sliding_distance=1.0, hardness=1e9, asperity_slope=slope)
