@@ -237,7 +237,7 @@ class _Kind:
 
     requires: tuple[Callable[..., None], ...]
     refused: str
-    """What is refused, in words."""
+    """What is refused beside infinite values, in words."""
     scale: _Scale | None
     low: float
     """Floats from here to `high` pass all checks: fits call a formula thousands of times."""
@@ -266,7 +266,7 @@ _INSIDE = 1e-9
 @cache
 def _read_kind(text: str, annotation: str) -> _Kind:
     """Meaning of "length", "load or zero", "signed length" for an argument of a type."""
-    # one number where the type says so, and a whole one for integers
+    # one number for a type of one, a whole one for integers
     whole = annotation.startswith("int")
     single = whole or annotation.startswith("float")
     before = (require_single, require_known) if single else ()
@@ -284,7 +284,7 @@ def _read_kind(text: str, annotation: str) -> _Kind:
 
     low = max(scale.lowest if scale else 0.0, sys.float_info.min)
     high = scale.highest if scale else sys.float_info.max
-    refused = _REFUSED.get(require, "infinite")
+    refused = _REFUSED.get(require, "")
     if isinstance(require, _Within):
         low, high = require.lowest + _INSIDE, require.highest - _INSIDE
         refused = f"outside {require.lowest:g} to {require.highest:.5g}"
@@ -310,8 +310,8 @@ def formula(
     Lists become arrays and integers become floats before the call, unless an argument is annotated
     as integer or text; scalars of numpy become floats after it, inside tuples and dataclasses too.
     Arrays and DataArrays stay as they are, so the equation itself broadcasts. An argument annotated
-    as float or integer is refused as an array and as NaN. A docstring without a section Raises gets
-    one from the kinds.
+    as float or integer is refused as an array and as NaN. The docstring gets the common arguments
+    that it leaves out, and a section Raises from the kinds where it has none.
 
     Parameters
     ----------
@@ -355,13 +355,35 @@ def formula(
             for name, parameter in signature(equation).parameters.items()
         }
         declared = {name: ARGUMENTS[name] for name in annotations if name in ARGUMENTS} | kinds
-        found = {name: _read_kind(kind, annotations[name]) for name, kind in declared.items()}
+        found = {
+            name: _read_kind(declared[name], text)
+            for name, text in annotations.items()
+            if name in declared
+        }
         checked = _checked(equation, found, annotations)
         if checked.__doc__:
-            checked.__doc__ = _with_refusals(cleandoc(checked.__doc__), found)
+            text = _with_arguments(cleandoc(checked.__doc__), annotations)
+            checked.__doc__ = _with_refusals(text, found)
         return checked
 
     return decorate
+
+
+def _with_arguments(text: str, annotations: dict[str, str]) -> str:
+    """Docstring with the arguments that it leaves out, as arguments.toml has them."""
+    described = re.search(r"Parameters\n-+\n(.*?)\n\n(?=\w+\n-)", text, re.DOTALL)
+    known = described[1] if described else ""
+    missing = [
+        f"{name} : {annotation if annotation.startswith('float') else 'float or array'}\n"
+        f"    {_TABLE['texts'][name]}"
+        for name, annotation in annotations.items()
+        if name in _TABLE["texts"] and not re.search(rf"^([\w, ]+, )?{name}(,.*)? :", known, re.M)
+    ]
+    if described and missing:
+        place = described.start(1)
+        return text[:place] + "\n".join(missing) + "\n" + text[place:]
+    section = "\n".join(["Parameters", "----------", *missing]) + "\n\n"
+    return text.replace("Returns\n------", f"{section}Returns\n------", 1) if missing else text
 
 
 def _with_refusals(text: str, kinds: dict[str, _Kind]) -> str:
@@ -370,9 +392,13 @@ def _with_refusals(text: str, kinds: dict[str, _Kind]) -> str:
         return text
     refused: dict[str, list[str]] = {}
     for name, kind in kinds.items():
-        refused.setdefault(kind.refused, []).append(f"`{name}`")
-    parts = [f"{', '.join(names)} {what}" for what, names in refused.items()]
-    section = f"Raises\n------\nModelError\n    An infinite value, or {'; '.join(parts)}.\n\n"
+        if kind.refused:
+            refused.setdefault(kind.refused, []).append(f"`{name}`")
+    parts = [
+        "An infinite value",
+        *(f"{', '.join(names)} {what}" for what, names in refused.items()),
+    ]
+    section = f"Raises\n------\nModelError\n    {'; '.join(parts)}.\n\n"
     place = re.search(r"(Warns|Notes|Examples)\n-", text)
     where = place.start() if place else len(text)
     return f"{text[:where].rstrip()}\n\n{section}{text[where:]}".rstrip()

@@ -46,22 +46,13 @@ def pin_diameter_in_shear(load: Values, *, yield_stress: Values, safety: Values)
 
     Parameters
     ----------
-    load : float or array
-        Load F. [N]
     yield_stress : float or array
         Yield stress sigma_y of the pin. [Pa]
-    safety : float or array
-        Safety factor eta. [1]
 
     Returns
     -------
     float or array
         Minimum diameter d. [m]
-
-    Raises
-    ------
-    ModelError
-        A value not positive or not finite.
 
     Examples
     --------
@@ -86,24 +77,15 @@ def pin_diameter_in_bending(
 
     Parameters
     ----------
-    load : float or array
-        Load F. [N]
     free_length : float or array
         Length L between the seats: bushing and lateral play. [m]
     yield_stress : float or array
         Yield stress sigma_y of the pin. [Pa]
-    safety : float or array
-        Safety factor eta. [1]
 
     Returns
     -------
     float or array
         Minimum diameter d. [m]
-
-    Raises
-    ------
-    ModelError
-        A value not positive or not finite.
 
     Examples
     --------
@@ -163,16 +145,12 @@ def pin_diameter_with_hole(
 
     Parameters
     ----------
-    load : float or array
-        Load F. [N]
     free_length : float or array
         Length L between the seats: bushing and lateral play. [m]
     hole_ratio : float or array
         Hole diameter over pin diameter x, 0 to 0.2. [1]
     yield_stress : float or array
         Yield stress sigma_y of the pin. [Pa]
-    safety : float or array
-        Safety factor eta. [1]
 
     Returns
     -------
@@ -219,14 +197,9 @@ def lateral_shift(
 
     Parameters
     ----------
-    load : float or array
-        Load F in the middle. [N]
-    length : float or array
-        Length L, both seats and the bushing. [m]
-    diameter : float or array
-        Diameter d of the pin, I = pi d^4 / 64. [m]
-    youngs_modulus : float or array
-        Young's modulus E of the pin. [Pa]
+    load, length, diameter, youngs_modulus : float or array
+        Load F in the middle [N], length L, both seats and the bushing [m], diameter d of the pin, I
+        = pi d^4 / 64 [m], Young's modulus E of the pin [Pa].
 
     Returns
     -------
@@ -277,14 +250,9 @@ def lateral_force(
 
     Parameters
     ----------
-    load : float or array
-        Load F in the middle. [N]
-    length : float or array
-        Length L, both seats and the bushing. [m]
-    diameter : float or array
-        Diameter d of the pin, A = pi d^2 / 4. [m]
-    youngs_modulus : float or array
-        Young's modulus E of the pin. [Pa]
+    load, length, diameter, youngs_modulus : float or array
+        Load F in the middle [N], length L, both seats and the bushing [m], diameter d of the pin, A
+        = pi d^2 / 4 [m], Young's modulus E of the pin [Pa].
 
     Returns
     -------
@@ -319,8 +287,6 @@ def least_projected_area(load: Values, *, yield_stress: Values) -> Values:
 
     Parameters
     ----------
-    load : float or array
-        Load F. [N]
     yield_stress : float or array
         Yield stress sigma_y of the softer body. [Pa]
 
@@ -328,11 +294,6 @@ def least_projected_area(load: Values, *, yield_stress: Values) -> Values:
     -------
     float or array
         Minimum of pin diameter times bushing width. [m2]
-
-    Raises
-    ------
-    ModelError
-        A value not positive or not finite.
 
     Examples
     --------
@@ -354,24 +315,13 @@ def least_bushing_width(
 
     Parameters
     ----------
-    load : float or array
-        Load F. [N]
-    diameter : float or array
-        Diameter d of the pin. [m]
-    hardness : float or array
-        Hardness H of the bushing. [Pa]
-    safety : float or array
-        Safety factor eta. [1]
+    diameter, hardness : float or array
+        Diameter d of the pin [m], hardness H of the bushing [Pa].
 
     Returns
     -------
     float or array
         Minimum width w. [m]
-
-    Raises
-    ------
-    ModelError
-        A value not positive or not finite.
 
     Examples
     --------
@@ -395,24 +345,13 @@ def least_seat_width(load: Values, *, diameter: Values, hardness: Values, safety
 
     Parameters
     ----------
-    load : float or array
-        Load F on the joint. [N]
-    diameter : float or array
-        Diameter d of the pin. [m]
-    hardness : float or array
-        Hardness H of the seat. [Pa]
-    safety : float or array
-        Safety factor eta. [1]
+    load, diameter, hardness : float or array
+        Load F on the joint [N], diameter d of the pin [m], hardness H of the seat [Pa].
 
     Returns
     -------
     float or array
         Minimum width s of one seat. [m]
-
-    Raises
-    ------
-    ModelError
-        A value not positive or not finite.
 
     Examples
     --------
@@ -441,11 +380,6 @@ def hardness_from_strength(ultimate_stress: Values) -> Values:
     float or array
         Brinell hardness H. [Pa]
 
-    Raises
-    ------
-    ModelError
-        A strength not positive or not finite.
-
     Notes
     -----
     The source prints H = 0.3 sigma, which is the hardness in kgf/mm2 for a strength in MPa; in
@@ -473,27 +407,14 @@ def least_eyebar_diameter(
 
     Parameters
     ----------
-    load : float or array
-        Load F. [N]
-    bore : float or array
-        Inner diameter d. [m]
-    width : float or array
-        Width s of the eye. [m]
-    yield_stress : float or array
-        Yield stress sigma_y of the housing. [Pa]
-    safety : float or array
-        Safety factor eta. [1]
+    bore, width, yield_stress : float or array
+        Inner diameter d [m], width s of the eye [m], yield stress sigma_y of the housing [Pa].
 
     Returns
     -------
     float or array
         Minimum outer diameter D; infinite where no outer diameter carries the load (F from
         sigma_y s d / eta on). [m]
-
-    Raises
-    ------
-    ModelError
-        A value not positive or not finite.
 
     Notes
     -----
@@ -534,12 +455,8 @@ def lock_force(
 
     Parameters
     ----------
-    load : float or array
-        Load F. [N]
-    diameter : float or array
-        Diameter d of the pin. [m]
-    lever : float or array
-        Distance R of the screw from the pin axis. [m]
+    diameter, lever : float or array
+        Diameter d of the pin [m], distance R of the screw from the pin axis [m].
     friction_bushing, friction_seat : float or array
         Friction coefficients mu1 in the bushing and mu2 in the seats; the defaults are the worst
         case of the source. [1]
@@ -549,11 +466,6 @@ def lock_force(
     float or array
         Shear force, negative where the seats hold the pin more firmly than the bushing turns it.
         [N]
-
-    Raises
-    ------
-    ModelError
-        A length not positive, a load or friction negative, or an infinite value.
 
     Examples
     --------
@@ -576,26 +488,14 @@ def least_weld_diameter(
 
     Parameters
     ----------
-    load : float or array
-        Load F on the joint, with the friction of `lock_force` at its worst. [N]
-    pin_diameter : float or array
-        Diameter d of the pin. [m]
-    throat : float or array
-        Effective throat a of the weld. [m]
-    yield_stress : float or array
-        Yield stress sigma_y of the weld. [Pa]
-    safety : float or array
-        Safety factor eta. [1]
+    load, throat, yield_stress : float or array
+        Load F on the joint, with the friction of `lock_force` at its worst [N], effective throat a
+        of the weld [m], yield stress sigma_y of the weld [Pa].
 
     Returns
     -------
     float or array
         Minimum inner diameter; not positive where a weld of any diameter is strong enough. [m]
-
-    Raises
-    ------
-    ModelError
-        A value not positive or not finite.
 
     Notes
     -----
@@ -628,8 +528,6 @@ def largest_internal_weld_diameter(pin_diameter: Values, *, throat: Values) -> V
 
     Parameters
     ----------
-    pin_diameter : float or array
-        Diameter d of the pin. [m]
     throat : float or array
         Effective throat a of the weld. [m]
 
@@ -637,11 +535,6 @@ def largest_internal_weld_diameter(pin_diameter: Values, *, throat: Values) -> V
     -------
     float or array
         Largest inner diameter; not positive where the throat is too large for the pin. [m]
-
-    Raises
-    ------
-    ModelError
-        A value not positive or not finite.
 
     Examples
     --------
@@ -664,24 +557,13 @@ def least_open_prong_height(
     ----------
     load : float or array
         Lock force F, see `lock_force`. [N]
-    thickness : float or array
-        Plate thickness t. [m]
-    length : float or array
-        Lever L of the force. [m]
-    yield_stress : float or array
-        Yield stress sigma_y of the plate. [Pa]
-    safety : float or array
-        Safety factor eta. [1]
+    thickness, length, yield_stress : float or array
+        Plate thickness t [m], lever L of the force [m], yield stress sigma_y of the plate [Pa].
 
     Returns
     -------
     float or array
         Minimum height h. [m]
-
-    Raises
-    ------
-    ModelError
-        A value not positive or not finite.
 
     Examples
     --------
@@ -711,11 +593,6 @@ def end_force_of_closed_lock(load: Values) -> Values:
     float or array
         Force that the closed end passes to the unloaded prong. [N]
 
-    Raises
-    ------
-    ModelError
-        An infinite load.
-
     Examples
     --------
     >>> end_force_of_closed_lock(32.0)
@@ -742,26 +619,14 @@ def least_closed_prong_height(
     ----------
     load : float or array
         Lock force F, see `lock_force`. [N]
-    thickness : float or array
-        Plate thickness t. [m]
-    length : float or array
-        Lever L of the force. [m]
-    yield_stress : float or array
-        Yield stress sigma_y of the plate. [Pa]
-    safety : float or array
-        Safety factor eta. [1]
-    root_shear : float or array
-        Share of the force that shears the root. [1]
+    thickness, length, yield_stress, root_shear : float or array
+        Plate thickness t [m], lever L of the force [m], yield stress sigma_y of the plate [Pa],
+        share of the force that shears the root [1].
 
     Returns
     -------
     float or array
         Minimum height h. [m]
-
-    Raises
-    ------
-    ModelError
-        A value not positive or not finite.
 
     Notes
     -----
@@ -797,22 +662,13 @@ def least_closed_end_width(
     ----------
     load : float or array
         Lock force F, see `lock_force`. [N]
-    thickness : float or array
-        Plate thickness t. [m]
-    yield_stress : float or array
-        Yield stress sigma_y of the plate. [Pa]
-    safety : float or array
-        Safety factor eta. [1]
+    thickness, yield_stress : float or array
+        Plate thickness t [m], yield stress sigma_y of the plate [Pa].
 
     Returns
     -------
     float or array
         Minimum width c. [m]
-
-    Raises
-    ------
-    ModelError
-        A value not positive or not finite.
 
     Notes
     -----
@@ -853,8 +709,6 @@ def relative_play(pin_diameter: Values, *, bore: Values) -> Values:
 
     Parameters
     ----------
-    pin_diameter : float or array
-        Diameter d of the pin. [m]
     bore : float or array
         Diameter D of the bore. [m]
 
@@ -862,11 +716,6 @@ def relative_play(pin_diameter: Values, *, bore: Values) -> Values:
     -------
     float or array
         Relative play, negative for an interference; 0.3e-3 to 5e-3 is recommended. [1]
-
-    Raises
-    ------
-    ModelError
-        A diameter not positive or not finite.
 
     Examples
     --------
@@ -898,15 +747,11 @@ def press_fit_displacement(
 
     Parameters
     ----------
-    interference : float or array
-        Outer diameter of the bushing less bore of the housing, Delta. [m]
-    bore, fit_diameter, housing_diameter : float or array
-        Inner diameter d_b and outer diameter D of the bushing, outer diameter D_h of the housing.
-        [m]
-    youngs_bushing, youngs_housing : float or array
-        Young's moduli E_b and E_h. [Pa]
-    poisson_bushing, poisson_housing : float or array
-        Poisson's ratios nu_b and nu_h. [1]
+    interference, bore, fit_diameter, housing_diameter : float or array
+        Outer diameter of the bushing less bore of the housing, Delta [m], inner diameter d_b and
+        outer diameter D of the bushing, outer diameter D_h of the housing [m].
+    youngs_bushing, youngs_housing, poisson_bushing, poisson_housing : float or array
+        Young's moduli E_b and E_h [Pa], Poisson's ratios nu_b and nu_h [1].
 
     Returns
     -------

@@ -61,26 +61,10 @@ def isoviscous_rigid_film(
 
     Martin (1916).
 
-    Parameters
-    ----------
-    entrainment_speed : float or array
-        Mean u of the two surface speeds, of either sign. [m/s]
-    load_per_length : float or array
-        Line load q, positive. [N/m]
-    viscosity : float or array
-        Dynamic viscosity eta at the inlet, positive. [Pa s]
-    radius : float or array
-        Reduced radius R, see `erlif.models.contact.conformal_radius`. [m]
-
     Returns
     -------
     float or array
         Film thickness at the line of centres, the minimum. [m]
-
-    Raises
-    ------
-    ModelError
-        A load, viscosity or radius that is not positive, or an infinite value.
 
     Notes
     -----
@@ -109,26 +93,10 @@ def piezoviscous_rigid_film(
 
     Blok (1950).
 
-    Parameters
-    ----------
-    entrainment_speed : float or array
-        Mean u of the two surface speeds, of either sign. [m/s]
-    viscosity : float or array
-        Dynamic viscosity eta at the inlet, positive. [Pa s]
-    pressure_viscosity : float or array
-        Barus coefficient alpha, not negative. [1/Pa]
-    radius : float or array
-        Reduced radius R, see `erlif.models.contact.conformal_radius`. [m]
-
     Returns
     -------
     float or array
         Minimum film thickness. [m]
-
-    Raises
-    ------
-    ModelError
-        A viscosity or radius that is not positive, a negative coefficient, or an infinite value.
 
     Notes
     -----
@@ -167,14 +135,6 @@ def isoviscous_elastic_film(
 
     Parameters
     ----------
-    entrainment_speed : float or array
-        Mean u of the two surface speeds, of either sign. [m/s]
-    load_per_length : float or array
-        Line load q, positive. [N/m]
-    viscosity : float or array
-        Dynamic viscosity eta at the inlet, positive. [Pa s]
-    radius : float or array
-        Reduced radius R, see `erlif.models.contact.conformal_radius`. [m]
     contact_modulus : float or array
         E*, see `erlif.models.contact.contact_modulus`; U and W are formed with 2 E*. [Pa]
 
@@ -182,11 +142,6 @@ def isoviscous_elastic_film(
     -------
     float or array
         Minimum film thickness. [m]
-
-    Raises
-    ------
-    ModelError
-        A value that is not positive, or an infinite value.
 
     Examples
     --------
@@ -228,30 +183,10 @@ def dowson_higginson_film(
     Dowson and Higginson (1966); `thesis_film` is the form of Farzaneh (2002), eq. 2.8, in its own
     symbols.
 
-    Parameters
-    ----------
-    entrainment_speed : float or array
-        Mean u of the two surface speeds, of either sign. [m/s]
-    load_per_length : float or array
-        Line load q, positive. [N/m]
-    viscosity : float or array
-        Dynamic viscosity eta at the inlet, positive. [Pa s]
-    pressure_viscosity : float or array
-        Barus coefficient alpha, not negative. [1/Pa]
-    radius : float or array
-        Reduced radius R, see `erlif.models.contact.conformal_radius`. [m]
-    contact_modulus : float or array
-        E*, see `erlif.models.contact.contact_modulus`. [Pa]
-
     Returns
     -------
     float or array
         Minimum film thickness. [m]
-
-    Raises
-    ------
-    ModelError
-        A value that is not positive, a negative coefficient, or an infinite value.
 
     Notes
     -----
@@ -301,27 +236,12 @@ def thesis_film(
     Parameters
     ----------
     sliding_speed : float or array
-        Full sliding speed v of the pin in its bushing, of either sign. [m/s]
-    load_per_length : float or array
-        Line load q, positive. [N/m]
-    viscosity : float or array
-        Dynamic viscosity eta at the inlet, positive. [Pa s]
-    pressure_viscosity : float or array
-        Barus coefficient alpha, not negative. [1/Pa]
-    radius : float or array
-        Reduced radius R, see `erlif.models.contact.conformal_radius`. [m]
-    contact_modulus : float or array
-        E*, see `erlif.models.contact.contact_modulus`. [Pa]
+        Full sliding speed v of the pin in its bushing. [m/s]
 
     Returns
     -------
     float or array
         Minimum film thickness. [m]
-
-    Raises
-    ------
-    ModelError
-        A value that is not positive, a negative coefficient, or an infinite value.
 
     Notes
     -----
@@ -406,18 +326,6 @@ def line_contact_film(
 
     Parameters
     ----------
-    entrainment_speed : float or array
-        Mean u of the two surface speeds, of either sign. [m/s]
-    load_per_length : float or array
-        Line load q, positive. [N/m]
-    viscosity : float or array
-        Dynamic viscosity eta at the inlet, positive. [Pa s]
-    pressure_viscosity : float or array
-        Barus coefficient alpha, not negative. [1/Pa]
-    radius : float or array
-        Reduced radius R, see `erlif.models.contact.conformal_radius`. [m]
-    contact_modulus : float or array
-        E*, see `erlif.models.contact.contact_modulus`. [Pa]
     stroke : float, optional
         Peak-to-peak travel of the entrained oil, the integral of the entrainment speed over half a
         cycle: pin radius times half the swing. With it the notes state whether a film formed at the
@@ -526,28 +434,13 @@ def hamrock_dowson_film(
 
     Parameters
     ----------
-    entrainment_speed : float or array
-        Mean u of the two surface speeds, of either sign. [m/s]
-    load : float or array
-        Load w on the contact, positive. [N]
-    viscosity : float or array
-        Dynamic viscosity eta at the inlet, positive. [Pa s]
-    pressure_viscosity : float or array
-        Barus coefficient alpha, not negative. [1/Pa]
-    radius_along, radius_across : float or array
-        Reduced radii Rx along and Ry across the motion. [m]
-    contact_modulus : float or array
-        E*, see `erlif.models.contact.contact_modulus`. [Pa]
+    load, radius_along, radius_across : float or array
+        Load w on the contact [N], reduced radii Rx along and Ry across the motion [m].
 
     Returns
     -------
     EllipticalFilm
         Minimum and central film thickness. [m]
-
-    Raises
-    ------
-    ModelError
-        A value that is not positive, a negative coefficient, or an infinite value.
 
     Warns
     -----
@@ -598,23 +491,14 @@ def squeeze_time(
     Parameters
     ----------
     film : float or array
-        Film thickness h at the end, positive. [m]
+        Film thickness h at the end. [m]
     half_width : float or array
         Half width b of the strip, see `erlif.models.contact.hertz_line`. [m]
-    load_per_length : float or array
-        Line load q, positive. [N/m]
-    viscosity : float or array
-        Dynamic viscosity eta, positive. [Pa s]
 
     Returns
     -------
     float or array
         Time from an infinitely thick film. [s]
-
-    Raises
-    ------
-    ModelError
-        A value that is not positive, or an infinite value.
 
     Examples
     --------
@@ -636,10 +520,9 @@ def film_parameter(film: Values, *, roughness_a: Values, roughness_b: Values) ->
 
     Parameters
     ----------
-    film : float or array
-        Minimum film thickness h, not negative. [m]
-    roughness_a, roughness_b : float or array
-        Root-mean-square roughness of the two surfaces, not negative and not both zero. [m]
+    film, roughness_a, roughness_b : float or array
+        Minimum film thickness h [m], root-mean-square roughness of the two surfaces, not negative
+        and not both zero [m].
 
     Returns
     -------
@@ -680,17 +563,12 @@ def lubrication_regimes(film_parameter: Values) -> Values:
     Parameters
     ----------
     film_parameter : float or array
-        Film parameter Lambda, not negative. [1]
+        Film parameter Lambda. [1]
 
     Returns
     -------
     tuple of str, or array of tuples
         Names of the regimes, in the order of the table; empty above 100 and for NaN.
-
-    Raises
-    ------
-    ModelError
-        A negative or infinite value.
 
     Examples
     --------

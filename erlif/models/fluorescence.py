@@ -36,11 +36,6 @@ def mean_transmission(depth: Values) -> Values:
     float or array
         1 at x = 0, falling as 1/x for a thick layer. [1]
 
-    Raises
-    ------
-    ModelError
-        An infinite depth.
-
     Examples
     --------
     >>> mean_transmission([0.0, np.log(2), 1e3]).round(4)
@@ -63,11 +58,6 @@ def mean_transmission_log_slope(depth: Values) -> Values:
     float or array
         -1/2 at x = 0, rising to -1/x for a thick layer. [1]
 
-    Raises
-    ------
-    ModelError
-        An infinite depth.
-
     Examples
     --------
     >>> mean_transmission_log_slope(0.0), mean_transmission_log_slope(100.0)
@@ -89,22 +79,14 @@ def band_signal(thickness: Values, *, attenuation: Values, brightness: Values = 
 
     Parameters
     ----------
-    thickness : float or array
-        Film thickness t. [unit of length]
-    attenuation : float or array
-        A + B of the band, not negative. [inverse of the unit of thickness]
-    brightness : float or array
-        C, light per thickness of a very thin film. [any light/m]
+    thickness, attenuation, brightness : float or array
+        Film thickness t [unit of length], A + B of the band [inverse of the unit of thickness], C,
+        light per thickness of a very thin film [any light/m].
 
     Returns
     -------
     float or array
         Light of the film, in the unit of `brightness` times thickness.
-
-    Raises
-    ------
-    ModelError
-        A negative attenuation, or an infinite argument.
 
     Examples
     --------
@@ -133,10 +115,8 @@ def log_band_ratio(
 
     Parameters
     ----------
-    thickness : float or array
-        Film thickness t. [unit of length]
-    ratio_at_zero : float or array
-        K, the ratio of a vanishing film, positive. [1]
+    thickness, ratio_at_zero : float or array
+        Film thickness t [unit of length], K, the ratio of a vanishing film [1].
     attenuation_camera1, attenuation_camera2 : float or array
         p and q, attenuation in the band of camera 1 and of camera 2, not negative; p > q for a
         ratio that rises with thickness. [inverse of the unit of thickness]
@@ -145,11 +125,6 @@ def log_band_ratio(
     -------
     float or array
         ln r. [1]
-
-    Raises
-    ------
-    ModelError
-        A ratio that is not positive, a negative attenuation, or an infinite parameter.
 
     Notes
     -----
@@ -184,20 +159,14 @@ def log_band_ratio_slope(
 
     Parameters
     ----------
-    thickness : float or array
-        Film thickness t. [unit of length]
-    attenuation_camera1, attenuation_camera2 : float or array
-        p and q, as in `log_band_ratio`. [inverse of the unit of thickness]
+    thickness, attenuation_camera1, attenuation_camera2 : float or array
+        Film thickness t [unit of length], p and q, as in `log_band_ratio` [inverse of the unit of
+        thickness].
 
     Returns
     -------
     float or array
         Slope, (p - q)/2 at t = 0. [inverse of the unit of thickness]
-
-    Raises
-    ------
-    ModelError
-        A negative attenuation, or an infinite argument.
 
     Examples
     --------
@@ -242,11 +211,6 @@ def log_band_ratio_gradient(
     -------
     array, (3, ...)
         With respect to K, p and q, in this order. [1, unit of thickness twice]
-
-    Raises
-    ------
-    ModelError
-        A ratio that is not positive, a negative attenuation, or an infinite parameter.
 
     Examples
     --------

@@ -37,12 +37,8 @@ def friction_torque(
 
     Parameters
     ----------
-    friction : float or array
-        Friction coefficient mu. [1]
-    load : float or array
-        Load F. [N]
-    radius : float or array
-        Radius R of the shaft. [m]
+    friction, radius : float or array
+        Friction coefficient mu [1], radius R of the shaft [m].
     torque_ratio : float or array
         T* of the pressure distribution; 1 takes the contact for a line, as Farzaneh (2002),
         appendix A.3, does. [1]
@@ -51,12 +47,6 @@ def friction_torque(
     -------
     float or array
         Friction torque T. [N m]
-
-    Raises
-    ------
-    ModelError
-        A friction or load that is negative, a radius or torque ratio not positive, or an infinite
-        value.
 
     Notes
     -----
@@ -85,8 +75,6 @@ def friction_coefficient(
     ----------
     torque : float or array
         Friction torque T; its sign is kept. [N m]
-    load : float or array
-        Load F. [N]
     radius : float or array
         Radius R of the shaft. [m]
     torque_ratio : float or array
@@ -97,11 +85,6 @@ def friction_coefficient(
     -------
     float or array
         Friction coefficient mu. [1]
-
-    Raises
-    ------
-    ModelError
-        A load, radius or torque ratio not positive, or an infinite value.
 
     Examples
     --------
@@ -123,20 +106,10 @@ def uniform_torque_ratio(half_angle: Values) -> Values:
 
     alpha / sin alpha, pi/2 at 90 degrees.
 
-    Parameters
-    ----------
-    half_angle : float or array
-        Half of the arc of contact alpha, 0 to pi/2. [rad]
-
     Returns
     -------
     float or array
         Torque ratio T*. [1]
-
-    Raises
-    ------
-    ModelError
-        An angle outside 0 to pi/2.
 
     Examples
     --------
@@ -154,20 +127,10 @@ def cosine_torque_ratio(half_angle: Values) -> Values:
 
     (pi^2 - 4 alpha^2) / (pi^2 cos alpha).
 
-    Parameters
-    ----------
-    half_angle : float or array
-        Half of the arc of contact alpha, 0 to pi/2. [rad]
-
     Returns
     -------
     float or array
         Torque ratio T*. [1]
-
-    Raises
-    ------
-    ModelError
-        An angle outside 0 to pi/2.
 
     Notes
     -----
@@ -192,20 +155,10 @@ def elliptic_torque_ratio(half_angle: Values) -> Values:
 
     alpha / (2 J1(alpha)).
 
-    Parameters
-    ----------
-    half_angle : float or array
-        Half of the arc of contact alpha, 0 to pi/2. [rad]
-
     Returns
     -------
     float or array
         Torque ratio T*. [1]
-
-    Raises
-    ------
-    ModelError
-        An angle outside 0 to pi/2.
 
     Examples
     --------
@@ -223,20 +176,10 @@ def truncated_cosine_torque_ratio(half_angle: Values) -> Values:
 
     sin a / (a/2 + sin(2a)/4), 4/pi at 90 degrees; from Colbert et al. (2009), eq. 4.
 
-    Parameters
-    ----------
-    half_angle : float or array
-        Half of the arc of contact a, 0 to pi/2. [rad]
-
     Returns
     -------
     float or array
         Torque ratio T*. [1]
-
-    Raises
-    ------
-    ModelError
-        An angle outside 0 to pi/2.
 
     Examples
     --------
@@ -268,11 +211,6 @@ def thin_winkler_torque_ratio(half_angle: Values) -> Values:
     float or array
         Torque ratio mu*. [1]
 
-    Raises
-    ------
-    ModelError
-        An angle outside 0 to pi/2.
-
     Examples
     --------
     4/pi at 90 degrees, as for a cosine over half the shaft:
@@ -296,11 +234,6 @@ def thin_winkler_load(half_angle: Values) -> Values:
 
     (a - sin a cos a) / cos a, from Colbert et al. (2009), B1 to B10; see
     `thin_winkler_torque_ratio`.
-
-    Parameters
-    ----------
-    half_angle : float or array
-        Half of the arc of contact a, 0 to below pi/2. [rad]
 
     Returns
     -------

@@ -69,10 +69,8 @@ def vogel_viscosity(temperature: Values, *, a: Values, b: Values, c: Values) -> 
 
     Parameters
     ----------
-    temperature : float or array
-        Temperature T, above c. [K]
-    a : float or array
-        Viscosity that the oil approaches when hot, positive. [Pa s]
+    temperature, a : float or array
+        Temperature T, above c [K], viscosity that the oil approaches when hot [Pa s].
     b, c : float or array
         Constants of the oil, see `fit_vogel`. [K]
 
@@ -196,10 +194,9 @@ def walther_viscosity(
 
     Parameters
     ----------
-    temperature : float or array
-        Temperature T of the result. [K]
-    viscosity_1, viscosity_2 : float or array
-        Kinematic viscosities measured at `temperature_1` and `temperature_2`. [m2/s]
+    temperature, viscosity_1, viscosity_2 : float or array
+        Temperature T of the result [K], kinematic viscosities measured at `temperature_1` and
+        `temperature_2` [m2/s].
     temperature_1, temperature_2 : float or array
         Two different temperatures, often 313.15 and 373.15. [K]
 
@@ -253,20 +250,11 @@ def barus_viscosity(pressure: Values, *, viscosity: Values, pressure_viscosity: 
     ----------
     pressure : float or array
         Pressure above ambient. [Pa]
-    viscosity : float or array
-        Dynamic viscosity eta0 at ambient pressure, positive. [Pa s]
-    pressure_viscosity : float or array
-        Coefficient alpha, not negative. [1/Pa]
 
     Returns
     -------
     float or array
         Dynamic viscosity. [Pa s]
-
-    Raises
-    ------
-    ModelError
-        A viscosity that is not positive, a negative coefficient, or an infinite value.
 
     Notes
     -----
@@ -298,8 +286,6 @@ def roelands_viscosity(
         Pressure above ambient, above -p_r. [Pa]
     viscosity : float or array
         Dynamic viscosity eta0 at ambient pressure, above 6.31e-5. [Pa s]
-    pressure_viscosity : float or array
-        Coefficient alpha at ambient pressure, not negative. [1/Pa]
 
     Returns
     -------
@@ -352,10 +338,8 @@ def density_at_pressure(pressure: Values, *, density: Values) -> Values:
 
     Parameters
     ----------
-    pressure : float or array
-        Pressure above ambient, not negative. [Pa]
-    density : float or array
-        Density rho0 at ambient pressure, positive. [kg/m3]
+    pressure, density : float or array
+        Pressure above ambient [Pa], density rho0 at ambient pressure [kg/m3].
 
     Returns
     -------
@@ -385,22 +369,14 @@ def density_at_temperature(
 
     Parameters
     ----------
-    temperature, reference_temperature : float or array
-        Temperature T and the temperature T0 of the known density, positive. [K]
-    density : float or array
-        Density rho0 at T0, positive. [kg/m3]
-    expansion : float or array
-        Coefficient of cubic expansion beta, about 7e-4 for mineral oils. [1/K]
+    temperature, reference_temperature, density, expansion : float or array
+        Temperature T and the temperature T0 of the known density [K], density rho0 at T0 [kg/m3],
+        coefficient of cubic expansion beta, about 7e-4 for mineral oils [1/K].
 
     Returns
     -------
     float or array
         Density. [kg/m3]
-
-    Raises
-    ------
-    ModelError
-        A temperature or density that is not positive, or an infinite value.
 
     Examples
     --------
@@ -420,20 +396,13 @@ def kinematic_viscosity(viscosity: Values, *, density: Values) -> Values:
 
     Parameters
     ----------
-    viscosity : float or array
-        Dynamic viscosity eta, positive. [Pa s]
     density : float or array
-        Density rho, positive. [kg/m3]
+        Density rho. [kg/m3]
 
     Returns
     -------
     float or array
         Kinematic viscosity. [m2/s]
-
-    Raises
-    ------
-    ModelError
-        A value that is not positive, or an infinite value.
 
     Examples
     --------

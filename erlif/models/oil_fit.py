@@ -449,6 +449,7 @@ def _walther_slope(w: Values) -> Values:
 @formula()
 def _viscosity(temperature: Values, *, fit: Any) -> FittedViscosity:
     """A fitted law at a temperature, and its standard deviation to first order in the logarithm."""
+    """A fitted law at a temperature, and its standard deviation to first order in the logarithm."""
     if fit.law == "vogel":
         a, b, c = fit.constants.values()
         above = temperature - c

@@ -109,10 +109,8 @@ def joint_reaction(
     ----------
     linkage : SliderCrank
         Lengths and clearance; x is measured from the crank pivot. [m]
-    crank_angle : float or array
-        Angle of the crank from the line of the slider. [rad]
-    crank_speed : float or array
-        Speed of the crank. [rad/s]
+    crank_angle, crank_speed : float or array
+        Angle of the crank from the line of the slider [rad], speed of the crank [rad/s].
     bodies : SliderCrankBodies
         Masses, spring and friction.
 
@@ -120,11 +118,6 @@ def joint_reaction(
     -------
     JointReaction
         Force on the rod [N] and driving torque [N m].
-
-    Raises
-    ------
-    ModelError
-        An infinite angle or speed.
 
     Warns
     -----
@@ -256,8 +249,6 @@ def coupler_force(linkage: CrankRocker, *, crank_angle: Values, rocker_torque: V
     ----------
     linkage : CrankRocker
         Lengths of the linkage. [m]
-    crank_angle : float or array
-        Angle of the crank. [rad]
     rocker_torque : float or array
         Torque T on the rocker. [N m]
 
@@ -265,11 +256,6 @@ def coupler_force(linkage: CrankRocker, *, crank_angle: Values, rocker_torque: V
     -------
     float or array
         Force in the coupler, of the sign of the torque. [N]
-
-    Raises
-    ------
-    ModelError
-        An infinite angle or torque.
 
     Examples
     --------
@@ -295,12 +281,8 @@ def rolling_bearing_life(
 
     Parameters
     ----------
-    load : float or array
-        Radial load P. [N]
-    rating : float or array
-        Dynamic load rating C. [N]
-    speed : float or array
-        Speed omega. [rad/s]
+    load, rating, speed : float or array
+        Radial load P [N], dynamic load rating C [N], speed omega [rad/s].
     exponent : float or array
         p: 3 for ball bearings, 10/3 for roller bearings. [1]
 
@@ -308,11 +290,6 @@ def rolling_bearing_life(
     -------
     float or array
         Life L10. [s]
-
-    Raises
-    ------
-    ModelError
-        A value not positive or not finite.
 
     Notes
     -----
@@ -338,20 +315,13 @@ def rod_stress(force: Values, *, diameter: Values) -> Values:
 
     Parameters
     ----------
-    force : float or array
-        Axial force F. [N]
-    diameter : float or array
-        Diameter d. [m]
+    force, diameter : float or array
+        Axial force F [N], diameter d [m].
 
     Returns
     -------
     float or array
         Stress, of the sign of the force. [Pa]
-
-    Raises
-    ------
-    ModelError
-        A diameter not positive, or an infinite value.
 
     Notes
     -----

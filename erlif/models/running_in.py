@@ -319,12 +319,9 @@ def thin_wall_torque_ratio(
 
     Parameters
     ----------
-    load_per_length : float or array
-        Load over width, q. [N/m]
-    clearance : float or array
-        Radial clearance c, negative for an interference. [m]
-    shaft_radius, thickness : float or array
-        Radius R of the shaft and thickness t of the wall. [m]
+    load_per_length, clearance, shaft_radius, thickness : float or array
+        Load over width, q [N/m], radial clearance c, negative for an interference [m], radius R of
+        the shaft and thickness t of the wall [m].
     modulus : float or array
         E' of the wall, see `erlif.models.contact.winkler_modulus`. [Pa]
 

@@ -18,8 +18,6 @@ def impact_stiffness(
     ----------
     pin_radius, bushing_radius : float or array
         Radii of the pin and of the bore. [m]
-    contact_modulus : float or array
-        E*, see `contact_modulus`. [Pa]
     as_printed : bool
         Use the reduced radius that the source prints.
 
@@ -73,12 +71,9 @@ def impact_force(
 
     Parameters
     ----------
-    penetration : float or array
-        delta, negative while apart. [m]
-    rate : float or array
-        Rate of the penetration. [m/s]
-    impact_speed : float or array
-        Rate of the penetration at first touch. [m/s]
+    penetration, rate, impact_speed : float or array
+        delta, negative while apart [m], rate of the penetration [m/s], rate of the penetration at
+        first touch [m/s].
     stiffness : float or array
         K, see `impact_stiffness`. [N/m^1.5]
     restitution : float or array
@@ -88,11 +83,6 @@ def impact_force(
     -------
     float or array
         Normal force F. [N]
-
-    Raises
-    ------
-    ModelError
-        A speed or stiffness not positive, a restitution outside 0 to 1, or an infinite value.
 
     Examples
     --------

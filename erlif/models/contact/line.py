@@ -28,24 +28,10 @@ def hertz_line(load_per_length: Values, *, radius: Values, contact_modulus: Valu
 
     b = sqrt(4 q R / (pi E*)),  p0 = sqrt(q E* / (pi R)).
 
-    Parameters
-    ----------
-    load_per_length : float or array
-        Line load q. [N/m]
-    radius : float or array
-        Reduced radius R, see `conformal_radius`. [m]
-    contact_modulus : float or array
-        E*, see `contact_modulus`. [Pa]
-
     Returns
     -------
     LineContact
         Half width [m] and maximum pressure [Pa].
-
-    Raises
-    ------
-    ModelError
-        A value not positive or not finite.
 
     Notes
     -----

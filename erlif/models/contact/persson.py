@@ -21,20 +21,10 @@ def persson_group(half_angle: Values) -> Values:
 
     [2 - ln(1 + b^2) - 2 b^4] / [pi b^2 (1 + b^2)] with b = tan(half_angle / 2).
 
-    Parameters
-    ----------
-    half_angle : float or array
-        Half contact angle, above 0 and below pi. [rad]
-
     Returns
     -------
     float or array
         E Delta / 2q. [1]
-
-    Raises
-    ------
-    ModelError
-        An angle outside 0 to pi.
 
     Notes
     -----
@@ -60,20 +50,10 @@ def persson_peak_group(half_angle: Values) -> Values:
 
     2b / (pi sqrt(1 + b^2)) + asinh(b) / [pi b^2 (1 + b^2)] with b = tan(half_angle / 2).
 
-    Parameters
-    ----------
-    half_angle : float or array
-        Half contact angle, above 0 and below pi. [rad]
-
     Returns
     -------
     float or array
         d p_max / 2q. [1]
-
-    Raises
-    ------
-    ModelError
-        An angle outside 0 to pi.
 
     Notes
     -----
@@ -150,12 +130,6 @@ def persson_pressure(
     ----------
     angle : float or array
         Angle from the line of load. [rad]
-    half_angle : float or array
-        Half contact angle. [rad]
-    load_per_length : float or array
-        Line load q. [N/m]
-    pin_diameter : float or array
-        d. [m]
 
     Returns
     -------
@@ -208,12 +182,8 @@ def persson_contact(
 
     Parameters
     ----------
-    load_per_length : float or array
-        Line load q. [N/m]
     play : float or array
         Bore less pin diameter; negative for an interference. [m]
-    pin_diameter : float or array
-        d. [m]
     youngs_modulus : float or array
         E of both bodies for plane stress; E/(1 - nu^2) for plane strain. [Pa]
 
@@ -269,14 +239,8 @@ def closed_contact_pressure(
 
     Parameters
     ----------
-    load_per_length : float or array
-        Line load q. [N/m]
-    interference : float or array
-        Pin diameter less bore I, from 4q / (pi E) on. [m]
-    pin_diameter : float or array
-        d. [m]
-    youngs_modulus : float or array
-        E of both bodies for plane stress. [Pa]
+    interference, youngs_modulus : float or array
+        Pin diameter less bore I, from 4q / (pi E) on [m], E of both bodies for plane stress [Pa].
 
     Returns
     -------
@@ -318,8 +282,6 @@ def persson_load(half_angle: Values, *, play: Values, youngs_modulus: Values) ->
 
     Parameters
     ----------
-    half_angle : float or array
-        Half contact angle. [rad]
     play : float or array
         Bore less pin diameter; negative for an interference. [m]
     youngs_modulus : float or array

@@ -150,8 +150,6 @@ def hertz_ellipse(
         Load P. [N]
     radius, radius_across : float or array
         The larger and the smaller reduced radius R' and R'', see `relative_radii`. [m]
-    contact_modulus : float or array
-        E*, see `contact_modulus`. [Pa]
 
     Returns
     -------
@@ -206,22 +204,13 @@ def thesis_ellipse(
 
     Parameters
     ----------
-    load : float or array
-        Load P. [N]
-    radius, radius_across : float or array
-        The larger and the smaller reduced radius R' and R''. [m]
-    contact_modulus : float or array
-        E*. [Pa]
+    load, radius, radius_across : float or array
+        Load P [N], the larger and the smaller reduced radius R' and R'' [m].
 
     Returns
     -------
     EllipticalContact
         Semi-axes, maximum pressure and approach. [m, Pa]
-
-    Raises
-    ------
-    ModelError
-        A value not positive or not finite.
 
     Notes
     -----

@@ -9,22 +9,10 @@ from erlif.models.arguments import Values, formula
 def projected_pressure(load_per_length: Values, *, pin_diameter: Values) -> Values:
     """Compute the load over the projected area of a pin: p = q / d. Strand (2005), eq. 6.
 
-    Parameters
-    ----------
-    load_per_length : float or array
-        Line load q. [N/m]
-    pin_diameter : float or array
-        d. [m]
-
     Returns
     -------
     float or array
         Projected pressure p. [Pa]
-
-    Raises
-    ------
-    ModelError
-        A diameter not positive or not finite, or an infinite line load.
 
     Examples
     --------
@@ -42,22 +30,10 @@ def sinusoidal_pressure(load_per_length: Values, *, pin_diameter: Values) -> Val
 
     p = 4q / (pi d).
 
-    Parameters
-    ----------
-    load_per_length : float or array
-        Line load q. [N/m]
-    pin_diameter : float or array
-        d. [m]
-
     Returns
     -------
     float or array
         Maximum pressure p, on the line of load. [Pa]
-
-    Raises
-    ------
-    ModelError
-        A diameter not positive or not finite, or an infinite line load.
 
     Notes
     -----

@@ -45,20 +45,13 @@ def contact_modulus(
 
     Parameters
     ----------
-    youngs_1, youngs_2 : float or array
-        Young's moduli. [Pa]
-    poisson_1, poisson_2 : float or array
-        Poisson's ratios. [1]
+    youngs_1, youngs_2, poisson_1, poisson_2 : float or array
+        Young's moduli [Pa], Poisson's ratios [1].
 
     Returns
     -------
     float or array
         Contact modulus E*. [Pa]
-
-    Raises
-    ------
-    ModelError
-        A modulus not positive or not finite, or a Poisson's ratio outside -1 to 0.5.
 
     Notes
     -----
@@ -90,22 +83,14 @@ def scale_load(
 
     Parameters
     ----------
-    load : float or array
-        Load F on the full joint. [N]
-    youngs_modulus, model_youngs_modulus : float or array
-        Young's moduli of the full joint and of the model. [Pa]
-    length_ratio : float or array
-        Lengths of the model over those of the full joint. [1]
+    load, youngs_modulus, model_youngs_modulus, length_ratio : float or array
+        Load F on the full joint [N], Young's moduli of the full joint and of the model [Pa],
+        lengths of the model over those of the full joint [1].
 
     Returns
     -------
     float or array
         Load on the model. [N]
-
-    Raises
-    ------
-    ModelError
-        A modulus or length ratio not positive or not finite, or an infinite load.
 
     Notes
     -----
@@ -133,20 +118,13 @@ def scale_stress(stress: Values, *, youngs_modulus: Values, model_youngs_modulus
 
     Parameters
     ----------
-    stress : float or array
-        Stress in the full joint. [Pa]
-    youngs_modulus, model_youngs_modulus : float or array
-        Young's moduli of the full joint and of the model. [Pa]
+    stress, youngs_modulus, model_youngs_modulus : float or array
+        Stress in the full joint [Pa], Young's moduli of the full joint and of the model [Pa].
 
     Returns
     -------
     float or array
         Stress in the model. [Pa]
-
-    Raises
-    ------
-    ModelError
-        A modulus not positive or not finite, or an infinite stress.
 
     Examples
     --------

@@ -92,12 +92,8 @@ def winkler_load(
 
     Parameters
     ----------
-    half_angle : float or array
-        Half of the arc of contact, up to pi/2. [rad]
-    shaft_radius, bushing_radius : float or array
-        Rs and Rb. [m]
-    thickness : float or array
-        Wall thickness t of the bushing. [m]
+    shaft_radius, bushing_radius, thickness : float or array
+        Rs and Rb [m], wall thickness t of the bushing [m].
     modulus : float or array
         E' of the wall, see `winkler_modulus`. [Pa]
 
@@ -148,12 +144,8 @@ def winkler_contact(
 
     Parameters
     ----------
-    load_per_length : float or array
-        Line load. [N/m]
-    shaft_radius, bushing_radius : float or array
-        Rs and Rb. [m]
-    thickness : float or array
-        Wall thickness t of the bushing. [m]
+    shaft_radius, bushing_radius, thickness : float or array
+        Rs and Rb [m], wall thickness t of the bushing [m].
     modulus : float or array
         E' of the wall, see `winkler_modulus`. [Pa]
 

@@ -22,8 +22,8 @@ def edge_exponent(angle: Values, *, modulus_ratio: Values = 1.0) -> Values:
     angle : float or array
         Angle within the material of the edge, from 0.001 to pi. [rad]
     modulus_ratio : float or array
-        E1* of the body with the edge over E2* of the flat, in plane strain; `inf` for a rigid
-        edge. [1]
+        E1* of the body with the edge over E2* of the flat, in plane strain; `inf` for a rigid edge.
+        [1]
 
     Returns
     -------
@@ -85,14 +85,9 @@ def lundberg_profile(
 
     Parameters
     ----------
-    axial : float or array
-        Distance z from the middle of the roller, at most half its length. [m]
-    load : float or array
-        Load F for which the profile is made. [N]
-    length : float or array
-        Length L of the roller. [m]
-    contact_modulus : float or array
-        E*, see `erlif.models.contact.contact_modulus`. [Pa]
+    axial, load, length : float or array
+        Distance z from the middle of the roller, at most half its length [m], load F for which the
+        profile is made [N], length L of the roller [m].
 
     Returns
     -------

@@ -59,8 +59,8 @@ def solve_contact(
         Approach of the bodies from the given gap, in place of a load; without pressure where it is
         less than the gap. [m]
     free_tilt : bool
-        Whether the bodies turn about x and z until the load is at its position; otherwise they
-        stay parallel.
+        Whether the bodies turn about x and z until the load is at its position; otherwise they stay
+        parallel.
     load_position : tuple of float
         With `free_tilt`: place of the load along x and z, from the middle of the grid. [m]
     mirror : float

@@ -292,8 +292,8 @@ def solve_joint(
     lobe_radius, lobe_height : float
         Radius along the axis, and height above the bore. [m]
     load_position : float
-        Distance of the load from the middle, for joints that were prepared as a whole; the pin
-        then tilts. [m]
+        Distance of the load from the middle, for joints that were prepared as a whole; the pin then
+        tilts. [m]
     patch : float
         Axial length of the means of `patch_pressure`. The default is the length of the elements of
         Farzaneh (2002). [m]

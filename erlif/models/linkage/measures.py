@@ -72,11 +72,6 @@ def grashof_class(*, crank: float, coupler: float, rocker: float, ground: float)
         rocker is shortest), "double-crank" (the ground is shortest), "double-rocker" (the coupler
         is shortest), "triple-rocker" or "change point".
 
-    Raises
-    ------
-    ModelError
-        A length that is not one positive number.
-
     Examples
     --------
     >>> grashof_class(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)

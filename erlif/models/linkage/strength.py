@@ -41,14 +41,9 @@ def beam_bending_stress(force: Values, *, arm: Values, thickness: Values, depth:
 
     Parameters
     ----------
-    force : float or array
-        Force F across the link. [N]
-    arm : float or array
-        Distance L of the force from the section. [m]
-    thickness : float or array
-        Side t of the section across the force. [m]
-    depth : float or array
-        Side h of the section along the force. [m]
+    force, arm, thickness, depth : float or array
+        Force F across the link [N], distance L of the force from the section [m], side t of the
+        section across the force [m], side h of the section along the force [m].
 
     Returns
     -------
@@ -91,11 +86,6 @@ def pin_hole_concentration(hole_ratio: Values) -> Values:
     float or array
         Stress concentration. [1]
 
-    Raises
-    ------
-    ModelError
-        A ratio that does not lie between 0 and 1.
-
     Warns
     -----
     RangeWarning
@@ -134,11 +124,6 @@ def open_hole_concentration(hole_ratio: Values) -> Values:
     float or array
         Stress concentration, 3 at a small hole and 2 at a large one. [1]
 
-    Raises
-    ------
-    ModelError
-        A ratio that does not lie between 0 and 1.
-
     Examples
     --------
     >>> print(f"{open_hole_concentration(0.5):.2f}")
@@ -157,16 +142,10 @@ def hole_stress(
 
     Parameters
     ----------
-    force : float or array
-        Force F along the link. [N]
-    width : float or array
-        Width w of the link across the hole. [m]
-    thickness : float or array
-        Thickness t of the link along the hole. [m]
-    hole : float or array
-        Diameter d of the hole, below the width. [m]
-    concentration : float or array
-        Stress concentration K of the section beside the hole. [1]
+    force, width, thickness, hole, concentration : float or array
+        Force F along the link [N], width w of the link across the hole [m], thickness t of the link
+        along the hole [m], diameter d of the hole, below the width [m], stress concentration K of
+        the section beside the hole [1].
 
     Returns
     -------
@@ -199,10 +178,8 @@ def thread_stress_area(diameter: Values, *, pitch: Values) -> Values:
 
     Parameters
     ----------
-    diameter : float or array
-        Nominal diameter d. [m]
-    pitch : float or array
-        Pitch p. [m]
+    diameter, pitch : float or array
+        Nominal diameter d [m], pitch p [m].
 
     Returns
     -------
@@ -242,10 +219,9 @@ def fatigue_safety(
 
     Parameters
     ----------
-    amplitude : float or array
-        Amplitude Sa of the stress. [Pa]
-    fatigue_strength : float or array
-        Amplitude Se that the part bears at no mean stress, notches and surface included. [Pa]
+    amplitude, fatigue_strength : float or array
+        Amplitude Sa of the stress [Pa], amplitude Se that the part bears at no mean stress, notches
+        and surface included [Pa].
     mean : float or array
         Mean stress Sm, not negative: a mean compression is left out. [Pa]
     tensile_strength : float or array
@@ -255,11 +231,6 @@ def fatigue_safety(
     -------
     float or array
         Factor of safety; below 1 the part fails, infinite without stress. [1]
-
-    Raises
-    ------
-    ModelError
-        A stress that is negative or infinite, or a strength not positive.
 
     Examples
     --------

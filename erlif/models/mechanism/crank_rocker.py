@@ -80,11 +80,6 @@ class CrankRocker:
     def rocker_angle(self, crank_angle: Values) -> Values:
         """Rocker angle at a crank angle, on the branch where the linkage is open.
 
-        Parameters
-        ----------
-        crank_angle : float or array
-            Crank angle t. [rad]
-
         Returns
         -------
         float or array
@@ -100,11 +95,6 @@ class CrankRocker:
     def coupler_angle(self, crank_angle: Values) -> Values:
         """Coupler angle at a crank angle.
 
-        Parameters
-        ----------
-        crank_angle : float or array
-            Crank angle t. [rad]
-
         Returns
         -------
         float or array
@@ -119,11 +109,6 @@ class CrankRocker:
     @formula()
     def transmission_angle(self, crank_angle: Values) -> Values:
         """Angle between coupler and rocker; at 90 degrees the coupler has its longest lever.
-
-        Parameters
-        ----------
-        crank_angle : float or array
-            Crank angle t. [rad]
 
         Returns
         -------
@@ -141,13 +126,6 @@ class CrankRocker:
         The rule of Farzaneh (2002), appendix A.2, crank speed times crank over rocker, is 0.6 to
         1.1 % low on that rig.
 
-        Parameters
-        ----------
-        crank_angle : float or array
-            Crank angle t. [rad]
-        crank_speed : float or array
-            Rate of the crank angle, of either sign. [rad/s]
-
         Returns
         -------
         float or array
@@ -162,13 +140,6 @@ class CrankRocker:
     @formula()
     def coupler_speed(self, crank_angle: Values, *, crank_speed: Values) -> Values:
         """Rate of the coupler angle, exact.
-
-        Parameters
-        ----------
-        crank_angle : float or array
-            Crank angle t. [rad]
-        crank_speed : float or array
-            Rate of the crank angle, of either sign. [rad/s]
 
         Returns
         -------
@@ -189,15 +160,6 @@ class CrankRocker:
         self, crank_angle: Values, *, crank_speed: Values, crank_acceleration: Values = 0.0
     ) -> Values:
         """Second time derivative of the rocker angle.
-
-        Parameters
-        ----------
-        crank_angle : float or array
-            Crank angle t. [rad]
-        crank_speed : float or array
-            Rate of the crank angle, of either sign. [rad/s]
-        crank_acceleration : float or array
-            Rate of the crank speed. [rad/s2]
 
         Returns
         -------

@@ -78,11 +78,6 @@ class SliderCrank:
     def coupler_angle(self, crank_angle: Values) -> Values:
         """Coupler angle at a crank angle.
 
-        Parameters
-        ----------
-        crank_angle : float or array
-            Crank angle t. [rad]
-
         Returns
         -------
         float or array
@@ -94,13 +89,6 @@ class SliderCrank:
     @formula()
     def coupler_speed(self, crank_angle: Values, *, crank_speed: Values) -> Values:
         """Rate of the coupler angle.
-
-        Parameters
-        ----------
-        crank_angle : float or array
-            Crank angle t. [rad]
-        crank_speed : float or array
-            Rate of the crank angle, of either sign. [rad/s]
 
         Returns
         -------
@@ -117,15 +105,6 @@ class SliderCrank:
     ) -> Values:
         """Second time derivative of the coupler angle.
 
-        Parameters
-        ----------
-        crank_angle : float or array
-            Crank angle t. [rad]
-        crank_speed : float or array
-            Rate of the crank angle, of either sign. [rad/s]
-        crank_acceleration : float or array
-            Rate of the crank speed. [rad/s2]
-
         Returns
         -------
         float or array
@@ -140,11 +119,6 @@ class SliderCrank:
     def slider_position(self, crank_angle: Values) -> Values:
         """Distance from crank pivot to slider pin at a crank angle.
 
-        Parameters
-        ----------
-        crank_angle : float or array
-            Crank angle t. [rad]
-
         Returns
         -------
         float or array
@@ -156,13 +130,6 @@ class SliderCrank:
     @formula()
     def slider_speed(self, crank_angle: Values, *, crank_speed: Values) -> Values:
         """Speed of the slider, positive away from the crank pivot.
-
-        Parameters
-        ----------
-        crank_angle : float or array
-            Crank angle t. [rad]
-        crank_speed : float or array
-            Rate of the crank angle, of either sign. [rad/s]
 
         Returns
         -------
@@ -178,15 +145,6 @@ class SliderCrank:
         self, crank_angle: Values, *, crank_speed: Values, crank_acceleration: Values = 0.0
     ) -> Values:
         """Acceleration of the slider, positive away from the crank pivot.
-
-        Parameters
-        ----------
-        crank_angle : float or array
-            Crank angle t. [rad]
-        crank_speed : float or array
-            Rate of the crank angle, of either sign. [rad/s]
-        crank_acceleration : float or array
-            Rate of the crank speed. [rad/s2]
 
         Returns
         -------
@@ -205,11 +163,6 @@ class SliderCrank:
     def joint_angle(self, crank_angle: Values) -> Values:
         """Angle by which the crank pin has turned in the bushing of the connecting rod: t - phi.
 
-        Parameters
-        ----------
-        crank_angle : float or array
-            Crank angle t. [rad]
-
         Returns
         -------
         float or array
@@ -220,13 +173,6 @@ class SliderCrank:
     @formula()
     def joint_speed(self, crank_angle: Values, *, crank_speed: Values) -> Values:
         """Rate at which the crank pin turns in the bushing of the connecting rod.
-
-        Parameters
-        ----------
-        crank_angle : float or array
-            Crank angle t. [rad]
-        crank_speed : float or array
-            Rate of the crank angle, of either sign. [rad/s]
 
         Returns
         -------

@@ -20,20 +20,14 @@ def roller_shape(x: Values, *, radius: Values) -> Values:
 
     Parameters
     ----------
-    x : float or array
-        Distance from the line of contact. [m]
-    radius : float or array
-        Radius R of the cylinder, or the reduced radius of two. [m]
+    x, radius : float or array
+        Distance from the line of contact [m], radius R of the cylinder, or the reduced radius of
+        two [m].
 
     Returns
     -------
     float or array
         Height. [m]
-
-    Raises
-    ------
-    ModelError
-        A radius that is not positive, an infinite distance.
 
     Examples
     --------
@@ -51,10 +45,9 @@ def pin_shape(x: Values, z: Values, *, radius: Values, cross_radius: Values) -> 
 
     Parameters
     ----------
-    x, z : float or array
-        Distances from the point of contact along sliding and across. [m]
-    radius, cross_radius : float or array
-        Radii of the pin along sliding and across. [m]
+    x, z, radius, cross_radius : float or array
+        Distances from the point of contact along sliding and across [m], radii of the pin along
+        sliding and across [m].
 
     Returns
     -------
@@ -96,11 +89,6 @@ def lobe_shape(axial: Values, *, centres: Sequence[float], radius: float, height
     -------
     float or array
         Height added to the gap, at most zero. [m]
-
-    Raises
-    ------
-    ModelError
-        A radius that is not positive, a negative height.
 
     Examples
     --------

@@ -44,26 +44,13 @@ def steady_bushing_wear(
 
     Parameters
     ----------
-    load : float or array
-        Load F. [N]
-    shaft_radius : float or array
-        Radius R of the shaft. [m]
-    width : float or array
-        Width w of the bushing. [m]
-    sliding_distance : float or array
-        Sliding distance s. [m]
-    specific_wear : float or array
-        Specific wear rate k. [1/Pa]
+    shaft_radius, width, specific_wear : float or array
+        Radius R of the shaft [m], width w of the bushing [m], specific wear rate k [1/Pa].
 
     Returns
     -------
     WornBushing
         Depth [m] and pressure [Pa] on the line of load, and worn volume [m3].
-
-    Raises
-    ------
-    ModelError
-        A dimension not positive, another value negative, or an infinite one.
 
     Notes
     -----

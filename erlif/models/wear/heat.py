@@ -13,22 +13,14 @@ def mean_sliding_speed(half_swing: Values, *, diameter: Values, period: Values) 
 
     Parameters
     ----------
-    half_swing : float or array
-        Half of the angle from end to end, beta. [rad]
-    diameter : float or array
-        Diameter d of the pin. [m]
-    period : float or array
-        Time t of a swing forth and back. [s]
+    half_swing, diameter, period : float or array
+        Half of the angle from end to end, beta [rad], diameter d of the pin [m], time t of a swing
+        forth and back [s].
 
     Returns
     -------
     float or array
         Mean sliding speed v. [m/s]
-
-    Raises
-    ------
-    ModelError
-        A diameter or period not positive, a swing negative, or an infinite value.
 
     Notes
     -----
@@ -54,8 +46,6 @@ def pressure_velocity(load: Values, *, diameter: Values, width: Values, speed: V
 
     Parameters
     ----------
-    load : float or array
-        Load F. [N]
     diameter, width : float or array
         Diameter d and width w of the joint. [m]
     speed : float or array
@@ -65,11 +55,6 @@ def pressure_velocity(load: Values, *, diameter: Values, width: Values, speed: V
     -------
     float or array
         pv. [W/m2]
-
-    Raises
-    ------
-    ModelError
-        A dimension not positive, or an infinite value.
 
     Examples
     --------
@@ -88,22 +73,13 @@ def friction_heat(load: Values, *, friction: Values, speed: Values) -> Values:
 
     Parameters
     ----------
-    load : float or array
-        Load F. [N]
-    friction : float or array
-        Friction coefficient mu. [1]
-    speed : float or array
-        Sliding speed v, in either direction. [m/s]
+    friction, speed : float or array
+        Friction coefficient mu [1], sliding speed v, in either direction [m/s].
 
     Returns
     -------
     float or array
         Heat Q. [W]
-
-    Raises
-    ------
-    ModelError
-        A load or friction that is negative, or an infinite value.
 
     Examples
     --------
@@ -128,11 +104,6 @@ def bushing_heat_share(pin_conductivity: Values, *, bushing_conductivity: Values
     -------
     float or array
         Share of the heat. [1]
-
-    Raises
-    ------
-    ModelError
-        A conductivity not positive or not finite.
 
     Examples
     --------
@@ -162,30 +133,15 @@ def surface_temperature(
 
     Parameters
     ----------
-    measured_temperature : float or array
-        Temperature T_m on the outside of the bushing. [K]
-    heat : float or array
-        Heat Q into the bushing. [W]
-    pin_diameter : float or array
-        Diameter d of the pin. [m]
-    wall : float or array
-        Wall thickness t of the bushing. [m]
-    width : float or array
-        Width w of the bushing. [m]
-    conductivity : float or array
-        Thermal conductivity lambda of the bushing. [W/(m K)]
-    arc : float or array
-        Angle through which the heat flows, 2 pi for the whole ring. [rad]
+    measured_temperature, heat, wall, width, conductivity, arc : float or array
+        Temperature T_m on the outside of the bushing [K], heat Q into the bushing [W], wall
+        thickness t of the bushing [m], width w of the bushing [m], thermal conductivity lambda of
+        the bushing [W/(m K)], angle through which the heat flows, 2 pi for the whole ring [rad].
 
     Returns
     -------
     float or array
         Temperature T_s of the sliding surface. [K]
-
-    Raises
-    ------
-    ModelError
-        A temperature, dimension, conductivity or arc not positive, or an infinite value.
 
     Notes
     -----
@@ -214,22 +170,14 @@ def thermal_growth(diameter: Values, *, expansion: Values, temperature_change: V
 
     Parameters
     ----------
-    diameter : float or array
-        Diameter d. [m]
-    expansion : float or array
-        Coefficient of linear thermal expansion alpha. [1/K]
-    temperature_change : float or array
-        Rise of the temperature dT. [K]
+    diameter, expansion, temperature_change : float or array
+        Diameter d [m], coefficient of linear thermal expansion alpha [1/K], rise of the temperature
+        dT [K].
 
     Returns
     -------
     float or array
         Change of the diameter, positive for growth. [m]
-
-    Raises
-    ------
-    ModelError
-        A diameter not positive, or an infinite value.
 
     Examples
     --------

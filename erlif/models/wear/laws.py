@@ -16,12 +16,6 @@ def adhesive_wear(
 
     Parameters
     ----------
-    load : float or array
-        Load F. [N]
-    sliding_distance : float or array
-        Sliding distance s. [m]
-    hardness : float or array
-        Hardness H of the softer body. [Pa]
     coefficient : float or array
         Wear coefficient K, from a test of the same pair and lubricant. [1]
 
@@ -29,11 +23,6 @@ def adhesive_wear(
     -------
     float or array
         Worn volume V. [m3]
-
-    Raises
-    ------
-    ModelError
-        A hardness not positive, another value negative, or an infinite one.
 
     Examples
     --------
@@ -56,12 +45,6 @@ def abrasive_wear(
 
     Parameters
     ----------
-    load : float or array
-        Load F. [N]
-    sliding_distance : float or array
-        Sliding distance s. [m]
-    hardness : float or array
-        Hardness H of the softer body. [Pa]
     asperity_slope : float or array
         Angle Theta of the hard asperities to the surface, 0 to below pi/2. [rad]
 
@@ -69,12 +52,6 @@ def abrasive_wear(
     -------
     float or array
         Worn volume V. [m3]
-
-    Raises
-    ------
-    ModelError
-        A hardness not positive, a load or distance negative, an angle outside 0 to pi/2, or an
-        infinite value.
 
     Examples
     --------
@@ -119,30 +96,14 @@ def fatigue_wear(
 
     Parameters
     ----------
-    load : float or array
-        Load F. [N]
-    sliding_distance : float or array
-        Sliding distance s. [m]
-    hardness : float or array
-        Hardness H of the softer body. [Pa]
-    asperity_distribution : float or array
-        Constant eta of the distribution of asperity heights. [1]
-    particle_size : float or array
-        Constant gamma of the particle size. [1]
-    failure_strain : float or array
-        Strain eps to failure in one cycle. [1]
-    coefficient : float or array
-        Wear coefficient C. [1]
+    asperity_distribution, particle_size, failure_strain, coefficient : float or array
+        Constant eta of the distribution of asperity heights [1], constant gamma of the particle
+        size [1], strain eps to failure in one cycle [1], wear coefficient C [1].
 
     Returns
     -------
     float or array
         Worn volume V. [m3]
-
-    Raises
-    ------
-    ModelError
-        A hardness or strain not positive, another value negative, or an infinite one.
 
     Examples
     --------
@@ -170,22 +131,14 @@ def wear_depth(pressure: Values, *, sliding_distance: Values, specific_wear: Val
 
     Parameters
     ----------
-    pressure : float or array
-        Pressure p. [Pa]
-    sliding_distance : float or array
-        Sliding distance s, speed times time. [m]
-    specific_wear : float or array
-        Specific wear rate k, the K/H of `adhesive_wear`. [1/Pa]
+    pressure, sliding_distance, specific_wear : float or array
+        Pressure p [Pa], sliding distance s, speed times time [m], specific wear rate k, the K/H of
+        `adhesive_wear` [1/Pa].
 
     Returns
     -------
     float or array
         Worn depth h. [m]
-
-    Raises
-    ------
-    ModelError
-        A value that is negative or infinite.
 
     Examples
     --------
