@@ -216,9 +216,9 @@ _REFUSE: dict[str, Callable[..., None]] = {
 
 
 def _read_quantity(
-    *, refuse: str = "", within: tuple[float, ...] = (), ends: bool = True, **scale: Any
+    *, refuse: str = "", within: tuple[float, float] | None = None, ends: bool = True, **scale: Any
 ) -> tuple[Callable[..., None], _Scale | None]:
-    require = _Within(*within, ends) if within else _REFUSE[refuse]
+    require = _Within(within[0], within[1], ends) if within else _REFUSE[refuse]
     return require, _Scale(**scale) if scale else None
 
 
