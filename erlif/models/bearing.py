@@ -1,6 +1,6 @@
 """Design of a grease-lubricated pin joint after Strand (2005), chapter 2, in corrected form.
 
-One function for each equation (the source has no equation 3); `erlif.joint.sizing` walks a joint
+One function for each equation (the source has no equation 3); `erlif.joint.sizing` takes a joint
 through all of them. Equations 6 to 9 are in `erlif.models.contact`, 26 to 32 in
 `erlif.models.wear`. The argument `safety` is the safety factor that the source calls eta.
 """
