@@ -30,19 +30,8 @@ _WARNING = (
 def open_avi(path: Path) -> FrameFile:
     """Open an AVI film.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    FrameFile
-        With a warning.
-
-    Raises
-    ------
-    FrameError
-        With the bare reason, if it is damaged, compressed or in colours.
+    The file has a warning. As `Format.open`: FrameError if it is damaged, compressed or in
+    colours.
     """
     with Source(path) as source:
         film = _Film(source)

@@ -54,18 +54,7 @@ class FitsFrames(RawFrames):
 def open_fits(path: Path) -> FrameFile:
     """Open the first image of a FITS file.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    FrameFile
-
-    Raises
-    ------
-    FrameError
-        With the bare reason, if it is damaged, compressed, or its values are scaled.
+    As `Format.open`: FrameError if it is damaged, compressed, or its values are scaled.
     """
     with Source(path) as source:
         place = 0

@@ -53,19 +53,8 @@ class _Description(BaseModel):
 def open_raw(path: Path) -> FrameFile:
     """Open raw frames by the description beside them.
 
-    Parameters
-    ----------
-    path : Path
-        The `.raw` file.
-
-    Returns
-    -------
-    FrameFile
-
-    Raises
-    ------
-    FrameError
-        With the bare reason, if the description is missing or does not fit the file.
+    `path` is the `.raw` file. As `Format.open`: FrameError if the description is missing
+    or does not fit the file.
     """
     beside = find_beside(path, (".toml", ".json"))
     if beside is None:

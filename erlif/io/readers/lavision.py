@@ -185,19 +185,8 @@ class SetFrames(FrameFile):
 def open_im7(path: Path) -> FrameFile:
     """Open an IM7 image.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    FrameFile
-        Its channels are the cameras where the file holds several frames.
-
-    Raises
-    ------
-    FrameError
-        With the bare reason, if the file is damaged or holds no counts.
+    Its channels are the cameras where the file holds several frames. As `Format.open`:
+    FrameError if the file is damaged or holds no counts.
     """
     with Source(path) as source:
         header = read_header(source, "lavision")
@@ -254,19 +243,8 @@ def _read_stamps(path: Path, frames: int) -> Array | None:
 def open_set(path: Path) -> FrameFile:
     """Open the images of a SET folder.
 
-    Parameters
-    ----------
-    path : Path
-        The `.set` file, which stands beside the folder.
-
-    Returns
-    -------
-    FrameFile
-
-    Raises
-    ------
-    FrameError
-        With the bare reason, if the folder is missing or holds no images.
+    `path` is the `.set` file, which stands beside the folder. As `Format.open`: FrameError if the
+    folder is missing or holds no images.
     """
     folder = path.with_name(path.name.removesuffix(path.suffix))
     if not folder.is_dir():

@@ -80,18 +80,8 @@ class NorpixFrames(RawFrames):
 def open_norpix(path: Path) -> FrameFile:
     """Open a SEQ file.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    FrameFile
-
-    Raises
-    ------
-    FrameError
-        With the bare reason, if the file is damaged, compressed or of a colour camera.
+    As `Format.open`: FrameError if the file is damaged, compressed or of a colour
+    camera.
     """
     with Source(path) as source:
         if source.read(0, 4) != _MAGIC:

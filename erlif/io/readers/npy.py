@@ -19,20 +19,7 @@ _LONGEST = 4096
 def open_npy(path: Path) -> FrameFile:
     """Open an array of shape (frame, y, x) or (y, x).
 
-    Only arrays of numbers are read; nothing is unpickled.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    FrameFile
-
-    Raises
-    ------
-    FrameError
-        With the bare reason, if it is damaged or holds another array.
+    As `Format.open`; only arrays of numbers are read, nothing is unpickled.
     """
     with path.open("rb") as file:
         try:

@@ -18,19 +18,8 @@ _COLOUR = b"\1\0\0\0"
 def open_pco(path: Path) -> FrameFile:
     """Open a B16 file.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    FrameFile
-        Its depth is not known: cameras of 12, 14 and 16 bits write the same header.
-
-    Raises
-    ------
-    FrameError
-        With the bare reason, if the file is damaged or of a colour camera.
+    Its depth is not known: cameras of 12, 14 and 16 bits write the same header. As
+    `Format.open`: FrameError if the file is damaged or of a colour camera.
     """
     with Source(path) as source:
         header = read_header(source, "pco")

@@ -121,18 +121,8 @@ class _Setup:
 def open_phantom(path: Path) -> FrameFile:
     """Open a CINE file.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    FrameFile
-
-    Raises
-    ------
-    FrameError
-        With the bare reason, if the file is damaged, compressed or of a colour camera.
+    As `Format.open`: FrameError if the file is damaged, compressed or of a colour
+    camera.
     """
     with Source(path) as source:
         header = read_header(source, "phantom")

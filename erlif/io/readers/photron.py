@@ -129,19 +129,8 @@ def read_photron_header(text: str) -> PhotronHeader:
 def open_photron(path: Path) -> FrameFile:
     """Open a recording by its counts or by its header.
 
-    Parameters
-    ----------
-    path : Path
-        The `.mraw`, `.cihx` or `.cih` file.
-
-    Returns
-    -------
-    FrameFile
-
-    Raises
-    ------
-    FrameError
-        With the bare reason, if the other file is missing or the two do not fit.
+    `path` is the `.mraw`, `.cihx` or `.cih` file. As `Format.open`: FrameError if the
+    other file is missing or the two do not fit.
     """
     if path.suffix.lower() in _HEADERS:
         header_path, counts_path = path, find_beside(path, (".mraw",))

@@ -79,18 +79,7 @@ class PngPicture(FrameFile):
 def open_bmp(path: Path) -> FrameFile:
     """Open a BMP picture of 8 grey bits.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    FrameFile
-
-    Raises
-    ------
-    FrameError
-        With the bare reason, if it is damaged, compressed, or has colours.
+    As `Format.open`: FrameError if it is damaged, compressed, or has colours.
     """
     with Source(path) as source:
         (start,) = struct.unpack("<I", source.read(10, 4))
@@ -159,18 +148,7 @@ def check_grey_palette(palette: AnyArray) -> None:
 def open_pgm(path: Path) -> FrameFile:
     """Open a PGM picture, or several that follow each other with the same header.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    FrameFile
-
-    Raises
-    ------
-    FrameError
-        With the bare reason, if it is damaged or written as text.
+    As `Format.open`: FrameError if it is damaged or written as text.
     """
     with Source(path) as source:
         head = source.read(0, min(1024, source.size))

@@ -61,20 +61,8 @@ class LightfieldFrames(RawFrames):
 def open_princeton(path: Path) -> FrameFile:
     """Open an SPE file.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    FrameFile
-        Without times for WinView, which stores none, and for LightField where they were not
-        asked for.
-
-    Raises
-    ------
-    FrameError
-        With the bare reason, if the file is damaged or holds several regions.
+    Without times for WinView, which stores none, and for LightField where they were not asked
+    for. As `Format.open`: FrameError if the file is damaged or holds several regions.
     """
     with Source(path) as source:
         header = read_header(source, "princeton")

@@ -144,18 +144,7 @@ class TiffFrames(FrameFile):
 def open_tiff(path: Path) -> FrameFile:
     """Open a TIFF file.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    FrameFile
-
-    Raises
-    ------
-    FrameError
-        With the bare reason, if the file is damaged, or its images are no counts.
+    As `Format.open`: FrameError if the file is damaged, or its images are no counts.
     """
     file = TiffFrames(path)
     if file.images > 1 == len(file.kinds) and file.stack is not None:
