@@ -44,103 +44,64 @@ def test_a_key_left_out_has_the_documented_default(lab):
     assert settings.optics.x_axis == "sliding"
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "expected"),
-    [
-        ('crank = "5.5 cm"', "crank = 5.5", ["[mechanism] crank", "with a unit in quotes"]),
-        ('crank = "5.5 cm"', 'crank = "5,5 cm"', ["[mechanism] crank", "decimal point"]),
-        (
-            'crank = "5.5 cm"',
-            'crank = "-5.5 cm"',
-            ["[mechanism] crank", "greater than 0", "'-5.5 cm'"],
-        ),
-        (
-            'crank = "5.5 cm"',
-            'crnk = "5.5 cm"',
-            ["[mechanism] crank: missing", "crnk: unknown key; did you mean 'crank'?"],
-        ),
-        ('"114 rpm"', '"1 Hz"', ["[mechanism] crank_speed", "rpm, rad/s, deg/s, rev/s"]),
-        ('"222.411 N"', '"50 lb"', ["[joint] load", "lbf"]),
-        ("bit_depth = 12", "bit_depth = 12.5", ["[camera1] bit_depth", "integer", "12.5"]),
-        ("bit_depth = 12", "bit_depth = 24", ["[camera1] bit_depth", "16", "24"]),
-        (
-            "bit_depth = 12",
-            "bit_dept = 12",
-            ["[camera1] bit_dept: unknown key; did you mean 'bit_depth'?"],
-        ),
-        ("[oil]", "[oli]", ["oli: unknown key; did you mean 'oil'?"]),
-        (
-            "[optics]",
-            "[qqq]",
-            ["[optics]: missing table", "qqq: unknown key; known here: calibration, run, camera1"],
-        ),
-        ("roi = {", "roi = { z = 3,", ["[thickness.roi] z: unknown key; known here: x, y"]),
-        (
-            'kind = "crank-rocker"',
-            'kind = "four-bar"',
-            ["[mechanism] kind", "crank-rocker", "slider-crank", "four-bar"],
-        ),
-        ('kind = "crank-rocker"', "", ["[mechanism] kind", "crank-rocker", "slider-crank"]),
-        ('kind = "crank-rocker"', 'kind = "slider-crank"', ["[mechanism] rocker: unknown key"]),
-        (
-            'x_axis = "sliding"',
-            'x_axis = "radial"',
-            ["[optics] x_axis", "sliding", "axial", "radial"],
-        ),
-        (
-            'mounted_on = "rocker"',
-            'mounted_on = "frame"',
-            ["[encoder] mounted_on", "rocker", "crank", "coupler"],
-        ),
-        (
-            "poissons_ratio = 0.37",
-            "poissons_ratio = 0.6",
-            ["[joint.pin] poissons_ratio", "0.5", "0.6"],
-        ),
-        ("poissons_ratio = 0.37", "poissons_ratio = nan", ["[joint.pin] poissons_ratio", "finite"]),
-        ('"33.36 mm"', '"34 mm"', ["joint", "smaller than bushing_radius", "34 mm in 33.59 mm"]),
-        ('dark = "camera1_dark.tif"', "", ["camera1", "offset"]),
-        ('dark = "camera1_dark.tif"', 'dark = "a.tif"\noffset = "64 DN"', ["camera1", "not both"]),
-        (
-            'dark = "camera1_dark.tif"',
-            'dark = "camera1/*.tif"',
-            ["camera1", "dark and files name the same frames", "dark_dataset"],
-        ),
-        ("bit_depth = 12", 'part = "middle"', ["[camera1] part", "channel 2", "middle"]),
-        ('viscosity = "0.12 Pa s"', "", ["oil", "vogel"]),
-        ('files = "camera1/*.tif"', 'files = ""', ["[camera1] files", "file name"]),
-        (
-            'files = "camera1/*.tif"',
-            r'files = "a\u0000b"',
-            ["[camera1] files", "control characters"],
-        ),
-        (
-            "roi = { x = [4, 15]",
-            "roi = { x = [15, 4]",
-            ["[thickness] roi", "low < high", "[15, 4]"],
-        ),
-        (
-            "[run]",
-            '[prediction]\nsideways = "held"\n[run]',
-            ['expected "free", "guided" or a stiff'],
-        ),
-        ("[run]", '[prediction]\nsideways = "-5 N/m"\n[run]', ["[prediction] sideways", "above 0"]),
-        ("[run]", '[prediction]\nstart_film = "5"\n[run]', ["[prediction] start_film", '"5 mm"']),
-        (
-            "[run]",
-            '[prediction]\ncavitation_pressure = "20 kPa"\n[run]',
-            ["[prediction] cavitation_pressure", "less than or equal to 0"],
-        ),
-        ('name = "80W-90"', "name = 90", ["[oil] name", "string", "90"]),
-        ("[run]", "run = 3\n[ignored]", ["run: expected a table, got 3"]),
-        ('crank = "5.5 cm"', 'crank = "5.5 cm', ["valid TOML", "line 36"]),
-    ],
-)
-def test_a_fault_is_refused_with_its_place(lab, old, new, expected):
-    with pytest.raises(ConfigError) as refusal:
-        read_run_settings(edited(lab, (old, new)))
-    for words in expected:
-        assert words in str(refusal.value)
+CRANK, KIND, DEPTH = 'crank = "5.5 cm"', 'kind = "crank-rocker"', "bit_depth = 12"
+DARK, FILES = 'dark = "camera1_dark.tif"', 'files = "camera1/*.tif"'
+POISSON = "poissons_ratio = 0.37"
+
+FAULTS = [
+    # what is replaced in run.toml, by what, and words of the message
+    (CRANK, "crank = 5.5", "[mechanism] crank", "with a unit in quotes"),
+    (CRANK, 'crank = "5,5 cm"', "[mechanism] crank", "decimal point"),
+    (CRANK, 'crank = "-5.5 cm"', "[mechanism] crank", "greater than 0", "'-5.5 cm'"),
+    (CRANK, 'crnk = "5.5 cm"', "[mechanism] crank: missing", "crnk: unknown key; did you mean"),
+    (CRANK, 'crank = "5.5 cm', "valid TOML", "line 36"),
+    ('"114 rpm"', '"1 Hz"', "[mechanism] crank_speed", "rpm, rad/s, deg/s, rev/s"),
+    (KIND, 'kind = "four-bar"', "[mechanism] kind", "crank-rocker", "slider-crank", "four-bar"),
+    (KIND, "", "[mechanism] kind", "crank-rocker", "slider-crank"),
+    (KIND, 'kind = "slider-crank"', "[mechanism] rocker: unknown key"),
+    ('"222.411 N"', '"50 lb"', "[joint] load", "lbf"),
+    (POISSON, "poissons_ratio = 0.6", "[joint.pin] poissons_ratio", "0.5", "0.6"),
+    (POISSON, "poissons_ratio = nan", "[joint.pin] poissons_ratio", "finite"),
+    ('"33.36 mm"', '"34 mm"', "joint", "smaller than bushing_radius", "34 mm in 33.59 mm"),
+    (DEPTH, "bit_depth = 12.5", "[camera1] bit_depth", "integer", "12.5"),
+    (DEPTH, "bit_depth = 24", "[camera1] bit_depth", "16", "24"),
+    (DEPTH, "bit_dept = 12", "[camera1] bit_dept: unknown key; did you mean 'bit_depth'?"),
+    (DEPTH, 'part = "middle"', "[camera1] part", "channel 2", "middle"),
+    (DARK, "", "camera1", "offset"),
+    (DARK, 'dark = "a.tif"\noffset = "64 DN"', "camera1", "not both"),
+    (DARK, 'dark = "camera1/*.tif"', "dark and files name the same frames", "dark_dataset"),
+    (FILES, 'files = ""', "[camera1] files", "file name"),
+    (FILES, r'files = "a\u0000b"', "[camera1] files", "control characters"),
+    ("[oil]", "[oli]", "oli: unknown key; did you mean 'oil'?"),
+    ("[optics]", "[qqq]", "[optics]: missing table", "qqq: unknown key; known here: calibration"),
+    ('x_axis = "sliding"', 'x_axis = "up"', "[optics] x_axis", "sliding", "axial", "'up'"),
+    ('mounted_on = "rocker"', 'mounted_on = "frame"', "[encoder] mounted_on", "coupler"),
+    ('viscosity = "0.12 Pa s"', "", "oil", "vogel"),
+    ('name = "80W-90"', "name = 90", "[oil] name", "string", "90"),
+    ("roi = {", "roi = { z = 3,", "[thickness.roi] z: unknown key; known here: x, y"),
+    ("x = [4, 15]", "x = [15, 4]", "[thickness] roi", "low < high", "[15, 4]"),
+    ("[run]", "run = 3\n[ignored]", "run: expected a table, got 3"),
+]
+
+PREDICTION = [
+    ('sideways = "held"', 'expected "free", "guided" or a stiff'),
+    ('sideways = "-5 N/m"', "[prediction] sideways", "above 0"),
+    ('start_film = "5"', "[prediction] start_film", '"5 mm"'),
+    ('cavitation_pressure = "20 kPa"', "[prediction] cavitation_pressure", "or equal to 0"),
+]
+
+
+def test_a_fault_is_refused_with_its_place(lab):
+    path, missed = lab.run / "run.toml", []
+    whole = path.read_text()
+    added = [("[run]", f"[prediction]\n{line}\n[run]", *words) for line, *words in PREDICTION]
+    for old, new, *words in FAULTS + added:
+        assert old in whole
+        path.write_text(whole.replace(old, new, 1))
+        with pytest.raises(ConfigError) as refusal:
+            read_run_settings(lab.run)
+        missed += [(new, one) for one in words if one not in str(refusal.value)]
+    assert not missed
 
 
 def test_all_faults_come_in_one_message(lab):

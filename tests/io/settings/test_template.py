@@ -13,6 +13,7 @@ from erlif.io.settings import (
     SliderCrankSettings,
     keys_of,
     tables_of,
+    to_toml,
     write_template,
 )
 
@@ -56,7 +57,8 @@ def test_lines_fit_into_100_columns(kind):
 
 
 def test_commented_keys_hold_values_that_the_reader_accepts():
-    """With the gaps filled by examples and every comment of a key taken away, the file is valid."""
+    """With the gaps filled by examples and every comment of a key taken away, the file is valid;
+    its settings, written as TOML, read back the same."""
     lines = []
     for line in write_template(RunSettings, {"oil.viscosity": "0.12 Pa s"}, {}).splitlines():
         if line.startswith("# ") and " = " in line and line.split()[1].isidentifier():
@@ -71,7 +73,8 @@ def test_commented_keys_hold_values_that_the_reader_accepts():
         for key in keys_of(table.kind):
             if str(part.get(key.name, "")).startswith("??"):
                 part[key.name] = key.example
-    RunSettings.model_validate(raw)
+    settings = RunSettings.model_validate(raw)
+    assert RunSettings.model_validate(tomllib.loads(to_toml(settings))) == settings
 
 
 def test_a_value_is_written_with_the_remark_about_it():
