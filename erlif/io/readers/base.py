@@ -183,13 +183,14 @@ def read_header(source: Source, name: str, start: int = 0) -> Any:
     return SimpleNamespace(
         **{
             field: struct.unpack(code, source.read(start + place, struct.calcsize(code)))[0]
-            for field, (code, place) in _read_layouts()[name].items()
+            for field, (code, place) in read_layouts()[name].items()
         }
     )
 
 
 @cache
-def _read_layouts() -> dict[str, dict[str, tuple[str, int]]]:
+def read_layouts() -> dict[str, Any]:
+    """Layouts of the headers of camera files, from headers.toml."""
     file = resources.files("erlif.io.readers").joinpath("headers.toml")
     return tomllib.loads(file.read_text(encoding="utf-8"))
 

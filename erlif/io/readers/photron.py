@@ -10,32 +10,18 @@ read. The shutter speed of a header is its reciprocal in 1/s; only the rate is n
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import Format, FrameFile, colour_camera
+from erlif.io.readers.base import Format, FrameFile, colour_camera, read_layouts
 from erlif.io.readers.raw import FrameLayout, RawFrames, frame_interval
 from erlif.io.readers.sidecar import find_beside, read_text
 from erlif.io.readers.unpack import Packing
 
 _HEADERS = (".cihx", ".cih")
 """Endings of the headers, the newer form first."""
-
-# what a header names, in a CIH file and as an element within its parent in a CIHX file; keys are
-# compared without blanks, brackets and case, in which versions of the camera's program differ
-_KEYS = {
-    "width": ("Image Width", ("imagedatainfo", "resolution", "width")),
-    "height": ("Image Height", ("imagedatainfo", "resolution", "height")),
-    "frames": ("Total Frame", ("frameinfo", "totalframe")),
-    "stored": ("Color Bit", ("imagedatainfo", "colorinfo", "bit")),
-    "colour": ("Color Type", ("imagedatainfo", "colorinfo", "type")),
-    "depth": ("EffectiveBit Depth", ("imagedatainfo", "effectivebit", "depth")),
-    "side": ("EffectiveBit Side", ("imagedatainfo", "effectivebit", "side")),
-    "rate": ("Record Rate(fps)", ("recordinfo", "recordrate")),
-    "step": ("Save Step", ("frameinfo", "skipframe")),
-    "format": ("File Format", ("imagefileinfo", "fileformat")),
-}
 
 
 @dataclass(frozen=True)
@@ -165,22 +151,23 @@ def open_photron(path: Path) -> FrameFile:
 
 def _find_entries(text: str) -> dict[str, str]:
     """Values of the header by the names used here."""
+    keys = read_layouts()["photron"]
     start = text.find("<cih")
     if start < 0:
         # the first line counts: versions of programs and cameras follow under the same keys
         lines = [line.partition(":") for line in text.splitlines()]
         found = {_plain(key): value.strip() for key, _, value in reversed(lines)}
         return {
-            name: found[_plain(key)] for name, (key, _) in _KEYS.items() if _plain(key) in found
+            name: found[_plain(key)] for name, (key, *_) in keys.items() if _plain(key) in found
         }
     return {
         name: value
-        for name, (_, elements) in _KEYS.items()
+        for name, (_, *elements) in keys.items()
         if (value := _find_element(text, start, elements)) is not None
     }
 
 
-def _find_element(text: str, start: int, elements: tuple[str, ...]) -> str | None:
+def _find_element(text: str, start: int, elements: Sequence[str]) -> str | None:
     """Text of the first element of that path.
 
     The elements are looked up by their tags: an XML parser would refuse the comments in the code
@@ -204,7 +191,7 @@ def _plain(key: str) -> str:
 
 def _number(entries: dict[str, str], name: str) -> float:
     """A finite number of the header; FrameError where it is missing or none."""
-    key = _KEYS[name][0]
+    key = read_layouts()["photron"][name][0]
     if name not in entries:
         raise FrameError(f"the Photron header has no entry for {key}; it was cut")
     try:
@@ -217,9 +204,9 @@ def _number(entries: dict[str, str], name: str) -> float:
 
 
 def _whole(entries: dict[str, str], name: str) -> int:
-    value = _number(entries, name)
+    value, key = _number(entries, name), read_layouts()["photron"][name][0]
     if value != int(value) or value < 0:
-        raise FrameError(f"the Photron header is damaged: {_KEYS[name][0]} is {entries[name]!r}")
+        raise FrameError(f"the Photron header is damaged: {key} is {entries[name]!r}")
     return int(value)
 
 

@@ -23,7 +23,7 @@ from erlif.io.ingest.logs.columns import (
     refuse_several,
     require_scale,
 )
-from erlif.io.ingest.logs.table import LogColumn, LogTable, LogUse
+from erlif.io.ingest.logs.table import LogColumn, LogTable, LogUse, name_patterns
 from erlif.io.ingest.logs.text import read_table
 from erlif.io.ingest.logs.units import CLOCK, find_scale
 
@@ -40,19 +40,7 @@ QUANTITIES = {
 SEVERAL = ("cells", "temperature", "vibration")
 """What several columns may hold: load cells are added, others averaged."""
 
-_KNOWN = {
-    "time": r"t|time|zeit|(elapsed|relative|test) time|time ?stamp|uhrzeit|zeitstempel"
-    r"|date ?(and )?time|datum ?(und )?(uhr)?zeit|clock( time)?",
-    "arm_force": r"arm|(torque|friction|support|reaction)? ?arm( (force|load|load cell|cell))?"
-    r"|(torque|friction) (cell|force)|third (load )?cell",
-    "torque": r"torque|friction torque|moment|drehmoment|reibmoment",
-    "cells": r"(normal |radial |bearing |applied )?(load|force)|(load )?cell|last"
-    r"|(normal)?kraft",
-    "temperature": r"(pin|oil|lubricant|bushing|bearing|case)? ?(temperature|temp)|temperatur"
-    r"|t (pin|oil|lubricant|bushing|bearing)|thermocouple",
-    "vibration": r"(rms )?(vibration|acceleration|accelerometer|vib|accel|acc|schwingung)"
-    r"( (level|rms))?",
-}
+_KNOWN = name_patterns("torque")
 """Names by which a column is found that is not chosen, without their unit and number."""
 
 _ANY_TEMPERATURE = r".*temp(eratur|erature)?\b.*"

@@ -18,7 +18,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError
 from erlif.core.variables import FILM
 from erlif.io.ingest.logs.bad_rows import refuse_bad_rows
-from erlif.io.ingest.logs.table import LogColumn, LogTable, split_unit
+from erlif.io.ingest.logs.table import LogColumn, LogTable, name_patterns, split_unit
 from erlif.io.ingest.logs.units import CLOCK, UNITS, Scale, find_scale
 
 CONTRACT = {
@@ -43,13 +43,7 @@ MEANINGS = {
 }
 """Everything that a column can hold."""
 
-_OBVIOUS = {
-    "frame": r"frames?|frame (number|no|id)|image number",
-    "time": r"t|time( ?stamp)?|(elapsed|relative) time",
-    "angle": r"angle|encoder|(encoder|rocker|crank) angle",
-    "load": r"(normal )?(load|force)",
-    "temperature": r"(oil )?temperature|temp",
-}
+_OBVIOUS = name_patterns("encoder")
 """Names by which a column is found that no key of [encoder] chooses."""
 
 _WITHOUT_UNIT = ("frame", "angle")

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib.resources import files
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +22,12 @@ MOST_CELLS = 32_000_000
 
 MOST_TEXTS = 2_000_000
 """Cells without a number above which a file is no table of numbers."""
+
+
+NAMES: dict[str, dict[str, Any]] = tomllib.loads(
+    (files("erlif.io.ingest.logs") / "names.toml").read_text(encoding="utf-8")
+)
+"""Names by which columns and their units are found."""
 
 
 @dataclass(frozen=True)
@@ -111,6 +120,11 @@ class LogTable:
     def names(self) -> list[str]:
         """Names of the columns."""
         return [column.name for column in self.columns]
+
+
+def name_patterns(log: str) -> dict[str, str]:
+    """Regular expressions of the names of columns by quantity, for the log of names.toml."""
+    return {quantity: "|".join(names) for quantity, names in NAMES[log].items()}
 
 
 def split_unit(name: str) -> tuple[str, str]:

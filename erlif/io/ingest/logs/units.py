@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple, get_args
 
 from erlif.core.units import convert
+from erlif.io.ingest.logs.table import NAMES
 from erlif.io.settings.endurance import TorqueUnit
 from erlif.io.settings.tables import (
     AngleUnit,
@@ -55,32 +56,7 @@ _OTHER_RESULTS = {"m/s": "m/s", "mm/s": "m/s", "tick": "tick", "V": "V", "1": "1
 _OFFSETS = {"K": Scale("degree_Celsius", 1.0, -273.15)}
 _OFFSETS["degF"] = Scale("degree_Celsius", 5 / 9, -160 / 9)
 
-_SPELLINGS = {
-    other: unit
-    for unit, others in {
-        "deg": ("°", "degree", "degrees"),
-        "rad": ("radian", "radians"),
-        "turn": ("rev", "turns"),
-        "tick": ("ticks", "count", "counts", "inc"),
-        "s": (CLOCK, "sec", "second", "seconds"),
-        "us": ("µs", "μs"),
-        "N": ("newton",),
-        "N m": ("nm", "n·m", "n*m"),
-        "kN m": ("knm",),
-        "N mm": ("nmm",),
-        "lbf ft": ("ft lbf", "ft-lbf"),
-        "lbf in": ("in lbf", "in-lbf"),
-        "degC": ("c", "°c", "degree_celsius", "celsius"),
-        "degF": ("f", "°f"),
-        "K": ("kelvin",),
-        "rpm": ("1/min", "min-1", "min^-1", "u/min"),
-        "m/s": ("m s-1",),
-        "rad/s": ("rad s-1",),
-        "uJ": ("µj",),
-        "1": ("-",),
-    }.items()
-    for other in others
-}
+_SPELLINGS = {other: unit for unit, others in NAMES["spellings"].items() for other in others}
 """Other spellings of a unit, in lower case."""
 
 _OTHERS = frozenset({"v", "mv", "a", "ma", "bar", "pa", "hz", "khz", "%", "mm", "um", "nm", "dn"})
