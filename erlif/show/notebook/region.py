@@ -14,15 +14,20 @@ from erlif.trend import FilmStatistics, Region, find_region, summarise_film
 Interval = tuple[float, float]
 
 _COLUMNS = {
-    "film_mean": "mean film thickness",
-    "film_mean_std": "standard deviation of the mean film thickness",
-    "film_mean_std_random": "its part that is new at every trigger",
-    "film_mean_std_shared": "its part that all triggers share",
-    "film_min": "minimum film thickness",
-    "film_min_std": "standard deviation of the minimum film thickness",
-    "film_min_std_random": "its part that is new at every trigger",
-    "film_min_std_shared": "its part that all triggers share",
+    "film_mean": ("um", "mean film thickness"),
+    "film_mean_std": ("um", "standard deviation of the mean film thickness"),
+    "film_mean_std_random": ("um", "its part that is new at every trigger"),
+    "film_mean_std_shared": ("um", "its part that all triggers share"),
+    "film_min": ("um", "minimum film thickness"),
+    "film_min_std": ("um", "standard deviation of the minimum film thickness"),
+    "film_min_std_random": ("um", "its part that is new at every trigger"),
+    "film_min_std_shared": ("um", "its part that all triggers share"),
+    "film_min_x": ("px", "column of the minimum film thickness"),
+    "film_min_y": ("px", "row of the minimum film thickness"),
+    "pixels": ("1", "valid pixels"),
+    "share_valid": ("1", "share of valid pixels"),
 }
+"""Unit and title of each number of a region."""
 
 
 @takes(film="film")
@@ -60,59 +65,36 @@ def summarise_region(
     >>> found = summarise_region(film, x=(4, 15), y=(2, 13))  # doctest: +SKIP
     >>> found.film_mean.plot(x="crank_angle")  # doctest: +SKIP
     """
+    if "trigger" not in film.dims:
+        return summarise_region(film.expand_dims("trigger"), x=x, y=y).isel(trigger=0)
     region = _find_region(film, x, y)
     calibration = calibration_of(film)
     along_x = settings_of(film).optics.x_axis == "sliding"
-    several = "trigger" in film.dims
     names = ["thickness", "thickness_std", "thickness_std_shared", "flags"]
     maps = film[names].isel(y=region.rows, x=region.columns)
 
-    found, counts = [], []
-    for trigger in range(film.sizes["trigger"] if several else 1):
-        one = (maps.isel(trigger=trigger) if several else maps).load()
-        found.append(_summarise(one, calibration, along_x=along_x))
-        counts.append(int((one.flags == 0).sum()))
+    # one map in memory at a time
+    found = []
+    for trigger in range(film.sizes["trigger"]):
+        one = maps.isel(trigger=trigger).load()
+        row = _tabulate(_summarise(one, calibration, along_x=along_x))
+        row["film_min_x"] += region.columns.start
+        row["film_min_y"] += region.rows.start
+        row["pixels"] = int((one.flags == 0).sum())
+        row["share_valid"] = row["pixels"] / one.flags.size
+        found.append(row)
 
-    dims = ("trigger",) if several else ()
-    columns = {
-        name: (dims, np.reshape(values, (-1,) if several else ()))
-        for name, values in _tabulate(found).items()
-    }
-    pixels = np.reshape(counts, (-1,) if several else ())
-    places = np.array([one.minimum_place for one in found]).T
-    at = {
-        f"film_min_{axis}": (
-            dims,
-            np.reshape(first + place, (-1,) if several else ()),
-            {"units": "px", "long_name": f"{name} of the minimum film thickness"},
-        )
-        for axis, name, first, place in zip(
-            "xy", ("column", "row"), (region.columns.start, region.rows.start), places, strict=True
-        )
-    }
-    total = maps.sizes["y"] * maps.sizes["x"]
     described = xr.Dataset(
         {
-            **{
-                name: (*column, {"units": "um", "long_name": _COLUMNS[name]})
-                for name, column in columns.items()
-            },
-            **at,
-            "pixels": (dims, pixels, {"units": "1", "long_name": "valid pixels"}),
-            "share_valid": (
-                dims,
-                pixels / total,
-                {"units": "1", "long_name": "share of valid pixels"},
-            ),
+            name: ("trigger", [row[name] for row in found], {"units": unit, "long_name": title})
+            for name, (unit, title) in _COLUMNS.items()
         },
         film.film_mean.coords,
     )
-    bounds = {"x": film.x.values[region.columns], "y": film.y.values[region.rows]}
-    return described.assign_attrs(
-        title="film thickness over x {:.2f} to {:.2f} mm, y {:.2f} to {:.2f} mm".format(
-            *(float(place) for one in bounds.values() for place in (one[0], one[-1]))
-        )
-    )
+    low_x, *_, high_x = film.x.values[region.columns]
+    low_y, *_, high_y = film.y.values[region.rows]
+    bounds = f"x {low_x:.2f} to {high_x:.2f} mm, y {low_y:.2f} to {high_y:.2f} mm"
+    return described.assign_attrs(title=f"film thickness over {bounds}")
 
 
 def _find_region(film: xr.Dataset, x: Interval | None, y: Interval | None) -> Region:
@@ -169,16 +151,13 @@ def _summarise(maps: xr.Dataset, calibration: Calibration, *, along_x: bool) -> 
     )
 
 
-def _tabulate(found: list[FilmStatistics]) -> dict[str, list[float]]:
-    """Values and standard deviations of all triggers by their names."""
-    table: dict[str, list[float]] = {name: [] for name in _COLUMNS}
-    for one in found:
-        for name, value, std, random in (
-            ("film_mean", one.mean, one.mean_std, one.mean_random_std),
-            ("film_min", one.minimum, one.minimum_std, one.minimum_random_std),
-        ):
-            table[name].append(value)
-            table[f"{name}_std"].append(std)
-            table[f"{name}_std_random"].append(random)
-            table[f"{name}_std_shared"].append(float(np.sqrt(max(std**2 - random**2, 0.0))))
-    return table
+def _tabulate(one: FilmStatistics) -> dict[str, float]:
+    """Values and standard deviations of a trigger by their names; places from the region's edge."""
+    row = dict(zip(("film_min_x", "film_min_y"), one.minimum_place.tolist(), strict=True))
+    for name, value, std, random in (
+        ("film_mean", one.mean, one.mean_std, one.mean_random_std),
+        ("film_min", one.minimum, one.minimum_std, one.minimum_random_std),
+    ):
+        row[name], row[f"{name}_std"], row[f"{name}_std_random"] = value, std, random
+        row[f"{name}_std_shared"] = float(np.sqrt(max(std**2 - random**2, 0.0)))
+    return row

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from erlif.core.arrays import Array, Image
@@ -22,28 +20,9 @@ Axis = tuple[float, float]
 """Position of the first pixel, and distance of two. [mm]"""
 
 
-@dataclass(frozen=True)
-class LineProfile:
-    """Values along a line, one for each pixel of its length.
-
-    Attributes
-    ----------
-    position : Array
-        (point,): distance from the first point. [mm]
-    values : Array
-        (point,): mean over the width, NaN without valid pixels.
-    std : Array
-        (point,): random standard deviation of the mean.
-    """
-
-    position: Array
-    values: Array
-    std: Array
-
-
 def line_profile(
     values: Image, std: Image, line: Line, *, x: Axis, y: Axis, width: int = 1
-) -> LineProfile:
+) -> dict[str, Array]:
     """Read a map along a line, and average over its width.
 
     Each point has the value of the nearest pixel: what is drawn is what was measured.
@@ -61,8 +40,9 @@ def line_profile(
 
     Returns
     -------
-    LineProfile
-        NaN where the line leaves the map.
+    dict of array, (point,)
+        position, the distance from the first point [mm]; value, the mean over the width; std, its
+        random standard deviation. NaN without valid pixels, and where the line leaves the map.
 
     Raises
     ------
@@ -76,7 +56,7 @@ def line_profile(
     >>> plane = np.add.outer(10.0 * np.arange(5), np.arange(8)).astype(np.float32)
     >>> grid = {"x": (0.0, 0.5), "y": (0.0, 0.5)}
     >>> profile = line_profile(plane, np.ones_like(plane), (1.0, 0.0, 1.0, 2.0), **grid)
-    >>> profile.values.tolist(), profile.position.tolist()
+    >>> profile["value"].tolist(), profile["position"].tolist()
     ([2.0, 12.0, 22.0, 32.0, 42.0], [0.0, 0.5, 1.0, 1.5, 2.0])
     """
     from skimage.measure import profile_line
@@ -111,4 +91,4 @@ def line_profile(
         variance = np.where(good, spread, 0) ** 2
         error = np.sqrt(variance.sum(axis=1)) / np.where(count, count, np.nan)
     position = np.linspace(0, np.hypot(x1 - x0, y1 - y0), mean.size)
-    return LineProfile(position, mean, error)
+    return {"position": position, "value": mean, "std": error}

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from erlif.core.arrays import FlagImage, Image
+from erlif.core.arrays import Array, FlagImage, Image
 from erlif.core.errors import ErlifError
 from erlif.core.flags import FLAG_COLOURS, Flag, count_flags
 from erlif.io.conversion import table_csv
@@ -21,8 +21,8 @@ from erlif.show.view.exports import map_csv, map_tiff
 from erlif.show.view.films import FilmReader, check_one_grid
 from erlif.show.view.layers import DIFFERENCE, LAYERS, SIGNIFICANCE, Layer, palette
 from erlif.show.view.levels import Window, choose_step, reduce_map
-from erlif.show.view.lines import LineProfile, line_profile
-from erlif.show.view.regions import RegionStatistics, region_statistics, select_region
+from erlif.show.view.lines import line_profile
+from erlif.show.view.regions import region_statistics, select_region
 from erlif.show.view.run_settings import propose_region, write_region
 
 _WITHIN = (0.5, 99.5)
@@ -183,8 +183,8 @@ class _Chosen:
 
     def std(self, request: Request) -> Image:
         """Random standard deviation of the pixels; NaN where the layer has none."""
-        if self.layer in (DIFFERENCE, SIGNIFICANCE):
-            return _subtract(request)[1] if self.layer == DIFFERENCE else self._unknown()
+        if self.layer == DIFFERENCE:
+            return _subtract(request)[1]
         return self._stored("thickness_std", request)
 
     def std_shared(self, request: Request) -> Image:
@@ -193,11 +193,8 @@ class _Chosen:
 
     def _stored(self, name: str, request: Request) -> Image:
         if self.layer.name != "thickness":
-            return self._unknown()
+            return np.full(self.values.shape, np.nan, np.float32)
         return self.reader.read(name, request.whole("trigger"))[0]
-
-    def _unknown(self) -> Image:
-        return np.full(self.values.shape, np.nan, np.float32)
 
 
 def _read_chosen(request: Request) -> _Chosen:
@@ -355,15 +352,10 @@ def send_profile(request: Request) -> dict[str, Any]:
     dict
         "position" [mm], "value" and "std" of the points; None where flagged.
     """
-    found = _find_profile(request)
-    return {
-        "position": to_list(found.position),
-        "value": to_list(found.values),
-        "std": to_list(found.std),
-    }
+    return {name: to_list(values) for name, values in _find_profile(request).items()}
 
 
-def _find_profile(request: Request) -> LineProfile:
+def _find_profile(request: Request) -> dict[str, Array]:
     chosen = _read_chosen(request)
     x0, y0, x1, y1 = request.numbers("line", 4)
     return line_profile(
@@ -387,14 +379,14 @@ def send_region(request: Request) -> dict[str, Any]:
     Returns
     -------
     dict
-        As `erlif.show.view.regions.RegionStatistics`, None in place of NaN, and "unit".
+        As `erlif.show.view.regions.region_statistics`, None in place of NaN, and "unit".
     """
     chosen, found = _find_region(request)
-    numbers = {name: None if value != value else value for name, value in vars(found).items()}
+    numbers = {name: None if value != value else value for name, value in found.items()}
     return {**numbers, "unit": chosen.layer.unit}
 
 
-def _find_region(request: Request) -> tuple[_Chosen, RegionStatistics]:
+def _find_region(request: Request) -> tuple[_Chosen, dict[str, float]]:
     chosen = _read_chosen(request)
     x0, x1, y0, y1 = request.numbers("region", 4)
     film = chosen.reader.film
@@ -516,8 +508,7 @@ def _export_map(request: Request) -> Export:
 
 def _export_profile(request: Request) -> Export:
     found = _find_profile(request)
-    columns = {"position_mm": found.position, "value": found.values, "std": found.std}
-    return Export(_file_name(request, "profile", "csv"), table_csv(columns).encode())
+    return _export_table(request, "profile", {"position_mm": found.pop("position"), **found})
 
 
 def _export_region(request: Request) -> Export:
@@ -530,14 +521,17 @@ def _export_region(request: Request) -> Export:
     }
     region = request.numbers("region", 4)
     columns |= {name: [value] for name, value in zip(names, region, strict=True)}
-    columns |= {name: [value] for name, value in vars(found).items()}
-    return Export(_file_name(request, "region", "csv"), table_csv(columns).encode())
+    columns |= {name: [value] for name, value in found.items()}
+    return _export_table(request, "region", columns)
 
 
 def _export_cycle(request: Request) -> Export:
-    cycle = describe_cycle(request.film().film)
-    columns = {"stroke": cycle["stroke"], **cycle["columns"]}
-    return Export(_file_name(request, "cycle", "csv"), table_csv(columns).encode())
+    cycle = send_cycle(request)
+    return _export_table(request, "cycle", {"stroke": cycle["stroke"], **cycle["columns"]})
+
+
+def _export_table(request: Request, what: str, columns: Mapping[str, Any]) -> Export:
+    return Export(_file_name(request, what, "csv"), table_csv(columns).encode())
 
 
 def change_region(films: Sequence[FilmReader], body: bytes) -> dict[str, str]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from erlif.core.arrays import Array, FlagImage, Image
@@ -11,40 +9,6 @@ from erlif.core.errors import ErlifError
 
 Rectangle = tuple[float, float, float, float]
 """Low and high x, low and high y, included. [mm]"""
-
-
-@dataclass(frozen=True)
-class RegionStatistics:
-    """Numbers of the pixels whose centres lie in a rectangle.
-
-    Attributes
-    ----------
-    count : int
-        Pixels.
-    valid : int
-        Pixels with a value and without a flag.
-    mean : float
-        Mean of the valid pixels; NaN without any, as the following.
-    std : float
-        Standard deviation of the valid pixels.
-    min : float
-        Lowest valid pixel.
-    max : float
-        Highest valid pixel.
-    mean_std : float
-        Random standard deviation of the mean, of pixels with independent noise.
-    mean_std_shared : float
-        What all pixels share: mean of their shared standard deviations.
-    """
-
-    count: int
-    valid: int
-    mean: float
-    std: float
-    min: float
-    max: float
-    mean_std: float
-    mean_std_shared: float
 
 
 def select_region(x: Array, y: Array, region: Rectangle) -> tuple[slice, slice]:
@@ -96,7 +60,7 @@ def region_statistics(
     flags: FlagImage,
     std: Image,
     std_shared: Image,
-) -> RegionStatistics:
+) -> dict[str, float]:
     """Compute count, mean, range and standard deviations of the pixels of a region.
 
     Parameters
@@ -110,30 +74,27 @@ def region_statistics(
 
     Returns
     -------
-    RegionStatistics
+    dict
+        count of the pixels, and of the valid ones the number, mean, std, min and max; mean_std,
+        the random standard deviation of the mean of independent pixels; mean_std_shared, the mean
+        of the shared ones. NaN without valid pixels.
 
     Examples
     --------
     >>> values = np.array([[1, 2], [3, 9]], np.float32)
     >>> flags = np.array([[0, 0], [0, 1]], np.uint8)
     >>> found = region_statistics(values, flags, 0 * values + 0.3, 0 * values + 0.1)
-    >>> found.count, found.valid, found.mean, found.max, round(found.mean_std, 4)
-    (4, 3, 2.0, 3.0, 0.1732)
+    >>> found["count"], found["valid"], found["mean"], round(found["mean_std"], 4)
+    (4, 3, 2.0, 0.1732)
     """
     good = (flags == 0) & np.isfinite(values)
     count = int(np.count_nonzero(good))
-    if not count:
-        nothing = (float("nan"),) * 6
-        return RegionStatistics(values.size, 0, *nothing)
-    inside = values[good].astype(float)
-    random, shared = std[good].astype(float), std_shared[good].astype(float)
-    return RegionStatistics(
-        count=values.size,
-        valid=count,
-        mean=float(inside.mean()),
-        std=float(inside.std()),
-        min=float(inside.min()),
-        max=float(inside.max()),
-        mean_std=float(np.sqrt((random**2).sum()) / count),
-        mean_std_shared=float(shared.mean()),
-    )
+    names = ("mean", "std", "min", "max", "mean_std", "mean_std_shared")
+    numbers = [float("nan")] * len(names)
+    if count:
+        inside = values[good].astype(float)
+        random, shared = std[good].astype(float), std_shared[good].astype(float)
+        error = np.sqrt((random**2).sum()) / count
+        found = (inside.mean(), inside.std(), inside.min(), inside.max(), error, shared.mean())
+        numbers = [float(one) for one in found]
+    return {"count": values.size, "valid": count, **dict(zip(names, numbers, strict=True))}

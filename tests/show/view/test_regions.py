@@ -32,17 +32,21 @@ def test_statistics_are_those_of_the_valid_pixels():
     good = (flags == 0) & np.isfinite(values)
     found = region_statistics(values, flags, std, 0.1 * std)
     inside = values[good].astype(float)
-    assert (found.count, found.valid) == (2000, np.count_nonzero(good))
+    assert (found["count"], found["valid"]) == (2000, np.count_nonzero(good))
     npt.assert_allclose(
-        [found.mean, found.std, found.min, found.max],
+        [found["mean"], found["std"], found["min"], found["max"]],
         [inside.mean(), inside.std(), inside.min(), inside.max()],
     )
-    npt.assert_allclose(found.mean_std, np.sqrt(np.sum(std[good] ** 2.0)) / inside.size, rtol=1e-5)
-    npt.assert_allclose(found.mean_std_shared, 0.1 * std[good].mean(), rtol=1e-5)
+    npt.assert_allclose(
+        found["mean_std"], np.sqrt(np.sum(std[good] ** 2.0)) / inside.size, rtol=1e-5
+    )
+    npt.assert_allclose(found["mean_std_shared"], 0.1 * std[good].mean(), rtol=1e-5)
 
 
 def test_a_region_without_valid_pixels_has_no_mean():
     nothing = np.full((2, 2), np.nan, np.float32)
     found = region_statistics(nothing, np.full((2, 2), 8, np.uint8), nothing, nothing)
-    assert (found.count, found.valid) == (4, 0)
-    assert np.isnan([found.mean, found.std, found.min, found.max, found.mean_std]).all()
+    assert (found["count"], found["valid"]) == (4, 0)
+    assert np.isnan(
+        [found["mean"], found["std"], found["min"], found["max"], found["mean_std"]]
+    ).all()
