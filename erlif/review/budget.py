@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -48,31 +47,22 @@ _DRY = "frames of the dry joint"
 """A source of runs with a background alone."""
 
 
-class _Source(NamedTuple):
-    """A source of noise in one camera."""
-
-    what: str
-    camera: int
-    kind: str
-
-    @property
-    def term(self) -> str:
-        """Its name in the budget."""
-        return f"{self.what}, camera {self.camera}"
+_KINDS = {
+    "photons": RANDOM,
+    "reading and rounding": RANDOM,
+    "dark frames": FIXED,
+    "flat frames": FIXED,
+    _DRY: FIXED,
+}
+"""Sources of noise in a camera, in the order of the chain."""
 
 
-_SOURCES = tuple(
-    _Source(what, camera, kind)
-    for what, kind in (
-        ("photons", RANDOM),
-        ("reading and rounding", RANDOM),
-        ("dark frames", FIXED),
-        ("flat frames", FIXED),
-        (_DRY, FIXED),
-    )
-    for camera in (1, 2)
-)
-_NOISE_TERMS = tuple(source.term for source in _SOURCES)
+def _term(what: str, camera: int) -> str:
+    """Name of a source in the budget; `camera` counts from 0."""
+    return f"{what}, camera {camera + 1}"
+
+
+_NOISE_TERMS = tuple(_term(what, camera) for what in _KINDS for camera in range(2))
 
 _LIGHT_TERMS = ("background", "bleaching")
 """Terms of runs in which light shows them, or from which they were taken."""
@@ -100,9 +90,9 @@ class _Column:
 
 @dataclass(frozen=True)
 class _Sources:
-    """Variance of the log ratio of one trigger by source, (y, x)."""
+    """Variance of the log ratio of one trigger by source, (camera, y, x)."""
 
-    variances: dict[_Source, Array]
+    variances: dict[str, Array]
     ratio: RatioImages
     averaging: float
     """Factor by which interpolation lowers the variance of a pixel of camera 2. [1]"""
@@ -226,7 +216,7 @@ def _split_variance(chain: FrameChain, frames: Sequence[int]) -> _Sources:
     """Combine the frames of a trigger, and keep the variance of each source apart."""
     shape = chain.pairs.shape
     total = RatioSum(shape)
-    variances = {source: np.zeros(shape) for source in _SOURCES}
+    variances = {what: np.zeros((2, *shape)) for what in _KINDS}
     averaging = []
     with one_thread_per_frame():
         for frame in frames:
@@ -237,14 +227,14 @@ def _split_variance(chain: FrameChain, frames: Sequence[int]) -> _Sources:
 
     # random errors of frames add in quadrature, those of dark and flat linearly
     weight = np.where(total.weight > 0, total.weight, np.inf)
-    for source, variance in variances.items():
-        variance /= weight**2 if source.kind == RANDOM else weight
+    for what, variance in variances.items():
+        variance /= weight**2 if _KINDS[what] == RANDOM else weight
     ratio = RatioImages(total.mean().to_images().isel(frame=0))
     return _Sources(variances, ratio, float(np.mean(averaging)))
 
 
 def _add_sources(
-    variances: dict[_Source, Array],
+    variances: dict[str, Array],
     chain: FrameChain,
     corrected: CorrectedFrames,
     aligned: AlignedFrames,
@@ -288,14 +278,12 @@ def _add_sources(
             signal_var_fixed=(dims, sources[other or one].astype(np.float32)),
         )
         moved = align_frames(CorrectedFrames(single), chain.camera_map, drift=drift)
-        images = {one: moved.signal_var, other: moved.signal_var_fixed}
+        images = {other or one: moved.signal_var_fixed} | {one: moved.signal_var}
         for name, image in images.items():
             with np.errstate(divide="ignore", invalid="ignore"):  # pixels without light or weight
                 relative = image.values[:, 0] / np.square(aligned.signal.values[:, 0], dtype=float)
-            for source in (source for source in _SOURCES if source.what == name):
-                power = weight**2 if source.kind == RANDOM else weight
-                share = np.where(weight > 0, relative[source.camera - 1], 0.0)
-                variances[source] += power * share
+            power = weight**2 if _KINDS[name] == RANDOM else weight
+            variances[name] += power * np.where(weight > 0, relative, 0.0)
 
 
 def _smooth_film(maps: ThicknessMaps, calibration: Calibration) -> Array:
@@ -330,8 +318,9 @@ def _pixel_columns(
             )
 
         terms = {
-            source.term: float(np.median(np.sqrt(variance[near]) * rate[near]))
-            for source, variance in sources.variances.items()
+            _term(what, camera): float(np.median(np.sqrt(variance[near]) * rate[near]))
+            for what, pair in sources.variances.items()
+            for camera, variance in enumerate(pair)
         }
         terms["registration"] = float(np.median(displaced[near] * rate[near]))
         gradient = calibration.gradient(wanted) / calibration.slope(wanted)
@@ -357,10 +346,11 @@ def _mean_column(
     Interpolation moves the noise of camera 2 between pixels, and does not lower it in the mean.
     """
     terms = {}
-    for source, variance in sources.variances.items():
-        spread = sources.averaging if source.camera == 2 else 1.0
-        total = float(np.sqrt((rate[region] ** 2 * variance[region]).sum() / spread))
-        terms[source.term] = total / int(region.sum())
+    for what, pair in sources.variances.items():
+        for camera, variance in enumerate(pair):
+            spread = (1.0, sources.averaging)[camera]
+            total = float(np.sqrt((rate[region] ** 2 * variance[region]).sum() / spread))
+            terms[_term(what, camera)] = total / int(region.sum())
 
     # what the noise of the mean holds beyond these terms is the registration
     known = sum(value**2 for value in terms.values())
@@ -419,7 +409,7 @@ def _as_dataset(columns: Sequence[_Column], name: str, trigger: int, frames: int
         for terms in (_NOISE_TERMS, _SHARED_TERMS)
     )
     order = [*noise, "random part", *shared, "shared part", "total"]
-    kinds = {source.term: source.kind for source in _SOURCES}
+    kinds = {_term(what, camera): _KINDS[what] for what in _KINDS for camera in range(2)}
     kinds |= dict.fromkeys(_SHARED_TERMS, SHARED) | dict.fromkeys(sums, "sum")
     std = np.array([rows[term] for term in order])
     return xr.Dataset(

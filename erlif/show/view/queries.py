@@ -16,13 +16,17 @@ from erlif.core.flags import FLAG_COLOURS, Flag, count_flags
 from erlif.io.conversion import table_csv
 from erlif.io.files import axis_labels, fastest_trigger
 from erlif.show.view.cycle import describe_cycle, to_list
-from erlif.show.view.differences import significance, subtract_maps
 from erlif.show.view.exports import map_csv, map_tiff
 from erlif.show.view.films import FilmReader, check_one_grid
 from erlif.show.view.layers import DIFFERENCE, LAYERS, SIGNIFICANCE, Layer, palette
 from erlif.show.view.levels import Window, choose_step, reduce_map
-from erlif.show.view.lines import line_profile
-from erlif.show.view.regions import region_statistics, select_region
+from erlif.show.view.measures import (
+    line_profile,
+    region_statistics,
+    select_region,
+    significance,
+    subtract_maps,
+)
 from erlif.show.view.run_settings import propose_region, write_region
 
 _WITHIN = (0.5, 99.5)
@@ -379,7 +383,7 @@ def send_region(request: Request) -> dict[str, Any]:
     Returns
     -------
     dict
-        As `erlif.show.view.regions.region_statistics`, None in place of NaN, and "unit".
+        As `erlif.show.view.measures.region_statistics`, None in place of NaN, and "unit".
     """
     chosen, found = _find_region(request)
     numbers = {name: None if value != value else value for name, value in found.items()}

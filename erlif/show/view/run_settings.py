@@ -11,7 +11,7 @@ from typing import Any
 
 from erlif.core.errors import ConfigError, reason_of
 from erlif.io.files import replacing
-from erlif.show.view.regions import Rectangle
+from erlif.show.view.measures import Rectangle
 
 _LARGEST = 2**20
 """Size of a run.toml. [byte]"""
