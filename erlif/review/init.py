@@ -16,6 +16,7 @@ from erlif.calibration import open_calibration, read_profile
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ErlifError, FrameError, OutputError
 from erlif.core.notes import Level, Note
+from erlif.core.products import EncoderLog
 from erlif.io.files import replacing, takes
 from erlif.io.ingest import read_encoder_log
 from erlif.io.ingest.logs.proposal import LogProposal, propose_log
@@ -140,7 +141,8 @@ def init(
     else:
         _draft_motion(draft, survey, kind)
         _draft_calibration(draft, survey)
-    draft.values["fixture.name" if fixture else "run.name"] = _title(directory)
+    title = " ".join(directory.resolve().name.replace("_", " ").split())
+    draft.values["fixture.name" if fixture else "run.name"] = title
 
     forms = {"mechanism": kind}
     left_out = draft.leave_out
@@ -154,11 +156,6 @@ def init(
 def _write(path: Path, text: str) -> None:
     with replacing(path) as scratch:
         scratch.write_text(text, encoding="utf-8")
-
-
-def _title(directory: Path) -> str:
-    """Name of the folder as a title."""
-    return " ".join(directory.resolve().name.replace("_", " ").split())
 
 
 # cameras
@@ -195,7 +192,7 @@ def _draft_cameras(draft: _Draft, survey: Survey) -> None:
 def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurvey) -> None:
     """Table of one camera."""
     table, frames = f"camera{number}", camera.frames
-    kind = frames.kinds[0] if frames.kinds else "unreadable images"
+    kind = _first(frames.kinds)
     draft.set(f"{table}.files", frames.pattern, f"{frames.pages} frames of {kind}.")
     draft.note(table, f"{frames.pages} frames of {kind}, {frames.pattern or camera.label}")
     if frames.pattern is None:
@@ -258,24 +255,25 @@ def _draft_depth(draft: _Draft, table: str, counts: CountsSample) -> None:
     factor = 1 << counts.unused_bits
 
     # counts that fill 16 bits from above; others may lie anywhere in them
-    if counts.unused_bits and counts.bit_depth + counts.unused_bits >= 16:
-        remark = f"{seen}, all multiples of {factor}"
-        draft.set(f"{table}.bit_depth", 16 - counts.unused_bits, f"{remark}: left-aligned.")
+    depth = counts.bit_depth
+    if counts.unused_bits and depth + counts.unused_bits >= 16:
+        depth, remark = 16 - counts.unused_bits, f"{seen}, all multiples of {factor}"
         draft.set(f"{table}.alignment", "left", f"{remark[0].upper()}{remark[1:]}.")
+        remark = f"{remark}: left-aligned."
     elif counts.unused_bits:
         draft.warn(
             table,
-            f"{seen}, all multiples of {factor}: {counts.bit_depth}-bit counts, left-aligned. "
+            f"{seen}, all multiples of {factor}: {depth}-bit counts, left-aligned. "
             f"Divide the counts by {factor} and save the images again",
         )
-        draft.set(f"{table}.bit_depth", counts.bit_depth, f"{seen}, left-aligned by {factor}.")
+        remark = f"{seen}, left-aligned by {factor}."
     elif counts.stated:
-        draft.set(f"{table}.bit_depth", counts.bit_depth, f"After the headers; {seen}.")
+        remark = f"After the headers; {seen}."
     elif counts.full_scale_seen:
-        draft.set(f"{table}.bit_depth", counts.bit_depth, f"Full scale is reached: {seen}.")
+        remark = f"Full scale is reached: {seen}."
     else:
-        text = f"{seen}; the smallest usual depth that holds it."
-        draft.set(f"{table}.bit_depth", counts.bit_depth, f"{text[0].upper()}{text[1:]}")
+        remark = f"{seen[0].upper()}{seen[1:]}; the smallest usual depth that holds it."
+    draft.set(f"{table}.bit_depth", depth, remark)
 
 
 def _compare_cameras(draft: _Draft, one: CameraSurvey, two: CameraSurvey) -> None:
@@ -343,33 +341,34 @@ def _draft_motion(draft: _Draft, survey: Survey, kind: str) -> None:
 def _draft_optional_log(draft: _Draft, survey: Survey) -> set[str]:
     """The log of a run that can do without one; returns the quantities that it holds."""
     table = _find_table(survey, ("frame",))
-    if table is None:
-        found = propose_log(survey.logs, survey.cameras[0].frames.pages)
-        if found is not None:
-            _draft_proposal(draft, survey, found)
-            return {*found.columns, *map(str, found.values)}
-        _report_missing_table(draft, survey, "encoder log", "frame", needed=False)
-        draft.leave_out.append("encoder")
-        return set()
-
-    _draft_table(draft, survey, table)
-    try:
-        log = read_encoder_log(table.path, needs_angle=False)
-    except ErlifError as error:
-        draft.warn("encoder log", str(error))
-        return set()
-    speeds = {"speed"} if {"sliding_speed", "rotation_speed"} & set(log) else set()
-    return {*map(str, log), *speeds}
+    if table is not None:
+        log = _read_own_log(draft, survey, table, needs_angle=False)
+        names = set() if log is None else set(map(str, log))
+        return names | {"speed"} if {"sliding_speed", "rotation_speed"} & names else names
+    found = propose_log(survey.logs, survey.cameras[0].frames.pages)
+    if found is not None:
+        _draft_proposal(draft, survey, found)
+        return {*found.columns, *map(str, found.values)}
+    _report_missing_table(draft, survey, "encoder log", "frame", needed=False)
+    draft.leave_out.append("encoder")
+    return set()
 
 
-def _draft_table(draft: _Draft, survey: Survey, table: TextTable) -> None:
-    """Name and columns of the log, and whether its rows fit the frames."""
+def _read_own_log(
+    draft: _Draft, survey: Survey, table: TextTable, *, needs_angle: bool
+) -> EncoderLog | None:
+    """The log whose columns have the names of erlif, and whether its rows fit the frames."""
     draft.set("encoder.file", os.path.relpath(table.path, survey.directory))
     draft.note("encoder log", f"{table.path.name}, {table.rows} rows: {', '.join(table.header)}")
     pages = {camera.frames.pages for camera in survey.cameras[:2]}
     if pages != {table.rows}:
         counts = " and ".join(str(count) for count in sorted(pages))
         draft.warn("encoder log", f"{table.rows} rows for {counts} frames: one row per frame pair")
+    try:
+        return read_encoder_log(table.path, needs_angle=needs_angle)
+    except ErlifError as error:
+        draft.warn("encoder log", str(error))
+        return None
 
 
 def _draft_log(draft: _Draft, survey: Survey) -> None:
@@ -378,18 +377,12 @@ def _draft_log(draft: _Draft, survey: Survey) -> None:
     if table is None:
         _draft_foreign_log(draft, survey)
         return
-    _draft_table(draft, survey, table)
     if "load_N" not in table.header:
         draft.set("joint.load", GAP, "The encoder log has no column load_N.")
-
-    try:
-        log = read_encoder_log(table.path)
-    except ErlifError as error:
-        draft.warn("encoder log", str(error))
-        return
-    cycle = find_cycle(log.angle.values)
-    time = log["time"].values if "time" in log else None
-    _draft_cycle(draft, cycle, time)
+    log = _read_own_log(draft, survey, table, needs_angle=True)
+    if log is not None:
+        time = log["time"].values if "time" in log else None
+        _draft_cycle(draft, find_cycle(log.angle.values), time)
 
 
 def _draft_foreign_log(draft: _Draft, survey: Survey) -> None:
@@ -412,9 +405,7 @@ def _draft_foreign_log(draft: _Draft, survey: Survey) -> None:
     if not found.in_time:
         _draft_cycle(draft, find_cycle(angle), None if time is None else time.values)
         return
-    round_ = float(np.ptp(np.unwrap(angle, period=360.0))) > WHOLE_TURN
-    link, motion = ("crank", "go round") if round_ else ("rocker", "go to and fro")
-    draft.set("encoder.mounted_on", link, f"The angles of the log {motion}.")
+    _draft_mount(draft, float(np.ptp(np.unwrap(angle, period=360.0))) > WHOLE_TURN)
 
 
 def _draft_proposal(draft: _Draft, survey: Survey, found: LogProposal) -> None:
@@ -462,9 +453,7 @@ def _ask_for_columns(draft: _Draft, found: LogProposal) -> None:
 
 def _draft_cycle(draft: _Draft, cycle: Cycle, time: Array | None) -> None:
     """Where the encoder sits, triggers per cycle, and the speed of the crank from the times."""
-    link = "crank" if cycle.on_crank else "rocker"
-    motion = "go round" if cycle.on_crank else "go to and fro"
-    draft.set("encoder.mounted_on", link, f"The angles of the log {motion}.")
+    _draft_mount(draft, cycle.on_crank)
     if cycle.triggers is None:
         draft.warn("encoder log", "the angles do not show a complete cycle")
         return
@@ -480,6 +469,11 @@ def _draft_cycle(draft: _Draft, cycle: Cycle, time: Array | None) -> None:
             draft.remarks["mechanism.crank_speed"] = (
                 f"The times of the log give {60 / period:.4g} rpm."
             )
+
+
+def _draft_mount(draft: _Draft, on_crank: bool) -> None:
+    link, motion = ("crank", "go round") if on_crank else ("rocker", "go to and fro")
+    draft.set("encoder.mounted_on", link, f"The angles of the log {motion}.")
 
 
 # profile
