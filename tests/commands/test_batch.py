@@ -54,12 +54,6 @@ def test_resume_shows_the_films_that_are_kept(series, film):
     assert result.stdout.splitlines()[0].endswith("; finished before")
 
 
-def test_a_table_is_processed(series, command):
-    (series / "runs.csv").write_text("run_dir,output\nmonday,out/monday.zarr\n")
-    command("batch", series / "runs.csv")
-    assert (series / "out" / "monday.zarr" / "zarr.json").is_file()
-
-
 def test_a_defect_ends_with_status_1_and_its_trace(series, monkeypatch):
     def fail(*arguments, **options):
         raise ZeroDivisionError("a slip")
@@ -81,25 +75,6 @@ def test_an_interruption_names_the_way_to_go_on(series, monkeypatch):
     assert "--resume" in result.stderr
 
 
-def test_a_directory_given_twice_is_refused(series, refused):
-    message = refused("batch", series / "monday", series / "monday")
-    assert "given twice" in message
-
-
-def test_no_argument_is_wrong_usage():
-    result = run_batch()
-    assert result.exit_code == 2
-    assert "Usage:" in result.stderr
-
-
 def test_a_scheduler_that_cannot_be_used_ends_the_batch_before_its_first_run(series, refused):
     message = refused("batch", series / "monday", "--scheduler", "somewhere")
     assert "local:N" in message
-
-
-def test_runs_are_computed_by_workers_of_dask(series, film, command):
-    pytest.importorskip("distributed")
-    shutil.copytree(series / "monday", series / "sunday")
-    command("batch", series / "monday", series / "sunday", "--scheduler", "local:1")
-    for name in ("monday", "sunday"):
-        assert (series / name / "film.nc").read_bytes() == film.read_bytes()

@@ -12,16 +12,11 @@ from erlif.commands.ending import EndedBySignal, signals_interrupt
 
 ERLIF = (sys.executable, "-m", "erlif")
 
-SIGNALS = [signal.SIGTERM, signal.SIGHUP]
-
-
-@pytest.fixture(params=SIGNALS, ids=lambda one: one.name, scope="module")
-def number(request):
-    return request.param
+SIGNALS = pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 
 
 @pytest.fixture(scope="module")
-def signalled(small_rig, tmp_path_factory, number):
+def signalled(small_rig, tmp_path_factory):
     """`erlif process` in a process that receives a signal at its third trigger; gives its run."""
     lab = type(small_rig)(tmp_path_factory.mktemp("signalled"))
     for name in ("run", "fixture"):
@@ -35,7 +30,7 @@ def write_and_receive(*arguments):
     global calls
     calls += 1
     if calls == 3:
-        os.kill(os.getpid(), {int(number)})
+        os.kill(os.getpid(), {int(signal.SIGTERM)})
     return write(*arguments)
 store.write_record = write_and_receive
 from erlif.commands.main import main
@@ -47,11 +42,11 @@ main({["process", str(lab.run), "--workers", "1"]!r})
     return lab, done
 
 
-def test_a_signal_ends_with_one_message_and_its_status(signalled, number):
+def test_a_signal_ends_with_one_message_and_its_status(signalled):
     _, done = signalled
-    assert done.returncode == 128 + number
+    assert done.returncode == 128 + signal.SIGTERM
     last = done.stderr.strip().splitlines()[-1]
-    assert last.startswith(f"erlif: ended by {number.name}.")
+    assert last.startswith("erlif: ended by SIGTERM.")
     assert "the same command resumes" in last
     assert "Traceback" not in done.stderr
 
@@ -65,6 +60,7 @@ def test_after_a_signal_the_lock_is_free_and_the_film_is_resumed(signalled, film
     assert lab.film.read_bytes() == film.read_bytes()
 
 
+@SIGNALS
 def test_a_signal_that_the_caller_ignores_stays_ignored(number):
     before = signal.signal(number, signal.SIG_IGN)
     try:
@@ -75,6 +71,7 @@ def test_a_signal_that_the_caller_ignores_stays_ignored(number):
         signal.signal(number, before)
 
 
+@SIGNALS
 def test_signals_have_their_default_again_after_the_command(number):
     before = signal.signal(number, signal.SIG_DFL)
     try:
@@ -85,11 +82,10 @@ def test_signals_have_their_default_again_after_the_command(number):
         signal.signal(number, before)
 
 
-@pytest.mark.parametrize("closed", ["2>&-", "0<&- 1>&- 2>&-"])
-def test_a_run_without_standard_streams_gives_the_same_film(lab, film, closed):
+def test_a_run_without_standard_streams_gives_the_same_film(lab, film):
     """The film must not take the descriptor of a closed stream: messages would enter it."""
-    line = f'exec "$@" {closed}'
     arguments = [*ERLIF, "-v", "process", str(lab.run)]
+    line = 'exec "$@" 0<&- 1>&- 2>&-'
     done = subprocess.run(["sh", "-c", line, "sh", *arguments], capture_output=True, check=False)
     assert done.returncode == 0
     assert lab.film.read_bytes() == film.read_bytes()

@@ -52,19 +52,6 @@ def test_an_implausible_length_is_a_note(command):
     assert "linkage.py" not in result.stderr
 
 
-def test_a_number_without_a_unit_is_wrong_usage():
-    result = CliRunner().invoke(main, ["linkage", "--swing", "26", *LINKS])
-    assert result.exit_code == 2
-    assert "Invalid value for '--swing': expected a number with a unit" in result.stderr
-
-
-def test_an_existing_figure_is_kept(refused, tmp_path):
-    path = tmp_path / "linkage.png"
-    path.write_text("mine", encoding="utf-8")
-    assert "--overwrite" in refused("linkage", *LINKS, "--swing", "26 deg", "-o", path)
-    assert path.read_text(encoding="utf-8") == "mine"
-
-
 def test_the_help_names_a_table_that_run_toml_has():
     text = CliRunner().invoke(main, ["linkage", "--help"]).output
     tables = set(re.findall(r"\[(\w+)\]\s+in\s+run\.toml", text))

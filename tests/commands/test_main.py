@@ -68,11 +68,6 @@ def test_wrong_usage_ends_with_status_2(lab, arguments):
     assert "Usage:" in result.stderr
 
 
-@pytest.mark.parametrize("name", ["process", "calibrate"])
-def test_a_directory_that_does_not_exist_is_refused(lab, refused, name):
-    assert "not a directory" in refused(name, lab.directory / "nowhere")
-
-
 def test_the_wrong_command_for_a_directory_is_recognised(lab, refused):
     message = refused("process", lab.fixture)
     assert "It holds fixture.toml: use the command for that" in message

@@ -44,14 +44,6 @@ def test_without_a_plan_the_example_is_named():
     assert "erlif plan --example > plan.toml" in result.stderr
 
 
-def test_a_plan_that_cannot_be_used_leaves_nothing_behind(path):
-    path.write_text(example_plan().replace('"0.008 mol/L"', '"8 mol/L"'), encoding="utf-8")
-    result = run("plan", path)
-    assert result.exit_code == 2
-    assert "Is it 8 mmol/L?" in result.stderr
-    assert [entry.name for entry in path.parent.iterdir()] == ["plan.toml"]
-
-
 def test_simulate_takes_a_plan_and_options_before_it(path):
     out = path.parent / "out"
     words = ("--size", "64x48", "--fixture-frames", "1", "--light", "0.5")
@@ -64,10 +56,3 @@ def test_simulate_takes_a_plan_and_options_before_it(path):
         assert truth.attrs["source"].endswith("the dyes' spectra are those of a plan")
         assert truth.film.min() < 2 < 10 < truth.film.max()
     assert 'band = "580 nm"' in (out / "run" / "run.toml").read_text(encoding="utf-8")
-
-
-def test_simulate_refuses_a_plan_that_is_none(tmp_path):
-    result = run("simulate", tmp_path / "out", "--plan", tmp_path / "no.toml")
-    assert result.exit_code == 2
-    assert "there is no such file" in result.stderr
-    assert not (tmp_path / "out").exists()

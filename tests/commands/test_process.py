@@ -55,12 +55,6 @@ def without_column(lab, name):
     log.write_text("\n".join(",".join(row[:place] + row[place + 1 :]) for row in rows) + "\n")
 
 
-def test_a_load_given_nowhere_is_refused(lab, refused):
-    without_column(lab, "load_N")
-    lab.edit("run/run.toml", ('load = "222.411 N"', ""))
-    assert "no load_N" in refused("process", lab.run)
-
-
 def test_the_load_of_the_settings_stands_in_for_the_logs(lab, command):
     without_column(lab, "load_N")
     command("process", lab.run)
@@ -85,13 +79,6 @@ def test_vogels_law_follows_the_temperature(lab, command, film):
     assert "isoviscous-rigid" in ours.film_regime_map.attrs["regime"]
     ratio = ours.film_regime_map / constant.film_regime_map
     np.testing.assert_allclose(ratio, viscosity / 0.12, rtol=1e-6)
-
-
-def test_a_region_outside_the_image_is_refused(lab, refused):
-    lab.edit("run/run.toml", ("x = [4, 15]", "x = [40, 150]"))
-    message = refused("process", lab.run)
-    assert "x 0 to 19.05 mm" in message
-    assert "[40, 150]" in message
 
 
 def test_a_slider_crank_is_processed(lab, command):
@@ -164,20 +151,3 @@ def test_a_film_of_workers_is_that_of_threads(lab, film, command):
     assert "film: 6 done" in result.stderr
     assert lab.film.read_bytes() == film.read_bytes()
     assert not list(lab.run.glob("*.partial"))
-
-
-def test_an_unknown_scheduler_is_refused_with_the_known_forms(lab, refused):
-    message = refused("process", lab.run, "--scheduler", "somewhere")
-    assert "local:N" in message
-    assert "tcp://HOST:8786" in message
-    assert "'somewhere'" in message
-
-
-def test_threads_and_workers_of_dask_together_are_refused(lab, refused):
-    message = refused("process", lab.run, "--scheduler", "local:2", "--workers", 3)
-    assert "local:3" in message
-
-
-def test_a_missing_library_is_refused_with_the_way_to_install_it(lab, refused, monkeypatch):
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    assert 'pip install "erlif[cluster]"' in refused("process", lab.run, "--scheduler", "local:2")

@@ -19,12 +19,6 @@ def test_a_rehearsal_is_written_with_its_truth(tmp_path):
     assert (tmp_path / "out" / "truth.nc").is_file()
 
 
-def test_a_picture_size_that_cannot_be_read_is_refused_with_an_example(tmp_path):
-    result = CliRunner().invoke(main, ["simulate", str(tmp_path / "out"), "--size", "wide"])
-    assert result.exit_code == 2
-    assert "320x256" in result.output
-
-
 @pytest.mark.parametrize(
     ("option", "value", "words"),
     [
@@ -113,13 +107,3 @@ def test_overwriting_spares_what_the_rig_has_not_written(tmp_path, precious):
     assert result.exit_code == 2
     assert precious in result.stderr
     assert snapshot(out) == before
-
-
-def test_overwriting_replaces_a_rehearsal_with_its_products(tmp_path):
-    out = tmp_path / "out"
-    for option in ((), ("--overwrite",)):
-        assert CliRunner().invoke(main, ["simulate", str(out), *SMALL, *option]).exit_code == 0
-        (out / "run" / "film.nc").touch()
-        (out / "run" / "figures").mkdir(exist_ok=True)
-        (out / "fixture" / "calibration.nc").touch()
-    assert not (out / "run" / "camera3").exists()

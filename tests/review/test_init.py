@@ -14,7 +14,7 @@ from scenes.camera_files import random_frames, write_im7, write_mraw
 
 import erlif
 from conftest import SMALL
-from erlif.core.errors import FrameError, OutputError
+from erlif.core.errors import OutputError
 from erlif.core.notes import Level
 from erlif.rig import RigSettings, simulate
 
@@ -254,43 +254,37 @@ def test_an_empty_folder_is_refused(tmp_path, refused):
     assert "no image file" in refused("init", tmp_path)
 
 
-def test_a_folder_that_does_not_exist_is_refused(tmp_path):
-    with pytest.raises(FrameError, match="is not a directory"):
-        erlif.init(tmp_path / "nowhere")
+def write_log(name, text):
+    return lambda folder: (folder / name).write_text(text)
 
 
-def test_one_camera_only_is_reported_and_the_other_a_gap(tmp_path):
-    photograph(tmp_path, *frames("cam1/{}.tif"))
-    assert "one camera only" in warnings(erlif.init(tmp_path))
-    assert read(tmp_path)["camera2"]["files"] == "??"
-
-
-def test_three_cameras_are_reported_with_their_names(tmp_path):
-    photograph(tmp_path, *(name for n in (1, 2, 3) for name in frames(f"cam{n}/{{}}.tif")))
-    assert "3 groups of frames" in warnings(erlif.init(tmp_path))
-
-
-def test_unequal_numbers_of_frames_are_reported_with_both_counts(folder):
-    (folder / "cam2_610nm" / "2.tif").unlink()
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda folder: shutil.rmtree(folder / "cam2_610nm"), ["one camera only"]),
+        (
+            lambda folder: photograph(folder, *frames("cam3/{}.tif")),
+            ["3 groups of frames", "cam3"],
+        ),
+        (
+            lambda folder: (folder / "cam2_610nm" / "2.tif").unlink(),
+            ["camera1 has 4 frames, camera2 has 3"],
+        ),
+        (
+            lambda folder: photograph(folder, *frames("cam2_610nm/{}.tif"), shape=(70, 90)),
+            ["80 x 64 uint16, camera2 of 90 x 70 uint16"],
+        ),
+        (
+            write_log("log.csv", "index,angle\n0,1\n"),
+            ["frame, angle_deg", "log.csv (index, angle)"],
+        ),
+        (write_log("encoder.csv", "frame,angle_deg\n0,1\n1,2\n2,3\n"), ["3 rows for 4 frames"]),
+    ],
+)
+def test_what_does_not_fit_is_reported(folder, change, words):
+    change(folder)
     text = warnings(erlif.init(folder))
-    assert "camera1 has 4 frames, camera2 has 3" in text
-
-
-def test_frames_of_different_size_are_reported(folder):
-    photograph(folder, *frames("cam2_610nm/{}.tif"), shape=(70, 90))
-    assert "80 x 64 uint16, camera2 of 90 x 70 uint16" in warnings(erlif.init(folder))
-
-
-def test_a_log_with_other_columns_is_reported_with_its_header(folder):
-    (folder / "log.csv").write_text("index,angle\n0,1\n")
-    text = warnings(erlif.init(folder))
-    assert "frame, angle_deg" in text
-    assert "log.csv (index, angle)" in text
-
-
-def test_rows_of_the_log_that_do_not_fit_the_frames_are_reported(folder):
-    (folder / "encoder.csv").write_text("frame,angle_deg\n0,1\n1,2\n2,3\n")
-    assert "3 rows for 4 frames" in warnings(erlif.init(folder))
+    assert all(word in text for word in words)
 
 
 def test_existing_settings_are_kept_unless_overwriting_is_allowed(folder):
@@ -336,17 +330,6 @@ def test_check_lists_every_gap_with_table_key_unit_and_meaning(folder):
     assert "Size of a pixel" in pitch
     assert any("[joint.pin] poissons_ratio" in line for line in lines)
     assert any("[encoder] file" in line for line in lines)
-
-
-def test_check_of_a_directory_without_settings_proposes_init(folder):
-    (note,) = erlif.check(folder)
-    assert f"erlif init {folder}" in note.text
-
-
-def test_editors_find_the_schema_beside_the_file(folder):
-    erlif.init(folder)
-    first = (folder / "run.toml").read_text().splitlines()[0]
-    assert (folder / first.removeprefix("#:schema ")).is_file()
 
 
 def test_columns_of_a_log_of_another_form_are_proposed(folder):

@@ -34,20 +34,6 @@ def test_a_run_without_ratios_is_a_warning(calibration):
     assert note.level == "warning"
 
 
-def test_a_calibration_of_the_files_beside_it_is_no_finding(small_rig, calibration):
-    path = small_rig.fixture / "calibration.nc"
-    assert list(note_age(calibration, path, allow_outside=False)) == []
-
-
-def test_a_profile_that_has_changed_since_is_named(lab, calibration):
-    with (lab.fixture / "profile.csv").open("a", encoding="utf-8") as file:
-        file.write("20.0,18.9,0.01\n")
-    (note,) = note_age(calibration, lab.fixture / "calibration.nc", allow_outside=False)
-    assert note.level == "warning"
-    assert "it was made from other files than the fixture has now: profile.csv changed" in note.text
-    assert "erlif calibrate" in note.text
-
-
 def test_a_fixture_that_cannot_be_read_is_a_warning(lab, calibration):
     lab.edit("fixture/fixture.toml", ("12", "twelve"))
     (note,) = note_age(calibration, lab.fixture / "calibration.nc", allow_outside=False)

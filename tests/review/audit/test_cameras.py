@@ -12,7 +12,6 @@ from erlif.review.audit.cameras import (
     correlate_flats,
     note_pulses,
     note_registration,
-    note_textures,
 )
 
 
@@ -43,11 +42,6 @@ def test_frames_without_a_common_texture_are_named(surveyed):
     last = list(note_registration(replace(surveyed, frames=frames)))[-1]
     assert last.level == "warning"
     assert last.text.startswith("no common texture of the cameras in pairs 0.")
-
-
-def test_true_pairs_are_counted(surveyed, run):
-    (note,) = note_pulses(surveyed, run.pairs)
-    assert note.text == "6 of 6 pairs searched for images of other pulses"
 
 
 def test_copies_that_the_counts_did_not_show_are_named(surveyed, run):
@@ -85,10 +79,6 @@ def test_the_picture_shows_light_and_a_difference_without_film(surveyed):
     assert abs(np.nanmean(picture.difference)) < 0.01  # the film is taken out
     ratio = np.nanmedian(picture.light[1] / picture.light[0])
     npt.assert_allclose(ratio, np.exp(np.median(surveyed.log_ratios)), rtol=0.05)
-
-
-def test_flats_of_the_rig_have_no_texture_in_common(surveyed):
-    assert list(note_textures(surveyed)) == []
 
 
 @pytest.mark.parametrize("orientation", ["normal", "mirrored_x"])

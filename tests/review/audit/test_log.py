@@ -52,13 +52,6 @@ def test_a_missed_trigger_is_found_between_its_neighbours(frame):
     assert any(f"jumps between frames {frame - 1} and {frame} (30 deg)" in text for text in texts)
 
 
-def test_triggers_of_a_swinging_link_in_time_have_no_gap():
-    """Its steps follow the speed, and vanish where it turns back."""
-    phase = np.linspace(0, 4 * np.pi, 50, endpoint=False)
-    log = xr.Dataset({"angle": ("frame", 12 * np.sin(phase)), "time": ("frame", 0.02 * phase)})
-    assert warnings(motion(log, xr.Dataset(), linkage=False)) == []
-
-
 def test_triggers_of_the_rocker_are_uneven_on_the_crank():
     """Even steps of a swing to and fro: at its ends the crank turns by far more."""
     swing = np.concatenate([np.linspace(-0.95, 0.95, 12), np.linspace(0.95, -0.95, 12)])

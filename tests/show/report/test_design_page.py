@@ -9,10 +9,9 @@ from html.parser import HTMLParser
 
 import pytest
 
-from erlif.core.errors import OutputError
 from erlif.io.settings import DesignSettings
 from erlif.joint.sizing.design import design, example_design, example_joint_file
-from erlif.show.report import design_page, make_design_page, write_design_page
+from erlif.show.report import design_page, make_design_page
 
 
 class Tags(HTMLParser):
@@ -87,15 +86,3 @@ def test_an_unsound_joint_is_reported_and_names_are_escaped(unsound_page):
     assert "<h1>&lt;b&gt;boom&lt;/b&gt; &amp; arm</h1>" in page
     assert "limits are exceeded" in page
     assert '<details id="step-pin_bending" open>' in page
-
-
-def test_the_same_joint_gives_the_same_bytes(page):
-    assert make_design_page(example_design()) == page
-
-
-def test_an_existing_page_is_kept(tmp_path):
-    path = tmp_path / "joint.html"
-    path.write_text("mine", encoding="utf-8")
-    with pytest.raises(OutputError, match="overwrite"):
-        write_design_page(example_design(), path)
-    assert path.read_text(encoding="utf-8") == "mine"

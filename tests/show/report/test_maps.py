@@ -10,7 +10,7 @@ import pytest
 from scenes import film as scene
 
 from erlif.show.report import MapCoding, decode_map, embed_map
-from erlif.show.report.maps import block_shape, describe_coding, finest_coding
+from erlif.show.report.maps import finest_coding
 
 FINE = MapCoding(1, 1e-3)
 
@@ -63,14 +63,6 @@ def test_standard_deviations_are_medians_of_blocks(film):
     npt.assert_allclose(found.std_shared[2, 5], 0.02, rtol=0.03)
 
 
-def test_block_at_the_edge_is_the_median_of_its_pixels(film):
-    small = film.isel(x=slice(4, 11), y=slice(0, 6))
-    found = decoded(small, 0)
-    assert found.std.shape == (2, 2) == block_shape((6, 7))
-    values = np.sort(small.thickness_std.values[0][4:, 4:].ravel())
-    npt.assert_allclose(found.std[1, 1], values[(values.size - 1) // 2], rtol=0.03)
-
-
 def test_block_without_valid_pixels_has_no_standard_deviation(film):
     found = decoded(film, 1)
     assert np.isnan(found.thickness[20:24, 30:34]).all()
@@ -81,7 +73,7 @@ def test_block_without_valid_pixels_has_no_standard_deviation(film):
     assert np.isfinite(found.std[5, 5])
 
 
-@pytest.mark.parametrize("std", [1e-4, 1e-3, 0.05, 2.0, 100.0])
+@pytest.mark.parametrize("std", [1e-4, 100.0])
 def test_standard_deviations_are_kept_over_six_decades(film, std):
     changed = film.load().copy(deep=True)
     changed.thickness_std.values[:] = std
@@ -101,13 +93,3 @@ def test_thick_film_reads_back_in_its_coarser_steps(film):
     coding = finest_coding(400.0)
     found = decoded(changed, 0, coding).thickness
     npt.assert_allclose(found[np.isfinite(found)], 399.9, atol=0.51 * coding.step)
-
-
-def test_viewer_has_the_constants_of_the_coding():
-    described = describe_coding(MapCoding(2, 3e-3))
-    assert described["stride"] == 2
-    assert described["step"] == 3e-3
-    # the formula of viewer.js for a code, against the decoder
-    code = 100
-    std = described["leastStd"] * 2 ** ((code - 1) / described["perOctave"])
-    npt.assert_allclose(std, 1e-4 * 2 ** (99 / 12))

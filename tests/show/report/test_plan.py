@@ -63,12 +63,6 @@ def test_a_plan_beyond_its_range_is_reported():
     assert re.search(r"They need \d\d\.\d% of the pulse energy, or a camera would saturate", text)
 
 
-def test_the_heading_has_the_films_of_the_plan_and_not_those_of_another():
-    text = summarise_plan(planned_with(('thickest = "10 um"', 'thickest = "16 um"')))
-    assert text.startswith("Plan: example rig, films of 2 to 16 um\n")
-    assert "10 um" not in text
-
-
 def test_frames_are_given_for_the_best_concentrations_too(planned):
     """The best concentrations need fewer frames over the whole range, film by film as computed."""
     text = summarise_plan(planned)
@@ -159,12 +153,3 @@ def test_the_plan_itself_is_never_replaced(planned, tmp_path):
         check_plan_output(Path(), overwrite=True)
     with pytest.raises(OutputError, match="name of a directory"):
         write_plan(planned, Path(), overwrite=True)
-
-
-def test_frames_of_the_table_are_those_of_the_nearest_film(planned):
-    lines = summarise_plan(planned).splitlines()
-    (head,) = [n for n, line in enumerate(lines) if line.startswith(" film um")]
-    first = lines[head + 1].split()
-    assert float(first[0]) == 2.0
-    assert float(first[-2]) == 20
-    assert np.isfinite(float(first[4]))

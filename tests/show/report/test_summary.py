@@ -9,7 +9,6 @@ import pytest
 from scenes import film as scene
 
 from erlif.calibration.departure import Departure
-from erlif.core.notes import Level, Note
 from erlif.show import plots
 from erlif.show.report import describe_calibration, summarise, summarise_in_a_line
 
@@ -52,12 +51,6 @@ def test_shares_of_valid_and_flagged_pixels_are_those_of_the_maps(film):
     assert line_of(text, "valid pixels") == f"{valid:.1f}%"
     assert "outside_overlap 3.75%" in line_of(text, "flagged pixels")
     assert "saturated" not in text
-
-
-def test_powers_are_given_with_their_standard_deviations(film):
-    assert line_of(summarise(film), "power of speed over load") == (
-        "minimum: n = 0.600 ± 0.010, mean: n = 0.400 ± 0.010; 6 triggers"
-    )
 
 
 def test_a_power_that_is_not_known_is_given_in_words(film):
@@ -128,12 +121,6 @@ def test_spline_is_described_by_its_range(calibration):
     text = describe_calibration(replace(calibration, departure=departure))
     assert line_of(text, "departure from the model").startswith("+1.01 to +1.01 % of the ratio")
     assert "departure from the model" not in describe_calibration(calibration)
-
-
-def test_notes_of_a_calibration_are_listed(calibration):
-    notes = (Note(Level.NOTE, "camera1", "one"), Note(Level.WARNING, "", "two"))
-    text = describe_calibration(replace(calibration, notes=notes))
-    assert text.splitlines()[-2:] == ["  warning: two", "  note: camera1: one"]  # warnings first
 
 
 # one line

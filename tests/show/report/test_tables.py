@@ -22,7 +22,6 @@ from erlif.show.report.tables import (
     results_table,
     theory_sentences,
     trigger_section,
-    with_digits,
     with_error,
     with_span,
 )
@@ -57,11 +56,6 @@ def test_range_is_that_of_the_known_values():
     assert with_span(np.array([3.0, np.nan, 1.5])) == "1.5 to 3"
     assert with_span(np.array([2.0, 2.0])) == "2"
     assert with_span(np.array([np.nan])) == "not known"
-
-
-def test_digits_are_fixed():
-    assert with_digits(-1.0, 3) == "−1.000"
-    assert with_digits(float("nan"), 3) == "not known"
 
 
 def test_results_are_rows_of_the_summary_and_stand_against_theory(film):
@@ -161,13 +155,6 @@ def test_theory_has_three_significant_digits(changed):
     assert rows[0][head.index("at column, row [px]")] == "68, 13"
 
 
-def test_temperature_is_listed_where_it_was_logged(changed):
-    changed["temperature"] = ("trigger", np.full(scene.TRIGGERS, 40.0))
-    changed["operator"] = ("trigger", np.full(scene.TRIGGERS, "A. N."))
-    head, row, *_ = rows_of(trigger_section(changed, np.ones(scene.TRIGGERS)))
-    assert row[head.index("Oil [°C]")] == "40.00"
-
-
 def test_what_carries_the_film_stands_below_the_results(film):
     first, *_ = theory_sentences(film)["carried"]
     assert first.startswith("Assumed: pin free sideways")
@@ -217,11 +204,3 @@ def test_file_and_table_of_many_triggers_are_thinned_and_say_so(changed, read_pa
     assert f"The CSV file holds one of {step}; erlif export writes all." in text
     assert "The table holds one of 4 triggers." in text
     assert len(page.all("tr")) == 501
-
-
-def test_all_triggers_are_in_the_file_where_the_table_is_thinned(changed, read_page):
-    many = changed[["frames_used", "film_min"]].isel(trigger=np.arange(1200) % 6)
-    many = many.assign_coords(trigger=np.arange(1200)).assign_attrs(changed.attrs)
-    page = read_page(trigger_section(many.drop_vars("film_min"), np.ones(1200)))
-    assert "The CSV file holds all 1200." in page.texts["p"]
-    assert len(saved(page)[1]) == 1200

@@ -40,11 +40,6 @@ def test_axes_of_a_thinned_map_have_the_pitch_of_the_kept_pixels(film):
     assert (data["width"], data["height"]) == (27, 22)
 
 
-def test_triggers_are_named(data):
-    assert len(data["triggers"]) == scene.TRIGGERS
-    assert data["triggers"][1].startswith("Trigger 1, ")
-
-
 def test_palette_is_the_colour_map_of_the_figures(data):
     colours = re.findall("......", data["palettes"]["even"])
     assert len(colours) == 256
@@ -68,13 +63,6 @@ def test_data_cannot_end_its_element(film):
     assert "<" not in viewer_data(film, EVERY)
 
 
-def test_controls_have_labels_and_the_range_of_the_triggers(film, read_page):
-    page = read_page(viewer_section(film, EVERY))
-    (slider,), (layer,) = page.all("input"), page.all("select")
-    assert (slider["min"], slider["max"]) == ("0", f"{scene.TRIGGERS - 1}")
-    assert {label["for"] for label in page.all("label")} == {slider["id"], layer["id"]}
-
-
 def test_viewer_opens_at_the_trigger_of_the_figures(page, film):
     """The fastest of the outward stroke: crank angles of the scene, speed by differences."""
     speed = np.where(scene.rocker_speed(scene.CRANK) > 0, scene.rocker_speed(scene.CRANK), 0)
@@ -87,13 +75,6 @@ def test_maps_of_standard_deviation_have_scales_from_zero(data):
     """The shared one of the scene is 0.02 um at every pixel."""
     assert data["limits"]["std_shared"] == [0.0, 0.02]
     assert data["limits"]["std"][0] == 0.0
-
-
-def test_scale_of_the_difference_has_its_zero_in_the_middle(data):
-    low, high = data["limits"]["difference"]
-    assert low == -high
-    vik = re.findall("......", data["palettes"]["signed"])
-    assert len(vik) == 256
 
 
 def test_maps_of_the_prediction_are_offered_where_the_film_has_one(film, read_page):
@@ -109,21 +90,9 @@ def test_thinning_is_named_beside_the_viewer(film, stride, ordinal):
     assert f"every {ordinal} pixel" in viewer_section(film, MapCoding(stride, 1e-3))
 
 
-def test_rounding_is_named_beside_the_viewer(film):
-    section = viewer_section(film, MapCoding(1, 2e-3))
-    assert "rounded\nto 2 nm" in section
-    assert "The page holds every" not in section
-
-
 def test_script_finds_its_elements_on_the_page(page):
     """Names that viewer.js looks up exist, apart from the maps, whose names it composes."""
     script = resources.files("erlif.show.report").joinpath("viewer.js").read_text(encoding="utf-8")
     wanted = set(re.findall(r'getElementById\("([^"]+)"\)', script))
     assert len(wanted) >= 7
     assert wanted <= {attrs["id"] for _, attrs in page.elements if "id" in attrs}
-
-
-def test_controls_of_the_viewer_stay_in_one_row():
-    style = resources.files("erlif.show.report").joinpath("page.css").read_text("utf-8")
-    (controls,) = re.findall(r"\n\.controls \{([^}]*)\}", style)
-    assert "wrap" not in controls
