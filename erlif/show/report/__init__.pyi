@@ -4,7 +4,6 @@ from .comparison import write_pair_table
 from .design import list_materials, summarise_design
 from .design_page import make_design_page, write_design_page
 from .linkage import summarise_linkages
-from .maps import MapCoding, decode_map, embed_map
 from .page import write_report
 from .plan import check_plan_output, summarise_plan, write_plan
 from .prediction import summarise_prediction
@@ -12,11 +11,8 @@ from .runs import write_runs_report
 from .summary import describe_calibration, summarise, summarise_in_a_line
 
 __all__ = [
-    "MapCoding",
     "check_plan_output",
-    "decode_map",
     "describe_calibration",
-    "embed_map",
     "list_materials",
     "make_design_page",
     "render_budget",

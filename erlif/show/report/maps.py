@@ -37,31 +37,6 @@ class MapCoding:
     step: float
 
 
-@dataclass(frozen=True)
-class DecodedMap:
-    """The content of a page for one trigger.
-
-    Attributes
-    ----------
-    thickness : Array
-        (row, column): film thickness, NaN where flagged. [um]
-    flags : FlagImage
-        (row, column): bits of `erlif.core.flags.Flag`.
-    std : Array
-        (block row, block column): random standard deviation, NaN without valid pixels. [um]
-    std_shared : Array
-        (block row, block column): shared standard deviation, as `std`. [um]
-    predicted : Array | None
-        (row, column): predicted film, NaN beyond 16 bits; None where the page has none. [um]
-    """
-
-    thickness: Array
-    flags: FlagImage
-    std: Array
-    std_shared: Array
-    predicted: Array | None = None
-
-
 def finest_coding(thickest: float) -> MapCoding:
     """Keep every pixel, in steps of 1 nm if 16 bits reach `thickest` [um]."""
     return MapCoding(1, _FINEST_STEP * max(1, math.ceil(thickest / _REACH)))
@@ -92,18 +67,6 @@ def embed_map(
     -------
     str
         Base64.
-
-    Examples
-    --------
-    Reading back leaves a rounding of half a count:
-
-    >>> from erlif.show.plots import example_film
-    >>> film, coding = example_film(), MapCoding(stride=1, step=1e-3)
-    >>> text = embed_map(film, trigger=0, coding=coding)
-    >>> decoded = decode_map(text, shape=film.thickness.shape[1:], coding=coding)
-    >>> error = np.nanmax(abs(decoded.thickness - film.thickness.values[0]))
-    >>> bool(error < 0.501e-3)
-    True
     """
     # one selection for all variables, so that they stay on one grid
     one = film[["thickness", "thickness_std", "thickness_std_shared", "flags"]].isel(
@@ -164,49 +127,6 @@ def _block_median(values: Array) -> Array:
 def block_shape(shape: tuple[int, int]) -> tuple[int, int]:
     """Rows and columns of the blocks of a map of this shape."""
     return -(-shape[0] // _BLOCK), -(-shape[1] // _BLOCK)
-
-
-def decode_map(text: str, *, shape: tuple[int, int], coding: MapCoding) -> DecodedMap:
-    """Read the text of `embed_map`, as the viewer of the page does.
-
-    Parameters
-    ----------
-    text : str
-        Base64.
-    shape : (int, int)
-        Rows and columns of the kept pixels.
-    coding : MapCoding
-        That of the page.
-
-    Returns
-    -------
-    DecodedMap
-        Thickness, flags, standard deviations and, where the page has it, the prediction.
-
-    Examples
-    --------
-    >>> from erlif.show.plots import example_film
-    >>> film, coding = example_film(), MapCoding(stride=2, step=1e-3)
-    >>> text = embed_map(film, trigger=0, coding=coding)
-    >>> decode_map(text, shape=(12, 32), coding=coding).std.shape
-    (3, 8)
-    """
-    # the order of the planes is that of embed_map
-    data = np.frombuffer(zlib.decompress(base64.b64decode(text)), np.uint8)
-    pixels, blocks = shape[0] * shape[1], block_shape(shape)
-    high, low, flags = (data[n * pixels : (n + 1) * pixels].reshape(shape) for n in range(3))
-    thickness = np.where(flags == 0, (high.astype(float) * 256 + low) * coding.step, np.nan)
-
-    end = 3 * pixels + 2 * blocks[0] * blocks[1]
-    codes = data[3 * pixels : end].reshape(2, *blocks).astype(float)
-    std = np.where(codes > 0, _LEAST_STD * 2 ** ((codes - 1) / _PER_OCTAVE), np.nan)
-    if data.size == end:
-        return DecodedMap(thickness, flags, std[0], std[1])
-
-    high, low = (data[end:][n * pixels : (n + 1) * pixels].reshape(shape) for n in range(2))
-    counts = high.astype(float) * 256 + low
-    predicted = np.where(counts < _FULL_SCALE, counts * coding.step, np.nan)
-    return DecodedMap(thickness, flags, std[0], std[1], predicted)
 
 
 def describe_coding(coding: MapCoding) -> dict[str, float]:

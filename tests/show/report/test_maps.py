@@ -8,9 +8,9 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes import film as scene
+from scenes.embedded import decode_map
 
-from erlif.show.report import MapCoding, decode_map, embed_map
-from erlif.show.report.maps import finest_coding
+from erlif.show.report.maps import MapCoding, embed_map, finest_coding
 
 FINE = MapCoding(1, 1e-3)
 

@@ -6,14 +6,15 @@ import json
 
 import numpy.testing as npt
 import pytest
+from scenes.embedded import decode_map
 from scenes.long_film import phase_map, phases, write_long_film
 
 from erlif.core.errors import ErlifError
 from erlif.io.files import open_film
 from erlif.show.plots.files import DRAWN
-from erlif.show.report import decode_map, embed_map, write_report
 from erlif.show.report import page as pages
-from erlif.show.report.maps import MapCoding
+from erlif.show.report import write_report
+from erlif.show.report.maps import MapCoding, embed_map
 from erlif.show.report.thinning import choose_maps, spread_evenly
 
 TRIGGERS, SHAPE = 300, (96, 128)

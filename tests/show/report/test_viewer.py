@@ -14,7 +14,7 @@ from scenes import film as scene
 from erlif.core.flags import Flag
 from erlif.show.plots.maps import common_limits
 from erlif.show.plots.style import colour_map
-from erlif.show.report import MapCoding
+from erlif.show.report.maps import MapCoding
 from erlif.show.report.viewer import viewer_data, viewer_section
 
 EVERY = MapCoding(1, 1e-3)
