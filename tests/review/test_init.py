@@ -263,8 +263,8 @@ def write_log(name, text):
     [
         (lambda folder: shutil.rmtree(folder / "cam2_610nm"), ["one camera only"]),
         (
-            lambda folder: photograph(folder, *frames("cam3/{}.tif")),
-            ["3 groups of frames", "cam3"],
+            lambda folder: photograph(folder, *frames("cam3_640nm/{}.tif")),
+            ["3 groups of frames"],
         ),
         (
             lambda folder: (folder / "cam2_610nm" / "2.tif").unlink(),
