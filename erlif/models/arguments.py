@@ -222,7 +222,23 @@ def _read_quantity(
     return require, _Scale(**scale) if scale else None
 
 
-_TABLE = tomllib.loads((files("erlif.models") / "arguments.toml").read_text(encoding="utf-8"))
+def read_table(name: str) -> dict[str, Any]:
+    """Read a table beside the models.
+
+    Returns
+    -------
+    dict
+        Contents of the file.
+
+    Examples
+    --------
+    >>> read_table("arguments.toml")["quantities"]["share"]
+    {'within': [0.0, 1.0]}
+    """
+    return tomllib.loads((files("erlif.models") / name).read_text(encoding="utf-8"))
+
+
+_TABLE = read_table("arguments.toml")
 
 QUANTITIES = {name: _read_quantity(**row) for name, row in _TABLE["quantities"].items()}
 """Kinds of arguments: what refuses a value of each, and the sizes that it has in machines."""

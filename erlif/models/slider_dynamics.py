@@ -14,7 +14,13 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.described import describe
 from erlif.core.errors import ModelError
-from erlif.models.arguments import formula, require_known, require_positive, require_single
+from erlif.models.arguments import (
+    formula,
+    read_table,
+    require_known,
+    require_positive,
+    require_single,
+)
 from erlif.models.mechanism import SliderCrank
 from erlif.models.reaction import SliderCrankBodies, warn_of_compression
 from erlif.models.slider.contact import ContactLaw
@@ -40,31 +46,7 @@ _FEWEST_STEPS = 10
 _MOST_TOUCHES = 100_000
 """Touches and losses of contact after which a simulation is given up."""
 
-_VARIABLES = {
-    "crank_angle": ("rad", "angle of the crank from the line of the slider"),
-    "crank_speed": ("rad/s", "speed of the crank"),
-    "slider_position": ("m", "distance from crank pivot to slider pin"),
-    "slider_speed": ("m/s", "speed of the slider, outward"),
-    "rod_angle": ("rad", "direction of the rod from crank pin to slider"),
-    "rod_speed": ("rad/s", "rate of the rod angle"),
-    "eccentricity_x": ("m", "pin centre from bushing centre, along the line of the slider"),
-    "eccentricity_y": ("m", "pin centre from bushing centre, across the line of the slider"),
-    "penetration": ("m", "penetration of the pin into the bushing, negative while apart"),
-    "force_x": ("N", "force of the pin on the rod, along the line of the slider"),
-    "force_y": ("N", "force of the pin on the rod, across the line of the slider"),
-    "force": ("N", "magnitude of the joint force"),
-    "normal": ("N", "share of the joint force normal to the contact"),
-    "contact_angle": ("rad", "place of contact on the bushing; 0 with the rod in tension"),
-    "slip_speed": ("m/s", "speed of the pin surface against the bushing"),
-    "crank_torque": ("N m", "torque that drives the crank"),
-    "kinetic_energy": ("J", "energy of motion of crank, rod and slider"),
-    "spring_energy": ("J", "work stored in the spring since the outer dead centre"),
-    "contact_energy": ("J", "elastic energy of the contact"),
-    "drive_work": ("J", "work of the drive since the start"),
-    "friction_loss": ("J", "work lost to friction since the start"),
-    "impact_loss": ("J", "work lost to the damping of the contact since the start"),
-    "rubbing": ("N m", "integral of normal force over sliding distance since the start"),
-}
+_VARIABLES = read_table("variables.toml")["slider_crank"]
 """Units and descriptions of the variables of a simulation."""
 
 

@@ -1,8 +1,8 @@
 """Published numbers of the four sources beside those of the models: the text of docs/sources.md.
 
-The printed numbers are in sources_numbers.csv and the misprints in sources_errata.csv beside this
-file; the column `model` of the first names an entry of `MODELS`, which computes the same number in
-the same unit.
+The printed numbers are in sources_numbers.csv, the misprints in sources_errata.csv and what has no
+data in sources.toml beside this file; the column `model` of the first names an entry of `MODELS`,
+which computes the same number in the same unit.
 """
 
 import csv
@@ -25,7 +25,7 @@ from erlif.models import (
     slider_wear,
     wear,
 )
-from erlif.models.arguments import Values
+from erlif.models.arguments import Values, read_table
 from erlif.models.mechanism import CrankRocker, SliderCrank, crank_for_swing
 
 LBF = 4.4482216152605
@@ -40,33 +40,10 @@ RPM = 2 * np.pi / 60
 HORSEPOWER = 745.7
 """[W]"""
 
-TITLES = {
-    "T": "Farzaneh (2002), Failure Analysis and Design of a Heavily Loaded Pin Joint",
-    "S": "Strand (2005), Design, Testing and Analysis of Journal Bearings for Construction "
-    "Equipment",
-    "M": "Mukras et al. (2008), Modeling a Slider-Crank Mechanism With Joint Wear",
-    "C": "Colbert et al. (2009), Edges, clearances, and wear",
-}
-"""Author and title of each source, by its key in the tables."""
+_SOURCES = read_table("sources.toml")
 
-OUT_OF_REACH = {
-    "T": "the curves of the tests and photographs, Figs. 4-3 to 4-11 and 5-4 to 5-10: they have no "
-    "data; `erlif endurance` and `erlif figures` draw the same for the logs and frames of a user. "
-    "The loads and places of Figs. 3-5 to 3-10 are not stated: [Edges](theory/edges.md) computes "
-    "2340, 756 and 543 MPa and the trends for each reading. The section and hole behind the "
-    "stresses of 37 and 60 MPa in the links are not printed; what would give them is in the table.",
-    "S": "papers A to G and Figs. 20 and 24 to 38: measured surfaces, finite elements and tests "
-    "without data.",
-    "M": "the measured masses and depths of Tables 4 and 5, which are tests. The curves of "
-    "Figs. 6, 8 and 13 to 15 have no numbers to compare with; "
-    "[Slider-crank with a worn joint](theory/slider_crank.md) computes forces, the worn profiles "
-    "and the difference of Fig. 15.",
-    "C": "Fig. 6, tests of single bushings. The curves of Figs. 7 and 8 and the contours of "
-    "Fig. B1 have no numbers; [Friction of a bushing](friction.md) computes them. The friction of "
-    "1.6 times the true one at an interference is computed as well, but neither load nor modulus "
-    "is printed: the table has the interference that gives it.",
-}
-"""Published results without a comparison in the tables, and why, by the key of the source."""
+TITLES: dict[str, str] = {key: row["title"] for key, row in _SOURCES.items()}
+"""Author and title of each source, by its key in the tables."""
 
 RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
 """The crank-rocker of Farzaneh (2002), appendix A.2."""
@@ -223,7 +200,7 @@ def _section(
     lines += ["", "| place | printed | correct | evidence |", "|" + "---|" * 4]
     for row in errata:
         lines.append(_line(row["place"], row["printed"], row["corrected"], row["evidence"]))
-    return [*lines, "", f"Not recomputed: {OUT_OF_REACH[source]}", ""]
+    return [*lines, "", f"Not recomputed: {_SOURCES[source]['out_of_reach']}", ""]
 
 
 def _line(*cells: str) -> str:

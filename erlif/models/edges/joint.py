@@ -28,6 +28,7 @@ from erlif.models.edges.cylinders import (
     Section,
     compute_compliance,
 )
+from erlif.models.reynolds.shapes import lobe_shape
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -675,5 +676,4 @@ def _lobe_shape(
             f"Lobes lie from 0 to the end of the bushing at {half:g} m, got {list(centres)}; those "
             "of the other half are the same."
         )
-    off = np.min([(places - centre) ** 2 for centre in centres], axis=0)
-    return np.asarray(-np.maximum(height - off / (2 * radius), 0.0))
+    return np.asarray(lobe_shape(places, centres=centres, radius=radius, height=height))

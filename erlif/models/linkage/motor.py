@@ -12,7 +12,7 @@ import scipy
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
-from erlif.models.arguments import formula
+from erlif.models.arguments import formula, read_table
 from erlif.models.linkage.measures import dead_points, links_of, rocker_rates
 from erlif.models.mechanism import CrankRocker
 
@@ -20,20 +20,8 @@ HORSEPOWER = 745.7
 """Watts of a horsepower of 550 ft lbf/s."""
 
 RATINGS = {
-    "hp": tuple(
-        HORSEPOWER * rating
-        for rating in (
-            *(0.25, 1 / 3, 0.5, 0.75, 1, 1.5, 2, 3, 5, 7.5, 10, 15, 20, 25, 30, 40, 50, 60, 75),
-            *(100, 125, 150, 200, 250, 300, 350, 400, 450, 500),
-        )
-    ),
-    "kW": tuple(
-        1e3 * rating
-        for rating in (
-            *(0.06, 0.09, 0.12, 0.18, 0.25, 0.37, 0.55, 0.75, 1.1, 1.5, 2.2, 3, 4, 5.5, 7.5, 11),
-            *(15, 18.5, 22, 30, 37, 45, 55, 75, 90, 110, 132, 150, 160, 185, 200, 220, 250),
-        )
-    ),
+    "hp": [HORSEPOWER * rating for rating in read_table("linkage/motors.toml")["hp"]],
+    "kW": [1e3 * rating for rating in read_table("linkage/motors.toml")["kW"]],
 }
 """Standard ratings of motors: NEMA MG 1 in horsepower, IEC 60072-1 in kilowatts. [W]"""
 

@@ -50,6 +50,9 @@ SMALLEST_COSINE = 0.1
 BEYOND = 10 * SWITCH_TOLERANCE
 """Share of the film by which a pin without resistance moves beyond where it meets oil. [1]"""
 
+THINNEST_FILM = 1e-9
+"""Film below which oil is no continuum: the size of its molecules. [m]"""
+
 MOST_ITERATIONS = 60
 """Newton steps until a solution is given up, besides those of moving edges; 3 or 4 are usual."""
 

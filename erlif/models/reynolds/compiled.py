@@ -1,7 +1,8 @@
 """The steps of `erlif.models.reynolds.balance` for the joint, compiled: many cycles, many fits.
 
 The half-angle frame, rigid walls and axes round the joint alone; everything else takes the plain
-form, to which tests hold this one. A step that does not converge is given back to the plain form.
+form, to which tests hold this one. A step that does not converge is given back to the plain form. The
+tolerances of `balance` are compiled in: after a change of one the cache of numba must be cleared.
 """
 
 from __future__ import annotations
@@ -12,36 +13,17 @@ import numpy as np
 from numba import njit
 
 from erlif.core.arrays import Array, Mask
+from erlif.models.reynolds.balance import (
+    LARGEST_APPROACH,
+    MOST_ITERATIONS,
+    RESIDUAL_TOLERANCE,
+    SWITCH_TOLERANCE,
+    THINNEST_FILM,
+)
 from erlif.models.reynolds.flow import ROUGHNESS_AMPLITUDE, ROUGHNESS_DECAY, SMALLEST_FLUIDITY
 
 # parts of `march`, laid in line: calls with so many arrays cost a tenth of the time
 _part = njit(error_model="numpy", inline="always")
-
-
-class Limits(NamedTuple):
-    """Tolerances of `balance` and `transient`.
-
-    They are arguments, because the cache of compiled code follows this file alone.
-
-    Attributes
-    ----------
-    switch : float
-        SWITCH_TOLERANCE.
-    residual : float
-        RESIDUAL_TOLERANCE.
-    approach : float
-        LARGEST_APPROACH.
-    iterations : int
-        MOST_ITERATIONS.
-    thinnest : float
-        THINNEST_FILM. [m]
-    """
-
-    switch: float
-    residual: float
-    approach: float
-    iterations: int
-    thinnest: float
 
 
 class Joint(NamedTuple):
@@ -365,7 +347,7 @@ def _flow(joint, work, content, storage, single):  # type: ignore[no-untyped-def
 
 
 @_part
-def _switch(work, floor, tolerance):  # type: ignore[no-untyped-def]
+def _switch(work, floor):  # type: ignore[no-untyped-def]
     """Exchange cells with a negative pressure or void; whether any were."""
     n, nz = work.film.shape
     highest, changed = 1.0, False
@@ -376,9 +358,9 @@ def _switch(work, floor, tolerance):  # type: ignore[no-untyped-def]
     for i in range(n):
         for j in range(nz):
             if full[i, j]:
-                if pressure[i, j] < floor - tolerance * highest:
+                if pressure[i, j] < floor - SWITCH_TOLERANCE * highest:
                     full[i, j], pressure[i, j], changed = False, floor, True
-            elif film[i, j] - oil[i, j] < -tolerance * film[i, j]:
+            elif film[i, j] - oil[i, j] < -SWITCH_TOLERANCE * film[i, j]:
                 full[i, j], changed = True, True
     return changed
 
@@ -547,7 +529,7 @@ def _shift(joint, work, cut, shift):  # type: ignore[no-untyped-def]
 
 
 @_part
-def _move(work, cut, shift, approach):  # type: ignore[no-untyped-def]
+def _move(work, cut, shift):  # type: ignore[no-untyped-def]
     """Take a Newton step, or the share of it that leaves enough film everywhere."""
     n, nz = work.film.shape
     nearest = 0.0
@@ -556,7 +538,7 @@ def _move(work, cut, shift, approach):  # type: ignore[no-untyped-def]
         nearer = shift[0] * cells[0, i] + shift[1] * cells[1, i]
         for j in range(nz):
             nearest = max(nearest, nearer / film[i, j])
-    share = 1.0 if nearest <= approach else approach / nearest
+    share = 1.0 if nearest <= LARGEST_APPROACH else LARGEST_APPROACH / nearest
     work.place[0] += share * shift[0]
     work.place[1] += share * shift[1]
     for c in range(n):
@@ -569,23 +551,23 @@ def _move(work, cut, shift, approach):  # type: ignore[no-untyped-def]
 
 
 @_part
-def _advance(joint, drive, film, work, limits, single, k):  # type: ignore[no-untyped-def]
+def _advance(joint, drive, film, work, single, k):  # type: ignore[no-untyped-def]
     """Newton steps until a step is solved: their number and the smallest film; -1 if it is not."""
     n, nz = work.film.shape
     storage = joint.dx * joint.dz * (1 / (drive.time[k] - drive.time[k - 1]))
     shift = np.zeros(2)
 
     # an edge of a cavity may have to move cell by cell through the film
-    for iteration in range(limits.iterations + n + nz):
+    for iteration in range(MOST_ITERATIONS + n + nz):
         thinnest = _conduct(joint, work, single)
         if not thinnest > 0:
             return -1, thinnest
         _flow(joint, work, film.content, storage, single)
-        changed = _switch(work, joint.floor, limits.switch)
+        changed = _switch(work, joint.floor)
         if changed:
             _flow(joint, work, film.content, storage, single)
         error = _unbalanced(joint, drive, film, work, storage, k)
-        if not changed and error <= limits.residual:
+        if not changed and error <= RESIDUAL_TOLERANCE:
             return iteration, thinnest
         cut = _known_column(work)
         if cut < 0:
@@ -595,7 +577,7 @@ def _advance(joint, drive, film, work, limits, single, k):  # type: ignore[no-un
         _solve(work.band, work.sides, nz)
         if not _shift(joint, work, cut, shift):
             return -1, thinnest
-        _move(work, cut, shift, limits.approach)
+        _move(work, cut, shift)
     return -1, thinnest
 
 
@@ -654,7 +636,7 @@ def _keep(joint, drive, film, work, single, k, row):  # type: ignore[no-untyped-
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def march(first, last, joint, drive, film, limits, rows):  # type: ignore[no-untyped-def]
+def march(first, last, joint, drive, film, rows):  # type: ignore[no-untyped-def]
     """Make the steps from `first` to `last`, in place; the first step that was not made.
 
     Parameters
@@ -664,7 +646,6 @@ def march(first, last, joint, drive, film, limits, rows):  # type: ignore[no-unt
     joint : Joint
     drive : Drive
     film : Film
-    limits : Limits
     rows : array, (step, column)
         Results in the order of `transient.SERIES`; displacements and reactions along the axes of
         the mount.
@@ -704,10 +685,10 @@ def march(first, last, joint, drive, film, limits, rows):  # type: ignore[no-unt
     compass = _compass(n, 0.0), _compass(n, 0.5)
     for k in range(first, last):
         _begin(joint, drive, film, work, compass, k)
-        iterations, thinnest = _advance(joint, drive, film, work, limits, single, k)
+        iterations, thinnest = _advance(joint, drive, film, work, single, k)
         least = joint.gap_cells.min() - np.hypot(work.place[0], work.place[1])
         beyond = joint.pressure_viscosity * work.pressure.max() >= 1 - SMALLEST_FLUIDITY
-        if iterations < 0 or beyond or least < limits.thinnest:
+        if iterations < 0 or beyond or least < THINNEST_FILM:
             return k
         _keep(joint, drive, film, work, single, k, rows[k])
         rows[k, 2], rows[k, 11] = thinnest, iterations

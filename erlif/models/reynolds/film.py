@@ -7,14 +7,7 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
-from erlif.models.arguments import (
-    Values,
-    require_finite,
-    require_not_negative,
-    require_positive,
-    require_single,
-    warn_of_units,
-)
+from erlif.models.arguments import Values, formula, warn_of_units
 from erlif.models.reynolds.balance import (
     Medium,
     NoConvergenceError,
@@ -36,6 +29,7 @@ SHORT_TIME = 1e-6
 """Time of the step from a given rate, over that in which the surfaces cross the film. [1]"""
 
 
+@formula(length="number", width="number", entrainment="speed", cavitation_pressure="signed number")
 def solve_film(
     film: Values,
     *,
@@ -125,7 +119,11 @@ def solve_film(
     times = np.zeros(1) if time is None else np.asarray(time, dtype=float)
     speeds = _over_time("entrainment", entrainment, number)
     loads = None if load is None else _over_time("load", load, number)
-    _check(length, width, viscosity, cavitation_pressure, pressure_viscosity, loads, speeds)
+    if cavitation_pressure > 0:
+        raise ModelError(
+            "cavitation_pressure is relative to ambient and at most 0, got "
+            f"{cavitation_pressure:g} Pa."
+        )
     fluid = Fluid(float(viscosity), float(pressure_viscosity), float(roughness or 0.0))
     grid = _grid(films.shape[1:], length, width, closed)
     medium = Medium(grid, fluid, float(cavitation_pressure), foundation)
@@ -188,38 +186,6 @@ def _over_time(name: str, value: Values, number: int) -> Array:
     if values.ndim and values.shape != (number,):
         raise ModelError(f"{name} must have one value for each of {number} films.")
     return np.broadcast_to(values, (number,))
-
-
-def _check(
-    length: float,
-    width: float | None,
-    viscosity: float,
-    cavitation_pressure: float,
-    pressure_viscosity: float,
-    loads: Array | None,
-    speeds: Array,
-) -> None:
-    """Refuse numbers without a meaning."""
-    positive = {"length": length, "viscosity": viscosity}
-    if width is not None:
-        positive["width"] = width
-    require_single(**positive, cavitation_pressure=cavitation_pressure)
-    require_positive(**positive)
-    require_finite(entrainment=speeds, cavitation_pressure=cavitation_pressure)
-    require_not_negative(pressure_viscosity=pressure_viscosity)
-    if any(np.isnan(value) for value in (*positive.values(), cavitation_pressure)):
-        raise ModelError("length, width, viscosity and cavitation_pressure must be numbers.")
-    if cavitation_pressure > 0:
-        raise ModelError(
-            "cavitation_pressure is relative to ambient and at most 0, got "
-            f"{cavitation_pressure:g} Pa."
-        )
-    if loads is not None:
-        require_positive(load=loads)
-        warn_of_units("load", load=loads)
-    warn_of_units("viscosity", viscosity=viscosity)
-    warn_of_units("pressure_viscosity", pressure_viscosity=pressure_viscosity)
-    warn_of_units("speed", entrainment=speeds)
 
 
 def _grid(shape: tuple[int, ...], length: float, width: float | None, closed: bool) -> Grid:

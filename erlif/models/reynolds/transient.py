@@ -9,11 +9,9 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
+from erlif.models.arguments import read_table
 from erlif.models.reynolds.balance import (
-    LARGEST_APPROACH,
-    MOST_ITERATIONS,
-    RESIDUAL_TOLERANCE,
-    SWITCH_TOLERANCE,
+    THINNEST_FILM,
     Medium,
     NoConvergenceError,
     State,
@@ -28,9 +26,6 @@ from erlif.models.reynolds.journal import Groove, Journal, Motion, Mount, as_mou
 
 if TYPE_CHECKING:
     import xarray as xr
-
-THINNEST_FILM = 1e-9
-"""Film below which oil is no continuum: the size of its molecules. [m]"""
 
 FEWEST_COMPILED = 1000
 """Steps above which the compiled form is loaded; it is compiled once on each machine."""
@@ -475,11 +470,8 @@ class Ride:
         )
         if self.earlier is not None:
             film.earlier[2], film.earlier[:free] = self.earlier
-        limits = compiled.Limits(
-            SWITCH_TOLERANCE, RESIDUAL_TOLERANCE, LARGEST_APPROACH, MOST_ITERATIONS, THINNEST_FILM
-        )
         rows = np.empty((motion.time.size, len(SERIES)))
-        done = compiled.march(first, last, joint, drive, film, limits, rows)
+        done = compiled.march(first, last, joint, drive, film, rows)
         if done == first:
             return first
 
@@ -569,51 +561,10 @@ def _turned(vector: Array, angle: float) -> Array:
     return np.array([along * cosine - side * sine, along * sine + side * cosine])
 
 
-SERIES = (
-    "displacement_load",
-    "displacement_side",
-    "film_min",
-    "peak_pressure",
-    "reaction_load",
-    "reaction_side",
-    "friction_torque",
-    "side_flow",
-    "supply_flow",
-    "oil_volume",
-    "power",
-    "iterations",
-)
+SERIES: tuple[str, ...] = tuple(read_table("variables.toml")["series"])
 """Variables over time."""
 
-UNITS = {
-    "displacement_load": ("m", "displacement of the pin along the load line"),
-    "displacement_side": ("m", "displacement of the pin sideways, towards positive phi"),
-    "film_min": ("m", "minimum film thickness"),
-    "eccentricity": ("1", "displacement of the pin over the radial clearance"),
-    "attitude": ("rad", "angle from the load line to the displacement"),
-    "peak_pressure": ("Pa", "highest pressure above ambient"),
-    "reaction_load": ("N", "force of the film along the load line"),
-    "reaction_side": ("N", "force of the film sideways"),
-    "friction_torque": ("N m", "torque that turns the bushing against the film"),
-    "side_flow": ("m3 s-1", "flow out of both ends"),
-    "supply_flow": ("m3 s-1", "flow out of the grooves"),
-    "oil_volume": ("m3", "oil in the gap"),
-    "power": ("W", "heat in the film"),
-    "iterations": ("1", "Newton steps"),
-    "film": ("m", "film thickness"),
-    "pressure": ("Pa", "pressure above ambient"),
-    "void_fraction": ("1", "share of the gap without oil"),
-    "force": ("N", "force of the pressure above ambient"),
-    "force_position": ("m", "place at which that force acts"),
-    "approach": ("m", "approach of the surfaces from the given shape"),
-    "friction_force": ("N", "force that moves the moving surface against the film"),
-    "x": ("m", "distance along sliding"),
-    "z": ("m", "distance across sliding"),
-    "time": ("s", "time"),
-    "time_of_map": ("s", "time of a map"),
-    "circumference": ("m", "distance from the load line along sliding"),
-    "axial": ("m", "distance from the middle along the axis"),
-}
+UNITS: dict[str, tuple[str, str]] = read_table("variables.toml")["film"]
 """Unit and name of each variable."""
 
 
