@@ -3,7 +3,6 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
-import xarray as xr
 from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.integrate import quad
@@ -94,39 +93,3 @@ def test_series_joins_the_closed_form_smoothly():
     around = np.array([0.9e-5, 1.1e-5, 0.9e-3, 1.1e-3])
     npt.assert_allclose(mean_transmission(around), 1 - around / 2 + around**2 / 6, rtol=1e-9)
     npt.assert_allclose(mean_transmission_log_slope(around), -0.5 + around / 12, atol=2e-11)
-
-
-SLOPE = {name: value for name, value in DYES.items() if name != "ratio_at_zero"}
-FUNCTIONS = [
-    (mean_transmission, {}),
-    (mean_transmission_log_slope, {}),
-    (band_signal, {"attenuation": 0.3}),
-    (log_band_ratio, DYES),
-    (log_band_ratio_slope, SLOPE),
-]
-
-
-@pytest.mark.parametrize(("function", "parameters"), FUNCTIONS)
-def test_scalars_give_floats_and_arrays_keep_their_kind(function, parameters):
-    one, two = function(1.0, **parameters), function(20, **parameters)
-    assert type(one) is type(two) is float
-    for films in ([1.0, 20.0], np.array([1.0, 20.0]), np.array([1.0, 20.0], np.float32)):
-        npt.assert_allclose(function(films, **parameters), [one, two], rtol=1e-14)
-    films = xr.DataArray([1.0, 20.0], dims="point", coords={"point": [7, 8]})
-    found = function(films, **parameters)
-    xr.testing.assert_allclose(found, xr.DataArray([one, two], coords=films.coords), rtol=1e-14)
-
-
-def test_parameters_broadcast_against_thickness():
-    ratio = log_band_ratio([[1.0], [5.0]], **{**DYES, "attenuation_camera1": [0.4, 0.5, 0.6]})
-    assert ratio.shape == (2, 3)
-    npt.assert_allclose(ratio[1, 0], log_band_ratio(5.0, **DYES), rtol=1e-14)
-
-
-def test_gradient_has_the_shape_of_the_thickness_behind_the_parameters():
-    assert log_band_ratio_gradient(1.0, **DYES).shape == (3,)
-    assert log_band_ratio_gradient(np.ones((4, 5)), **DYES).shape == (3, 4, 5)
-
-
-def test_missing_thickness_stays_missing():
-    npt.assert_array_equal(np.isnan(log_band_ratio([np.nan, 1.0], **DYES)), [True, False])

@@ -159,13 +159,6 @@ def test_reversals_of_another_length_are_refused():
         average_reversals(np.ones(4), load=1.0, radius=np.ones(4), direction=[1, 1, -1, -1])
 
 
-def test_sampled_torque_ratio_integrates_over_the_last_axis():
-    half_angle = np.array([0.3, 1.0])
-    angle = half_angle[:, None] * np.linspace(-1, 1, 801)
-    found = torque_ratio(angle, pressure=np.cos(angle))
-    npt.assert_allclose(found, truncated_cosine_torque_ratio(half_angle), rtol=1e-5)
-
-
 def test_sampled_torque_ratio_keeps_the_coordinates_of_data_arrays():
     angle = xr.DataArray(np.linspace(-1, 1, 401), dims="angle")
     case = xr.DataArray([1.0, 2.0], dims="case", coords={"case": [10, 20]})

@@ -57,11 +57,6 @@ def test_dir_and_star_import_show_every_module():
     assert run("import erlif.models\nprint(dir(erlif.models))") == str(dir(erlif.models))
 
 
-def test_unknown_module_is_an_attribute_error():
-    with pytest.raises(AttributeError, match=r"No erlif\.models attribute grease"):
-        _ = erlif.models.grease
-
-
 def test_models_import_numpy_and_scipy_only():
     heavy = (
         "xarray",

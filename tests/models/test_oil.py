@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from erlif.core.errors import ModelError, UnitWarning
+from erlif.core.errors import ModelError
 from erlif.models.oil import (
     THESIS_80W90,
     barus_viscosity,
@@ -148,42 +148,4 @@ def test_density_under_pressure_and_heat():
 )
 def test_bad_values_are_named(call, named):
     with pytest.raises(ModelError, match=named):
-        call()
-
-
-WALTHER = {
-    "viscosity_1": 140e-6,
-    "temperature_1": 313.15,
-    "viscosity_2": 13.5e-6,
-    "temperature_2": 373.15,
-}
-
-
-def test_fitted_constants_have_the_names_of_vogels_law():
-    constants = fit_vogel((298.15, 313.15, 373.15), viscosities=(0.3, 0.12, 0.0133))
-    assert {type(value) for value in constants} == {float}
-    npt.assert_allclose(vogel_viscosity(313.15, **constants._asdict()), 0.12)
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: vogel_viscosity(40.0, a=1e-4, b=900.0, c=-130.0), "temperature = 40 K"),
-        (
-            lambda: fit_vogel([25.0, 40.0, 100.0], viscosities=[0.3, 0.12, 0.0133]),
-            "temperatures = 25 K",
-        ),
-        (
-            lambda: fit_vogel([298.15, 313.15, 373.15], viscosities=[300.0, 120.0, 13.3]),
-            "viscosities = 300 Pa s",
-        ),
-        (
-            lambda: walther_viscosity(300.0, **{**WALTHER, "viscosity_1": 140.0}),
-            "viscosity_1 = 140",
-        ),
-        (lambda: walther_viscosity(100.0, **WALTHER), "temperature = 100 K"),
-    ],
-)
-def test_slip_of_units_warns(call, message):
-    with pytest.warns(UnitWarning, match=message):
         call()

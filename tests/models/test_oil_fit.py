@@ -3,9 +3,8 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
-import xarray as xr
 
-from erlif.core.errors import ModelError, UnitWarning
+from erlif.core.errors import ModelError
 from erlif.models.oil import vogel_viscosity, walther_viscosity
 from erlif.models.oil_fit import fit_viscosity, iso_vg_viscosity, sae_oil
 
@@ -98,13 +97,6 @@ def test_intervals_hold_the_law_with_few_points():
         assert abs(np.mean(hits) - share) < 3 * np.sqrt(share * (1 - share) / len(hits))
 
 
-def test_fitted_law_keeps_the_coordinates():
-    fit = fit_viscosity(T, viscosities=law_of("vogel"), relative_std=0.01)
-    warm = xr.DataArray([300.0, 350.0], dims="trigger", coords={"trigger": [3, 4]})
-    assert fit.viscosity(warm).std.dims == ("trigger",)
-    assert fit.interval(warm).upper.dims == ("trigger",)
-
-
 @pytest.mark.parametrize(
     ("grade", "lowest", "highest"),
     [(20, 6.9, 9.3), (30, 9.3, 12.5), (50, 16.3, 21.9), (60, 21.9, 26.1)],
@@ -164,8 +156,3 @@ def test_grades_of_iso():
 def test_bad_points_are_refused(call, message):
     with pytest.raises(ModelError, match=message):
         call()
-
-
-def test_a_viscosity_in_centistokes_warns():
-    with pytest.warns(UnitWarning, match="viscosities"):
-        fit_viscosity(T, viscosities=law_of("walther") * 1e6, law="walther")

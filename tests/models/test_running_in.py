@@ -3,7 +3,6 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
-import xarray as xr
 from scipy.integrate import quad
 
 from erlif.core.errors import ModelError
@@ -71,13 +70,6 @@ def test_clearance_and_interference_end_at_four_over_pi(clearance):
     npt.assert_allclose(ratio[2], STEADY_WEAR_TORQUE_RATIO, rtol=0.01)
 
 
-def test_steps_do_not_show():
-    """Many wanted distances are many steps."""
-    few = run_in_bushing(100.0, sliding_distance=[70.0], **PTFE)
-    many = run_in_bushing(100.0, sliding_distance=np.linspace(0, 70, 281), **PTFE)
-    npt.assert_allclose(few.torque_ratio[-1], many.torque_ratio[-1], rtol=1e-4)
-
-
 @pytest.mark.parametrize("group", [-1.0, -0.32, -0.1, 0.0, 0.3, 30.0])
 def test_thin_wall_is_the_integral_of_its_pressure(group):
     """c E' R/(q t) = group; e from the balance of e cos t - c by bisection."""
@@ -96,15 +88,6 @@ def test_thin_wall_is_the_integral_of_its_pressure(group):
     q = 1e5
     clearance = group * q * 1e-3 / (1e9 * 0.01)
     npt.assert_allclose(thin_wall_torque_ratio(q, clearance=clearance, **case), true, rtol=1e-6)
-
-
-def test_thin_wall_takes_arrays():
-    clearance = xr.DataArray([-2e-4, 0.0, 2e-4], dims="bushing")
-    found = thin_wall_torque_ratio(
-        1e5, clearance=clearance, shaft_radius=0.01, thickness=1e-3, modulus=1e9
-    )
-    assert found.dims == ("bushing",)
-    npt.assert_allclose(found[1], 4 / np.pi, rtol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -30,21 +30,6 @@ def test_given_motion_against_nonnegative_least_squares(problem):
     npt.assert_allclose(found.pressure, expected, atol=1e-8)
 
 
-def test_given_loads_are_those_of_the_motion_found(problem):
-    matrix, gap = problem
-    modes = np.array([np.ones(30), np.linspace(-1, 1, 30)])
-    found = solve_active_set(
-        lambda p: matrix @ p, gap, diagonal=np.diag(matrix), modes=modes,
-        targets=np.array([2.0, 0.3]), tolerance=1e-10,
-    )  # fmt: skip
-    npt.assert_allclose(modes @ found.pressure, [2.0, 0.3], rtol=1e-10)
-    again = solve_active_set(
-        lambda p: matrix @ p, gap, diagonal=np.diag(matrix), modes=modes,
-        motion=found.motion, tolerance=1e-10,
-    )  # fmt: skip
-    npt.assert_allclose(again.pressure, found.pressure, atol=1e-7)
-
-
 def test_cells_of_any_size_carry_forces_in_equilibrium(problem):
     """The forces of the cells, area times pressure, minimise the same energy."""
     matrix, gap = problem

@@ -79,26 +79,12 @@ def test_straight_bushing_presses_at_its_end(straight):
     assert np.all(np.diff(found.bending) > 0)  # the ends of the pin sink most
 
 
-def test_undercut_relieves_the_edge(straight, undercut):
-    before = solve_joint(straight, load=10 * TEN_THOUSAND_POUNDS)
-    after = solve_joint(undercut, load=10 * TEN_THOUSAND_POUNDS)
-    assert float(after.patch_pressure) < 0.5 * float(before.patch_pressure)
-    assert float(after.peak_pressure) < 0.4 * float(before.peak_pressure)
-
-
 def test_load_and_modulus_scale_together(short):
     """Farzaneh (2002), section 3.1: 1/75 of modulus and load are 1/75 of the pressure."""
     soft = replace(SHORT, youngs_modulus=200e9 / 75, pin_youngs_modulus=200e9 / 75)
     acrylic = solve_joint(prepare_joint(soft, **COARSE), load=TEN_THOUSAND_POUNDS / 75)
     steel = solve_joint(short, load=TEN_THOUSAND_POUNDS)
     npt.assert_allclose(75 * acrylic.pressure, steel.pressure, rtol=1e-6, atol=1.0)
-
-
-def test_lobes_take_the_pressure_off_the_ends(straight):
-    lobed = solve_joint(
-        straight, load=TEN_THOUSAND_POUNDS, lobes=[0.06], lobe_radius=0.2, lobe_height=0.15e-3
-    )
-    npt.assert_allclose(lobed.peak_z, 0.06, atol=0.008)
 
 
 def test_a_lobe_has_the_pressure_of_hertz():

@@ -22,15 +22,6 @@ def test_mean_power_is_the_friction_work_of_both_strokes():
     npt.assert_allclose(found.mean_power, np.mean(found.crank_torque) * SPEED, rtol=2e-3)
 
 
-def test_peak_is_at_the_fastest_place():
-    found = drive_power(RIG, crank_speed=SPEED, torque=TORQUE)
-    npt.assert_allclose(found.peak_power, TORQUE * 2.552104, rtol=1e-5)
-    npt.assert_allclose(found.peak_torque * SPEED, found.peak_power)
-    # about a sine between dead points
-    npt.assert_allclose(found.rms_power / found.peak_power, 1 / np.sqrt(2), rtol=0.02)
-    npt.assert_allclose(found.rms_torque * SPEED, found.rms_power)
-
-
 def test_the_motor_of_the_thesis():
     """7.1 hp at 24 rpm and a motor of 7.5 hp are printed."""
     npt.assert_allclose(TORQUE * 24 * np.pi / 30 / HP, 7.14, atol=5e-3)

@@ -43,11 +43,6 @@ def test_coefficients_are_those_of_lund_and_thomsen(row):
     npt.assert_allclose([b[0, 0], b[0, 1], b[1, 1]], row[8:], rtol=0.045, atol=0.005)
 
 
-def test_cross_damping_is_symmetric():  # Lund and Thomsen (1978)
-    b = coefficients(TABLE[2]).damping.values
-    npt.assert_allclose(b[0, 1], b[1, 0], rtol=0.01)
-
-
 def test_line_of_supply_stays_where_it_is():
     joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, cavitation_pressure=0.0)
     found = journal_coefficients(joint, speed=2.5, load=222.4, cells=(128, 4))

@@ -50,10 +50,3 @@ def test_compiled_steps_are_the_plain_ones(name):
         npt.assert_allclose(
             compiled[variable], plain[variable], atol=1e-8 * scale, err_msg=variable
         )
-
-
-def test_cases_have_cavities():
-    joint, case = CASES["long, guided, with cavities"]
-    journal = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, **joint)
-    found = solve_journal(journal, MOTION, maps=[7, 20], **case)
-    assert float(found.void_fraction.max()) > 0

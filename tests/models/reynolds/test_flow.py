@@ -18,12 +18,6 @@ def test_reduced_pressure_is_the_integral_of_the_fluidity():
     npt.assert_allclose(slope, np.exp(2e-8 * 8e7), rtol=1e-12)
 
 
-def test_smooth_mobility_is_cubic():
-    flow, slope = Fluid(0.1).mobility(np.array([1e-5, 2e-5]))
-    npt.assert_allclose(flow, [1e-15 / 1.2, 8e-15 / 1.2])
-    npt.assert_allclose(slope, [3e-10 / 1.2, 12e-10 / 1.2])
-
-
 @pytest.mark.parametrize(("ratio", "factor"), [(1.0, 0.486), (3.0, 0.832), (6.0, 0.969)])
 def test_pressure_flow_factor_of_patir_and_cheng(ratio, factor):
     """The isotropic fit of Patir and Cheng (1978), 1 - 0.9 exp(-0.56 H)."""

@@ -62,15 +62,6 @@ def test_long_joint_under_a_spring_creeps_to_its_rest():  # an exponential at sm
     npt.assert_allclose(found, 1e-9 * -np.expm1(-time * LONG.clearance), rtol=1e-4, atol=1e-15)
 
 
-def test_half_the_fluidity_is_twice_the_viscosity():
-    motion = crank_motion(RIG, crank_speed=SPEED, load=222.4, cycles=1, steps_per_cycle=50)
-    both = follow_full_film(JOINT, motion, start=np.zeros((2, 2)), fluidity=np.array([1.0, 0.5]))
-    thick = Journal(0.03336, 0.03359, length=0.237, viscosity=0.24)
-    npt.assert_allclose(
-        both[1], follow_full_film(thick, motion, start=np.zeros((1, 2)))[0], atol=1e-12
-    )
-
-
 def test_lowest_pressure_is_that_of_the_film():
     motion = Motion(np.array([0.0, 1e-3]), angle=np.zeros(2), load=222.4)
     for start in (0.0, 115e-6, 200e-6):

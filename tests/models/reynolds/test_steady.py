@@ -125,19 +125,6 @@ def test_full_sommerfeld_bearing():
     npt.assert_allclose(found.reaction_load, factor * size, rtol=1e-6)
 
 
-def test_acrylic_joint_under_constant_rotation():
-    """eps 0.4675, film 122 um, attitude 59.5 degrees at 50 lbf."""
-    # the source of the numbers takes 33.36 mm and a clearance of 0.23 mm
-    radii = 0.03336 - 1.15e-4, 0.03336 + 1.15e-4
-    joint = Journal(*radii, length=0.237, viscosity=0.12, cavitation_pressure=0.0)
-    case = {"load": 50 * 4.4482216, "cells": (256, 8)}
-    found = steady_journal(joint, speed=2.54, **case)
-    npt.assert_allclose(found.eccentricity, 0.4675, rtol=5e-3)
-    npt.assert_allclose(np.degrees(found.attitude), 59.5, atol=0.5)
-    reverse = steady_journal(joint, speed=-2.54, **case)
-    npt.assert_allclose(reverse.attitude, -found.attitude, rtol=1e-6)
-
-
 def test_unusable_rotation_or_load_is_refused():
     joint = bearing(1.0)
     with pytest.raises(ModelError, match="speed must not be zero"):

@@ -87,12 +87,6 @@ def test_pin_rests_where_the_contact_carries_the_force(phi):
         npt.assert_allclose((found.force * found.x, found.force * found.y), (-80.0, 30.0))
 
 
-def test_pin_apart_from_the_wall_is_not_pressed():
-    found = WornBore(LAW, GAP, profile(36, pin_depth=1e-5)).press(-GAP, 0.0, 1.0, 0.0, 0.5)
-    npt.assert_allclose(found.penetration, -1e-5)
-    assert (found.force, found.energy) == (0.0, 0.0)
-
-
 @pytest.mark.parametrize(
     ("clearance", "worn", "message"),
     [
@@ -108,10 +102,3 @@ def test_pin_apart_from_the_wall_is_not_pressed():
 def test_profiles_without_a_meaning_are_refused(clearance, worn, message):
     with pytest.raises(ModelError, match=message):
         WornBore(LAW, clearance, worn)
-
-
-def test_contact_law_refuses_what_has_no_meaning():
-    with pytest.raises(ModelError, match="stiffness must be positive"):
-        ContactLaw(stiffness=0.0)
-    with pytest.raises(ModelError, match="restitution"):
-        ContactLaw(stiffness=1e8, restitution=1.5)

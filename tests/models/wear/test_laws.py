@@ -28,25 +28,6 @@ def test_volumes_by_hand():  # Farzaneh (2002), eqs. 2.1 to 2.3
     npt.assert_allclose(fatigue_wear(1e3, coefficient=0.1, **shape, **case), 6e-5)
 
 
-def test_abrasive_and_fatigue_wear_are_archards_law():
-    case = {"sliding_distance": 10.0, "hardness": 1e9}
-    npt.assert_allclose(
-        abrasive_wear(5.0, asperity_slope=np.pi / 4, **case),
-        adhesive_wear(5.0, coefficient=2 / np.pi, **case),
-    )
-    npt.assert_allclose(
-        fatigue_wear(
-            5.0,
-            asperity_distribution=2.0,
-            particle_size=3.0,
-            failure_strain=0.5,
-            coefficient=0.1,
-            **case,
-        ),
-        adhesive_wear(5.0, coefficient=0.1 * 2 * 3 / 0.25, **case),
-    )
-
-
 def test_slope_of_an_asperity_lies_below_a_right_angle():
     for slope in (-0.1, 2.0):
         with pytest.raises(ModelError, match=rf"^asperity_slope must lie .* got {slope:g} rad"):
