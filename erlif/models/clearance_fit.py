@@ -11,12 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from erlif.core.errors import ModelError
-from erlif.models.arguments import (
-    Values,
-    formula,
-    require_between,
-    require_positive,
-)
+from erlif.models.arguments import Values, formula, require_between, require_positive
 from erlif.models.running_in import thin_wall_torque_ratio
 
 _RANGE = (4e5, 9e12)

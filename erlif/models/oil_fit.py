@@ -13,11 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from erlif.core.errors import ModelError
-from erlif.models.arguments import (
-    Values,
-    formula,
-    warn_of_units,
-)
+from erlif.models.arguments import Values, formula, warn_of_units
 from erlif.models.oil import LOWEST_WALTHER_VISCOSITY, WALTHER_SHIFT, VogelConstants
 
 _CONSTANTS = {"vogel": ("a", "b", "c"), "walther": ("A", "B")}

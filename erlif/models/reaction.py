@@ -11,12 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from erlif.core.errors import RangeWarning
-from erlif.models.arguments import (
-    Values,
-    check_fields,
-    depth_of_caller,
-    formula,
-)
+from erlif.models.arguments import Values, check_fields, depth_of_caller, formula
 from erlif.models.mechanism import CrankRocker, SliderCrank
 
 _FRICTION_PASSES = 12

@@ -2,11 +2,7 @@
 
 from pathlib import Path
 
-from erlif.models.sources import (
-    MODELS,
-    published_numbers,
-    render_sources,
-)
+from erlif.models.sources import MODELS, published_numbers, render_sources
 
 NUMBERS = published_numbers()
 

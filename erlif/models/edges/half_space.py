@@ -8,17 +8,9 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.described import describe, in_words
 from erlif.core.errors import ModelError
-from erlif.models.arguments import (
-    Values,
-    formula,
-    require_finite,
-)
+from erlif.models.arguments import Values, formula, require_finite
 from erlif.models.edges.active_set import solve_active_set
-from erlif.models.edges.influence import (
-    Convolution,
-    displacement_of_cells,
-    displacement_of_strips,
-)
+from erlif.models.edges.influence import Convolution, displacement_of_cells, displacement_of_strips
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -14,12 +14,7 @@ import scipy.fft
 from erlif.core.arrays import Array
 from erlif.core.described import describe, in_words
 from erlif.core.errors import ModelError
-from erlif.models.arguments import (
-    check_fields,
-    formula,
-    require_increasing,
-    require_positive,
-)
+from erlif.models.arguments import check_fields, formula, require_increasing, require_positive
 from erlif.models.edges.active_set import solve_active_set
 from erlif.models.edges.cylinders import (
     HARMONICS,

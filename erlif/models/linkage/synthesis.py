@@ -16,10 +16,7 @@ import scipy
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
-from erlif.models.arguments import (
-    Values,
-    formula,
-)
+from erlif.models.arguments import Values, formula
 from erlif.models.linkage import measures
 from erlif.models.linkage.design import LinkageDesign, measure_linkage
 from erlif.models.linkage.domain import EDGE, Domain, find_domain

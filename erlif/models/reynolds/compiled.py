@@ -1,8 +1,8 @@
 """The steps of `erlif.models.reynolds.balance` for the joint, compiled: many cycles, many fits.
 
 The half-angle frame, rigid walls and axes round the joint alone; everything else takes the plain
-form, to which tests hold this one. A step that does not converge is given back to the plain form. The
-tolerances of `balance` are compiled in: after a change of one the cache of numba must be cleared.
+form, to which tests hold this one. A step that does not converge is given back to the plain form.
+The tolerances of `balance` are compiled in: after a change of one, numba's cache must be cleared.
 """
 
 from __future__ import annotations

@@ -8,10 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from erlif.models.arguments import (
-    Values,
-    formula,
-)
+from erlif.models.arguments import Values, formula
 
 
 @formula(radius="number")

@@ -10,13 +10,7 @@ import scipy
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.arguments import require_finite, require_positive, require_single
-from erlif.models.reynolds.balance import (
-    NoConvergenceError,
-    State,
-    Step,
-    forces,
-    settle,
-)
+from erlif.models.reynolds.balance import NoConvergenceError, State, Step, forces, settle
 from erlif.models.reynolds.journal import Groove, Journal, covered
 from erlif.models.reynolds.transient import Bearing, describe, losses
 

@@ -4,11 +4,7 @@ import numpy as np
 import numpy.testing as npt
 from scipy.integrate import dblquad
 
-from erlif.models.edges.influence import (
-    Convolution,
-    displacement_of_cells,
-    displacement_of_strips,
-)
+from erlif.models.edges.influence import Convolution, displacement_of_cells, displacement_of_strips
 
 
 def test_displacement_is_the_integral_of_boussinesq():
