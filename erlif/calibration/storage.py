@@ -38,7 +38,7 @@ from erlif.io.files import (
     takes,
     write_dataset,
 )
-from erlif.io.files.kinds import KIND_NAMES, kind_of
+from erlif.io.files.kinds import KINDS, kind_of
 from erlif.io.settings import RunSettings
 from erlif.registration import CameraMap
 from erlif.registration.camera_map import describe_map
@@ -158,7 +158,7 @@ def _read(path: Path) -> Calibration:
         if kind in _OTHERS:
             raise CalibrationError(
                 f"Expected a calibration as erlif calibrate writes it; {path} holds "
-                f"{KIND_NAMES[kind]}. Name the calibration in its place; it is made with: erlif "
+                f"{KINDS[kind].words}. Name the calibration in its place; it is made with: erlif "
                 "calibrate FIXTURE_DIR"
             )
         check_file(dataset)

@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 import re
 import sys
-import tomllib
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +15,7 @@ from click.core import ParameterSource
 
 from erlif.commands.options import PATH, Command, together
 from erlif.commands.progress import show_progress
+from erlif.core.tables import read_table
 from erlif.rig.settings import CHOICES, SIDEWAYS, RigSettings
 
 _SIDE = re.compile("[0-9]{1,6}")
@@ -70,9 +69,7 @@ class NumberOrWord(click.ParamType["float | str"]):
             self.fail(f"{value!r} is {self.expected}.", param, ctx)
 
 
-RIG_OPTIONS: dict[str, str] = tomllib.loads(
-    (files("erlif.commands") / "simulate.toml").read_text(encoding="utf-8")
-)
+RIG_OPTIONS: dict[str, str] = read_table("erlif.commands", "simulate.toml")
 """Help of the options that are settings of the rig, in the order of ``--help``."""
 
 _TYPES: dict[str, Any] = {

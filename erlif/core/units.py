@@ -14,6 +14,8 @@ from fractions import Fraction
 from functools import cache
 from typing import TYPE_CHECKING, Any, Self
 
+from erlif.core.tables import read_table
+
 if TYPE_CHECKING:
     import pint
 
@@ -27,73 +29,18 @@ _ONLY = {
 _KINDS = {"rad/s": "a speed of rotation", "rad": "an angle", "Hz": "a frequency"}
 """What is measured in these units."""
 
-_PI = Fraction(math.pi)
-_DEGREES = Fraction("57.29577951308232087679815")  # in a radian
-_LBF, _KGF, _INCH = Fraction("4.4482216152605"), Fraction("9.80665"), Fraction("0.0254")
 
-_POWERS = {"G": 9, "M": 6, "k": 3, "": 0, "c": -2, "m": -3, "u": -6, "µ": -6, "n": -9}
-"""Powers of ten by their prefixes."""
-
-
-def _multiples(prefixes: str, *units: str) -> dict[str, Fraction | int]:
-    """Decimal multiples of a unit and of its other spellings, by their names."""
-    return {
-        prefix + unit: Fraction(10) ** _POWERS[prefix]
-        for unit in units
-        for prefix in ["", *prefixes]
-    }
+def _factor(text: str) -> Fraction:
+    """A product of exact numbers and of pi."""
+    numbers = (math.pi if word == "pi" else word for word in text.split())
+    return math.prod(map(Fraction, numbers), start=Fraction(1))
 
 
-_USUAL: dict[str, dict[str, Fraction | int]] = {
-    "m": _multiples("cmuµn", "m"),
-    "nm": {"nm": 1, "um": 10**3, "µm": 10**3},
-    "N": _multiples("km", "N") | {"lbf": _LBF, "kgf": _KGF},
-    "N/m": {"N/m": 1, "N/mm": 10**3, "kN/mm": 10**6, "N/um": 10**6, "N/µm": 10**6},
-    "Pa": _multiples("kMG", "Pa"),
-    "1/Pa": {"1/Pa": 1, "1/MPa": Fraction(1, 10**6), "1/GPa": Fraction(1, 10**9)},
-    "Pa s": {"Pa s": 1, "mPa s": Fraction(1, 10**3), "cP": Fraction(1, 10**3)},
-    "rad/s": {"rad/s": 1, "rpm": _PI / 30, "deg/s": _PI / 180, "rev/s": 2 * _PI},
-    "rad": {"rad": 1, "deg": _PI / 180},
-    "deg": {"deg": 1, "rad": _DEGREES, "mrad": _DEGREES / 1000, "turn": 360},
-    "N m": _multiples("k", "N m")
-    | {"N mm": Fraction(1, 10**3), "lbf ft": _LBF * 12 * _INCH, "lbf in": _LBF * _INCH},
-    # a cycle is one turn: pint would count 1 rpm as 0.105 Hz
-    "Hz": _multiples("k", "Hz") | {"1/s": 1, "1/min": Fraction(1, 60), "rpm": Fraction(1, 60)},
-    "s": _multiples("mun", "s") | {"min": 60, "h": 3600},
-    "J": _multiples("muµ", "J"),
-    "mJ": {"mJ": 1, "J": 10**3, "uJ": Fraction(1, 10**3)},
-    "mol/L": _multiples("muµ", "mol/L", "mol/l") | _multiples("mu", "M"),
-    "L/mol/cm": {"L/mol/cm": 1, "l/mol/cm": 1, "1/M/cm": 1},
-    "1/nm": {"1/nm": 1},
-    "electron/DN": {"electron/DN": 1},
-    "electron": {"electron": 1},
-    "DN": {"DN": 1},
-    "degC": {"degC": 1},
-    # hardness as a pressure of a kilogram-force on a square millimetre; Vickers after ISO 18265,
-    # whose Brinell numbers of steel are 0.95 of it
-    "HB": {
-        "HB": 1,
-        "HBW": 1,
-        "HBS": 1,
-        "HV": Fraction(95, 100),
-        "MPa": Fraction(100000, 980665),
-        "N/mm^2": Fraction(100000, 980665),
-        "GPa": Fraction(100000000, 980665),
-    },
-    "m^2/N": {
-        "mm3/N/m": Fraction(1, 10**9),
-        "mm^3/N/m": Fraction(1, 10**9),
-        "mm3/(N m)": Fraction(1, 10**9),
-        "1/Pa": 1,
-        "1/MPa": Fraction(1, 10**6),
-    },
-    "W/m^2": {"W/m^2": 1, "W/mm^2": 10**6, "W/mm2": 10**6, "MPa m/s": 10**6, "N/mm2 m/s": 10**6},
-    "W/m/K": {"W/m/K": 1, "W/(m K)": 1},
-    "1/K": {"1/K": 1},
-    "m/s": {"m/s": 1, "mm/s": Fraction(1, 10**3)},
-    "delta_degC": {"K": 1},
+_USUAL = {
+    unit: {name: _factor(text) for name, text in names.items()}
+    for unit, names in read_table("erlif.core", "units.toml").items()
 }
-"""By the unit of the result, what one of each usual unit is in it; loading pint takes 0.2 s."""
+"""By the unit of the result, what one of each usual unit is in it."""
 
 _QUANTITY = re.compile(
     r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)"

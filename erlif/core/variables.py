@@ -5,15 +5,15 @@ The table is ``variables.toml`` beside this module; its head names the keys.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from importlib.resources import files
 from types import MappingProxyType
 from typing import Any
 
 import numpy.typing as npt
 import xarray as xr
+
+from erlif.core.tables import read_table
 
 LARGEST_NUMBER = 1e9
 """Largest magnitude of a number of a trigger, in the units of the file."""
@@ -90,7 +90,7 @@ class Variable:
 
 def _read_table() -> dict[str, Mapping[str, Variable]]:
     """The variables by the file or group that they belong to."""
-    table = tomllib.loads((files("erlif.core") / "variables.toml").read_text(encoding="utf-8"))
+    table = read_table("erlif.core", "variables.toml")
     return {
         file: MappingProxyType(
             {name: _read_variable(name, keys, table) for name, keys in variables.items()}

@@ -2,19 +2,10 @@
 
 from __future__ import annotations
 
-import tomllib
-from importlib.resources import files
-from typing import Any
-
 from erlif.core.notes import Level, Note
+from erlif.core.tables import read_table
 
-
-def read_table(name: str) -> dict[str, Any]:
-    """A table of this folder."""
-    return tomllib.loads((files("erlif.correction") / name).read_text(encoding="utf-8"))
-
-
-_TEXTS = read_table("notes.toml")
+_TEXTS = read_table("erlif.correction", "notes.toml")
 
 
 def find(subject: str, key: str, *, level: Level = Level.WARNING, **numbers: float | str) -> Note:

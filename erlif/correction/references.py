@@ -18,8 +18,9 @@ from erlif.core.arrays import AnyArray, Mask
 from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.notes import Level, Note
 from erlif.core.products import References
+from erlif.core.tables import read_table
 from erlif.correction.camera import CameraMeasurement
-from erlif.correction.findings import find, read_table
+from erlif.correction.findings import find
 from erlif.correction.flats import make_flat_field
 from erlif.correction.photon_transfer import (
     PhotonTransfer,
@@ -41,7 +42,7 @@ _TRIAL_VAR = 1.0
 
 _NAN = float("nan")
 
-_CHARACTERISTICS = read_table("characteristics.toml")
+_CHARACTERISTICS = read_table("erlif.correction", "characteristics.toml")
 """Attributes of the numbers of a camera."""
 
 

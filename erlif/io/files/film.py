@@ -14,20 +14,11 @@ import xarray as xr
 from erlif.core.errors import OutputError, reason_of
 from erlif.io.files.coordinates import set_coordinates
 from erlif.io.files.headers import check_netcdf, check_zarr
-from erlif.io.files.kinds import KIND_NAMES, kind_of
+from erlif.io.files.kinds import KINDS, kind_of
 from erlif.io.files.netcdf import fix_text, open_netcdf, write_netcdf
 from erlif.io.files.replacement import replacing, take_name, write_error
 from erlif.io.files.soundness import check_film, check_frames, check_registration
 from erlif.io.files.unfinished import PartialFilm
-
-_OTHERS = {
-    "calibration file": ("a calibration", "erlif.open_calibration"),
-    "prediction": ("a prediction", "xarray.open_dataset"),
-    "pressure": ("a pressure", "xarray.open_dataset"),
-    "comparison": ("a comparison of runs", "xarray.open_dataset"),
-    "budget": ("an uncertainty budget", "xarray.open_dataset"),
-}
-"""Files that are no films: what they hold, and what opens them."""
 
 _MAKE_ONE = "Make one with: erlif process RUN_DIR"
 
@@ -145,35 +136,27 @@ def open_film(path: str | Path, *, group: str | None = None) -> xr.Dataset:
     erlif.core.errors.OutputError: Expected a film file; no such film.nc does not exist. ...
     """
     if not isinstance(path, str | PathLike):
-        given = KIND_NAMES.get(kind_of(path), type(path).__name__)
+        kind = kind_of(path)
+        given = KINDS[kind].words if kind in KINDS else type(path).__name__
         raise OutputError(
             f"Expected the path of a film, got {given}. Name its file; a film in memory is open "
             "already."
         )
     path = Path(path)
-    make_one = _MAKE_ONE
     if not path.exists():
-        raise OutputError(f"Expected a film file; {path} does not exist. {make_one}")
+        raise OutputError(f"Expected a film file; {path} does not exist. {_MAKE_ONE}")
     if path.is_dir() and path.suffix != ".zarr":
-        hint = f". {make_one}"
+        hint = f". {_MAKE_ONE}"
         if (path / "film.nc").is_file():
             hint = f". Name its file: {path / 'film.nc'}"
         raise OutputError(f"Expected a film file; {path} is a directory{hint}")
 
     try:
         return _open_checked(path, group)
-    except _OtherProductError as error:
-        held, opener = _OTHERS[str(error)]
-        raise OutputError(
-            f"Expected a film as erlif process writes it; {path} holds {held}, which {opener} "
-            f"opens. Name the film in its place. {make_one}"
-        ) from error
+    except OutputError:
+        raise
     except Exception as error:  # damaged bytes raise exceptions of many kinds in HDF5 and zarr
         raise _damaged(path, error) from error
-
-
-class _OtherProductError(Exception):
-    """A file of erlif that holds another product, with its kind."""
 
 
 def _open_checked(path: Path, group: str | None) -> xr.Dataset:
@@ -193,9 +176,13 @@ def _open_checked(path: Path, group: str | None) -> xr.Dataset:
             raise
 
     kind = kind_of(dataset)
-    if group is None and kind in _OTHERS:
+    if group is None and kind in KINDS and KINDS[kind].opener:
         dataset.close()
-        raise _OtherProductError(kind)
+        held = KINDS["calibration" if kind == "calibration file" else kind].words
+        raise OutputError(
+            f"Expected a film as erlif process writes it; {path} holds {held}, which "
+            f"{KINDS[kind].opener} opens. Name the film in its place. {_MAKE_ONE}"
+        )
 
     check = {None: check_film, "frames": check_frames, "registration": check_registration}
     try:

@@ -1,47 +1,46 @@
-"""Products of erlif recognised by what they hold."""
+"""Products of erlif recognised by what they hold; ``kinds.toml`` beside this module lists them."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from os import PathLike
-from typing import Any
+from typing import Any, Literal
 
 import xarray as xr
 
-_MARKS = (
-    ("comparison", "difference_at"),
-    ("pressure", "peak_pressure"),
-    ("prediction", "film_predicted"),
-    ("film", "thickness"),
-    ("film", "film_min"),
-    ("frames", "drift_x"),
-    ("registration", "displacement_x"),
-    ("images", "log_ratio"),
-    ("budget", "std"),
-    ("calibration file", "ratio_at_zero"),
-)
-"""Kind of a dataset by a variable that only this kind has; the first that is found counts."""
+from erlif.core.tables import read_table
 
-KIND_NAMES = {
-    "film": "a film",
-    "part of a film": "a film",
-    "frames": "the group frames of a film",
-    "registration": "the group registration of a film",
-    "images": "the images of one trigger",
-    "comparison": "a comparison of runs",
-    "pressure": "a pressure",
-    "prediction": "a prediction",
-    "budget": "an uncertainty budget",
-    "calibration": "a calibration",
-    "calibration file": "the content of calibration.nc",
-    "run": "the path of a run directory",
-    "fixture": "the path of a fixture directory",
-    "directory": "the path of a directory",
-    "film file": "the path of a film",
-    "calibration path": "a calibration, or its path",
-    "run or film": "the path of a run directory or of a film",
-    "path": "a path",
-}
-"""Kinds in words."""
+
+@dataclass(frozen=True)
+class Kind:
+    """What a function may take.
+
+    Attributes
+    ----------
+    words : str
+        The kind in a message.
+    way : str
+        How to get one.
+    marks : tuple[str, ...]
+        Variables of which only a dataset of this kind has any.
+    form : str
+        "dataset" or "path" where an unknown one may be meant, else empty.
+    group : str | None
+        Group of a film that is opened by its path, empty for the root; None: paths are not opened.
+    opener : str
+        Function that opens a file of this kind, where that is no film.
+    """
+
+    words: str
+    way: str = ""
+    marks: tuple[str, ...] = ()
+    form: Literal["", "dataset", "path"] = ""
+    group: str | None = None
+    opener: str = ""
+
+
+KINDS = {name: Kind(**keys) for name, keys in read_table("erlif.io.files", "kinds.toml").items()}
+"""Kinds by their names."""
 
 
 def kind_of(value: Any) -> str:
@@ -64,7 +63,8 @@ def kind_of(value: Any) -> str:
     if isinstance(value, str | PathLike):
         return "path"
     if isinstance(value, xr.Dataset):
-        return next((kind for kind, mark in _MARKS if mark in value), "dataset")
+        found = (name for name, kind in KINDS.items() if any(mark in value for mark in kind.marks))
+        return next(found, "dataset")
     if {"ratio_at_zero", "attenuation_camera1", "thickness_range"} <= set(dir(value)):
         return "calibration"
     return ""

@@ -16,35 +16,10 @@ import xarray as xr
 
 from erlif.core.errors import ArgumentError, ErlifError
 from erlif.io.files.film import open_film
-from erlif.io.files.kinds import KIND_NAMES, kind_of
+from erlif.io.files.kinds import KINDS, kind_of
 
 P = ParamSpec("P")
 R = TypeVar("R")
-
-_WAYS = {
-    "film": 'erlif.open_film("film.nc") opens one, erlif.process(RUN_DIR) makes one',
-    "part of a film": 'erlif.open_film("film.nc") opens one, erlif.process(RUN_DIR) makes one',
-    "frames": "film.erlif.frames has it",
-    "registration": "film.erlif.registration has it",
-    "images": 'erlif.pipeline.restore_images("film.nc", RUN_DIR, trigger=3) computes them',
-    "comparison": "erlif.compare(films) makes one",
-    "pressure": "erlif.pressure_from_film(film) finds it",
-    "prediction": "erlif.predict(RUN_DIR) makes one",
-    "calibration": 'erlif.open_calibration("calibration.nc") opens one, '
-    "erlif.calibrate(FIXTURE_DIR) makes one",
-    "run": "Name the directory that holds run.toml",
-    "fixture": "Name the directory that holds fixture.toml",
-    "directory": "Name a directory",
-    "run or film": "Name the directory that holds run.toml, or the file of a film",
-    "film file": 'Write the film with erlif.process(RUN_DIR, output="film.nc") and name its file',
-    "calibration path": 'erlif.open_calibration("calibration.nc") opens one, '
-    "erlif.calibrate(FIXTURE_DIR) makes one",
-    "path": "Name a file",
-}
-"""How to get each kind."""
-
-_PATHS = ("run", "fixture", "directory", "film file", "run or film", "path")
-_OPENED = {"film": None, "part of a film": None, "frames": "frames", "registration": "registration"}
 
 PRODUCTS = {
     "film": "film",
@@ -66,7 +41,7 @@ def take(value: Any, kind: str, *, where: str = "") -> Any:
     value : object
         What the caller gave. Paths are opened where a film or a group of it is wanted.
     kind : str
-        A kind of `KIND_NAMES`.
+        A kind of `KINDS`.
     where : str
         The argument, for the message.
 
@@ -88,35 +63,30 @@ def take(value: Any, kind: str, *, where: str = "") -> Any:
     erlif.core.errors.ErlifError: Expected a film as film=, got the group frames of a film. \
 erlif.open_film("film.nc") opens one, erlif.process(RUN_DIR) makes one.
     """
-    found = kind_of(value)
-    if found == "path" and kind in _OPENED:
-        return open_film(value, group=_OPENED[kind])
-    fits = {kind, *_PATHS} if kind in _PATHS else {kind}
-    if kind == "calibration path":
-        fits = {"calibration", "path"}
-    if kind == "part of a film" and isinstance(value, xr.Dataset):
+    found, wanted = kind_of(value), KINDS[kind]
+    if found == "path" and wanted.group is not None:
+        return open_film(value, group=wanted.group or None)
+    if found and found in (kind, wanted.form):
         return value
-    # a dataset of an unknown kind may be a part of the right one
-    if found in fits or (found == "dataset" and kind in _DATASETS):
+    if kind == "calibration path" and found in ("calibration", "path"):
+        return value
+    if kind == "part of a film" and isinstance(value, xr.Dataset):
         return value
 
     argument = f" as {where}=" if where else ""
     source = value.encoding.get("source", "") if isinstance(value, xr.Dataset) else ""
-    hint = f"{_WAYS[kind]}."
+    hint = f"{wanted.way}."
     if source and kind in ("film file", "run or film", "path"):
         hint = f"Name its file: {source}."
     given = _describe(value, found)
-    raise ErlifError(f"Expected {KIND_NAMES[kind]}{argument}, got {given}. {hint}")
-
-
-_DATASETS = ("film", "frames", "registration", "images", "comparison", "pressure", "prediction")
+    raise ErlifError(f"Expected {wanted.words}{argument}, got {given}. {hint}")
 
 
 def _describe(value: Any, kind: str) -> str:
     if kind == "path":
         return f"the path {fspath(value)}"
-    if kind in KIND_NAMES:
-        return KIND_NAMES[kind]
+    if kind in KINDS:
+        return KINDS[kind].words
     if value is None:
         return "None"
     if isinstance(value, xr.DataArray):
@@ -179,7 +149,9 @@ def takes(**wanted: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
 def _missing(function: str, name: str, kind: str | None) -> str:
     """The message for an argument that is not given."""
     if kind is not None:
-        return f"Expected {KIND_NAMES[kind]} as {name}= of {function}, got none. {_WAYS[kind]}."
+        return (
+            f"Expected {KINDS[kind].words} as {name}= of {function}, got none. {KINDS[kind].way}."
+        )
     hint = (
         "Name one, counted from 0; erlif.files.fastest_trigger(film) finds the fastest"
         if name == "trigger"

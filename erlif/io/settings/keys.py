@@ -6,17 +6,15 @@ bounds and default are those of the type of a field; its meaning stands in keys.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
-from importlib import resources
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
 import annotated_types
 from pydantic.fields import FieldInfo
 
+from erlif.core.tables import read_table
 from erlif.core.units import parse_quantity
 from erlif.io.settings.tables import Form, Settings
 from erlif.io.settings.toml import toml_value
@@ -200,16 +198,10 @@ def meaning_of(kind: type[Settings], name: str) -> tuple[str, Any]:
     '60 um'
     """
     for one in kind.__mro__:  # a pin has the keys of any part
-        found = _read_meanings().get(one.__name__, {}).get(name)
+        found = read_table("erlif.io.settings", "keys.toml").get(one.__name__, {}).get(name)
         if found is not None:
             return " ".join(found["meaning"].split()), found.get("example")
     return "", None
-
-
-@cache
-def _read_meanings() -> dict[str, Any]:
-    file = resources.files("erlif.io.settings").joinpath("keys.toml")
-    return tomllib.loads(file.read_text(encoding="utf-8"))
 
 
 def _describe(kind: type[Settings], name: str, field: FieldInfo) -> Key:

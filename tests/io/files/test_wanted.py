@@ -8,7 +8,7 @@ import xarray as xr
 
 import erlif
 from erlif.core.errors import ErlifError
-from erlif.io.files.kinds import KIND_NAMES, kind_of
+from erlif.io.files.kinds import KINDS, kind_of
 from erlif.io.files.wanted import PRODUCTS, take, takes
 from erlif.pipeline.physics.fit import fit_film
 from erlif.review.audit import audit
@@ -78,7 +78,7 @@ def test_a_figure_refuses_another_product(products, draw, kind, given):
         if one.default is one.empty
     }
     first = next(iter(needed))
-    refuse(lambda: draw(**(needed | {first: products[given]})), f"Expected {KIND_NAMES[kind]}")
+    refuse(lambda: draw(**(needed | {first: products[given]})), f"Expected {KINDS[kind].words}")
 
 
 def test_every_figure_of_a_product_is_guarded():
