@@ -16,20 +16,6 @@ def test_one_class_catches_every_error(error):
         raise error("as written")
 
 
-def test_model_error_is_a_value_error():
-    assert issubclass(errors.ModelError, ValueError)
-
-
-def test_unit_warning_is_a_user_warning_and_no_error():
-    assert issubclass(errors.UnitWarning, UserWarning)
-    assert not issubclass(errors.UnitWarning, errors.ErlifError)
-
-
-@pytest.mark.parametrize("kind", CLASSES, ids=lambda c: c.__name__)
-def test_every_class_is_documented(kind):
-    assert kind.__doc__.strip().endswith(".")
-
-
 def test_a_foreign_reason_is_one_line_that_can_be_read():
     assert errors.reason_of(ValueError("no float: 'x'.\nat 0x10")) == "no float: 'x'"
     assert len(errors.reason_of(ValueError("x" * 70_000))) == 200

@@ -1,7 +1,6 @@
 """Flags: bits that combine, fixed by the file format."""
 
 import numpy as np
-import pytest
 
 from erlif.core.flags import FLAG_ATTRS, Flag, count_flags
 
@@ -22,24 +21,11 @@ def test_numbers_are_those_of_the_file_format():
     assert {int(flag): str(flag.name).lower() for flag in Flag} == FORMAT
 
 
-def test_each_reason_has_a_bit_of_its_own():
-    assert sum(Flag) == 2**8 - 1
-    assert all(int(flag).bit_count() == 1 for flag in Flag)
-
-
 def test_attributes_pair_each_mask_with_its_meaning():
     """CF conventions 3.5: flag_masks of the variable's type, flag_meanings separated by blanks."""
     masks, meanings = FLAG_ATTRS["flag_masks"], str(FLAG_ATTRS["flag_meanings"]).split()
     assert masks.dtype == np.uint8
     assert dict(zip(masks.tolist(), meanings, strict=True)) == FORMAT
-
-
-@pytest.mark.parametrize("flag", Flag)
-def test_reasons_accumulate_in_a_pixel(flag):
-    pixel = np.zeros((1, 1), np.uint8)
-    pixel |= np.uint8(flag)
-    pixel |= np.uint8(Flag.DIM)
-    assert Flag(int(pixel[0, 0])) == flag | Flag.DIM
 
 
 def test_pixels_are_counted_by_flag():

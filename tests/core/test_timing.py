@@ -46,13 +46,6 @@ def test_a_stage_that_fails_is_logged_as_stopped(caplog):
     assert "registration: stopped after" in caplog.messages[-1]
 
 
-def test_a_stage_is_logged_under_the_logger_of_its_module(caplog):
-    logger = logging.getLogger("erlif.pipeline.run")
-    with caplog.at_level(logging.INFO, logger="erlif"), stage("film", logger):
-        pass
-    assert {record.name for record in caplog.records} == {"erlif.pipeline.run"}
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows does not count it this way")
 def test_peak_memory_holds_an_array_that_was_freed_again():
     block = np.ones(20_000_000)  # every page is touched

@@ -98,19 +98,8 @@ def test_text_that_would_be_misread_is_refused(text, unit, words):
 
 
 UNITS = [
-    "m",
-    "rad",
-    "rad/s",
-    "N",
-    "Pa",
-    "Pa s",
-    "1/Pa",
-    "nm",
-    "DN",
-    "electron/DN",
-    "electron",
-    "degC",
-    "delta_degC",
+    *("m", "rad", "rad/s", "N", "Pa", "Pa s", "1/Pa", "nm", "DN", "electron/DN"),
+    *("electron", "degC", "delta_degC"),
 ]
 
 
@@ -138,29 +127,8 @@ def test_decimal_fractions_of_usual_units_are_exact():
 
 
 PIECES = [
-    "m",
-    "cm",
-    "/",
-    "*",
-    "**",
-    "^",
-    "(",
-    ")",
-    "-",
-    "N",
-    "Pa",
-    "s",
-    "1/",
-    "°",
-    "µ",
-    "·",
-    "²",
-    "K",
-    "0",
-    "if",
-    "px",
-    "'",
-    "\\",
+    *("m", "cm", "/", "*", "**", "^", "(", ")", "-", "N", "Pa", "s", "1/", "°"),
+    *("µ", "·", "²", "K", "0", "if", "px", "'", "\\"),
 ]
 
 

@@ -3,16 +3,7 @@
 import re
 from pathlib import Path
 
-import erlif
 from erlif.core.version import __version__
-
-
-def test_the_package_has_the_version_of_the_module():
-    assert erlif.__version__ == __version__
-
-
-def test_the_version_has_three_numbers():
-    assert re.fullmatch(r"\d+\.\d+\.\d+(?:(?:a|b|rc)\d+)?(?:\.dev\d+)?", __version__)
 
 
 def test_the_citation_names_this_version():

@@ -106,8 +106,3 @@ def test_every_number_of_a_source_has_its_row(page):
     for source in TITLES:
         items = Counter(n for row in rows if row.source == source for n in expand(row.item))
         assert items == Counter(expand(PRINTED[source]) + expand(UNNUMBERED[source])), source
-
-
-def test_spans_are_expanded():
-    assert expand("Fig. 3-8 to 3-10, A1") == ["Fig 3-8", "Fig 3-9", "Fig 3-10", "Fig A1"]
-    assert expand("9, 12 to 13, Papers B to C") == ["9", "12", "13", "Paper B", "Paper C"]

@@ -34,15 +34,15 @@ def error_of(found, true):
 
 
 @pytest.mark.parametrize("noise", [0.01, 0.04])
-def test_the_standard_deviation_covers_the_error_over_forty_seeds(noise):
+def test_the_standard_deviation_covers_the_error(noise):
     """The load changes the film by 0.6 % once in a turn."""
     pulls = []
-    for seed in range(40):
+    for seed in range(16):
         since, light, log, true = recorded(seed, noise)
         found = find_clock_offset(since, light, **log)
         pulls.append(error_of(found, true) / found.std)
     assert np.abs(pulls).max() < 4
-    assert 0.6 < np.sqrt(np.mean(np.square(pulls))) < 1.35
+    assert 0.45 < np.sqrt(np.mean(np.square(pulls))) < 1.6  # 16 values give it to 18 %
 
 
 def test_the_other_stroke_is_named_where_it_fits_as_well():
@@ -97,7 +97,7 @@ def test_few_frames_and_a_short_log_are_refused():
 def test_a_wrong_rate_of_the_frames_shows_in_the_light(stretch):
     """Times that are too short by 1 per cent, as by a frame rate that is too high by it."""
     pulls = []
-    for seed in range(10):
+    for seed in range(4):
         since, light, log, _ = recorded(seed, 0.01)
         found = find_clock_offset(since / (1 + stretch), light, **log)
         pulls.append((found.stretch - stretch) / found.stretch_std)

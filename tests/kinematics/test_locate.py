@@ -117,19 +117,6 @@ def test_several_cycles_fold_onto_one(per_cycle):
     assert found.cycle.values.tolist() == [0] * 12 + [1] * 12 + [2] * 12
 
 
-def test_frames_are_counted_from_the_first_number_of_the_log():
-    crank = 11.0 + np.arange(12) * 30.0
-    found = locate(make_log([rocker_angle(c) for c in crank], number=np.arange(12) + 100))
-    assert found.trigger.values.tolist() == list(range(12))
-
-
-def test_a_wrong_number_of_triggers_per_cycle_is_refused():
-    crank = 11.0 + np.arange(36) * 30.0
-    log = make_log([rocker_angle(c) for c in crank])
-    with pytest.raises(EncoderError, match="with 10 triggers per cycle"):
-        locate(log, per_cycle=10)
-
-
 def test_without_a_zero_the_extremes_are_the_dead_points():
     crank = np.arange(0, 360, 2.0)
     angle = np.array([rocker_angle(c) for c in crank])
@@ -246,10 +233,3 @@ def test_a_log_of_less_than_one_turn_and_a_half_is_one_cycle(frames, cycles):
     found = locate(make_log(np.arange(frames) * 30.0), on="crank")
     assert int(found.cycle.max()) + 1 == cycles
     assert int(found.trigger.max()) + 1 == (12 if cycles == 2 else frames)
-
-
-def test_a_zero_turns_the_reading_of_an_encoder_on_the_rocker():
-    crank = 7.0 + np.arange(0, 360, 15.0)
-    angle = np.array([rocker_angle(c) for c in crank])
-    found = locate(make_log(angle - 48.0), zero=math.radians(48.0))
-    assert apart(found.crank_angle, crank).max() < 1e-5

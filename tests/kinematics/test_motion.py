@@ -73,12 +73,6 @@ def test_a_speed_that_the_log_does_not_determine_is_asked_for(columns, words):
     assert 'speed = "60 rpm" in [mechanism]' in str(refusal.value)
 
 
-def test_a_disc_of_given_speed_may_be_seen_once_in_a_turn():
-    log = make_log(3, angle=[5, 5, 5], time=[0, 1, 2])
-    found = locate_rotation(log, rotation=Rotation(0.02, 2 * math.pi))
-    npt.assert_allclose(found.sliding_speed, 0.04 * math.pi)
-
-
 def test_a_logged_speed_takes_the_place_of_the_computed_one():
     log = make_log(3, sliding_speed=[0.1, -0.2, 0.3])
     found = locate_rotation(log, rotation=Rotation(0.02, 1.0))
@@ -126,12 +120,6 @@ def test_a_slider_of_unknown_phase_is_refused(columns):
 
 
 # without a mechanism
-
-
-def test_every_frame_of_a_static_film_is_a_trigger():
-    found = locate_logged(make_log(3))
-    assert found.trigger.values.tolist() == [0, 1, 2]
-    assert set(found) == {"trigger", "cycle"}
 
 
 def test_frames_of_a_static_film_are_averaged_on_request():

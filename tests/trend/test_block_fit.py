@@ -59,23 +59,23 @@ def test_curvature_is_that_of_the_weighted_squares(curve):
 
 
 def test_sums_of_independent_terms_have_the_variance_of_their_terms():
-    """4000 draws of 24 strips of 5 blocks: variances and their ratio to 3 %."""
+    """400 draws of 24 strips of 5 blocks: variances and their ratio to 10 %."""
     rng = np.random.default_rng(1)
     strip = np.repeat(np.arange(24), 5)
     scale = np.array([1.0, 3.0])[:, None]
     found = np.mean(
-        [sum_by_strips(scale * rng.standard_normal((1, 120)), strip) for _ in range(4000)], axis=0
+        [sum_by_strips(scale * rng.standard_normal((1, 120)), strip) for _ in range(400)], axis=0
     )
     expected = 120 * scale @ scale.T * 24 / 23  # the correction for the number of strips
-    npt.assert_allclose(found, expected, rtol=0.03)
+    npt.assert_allclose(found, expected, rtol=0.1)
 
 
 def test_terms_that_a_strip_shares_raise_the_variance():
     """Five equal terms of variance 1 sum up to 25 in each strip, not to 5."""
     rng = np.random.default_rng(2)
     strip = np.repeat(np.arange(24), 5)
-    draws = [sum_by_strips(rng.standard_normal((1, 24))[:, strip], strip) for _ in range(4000)]
-    npt.assert_allclose(np.mean(draws), 24 * 25 * 24 / 23, rtol=0.03)
+    draws = [sum_by_strips(rng.standard_normal((1, 24))[:, strip], strip) for _ in range(400)]
+    npt.assert_allclose(np.mean(draws), 24 * 25 * 24 / 23, rtol=0.1)
 
 
 def test_a_covariance_of_sums_has_no_negative_variance():

@@ -9,7 +9,7 @@ from erlif.core.flags import Flag
 from erlif.core.products import RatioImages
 from erlif.thickness import measure_thickness
 from erlif.trend import Region
-from erlif.trend.blocks import noise_correlation, sum_blocks
+from erlif.trend.blocks import sum_blocks
 
 REGION = Region(slice(3, 30), slice(10, 53))
 """27 rows and 43 columns: blocks at the lower and right edge are smaller."""
@@ -81,9 +81,3 @@ def test_a_region_without_light_has_no_sums(images):
     dark.flags.values[:] = Flag.DIM
     sums = sum_blocks(RatioImages(dark), REGION)
     assert (sums.offset, sums.lit.sum(), sums.lit_ratio.sum()) == (0.0, 0.0, 0.0)
-
-
-def test_noise_of_pixels_is_independent_unless_a_correlation_is_given(images):
-    ratios = images[0]
-    assert noise_correlation(ratios) == 1.0
-    assert noise_correlation(RatioImages(ratios.assign(noise_correlation=4.0))) == 4.0

@@ -4,9 +4,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes.gap import (
-    CENTRE,
     RADIUS,
-    TILT,
     WHOLE,
     X,
     Y,
@@ -87,23 +85,10 @@ def test_place_is_column_then_row_also_where_the_rows_lie_along_sliding():
     npt.assert_allclose(found.place, [159, 50], atol=0.2)
 
 
-@pytest.mark.parametrize(("centre", "column"), [(-5.0, 0), (20.0, 199)])
-def test_place_of_a_minimum_outside_the_region_is_an_edge(centre, column):
-    assert fit(exact_ratios(known_gap(2.0, centre=centre))).place[0] == column
-
-
 def test_gap_that_is_thickest_in_the_middle_has_its_minimum_at_an_edge():
     film = 6.0 - (X - 5.0)[None, :] ** 2 / (2 * RADIUS) + 0 * Y[:, None]
     expected = 6.0 - (X[-1] - 5.0) ** 2 / (2 * RADIUS)
     npt.assert_allclose(fit(exact_ratios(film)).value, expected, atol=0.01)
-
-
-def test_minimum_is_that_of_the_region_alone():
-    """Columns from 10 mm on, and the lower half, where the tilt has risen by half."""
-    region = Region(slice(80, 160), slice(np.searchsorted(X, 10.0), X.size))
-    expected = 3.0 + (X[region.columns][0] - CENTRE) ** 2 / (2 * RADIUS) + TILT * Y[80] / Y[-1]
-    found = fit(exact_ratios(known_gap(3.0)), region=region)
-    npt.assert_allclose(found.value, expected, atol=2e-3)
 
 
 @pytest.mark.parametrize("minimum", [0.3, 2.0, 6.0])
@@ -123,14 +108,6 @@ def test_random_error_bar_is_the_scatter_of_the_minimum():
     npt.assert_allclose(claimed, scatter, rtol=0.3)  # 60 values give the scatter to 9 %
 
 
-def test_random_error_bar_is_proportional_to_the_noise():
-    one, two = (
-        fit(noisy_ratios(known_gap(3.0), noise, np.random.default_rng(3))).random_std
-        for noise in (0.005, 0.010)
-    )
-    npt.assert_allclose(two / one, 2.0, rtol=0.05)
-
-
 def pairwise_noise(rng):
     """Noise of std 0.01 that 2 x 2 pixels share: a mean has four times the variance."""
     coarse = 0.01 * rng.standard_normal((Y.size // 2, X.size // 2))
@@ -138,15 +115,15 @@ def pairwise_noise(rng):
 
 
 def test_noise_that_neighbours_share_is_part_of_the_random_error():
-    """Scatter of 40 minima, 11 % of it known; independent pixels would claim half of it."""
+    """Scatter of 20 minima, 16 % of it known; independent pixels would claim half of it."""
     found = []
-    for seed in range(40):
+    for seed in range(20):
         ratios = exact_ratios(known_gap(3.0))
         ratios.log_ratio.values[:] += pairwise_noise(np.random.default_rng([4, seed]))
         ratios.log_ratio_var.values[:] = 0.01**2
         found.append(fit(RatioImages(ratios.assign(noise_correlation=4.0))))
     scatter = np.std([one.value for one in found], ddof=1)
-    npt.assert_allclose(np.mean([one.random_std for one in found]), scatter, rtol=0.33)
+    npt.assert_allclose(np.mean([one.random_std for one in found]), scatter, rtol=0.48)
 
 
 def test_smooth_surfaces_leave_a_small_surface_error():
@@ -169,12 +146,6 @@ def test_waviness_of_the_surface_has_a_surface_error():
     npt.assert_allclose(wavy.random_std, smooth.random_std, rtol=0.5)
 
 
-def test_dust_does_not_move_the_minimum():
-    ratios = noisy_ratios(known_gap(3.0), 0.01, np.random.default_rng(4))
-    ratios.log_ratio.values[40:60, 100:124] += 0.2
-    assert abs(fit(ratios).value - 3.0) < 0.03
-
-
 def test_scratches_do_not_move_the_minimum():
     """Lines of 3 px and 0.4 um over a tenth of the image raise the mean film by 40 nm."""
     film = known_gap(3.0)
@@ -182,13 +153,6 @@ def test_scratches_do_not_move_the_minimum():
         film[:, column::30] += 0.4
     found = fit(noisy_ratios(film, 0.005, np.random.default_rng(8)))
     assert abs(found.value - 3.0) < 0.03
-
-
-def test_flagged_pixels_do_not_enter():
-    ratios = exact_ratios(known_gap(3.0))
-    ratios.log_ratio.values[:, 60:90] = -5.0
-    ratios.flags.values[:, 60:90] = 64
-    npt.assert_allclose(fit(ratios).value, 3.0, atol=1e-3)
 
 
 @pytest.mark.parametrize("parameter", range(3))
@@ -245,16 +209,16 @@ def test_minimum_is_missing_where_the_blocks_do_not_determine_a_gap(damage):
 
 @pytest.mark.slow
 def test_error_bar_covers_turned_and_scratched_surfaces():
-    """200 surfaces of the virtual rig: 68.3 and 95.4 % within one and two std."""
+    """60 surfaces of the virtual rig: 68.3 and 95.4 % within one and two std."""
     marks = RigSettings()
     rows, columns = np.indices((Y.size, X.size), dtype=float)
     pulls = []
-    for seed in range(200):
+    for seed in range(60):
         rng = np.random.default_rng([7, seed])
         film = np.maximum(known_gap(3.0) + draw_marks(marks, rng)(columns + 60, rows + 40), 0.05)
         found = fit(noisy_ratios(film, 0.0135, rng))
         pulls.append((found.value - 3.0) / np.hypot(found.random_std, found.surface_std))
     within = [np.mean(np.abs(pulls) < width) for width in (1, 2)]
-    # 200 draws scatter by 3.3 and 1.5 %
-    assert abs(within[0] - 0.683) < 3 * 0.033
-    assert abs(within[1] - 0.954) < 3 * 0.015
+    # 60 draws scatter by 6.0 and 2.7 %
+    assert abs(within[0] - 0.683) < 3 * 0.060
+    assert abs(within[1] - 0.954) < 3 * 0.027

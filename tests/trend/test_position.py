@@ -57,13 +57,6 @@ def test_position_of_an_exact_circle_comes_back(truth):
     assert_near(found.form, 0, [3e-4, 5e-5])
 
 
-def test_view_has_the_radii_of_the_thesis():
-    """Conformal radius 4.872 m, curvature 0.2053 um/mm2 (Farzaneh 2002)."""
-    npt.assert_allclose(VIEW.clearance, 230.0, rtol=1e-9)
-    npt.assert_allclose(VIEW.curvature, 0.20525, rtol=1e-4)
-    npt.assert_allclose(VIEW.clearance / VIEW.radius**2, VIEW.curvature, rtol=1e-12)
-
-
 def test_load_line_and_axial_origin_only_turn_and_shift_the_numbers():
     """The same gap from a load line 0.05 rad further, and from 2 mm further along the axis."""
     film = circle_gap(227.0, 5.0, 0.02, 0.1)
@@ -76,12 +69,6 @@ def test_load_line_and_axial_origin_only_turn_and_shift_the_numbers():
     shifted = find(film, view=replace(VIEW, axial_origin=AXIAL_ORIGIN + 2.0)).value
     npt.assert_allclose(shifted[:2], here[:2] + 2.0 * here[2:], atol=1e-3)
     npt.assert_allclose(shifted[2:], here[2:], atol=1e-4)
-
-
-def test_region_does_not_change_the_position():
-    film = circle_gap(227.0, 5.0, 0.02, 0.1)
-    part = Region(slice(24, 128), slice(48, 184))
-    assert_near(find(film, region=part).value, find(film).value, [2e-3, 2e-2, 5e-4, 5e-3])
 
 
 def test_image_with_x_and_y_exchanged_gives_the_same_position():
@@ -135,14 +122,13 @@ def check_coverage(pulls, draws):
 
 
 def test_covariance_covers_noise_and_calibration():
-    check_coverage(pulls_of(120), 120)
+    check_coverage(pulls_of(60), 60)
 
 
 @pytest.mark.slow
 def test_covariance_covers_turned_and_scratched_surfaces():
     rows, columns = np.indices((Y.size, X.size), dtype=float)
-    pulls = pulls_of(200, RigSettings(), rows + 40, columns + 60)
-    check_coverage(pulls, 200)
+    check_coverage(pulls_of(60, RigSettings(), rows + 40, columns + 60), 60)
 
 
 def test_random_covariance_is_the_scatter():
@@ -204,12 +190,6 @@ def test_bent_pin_has_a_curvature_along_the_axis():
     assert abs(found.form[0]) < 3e-4
 
 
-def test_dust_does_not_move_the_pin():
-    ratios = noisy_ratios(circle_gap(227.0, 3.0), 0.01, np.random.default_rng(4))
-    ratios.log_ratio.values[40:60, 100:124] += 0.2
-    assert_near(find(ratios).value, [227, 3, 0, 0], [0.01, 0.1, 0.003, 0.03])
-
-
 def test_position_is_missing_where_the_blocks_do_not_determine_it():
     """A column and a row of blocks leave the side tilt open."""
     for corner in (slice(None), slice(8, None)):
@@ -266,10 +246,3 @@ def test_covariance_of_all_triggers_has_that_of_each_on_its_diagonal():
         here = slice(4 * n, 4 * n + 4)
         expected = one.covariance(known_calibration().full_covariance)
         npt.assert_allclose(whole[here, here], expected, rtol=1e-6, atol=1e-10)
-
-
-def test_random_error_towards_the_load_is_below_5_nm_in_the_light_of_the_sample():
-    """11,000 electrons a pixel in each band, over a region of 9.6 by 12 mm of 60 um pixels."""
-    noise = np.sqrt(2 / 11_000)
-    found = find(noisy_ratios(circle_gap(225.0, 4.0), noise, np.random.default_rng(53)))
-    assert np.sqrt(found.random_cov[0, 0]) < 5e-3

@@ -9,7 +9,6 @@ import pytest
 import xarray as xr
 from scenes.film import CLEARANCE, RADIUS, RUN_TOML, K, P, Q, true_ratio
 
-from erlif.core.errors import ErlifError
 from erlif.core.flags import Flag
 from erlif.io.settings import RunSettings, to_toml
 from erlif.trend import RigidGap, average_across_sliding, rigid_gap
@@ -115,11 +114,6 @@ def test_noise_that_rows_share_widens_the_error_bars():
     assert 0.7 < float(pull.std()) < 1.3  # 160 values and the estimated scatter
 
 
-def test_shared_error_does_not_average_out():
-    profile = average_across_sliding(make_film(parabola()), trigger=0)
-    npt.assert_allclose(profile.thickness_std_shared, 0.02, rtol=1e-6)
-
-
 def test_line_with_too_few_valid_pixels_is_missing():
     """51 rows lie in the region: 12 valid ones are less than a quarter, 13 are more."""
     film = make_film(parabola())
@@ -143,14 +137,6 @@ def test_line_that_loses_pixels_to_the_range_is_missing(flag):
     assert np.flatnonzero(np.isnan(profile.thickness.values)).tolist() == [20]
 
 
-def test_pixels_lost_for_other_reasons_leave_the_line():
-    film = make_film(parabola())
-    film.flags.values[0, 20:30, 20] = Flag.NO_FILM
-    film.thickness.values[0, 20:30, 20] = np.nan
-    profile = average_across_sliding(film, trigger=0)
-    npt.assert_allclose(profile.thickness, parabola()[0], atol=1e-3)
-
-
 def test_sliding_along_y_gives_the_same_profile():
     noise = white_noise(3)
     one = average_across_sliding(make_film(parabola(), noise=noise), trigger=0)
@@ -158,12 +144,6 @@ def test_sliding_along_y_gives_the_same_profile():
     npt.assert_allclose(two.thickness, one.thickness, rtol=1e-6)
     npt.assert_array_equal(two.position, one.position)
     assert two.position.attrs["long_name"] == "y, sliding"
-
-
-@pytest.mark.parametrize("trigger", [-1, 1])
-def test_trigger_that_does_not_exist_is_refused(trigger):
-    with pytest.raises(ErlifError, match="trigger"):
-        average_across_sliding(make_film(parabola()), trigger=trigger)
 
 
 # the gap of rigid bodies
@@ -199,12 +179,6 @@ def test_curvature_is_that_of_the_film_whatever_the_radii(radius):
     npt.assert_allclose(fit(film).radius, RADIUS, rtol=1e-6)
 
 
-def test_curvature_of_wedges_and_even_films_is_zero():
-    wedge = np.broadcast_to(1.0 + 0.3 * X, (ROWS, COLUMNS))
-    for truth in (wedge, np.full((ROWS, COLUMNS), 5.0)):
-        assert abs(fit(make_film(truth)).curvature) < 2e-3
-
-
 def test_error_bar_of_the_curvature_is_its_scatter():
     found = [fit(make_film(parabola(), noise=white_noise([4, n]))) for n in range(40)]
     pulls = [(gap.curvature - bend(3.0)) / gap.curvature_std for gap in found]
@@ -229,11 +203,6 @@ def test_error_of_the_calibration_is_part_of_the_curvature():
         moved = np.interp(true_ratio(truth), ratio, GRID)
         changes.append(np.linalg.lstsq(design, moved - truth, rcond=None)[0][2])
     npt.assert_allclose(shared, np.linalg.norm(changes), rtol=0.3)  # equal weights here
-
-
-def test_thickness_of_the_gap_is_a_parabola_about_its_minimum():
-    gap = RigidGap(2.0, 8.0, 5.0, 0.2, 0.01)
-    npt.assert_allclose(gap.thickness([8.0, 18.0, -2.0]), [2.0, 12.0, 12.0])
 
 
 def test_circles_at_a_distance_have_a_flatter_gap_than_touching_ones():

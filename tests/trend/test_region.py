@@ -9,17 +9,6 @@ from erlif.trend import Region, find_region
 X, Y = 0.06 * np.arange(200), 0.06 * np.arange(160)
 
 
-def test_without_bounds_the_region_is_the_image():
-    assert find_region(X, Y) == Region(rows=slice(0, 160), columns=slice(0, 200))
-
-
-def test_bounds_are_included():
-    """Positions of 0.1 mm steps: 1.0 to 5.0 mm are columns 10 to 50."""
-    position = np.arange(100) / 10
-    region = find_region(position, position, roi=((1.0, 5.0), (2.0, 9.0)))
-    assert region == Region(rows=slice(20, 91), columns=slice(10, 51))
-
-
 def test_bounds_between_pixels_keep_the_pixels_inside():
     region = find_region(X, Y, roi=((3, 9), (2, 8)))
     rows, columns = region.rows, region.columns
@@ -39,8 +28,3 @@ def test_region_of_few_pixels_is_refused_with_the_size_of_the_image(roi):
     with pytest.raises(ConfigError, match="at least 32 x 32 pixels") as refused:
         find_region(X, Y, roi=roi)
     assert "x 0 to 11.94 mm and y 0 to 9.54 mm" in str(refused.value)
-
-
-def test_region_of_just_32_pixels_is_accepted():
-    region = find_region(X, Y, roi=((0, 31 * 0.06), (0, 31 * 0.06)))
-    assert region == Region(rows=slice(0, 32), columns=slice(0, 32))

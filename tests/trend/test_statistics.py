@@ -17,7 +17,7 @@ from scenes.gap import (
 from erlif.core.errors import ErlifError
 from erlif.core.products import RatioImages
 from erlif.thickness import measure_thickness
-from erlif.trend import Region, fit_gap_minimum, summarise_film
+from erlif.trend import Region, summarise_film
 
 EVEN = np.full((Y.size, X.size), 6.0)
 
@@ -26,17 +26,6 @@ def summarise(ratios, *, calibration=None, region=WHOLE):
     calibration = calibration or known_calibration()
     maps = measure_thickness(ratios, calibration)
     return summarise_film(ratios, maps, calibration, region=region)
-
-
-def test_mean_of_an_even_film_is_its_thickness():
-    found = summarise(noisy_ratios(EVEN, 1e-3, np.random.default_rng(1)))
-    npt.assert_allclose(found.mean, 6.0, atol=1e-3)
-
-
-def test_mean_of_a_gap_is_that_of_the_parabola():
-    """Mean of (x - c)^2/2R and of the tilt over the region, by the closed form of the sum."""
-    found = summarise(noisy_ratios(known_gap(2.0), 1e-3, np.random.default_rng(1)))
-    npt.assert_allclose(found.mean, known_gap(2.0).mean(), atol=1e-3)
 
 
 def test_mean_is_that_of_the_region_alone():
@@ -77,15 +66,6 @@ def test_error_of_the_displacement_is_correlated_over_a_block():
     npt.assert_allclose(summarise(ratios).mean_random_std, plain * np.hypot(1, 8), rtol=0.02)
 
 
-def test_minimum_is_that_of_the_smooth_gap():
-    ratios = noisy_ratios(known_gap(3.0), 0.01, np.random.default_rng(6))
-    calibration = known_calibration()
-    gap = fit_gap_minimum(ratios, calibration, region=WHOLE, sliding_along_x=True)
-    found = summarise(ratios)
-    assert (found.minimum, found.minimum_random_std) == (gap.value, gap.random_std)
-    assert found.minimum_surface_std == gap.surface_std
-
-
 def test_total_error_bars_add_the_calibration_in_quadrature():
     """First-order propagation of the covariance through the gradients."""
     found = summarise(noisy_ratios(known_gap(3.0), 0.01, np.random.default_rng(6)))
@@ -117,11 +97,6 @@ def test_share_beyond_the_range_is_that_of_the_gap():
     npt.assert_allclose(found.beyond_range, (film > RANGE[1]).mean(), atol=0.01)
 
 
-def test_share_beyond_the_range_is_zero_within_it():
-    found = summarise(noisy_ratios(known_gap(2.0), 1e-4, np.random.default_rng(4)))
-    assert found.beyond_range == 0
-
-
 @pytest.mark.parametrize(("minimum", "noise"), [(9.5, 0.02), (5.0, 0.05)])
 def test_mean_is_that_of_the_valid_pixels_where_much_lies_beyond_the_range(minimum, noise):
     """No bias by the pixels that noise moves across the limit."""
@@ -144,14 +119,6 @@ def test_mean_remains_where_the_minimum_is_not_determined():
     found = summarise(ratios)
     assert np.isnan([found.minimum, found.minimum_std]).all()
     assert np.isfinite([found.mean, found.mean_std]).all()
-
-
-def test_region_without_valid_pixels_has_no_statistics():
-    ratios = noisy_ratios(known_gap(3.0), 0.01, np.random.default_rng(10))
-    ratios.flags.values[:] = 128
-    found = summarise(ratios)
-    assert np.isnan([found.mean, found.mean_std, found.minimum, found.minimum_std]).all()
-    assert found.beyond_range == 0
 
 
 def test_image_with_x_and_y_exchanged_gives_the_same_statistics():

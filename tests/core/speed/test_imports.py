@@ -50,14 +50,6 @@ def test_xarray_loads_no_array_library_for_a_command():
     subprocess.run([sys.executable, "-c", code], check=True, cwd=root)
 
 
-def test_a_library_that_is_in_use_stays_in_use():
-    import pint
-
-    with large_imports():
-        assert sys.modules["pint"] is pint
-    assert sys.modules["pint"] is pint
-
-
 def test_a_program_that_has_loaded_xarray_before_can_run_a_command():
     """xarray then knows already which libraries are installed, and imports parts of them."""
     code = (

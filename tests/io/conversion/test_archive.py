@@ -15,11 +15,3 @@ def test_numpy_reads_every_variable_without_pickle(film, tmp_path):
             np.testing.assert_array_equal(found[name], film[name].values)
         assert json.loads(found["units"].item())["thickness"] == "um"
         assert json.loads(found["attributes"].item())["title"] == film.attrs["title"]
-
-
-def test_chosen_triggers_alone_are_written(film, tmp_path):
-    write_archive(film, tmp_path / "film.npz", triggers=[4], progress=silent)
-    with np.load(tmp_path / "film.npz") as found:
-        assert found["thickness"].shape == (1, 24, 64)
-        assert found["trigger"].tolist() == [4]
-        assert found["x"].size == 64

@@ -5,11 +5,7 @@ import pytest
 
 from erlif.core.errors import ErlifError
 from erlif.io.conversion.contents import (
-    attributes_of,
     choose_trigger,
-    describe_units,
-    maps_of,
-    small_variables,
     trigger_columns,
 )
 
@@ -44,12 +40,6 @@ def test_counts_of_flags_are_named_by_the_flag(film):
     np.testing.assert_array_equal(columns["flagged_pixels_no_film"].values, counts[:, 7])
 
 
-def test_maps_are_those_of_the_trigger(film):
-    maps = dict(maps_of(film, 3))
-    assert list(maps) == ["thickness", "thickness_std", "thickness_std_shared", "flags"]
-    np.testing.assert_array_equal(maps["flags"], film.flags.values[3])
-
-
 def test_a_crank_angle_counts_over_the_full_turn(film):
     # triggers at 250, 290, 330, 70, 110 and 150 degree
     assert choose_trigger(film, angle=10.0 + 360.0 * 2 + 66.0) == 3
@@ -71,11 +61,3 @@ def test_an_angle_far_from_all_triggers_is_refused(film):
     turned = film.drop_vars("crank_angle")
     angle = float(film.encoder_angle[4])
     assert choose_trigger(turned, angle=angle) == 4
-
-
-def test_units_and_texts_are_kept(film):
-    assert describe_units(film)["load"] == "N"
-    assert "pixel_pitch" in attributes_of(film)["settings"]
-    small = small_variables(film, [1, 2])
-    assert "thickness" not in small
-    np.testing.assert_array_equal(small["load"], film["load"].values[1:3])

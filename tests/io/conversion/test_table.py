@@ -30,12 +30,6 @@ def test_words_of_triggers_stand_in_the_table(film, tmp_path):
     assert [row["regime"] for row in read(tmp_path / "film.csv")] == words.tolist()
 
 
-def test_a_column_with_a_comma_in_its_name_stays_one_column(film, tmp_path):
-    named = film.assign({'laser, "raw"': ("trigger", np.arange(6.0))})
-    write_trigger_table(named, tmp_path / "film.csv")
-    assert [row['laser, "raw"'] for row in read(tmp_path / "film.csv")][1] == "1.0"
-
-
 def test_a_map_has_a_row_for_each_pixel(film, tmp_path):
     seen = []
     write_map_table(

@@ -10,7 +10,6 @@ import erlif
 from erlif.core.errors import ErlifError, OutputError
 from erlif.io.files import (
     check_trigger,
-    describe_trigger,
     fastest_trigger,
     flag_shares,
     has_identity,
@@ -68,12 +67,6 @@ def test_the_fastest_trigger_is_one_of_the_outward_stroke():
 
 def test_without_an_outward_stroke_the_fastest_of_all_is_taken():
     assert fastest_trigger(triggers([-1.0, -2.0], [-1, -1])) == 1
-
-
-def test_a_trigger_is_described_by_angle_stroke_and_speed(opened):
-    text = describe_trigger(opened, 0)
-    assert text.startswith("trigger 0, 0.00°, outward, ")
-    assert text.endswith(" rad/s")
 
 
 def test_a_film_has_the_identity_of_its_work_and_no_other(film, opened):

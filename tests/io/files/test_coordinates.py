@@ -7,7 +7,6 @@ import xarray as xr
 
 import erlif
 from erlif.io.files import set_coordinates
-from erlif.io.files.coordinates import name_coordinates
 
 PLACES = {"encoder_angle", "crank_angle", "stroke", "time"}
 
@@ -25,13 +24,6 @@ def test_each_map_names_its_coordinates(film):
     with h5py.File(film) as file:
         for name in ("thickness", "thickness_std", "flags", "film_min"):
             assert set(file[name].attrs["coordinates"].decode().split()) == PLACES
-
-
-def test_a_zarr_film_has_the_coordinates_as_well(small_rig, film, tmp_path):
-    with erlif.process(small_rig.run, output=tmp_path / "film.zarr", workers=1) as made:
-        assert set(made.coords) >= PLACES
-    opened = xr.open_zarr(tmp_path / "film.zarr", consolidated=False, chunks=None)
-    assert set(opened.thickness.coords) >= PLACES
 
 
 def test_a_film_of_an_earlier_version_gets_its_coordinates_when_it_is_opened(film, tmp_path):
@@ -56,9 +48,3 @@ def test_closing_a_film_with_its_coordinates_closes_its_file():
 def test_variables_on_other_dims_stay_variables():
     film = xr.Dataset({"time": ("sample", [0.1]), "stroke": ("trigger", [1])})
     assert set(set_coordinates(film).coords) == {"stroke"}
-
-
-def test_coordinates_of_the_triggers_are_named_in_their_order_of_the_alphabet():
-    coords = {name: ("trigger", [0.0]) for name in ("time", "crank_angle")}
-    assert name_coordinates(xr.Dataset(coords={"trigger": [0], **coords})) == "crank_angle time"
-    assert name_coordinates(xr.Dataset(coords={"x": [0.0]})) == ""

@@ -20,12 +20,6 @@ def path(tmp_path):
     return path
 
 
-def test_root_and_groups_are_opened(path):
-    with open_netcdf(path) as root, open_netcdf(path, group="frames") as frames:
-        assert root.a.values.tolist() == [1, 2]
-        assert frames.b.values.tolist() == [3]
-
-
 def test_a_variable_is_not_a_group(path):
     assert has_group(path, "frames")
     assert not has_group(path, "a")

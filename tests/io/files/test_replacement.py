@@ -38,10 +38,6 @@ def test_a_directory_is_exchanged_as_a_whole(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_an_output_that_does_not_exist_is_not_refused(tmp_path):
-    refuse_existing(tmp_path / "film.nc", overwrite=False)
-
-
 def netcdf(path, variable="thickness", **attrs):
     """A small netCDF file; that of erlif has its version among the attributes."""
     xr.Dataset({variable: 1.0}, attrs=attrs).to_netcdf(path, engine="h5netcdf")
@@ -88,18 +84,6 @@ def store(path, **attributes):
         ("report.html", lambda path: netcdf(path, erlif_version="0.1.0")),
         ("map.png", lambda path: path.write_text("erlif")),
         ("folder", lambda path: (path / "inner").mkdir(parents=True)),
-    ],
-    ids=[
-        "text",
-        "other netCDF",
-        "calibration",
-        "damaged",
-        "other zarr",
-        "directory named zarr",
-        "somebody's page",
-        "film",
-        "text named png",
-        "directory",
     ],
 )
 def test_what_the_command_has_not_written_is_never_replaced(tmp_path, name, write):

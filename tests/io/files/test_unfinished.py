@@ -6,7 +6,7 @@ import pytest
 from scenes.stores import FILM, GRID, GROUPS, VARIABLES, contents, maps_of, read_store
 
 from erlif.core.errors import OutputError
-from erlif.io.files import MapStore, PartialFilm, remove_remains, write_film
+from erlif.io.files import PartialFilm, remove_remains, write_film
 from erlif.io.files.replacement import remove
 
 
@@ -33,14 +33,6 @@ def test_an_unfinished_film_forgets_what_was_half_written(output):
         assert again.has(0)
         assert not list(again.directory.glob("*.unfinished"))
     work.maps.close()
-
-
-def test_numbers_come_back_by_their_names(output):
-    with begin(output) as work:
-        put(work, 0)
-        assert {name: values.tolist() for name, values in work.numbers(0).items()} == {
-            "frames_used": 2
-        }
 
 
 def test_work_of_the_same_key_is_resumed_and_of_another_key_removed(output, caplog):
@@ -125,14 +117,6 @@ def test_a_complete_film_takes_its_name_and_leaves_nothing_beside_it(output, tmp
             put(work, 0, 1, 2, 3)
             write_film(work, FILM, GROUPS)
     assert list(tmp_path.iterdir()) == [output]
-
-
-def test_only_a_zarr_takes_triggers_in_any_order(tmp_path):
-    stores: list[MapStore] = []
-    for name in ("film.nc", "film.zarr"):
-        with begin(tmp_path / name) as work:
-            stores.append(work.maps)
-    assert [store.any_order for store in stores] == [False, True]
 
 
 # what a process leaves that is killed after the film has its name

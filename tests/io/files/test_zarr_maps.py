@@ -101,17 +101,6 @@ def replace_by_a_directory(path):
         lambda chunk, record: flip_a_byte(chunk(1).with_name("zarr.json"), 30),
         lambda chunk, record: chunk(1).with_name("zarr.json").unlink(),
     ],
-    ids=[
-        "byte of a chunk",
-        "chunks exchanged",
-        "records exchanged",
-        "record of another trigger",
-        "byte of a record",
-        "foreign file",
-        "directory",
-        "description",
-        "no description",
-    ],
 )
 def test_damaged_triggers_are_put_again_to_the_same_bytes(tmp_path, whole, damage):
     store = open_store("zarr", tmp_path / "left")

@@ -16,25 +16,12 @@ from erlif.io.ingest import (
     format_notes,
     open_run,
     read_frames,
-    read_pair,
-    skipped_notes,
 )
 
 
 def make_pairs(count, skipped=(), bit_depths=(12, 12)):
     pages = tuple(Page(Path(f"{k}.tif"), 0) for k in range(count))
     return FramePairs(Path(), (pages, pages), (64, 80), bit_depths, dict.fromkeys(skipped, "empty"))
-
-
-def test_frames_that_are_left_out_are_not_usable():
-    pairs = make_pairs(6, skipped=(0, 4))
-    assert pairs.usable == [1, 2, 3, 5]
-    assert make_pairs(3).usable == [0, 1, 2]
-
-
-def test_full_scale_is_the_largest_number_of_so_many_bits():
-    assert make_pairs(1, bit_depths=(8, 12)).full_scales == (255, 4095)
-    assert make_pairs(1, bit_depths=(16, 14)).full_scales == (65535, 16383)
 
 
 @pytest.mark.parametrize(
@@ -104,19 +91,6 @@ def test_a_file_of_many_frames_is_not_hashed_with_each(run, save_pages):
     assert len(str(frames.digest_camera2.values[0])) == 64
 
 
-@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
-def test_one_pair_comes_as_it_was_written(tmp_path, dtype):
-    counts = np.random.default_rng(5).integers(0, 250, (2, 64, 80)).astype(dtype)
-    pages = tuple((Page(tmp_path / f"{n}.tif", 0, alone=True),) for n in range(2))
-    for image, (page,) in zip(counts, pages, strict=True):
-        tifffile.imwrite(page.path, image)
-    pair = read_pair(FramePairs(tmp_path, pages, (64, 80), (12, 12)), 0, digests=True)
-    for n, (page,) in enumerate(pages):
-        np.testing.assert_array_equal(pair.counts[n], counts[n])
-        assert pair.counts[n].dtype == np.uint16
-        assert pair.digests[n] == hashlib.sha256(page.path.read_bytes()).hexdigest()
-
-
 def test_counts_beyond_the_bit_depth_are_refused_in_every_frame(run):
     odd = run.counts[1, 3].copy()
     odd[10, 20] = 4096
@@ -125,13 +99,3 @@ def test_counts_beyond_the_bit_depth_are_refused_in_every_frame(run):
     read_frames(pairs, [0, 1, 2])
     with pytest.raises(FrameError, match=r"frame_0003\.tif reaches 4096: bit_depth = 13 fits"):
         read_frames(pairs, [0, 3])
-
-
-def test_frames_left_out_are_reported_in_their_order():
-    pairs = FramePairs(Path(), ((), ()), (64, 80), (12, 12), {7: "the file is empty", 2: "damaged"})
-    notes = skipped_notes(pairs)
-    assert [str(note) for note in notes] == [
-        "frame pair 2 left out: damaged",
-        "frame pair 7 left out: the file is empty",
-    ]
-    assert {note.level for note in notes} == {Level.WARNING}

@@ -43,7 +43,10 @@ def test_a_fixture_has_its_profile_among_the_inputs(fixture):
     assert hashes["profile.csv"] == expected([fixture.directory / "profile.csv"])
 
 
-@pytest.mark.parametrize("name", ["run.toml", "encoder.csv", *KEYS])
+CHANGED = ["run.toml", "camera1/*.tif", "camera2_dark.tif"]
+
+
+@pytest.mark.parametrize("name", CHANGED)
 def test_a_changed_input_changes_its_own_hash_and_no_other(run, name):
     before = hash_inputs(open_run(run.directory))
     path = run.frames(int(name[6]))[5] if "*" in name else run.directory / name
@@ -56,16 +59,6 @@ def test_a_changed_input_changes_its_own_hash_and_no_other(run, name):
         path.write_text(path.read_text() + "\n")
     after = hash_inputs(open_run(run.directory))
     assert [key for key in before if before[key] != after[key]] == [name]
-
-
-def test_frames_of_another_order_have_another_hash(run):
-    before = hash_inputs(open_run(run.directory))
-    first, second = run.frames(1)[:2]
-    content = first.read_bytes()
-    first.write_bytes(second.read_bytes())
-    second.write_bytes(content)
-    after = hash_inputs(open_run(run.directory))
-    assert before["camera1/*.tif"] != after["camera1/*.tif"]
 
 
 def test_names_are_relative_and_as_short_as_possible(run):
@@ -91,17 +84,6 @@ def test_a_file_that_is_left_out_and_unreadable_has_a_place_in_the_hash(run):
     ]
     found = hash_inputs(recording)["camera2/*.tif"]
     assert found == hashlib.sha256(b"".join(digests)).hexdigest()
-
-
-def test_a_run_without_darks_and_flats_has_none_among_its_hashes(run):
-    for n in (1, 2):
-        run.edit(
-            "run.toml",
-            (f'dark = "camera{n}_dark.tif"', 'offset = "64 DN"'),
-            (f'flat = "camera{n}_flat.tif"', ""),
-        )
-    found = set(hash_inputs(open_run(run.directory)))
-    assert found == {"run.toml", "encoder.csv", "camera1/*.tif", "camera2/*.tif"}
 
 
 # hashes that are known
@@ -138,11 +120,7 @@ def sign(directory):
     return sign_inputs(recording, hash_files_beside_frames(recording))
 
 
-def test_the_sign_stays_where_nothing_changes(run):
-    assert sign(run.directory) == sign(run.directory)
-
-
-@pytest.mark.parametrize("name", ["run.toml", "encoder.csv", *KEYS])
+@pytest.mark.parametrize("name", CHANGED)
 def test_a_changed_input_changes_the_sign(run, name):
     before = sign(run.directory)
     path = run.frames(int(name[6]))[5] if "*" in name else run.directory / name

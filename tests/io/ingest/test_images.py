@@ -25,7 +25,7 @@ from erlif.io.ingest.images import (
     read_page,
 )
 from erlif.io.ingest.selection import Selection
-from erlif.io.readers.base import FrameKind, describe_shape
+from erlif.io.readers.base import FrameKind
 
 RNG = np.random.default_rng(5)
 GREY = RNG.integers(0, 4096, (64, 80), dtype=np.uint16)
@@ -44,11 +44,6 @@ def test_bytes_of_a_name_that_are_not_utf_8_are_replaced():
     assert name == "frame_\N{REPLACEMENT CHARACTER}.tif"
 
 
-def test_a_kind_is_written_as_width_by_height_and_type():
-    assert str(FrameKind((64, 80), "uint16")) == "80 x 64 uint16"
-    assert describe_shape((64, 80, 3)) == "3 x 80 x 64"
-
-
 @given(st.lists(st.integers(0, 10**12), min_size=1, max_size=9, unique=True))
 @settings(deadline=None, database=None, max_examples=50)
 def test_natural_order_is_that_of_the_numbers(numbers):
@@ -62,11 +57,6 @@ def test_any_names_can_be_ordered(names):
     sorted((PurePath(name) for name in [*names, "²", "x²3", "٣"]), key=natural_key)
 
 
-def test_numbers_of_folders_count_before_those_of_files():
-    names = [Path("part10/1.tif"), Path("part2/3.tif"), Path("part2/20.tif")]
-    assert sorted(names, key=natural_key) == [names[1], names[2], names[0]]
-
-
 # files
 
 
@@ -76,12 +66,6 @@ def test_files_come_in_natural_order_without_hidden_ones_and_folders(tmp_path):
     (tmp_path / "folder.tif").mkdir()
     found = match_files(tmp_path, "*.tif")
     assert [path.name for path in found] == ["f_1.tif", "f_2.tif", "f_10.tif"]
-
-
-def test_a_pattern_may_reach_into_folders(tmp_path):
-    (tmp_path / "a" / "b").mkdir(parents=True)
-    (tmp_path / "a" / "b" / "1.tif").write_bytes(b"x")
-    assert match_files(tmp_path, "**/*.tif") == [tmp_path / "a" / "b" / "1.tif"]
 
 
 def test_a_pattern_without_files_is_refused_with_its_purpose(tmp_path):
@@ -110,7 +94,6 @@ def test_each_page_of_each_file_is_found_with_its_kind(tmp_path, save_pages):
         ("b.png", b"not an image", "damaged"),
         ("b.dat", b"not an image", "its format is none of those that are read: TIFF, "),
     ],
-    ids=["empty", "text", "no directory", "png", "unknown"],
 )
 def test_a_damaged_file_keeps_its_place_as_one_unreadable_page(
     tmp_path, save_pages, name, content, reason
@@ -123,12 +106,6 @@ def test_a_damaged_file_keeps_its_place_as_one_unreadable_page(
     assert list(found.faults) == [1]
     assert reason in found.faults[1]
     assert found.kinds[1] == UNREADABLE
-
-
-def test_a_file_that_cannot_be_opened_is_a_fault(tmp_path):
-    (tmp_path / "a.tif").symlink_to(tmp_path / "gone.tif")
-    (fault,) = find_pages(tmp_path, "a.tif", "camera1").faults.values()
-    assert fault == "the file cannot be read: No such file or directory"
 
 
 def test_the_last_byte_of_a_page_must_be_there(tmp_path, save_pages):
@@ -186,15 +163,6 @@ def test_data_that_cannot_be_decoded_are_refused_with_the_way_out(tmp_path):
     assert find_pages(tmp_path, "a.tif", "camera1").faults == {}
     with pytest.raises(FrameError, match=r"a\.tif; it cannot be decoded: .*--skip-bad-frames"):
         read_page(Page(path, 0), tmp_path, (64, 80))
-
-
-@pytest.mark.parametrize("dtype", [np.int16, np.int32, np.float32, np.float64])
-def test_counts_in_another_type_are_read_as_counts(tmp_path, dtype):
-    tifffile.imwrite(tmp_path / "a.tif", GREY.astype(dtype))
-    (page,) = find_pages(tmp_path, "a.tif", "camera1").pages
-    counts = read_page(page, tmp_path, (64, 80))
-    assert counts.dtype == np.uint16
-    np.testing.assert_array_equal(counts, GREY)
 
 
 def test_corrected_values_are_refused_with_the_first_of_them(tmp_path):

@@ -72,11 +72,6 @@ def test_a_frame_has_the_last_number_of_its_name_or_its_position(tmp_path, names
     assert frame_numbers([Page(tmp_path / name, 0) for name in names]) == numbers
 
 
-def test_pages_of_one_file_are_numbered_by_position(tmp_path):
-    pages = [Page(tmp_path / "run_12.tif", index) for index in range(3)]
-    assert frame_numbers(pages) == [0, 1, 2]
-
-
 # frames that pair
 
 
@@ -97,15 +92,6 @@ def test_frames_pair_in_natural_order(record, one, two):
     assert (pairs.shape, pairs.bit_depths, pairs.skipped) == (SHAPE, (12, 12), {})
 
 
-def test_each_camera_has_its_own_bit_depth(record, tmp_path):
-    record(range(2), range(2))
-    write(tmp_path / "camera1" / "f_0.tif", GREY + 3000)
-    assert pair(tmp_path, bit_depths=(12, 10)).bit_depths == (12, 10)
-    message = refusal(tmp_path, bit_depths=(10, 12))
-    assert "camera1/f_0.tif reaches" in message
-    assert "bit_depth = 12 fits" in message
-
-
 # frames that do not
 
 
@@ -115,19 +101,11 @@ def test_the_first_frame_without_a_partner_is_named_by_its_number(record):
     assert "unmatched one is camera1/f_2.tif" in message
 
 
-def test_a_surplus_of_camera_2_is_named_as_well(record):
-    assert "unmatched one is camera2/f_4.tif" in refusal(record(range(4), range(6)))
-
-
 @pytest.mark.parametrize("has_log", [True, False])
 def test_rows_of_a_log_are_advised_where_there_is_one(record, has_log):
     message = refusal(record([0, 1, 2], [0, 2]), has_log=has_log)
     assert ("row out of the encoder log" in message) == has_log
     assert message.endswith(".")
-
-
-def test_without_common_numbers_the_first_surplus_position_is_named(record):
-    assert "unmatched one is camera1/f_3.tif" in refusal(record(range(5), [70, 80, 90]))
 
 
 def test_equal_counts_with_different_gaps_are_out_of_step(record):
@@ -141,11 +119,6 @@ def test_both_cameras_with_the_same_files_are_refused(record):
     directory = record(range(3), range(3))
     message = refusal(directory, patterns=("camera1/*", "camera1/*"))
     assert "both [camera1] and [camera2] name f_0.tif" in message
-
-
-def test_a_camera_without_files_is_refused(record):
-    directory = record(range(3), range(3))
-    assert "none*.tif of camera2" in refusal(directory, patterns=("camera1/*", "none*.tif"))
 
 
 # kinds
@@ -185,22 +158,7 @@ def test_frames_of_less_than_64_pixels_are_refused(record, shape):
     assert f"f_0.tif is {shape[1]} x {shape[0]}" in refusal(directory)
 
 
-def test_frames_of_64_pixels_are_large_enough(record):
-    directory = record([], [])
-    for camera in (1, 2):
-        write(directory / f"camera{camera}" / "f_0.tif", np.full((64, 64), 900, np.uint16))
-    assert pair(directory).shape == (64, 64)
-
-
 # damaged frames
-
-
-def test_an_empty_file_is_refused_and_the_way_out_named(record):
-    directory = record(range(4), range(4))
-    (directory / "camera2" / "f_2.tif").write_bytes(b"")
-    message = refusal(directory)
-    assert message.startswith("Expected readable frames; camera2/f_2.tif: the file is empty. ")
-    assert "--skip-bad-frames" in message
 
 
 def test_the_first_of_several_damaged_frames_is_named_and_the_others_counted(record):

@@ -12,10 +12,6 @@ from erlif.io.ingest import open_fixture, open_run, read_frames
 from erlif.io.ingest.recording import number_frames
 
 
-def counts_of(directory):
-    return read_frames(open_run(directory).pairs, range(6)).counts.values
-
-
 def test_a_run_has_settings_frames_and_log(run):
     recording = open_run(run.directory)
     assert recording.directory == run.directory
@@ -34,25 +30,11 @@ def test_a_fixture_has_no_log(fixture):
     assert not hasattr(recording, "log")
 
 
-def test_each_camera_has_its_own_files_and_bit_depth(run):
-    run.edit("run.toml", ('band = "610 nm"', 'band = "610 nm"\nbit_depth = 14'))
-    pairs = open_run(run.directory).pairs
-    assert pairs.bit_depths == (12, 14)
-    for camera, pages in enumerate(pairs.pages, 1):
-        assert [page.path for page in pages] == run.frames(camera)
-
-
 @pytest.mark.parametrize("one", ["610 nm", "620 nm"])
 def test_camera_1_must_have_the_shorter_wavelength(run, one):
     run.edit("run.toml", ('band = "580 nm"', f'band = "{one}"'))
     with pytest.raises(FrameError, match=f"got {one} on camera 1 and 610 nm on camera 2"):
         open_run(run.directory)
-
-
-def test_exchanged_bands_of_a_fixture_are_refused(fixture):
-    fixture.edit("fixture.toml", ('"580 nm"', '"611 nm"'))
-    with pytest.raises(FrameError, match="exchange the two tables"):
-        open_fixture(fixture.directory)
 
 
 @pytest.mark.parametrize("rows", [5, 7])
@@ -70,13 +52,6 @@ def test_a_damaged_frame_is_left_out_on_request_and_keeps_its_row(run):
     recording = open_run(run.directory, skip_bad_frames=True)
     assert recording.pairs.usable == [0, 1, 2, 4, 5]
     assert recording.log.sizes["frame"] == 6
-
-
-def test_a_damaged_frame_of_a_fixture_is_left_out_on_request(fixture):
-    fixture.frames(1)[0].write_bytes(b"")
-    with pytest.raises(FrameError, match="the file is empty"):
-        open_fixture(fixture.directory)
-    assert open_fixture(fixture.directory, skip_bad_frames=True).pairs.usable == [1, 2]
 
 
 def test_a_directory_without_settings_is_refused(tmp_path):

@@ -21,12 +21,6 @@ def test_pages_come_in_the_order_of_the_file(tmp_path, save_pages):
     np.testing.assert_array_equal(np.stack(list(read(tmp_path))), PAGES)
 
 
-def test_pages_may_lie_in_several_files(tmp_path, save_pages):
-    save_pages(tmp_path / "dark_10.tif", PAGES[2:])
-    save_pages(tmp_path / "dark_9.tif", PAGES[:2])
-    np.testing.assert_array_equal(np.stack(list(read(tmp_path, "dark_*.tif"))), PAGES)
-
-
 def test_a_page_is_read_when_it_is_asked_for(tmp_path, save_pages):
     """A recording larger than the memory can be read: the second page may still be changed."""
     save_pages(tmp_path / "dark_1.tif", PAGES[:1])
@@ -35,11 +29,6 @@ def test_a_page_is_read_when_it_is_asked_for(tmp_path, save_pages):
     next(pages)
     save_pages(tmp_path / "dark_2.tif", PAGES[2:3])
     np.testing.assert_array_equal(next(pages), PAGES[2])
-
-
-def test_missing_darks_are_refused_with_their_purpose(tmp_path):
-    with pytest.raises(FrameError, match=r"Expected files dark\.tif of camera2 dark"):
-        next(read(tmp_path))
 
 
 def test_a_damaged_page_is_named_before_any_page_is_read(tmp_path, save_pages):
@@ -76,13 +65,3 @@ def test_every_page_must_fit_the_bit_depth(tmp_path, save_pages):
     with pytest.raises(FrameError, match=r"dark\.tif\[3\] reaches 4096: bit_depth = 13 fits"):
         next(found)
     assert len(list(read(tmp_path, bit_depth=13))) == 5
-
-
-def test_a_reason_with_advice_of_its_own_gets_no_other(tmp_path):
-    (tmp_path / "dark.tif").write_bytes(b"\xff\xd8\xff\xe0 JPEG")
-    with pytest.raises(FrameError) as refused:
-        next(read(tmp_path))
-    assert str(refused.value).startswith(
-        "Expected readable camera2 dark pages; dark.tif: it is a JPEG"
-    )
-    assert str(refused.value).endswith("values are no counts. Save the raw counts as TIFF.")

@@ -36,7 +36,7 @@ def test_halves_that_show_the_same_object_are_two_cameras(tmp_path, parts):
     assert f"its {parts[0]} and {parts[1]} halves" in found.reason
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(2))
 def test_one_scene_is_one_camera(tmp_path, seed):
     tifffile.imwrite(tmp_path / "a.tif", photograph(speckle(256, 320, seed))[0])
     assert find_cameras_in_file(tmp_path / "a.tif", rows=[1]) is None

@@ -66,14 +66,6 @@ def test_two_cameras_are_distinguished_by_the_names_of_their_files(tmp_path, one
         assert camera.frames.pattern == pattern
 
 
-def test_one_multi_page_file_for_each_camera_is_found(tmp_path):
-    photograph(tmp_path, "cam1.tif", "cam2.tif", pages=5)
-    cameras = survey_directory(tmp_path).cameras
-    assert [camera.frames.pattern for camera in cameras] == ["cam1.tif", "cam2.tif"]
-    assert [camera.frames.pages for camera in cameras] == [5, 5]
-    assert cameras[0].frames.kinds == ("80 x 64 uint16",)
-
-
 def test_cameras_stand_in_the_order_of_their_wavelengths(tmp_path):
     photograph(tmp_path, *numbered("cam1_610nm/{}.tif"), *numbered("cam2_580nm/{}.tif"))
     cameras = survey_directory(tmp_path).cameras
@@ -83,13 +75,6 @@ def test_cameras_stand_in_the_order_of_their_wavelengths(tmp_path):
 
 def test_a_number_that_both_cameras_share_is_not_a_wavelength(tmp_path):
     photograph(tmp_path, *numbered("run_500/cam1/{}.tif"), *numbered("run_500/cam2/{}.tif"))
-    assert [camera.wavelength for camera in survey_directory(tmp_path).cameras] == [None, None]
-
-
-def test_frame_numbers_are_not_taken_as_wavelengths(tmp_path):
-    photograph(
-        tmp_path, *(f"cam{camera}/{number}.tif" for camera in (1, 2) for number in range(579, 582))
-    )
     assert [camera.wavelength for camera in survey_directory(tmp_path).cameras] == [None, None]
 
 
@@ -193,14 +178,6 @@ def test_damaged_files_are_listed_and_the_others_read(tmp_path):
     assert frames.pages == 3
 
 
-def test_files_that_erlif_wrote_are_not_taken_for_frames(tmp_path):
-    photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"))
-    (tmp_path / "figures").mkdir()
-    for name in ("calibration.png", "figures/map.png"):
-        (tmp_path / name).write_bytes(b"\x89PNG")
-    assert survey_directory(tmp_path).unassigned == ()
-
-
 def test_tables_are_listed_with_header_and_rows(tmp_path):
     (tmp_path / "log.csv").write_text("frame, angle_deg\n0,1.5\n1,2.5\n\n")
     (tmp_path / "empty.csv").write_text("")
@@ -247,24 +224,6 @@ def test_a_camera_whose_files_are_all_damaged_has_no_counts(tmp_path):
     assert one.counts.highest == 1000
     assert two.counts is None
     assert len(two.frames.faults) == 3
-
-
-def test_the_most_frequent_size_comes_first(tmp_path):
-    photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"))
-    photograph(tmp_path, "cam1/0.tif", image=GREY[:, :70])
-    assert survey_directory(tmp_path).cameras[0].frames.kinds == (
-        "80 x 64 uint16",
-        "70 x 64 uint16",
-    )
-
-
-def test_more_than_two_cameras_are_all_listed(tmp_path):
-    photograph(tmp_path, *(name for n in (1, 2, 3) for name in numbered(f"cam{n}/{{}}.tif")))
-    assert [camera.label for camera in survey_directory(tmp_path).cameras] == [
-        "camera 1",
-        "camera 2",
-        "camera 3",
-    ]
 
 
 @pytest.mark.parametrize(
