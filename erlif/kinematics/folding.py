@@ -7,8 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+import xarray as xr
 
 from erlif.core.arrays import Array
+from erlif.core.described import Columns, describe
 from erlif.core.errors import EncoderError
 from erlif.core.products import EncoderLog
 from erlif.kinematics.encoder import Encoder, Mechanism
@@ -90,19 +92,18 @@ def fold_frames(crank: Array, log: EncoderLog, encoder: Encoder, mechanism: Mech
     if encoder.bins is not None:
         return fold_by_phase(crank, encoder.bins, mechanism.dead_points())
 
-    since = log.number.values - log.number.values[0]
+    reading, turning = log.angle.values, encoder.mounted_on == "crank"
     if encoder.triggers_per_cycle is not None:
-        fold = Fold(since % encoder.triggers_per_cycle, since // encoder.triggers_per_cycle)
-        _check_angles(fold, log, encoder)
-        return fold
+        return fold_by_number(log, reading, encoder.triggers_per_cycle, turning=turning)
 
     # the step that follows the last frame completes its turn
+    since = log.number.values - log.number.values[0]
     turned = float(np.sum(_steps(crank))) / _TURN
     cycles = turned + turned / max(since[-1], 1)
     frames = int(since[-1] + 1)
     per_cycle = frames if cycles < _SINGLE_CYCLE else round(frames / cycles)
     fold = Fold(since % per_cycle, since // per_cycle)
-    off, spacing = _deviations(fold, log, encoder)
+    off, spacing = find_deviations(reading, fold.trigger, turning=turning)
     if off.max() <= _REPEATED * spacing and not _mixes_strokes(fold, crank, mechanism):
         return fold
     remark = (
@@ -224,20 +225,78 @@ def find_deviations(
     return off, float(np.median(step)) if step.size else math.inf
 
 
-def _deviations(fold: Fold, log: EncoderLog, encoder: Encoder) -> tuple[Array, float]:
-    on_crank = encoder.mounted_on == "crank"
-    return find_deviations(log.angle.values, fold.trigger, turning=on_crank)
+def fold_by_number(
+    log: EncoderLog, angle: Array | None, triggers_per_cycle: int, *, turning: bool = True
+) -> Fold:
+    """Group frames that so many triggers lie between.
+
+    Parameters
+    ----------
+    log : EncoderLog
+        number (frame).
+    angle : array, (frame,), or None
+        Angle that the frames of a trigger share; None where it is not known. [degree]
+    triggers_per_cycle : int
+    turning : bool
+        Whether angles that are whole turns apart are the same.
+
+    Returns
+    -------
+    Fold
+
+    Raises
+    ------
+    EncoderError
+        If frames of one trigger are at different angles.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> log = EncoderLog(xr.Dataset({"number": ("frame", [5, 6, 7, 8])}))
+    >>> fold_by_number(log, None, 2).trigger
+    array([0, 1, 0, 1])
+    """
+    since = log.number.values - log.number.values[0]
+    fold = Fold(since % triggers_per_cycle, since // triggers_per_cycle)
+    if angle is None:
+        return fold
+    off, spacing = find_deviations(angle, fold.trigger, turning=turning)
+    if off.max() > OFF_ANGLE * spacing:
+        worst = int(np.argmax(off))
+        raise EncoderError(
+            f"Expected the frames of one trigger at one angle; with {triggers_per_cycle} triggers "
+            f"per cycle (triggers_per_cycle) frame {int(log.number[worst])} is "
+            f"{off[worst]:.2f} deg from the first cycle's. Set triggers_per_cycle in [encoder] to "
+            "the number of triggers in one cycle and keep every row; or take it out where the "
+            "triggers do not repeat, and average by bins = 50."
+        )
+    return fold
 
 
-def _check_angles(fold: Fold, log: EncoderLog, encoder: Encoder) -> None:
-    off, spacing = _deviations(fold, log, encoder)
-    if off.max() <= OFF_ANGLE * spacing:
-        return
-    worst = int(np.argmax(off))
-    raise EncoderError(
-        f"Expected the frames of one trigger at one angle; with {encoder.triggers_per_cycle} "
-        f"triggers per cycle (triggers_per_cycle) frame {int(log.number[worst])} is "
-        f"{off[worst]:.2f} deg from the first cycle's. Set triggers_per_cycle in [encoder] to the "
-        "number of triggers per turn of the crank and keep every row; or take it out where the "
-        "triggers do not repeat, and average by bins = 50."
-    )
+def describe_frames(fold: Fold, columns: Columns, *, cycle: str) -> xr.Dataset:
+    """Trigger and cycle of each frame, and further columns.
+
+    Parameters
+    ----------
+    fold : Fold
+    columns : Columns
+        On dim frame.
+    cycle : str
+        What a cycle is, in words.
+
+    Returns
+    -------
+    xarray.Dataset
+        On dim frame, numbered from 0.
+
+    Examples
+    --------
+    >>> describe_frames(Fold(np.array([0, 1]), np.array([0, 0])), {}, cycle="turn").cycle.long_name
+    'turn'
+    """
+    numbers: Columns = {
+        "trigger": ("frame", fold.trigger, "1", "encoder trigger of the cycle"),
+        "cycle": ("frame", fold.cycle, "1", cycle),
+    }
+    found = describe(numbers | columns, {})
+    return found.assign_coords(frame=np.arange(fold.trigger.size))

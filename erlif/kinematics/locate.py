@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
+from erlif.core.described import Columns
 from erlif.core.errors import EncoderError, ModelError
 from erlif.core.notes import Level, Note
 from erlif.core.products import EncoderLog, require
@@ -19,7 +20,7 @@ from erlif.kinematics.encoder import (
     link_limits,
     read_link_angle,
 )
-from erlif.kinematics.folding import fold_frames
+from erlif.kinematics.folding import describe_frames, fold_frames
 from erlif.models.mechanism import SliderCrank
 
 _BACKWARD_COST = 3.0
@@ -96,22 +97,15 @@ def locate_frames(
 
     swings = encoder.mounted_on == "rocker" and not link.falling
     rising = "stroke, +1 angle rising" if swings else "stroke, +1 rocker angle rising"
-    columns = {
-        "trigger": (fold.trigger, "1", "encoder trigger of the cycle"),
-        "cycle": (fold.cycle, "1", "turn of the crank"),
-        "stroke": (stroke, "1", rising),
-        "crank_angle": (np.degrees(crank), "degree", "crank angle"),
-        "rocker_speed": (speed, "rad s-1", "angular speed of the joint"),
+    columns: Columns = {
+        "stroke": ("frame", stroke, "1", rising),
+        "crank_angle": ("frame", np.degrees(crank), "degree", "crank angle"),
+        "rocker_speed": ("frame", speed, "rad s-1", "angular speed of the joint"),
     }
     if pin_radius is not None:
-        columns["sliding_speed"] = (np.abs(speed) * pin_radius, "m s-1", "sliding speed")
-    located = xr.Dataset(
-        {
-            name: ("frame", values, {"units": unit, "long_name": meaning})
-            for name, (values, unit, meaning) in columns.items()
-        },
-        {"frame": np.arange(crank.size)},
-    )
+        sliding = np.abs(speed) * pin_radius
+        columns["sliding_speed"] = ("frame", sliding, "m s-1", "sliding speed")
+    located = describe_frames(fold, columns, cycle="turn of the crank")
     located["encoder_angle"] = ("frame", link.reading, _describe_encoder(link, encoder))
     if link.zero_std is not None:
         located.attrs["zero_effect"] = _describe_zero_effect(

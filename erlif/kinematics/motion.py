@@ -8,16 +8,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from erlif.core.arrays import Array
+from erlif.core.described import Columns
 from erlif.core.errors import EncoderError
 from erlif.core.products import EncoderLog, require
-from erlif.kinematics.folding import OFF_ANGLE, Fold, find_deviations, fold_by_phase
+from erlif.kinematics.folding import describe_frames, fold_by_number, fold_by_phase
 
 _LARGEST_STEP = 150.0
 """Turn of a disc from frame to frame above which its sense is not certain. [degree]"""
@@ -107,20 +106,17 @@ def locate_rotation(
     array([0.2, 0.2])
     """
     require(log, "number")
-    columns: dict[str, _Column] = {}
+    logged, columns = _logged_columns(log), Columns()
     if "angle" in log:
-        columns["encoder_angle"] = _logged_angle(log)
+        columns["encoder_angle"] = logged.pop("encoder_angle")
         disc = (log.angle.values + math.degrees(zero)) % _TURN
-        columns["crank_angle"] = _Column(disc, "degree", "angle of the disc")
-
-    if "sliding_speed" in log:
-        columns["sliding_speed"] = _logged_speed(log)
-    else:
+        columns["crank_angle"] = ("frame", disc, "degree", "angle of the disc")
+    if not logged:
         speed = np.broadcast_to(
             np.abs(_choose_rate(log, rotation)) * rotation.radius, log.sizes["frame"]
         )
-        columns["sliding_speed"] = _Column(speed, "m s-1", "sliding speed")
-    located = _describe_frames(log, columns, _fold(log, columns, triggers_per_cycle, bins, _DISC))
+        columns["sliding_speed"] = ("frame", speed, "m s-1", "sliding speed")
+    located = _describe(log, columns | logged, triggers_per_cycle, bins)
     return located.assign_attrs(_compare_rate(log, rotation.speed, "speed"))
 
 
@@ -173,9 +169,9 @@ def locate_slider(
     (array([0.157, 0.   ]), array([0., 5.]))
     """
     require(log, "number")
-    columns: dict[str, _Column] = {}
+    logged, columns = _logged_columns(log), Columns()
     if "angle" in log:
-        columns["encoder_angle"] = _logged_angle(log)
+        columns["encoder_angle"] = logged.pop("encoder_angle")
         drive = np.radians(log.angle.values) + (zero or 0.0)
     elif "time" in log and zero is not None:
         drive = 2 * math.pi * slider.frequency * log.time.values + zero
@@ -188,24 +184,19 @@ def locate_slider(
         )
 
     amplitude = slider.stroke / 2
-    columns["crank_angle"] = _Column(
-        np.degrees(drive) % _TURN, "degree", "angle of the drive, 0 at mid-stroke"
-    )
-    columns["position"] = _Column(
-        1e3 * amplitude * np.sin(drive), "mm", "position of the slider from mid-stroke"
-    )
+    turned, position = np.degrees(drive) % _TURN, 1e3 * amplitude * np.sin(drive)
+    speed = 2 * math.pi * slider.frequency * amplitude * np.abs(np.cos(drive))
+
     # a drive that turns backwards passes mid-stroke the other way
     sense = -1 if "angle" in log and _falls(log, np.degrees(drive)) else 1
-    columns["stroke"] = _Column(
-        np.where(sense * np.cos(drive) >= 0, 1, -1).astype(np.int8),
-        "1",
-        "+1 position rising, -1 falling",
-    )
-    speed = 2 * math.pi * slider.frequency * amplitude * np.abs(np.cos(drive))
-    columns["sliding_speed"] = _Column(speed, "m s-1", "sliding speed")
-    if "sliding_speed" in log:
-        columns["sliding_speed"] = _logged_speed(log)
-    located = _describe_frames(log, columns, _fold(log, columns, triggers_per_cycle, bins, _SLIDER))
+    stroke = np.where(sense * np.cos(drive) >= 0, 1, -1).astype(np.int8)
+    columns |= {
+        "crank_angle": ("frame", turned, "degree", "angle of the drive, 0 at mid-stroke"),
+        "position": ("frame", position, "mm", "position of the slider from mid-stroke"),
+        "stroke": ("frame", stroke, "1", "+1 position rising, -1 falling"),
+        "sliding_speed": ("frame", speed, "m s-1", "sliding speed"),
+    }
+    located = _describe(log, columns | logged, triggers_per_cycle, bins, _SLIDER)
     return located.assign_attrs(
         _compare_rate(log, 2 * math.pi * slider.frequency, "frequency") if "angle" in log else {}
     )
@@ -242,58 +233,48 @@ def locate_logged(log: EncoderLog, *, triggers_per_cycle: int | None = None) -> 
     array([0, 0, 0, 0])
     """
     require(log, "number")
-    columns: dict[str, _Column] = {}
-    if "angle" in log:
-        columns["encoder_angle"] = _logged_angle(log)
+    columns = _logged_columns(log)
     if "sliding_speed" in log:
-        columns["sliding_speed"] = _logged_speed(log)
         signed = log.sliding_speed.values
         if signed.min() < 0 < signed.max():
             stroke = np.where(signed >= 0, 1, -1).astype(np.int8)
-            columns["stroke"] = _Column(stroke, "1", "sign of the logged speed")
-    return _describe_frames(log, columns, _fold(log, columns, triggers_per_cycle))
+            columns["stroke"] = ("frame", stroke, "1", "sign of the logged speed")
+    return _describe(log, columns, triggers_per_cycle)
 
 
-class _Column(NamedTuple):
-    """Values of a variable on dim frame."""
-
-    values: npt.NDArray[np.generic]
-    unit: str
-    meaning: str
-
-
-def _logged_angle(log: EncoderLog) -> _Column:
-    return _Column(log.angle.values, "degree", "encoder angle")
-
-
-def _logged_speed(log: EncoderLog) -> _Column:
-    return _Column(np.abs(log.sliding_speed.values), "m s-1", "sliding speed, logged")
+def _logged_columns(log: EncoderLog) -> Columns:
+    """Angle of the encoder and sliding speed, as far as they are logged."""
+    columns: Columns = {}
+    if "angle" in log:
+        columns["encoder_angle"] = ("frame", log.angle.values, "degree", "encoder angle")
+    if "sliding_speed" in log:
+        speed = np.abs(log.sliding_speed.values)
+        columns["sliding_speed"] = ("frame", speed, "m s-1", "sliding speed, logged")
+    return columns
 
 
-def _fold(
+def _describe(
     log: EncoderLog,
-    columns: dict[str, _Column],
+    columns: Columns,
     triggers_per_cycle: int | None,
     bins: int | None = None,
-    dead_points: tuple[float, float] = (0.0, math.pi),
-) -> Fold:
-    """Trigger and cycle of each frame; without a request each frame is a trigger."""
-    since = log.number.values - log.number.values[0]
+    dead_points: tuple[float, float] = _DISC,
+) -> xr.Dataset:
+    """The columns with trigger and cycle of each frame; without a request each is a trigger."""
+    angle = np.asarray(columns["crank_angle"][1], float) if "crank_angle" in columns else None
     if bins is not None:
-        if "crank_angle" not in columns:
+        if angle is None:
             raise EncoderError(
                 "Expected a column angle_deg, because [encoder] averages the frames in bins of the "
                 "angle; there is none. Log the angle, or remove bins."
             )
-        angle = np.asarray(columns["crank_angle"].values, float)
-        return fold_by_phase(np.radians(angle), bins, dead_points, falling=_falls(log, angle))
-
-    if triggers_per_cycle is None:
-        return Fold(np.arange(since.size), np.zeros_like(since))
-    fold = Fold(since % triggers_per_cycle, since // triggers_per_cycle)
-    if "crank_angle" in columns:
-        _check_fold(np.asarray(columns["crank_angle"].values, float), fold.trigger, log)
-    return fold
+        fold = fold_by_phase(np.radians(angle), bins, dead_points, falling=_falls(log, angle))
+    else:
+        # without a number of triggers all frames lie within one cycle
+        per_cycle = triggers_per_cycle or log.sizes["frame"]
+        fold = fold_by_number(log, angle if triggers_per_cycle else None, per_cycle)
+    located = describe_frames(fold, columns, cycle="number of the cycle")
+    return located.assign_attrs({"grouping": fold.remark} if fold.remark else {})
 
 
 def _falls(log: EncoderLog, angle: Array) -> bool:
@@ -302,35 +283,6 @@ def _falls(log: EncoderLog, angle: Array) -> bool:
         return bool(np.median(log["angle_rate"].values) < 0)
     step = (np.diff(angle) + _TURN / 2) % _TURN - _TURN / 2
     return bool(step.size and -_LARGEST_STEP < np.median(step) < 0)
-
-
-def _describe_frames(log: EncoderLog, columns: dict[str, _Column], fold: Fold) -> xr.Dataset:
-    """The columns as a dataset, with trigger and cycle of each frame."""
-    columns = {
-        "trigger": _Column(fold.trigger, "1", "encoder trigger of the cycle"),
-        "cycle": _Column(fold.cycle, "1", "number of the cycle"),
-        **columns,
-    }
-    return xr.Dataset(
-        {
-            name: ("frame", column.values, {"units": column.unit, "long_name": column.meaning})
-            for name, column in columns.items()
-        },
-        {"frame": np.arange(log.sizes["frame"])},
-        {"grouping": fold.remark} if fold.remark else {},
-    )
-
-
-def _check_fold(angle: Array, trigger: npt.NDArray[np.int64], log: EncoderLog) -> None:
-    """Refuse a fold that gives one trigger frames of different angles."""
-    off, spacing = find_deviations(angle, trigger, turning=True)
-    if off.max() > OFF_ANGLE * spacing:
-        worst = int(np.argmax(off))
-        raise EncoderError(
-            f"Expected the frames of one trigger at one angle; frame {int(log.number[worst])} is "
-            f"{off[worst]:.2f} deg from the first cycle's. Set triggers_per_cycle in [encoder] to "
-            "the number of triggers in one cycle, or remove it: each frame is then a trigger."
-        )
 
 
 def _compare_rate(log: EncoderLog, given: float | None, key: str) -> dict[str, str]:

@@ -6,7 +6,7 @@ from erlif.trend.blocks import BLOCK, BlockSums, sum_blocks
 from erlif.trend.curve import FilmCurve
 from erlif.trend.exponent import SLOWEST, Exponent, fit_exponent
 from erlif.trend.form import SCALE_STD, SIGNIFICANT, Cause, GapForm, judge_form
-from erlif.trend.gap import GapMinimum, fit_gap_minimum
+from erlif.trend.gap import GapMinimum
 from erlif.trend.position import (
     PARAMETERS,
     PinPosition,
@@ -57,7 +57,6 @@ __all__ = [
     "find_pin_position",
     "find_region",
     "fit_exponent",
-    "fit_gap_minimum",
     "fit_trend",
     "judge_form",
     "pin_covariance",

@@ -11,11 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from erlif.calibration import Calibration
 from erlif.core.arrays import Array
-from erlif.core.products import RatioImages
 from erlif.trend.block_fit import average_blocks, fit_blocks, sum_by_strips
-from erlif.trend.blocks import BlockSums, sum_blocks
+from erlif.trend.blocks import BlockSums
 from erlif.trend.curve import FilmCurve
 from erlif.trend.region import Region
 
@@ -45,21 +43,17 @@ class GapMinimum(NamedTuple):
     place: Array
 
 
-def fit_gap_minimum(
-    ratios: RatioImages,
-    calibration: Calibration,
-    *,
-    region: Region,
-    sliding_along_x: bool,
+def find_gap_minimum(
+    sums: BlockSums, curve: FilmCurve, *, region: Region, sliding_along_x: bool
 ) -> GapMinimum:
-    """Fit a smooth gap to the ratio of a region and find its minimum within the region.
+    """Fit a smooth gap to the blocks of a region and find its minimum within the region.
 
     Parameters
     ----------
-    ratios : RatioImages
-        log_ratio, log_ratio_var and flags (y, x).
-    calibration : Calibration
+    sums : BlockSums
+    curve : FilmCurve
     region : Region
+        Of the sums.
     sliding_along_x : bool
         Whether image x is the sliding direction.
 
@@ -67,43 +61,7 @@ def fit_gap_minimum(
     -------
     GapMinimum
         NaN where too few blocks are valid.
-
-    Examples
-    --------
-    A parabola of 3 um in the middle that rises by 0.4 um across, 0.2 um to either side:
-
-    >>> import xarray as xr
-    >>> from erlif.core.products import RatioImages
-    >>> from erlif.show.plots import example_calibration
-    >>> from erlif.trend import Region
-    >>> calibration, position = example_calibration(), np.linspace(0, 12, 64)
-    >>> film = 3 + 0.1 * (position - 6) ** 2 + 0.2 * (position[:, None] / 6 - 1)
-    >>> log_ratio = ("y", "x"), calibration.predict_log(film)
-    >>> variance, flags = np.full((64, 64), 1e-6), np.zeros((64, 64), np.uint8)
-    >>> ratios = RatioImages(xr.Dataset({
-    ...     "log_ratio": log_ratio,
-    ...     "log_ratio_var": (("y", "x"), variance),
-    ...     "flags": (("y", "x"), flags),
-    ... }))
-    >>> whole = Region(slice(0, 64), slice(0, 64))
-    >>> minimum = fit_gap_minimum(ratios, calibration, region=whole, sliding_along_x=True)
-    >>> round(minimum.value, 2)
-    2.8
-    >>> minimum.place.round(1)
-    array([31.5,  0. ])
     """
-    return find_gap_minimum(
-        sum_blocks(ratios, region),
-        FilmCurve.of(calibration),
-        region=region,
-        sliding_along_x=sliding_along_x,
-    )
-
-
-def find_gap_minimum(
-    sums: BlockSums, curve: FilmCurve, *, region: Region, sliding_along_x: bool
-) -> GapMinimum:
-    """Fit a smooth gap to the blocks of a region; `fit_gap_minimum` does the same from images."""
     blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
     shapes = np.stack(
         [np.ones_like(blocks.along), blocks.along, blocks.across, blocks.along_squared]

@@ -17,16 +17,14 @@ from scenes.gap import (
 from erlif.core.products import RatioImages
 from erlif.rig import RigSettings
 from erlif.rig.film import draw_marks
-from erlif.trend import Region, fit_gap_minimum
+from erlif.trend import FilmCurve, Region, sum_blocks
+from erlif.trend.gap import find_gap_minimum
 
 
-def fit(ratios, *, calibration=None, region=WHOLE):
-    return fit_gap_minimum(
-        ratios,
-        calibration or known_calibration(),
-        region=region,
-        sliding_along_x=True,
-    )
+def fit(ratios, *, calibration=None, region=WHOLE, sliding_along_x=True):
+    curve = FilmCurve.of(calibration or known_calibration())
+    sums = sum_blocks(ratios, region)
+    return find_gap_minimum(sums, curve, region=region, sliding_along_x=sliding_along_x)
 
 
 def exact_ratios(film):
@@ -57,9 +55,7 @@ def test_many_blocks_are_merged_without_a_change_of_the_minimum():
     s = np.linspace(-1, 1, 520)
     film = 3.0 + (s - 0.2)[None, :] ** 2 + 0.3 * (s + 1)[:, None]
     whole = Region(slice(0, 520), slice(0, 520))
-    found = fit_gap_minimum(
-        exact_ratios(film), known_calibration(), region=whole, sliding_along_x=True
-    )
+    found = fit(exact_ratios(film), region=whole)
     npt.assert_allclose(found.value, 3.0, atol=1e-3)
 
 
@@ -79,9 +75,7 @@ def test_place_is_column_then_row_also_where_the_rows_lie_along_sliding():
     s = np.arange(160)[:, None] - 50.0
     film = 3.0 + 1e-3 * s**2 - 0.002 * np.arange(160)
     square = Region(slice(0, 160), slice(0, 160))
-    found = fit_gap_minimum(
-        exact_ratios(film), known_calibration(), region=square, sliding_along_x=False
-    )
+    found = fit(exact_ratios(film), region=square, sliding_along_x=False)
     npt.assert_allclose(found.place, [159, 50], atol=0.2)
 
 
@@ -168,12 +162,8 @@ def test_gradient_is_the_change_with_the_calibration(parameter):
 def test_image_with_x_and_y_exchanged_gives_the_same_minimum():
     ratios = noisy_ratios(known_gap(3.0), 0.01, np.random.default_rng(6))
     turned = RatioImages(ratios.rename(x="y", y="x").transpose("y", "x"))
-    found = fit_gap_minimum(
-        turned,
-        known_calibration(),
-        region=Region(slice(0, X.size), slice(0, Y.size)),
-        sliding_along_x=False,
-    )
+    exchanged = Region(slice(0, X.size), slice(0, Y.size))
+    found = fit(turned, region=exchanged, sliding_along_x=False)
     npt.assert_allclose(found.value, fit(ratios).value, rtol=1e-6)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,18 +30,21 @@ class Format:
         Suffixes of its files, the usual one first; of a folder none.
     ending : str
         What the default name of the output has in place of the suffix of the film.
+    write : Callable[..., None] | None
+        Writes chosen triggers of a film; None where that depends on what is chosen.
     """
 
     suffixes: tuple[str, ...]
     ending: str
+    write: Callable[..., None] | None = None
 
 
 FORMATS = {
     "csv": Format((".csv",), ".csv"),
-    "mat": Format((".mat",), ".mat"),
-    "tiff": Format((".tif", ".tiff"), ".tif"),
-    "vtk": Format(("",), "_vtk"),
-    "npz": Format((".npz",), ".npz"),
+    "mat": Format((".mat",), ".mat", write_matlab),
+    "tiff": Format((".tif", ".tiff"), ".tif", write_stack),
+    "vtk": Format(("",), "_vtk", write_series),
+    "npz": Format((".npz",), ".npz", write_archive),
 }
 """Formats by the word that chooses them."""
 
@@ -103,23 +106,18 @@ def export(
     output = Path(output)
     kind = format_of(output, to)
     refuse_existing(output, overwrite=overwrite)
+    write, ending = FORMATS[kind].write, FORMATS[kind].ending
+    named = {"name": output.name.removesuffix(ending)} if kind == "vtk" else {}
     with _opened(film) as source:
         chosen = choose_trigger(source, trigger=trigger, angle=angle)
         triggers = list(range(source.sizes["trigger"])) if chosen is None else [chosen]
         with replacing(output) as scratch:
-            if kind == "csv" and chosen is not None:
+            if write is None and chosen is not None:
                 write_map_table(source, scratch, trigger=chosen, progress=progress)
-            elif kind == "csv":
+            elif write is None:
                 write_trigger_table(source, scratch)
-            elif kind == "mat":
-                write_matlab(source, scratch, triggers=triggers, progress=progress)
-            elif kind == "tiff":
-                write_stack(source, scratch, triggers=triggers, progress=progress)
-            elif kind == "vtk":
-                name = output.name.removesuffix(FORMATS["vtk"].ending)
-                write_series(source, scratch, name=name, triggers=triggers, progress=progress)
             else:
-                write_archive(source, scratch, triggers=triggers, progress=progress)
+                write(source, scratch, triggers=triggers, progress=progress, **named)
     return output
 
 

@@ -16,8 +16,7 @@ from .labels import label_films, refuse_repeated
 from .netcdf import fix_text, has_group, open_netcdf
 from .netcdf_maps import NetcdfMaps
 from .replacement import refuse_existing, replacing, replacing_set
-from .store import MapStore
-from .unfinished import PartialFilm, remove_remains
+from .unfinished import MapStore, PartialFilm, remove_remains
 from .wanted import take, takes, takes_products
 from .zarr_maps import ZarrMaps
 

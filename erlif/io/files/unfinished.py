@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import IO, Self
+from typing import IO, Self, TypeAlias
 
 import numpy.typing as npt
 import xarray as xr
@@ -17,10 +17,15 @@ from erlif.core.errors import OutputError
 from erlif.io.files.compression import MapVariable
 from erlif.io.files.netcdf_maps import NetcdfMaps
 from erlif.io.files.replacement import remove, write_error
-from erlif.io.files.store import MapStore
 from erlif.io.files.zarr_maps import ZarrMaps
 
 _logger = logging.getLogger(__name__)
+
+MapStore: TypeAlias = NetcdfMaps | ZarrMaps
+"""Maps of a film in the making, with what is known of each trigger: ``encode`` them in any thread,
+``put`` a trigger, ask whether the store ``has`` it, take its ``numbers`` and ``finish`` the film.
+`NetcdfMaps` takes triggers in their order, in one thread; `ZarrMaps` in any order, from several
+threads and processes."""
 
 
 class _Lock:

@@ -181,7 +181,22 @@ def find_pages(
             f"Expected files {pattern} of {what} in {directory}; there is none. "
             "Put them there, or correct the name in the settings."
         )
+    return read_headers(paths, selection)
 
+
+def read_headers(paths: Sequence[Path], selection: Selection = WHOLE) -> CameraFiles:
+    """Pages of files in their order, by the headers; unreadable ones are among its faults.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+    selection : Selection
+        Part of the files that belongs to the camera.
+
+    Returns
+    -------
+    CameraFiles
+    """
     found = CameraFiles()
     depths: set[int | None] = set()
     times: list[Array | None] = []
@@ -190,7 +205,7 @@ def find_pages(
         if path in found.companions:
             continue
         try:
-            file = _read_headers(path, selection)
+            file = _read_header(path, selection)
             depths.add(file.bits)
         except FrameError as error:
             # kept as one page, so that the frames after it keep their numbers
@@ -390,7 +405,7 @@ def depth_warning(highest: int, *, bit_depth: int, camera: int) -> Note | None:
     )
 
 
-def _read_headers(path: Path, selection: Selection) -> CameraFiles:
+def _read_header(path: Path, selection: Selection) -> CameraFiles:
     """Pages of a file that belong to a camera; FrameError with the bare reason."""
     file = open_frames(path, dataset=selection.dataset)
     try:

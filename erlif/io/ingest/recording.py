@@ -32,28 +32,22 @@ from erlif.io.settings import (
 
 
 @dataclass(frozen=True)
-class Run:
-    """A run: frame pairs of the joint, one for each row of the encoder log.
+class Recording:
+    """Frame pairs in a directory with settings.
 
     Attributes
     ----------
     directory : Path
-        Directory with ``run.toml``.
-    settings : RunSettings
-        What ``run.toml`` holds.
+        Directory with ``run.toml`` or ``fixture.toml``.
+    settings : RunSettings | FixtureSettings
+        What that file holds.
     pairs : FramePairs
         Frames of camera 1 and camera 2.
-    log : EncoderLog
-        Row k belongs to frame pair k.
-    log_notes : list[Note]
-        What was taken for what in the log.
     """
 
     directory: Path
-    settings: RunSettings
+    settings: RunSettings | FixtureSettings
     pairs: FramePairs
-    log: EncoderLog
-    log_notes: list[Note] = field(default_factory=list)
 
     @property
     def cameras(self) -> tuple[CameraSettings, CameraSettings]:
@@ -62,27 +56,35 @@ class Run:
 
 
 @dataclass(frozen=True)
-class Fixture:
+class Run(Recording):
+    """A run: frame pairs of the joint, one for each row of the encoder log.
+
+    Attributes
+    ----------
+    settings : RunSettings
+        What ``run.toml`` holds.
+    log : EncoderLog
+        Row k belongs to frame pair k.
+    log_notes : list[Note]
+        What was taken for what in the log.
+    """
+
+    settings: RunSettings
+    log: EncoderLog
+    log_notes: list[Note] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Fixture(Recording):
     """A calibration fixture: frame pairs of a film of known thickness.
 
     Attributes
     ----------
-    directory : Path
-        Directory with ``fixture.toml``.
     settings : FixtureSettings
         What ``fixture.toml`` holds.
-    pairs : FramePairs
-        Frames of camera 1 and camera 2.
     """
 
-    directory: Path
     settings: FixtureSettings
-    pairs: FramePairs
-
-    @property
-    def cameras(self) -> tuple[CameraSettings, CameraSettings]:
-        """Settings of camera 1 and camera 2."""
-        return self.settings.camera1, self.settings.camera2
 
 
 class FoundStart(NamedTuple):

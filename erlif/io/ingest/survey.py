@@ -22,13 +22,7 @@ import numpy as np
 
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import FrameError
-from erlif.io.ingest.images import (
-    Page,
-    find_pages,
-    match_files,
-    natural_key,
-    read_page,
-)
+from erlif.io.ingest.images import Page, match_files, natural_key, read_headers, read_page
 from erlif.io.ingest.logs.proposal import LOG_SUFFIXES
 from erlif.io.ingest.selection import WHOLE, Selection
 from erlif.io.ingest.shared import SharedFile, find_cameras_in_file
@@ -474,23 +468,26 @@ def _describe_set(
     files: Sequence[Path], directory: Path, selection: Selection = WHOLE
 ) -> tuple[ImageSet, list[tuple[Page, tuple[int, ...]]]]:
     """Headers of the files, and the readable grey pages with their shapes."""
-    pages, kinds, faults, count = [], Counter[str](), [], 0
-    depths: set[int | None] = set()
-    for path in files:
-        name = os.path.relpath(path, directory)
-        found = find_pages(directory, glob.escape(name), "frames", selection)
-        faults += [f"{name}: {reason}" for reason in found.faults.values()]
-        count += len(found.pages)
-        depths.add(found.bits)
-        for place, (page, kind) in enumerate(zip(found.pages, found.kinds, strict=True)):
-            if place not in found.faults:
-                kinds[str(kind)] += 1
-                pages.append((page, kind.shape))
-
-    usual = tuple(kind for kind, _ in kinds.most_common())
-    pattern = _find_pattern(files, directory)
-    bits = depths.pop() if len(depths) == 1 else None
-    return ImageSet(tuple(files), pattern, count, usual, tuple(faults), bits), pages
+    found = read_headers(files, selection)
+    faults = [
+        f"{os.path.relpath(found.pages[k].path, directory)}: {reason}"
+        for k, reason in found.faults.items()
+    ]
+    readable = [
+        (page, kind)
+        for k, (page, kind) in enumerate(zip(found.pages, found.kinds, strict=True))
+        if k not in found.faults
+    ]
+    kinds = Counter(str(kind) for _, kind in readable)
+    described = ImageSet(
+        tuple(files),
+        _find_pattern(files, directory),
+        len(found.pages),
+        tuple(kind for kind, _ in kinds.most_common()),
+        tuple(faults),
+        found.bits,
+    )
+    return described, [(page, kind.shape) for page, kind in readable]
 
 
 def _find_pattern(files: Sequence[Path], directory: Path) -> str | None:
