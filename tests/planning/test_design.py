@@ -19,7 +19,6 @@ from erlif.planning import (
     optical_thickness,
     saturation_fluence,
     scale_of_optics,
-    scaled_to,
     signal,
 )
 from erlif.rig.dyes import BANDS, tabulate_signal
@@ -92,20 +91,9 @@ def test_the_dyes_of_the_thesis_attenuate_as_documented(design):
     assert 0.9 < reabsorption / absorption < 1.1
 
 
-def test_ratio_ignores_the_pulse_energy(design):
-    brighter = replace(design, energy=3.0)
-    npt.assert_allclose(log_ratio(brighter, FILMS), log_ratio(design, FILMS), rtol=1e-12)
-    npt.assert_allclose(signal(brighter, 1, 5.0), 3 * signal(design, 1, 5.0))
-
-
 def test_half_the_concentrations_stretch_the_curve_to_twice_the_thickness(design):
     thin = design.with_concentrations(design.concentrations / 2)
     npt.assert_allclose(log_ratio(thin, 2 * FILMS), log_ratio(design, FILMS), rtol=1e-9)
-
-
-def test_scale_gives_the_light_of_a_thick_film(design):
-    known = scaled_to(design, (5000.0, 6000.0))
-    npt.assert_allclose([signal(known, k, 1e4) for k in (1, 2)], [5000.0, 6000.0])
 
 
 def test_a_filter_beyond_the_spectrum_is_refused(design):

@@ -24,7 +24,6 @@ from erlif.planning.plan import (
     rig_of,
 )
 from erlif.rig import simulate
-from erlif.rig.dyes import signals_of
 from erlif.show.plots import example_plan_results
 
 
@@ -101,18 +100,6 @@ def test_ratio_is_that_of_the_fixture(rehearsal):
     planned = np.exp(log_ratio(design_of(settings_of(), Path()), films))
     # the flats of both cameras have one lamp, so that the ratio has no factor
     npt.assert_allclose(calibration.predict(films) / planned, 1.0, atol=0.01)
-
-
-def test_the_rig_has_the_dyes_of_the_plan():
-    settings = settings_of(('"0.008 mol/L"', '"0.004 mol/L"'), ('"0.024 mol/L"', '"0.03 mol/L"'))
-    design, rig = design_of(settings, Path()), rig_of(settings)
-    films = np.array([0.5, 3.0, 12.0, 40.0])
-    for number, of_rig in enumerate(signals_of(rig.dyes), start=1):
-        npt.assert_allclose(
-            rig.thick_film_signal[number - 1] * of_rig(films),
-            signal(design, number, films),
-            rtol=2e-3,
-        )
 
 
 def test_a_plan_is_a_dataset_with_units(planned):

@@ -7,6 +7,7 @@ of a file again; look at each before it is stored.
 from __future__ import annotations
 
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
@@ -32,3 +33,8 @@ def without_texts(figure: AnyFigure) -> Figure:
     for ax in whole.findobj(lambda artist: hasattr(artist, "tick_params")):
         ax.tick_params(which="both", labelcolor="none")  # of ticks that are made later as well
     return whole
+
+
+def labels_of(ax: Axes) -> list[str]:
+    """Texts of the legend of axes."""
+    return [text.get_text() for text in ax.get_legend().get_texts()]

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 from scenes import film as scene
+from scenes.pictures import labels_of
 
 from erlif.calibration import Profile, calibration_of
 from erlif.calibration.departure import Departure
@@ -18,21 +19,6 @@ def bars_of(points):
     (container,) = [box for box in points.axes.containers if box.lines[0] is points]
     segments = np.array([path.vertices for path in container.lines[2][0].get_paths()])
     return segments[:, 0, 1], segments[:, 1, 1]
-
-
-def labels_of(ax):
-    return [text.get_text() for text in ax.get_legend().get_texts()]
-
-
-def test_points_lie_on_the_curve_but_for_their_residuals(calibration):
-    fit, _, points = plots.ratio_against_thickness(calibration)
-    t, r = fit.get_data()
-    npt.assert_allclose(r, scene.true_ratio(t), rtol=1e-9)
-    npt.assert_allclose(
-        points.get_ydata() - scene.true_ratio(points.get_xdata()),
-        calibration.curve.curve_residual,
-        atol=1e-12,
-    )
 
 
 def test_residuals_are_in_per_cent_of_the_ratio(calibration):
@@ -55,18 +41,6 @@ def test_band_of_the_fit_holds_the_scatter_of_its_parameters(calibration):
         closest = vertices[np.argmin(np.abs(vertices[:, 0] - thickness)), 0]
         half = np.ptp(vertices[vertices[:, 0] == closest, 1]) / 2
         npt.assert_allclose(half, 1.96 * ratio[:, n].std(), rtol=0.06)
-
-
-def test_band_of_the_residuals_is_that_of_the_fit(calibration):
-    """Both panels have one band, in units of the ratio and in per cent."""
-    fit, above, _ = plots.ratio_against_thickness(calibration)
-    _, below, _ = plots.ratio_residuals(calibration)
-    t, r = fit.get_data()
-    for thickness in (t[50], t[200], t[350]):
-        ratio = r[t == thickness]
-        ends = above.get_paths()[0].vertices, below.get_paths()[0].vertices
-        half = [np.ptp(end[end[:, 0] == thickness, 1]) / 2 for end in ends]
-        npt.assert_allclose(half[1], 100 * half[0] / ratio, rtol=1e-3)
 
 
 def test_parameters_are_written_with_their_standard_deviations(calibration):
@@ -103,19 +77,6 @@ def test_curve_of_a_film_is_drawn_without_points(film):
     npt.assert_allclose(artists[0].get_xdata()[[0, -1]], [0.2, 16.0])
     assert "χ²" not in artists[0].axes.texts[0].get_text()
     assert len(plots.ratio_residuals(kept)) == 2
-
-
-def test_profile_of_a_line_has_points_bars_and_range(calibration):
-    line = Profile(np.linspace(0, 10, 9), np.linspace(0, 8, 9), np.full(9, 0.1))
-    points, shade = plots.fixture_profile(line, calibration=calibration)
-    npt.assert_array_equal(points.get_xdata(), line.position)
-    npt.assert_array_equal(points.get_ydata(), line.thickness)
-    low, high = bars_of(points)
-    npt.assert_allclose((high - low) / 2, 0.1)
-    npt.assert_allclose([shade.get_y(), shade.get_y() + shade.get_height()], [0.5, 15.0])
-    assert points.axes.get_xlabel() == "profile x [mm]"
-    assert points.axes.get_ylabel() == "thickness by CMM [µm]"
-    assert labels_of(points.axes) == ["calibrated range", "CMM, bars 1 s.d."]
 
 
 def test_profile_of_a_surface_is_drawn_as_coloured_points():

@@ -49,14 +49,6 @@ def test_the_pressure_has_its_peak_under_the_load():
     )
 
 
-def test_the_point_of_the_pv_diagram():
-    largest, mean = design_pv(example_design())
-    assessment = example_design().assessment
-    x, y = mean.get_data()
-    assert x[0] * y[0] / 1e3 == pytest.approx(assessment.step("pv").present)
-    assert largest.get_xdata()[0] == pytest.approx(assessment.step("pressure_projected").present)
-
-
 def test_loads_that_are_alike_are_one_point():
     (point,) = design_pv(changed(('mean_force = "80 kN"', "")))
     assert point.get_label() == "largest and mean load"

@@ -1,6 +1,5 @@
 """Figures of a contact: steps, patches and marks are where the dataset has them."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -9,12 +8,6 @@ from scenes.pictures import picture, without_texts
 
 from erlif.models import solve_contact, subsurface_stress
 from erlif.show import plots
-
-
-@pytest.fixture(autouse=True)
-def closed():
-    yield
-    plt.close("all")
 
 
 @pytest.fixture

@@ -66,20 +66,6 @@ def test_readings_without_a_zero_are_centred_between_the_dead_points(film, with_
     npt.assert_allclose(np.ptp(reading), 24.4260, atol=2e-3)
 
 
-def test_film_over_the_cycle_is_in_the_order_of_the_crank(film):
-    artists = plots.film_over_cycle(film)
-    lines = artists[1::2]
-    for line in lines:
-        assert (np.diff(line.get_xdata()) > 0).all()
-    mean, minimum = lines[: len(lines) // 2], lines[len(lines) // 2 :]
-    for name, parts in (("film_mean", mean), ("film_min", minimum)):
-        x = np.concatenate([line.get_xdata() for line in parts])
-        y = np.concatenate([line.get_ydata() for line in parts])
-        order = np.argsort(scene.CRANK)
-        npt.assert_array_equal(x, scene.CRANK[order])
-        npt.assert_array_equal(y, film[name].values[order])
-
-
 def test_bands_are_95_per_cent_of_the_standard_deviation(film):
     artists = plots.film_over_cycle(film)
     for band, line in zip(artists[0::2], artists[1::2], strict=True):

@@ -46,15 +46,6 @@ def test_limits_are_drawn_with_crank_and_coupler_in_line(drawn):
     npt.assert_allclose([x[0], y[0]], pins[1:3].mean(axis=0))
 
 
-def test_showing_another_angle_moves_links_and_marks(drawn):
-    drawn.show(np.pi)
-    x, y = drawn.links.get_data()
-    npt.assert_allclose([x[1], y[1]], [-55, 0], atol=1e-9)
-    assert len(drawn.marks) == 2
-    for mark in drawn.marks:
-        npt.assert_allclose(mark.get_xdata(), [180, 180])
-
-
 def test_curves_over_a_turn(design):
     line, extremes = plots.transmission_over_crank(design)
     npt.assert_allclose(extremes.get_ydata(), [76.30, 104.69], atol=5e-3)

@@ -6,59 +6,18 @@ import matplotlib.pyplot as plt
 import numpy as np
 import numpy.testing as npt
 import pytest
-from matplotlib.colors import to_hex
 from scenes import film as scene
+from scenes.pictures import labels_of
 
 from erlif.core.errors import ErlifError
-from erlif.core.flags import Flag
 from erlif.show import plots
 from erlif.show.plots.maps import (
     best_columns,
     common_limits,
-    first_flag,
     image_height,
     pixel_edges,
 )
-from erlif.show.plots.style import FLAG_COLOURS
 from erlif.trend import average_across_sliding
-
-SHOWN = list(FLAG_COLOURS)
-
-
-def labels_of(ax):
-    return [text.get_text() for text in ax.get_legend().get_texts()]
-
-
-def drawn(image):
-    return np.ma.filled(image.get_array(), np.nan)
-
-
-def test_map_shows_the_film_thickness(film):
-    image = plots.thickness_map(film, trigger=2)
-    npt.assert_array_equal(drawn(image), film.thickness.isel(trigger=2).values)
-    assert [bar.get_ylabel() for bar in image.axes.child_axes] == ["film thickness [µm]"]
-
-
-def test_image_lies_at_the_positions_of_its_pixels(film):
-    """Pixel centres lie at x and y, so that the edges lie half a pixel further."""
-    image = plots.thickness_map(film, trigger=2)
-    left, right, bottom, top = image.get_extent()
-    npt.assert_allclose([left, right, top, bottom], [-0.1, 15.9, -0.1, 12.7])
-    npt.assert_allclose(pixel_edges(film), [left, right, bottom, top])
-    assert image.axes.get_ylim() == pytest.approx((12.7, -0.1))  # y runs down
-    npt.assert_allclose(image_height(film, 8.0), 8.0 * scene.ROWS / scene.COLUMNS)
-
-
-def test_flagged_pixels_have_the_colour_of_their_flag(film):
-    overlay = plots.thickness_map(film, trigger=2).axes.images[1]
-    shown = overlay.get_array()
-    assert shown[30, 1] == 1 + SHOWN.index(Flag.OUTSIDE_OVERLAP)
-    assert shown[5, 40] == 1 + SHOWN.index(Flag.BAD_PIXEL)  # bad and dim
-    assert shown[30, 30] == 0
-    colours = overlay.to_rgba(shown)
-    assert to_hex(colours[30, 1]).upper() == FLAG_COLOURS[Flag.OUTSIDE_OVERLAP]
-    assert colours[30, 30, 3] == 0  # transparent, so that the film is seen
-    assert overlay.get_extent() == plots.thickness_map(film, trigger=2).get_extent()
 
 
 def test_legend_gives_the_share_of_each_flag(film):
@@ -67,14 +26,6 @@ def test_legend_gives_the_share_of_each_flag(film):
     assert f"no film, {100 * 16 / pixels:.2f} %" in labels
     assert "outside overlap, 3.75 %" in labels  # 3 of 80 columns
     assert not any(label.startswith("saturated") for label in labels)
-
-
-def test_every_flag_has_a_colour_of_its_own():
-    assert set(FLAG_COLOURS) == set(Flag)
-    assert len(set(FLAG_COLOURS.values())) == len(Flag)
-    for flag in Flag:
-        assert first_flag(np.array([int(flag)], np.uint8))[0] == 1 + SHOWN.index(flag)
-    assert first_flag(np.zeros(1, np.uint8))[0] == 0
 
 
 def test_colour_scale_leaves_half_a_per_cent_beyond_either_end(film):
@@ -106,31 +57,6 @@ def test_trigger_that_the_film_lacks_is_refused(film, draw, trigger):
         draw(film, trigger=trigger)
 
 
-def test_profile_finds_the_gap_within_its_error_bars(film):
-    for trigger in range(scene.TRIGGERS):
-        profile = average_across_sliding(film, trigger=trigger)
-        y = scene.PITCH * np.arange(scene.ROWS)
-        truth = scene.true_film()[trigger][(y >= 1) & (y <= 11)].mean(axis=0)
-        pull = ((profile.thickness - truth) / profile.thickness_std).values
-        pull = pull[np.isfinite(pull)]
-        assert pull.size > 40
-        assert abs(pull.mean()) < 4 / np.sqrt(pull.size)
-        assert 0.7 < pull.std() < 1.3
-        assert np.isnan(profile.thickness.values[:3]).all()  # outside the overlap
-        npt.assert_allclose(profile.thickness_std_shared.values[20], 0.02, rtol=1e-3)
-
-
-def test_part_of_a_profile_beyond_the_range_is_not_shown(film):
-    names = ["thickness", "thickness_std", "thickness_std_shared", "flags"]
-    cut = film[names].load().copy(deep=True)
-    cut.attrs = film.attrs
-    cut.flags.values[0, 8:12, 30] = Flag.ABOVE_RANGE
-    cut.flags.values[0, 8:12, 31] = Flag.NO_FILM
-    line, *_ = plots.sliding_profile(cut, trigger=0)
-    assert np.isnan(line.get_ydata()[30])
-    assert np.isfinite(line.get_ydata()[31])
-
-
 def test_profile_is_drawn_with_its_error_bars(film):
     line, band, above, below, _ = plots.sliding_profile(film, trigger=1)
     profile = average_across_sliding(film, trigger=1)
@@ -145,17 +71,6 @@ def test_profile_is_drawn_with_its_error_bars(film):
     shared = 1.96 * profile.thickness_std_shared.values
     npt.assert_allclose(above.get_ydata() - h, shared)
     npt.assert_allclose(h - below.get_ydata(), shared)
-
-
-def test_profile_names_its_axes_and_curves(film, with_settings):
-    line, *_ = plots.sliding_profile(film, trigger=1)
-    assert line.axes.get_ylabel() == "film thickness [µm]"
-    assert line.axes.get_xlabel() == "x (sliding) [mm]"
-    assert labels_of(line.axes) == ["measured", "random, 95 %", "shared, 95 %", "rigid gap"]
-    turned = with_settings(('x_axis = "sliding"', 'x_axis = "axial"'))
-    line, *_ = plots.sliding_profile(turned, trigger=1)
-    assert line.axes.get_xlabel() == "y (sliding) [mm]"
-    npt.assert_array_equal(line.get_xdata(), film.y.values)
 
 
 def test_curvature_is_written_beside_that_of_the_rigid_gap(film):
@@ -211,27 +126,6 @@ def test_label_longer_than_its_colour_bar_is_broken(film):
     assert box.y1 < figure.bbox.height
 
 
-def test_sheet_shows_every_map_with_its_angle(film):
-    figure = plots.map_sheet_figure(film)
-    maps = [ax for ax in figure.axes if ax.images]
-    outward = [k for k in range(scene.TRIGGERS) if film.stroke.values[k] > 0]
-    back = [k for k in range(scene.TRIGGERS) if film.stroke.values[k] < 0]
-    for ax, trigger in zip(maps, outward + back, strict=True):
-        npt.assert_array_equal(drawn(ax.images[0]), film.thickness.values[trigger])
-        assert ax.get_title() == f"{film.encoder_angle.values[trigger]:.2f}°"
-    assert maps[0].get_ylabel() == "outward"
-    assert maps[len(outward)].get_ylabel() == "return"
-
-
-def test_maps_of_a_sheet_have_one_colour_scale(film):
-    figure = plots.map_sheet_figure(film)
-    scales = {ax.images[0].get_clim() for ax in figure.axes if ax.images}
-    assert scales == {common_limits(film)}
-    bars = [ax.get_ylabel() for ax in figure.axes if not ax.images and ax.get_ylabel()]
-    assert bars == ["film thickness [µm]; grey: flagged"]
-    assert "16.0 mm × 12.8 mm" in figure.get_supxlabel()
-
-
 def test_sheet_of_a_long_cycle_shows_sixty_maps(film):
     many = film.isel(trigger=np.resize(np.arange(scene.TRIGGERS), 90), x=slice(0, 8), y=slice(0, 6))
     figure = plots.map_sheet_figure(many)
@@ -267,15 +161,6 @@ def test_profile_of_a_film_that_slides_along_y_is_that_of_the_turned_film(film, 
     other, *_ = plots.sliding_profile(turned, trigger=1)
     npt.assert_allclose(other.get_ydata(), line.get_ydata())
     assert other.axes.get_xlabel() == "y (sliding) [mm]"
-
-
-def test_colour_scale_of_chosen_triggers_leaves_the_others_out(film):
-    """One map of 2 um and one of 9 um: the scale of the first does not reach the second."""
-    thickness = np.full((2, *film.thickness.shape[1:]), 2.0)
-    thickness[1] = 9.0
-    two = film.isel(trigger=[0, 1]).assign(thickness=(film.thickness.dims, thickness))
-    assert common_limits(two, [0])[1] < 9.0
-    assert common_limits(two) == (2.0, 9.0)
 
 
 def test_image_keeps_the_proportions_of_the_joint(film):

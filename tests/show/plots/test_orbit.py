@@ -53,26 +53,6 @@ def test_ellipse_of_correlated_errors_is_turned(film):
     npt.assert_allclose([last.width, last.height], 2 * RADII * np.sqrt([1.6, 0.4]), rtol=1e-4)
 
 
-def test_closest_film_is_the_clearance_less_the_distance_of_the_axes(film):
-    outward, back, *_ = plots.closest_film(film)
-    closest = np.concatenate([outward.get_ydata(), back.get_ydata()])
-    away = 0.2 / 33.475  # rad, of the thinnest film from the middle of the image
-    expected = 230.0 - (230.0 - scene.minimum_film()) * np.hypot(1, away)
-    npt.assert_allclose(np.sort(closest), np.sort(expected), atol=1e-6)
-    npt.assert_allclose(outward.get_xdata(), np.degrees(np.arctan(away)), rtol=1e-4)
-
-
-def test_curvature_is_drawn_beside_that_of_circles(film):
-    *points, circles = plots.gap_curvature(film)
-    assert len(points) == 2
-    expected = (230.0 - scene.minimum_film()) / (33.36 * 33.59)
-    curve = circles.get_ydata()
-    npt.assert_allclose(np.sort(curve[np.isfinite(curve)]), np.sort(expected))
-    assert np.isnan(curve).sum() == 1  # no line from one stroke to the other
-    drawn = np.concatenate([one.get_ydata() for one in points])
-    npt.assert_allclose(np.sort(drawn), np.sort(expected + 0.002))
-
-
 def test_film_without_positions_is_refused(film):
     empty = scene.without_valid_pixels(film)
     for without in (film.drop_vars("pin_displacement"), empty, film.isel(trigger=[0])):

@@ -24,18 +24,6 @@ def without(film):
     return film.drop_vars(names)
 
 
-def test_the_prediction_is_a_line_cut_between_the_strokes():
-    *points, line = film_and_prediction(FILM)
-    x, y = line.get_data()
-    cut = np.isnan(x)
-    order = np.argsort(FILM.crank_angle.values)
-    npt.assert_array_equal(x[~cut], FILM.crank_angle[order])
-    npt.assert_array_equal(y[~cut], FILM.film_predicted_min[order])
-    assert cut.tolist() == [False, False, False, True, False, False, False]
-    drawn = np.concatenate([one.get_ydata() for one in points])
-    npt.assert_array_equal(np.sort(drawn), np.sort(FILM.film_min.values))
-
-
 def test_a_trigger_of_several_frames_lies_at_their_mean_turn():
     frames = FRAMES.isel(frame=[0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5])
     turns = frames.elapsed_cycles.values + np.repeat([0.0, 1.0], 6)

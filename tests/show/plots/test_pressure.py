@@ -32,13 +32,6 @@ def test_the_band_covers_95_per_cent_about_the_profile(found):
     assert peak.lines[0].get_xdata() == 8.0
 
 
-def test_the_load_has_its_error_and_the_logged_one(found):
-    *points, logged = plots.load_balance(found)
-    drawn = np.concatenate([one.get_ydata() for one in points])
-    npt.assert_allclose(np.sort(drawn), np.sort(found.load_from_pressure.values))
-    npt.assert_allclose(logged.get_ydata(), found["load"].values)
-
-
 def test_every_load_is_within_the_axis_and_below_the_legend(found):
     """Also a negative one, with its bar."""
     found["load_from_pressure"] = ("trigger", [-230.0, 220.0, 400.0])

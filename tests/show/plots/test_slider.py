@@ -1,6 +1,5 @@
 """Figures of the slider-crank: lines are where the dataset has them, in the units of the axes."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -9,12 +8,6 @@ from scenes.pictures import picture, without_texts
 
 from erlif.models.slider_wear import bound_extrapolation
 from erlif.show import plots
-
-
-@pytest.fixture(autouse=True)
-def closed():
-    yield
-    plt.close("all")
 
 
 @pytest.fixture
@@ -26,17 +19,6 @@ def worn():
         {"depth": (("cycle", "angle"), depth), "pin_depth": (("cycle", "angle"), 0.1 * depth)},
         {"angle": angle, "cycle": cycle},
     )
-
-
-def test_force_is_drawn_over_the_crank_angle_in_degrees():
-    found = xr.Dataset(
-        {"crank_angle": ("time", [0.0, np.pi, 2 * np.pi]), "force": ("time", [10.0, 40.0, 20.0])}
-    )
-    first, second = plots.joint_force({"perfect": found, "0.1 mm": 2 * found})
-    npt.assert_allclose(first.get_xdata(), [0, 180, 360])
-    npt.assert_allclose(second.get_ydata(), [20, 80, 40])
-    assert first.get_linestyle() != second.get_linestyle()
-    assert first.axes.get_ylim()[0] == 0
 
 
 def test_profiles_of_wear_end_with_the_last_cycle_and_the_pin(worn):

@@ -25,14 +25,6 @@ from erlif.show.plots.style import (
 )
 
 
-@pytest.mark.parametrize("kind", ["png", "pdf", "svg"])
-def test_figure_gives_the_same_file_twice(calibration, tmp_path, kind):
-    one, two = (plots.write_calibration_figure(calibration, tmp_path / f"{n}.{kind}") for n in "ab")
-    assert one.read_bytes() == two.read_bytes()
-    assert b"CreationDate" not in one.read_bytes()
-    assert one.stat().st_size > 5000
-
-
 def test_file_does_not_change_with_the_time(calibration, monkeypatch):
     """The build time that matplotlib takes from the environment does not reach the file."""
     figure = plots.calibration_figure(calibration)
@@ -145,13 +137,6 @@ def test_figure_of_several_panels_shows_itself_and_fits_into_another(film):
     assert plots.pin_figure(film, figure=right) is right
     assert figure_bytes(right, kind="png", dpi=50)[:4] == b"\x89PNG"
     assert len(whole.axes) == 5
-
-
-def test_ticks_of_a_figure_keep_its_look(film):
-    """Ticks are made when a figure is drawn, in a notebook after the function has returned."""
-    ax = plots.film_over_cycle(film)[0].axes
-    ax.get_figure().draw_without_rendering()
-    assert ax.get_xticklabels()[0].get_fontsize() == 6.5
 
 
 @pytest.mark.parametrize(("lines", "room"), [(0.0, 0.0), (1000.0, 1.0)])

@@ -6,15 +6,12 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes import film as scene
+from scenes.pictures import labels_of
 
 from erlif.show import plots
-from erlif.show.plots.style import MEAN, MINIMUM, MUTED
+from erlif.show.plots.style import MUTED
 
 SPEED_OVER_LOAD = 1e3 * np.abs(scene.rocker_speed(scene.CRANK)) / scene.LOAD
-
-
-def labels_of(ax):
-    return [text.get_text() for text in ax.get_legend().get_texts()]
 
 
 def points_of(artists, colour):
@@ -29,15 +26,6 @@ def points_of(artists, colour):
 def changed(film):
     """A copy of the film that a test may change."""
     return film.load().copy(deep=True)
-
-
-def test_points_are_the_statistics_of_the_triggers(film):
-    artists = plots.film_against_speed(film)[:-2]
-    order = np.argsort(SPEED_OVER_LOAD)
-    for name, colour in (("film_mean", MEAN), ("film_min", MINIMUM)):
-        x, y = points_of(artists, colour)
-        npt.assert_allclose(x, SPEED_OVER_LOAD[order], rtol=1e-6)
-        npt.assert_array_equal(y, film[name].values[order])
 
 
 def test_bars_are_one_standard_deviation(film):
@@ -84,17 +72,6 @@ def test_power_that_was_not_fitted_is_not_drawn(changed):
     ax = plots.film_against_speed(changed)[0].axes
     # mean and minimum keep their colours in the legend, without a power
     assert labels_of(ax) == ["mean", "minimum", "outward", "return"]
-
-
-def test_theory_is_drawn_with_the_film(film):
-    *points, transient, theory, formula = plots.film_and_theory(film)
-    npt.assert_array_equal(transient.get_ydata(), scene.sunken_film())
-    order = np.argsort(np.abs(scene.rocker_speed(scene.CRANK)))
-    npt.assert_allclose(theory.get_ydata(), 20 * scene.minimum_film()[order])
-    npt.assert_allclose(formula.get_ydata(), 0.3 * scene.minimum_film()[order])
-    npt.assert_allclose(theory.get_xdata(), SPEED_OVER_LOAD[order], rtol=1e-6)
-    measured = np.concatenate([line.get_ydata() for line in points])
-    npt.assert_array_equal(np.sort(measured), np.sort(film.film_min.values))
 
 
 def test_legend_names_regime_and_formula(film):
@@ -162,8 +139,3 @@ def test_a_statistic_without_a_point_is_not_in_the_legend(changed):
 
 def draw(film):
     return plots.film_against_speed(film)[0].axes
-
-
-def test_a_falling_power_has_the_minus_of_the_figures(changed):
-    changed.speed_exponent.values[()] = -0.25
-    assert "minimum, n = −0.250 ± 0.010" in labels_of(draw(changed))
