@@ -1,8 +1,10 @@
 """Figures of finished products: a film or a calibration and axes in, artists out.
 
 A function that draws one panel takes ``ax``, and makes a figure of one journal column without it.
-Functions whose names end in ``_figure`` combine panels. matplotlib is used through its objects
-alone: no function opens a window or changes a setting of the caller.
+Functions whose names end in ``_figure`` combine panels; they take ``figure``, an empty figure or
+subfigure to draw in, and make a new one without it. ``film`` is a film as `erlif.process` returns
+it, and ``trigger`` the number of one of its triggers, counted from 0. matplotlib is used through
+its objects alone: no function opens a window or changes a setting of the caller.
 """
 
 import lazy_loader

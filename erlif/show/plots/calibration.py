@@ -55,14 +55,14 @@ def fixture_profile(
 ) -> list[Artist]:
     """Draw the profile of a fixture by the coordinate measuring machine (CMM).
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
     profile : Profile
         From `erlif.calibration.read_profile`; a line, or a surface drawn as coloured points.
     calibration : Calibration, optional
         The calibration of this fixture; its calibrated range is shaded in the profile of a line.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -127,12 +127,12 @@ def _band(calibration: Calibration, thickness: Array) -> Array:
 def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None) -> list[Artist]:
     """Draw ratio against thickness: the points of the fixture and the fit with its 95 % band.
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
     calibration : Calibration
         A calibration read back from a film has no points; the curve is then drawn alone.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -215,11 +215,7 @@ def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list
     """Draw the residuals of the fit in per cent of the ratio, with its 95 % band.
 
     Where a spline corrects the reabsorption model, the model alone is the dashed line.
-
-    Parameters
-    ----------
-    calibration, ax
-        As for `ratio_against_thickness`.
+    Arguments as in `ratio_against_thickness`.
 
     Returns
     -------
@@ -279,12 +275,7 @@ def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list
 def calibration_figure(calibration: Calibration, *, figure: AnyFigure | None = None) -> AnyFigure:
     """Draw ratio against thickness, and the residuals below.
 
-    Parameters
-    ----------
-    calibration : Calibration
-        As for `ratio_against_thickness`.
-    figure : Figure or SubFigure, optional
-        An empty one to draw in; default: a new figure.
+    Arguments as in `ratio_against_thickness`.
 
     Returns
     -------
@@ -311,10 +302,10 @@ def calibration_figure(calibration: Calibration, *, figure: AnyFigure | None = N
 def write_calibration_figure(calibration: Calibration, path: str | Path) -> Path:
     """Write the figure of a calibration as PNG, PDF or SVG by the suffix of `path`.
 
+    Arguments that are not listed are those of `ratio_against_thickness`.
+
     Parameters
     ----------
-    calibration : Calibration
-        As for `ratio_against_thickness`.
     path : path
         The file; an existing one is replaced.
 

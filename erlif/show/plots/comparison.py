@@ -165,12 +165,7 @@ def _prefixed(values: Array, unit: str) -> tuple[float, str]:
 def difference_map_of_runs(comparison: xr.Dataset, *, ax: Axes | None = None) -> AxesImage:
     """Draw the difference map of two runs, with the outline of what is significant.
 
-    Parameters
-    ----------
-    comparison : xarray.Dataset
-        As `erlif.compare` returns it.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
+    Arguments as in `film_against_duty`.
 
     Returns
     -------
@@ -240,15 +235,13 @@ def control_chart_of(
 ) -> list[Artist | Container]:
     """Draw a control chart: values with their bars, centre and limits.
 
+    Arguments that are not listed are those of `film_against_duty`.
+
     Parameters
     ----------
-    comparison : xarray.Dataset
-        As `erlif.compare` returns it.
     quantity : str
         "patch", the ratio of the reference patch run by run, or "calibration", the ratio of a film
         by each calibration.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -317,10 +310,7 @@ def control_chart_of(
 def comparison_figure(comparison: xr.Dataset) -> Figure:
     """Draw film against duty parameter and the differences of all pairs.
 
-    Parameters
-    ----------
-    comparison : xarray.Dataset
-        As `erlif.compare` returns it.
+    Arguments as in `film_against_duty`.
 
     Returns
     -------
@@ -394,10 +384,10 @@ def _draw_differences(ax: Axes, comparison: xr.Dataset) -> None:
 def write_comparison_figures(comparison: xr.Dataset, folder: Path) -> list[Path]:
     """Write the figures of a comparison as PNG.
 
+    Arguments that are not listed are those of `film_against_duty`.
+
     Parameters
     ----------
-    comparison : xarray.Dataset
-        As `erlif.compare` returns it.
     folder : Path
         Where to write them.
 

@@ -29,12 +29,12 @@ _DECADE = 10.0 ** (1 / 2)  # room on either side of the points of the pv diagram
 def design_margins(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
     """Draw how much of each limit and recommendation is used.
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
     design : BearingDesign
         From `erlif.design`.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -99,14 +99,7 @@ def _used(step: Step) -> float:
 
 @styled
 def design_pressure(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw the pressure over the arc after eqs. 6 to 9.
-
-    Parameters
-    ----------
-    design : BearingDesign
-        From `erlif.design`.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
+    """Draw the pressure over the arc after eqs. 6 to 9. Arguments as in `design_margins`.
 
     Returns
     -------
@@ -159,12 +152,7 @@ def design_pressure(design: BearingDesign, *, ax: Axes | None = None) -> list[Ar
 def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
     """Draw pressure and speed of the joint with the limits of the bushing.
 
-    Parameters
-    ----------
-    design : BearingDesign
-        From `erlif.design`.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
+    Arguments as in `design_margins`.
 
     Returns
     -------
@@ -239,14 +227,7 @@ def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
 
 @styled
 def design_temperature(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw the temperature of the surface against friction.
-
-    Parameters
-    ----------
-    design : BearingDesign
-        From `erlif.design`.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
+    """Draw the temperature of the surface against friction. Arguments as in `design_margins`.
 
     Returns
     -------
@@ -289,14 +270,7 @@ def design_temperature(design: BearingDesign, *, ax: Axes | None = None) -> list
 
 @styled
 def design_wear(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw the worn depth over the life.
-
-    Parameters
-    ----------
-    design : BearingDesign
-        From `erlif.design`.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
+    """Draw the worn depth over the life. Arguments as in `design_margins`.
 
     Returns
     -------
@@ -339,10 +313,7 @@ def design_wear(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist
 def design_figure(design: BearingDesign) -> Figure:
     """Combine pressure over the arc, pv diagram, temperature and wear of a joint.
 
-    Parameters
-    ----------
-    design : BearingDesign
-        From `erlif.design`.
+    Arguments as in `design_margins`.
 
     Returns
     -------
@@ -366,12 +337,7 @@ def design_figure(design: BearingDesign) -> Figure:
 
 @styled
 def design_margins_figure(design: BearingDesign) -> Figure:
-    """Draw the margins in a figure of their own.
-
-    Parameters
-    ----------
-    design : BearingDesign
-        From `erlif.design`.
+    """Draw the margins in a figure of their own. Arguments as in `design_margins`.
 
     Returns
     -------

@@ -31,14 +31,14 @@ def loads_of_designs(
 ) -> list[Artist]:
     """Draw the loads at failure of the runs of two designs.
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
     compared : DesignComparison
         From `erlif.compare_designs`.
     first, second : sequence of FailureLoad
         Runs of both designs.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -112,12 +112,7 @@ def designs_figure(
 ) -> AnyFigure:
     """Draw the runs of two designs with a table of their comparison.
 
-    Parameters
-    ----------
-    compared, first, second
-        As for `loads_of_designs`.
-    figure : Figure or SubFigure, optional
-        An empty one to draw in; default: a new figure.
+    Arguments as in `loads_of_designs`.
 
     Returns
     -------
@@ -149,10 +144,7 @@ def designs_figure(
 def table_of_designs(compared: DesignComparison) -> list[list[str]]:
     """Write the comparison of two designs as rows of a name and a value.
 
-    Parameters
-    ----------
-    compared : DesignComparison
-        From `erlif.compare_designs`.
+    Arguments as in `loads_of_designs`.
 
     Returns
     -------
@@ -189,10 +181,10 @@ def write_designs_figure(
 ) -> Path:
     """Write the figure of two designs.
 
+    Arguments that are not listed are those of `loads_of_designs`.
+
     Parameters
     ----------
-    compared, first, second
-        As for `loads_of_designs`.
     folder : Path
 
     Returns

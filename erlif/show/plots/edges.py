@@ -30,12 +30,12 @@ _LOW = 0.02
 def contact_pressure_map(found: xr.Dataset, *, ax: Axes | None = None) -> QuadMesh:
     """Draw the pressure of a contact over its surface.
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
     found : xarray.Dataset
         As `erlif.models.solve_contact` or `erlif.models.solve_joint` return it.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -84,6 +84,8 @@ def axial_pressure(
 ) -> list[StepPatch | Line2D]:
     """Draw the largest pressure round or across the contact along the axis, from cell to cell.
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
     contacts : mapping of str to xarray.Dataset
@@ -91,8 +93,6 @@ def axial_pressure(
         `erlif.models.solve_joint` return them.
     hertz : float, optional
         Pressure of Hertz's line contact, drawn as a line. [Pa]
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -138,13 +138,13 @@ def axial_pressure(
 def stress_section(stress: xr.Dataset, *, ax: Axes | None = None) -> PolyCollection:
     """Draw the von Mises stress in the plane of the load.
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
     stress : xarray.Dataset
         As `erlif.models.section_stress` or `erlif.models.subsurface_stress` return it; of the
         latter the section along the axis through the largest stress.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -209,12 +209,12 @@ def stress_section(stress: xr.Dataset, *, ax: Axes | None = None) -> PolyCollect
 def undercut_pressure(found: xr.Dataset, *, ax: Axes | None = None) -> list[Line2D]:
     """Draw the pressure against the thickness of the lip, for each depth of the undercut.
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
     found : xarray.Dataset
         As `erlif.models.search_undercut` returns it.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------

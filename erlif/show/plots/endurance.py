@@ -32,12 +32,12 @@ DESIGNS = "designs.png"
 def load_profile(result: EnduranceResult, *, ax: Axes | None = None) -> list[Artist]:
     """Draw the load over time with the numbers of the stages. Farzaneh (2002), fig. 4-2.
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
     result : EnduranceResult
         From `erlif.analyse_endurance`.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -71,10 +71,7 @@ def load_profile(result: EnduranceResult, *, ax: Axes | None = None) -> list[Art
 def friction_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> list[Artist]:
     """Draw the friction coefficient over time, with the onset of galling. Figs. 4-4, 4-6 and 4-7.
 
-    Parameters
-    ----------
-    result, ax
-        As for `load_profile`.
+    Arguments as in `load_profile`.
 
     Returns
     -------
@@ -96,14 +93,12 @@ def quantity_over_test(
 ) -> list[Artist]:
     """Draw one quantity over time, with the onset of galling. Figs. 4-3 to 4-11.
 
+    Arguments that are not listed are those of `load_profile`.
+
     Parameters
     ----------
-    result
-        As for `load_profile`.
     name : str
         ``"load"``, ``"torque"``, ``"friction"``, ``"temperature"`` or ``"vibration"``.
-    ax
-        As for `load_profile`.
 
     Returns
     -------
@@ -135,12 +130,7 @@ _PANELS = ("load", "torque", "friction", "temperature", "vibration")
 def endurance_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) -> AnyFigure:
     """Draw all that a test has logged, one panel below the other. Figs. 4-3 and 4-10.
 
-    Parameters
-    ----------
-    result
-        As for `load_profile`.
-    figure : Figure or SubFigure, optional
-        An empty one to draw in; default: a new figure.
+    Arguments as in `load_profile`.
 
     Returns
     -------
@@ -170,12 +160,12 @@ def endurance_figure(result: EnduranceResult, *, figure: AnyFigure | None = None
 def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) -> AnyFigure:
     """Draw torque and friction around the onset, with the posterior of the onset. Fig. 4-11.
 
+    Arguments that are not listed are those of `endurance_figure`.
+
     Parameters
     ----------
     result
         As for `load_profile`; a test that has failed.
-    figure
-        As for `endurance_figure`.
 
     Returns
     -------
@@ -297,14 +287,12 @@ def name_overviews(names: Sequence[str]) -> dict[str, str]:
 def write_endurance_figures(
     result: EnduranceResult, folder: Path, *, overview: str = ""
 ) -> list[Path]:
-    """Write the figures of a test.
+    """Write the figures of a test. Arguments that are not listed are those of `name_figures`.
 
     Parameters
     ----------
     result : EnduranceResult
     folder : Path
-    overview : str
-        As for `name_figures`.
 
     Returns
     -------

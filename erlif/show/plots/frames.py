@@ -32,6 +32,8 @@ def band_images(
 ) -> AxesImage:
     """Draw the corrected image of one camera.
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
     images : xarray.Dataset
@@ -40,8 +42,6 @@ def band_images(
         The film, for positions and bands.
     camera : int
         1 or 2.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
     limits : (float, float), optional
         Ends of the colour scale [DN]; default: the range of all but 1 % of the pixels that are
         valid.
@@ -80,14 +80,12 @@ def band_images_figure(
 ) -> AnyFigure:
     """Draw the images of both cameras side by side, on the pixel grid of camera 1 and one scale.
 
+    Arguments that are not listed are those of `band_images`.
+
     Parameters
     ----------
-    images, film : xarray.Dataset
-        As for `band_images`.
     trigger : int
         Number of the trigger that the images belong to, for the title.
-    figure : Figure or SubFigure, optional
-        An empty one to draw in; default: a new figure.
 
     Returns
     -------
@@ -129,12 +127,7 @@ def _describe_frames(images: xr.Dataset) -> str:
 def ratio_image(images: xr.Dataset, film: xr.Dataset, *, ax: Axes | None = None) -> AxesImage:
     """Draw the ratio of camera 2 to camera 1, which rises with film thickness.
 
-    Parameters
-    ----------
-    images, film : xarray.Dataset
-        As for `band_images`.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
+    Arguments as in `band_images`.
 
     Returns
     -------

@@ -20,14 +20,12 @@ def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -
     """Draw the apparent coefficient of each pair of stretches with its mean. Colbert et al. fig. 8.
 
     Bars are one standard deviation of the scatter of a pair, the band one of the mean from all
-    causes.
+    causes. Arguments that are not listed are those of `erlif.plots`.
 
     Parameters
     ----------
     series : ReversalSeries
         From `erlif.joint.friction.analyse_friction`.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -79,10 +77,10 @@ def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -
 def write_reversal_figure(series: ReversalSeries, output: Path) -> Path:
     """Write the figure of a torque log.
 
+    Arguments that are not listed are those of `friction_over_reversals`.
+
     Parameters
     ----------
-    series : ReversalSeries
-        From `erlif.joint.friction.analyse_friction`.
     output : Path
 
     Returns

@@ -117,14 +117,7 @@ def speed_against_angle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     """Draw joint speed against encoder angle, and sliding speed on a second axis.
 
     Without a linkage, the sliding speed is drawn against the position of the slider, or against
-    angle or time.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-        As `erlif.process` returns it.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
+    angle or time. Arguments as in `erlif.plots`.
 
     Returns
     -------
@@ -230,11 +223,7 @@ def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist
     """Draw joint speed against crank angle, and sliding speed on a second axis.
 
     Without a linkage, the sliding speed is drawn against angle or time.
-
-    Parameters
-    ----------
-    film, ax
-        As for `speed_against_angle`.
+    Arguments as in `speed_against_angle`.
 
     Returns
     -------
@@ -270,12 +259,7 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
 
     The axis ends at the films with their bands, and at zero where they vary by more than their
     smallest value. Without an angle of the drive they are drawn against time or the number of the
-    trigger.
-
-    Parameters
-    ----------
-    film, ax
-        As for `speed_against_angle`.
+    trigger. Arguments as in `speed_against_angle`.
 
     Returns
     -------
@@ -327,14 +311,7 @@ def cycle_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFig
     """Draw film thickness and speed against crank angle, with dotted lines at the dead points.
 
     Without a linkage they are drawn against angle or time, and the speed is left out where it is
-    not known or the same at all triggers.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-        As `erlif.process` returns it.
-    figure : Figure or SubFigure, optional
-        An empty one to draw in; default: a new figure.
+    not known or the same at all triggers. Arguments as in `erlif.plots`.
 
     Returns
     -------

@@ -74,14 +74,14 @@ def linkage_positions(
 ) -> LinkageView:
     """Draw a crank-rocker with both limits, the paths of its pins and of the coupler.
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
     design : LinkageDesign
         From `erlif.models.linkage`.
     crank_angle : float, optional
         Where it is drawn; default: half-way through the rising stroke. [rad]
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -158,14 +158,7 @@ def _rocker_degrees(links: Array) -> float:
 
 @styled
 def transmission_over_crank(design: LinkageDesign, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw the transmission angle over a turn of the crank.
-
-    Parameters
-    ----------
-    design : LinkageDesign
-        From `erlif.models.linkage`.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
+    """Draw the transmission angle over a turn of the crank. Arguments as in `linkage_positions`.
 
     Returns
     -------
@@ -203,14 +196,7 @@ def transmission_over_crank(design: LinkageDesign, *, ax: Axes | None = None) ->
 
 @styled
 def rocker_over_crank(design: LinkageDesign, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw the rocker speed over a turn of the crank.
-
-    Parameters
-    ----------
-    design : LinkageDesign
-        From `erlif.models.linkage`.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
+    """Draw the rocker speed over a turn of the crank. Arguments as in `linkage_positions`.
 
     Returns
     -------
@@ -246,10 +232,10 @@ def _over_a_turn(ax: Axes, label: str) -> None:
 def linkage_view(design: LinkageDesign, *, figure: AnyFigure | None = None) -> LinkageView:
     """Draw a crank-rocker with its limits, rocker speed and transmission angle, to be moved.
 
+    Arguments that are not listed are those of `linkage_positions`.
+
     Parameters
     ----------
-    design : LinkageDesign
-        From `erlif.models.linkage`.
     figure : Figure or SubFigure, optional
         An empty one to draw in; default: a new figure, two columns wide.
 
@@ -281,12 +267,7 @@ def linkage_view(design: LinkageDesign, *, figure: AnyFigure | None = None) -> L
 def linkage_figure(design: LinkageDesign, *, figure: AnyFigure | None = None) -> AnyFigure:
     """Draw a crank-rocker with its limits, rocker speed and transmission angle.
 
-    Parameters
-    ----------
-    design : LinkageDesign
-        From `erlif.models.linkage`.
-    figure : Figure or SubFigure, optional
-        An empty one to draw in; default: a new figure, two columns wide.
+    Arguments as in `linkage_view`.
 
     Returns
     -------
@@ -321,10 +302,10 @@ def linkage_movie(
 ) -> Path:
     """Write a turn of a crank-rocker as GIF that repeats.
 
+    Arguments that are not listed are those of `linkage_positions`.
+
     Parameters
     ----------
-    design : LinkageDesign
-        From `erlif.models.linkage`.
     path : path
         Ends in ``.gif``.
     positions : int
@@ -386,14 +367,12 @@ def example_linkage() -> LinkageDesign:
 def write_linkage(design: LinkageDesign, path: str | Path, *, overwrite: bool = False) -> Path:
     """Write the figure of a crank-rocker, or its movie.
 
+    Arguments that are not listed are those of `linkage_movie`.
+
     Parameters
     ----------
-    design : LinkageDesign
-        From `erlif.models.linkage`.
     path : path
         Ends in ``.png``, ``.pdf``, ``.svg``, or in ``.gif`` for the movie.
-    overwrite : bool
-        Replace an existing file.
 
     Returns
     -------

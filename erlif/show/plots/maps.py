@@ -93,14 +93,10 @@ def thickness_map(
 ) -> AxesImage:
     """Draw the map of film thickness at one trigger; flagged pixels have the colour of their flag.
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
-    film : xarray.Dataset
-        As `erlif.process` returns it.
-    trigger : int
-        Number of the trigger, counted from 0.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
     limits : (float, float), optional
         Ends of the colour scale [um]; default: the range of all but 1 % of the pixels of this map.
     region : bool
@@ -203,15 +199,7 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
 
     The profile is the average over the axial extent of the region of interest. The band is 95 % of
     the random error, the dashed lines are 95 % of the error that all pixels share.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-        As `erlif.process` returns it.
-    trigger : int
-        Number of the trigger, counted from 0.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
+    Arguments as in `erlif.plots`.
 
     Returns
     -------
@@ -273,10 +261,7 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
 def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> list[Artist]:
     """Draw the difference of the profile along sliding and the gap of rigid bodies.
 
-    Parameters
-    ----------
-    film, trigger, ax
-        As for `sliding_profile`.
+    Arguments as in `sliding_profile`.
 
     Returns
     -------
@@ -341,15 +326,7 @@ def thickness_figure(
     """Draw the map at one trigger, its profile along sliding, and the difference to a rigid gap.
 
     Without the radii of [joint] there is no gap, and no difference to it.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-        As `erlif.process` returns it.
-    trigger : int
-        Number of the trigger, counted from 0.
-    figure : Figure or SubFigure, optional
-        An empty one to draw in; default: a new figure.
+    Arguments as in `erlif.plots`.
 
     Returns
     -------
@@ -407,14 +384,7 @@ def map_sheet_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> An
     """Draw the maps of a cycle on one sheet with one colour scale, outward stroke first.
 
     Each stroke begins at its first trigger after the dead point. With more than sixty triggers,
-    sixty evenly chosen ones are shown.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-        As `erlif.process` returns it.
-    figure : Figure or SubFigure, optional
-        An empty one to draw in; default: a new figure.
+    sixty evenly chosen ones are shown. Arguments as in `erlif.plots`.
 
     Returns
     -------

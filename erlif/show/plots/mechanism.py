@@ -75,10 +75,10 @@ def pin_places(linkage: CrankRocker, crank_angle: Array) -> Array:
 def place_joints(film: xr.Dataset, angle: Array) -> Joints | None:
     """Find the joints of the mechanism of a film.
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
-    film : xarray.Dataset
-        As `erlif.process` returns it.
     angle : array, (angle,)
         Angle of the drive. [rad]
 
@@ -170,14 +170,7 @@ def draw_mechanism(
 ) -> MechanismView | None:
     """Draw the mechanism at one trigger, with the path and the direction of its moving joint.
 
-    Parameters
-    ----------
-    film : xarray.Dataset
-        As `erlif.process` returns it.
-    trigger : int
-        Number of the trigger, counted from 0.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
+    Arguments as in `erlif.plots`.
 
     Returns
     -------

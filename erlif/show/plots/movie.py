@@ -104,10 +104,7 @@ def thin_map(film: xr.Dataset, trigger: int) -> AnyArray:
 def order_of_cycle(film: xr.Dataset) -> list[int]:
     """Triggers of a movie in the order of the cycle, outward stroke first.
 
-    Parameters
-    ----------
-    film : xarray.Dataset
-        As `erlif.process` returns it.
+    Arguments as in `erlif.plots`.
 
     Returns
     -------
@@ -125,16 +122,7 @@ def order_of_cycle(film: xr.Dataset) -> list[int]:
 
 @styled
 def cycle_view(film: xr.Dataset, *, trigger: int, figure: AnyFigure | None = None) -> CycleView:
-    """Draw one frame of the movie of a cycle.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-        As `erlif.process` returns it.
-    trigger : int
-        Number of the trigger, counted from 0.
-    figure : Figure or SubFigure, optional
-        An empty one to draw in; default: a new figure.
+    """Draw one frame of the movie of a cycle. Arguments as in `erlif.plots`.
 
     Returns
     -------
@@ -186,6 +174,7 @@ def cycle_movie(
     true position with the direction of its motion, and the film against the angle of the drive.
     With more than sixty triggers, sixty evenly chosen ones are shown and the frames state it; maps
     of 480 pixels and more are thinned. The same film gives the same file.
+    Arguments that are not listed are those of `write_figures`.
 
     Parameters
     ----------
@@ -195,8 +184,6 @@ def cycle_movie(
         ``.gif``, or ``.mp4`` where the program ffmpeg is installed.
     frames_per_second : float
         From 0.1 to 60.
-    style : str or path, optional
-        As for `write_figures`.
     overwrite : bool
         Replace an existing file.
     progress : callable, bool or "bar"

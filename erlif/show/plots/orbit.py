@@ -53,14 +53,7 @@ def pin_orbit(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw the displacement of the pin at every trigger, with the load downwards.
 
     Ellipses cover 95 % of the random error, new at every trigger. The grey line is the clearance:
-    there pin and bore touch.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-        As `erlif.process` returns it.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
+    there pin and bore touch. Arguments as in `erlif.plots`.
 
     Returns
     -------
@@ -108,12 +101,7 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
 
     This is the orbit unrolled: the angle counts from the load line, and the film is the clearance
     less the distance of the axes. Ellipses cover 95 % of the random error; the dashed one is that
-    of the last trigger with the errors that all triggers share.
-
-    Parameters
-    ----------
-    film, ax
-        As for `pin_orbit`.
+    of the last trigger with the errors that all triggers share. Arguments as in `pin_orbit`.
 
     Returns
     -------
@@ -171,10 +159,7 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
 def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw the curvature of the gap along sliding beside that of the radii.
 
-    Parameters
-    ----------
-    film, ax
-        As for `pin_orbit`.
+    Arguments as in `pin_orbit`.
 
     Returns
     -------
@@ -221,12 +206,7 @@ def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
 def pin_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigure:
     """Combine the orbit of the pin, the closest film and the curvature of the gap.
 
-    Parameters
-    ----------
-    film : xarray.Dataset
-        As `erlif.process` returns it.
-    figure : Figure or SubFigure, optional
-        An empty one to draw in; default: a new figure.
+    Arguments as in `erlif.plots`.
 
     Returns
     -------

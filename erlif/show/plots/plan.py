@@ -51,12 +51,12 @@ def _finish(plan: xr.Dataset, ax: Axes) -> None:
 def plan_ratio(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw the expected ratio against thickness, with the ranges shaded.
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
     plan : xarray.Dataset
         From `erlif.plan`.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -96,14 +96,12 @@ def plan_precision(
 ) -> list[Artist]:
     """Draw the standard deviation of a film against thickness.
 
+    Arguments that are not listed are those of `plan_ratio`.
+
     Parameters
     ----------
-    plan : xarray.Dataset
-        From `erlif.plan`.
     relative : bool
         As a share of the film, with the wanted one; else in um.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -158,12 +156,7 @@ def plan_precision(
 def plan_signal(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw the mean signal of both cameras against thickness, with their full scale.
 
-    Parameters
-    ----------
-    plan : xarray.Dataset
-        From `erlif.plan`.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
+    Arguments as in `plan_ratio`.
 
     Returns
     -------
@@ -199,10 +192,7 @@ def plan_signal(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
 def plan_figure(plan: xr.Dataset) -> Figure:
     """Combine ratio, standard deviation, relative error and signal of a planned rig.
 
-    Parameters
-    ----------
-    plan : xarray.Dataset
-        From `erlif.plan`.
+    Arguments as in `plan_ratio`.
 
     Returns
     -------

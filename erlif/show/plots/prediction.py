@@ -47,12 +47,12 @@ def has_prediction(film: xr.Dataset) -> bool:
 def film_and_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw measured and predicted minimum film against crank angle.
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
     film : xarray.Dataset
         As `erlif.process` returns it, with a prediction.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -91,14 +91,12 @@ def film_and_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
 def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw measured and predicted minimum film against the turns of the crank since the start.
 
+    Arguments that are not listed are those of `film_and_prediction`.
+
     Parameters
     ----------
-    film : xarray.Dataset
-        As for `film_and_prediction`.
     frames : xarray.Dataset
         Group frames of the film: trigger, elapsed_cycles and film_predicted_min (frame). [um]
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -163,12 +161,7 @@ def prediction_figure(
 ) -> AnyFigure:
     """Draw measured and predicted film against crank angle, and against the turns of the crank.
 
-    Parameters
-    ----------
-    film, frames
-        As for `film_over_run`.
-    figure : Figure or SubFigure, optional
-        An empty one to draw in; default: a new figure.
+    Arguments as in `film_over_run`.
 
     Returns
     -------
@@ -207,12 +200,7 @@ def prediction_figure(
 def predicted_map(film: xr.Dataset, *, trigger: int) -> Image:
     """Compute the predicted map of one trigger from its eccentricity and attitude.
 
-    Parameters
-    ----------
-    film : xarray.Dataset
-        As for `film_and_prediction`.
-    trigger : int
-        Number of the trigger, counted from 0.
+    Arguments as in `film_and_prediction`.
 
     Returns
     -------
@@ -248,12 +236,7 @@ def prediction_map_figure(
 ) -> AnyFigure:
     """Draw the measured map, the predicted one on the same scale, and their difference.
 
-    Parameters
-    ----------
-    film, trigger
-        As for `predicted_map`.
-    figure : Figure or SubFigure, optional
-        An empty one to draw in; default: a new figure.
+    Arguments as in `predicted_map`.
 
     Returns
     -------

@@ -29,14 +29,12 @@ _MARGIN = 0.05  # of the range of the loads
 def pressure_map(found: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> AxesImage:
     """Draw the pressure over the image at one trigger.
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
     found : xarray.Dataset
         As `erlif.pressure_from_film` returns it.
-    trigger : int
-        Number of the trigger, counted from 0.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -79,10 +77,7 @@ def pressure_profile(
 ) -> list[Artist | Container]:
     """Draw the pressure along sliding in the axial middle of the image, with its 95 % band.
 
-    Parameters
-    ----------
-    found, trigger, ax
-        As for `pressure_map`.
+    Arguments as in `pressure_map`.
 
     Returns
     -------
@@ -131,10 +126,7 @@ def pressure_profile(
 def load_balance(found: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw the load that the pressure makes against crank angle, with the logged one.
 
-    Parameters
-    ----------
-    found, ax
-        As for `pressure_map`.
+    Arguments as in `pressure_map`.
 
     Returns
     -------
@@ -178,12 +170,7 @@ def _add_legend_above(ax: Axes, columns: int, **options: Any) -> None:
 
 
 def best_trigger(found: xr.Dataset) -> int:
-    """Find the trigger whose peak is known best.
-
-    Parameters
-    ----------
-    found : xarray.Dataset
-        As `erlif.pressure_from_film` returns it.
+    """Find the trigger whose peak is known best. Arguments as in `pressure_map`.
 
     Returns
     -------
@@ -216,14 +203,12 @@ def pressure_figure(
 ) -> AnyFigure:
     """Draw map and profile of the pressure at one trigger, and the balance of the load at all.
 
+    Arguments that are not listed are those of `pressure_map`.
+
     Parameters
     ----------
-    found
-        As for `pressure_map`.
     trigger : int, optional
         Default: that of `best_trigger`.
-    figure : Figure or SubFigure, optional
-        An empty one to draw in; default: a new figure.
 
     Returns
     -------
@@ -257,10 +242,10 @@ def pressure_figure(
 def write_pressure_figure(found: xr.Dataset, path: Path) -> Path:
     """Write the figure of a pressure; parameters as for `pressure_figure` and `save_figure`.
 
+    Arguments that are not listed are those of `pressure_map`.
+
     Parameters
     ----------
-    found : xarray.Dataset
-        As `erlif.pressure_from_film` returns it.
     path : Path
         PNG, PDF or SVG, by its suffix.
 

@@ -30,14 +30,14 @@ def displacement_map(
 ) -> AxesImage:
     """Draw one component of the displacement of camera 2 against camera 1, less its mean.
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
     registration : xarray.Dataset
         Group ``registration`` of a film.
     component : str
         ``"x"`` or ``"y"``.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -87,12 +87,12 @@ def _outline_masks(ax: Axes, registration: xr.Dataset) -> None:
 def drift_of_frames(frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw the drift of camera 2 in each frame.
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
     frames : xarray.Dataset
         Group ``frames`` of a film.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -147,14 +147,14 @@ def registration_figure(
 ) -> AnyFigure:
     """Draw both components of the displacement, and the drift of each frame below.
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
     registration, frames : xarray.Dataset
         Groups of a film.
     film : xarray.Dataset, optional
         The film, whose run is then named above the figure.
-    figure : Figure or SubFigure, optional
-        An empty one to draw in; default: a new figure.
 
     Returns
     -------

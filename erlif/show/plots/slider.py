@@ -24,14 +24,12 @@ _PROFILES = 4
 def joint_force(simulations: Mapping[str, xr.Dataset], *, ax: Axes | None = None) -> list[Line2D]:
     """Draw the force in the crank-pin joint over the crank angle, one line for each simulation.
 
-    Mukras et al. (2008), figures 6 and 8.
+    Mukras et al. (2008), figures 6 and 8. Arguments that are not listed are those of `erlif.plots`.
 
     Parameters
     ----------
     simulations : mapping of str to xarray.Dataset
         Names and results of `erlif.models.slider_dynamics.simulate_slider_crank`.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -69,13 +67,12 @@ def joint_wear(worn: xr.Dataset, *, ax: Axes | None = None) -> list[Line2D]:
     """Draw the worn depth round the bushing after several numbers of cycles, and that of the pin.
 
     Mukras et al. (2008), figures 13b and 14b.
+    Arguments that are not listed are those of `erlif.plots`.
 
     Parameters
     ----------
     worn : xarray.Dataset
         As `erlif.models.slider_wear.wear_slider_crank` returns it.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------
@@ -129,6 +126,8 @@ def extrapolation_error(
 ) -> list[Artist]:
     """Draw the error of worn volume and depth over the extrapolation factor, with its bound.
 
+    Arguments that are not listed are those of `erlif.plots`.
+
     Parameters
     ----------
     found : xarray.Dataset
@@ -136,8 +135,6 @@ def extrapolation_error(
     fine : xarray.Dataset, optional
         The end of a run with a far smaller factor, from which the error is counted: one cycle of
         `erlif.models.slider_wear.wear_slider_crank`. Default: the limit that `found` estimates.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
 
     Returns
     -------

@@ -56,11 +56,10 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
     """Draw mean and minimum film thickness against speed over load, with the fitted powers.
 
     Bars are one standard deviation, random and shared. Triggers too slow for the fit are grey.
+    Arguments that are not listed are those of `erlif.plots`.
 
     Parameters
     ----------
-    film : xarray.Dataset
-        As `erlif.process` returns it.
     ax : Axes, optional
         Default: those of a new figure, one column wide. Both scales become logarithmic.
 
@@ -172,10 +171,7 @@ def _stroke_keys(film: xr.Dataset) -> list[Line2D]:
 def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw minimum film thickness with theory at the same speed and load.
 
-    Parameters
-    ----------
-    film, ax
-        As for `film_against_speed`.
+    Arguments as in `film_against_speed`.
 
     Returns
     -------
@@ -292,15 +288,12 @@ def speed_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFig
     """Draw the measured film with its fit, and beside it with theory.
 
     Theory that differs from the film by more than a factor of three is beyond the axis; the legend
-    states its range.
-
+    states its range. Arguments that are not listed are those of `erlif.plots`.
 
     Parameters
     ----------
     film : xarray.Dataset
         As `erlif.process` returns it, with a speed and a load.
-    figure : Figure or SubFigure, optional
-        An empty one to draw in; default: a new figure.
 
     Returns
     -------

@@ -53,11 +53,7 @@ def choose_abscissa(film: xr.Dataset) -> Abscissa:
     """Choose the angle of the drive where it is known, else time, encoder angle or trigger.
 
     A disc that has turned several times is drawn against time, where that is known.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-        As `erlif.process` returns it.
+    Arguments as in `erlif.plots`.
 
     Returns
     -------
@@ -221,11 +217,10 @@ def in_order(film: xr.Dataset, x: Array) -> list[npt.NDArray[np.intp]]:
     """Sort the triggers by `x`, and cut them where a line would cross what was not measured.
 
     A line ends at the end of a stroke, and where a step of `x` is much longer than those beside it.
+    Arguments that are not listed are those of `stroke_looks`.
 
     Parameters
     ----------
-    film : xarray.Dataset
-        With stroke (trigger) where the motion has strokes.
     x : array, (trigger,)
         Angle, time or number.
 
