@@ -203,6 +203,8 @@ def design_of(settings: PlanSettings, folder: Path) -> Design:
         )
         for camera in (settings.camera1, settings.camera2)
     )
+
+    # what cannot be planned is refused before the scale of the light is looked for
     pages = settings.references
     design = Design(
         dyes=(

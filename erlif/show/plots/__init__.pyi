@@ -21,7 +21,6 @@ from .design import (
     design_temperature,
     design_wear,
 )
-from .designs import designs_figure, loads_of_designs, write_designs_figure
 from .edges import (
     axial_pressure,
     contact_pressure_map,
@@ -29,13 +28,16 @@ from .edges import (
     undercut_pressure,
 )
 from .endurance import (
+    designs_figure,
     endurance_figure,
     failure_figure,
     friction_over_test,
     load_profile,
+    loads_of_designs,
     name_figures,
     name_overviews,
     quantity_over_test,
+    write_designs_figure,
     write_endurance_figures,
 )
 from .example import (

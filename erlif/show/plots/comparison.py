@@ -101,6 +101,8 @@ def film_against_duty(
         artists += ax.plot(scale * ends, film, color="black", linewidth=0.8, label=label, zorder=4)
     if statistic == "film_min" and "film_theory" in comparison:
         artists += _draw_theory(ax, comparison, scale)
+
+    # the name of a variable is no name of a quantity
     meaning = str(comparison.duty.attrs["long_name"])
     for name in ("|rocker_speed|", "|sliding_speed|"):
         meaning = meaning.replace(name, "speed")
@@ -194,12 +196,16 @@ def difference_map_of_runs(comparison: xr.Dataset, *, ax: Axes | None = None) ->
     )
     _outline(ax, cells)
     style.add_colour_bar(image, ax, "difference [µm]")
+
+    # both runs are named by the order in which they are subtracted
     attrs = comparison.attrs
     ax.set(xlabel="x [mm]", ylabel="y [mm]")
     ax.set_title(
         f"{attrs['map_second_run']} less {attrs['map_first_run']}\n{attrs['map_first']}",
         fontsize="medium",
     )
+
+    # white is a value here, so that cells without one need a key of their own
     keys: list[Artist] = [
         Line2D([], [], color="black", linewidth=0.8, label="edge of a significant difference"),
         style.swatch("white", "no difference"),
@@ -275,6 +281,8 @@ def control_chart_of(
     artists: list[Artist | Container] = [
         ax.errorbar(place, value, std, fmt="o", color=OUTWARD, elinewidth=0.7)
     ]
+
+    # centre and limits of the chart, which the values are judged by
     ax.axhline(centre, color=MUTED, linewidth=0.8, label="mean")
     for k, sign in enumerate((-1, 1)):
         ax.axhline(
@@ -284,6 +292,8 @@ def control_chart_of(
             linestyle=(0, (3, 1.5)),
             label="_limit" if k else "limits, 3 std",
         )
+
+    # a ring and not another colour of the point, for print in grey
     beyond = np.abs(value - centre) > limit
     if beyond.any():
         artists += ax.plot(
@@ -295,6 +305,7 @@ def control_chart_of(
             markersize=7,
             label="beyond",
         )
+
     names = comparison.run.values if quantity == "patch" else comparison.calibration_date.values
     ax.set_xticks(place, [str(name) or "no date" for name in names], rotation=30, ha="right")
     if quantity == "patch":
@@ -356,6 +367,7 @@ def _draw_differences(ax: Axes, comparison: xr.Dataset) -> None:
             elinewidth=0.9,
             label=f"{label}, 95 % bars",
         )
+        # which differences are significant depends on the number of all tests
         for k in np.flatnonzero(one.differs.values):
             ax.annotate(
                 "*",
@@ -365,6 +377,8 @@ def _draw_differences(ax: Axes, comparison: xr.Dataset) -> None:
                 color=colour,
             )
     ax.axhline(0, color=MUTED, linewidth=0.6)
+
+    # pairs are named in the order of the difference, turned where they would overlap
     names = [
         f"{b}\nless {a}"
         for a, b in zip(comparison["first"].values, comparison.second.values, strict=True)

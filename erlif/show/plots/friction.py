@@ -57,6 +57,7 @@ def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -
         color=OUTWARD,
         label="pair of stretches",
     )
+
     ax.axhspan(
         series.friction - series.friction_std,
         series.friction + series.friction_std,
@@ -65,6 +66,7 @@ def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -
         linewidth=0,
     )
     mean = ax.axhline(series.friction, color=RETURN, linewidth=pt(0.8), label="mean ± 1 std")
+
     ax.set(
         xlabel="sliding distance [m]" if known else "time [min]",
         ylabel="apparent friction coefficient",

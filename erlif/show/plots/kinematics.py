@@ -211,8 +211,7 @@ def _draw_sliding_speed(ax: Axes, film: xr.Dataset, *, against_position: bool) -
     _draw_zero(ax, speed)
     if not speed.min() < 0:
         ax.set_ylim(0, 1.1 * speed.max())  # whole markers
-    ax.set_xlabel(label)
-    ax.set_ylabel("sliding speed [mm/s]")
+    ax.set(xlabel=label, ylabel="sliding speed [mm/s]")
     if against_position and "stroke" in film:
         style.frame_legend(ax, loc="center")
     return artists

@@ -69,8 +69,7 @@ def image_height(film: xr.Dataset, width: float) -> float:
 def label_position(ax: Axes, film: xr.Dataset) -> None:
     """Label the axes of an image of the joint."""
     x, y = axis_labels(film)
-    ax.set_xlabel(x)
-    ax.set_ylabel(y)
+    ax.set(xlabel=x, ylabel=y)
 
 
 def joint_image(

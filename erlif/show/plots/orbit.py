@@ -89,8 +89,7 @@ def pin_orbit(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
         artists.append(ax.add_patch(_ellipse(side[k], load[k], covariance[::-1, ::-1], **_RANDOM)))
 
     ax.set(xlim=(low, high), ylim=_around(np.append(load[known], wall))[::-1])
-    ax.set_xlabel("sideways [µm]")
-    ax.set_ylabel("towards the load [µm]")
+    ax.set(xlabel="sideways [µm]", ylabel="towards the load [µm]")
     style.legend_above(ax)
     return artists
 
@@ -146,8 +145,7 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
         artists.append(ax.add_patch(_ellipse(angle[k], closest[k], turned, **look)))
 
     ax.set(xlim=_around(angle[known]), ylim=_around(closest[known]))
-    ax.set_xlabel("angle from the load line [°]")
-    ax.set_ylabel("closest film [µm]")
+    ax.set(xlabel="angle from the load line [°]", ylabel="closest film [µm]")
     dashes = Line2D([], [], color=MINIMUM, linestyle=_DASHES, linewidth=pt(0.7))
     dashes.set_label("95 % with shared errors")
     keys = [artist for artist in artists if isinstance(artist, Line2D)]

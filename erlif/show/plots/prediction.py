@@ -150,8 +150,7 @@ def _finish(ax: Axes, label: str) -> None:
     span = max(high - low, _LEAST_SPAN * high)
     below, above = style.room_for(ax, _LINES[0]), style.room_for(ax, _LINES[1])
     ax.set_ylim(max(low - below * span, 0.0), high + above * span)
-    ax.set_xlabel(label)
-    ax.set_ylabel("minimum film thickness [µm]")
+    ax.set(xlabel=label, ylabel="minimum film thickness [µm]")
     style.frame_legend(ax, loc="upper right", title="bars: 1 s.d.")
 
 

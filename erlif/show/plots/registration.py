@@ -128,8 +128,7 @@ def drift_of_frames(frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artis
 
     ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    ax.set_xlabel("number of the frame pair [1]")
-    ax.set_ylabel("drift of camera 2 [px]")
+    ax.set(xlabel="number of the frame pair [1]", ylabel="drift of camera 2 [px]")
     ax.margins(x=0.01)
     low, high = ax.get_ylim()
     ax.set_ylim(low, high + style.room_for(ax, 2.0) * (high - low))

@@ -90,6 +90,8 @@ def joint_wear(worn: xr.Dataset, *, ax: Axes | None = None) -> list[Line2D]:
     """
     ax = style.given_or_new(ax)
     degrees = np.degrees(worn.angle.values)
+
+    # the state before the first cycle is no wear
     last = worn.sizes["cycle"] - 1
     chosen = sorted({round(last * k / _PROFILES) for k in range(1, _PROFILES + 1)} - {0})
     lines = []
@@ -104,6 +106,8 @@ def joint_wear(worn: xr.Dataset, *, ax: Axes | None = None) -> list[Line2D]:
             label=f"{int(worn.cycle[at]):,} cycles",
         )
         lines.append(line)
+
+    # a pin that does not wear has no line
     if np.any(worn.pin_depth.values[-1] > 0):
         (line,) = ax.plot(
             degrees, 1e3 * worn.pin_depth.values[-1], color=RETURN, linewidth=pt(0.9), label="pin"
@@ -158,6 +162,7 @@ def extrapolation_error(
         ("worn_volume", "volume", OUTWARD, "o", "-", 3.0),
         ("greatest_depth", "depth", RETURN, "s", "--", 6.0),  # both are often alike
     ):
+        # the limit is extrapolated from the runs, unless a finer one is known
         limit = float(found[f"{name}_limit"] if fine is None else fine[name])
         error = 100 * np.abs(found[name].values - limit) / abs(limit)
         bound = 100 * found[f"{name}_bound"].values / abs(limit)
@@ -173,6 +178,7 @@ def extrapolation_error(
         drawn += ax.plot(
             factors, bound, dash, color=colour, linewidth=pt(0.9), label=f"{label}: bound"
         )
+
     ax.set(xscale="log", yscale="log", xlabel="extrapolation factor [cycles]", ylabel="error [%]")
     ax.set_xticks(factors, [f"{factor:g}" for factor in factors])
     ax.minorticks_off()

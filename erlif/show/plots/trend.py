@@ -94,8 +94,7 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
         lines += power
         drawn += power if points else []
 
-    ax.set_xlabel(_LABELS[_speed_name(film)])
-    ax.set_ylabel("film thickness [µm]")
+    ax.set(xlabel=_LABELS[_speed_name(film)], ylabel="film thickness [µm]")
     plain_ticks(ax)
     # a statistic that no trigger has is not named
     if drawn:
@@ -232,8 +231,7 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
             x[order], curve, color=colour, linestyle=dashes, label="\n".join([label, *beyond])
         )
 
-    ax.set_xlabel(_LABELS[_speed_name(film)])
-    ax.set_ylabel("film thickness [µm]")
+    ax.set(xlabel=_LABELS[_speed_name(film)], ylabel="film thickness [µm]")
     ax.set_ylim(low, high * (high / low) ** style.room_for(ax, lines))
     plain_ticks(ax)
     ax.legend(loc="upper left", title=_BARS, alignment="left")
