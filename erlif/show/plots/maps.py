@@ -344,6 +344,7 @@ def thickness_figure(
     >>> [ax.get_ylabel() for ax in figure.axes]
     ['y (axial) [mm]', 'film thickness [µm]', 'measured −\\nrigid gap [µm]']
     """
+    check_trigger(film, trigger)
     height = image_height(film, _WIDE * TWO_COLUMNS)
     more = describe_trigger(film, trigger)
     figure = style.given_figure(
