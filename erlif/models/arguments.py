@@ -15,12 +15,10 @@ arguments.toml beside this file.
 import math
 import re
 import sys
-import tomllib
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cache, wraps
-from importlib.resources import files
 from inspect import cleandoc, formatannotation, signature
 from itertools import pairwise
 from typing import Any, ParamSpec, TypeAlias, TypeVar, cast
@@ -28,6 +26,7 @@ from typing import Any, ParamSpec, TypeAlias, TypeVar, cast
 import numpy as np
 
 from erlif.core.errors import ModelError, RangeWarning, UnitWarning
+from erlif.core.tables import read_table
 
 Values: TypeAlias = Any
 """A float, a list, a numpy array or an xarray DataArray, in SI units.
@@ -222,23 +221,7 @@ def _read_quantity(
     return require, _Scale(**scale) if scale else None
 
 
-def read_table(name: str) -> dict[str, Any]:
-    """Read a table beside the models.
-
-    Returns
-    -------
-    dict
-        Contents of the file.
-
-    Examples
-    --------
-    >>> read_table("arguments.toml")["quantities"]["share"]
-    {'within': [0.0, 1.0]}
-    """
-    return tomllib.loads((files("erlif.models") / name).read_text(encoding="utf-8"))
-
-
-_TABLE = read_table("arguments.toml")
+_TABLE = read_table("erlif.models", "arguments.toml")
 
 QUANTITIES = {name: _read_quantity(**row) for name, row in _TABLE["quantities"].items()}
 """Kinds of arguments: what refuses a value of each, and the sizes that it has in machines."""

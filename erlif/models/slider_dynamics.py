@@ -14,9 +14,9 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.described import describe
 from erlif.core.errors import ModelError
+from erlif.core.tables import read_table
 from erlif.models.arguments import (
     formula,
-    read_table,
     require_known,
     require_positive,
     require_single,
@@ -46,7 +46,7 @@ _FEWEST_STEPS = 10
 _MOST_TOUCHES = 100_000
 """Touches and losses of contact after which a simulation is given up."""
 
-_VARIABLES = read_table("variables.toml")["slider_crank"]
+_VARIABLES = read_table("erlif.models", "variables.toml")["slider_crank"]
 """Units and descriptions of the variables of a simulation."""
 
 

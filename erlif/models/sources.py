@@ -14,6 +14,7 @@ from importlib.resources import files
 import numpy as np
 import scipy
 
+from erlif.core.tables import read_table
 from erlif.models import (
     bearing,
     contact,
@@ -25,7 +26,7 @@ from erlif.models import (
     slider_wear,
     wear,
 )
-from erlif.models.arguments import Values, read_table
+from erlif.models.arguments import Values
 from erlif.models.mechanism import CrankRocker, SliderCrank, crank_for_swing
 
 LBF = 4.4482216152605
@@ -40,7 +41,7 @@ RPM = 2 * np.pi / 60
 HORSEPOWER = 745.7
 """[W]"""
 
-_SOURCES = read_table("sources.toml")
+_SOURCES = read_table("erlif.models", "sources.toml")
 
 TITLES: dict[str, str] = {key: row["title"] for key, row in _SOURCES.items()}
 """Author and title of each source, by its key in the tables."""

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-import tomllib
 from dataclasses import replace
-from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +13,7 @@ import xarray as xr
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
+from erlif.core.tables import read_table
 from erlif.core.units import Quantity
 from erlif.io.settings import DyeSettings, PlanSettings, read_plan_settings, to_toml, write_template
 from erlif.planning import (
@@ -64,12 +62,6 @@ _HEAD = """\
 # light are invented: replace them by your own."""
 
 
-@cache
-def _read_table() -> dict[str, dict[str, Any]]:
-    file = files("erlif.planning") / "plan.toml"
-    return tomllib.loads(file.read_text(encoding="utf-8"))
-
-
 def example_plan() -> str:
     """Write a commented plan.toml that works as it is.
 
@@ -83,7 +75,7 @@ def example_plan() -> str:
     >>> example_plan().count("[dye1]")
     1
     """
-    tables = _read_table()["example"].items()
+    tables = read_table("erlif.planning", "plan.toml")["example"].items()
     values = {f"{table}.{key}": value for table, keys in tables for key, value in keys.items()}
     return write_template(PlanSettings, values, {}, leave_out=["optics"], head=_HEAD)
 
@@ -410,7 +402,7 @@ def _describe_design(design: Design, film: Film, films: Array, uncertainty: floa
 
 def _as_variables(**values: Any) -> xr.Dataset:
     """Values by name, with the dimensions, unit and meaning that the table gives them."""
-    table = _read_table()["variables"]
+    table = read_table("erlif.planning", "plan.toml")["variables"]
     return xr.Dataset(
         {
             name: (table[name][0].split(), np.asarray(value, float), _attributes(*table[name][1:]))

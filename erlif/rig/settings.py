@@ -1,14 +1,13 @@
 """Settings of the virtual rig: every quantity that can be chosen, with unit and default."""
 
 import math
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 
 from erlif.core.errors import ModelError
+from erlif.core.tables import read_table
 
-_TABLE = tomllib.loads((files("erlif.rig") / "settings.toml").read_text(encoding="utf-8"))
+_TABLE = read_table("erlif.rig", "settings.toml")
 
 CHOICES: Mapping[str, Sequence[str]] = _TABLE["choices"]
 """Settings that are one of several words."""

@@ -1,9 +1,7 @@
 """truth.nc: the true film and all other inputs of a simulated run."""
 
-import tomllib
 from dataclasses import asdict
 from importlib.metadata import version
-from importlib.resources import files
 from typing import Any, NamedTuple
 
 import h5netcdf
@@ -11,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from erlif.core.arrays import Array
+from erlif.core.tables import read_table
 from erlif.rig.camera import displacement, vignetting
 from erlif.rig.film import Gap, Triggers, Wedge, lay_patch
 from erlif.rig.journal import JournalGap, load_at
@@ -26,7 +25,7 @@ _SIGNAL_STEPS = 2048  # of the mantissa: the signal is rounded to 0.05 %
 _Values = dict[str, NDArray[Any]]
 """Values of variables by name."""
 
-_TABLE = tomllib.loads((files("erlif.rig") / "truth.toml").read_text(encoding="utf-8"))
+_TABLE = read_table("erlif.rig", "truth.toml")
 
 _FILM_DIM = {"law": "trigger", "reynolds": "frame"}
 """Dimension along which the film changes."""

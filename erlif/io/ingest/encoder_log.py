@@ -21,7 +21,7 @@ from erlif.io.ingest.logs.columns import (
 )
 from erlif.io.ingest.logs.resample import FEWEST_SAMPLES, ContinuousLog, unwrap_angle
 from erlif.io.ingest.logs.table import LogTable
-from erlif.io.ingest.logs.text import read_table
+from erlif.io.ingest.logs.text import read_log_table
 from erlif.io.ingest.pairing import frame_numbers
 
 
@@ -77,7 +77,7 @@ def read_encoder_log(
     (array([10.5, 11.5]), 'degree')
     """
     choice = choice or ColumnChoice()
-    table = read_table(path, choice.wanted)
+    table = read_log_table(path, choice.wanted)
     found, _ = find_columns(table, choice)
     if "frame" not in found:
         missing_column("frame", table)
@@ -117,7 +117,7 @@ def read_log(
     EncoderError
         As `read_encoder_log`.
     """
-    table = read_table(path, choice.wanted)
+    table = read_log_table(path, choice.wanted)
     found, _ = find_columns(table, choice)
     in_time = in_time or "pulse" in found
     by_frame = "frame" in found or len(table.rows) == frames or "time" not in found

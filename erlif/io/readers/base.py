@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import math
 import struct
-import tomllib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
-from importlib import resources
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -18,10 +15,15 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import FrameError
+from erlif.core.tables import read_table
 from erlif.io.readers.source import Source
 
 MOST_FRAMES = 4_000_000
 """Frames of one file above which its header is damaged: a day at 46 frames a second."""
+
+
+LAYOUTS = read_table("erlif.io.readers", "headers.toml")
+"""Layouts of the headers of camera files."""
 
 
 class FrameKind(NamedTuple):
@@ -183,16 +185,9 @@ def read_header(source: Source, name: str, start: int = 0) -> Any:
     return SimpleNamespace(
         **{
             field: struct.unpack(code, source.read(start + place, struct.calcsize(code)))[0]
-            for field, (code, place) in read_layouts()[name].items()
+            for field, (code, place) in LAYOUTS[name].items()
         }
     )
-
-
-@cache
-def read_layouts() -> dict[str, Any]:
-    """Layouts of the headers of camera files, from headers.toml."""
-    file = resources.files("erlif.io.readers").joinpath("headers.toml")
-    return tomllib.loads(file.read_text(encoding="utf-8"))
 
 
 def check_claim(frames: int, kind: FrameKind, size: int, *, packing: float = 1.0) -> None:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import Format, FrameFile, colour_camera, read_layouts
+from erlif.io.readers.base import LAYOUTS, Format, FrameFile, colour_camera
 from erlif.io.readers.raw import FrameLayout, RawFrames, frame_interval
 from erlif.io.readers.sidecar import find_beside, read_text
 from erlif.io.readers.unpack import Packing
@@ -151,7 +151,7 @@ def open_photron(path: Path) -> FrameFile:
 
 def _find_entries(text: str) -> dict[str, str]:
     """Values of the header by the names used here."""
-    keys = read_layouts()["photron"]
+    keys = LAYOUTS["photron"]
     start = text.find("<cih")
     if start < 0:
         # the first line counts: versions of programs and cameras follow under the same keys
@@ -191,7 +191,7 @@ def _plain(key: str) -> str:
 
 def _number(entries: dict[str, str], name: str) -> float:
     """A finite number of the header; FrameError where it is missing or none."""
-    key = read_layouts()["photron"][name][0]
+    key = LAYOUTS["photron"][name][0]
     if name not in entries:
         raise FrameError(f"the Photron header has no entry for {key}; it was cut")
     try:
@@ -204,7 +204,7 @@ def _number(entries: dict[str, str], name: str) -> float:
 
 
 def _whole(entries: dict[str, str], name: str) -> int:
-    value, key = _number(entries, name), read_layouts()["photron"][name][0]
+    value, key = _number(entries, name), LAYOUTS["photron"][name][0]
     if value != int(value) or value < 0:
         raise FrameError(f"the Photron header is damaged: {key} is {entries[name]!r}")
     return int(value)

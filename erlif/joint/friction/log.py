@@ -24,7 +24,7 @@ from erlif.io.ingest.logs.columns import (
     require_scale,
 )
 from erlif.io.ingest.logs.table import LogColumn, LogTable, LogUse, name_patterns
-from erlif.io.ingest.logs.text import read_table
+from erlif.io.ingest.logs.text import read_log_table
 from erlif.io.ingest.logs.units import CLOCK, find_scale
 
 QUANTITIES = {
@@ -192,7 +192,7 @@ def _read_table(path: Path, columns: LogColumns) -> LogTable:
             f"Expected a log of load and torque in {path}; it is empty. Export the log again."
         )
     wanted = [name for quantity in QUANTITIES for name in columns.chosen(quantity)]
-    return read_table(path, wanted, TORQUE_LOG)
+    return read_log_table(path, wanted, TORQUE_LOG)
 
 
 # columns

@@ -12,7 +12,8 @@ import scipy
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
-from erlif.models.arguments import formula, read_table
+from erlif.core.tables import read_table
+from erlif.models.arguments import formula
 from erlif.models.linkage.measures import dead_points, links_of, rocker_rates
 from erlif.models.mechanism import CrankRocker
 
@@ -20,8 +21,10 @@ HORSEPOWER = 745.7
 """Watts of a horsepower of 550 ft lbf/s."""
 
 RATINGS = {
-    "hp": [HORSEPOWER * rating for rating in read_table("linkage/motors.toml")["hp"]],
-    "kW": [1e3 * rating for rating in read_table("linkage/motors.toml")["kW"]],
+    "hp": [
+        HORSEPOWER * rating for rating in read_table("erlif.models.linkage", "motors.toml")["hp"]
+    ],
+    "kW": [1e3 * rating for rating in read_table("erlif.models.linkage", "motors.toml")["kW"]],
 }
 """Standard ratings of motors: NEMA MG 1 in horsepower, IEC 60072-1 in kilowatts. [W]"""
 

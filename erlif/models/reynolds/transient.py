@@ -9,7 +9,7 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
-from erlif.models.arguments import read_table
+from erlif.core.tables import read_table
 from erlif.models.reynolds.balance import (
     THINNEST_FILM,
     Medium,
@@ -561,10 +561,10 @@ def _turned(vector: Array, angle: float) -> Array:
     return np.array([along * cosine - side * sine, along * sine + side * cosine])
 
 
-SERIES: tuple[str, ...] = tuple(read_table("variables.toml")["series"])
+SERIES: tuple[str, ...] = tuple(read_table("erlif.models", "variables.toml")["series"])
 """Variables over time."""
 
-UNITS: dict[str, tuple[str, str]] = read_table("variables.toml")["film"]
+UNITS: dict[str, tuple[str, str]] = read_table("erlif.models", "variables.toml")["film"]
 """Unit and name of each variable."""
 
 

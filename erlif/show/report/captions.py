@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass, replace
-from importlib.resources import files
 
 import xarray as xr
 
+from erlif.core.tables import read_table
 from erlif.io.files import settings_of
 from erlif.show.plots.triggers import has_varying_speed
 
@@ -35,10 +34,7 @@ class Caption:
 
 
 CAPTIONS = {
-    name: Caption(**row)
-    for name, row in tomllib.loads(
-        (files("erlif.show.report") / "captions.toml").read_text(encoding="utf-8")
-    ).items()
+    name: Caption(**row) for name, row in read_table("erlif.show.report", "captions.toml").items()
 }
 """Captions by the name of the figure: of `erlif.show.plots.files.DRAWN`, then of other pages."""
 

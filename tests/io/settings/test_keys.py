@@ -1,5 +1,6 @@
 """Descriptions of the keys: complete, and true to the types."""
 
+from erlif.core.tables import read_table
 from erlif.io.settings import (
     CameraSettings,
     DesignSettings,
@@ -12,7 +13,6 @@ from erlif.io.settings import (
     keys_of,
     tables_of,
 )
-from erlif.io.settings.keys import _read_meanings
 
 KINDS = (RunSettings, FixtureSettings, PlanSettings, DesignSettings, EnduranceSettings)
 
@@ -32,7 +32,7 @@ def test_every_key_and_table_has_a_meaning_and_an_example():
             assert one.example is not None, f"{table.title}.{one.name}"
 
     # and keys.toml describes no key that there is not
-    for name, keys in _read_meanings().items():
+    for name, keys in read_table("erlif.io.settings", "keys.toml").items():
         assert set(keys) <= described[name], name
 
 

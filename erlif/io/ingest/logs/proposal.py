@@ -18,7 +18,7 @@ from erlif.io.ingest.logs.columns import (
     find_columns,
 )
 from erlif.io.ingest.logs.table import LogColumn, LogTable
-from erlif.io.ingest.logs.text import read_table
+from erlif.io.ingest.logs.text import read_log_table
 
 LOG_SUFFIXES = frozenset(
     {".csv", ".txt", ".tsv", ".dat", ".asc", ".tdms", ".mat", ".h5", ".hdf5", ".hdf"}
@@ -91,7 +91,7 @@ def propose_log(paths: Iterable[Path], frames: int, *, unnamed: bool = False) ->
     other: LogProposal | None = None
     for path in paths:
         try:
-            table = read_table(path, ())
+            table = read_log_table(path, ())
             found, _ = find_columns(table, ColumnChoice())
         except EncoderError:
             continue  # a picture, a report, or columns that may mean two things

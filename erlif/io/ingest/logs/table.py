@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import EncoderError, ErlifError
+from erlif.core.tables import read_table
 
 LARGEST_FILE = 256 * 2**20
 """Size above which the file of a log is not read: an hour of four columns at 2 kHz. [byte]"""
@@ -24,9 +23,7 @@ MOST_TEXTS = 2_000_000
 """Cells without a number above which a file is no table of numbers."""
 
 
-NAMES: dict[str, dict[str, Any]] = tomllib.loads(
-    (files("erlif.io.ingest.logs") / "names.toml").read_text(encoding="utf-8")
-)
+NAMES: dict[str, dict[str, Any]] = read_table("erlif.io.ingest.logs", "names.toml")
 """Names by which columns and their units are found."""
 
 

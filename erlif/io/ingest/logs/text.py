@@ -53,7 +53,7 @@ _Row = tuple[int, list[str]]
 """Number of a row in the file, from 1, and its cells without spaces around them."""
 
 
-def read_table(path: Path, wanted: Collection[str], use: LogUse = ENCODER) -> LogTable:
+def read_log_table(path: Path, wanted: Collection[str], use: LogUse = ENCODER) -> LogTable:
     """Read the file of a data logger, of any format.
 
     Parameters
