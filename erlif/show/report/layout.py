@@ -186,10 +186,9 @@ def save_page(text: str, out_path: Path) -> Path:
     return out_path
 
 
-def read_resource(name: str) -> Markup:
-    """A file of this folder: style or script of a page."""
-    folder = resources.files("erlif.show.report")
-    return Markup(folder.joinpath(name).read_text(encoding="utf-8"))
+def read_resource(name: str, *, of: str = "erlif.show.report") -> Markup:
+    """A file of a folder: style or script of a page."""
+    return Markup(resources.files(of).joinpath(name).read_text(encoding="utf-8"))
 
 
 class PageFigure(NamedTuple):

@@ -198,6 +198,8 @@ def _make_page(source: FigureSource, triggers: range, max_size: float, progress:
         "scripts.html",
         data=Markup(viewer_data(film, kept.coding, triggers=kept.triggers)),
         maps=embedded,
+        # one drawing of maps; within the page nothing is exported
+        drawing=read_resource("page/draw.js", of="erlif.show.view").replace("export ", ""),
         script=read_resource("viewer.js"),
     )
     return compose_page(

@@ -12,21 +12,13 @@
   const { width, height, coding } = film;
   const blockColumns = Math.ceil(width / coding.block);
   const palettes = {
-    even: parseColours(film.palettes.even),
-    signed: parseColours(film.palettes.signed),
+    even: triples(film.palettes.even),
+    signed: triples(film.palettes.signed),
   };
   const cache = new Map();
   const place = { column: Math.floor(width / 2), row: Math.floor(height / 2) };
   let shown = null; // bytes of the map on screen
   let picture = null; // its colours, one canvas pixel per map pixel
-
-  function parseColours(text) {
-    const colours = [];
-    for (let n = 0; n < text.length; n += 6) {
-      colours.push([0, 2, 4].map((k) => parseInt(text.slice(n + k, n + k + 2), 16)));
-    }
-    return colours;
-  }
 
   async function readMap(trigger) {
     if (!cache.has(trigger)) {
@@ -96,7 +88,7 @@
   const yAt = (row) => film.y[0] + row * film.y[1];
   const toLeft = (x) => edge.left + ((x - film.x[0]) / film.x[1] + 0.5) * (mapWidth / width);
   const toTop = (y) => edge.top + ((y - film.y[0]) / film.y[1] + 0.5) * (mapHeight / height);
-  const ink = () => getComputedStyle(document.body).color;
+  const ink = () => css("--ink");
 
   function prepare(surface, wide, tall) {
     const ratio = window.devicePixelRatio || 1;
@@ -108,34 +100,7 @@
     return pen;
   }
 
-  function ticks(low, high, most) {
-    const raw = (high - low) / most;
-    const power = 10 ** Math.floor(Math.log10(raw));
-    const step = [1, 2, 5, 10].map((k) => k * power).find((k) => k >= raw);
-    const found = [];
-    for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) {
-      found.push(+(k * step).toPrecision(12));
-    }
-    return found;
-  }
-
-  const signed = (value) => `${value}`.replace("-", "\u2212");
-
-  function write(pen, text, x, y, align, baseline = "middle") {
-    pen.fillStyle = ink();
-    pen.font = "13px system-ui, 'DejaVu Sans', sans-serif";
-    pen.textAlign = align;
-    pen.textBaseline = baseline;
-    pen.fillText(text, x, y);
-  }
-
-  function writeUpwards(pen, text, x, y) {
-    pen.save();
-    pen.translate(x, y);
-    pen.rotate(-Math.PI / 2);
-    write(pen, text, 0, 0, "center");
-    pen.restore();
-  }
+  const SIZE = 13; // of text
 
   function drawMap() {
     const wide = Math.max(240, canvas.parentElement.clientWidth);
@@ -149,24 +114,18 @@
     pen.lineWidth = 1;
     pen.strokeRect(edge.left - 0.5, edge.top - 0.5, mapWidth + 1, mapHeight + 1);
     for (const x of ticks(xAt(0), xAt(width - 1), Math.min(8, mapWidth / 40))) {
-      write(pen, signed(x), toLeft(x), edge.top + mapHeight + 12, "center");
+      write(pen, signed(x), toLeft(x), edge.top + mapHeight + 12, "center", SIZE);
     }
     for (const y of ticks(yAt(0), yAt(height - 1), Math.min(8, mapHeight / 25))) {
-      write(pen, signed(y), edge.left - 6, toTop(y), "right");
+      write(pen, signed(y), edge.left - 6, toTop(y), "right", SIZE);
     }
-    write(pen, film.xLabel, edge.left + mapWidth / 2, tall - 8, "center");
-    writeUpwards(pen, film.yLabel, 12, edge.top + mapHeight / 2);
+    write(pen, film.xLabel, edge.left + mapWidth / 2, tall - 8, "center", SIZE);
+    writeUpwards(pen, film.yLabel, 12, edge.top + mapHeight / 2, SIZE);
 
-    // region of interest, black on white to be visible on every colour
     const [x0, x1, y0, y1] = film.region;
-    pen.lineWidth = 2;
-    for (const [dash, colour] of [[[], "#ffffff"], [[7, 6], "#000000"]]) {
-      pen.setLineDash(dash);
-      pen.strokeStyle = colour;
-      pen.strokeRect(toLeft(x0), toTop(y0), toLeft(x1) - toLeft(x0), toTop(y1) - toTop(y0));
-    }
-    pen.setLineDash([]);
-    pen.lineWidth = 1;
+    strokeOver(pen, () => {
+      pen.rect(toLeft(x0), toTop(y0), toLeft(x1) - toLeft(x0), toTop(y1) - toTop(y0));
+    });
 
     // chosen row and column
     for (const colour of ["#ffffff", "#000000"]) {
@@ -180,20 +139,11 @@
       pen.stroke();
     }
 
-    // colour bar
-    const [low, high] = film.limits[chooser.value];
-    const palette = colours();
-    const left = edge.left + mapWidth + 10;
-    for (let n = 0; n < 256; n++) {
-      pen.fillStyle = `rgb(${palette[n].join(",")})`;
-      pen.fillRect(left, edge.top + mapHeight * (1 - (n + 1) / 256), 14, mapHeight / 256 + 1);
-    }
-    for (const t of ticks(low, high, Math.min(7, mapHeight / 25))) {
-      const at = edge.top + mapHeight * (1 - (t - low) / (high - low));
-      write(pen, signed(t), left + 18, at, "left");
-    }
+    const most = Math.min(7, mapHeight / 25);
+    const bar = { left: edge.left + mapWidth + 10, top: edge.top, height: mapHeight, most, size: SIZE };
+    drawBar(pen, colours(), film.limits[chooser.value], bar);
     const brief = mapHeight < 220 && chooser.value.startsWith("std");
-    writeUpwards(pen, `${brief ? "s.d." : film.layers[chooser.value]} [µm]`, wide - 8, edge.top + mapHeight / 2);
+    writeUpwards(pen, `${brief ? "s.d." : film.layers[chooser.value]} [µm]`, wide - 8, edge.top + mapHeight / 2, SIZE);
   }
 
   function drawProfile() {
@@ -234,7 +184,7 @@
     if (banded) notes.push("band: ± 1 s.d., random");
     if (beside && points.some(({ other }) => Number.isFinite(other))) notes.push("dashed: predicted");
     if (full > 400) notes.splice(0, 3, notes.join("; "));
-    notes.forEach((note, n) => write(pen, note, frame.left, 11 + 16 * n, "left"));
+    notes.forEach((note, n) => write(pen, note, frame.left, 11 + 16 * n, "left", SIZE));
     pen.save();
     pen.beginPath();
     pen.rect(frame.left, frame.top, wide, tall);
@@ -285,12 +235,12 @@
     pen.lineTo(frame.left + wide, frame.top + tall + 0.5);
     pen.stroke();
     for (const x of ticks(xAt(0), xAt(width - 1), 7)) {
-      write(pen, signed(x), left(x), frame.top + tall + 13, "center");
+      write(pen, signed(x), left(x), frame.top + tall + 13, "center", SIZE);
     }
-    for (const t of ticks(low, high, 7)) write(pen, signed(t), frame.left - 7, top(t), "right");
-    write(pen, film.xLabel, frame.left + wide / 2, frame.top + tall + 32, "center");
+    for (const t of ticks(low, high, 7)) write(pen, signed(t), frame.left - 7, top(t), "right", SIZE);
+    write(pen, film.xLabel, frame.left + wide / 2, frame.top + tall + 32, "center", SIZE);
     const brief = tall < 220 && name.startsWith("std");
-    writeUpwards(pen, `${brief ? "s.d." : film.layers[name]} [µm]`, 12, frame.top + tall / 2);
+    writeUpwards(pen, `${brief ? "s.d." : film.layers[name]} [µm]`, 12, frame.top + tall / 2, SIZE);
   }
 
   function showValue(column, row) {

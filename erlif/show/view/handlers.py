@@ -21,6 +21,7 @@ PAGE = {
     "": ("index.html", "text/html; charset=utf-8"),
     "view.css": ("view.css", "text/css; charset=utf-8"),
     "view.js": ("view.js", "text/javascript; charset=utf-8"),
+    "draw.js": ("draw.js", "text/javascript; charset=utf-8"),
     "map.js": ("map.js", "text/javascript; charset=utf-8"),
     "charts.js": ("charts.js", "text/javascript; charset=utf-8"),
     "uPlot.css": ("uPlot.min.css", "text/css; charset=utf-8"),

@@ -57,7 +57,7 @@ def test_name_cannot_end_the_script_that_holds_the_data(film_path, tmp_path, rea
     page = read_page(write_report(target, tmp_path / "page.html").read_text(encoding="utf-8"))
     assert page.open == []
     assert "alert(1)" in page.texts["provenance"]
-    plain = [attrs for attrs in page.all("script") if "type" not in attrs]
+    plain = [attrs for attrs in page.all("script") if attrs.get("type") == "module"]
     assert len(plain) == 1  # the viewer
 
 

@@ -45,7 +45,7 @@ def test_the_page_comes_with_headers_that_keep_it_here(send, name):
 
 
 def test_the_page_names_no_other_place(send):
-    for name in ("", "view.css", "view.js", "map.js", "charts.js"):
+    for name in ("", "view.css", "view.js", "draw.js", "map.js", "charts.js"):
         text = send(name)[2].decode()
         assert "//" not in text.replace("// ", "")
 

@@ -1,5 +1,5 @@
 // The charts beside the maps, drawn by uPlot.
-import { css } from "./map.js";
+import { css } from "./draw.js";
 
 const FONT = '12px system-ui, "DejaVu Sans", sans-serif';
 

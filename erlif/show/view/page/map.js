@@ -1,28 +1,12 @@
 // A map on a canvas: colours, axes, colour bar, and what is drawn over it.
-export const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name);
+import { css, drawBar, signed, strokeOver, ticks, triples, write, writeUpwards } from "./draw.js";
 
 const EDGE = { left: 50, right: 82, top: 8, bottom: 38 }; // for axes and colour bar
 const LOW_SCREEN = 300; // pixels that a map may always have in height
 
-export function ticks(low, high, most) {
-  const raw = (high - low) / most;
-  const power = 10 ** Math.floor(Math.log10(raw));
-  const step = [1, 2, 5, 10].map((k) => k * power).find((k) => k >= raw * 0.999);
-  const found = [];
-  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) {
-    found.push(+(k * step).toPrecision(10));
-  }
-  return found;
-}
-
-function colours(text) {
-  const found = new Uint32Array(text.length / 6); // bytes red, green, blue, opaque
-  for (let n = 0; n < found.length; n++) {
-    const [r, g, b] = [0, 2, 4].map((k) => parseInt(text.slice(6 * n + k, 6 * n + k + 2), 16));
-    found[n] = ((255 << 24) | (b << 16) | (g << 8) | r) >>> 0;
-  }
-  return found;
-}
+// bytes red, green, blue, opaque
+const packed = (colours) =>
+  Uint32Array.from(colours, ([r, g, b]) => ((255 << 24) | (b << 16) | (g << 8) | r) >>> 0);
 
 export class MapPanel {
   constructor(figure, use) {
@@ -34,14 +18,16 @@ export class MapPanel {
     this.pictures = document.createElement("canvas");
     this.busy = false;
     this.again = false;
+    this.colours = {};
     this.palettes = {};
     for (const [name, text] of Object.entries(use.about.palettes)) {
-      this.palettes[name] = colours(text);
+      this.colours[name] = triples(text);
+      this.palettes[name] = packed(this.colours[name]);
     }
     this.flagColours = new Uint32Array(256);
     for (let bits = 1; bits < 256; bits++) {
       const first = use.about.flags.find((flag) => bits & flag.bit);
-      [this.flagColours[bits]] = first ? colours(first.colour.slice(1)) : [0];
+      [this.flagColours[bits]] = first ? packed(triples(first.colour.slice(1))) : [0];
     }
     this.listen();
   }
@@ -202,7 +188,7 @@ export class MapPanel {
     const palette = layer.palette && this.palettes[layer.palette];
     const [low, high] = this.use.state.limits[this.use.layer()] ?? this.shown.limits;
     const scale = 256 / (high - low);
-    const blank = colours(css("--raised").trim().slice(1))[0];
+    const [blank] = packed(triples(css("--raised").trim().slice(1)));
     const [picture] = [new ImageData(shape[1], shape[0])];
     const pixels = new Uint32Array(picture.data.buffer);
     for (let n = 0; n < pixels.length; n++) {
@@ -220,18 +206,7 @@ export class MapPanel {
 
   drawOver(pen) {
     const { line, region, mark } = this.use.state;
-    // black dashes on white are visible on every colour
-    const stroke = (path) => {
-      for (const [dash, colour] of [[[], "#ffffff"], [[6, 5], "#000000"]]) {
-        pen.setLineDash(dash);
-        pen.strokeStyle = colour;
-        pen.lineWidth = 2;
-        pen.beginPath();
-        path();
-        pen.stroke();
-      }
-      pen.setLineDash([]);
-    };
+    const stroke = (path) => strokeOver(pen, path);
     if (region) {
       const [x0, y0] = this.toScreen(region[0], region[2]);
       const [x1, y1] = this.toScreen(region[1], region[3]);
@@ -258,22 +233,6 @@ export class MapPanel {
     }
   }
 
-  write(pen, text, x, y, align) {
-    pen.fillStyle = css("--ink");
-    pen.font = '12px system-ui, "DejaVu Sans", sans-serif';
-    pen.textAlign = align;
-    pen.textBaseline = "middle";
-    pen.fillText(text, x, y);
-  }
-
-  writeUpwards(pen, text, x, y) {
-    pen.save();
-    pen.translate(x, y);
-    pen.rotate(-Math.PI / 2);
-    this.write(pen, text, 0, 0, "center");
-    pen.restore();
-  }
-
   drawAxes(pen) {
     const film = this.use.film();
     const [l, t, r, b] = this.use.state.window;
@@ -282,32 +241,26 @@ export class MapPanel {
     pen.lineWidth = 1;
     pen.strokeRect(EDGE.left - 0.5, EDGE.top - 0.5, this.width + 1, this.height + 1);
     for (const x of ticks(at("x", l), at("x", r), Math.max(2, this.width / 48))) {
-      this.write(pen, `${x}`, this.toScreen(x, 0)[0], EDGE.top + this.height + 11, "center");
+      write(pen, signed(x), this.toScreen(x, 0)[0], EDGE.top + this.height + 11, "center");
     }
     for (const y of ticks(at("y", t), at("y", b), Math.max(2, this.height / 32))) {
-      this.write(pen, `${y}`, EDGE.left - 5, this.toScreen(0, y)[1], "right");
+      write(pen, signed(y), EDGE.left - 5, this.toScreen(0, y)[1], "right");
     }
-    this.write(pen, film.labels[0], EDGE.left + this.width / 2, EDGE.top + this.height + 28,
+    write(pen, film.labels[0], EDGE.left + this.width / 2, EDGE.top + this.height + 28,
       "center");
-    this.writeUpwards(pen, film.labels[1], 9, EDGE.top + this.height / 2);
+    writeUpwards(pen, film.labels[1], 9, EDGE.top + this.height / 2);
   }
 
   drawBar(pen) {
     const layer = this.layer();
     if (!layer.palette) return;
-    const [low, high] = this.use.state.limits[this.use.layer()] ?? this.shown.limits;
-    const text = this.use.about.palettes[layer.palette];
+    const limits = this.use.state.limits[this.use.layer()] ?? this.shown.limits;
     const left = EDGE.left + this.width + 10;
-    for (let n = 0; n < 256; n++) {
-      pen.fillStyle = `#${text.slice(6 * n, 6 * n + 6)}`;
-      pen.fillRect(left, EDGE.top + this.height * (1 - (n + 1) / 256), 12, this.height / 256 + 1);
-    }
-    for (const v of ticks(low, high, Math.max(2, this.height / 32))) {
-      const place = EDGE.top + this.height * (1 - (v - low) / (high - low));
-      this.write(pen, `${v}`, left + 16, place, "left");
-    }
+    const most = Math.max(2, this.height / 32);
+    const place = { left, top: EDGE.top, height: this.height, most };
+    drawBar(pen, this.colours[layer.palette], limits, place);
     const title = this.height > 220 ? `${layer.title} [${layer.unit}]` : `[${layer.unit}]`;
-    this.writeUpwards(pen, title, left + 63, EDGE.top + this.height / 2);
+    writeUpwards(pen, title, left + 63, EDGE.top + this.height / 2);
   }
 
   // pointer: one finger or the mouse draws or moves, the wheel and two fingers zoom
