@@ -35,6 +35,7 @@ def budget(run_dir: Path, films: tuple[float, ...], **options: Any) -> None:
     from erlif.review.budget import budget as make_budget
     from erlif.show.report import render_budget
 
+    # an empty option means the usual films
     with working() as progress:
         found = make_budget(run_dir, films=films or None, progress=progress, **options)
     click.echo(render_budget(found), nl=False)

@@ -46,6 +46,7 @@ def check(
         refuse_existing(page, overwrite=overwrite)
     with working(lines=False) as progress:
         found = audit(directory, allow_outside=allow_outside, progress=progress)
+    # one form of the findings alone goes to standard output, so that programs can read it
     if as_json:
         click.echo(json.dumps(found.to_record(), indent=1))
     else:

@@ -91,6 +91,7 @@ def endurance(
 
     # everything that can be refused is refused before anything is written
     given = read_endurance_settings(settings) if settings else EnduranceSettings()
+    # an option that is not given leaves the value of the settings
     used = {name: value for name, value in stated.items() if value is not None}
     machine = given.machine.model_copy(update=used)
     if machine.pin_radius is None:
@@ -100,6 +101,8 @@ def endurance(
         {name: one if isinstance(one, tuple) else (one,) for name, one in named.items()} | columns,
         {name: (one,) for name, one in given.units.model_dump(exclude_none=True).items()} | units,
     )
+
+    # pictures and rows are named after the logs
     names = [log.stem for log in logs]
     overviews = name_overviews(names)
     _refuse_doubled(names)
@@ -131,6 +134,7 @@ def endurance(
         click.echo("\n".join(describe_test(found[-1])))
         click.echo("\n".join(describe_reading(read)) + "\n")
 
+    # the tests of both designs are known only after all logs
     if members:
         (first, one), (second, other) = members.items()
         failures = {result.name: result.failure for result in found}

@@ -47,6 +47,7 @@ def export(
         from erlif.io.conversion import export as export_film
 
     chosen, described = choose_one(film, trigger, angle)
+    # the name states which trigger the file holds
     part = "" if chosen is None else f"_trigger{chosen}"
     output = output or film.with_name(f"{film.stem}{part}{FORMATS[to].ending}")
     with show_progress() as progress:

@@ -71,6 +71,7 @@ def friction(
     choice = choose_columns(columns, units)
     output = output or log.parent / "friction"
     table, picture = output / f"{log.stem}.csv", output / f"{log.stem}.png"
+    # everything that can be refused is refused before the work starts
     for path in (table, picture):
         refuse_existing(path, overwrite=overwrite)
 

@@ -63,6 +63,7 @@ def linkage(
 
         expect_suffix(output, ".png", ".pdf", ".svg", ".gif")
         refuse_existing(output, overwrite=overwrite)
+    # implausible lengths are warnings of the model; here they are notes below the table
     with warnings.catch_warnings(record=True) as doubts:
         warnings.simplefilter("always")
         found = synthesise_crank_rocker(

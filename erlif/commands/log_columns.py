@@ -32,6 +32,7 @@ def log_options(held: str) -> Callable[[Command], Command]:
         What a column can hold, for the help.
     """
     pairs: dict[str, Any] = {"multiple": True, "callback": column_pairs}
+    # a quantity may have several columns, so that each option may be repeated
     return together(
         click.option(
             "--column",

@@ -109,5 +109,6 @@ def main(verbose: int) -> None:
             stream.reconfigure(errors="replace")
 
 
+# each module has the name of its command; what is heavy loads when a command runs
 for name in COMMANDS:
     main.add_command(getattr(import_module(f"erlif.commands.{name}"), name))

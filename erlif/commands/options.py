@@ -58,6 +58,7 @@ def together(*options: Callable[[Command], Command]) -> Callable[[Command], Comm
     """Several options as one decorator, in the order of ``--help``."""
 
     def decorate(command: Command) -> Command:
+        # click lists options in the order in which decorators stand, the lowest first
         for option in reversed(options):
             command = option(command)
         return command
@@ -101,6 +102,7 @@ def choose_one(film: Path, trigger: int | None, angle: float | None) -> tuple[in
     from erlif.io.files import describe_trigger, open_film
 
     with open_film(film) as opened:
+        # the film is opened in any case: a name that is none is refused before the work starts
         chosen = choose_trigger(opened, trigger=trigger, angle=angle)
         if chosen is None:
             return None, ""

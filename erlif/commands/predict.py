@@ -49,6 +49,7 @@ def predict(source: Path, output: Path | None, fitted: bool, **options: Any) -> 
     with prediction:
         click.echo(summarise_prediction(prediction))
     click.echo(f"written: {output}")
+    # the fit takes minutes and is asked for
     if fitted:
         from erlif.pipeline.physics.fit import fit_film
         from erlif.show.report.fit import summarise_comparison

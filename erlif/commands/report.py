@@ -72,6 +72,7 @@ def report(
             f"Expected one film with --triggers; got {len(films)}. Leave out --triggers, or name "
             "one film."
         )
+    # several films share a page; triggers and images belong to a single one
     with working() as progress:
         if several:
             write_runs_report(films, output, progress=progress, **options)

@@ -83,6 +83,7 @@ _TYPES: dict[str, Any] = {
 def _rig_option(name: str, text: str) -> Callable[[Command], Command]:
     """The option of a setting of the rig, with its default and its choices."""
     default = DEFAULT.film_reference if name == "film" else getattr(DEFAULT, name)
+    # without a type click takes that of the default
     kind = _TYPES.get(name) or (click.Choice(CHOICES[name]) if name in CHOICES else None)
     flag = "--" + name.removeprefix("write_").replace("_", "-")
     if isinstance(default, bool):
@@ -141,6 +142,7 @@ def simulate(
     if planned is not None:
         from erlif.planning.plan import rig_of
 
+        # the plan decides what no option states
         given = {
             name: getattr(rig, name) for name in _fields_of_options(click.get_current_context())
         }

@@ -180,6 +180,8 @@ def budget(
         sliding_along_x=settings.optics.x_axis == "sliding",
     )
     film = _smooth_film(maps, calibration)
+
+    # single pixels, then the two statistics of the region
     columns = _pixel_columns(sources, film, valid, measuring, films, trigger)
     inside = np.zeros_like(valid)
     inside[region.rows, region.columns] = valid[region.rows, region.columns]

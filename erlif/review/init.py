@@ -144,6 +144,7 @@ def init(
     title = " ".join(directory.resolve().name.replace("_", " ").split())
     draft.values["fixture.name" if fixture else "run.name"] = title
 
+    # gaps are written for what this tribometer needs alone
     forms = {"mechanism": kind}
     left_out = draft.leave_out
     text = write_template(settings, draft.values, draft.remarks, forms=forms, leave_out=left_out)
@@ -343,6 +344,7 @@ def _draft_optional_log(draft: _Draft, survey: Survey) -> set[str]:
     table = _find_table(survey, ("frame",))
     if table is not None:
         log = _read_own_log(draft, survey, table, needs_angle=False)
+        # a speed of sliding and one of rotation serve alike
         names = set() if log is None else set(map(str, log))
         return names | {"speed"} if {"sliding_speed", "rotation_speed"} & names else names
     found = propose_log(survey.logs, survey.cameras[0].frames.pages)

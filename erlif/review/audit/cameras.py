@@ -116,6 +116,7 @@ def survey_cameras(recording: Run | Fixture) -> CameraSurvey:
     prepared = prepare_chain(recording, silent)
     chain = prepared.chain
     numbers = choose_consecutive(recording.pairs)
+    # a few pairs represent the ratios of the run
     shown = set(numbers[:: max(len(numbers) // SHOWN, 1)])
     middle = numbers[len(numbers) // 2]
 

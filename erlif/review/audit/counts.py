@@ -101,6 +101,7 @@ def survey_counts(pairs: FramePairs, frames: Sequence[int]) -> CountSurvey:
     for frame in frames:
         measured = []
         for image, histogram in zip(read_pair(pairs, frame).counts, (one, two), strict=True):
+            # the histogram has a place for every count that the camera can write
             full_scale = histogram.size - 1
             histogram += count_pixels(image, full_scale)
             saturated = float((image >= full_scale).mean())
@@ -214,6 +215,7 @@ def note_bad_pixels(references: References) -> Iterator[Note]:
     """Share of the hot, noisy and dead pixels of each camera, by its darks and flats."""
     for camera, bad in enumerate(references.bad.values, 1):
         share = float(bad.mean())
+        # the share is stated in any case; only a large one asks for an action
         text = f"camera{camera}: {share:.2%} of the pixels are hot, noisy or dead and are flagged"
         cure = "Look at darks and flats for dust, light and clipping, and record them again"
         yield remark("darks and flats", text, cure if share > MANY_BAD else "")
@@ -284,6 +286,8 @@ def note_copies(survey: CountSurvey) -> Iterator[Note]:
             f"both cameras show the same image in frame pairs {list_numbers(same)}. Correct "
             "files in [camera1] or [camera2], or export the cameras again",
         )
+
+    # a camera whose frames all have one digest has delivered one frame throughout
     stuck = [
         f"camera{n + 1}" for n in range(2) if len({one.digest[n] for one in survey.frames}) == 1
     ]

@@ -161,6 +161,7 @@ def audit(
         recording = _open(found.directory, allow_outside)
         found.name = recording.settings.name
         found.notes.append(_describe(recording))
+        # pairs are listed even where a later part fails
         run = recording if isinstance(recording, Run) else None
         found.pairs = tabulate_pairs(recording.pairs, run)
         parts = _Parts(recording, run, found, allow_outside).list()

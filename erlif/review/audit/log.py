@@ -131,6 +131,7 @@ def _note_speed(time: Array, located: xr.Dataset, settings: RunSettings) -> Iter
     if settings.linkage is None or "crank_angle" not in located:
         return
     turned = np.diff(located.crank_angle.values) % 360.0
+    # a step above half a turn may be one backwards
     moved = (turned > 0.1) & (turned < 180.0)
     if moved.sum() < _FEWEST // 2:
         return

@@ -74,6 +74,7 @@ def tabulate_pairs(pairs: FramePairs, run: Run | None, *, odd: Iterable[int] = (
     -------
     list of PairRow
     """
+    # both ends show whether the recording was cut
     count = len(pairs.pages[0])
     ends = [*range(min(_FIRST, count)), *range(max(count - _LAST, 0), count)]
     chosen = sorted({*ends, *sorted(odd)[: _LISTED - len(ends)]})

@@ -107,6 +107,7 @@ def compare(
         triggers = _choose_triggers(opened[first], opened[second], angle)
         mapped = difference_map(opened[first], opened[second], triggers=triggers)
 
+    # calibrations beside the films extend the chart alone
     further = [open_calibration(path) for path in calibrations]
     chart = control_chart(records, _distinct(records, further))
     names = {"x": "map_x", "y": "map_y"} | {str(name): f"map_{name}" for name in mapped.data_vars}
@@ -223,6 +224,7 @@ def _compare_pairs(records: list[RunRecord]) -> xr.Dataset:
 def _compare_powers(records: list[RunRecord]) -> xr.Dataset:
     """Film against the duty parameter, with the powers of all runs."""
     duties, unit, meaning = duty_parameters(records)
+    # runs may have different numbers of triggers; the rest is NaN
     longest = max(record.angle.size for record in records)
 
     def pad(values: Array | None) -> Array:

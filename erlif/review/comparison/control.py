@@ -72,6 +72,7 @@ def _chart_calibrations(calibrations: list[Calibration]) -> xr.Dataset:
     film = 0.5 * (low + high)
     value = np.array([float(each.predict(film)) for each in calibrations])
     std = value * np.array([float(each.log_ratio_std(film)) for each in calibrations])
+    # drift is judged from one calibration to the next
     verdicts = ["the first"]
     for earlier, later in pairwise(calibrations):
         try:

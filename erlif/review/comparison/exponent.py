@@ -121,6 +121,7 @@ def _fit(records: list[RunRecord], duties: list[Array], statistic: str) -> Expon
         film.append(record.value[statistic][fast])
         std.append(_SMALL * record.value[statistic][fast] if marks else own)
         duty.append(each[fast])
+    # calibrations are independent of each other, and so are the marks of two runs
     covariance = scipy.linalg.block_diag(*(covariances[key] for key in keys), np.eye(len(records)))
     one = np.concatenate(film)
     if one.size == 0:

@@ -186,6 +186,8 @@ def _conditions(
         conditions = film[[each for each in ("film_min", "temperature") if each in film]]
         viscosity = viscosity_at(conditions.reset_coords(drop=True), joint.viscosity)
         viscosity = np.broadcast_to(viscosity, (film.sizes["trigger"],))
+
+    # the patch shows drift of cameras and light, which no calibration may take out
     patch = None
     if "reference_film" in film:
         # the measured ratio, whatever the calibration
@@ -281,6 +283,7 @@ be compared.
             f"Expected two films or more; got {len(records)}. Name the films of the runs to be "
             "compared."
         )
+    # a run compared with itself would share its noise and seem certain
     for one, other in combinations(records, 2):
         same = one.identity and one.identity == other.identity
         if same or (one.frames_key and one.frames_key == other.frames_key):

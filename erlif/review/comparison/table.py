@@ -107,6 +107,7 @@ def _describe_chart(found: xr.Dataset) -> list[str]:
 
 def _conclude(found: xr.Dataset) -> str:
     """Which runs differ, in one sentence."""
+    # a pair is named once, with all statistics that differ
     sentences = []
     for k in range(found.sizes["pair"]):
         one = found.isel(pair=k)

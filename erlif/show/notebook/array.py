@@ -58,6 +58,7 @@ class MapAccessor:
             )
         from erlif.show.plots.style import colour_map  # matplotlib is loaded for a figure alone
 
+        # what the user gives takes precedence
         usual: dict[str, Any] = {"x": "x", "y": "y", "yincrease": False}
         if not {"cmap", "colors"} & set(style):
             usual["cmap"] = colour_map("batlow")  # that of erlif.plots

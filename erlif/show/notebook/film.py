@@ -51,6 +51,7 @@ class FilmAccessor:
         return self._open_group("registration")
 
     def _open_group(self, group: str) -> xr.Dataset:
+        # a film that was never a file carries its groups along
         kept = self._film.encoding.get("groups", {})
         if group in kept:
             found: xr.Dataset = kept[group]
@@ -93,6 +94,7 @@ class FilmAccessor:
                 f"Expected names of flags, {', '.join(known)}; got {', '.join(unknown)}. "
                 "Choose among them."
             )
+        # one comparison for all flags
         bits = Flag(0)
         for name in names or known:
             bits |= known[name]

@@ -166,6 +166,7 @@ def _maps(film: xr.Dataset) -> str:
     if not known.size:
         return ""
     low, high = (float(value) for value in np.percentile(known, _WITHIN))
+    # one colour scale, or the maps could not be compared
     pictures = [
         (picture_tag(colour_picture(image, (low, high)), alt=caption, width=_SIDE), caption)
         for image, caption in zip(images, captions, strict=True)

@@ -52,6 +52,7 @@ def render_budget(budget: xr.Dataset) -> str:
         f"| film thickness [um] | {' | '.join(f'{v:.2f}' for v in budget['value'].values)} | |",
     ]
 
+    # sums stand out among their terms
     rows = zip(budget.term.values, budget["std"].values, budget.kind.values, strict=True)
     for term, row, kind in rows:
         cells = [_in_nanometres(value) for value in row]

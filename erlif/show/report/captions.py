@@ -59,6 +59,7 @@ def caption_of(name: str, film: xr.Dataset) -> Caption:
     >>> caption_of("film_over_cycle", example_film()).title
     'Film thickness and speed over the cycle'
     """
+    # a caption names what the figure of this film shows, and nothing that it lacks
     caption, settings = CAPTIONS[name], settings_of(film)
     if name == "film_and_prediction" and "film_regime_map" in film:
         comment = str(film["film_regime_map"].attrs.get("comment", ""))

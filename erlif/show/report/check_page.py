@@ -126,6 +126,7 @@ def _pair_table(audit: Audit) -> Markup:
 
 def _figures(audit: Audit) -> Iterator[tuple[str, Figure]]:
     """Name and figure of each picture that the audit allows."""
+    # an audit that ends early has no later pictures
     if audit.cameras is not None:
         yield "pair", pair_figure(audit.cameras.picture)
         yield "difference", difference_figure(audit.cameras.picture)

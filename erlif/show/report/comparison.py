@@ -53,6 +53,7 @@ def _columns(found: xr.Dataset) -> dict[str, list[str]]:
     def numbers(name: str, form: str) -> list[str]:
         return [format(value, form) for value in pairs[name].values.tolist()]
 
+    # it is known for each pair and stands in the row of each statistic
     same = np.broadcast_to(pairs.same_calibration, pairs.differs.shape)
     return {
         "first": pairs["first"].values.tolist(),

@@ -98,6 +98,7 @@ def verdict(design: BearingDesign) -> Verdict:
         if assessment.sound
         else f"{failed} {verb} exceeded; the worst is: {governing}."
     )
+    # what to change follows the governing limit, one line for each limit
     exceeded = [] if assessment.sound else assessment.failed
     sentences = []
     if assessment.doubtful:

@@ -99,6 +99,7 @@ def make_design_page(design: BearingDesign) -> str:
     >>> make_design_page(example_design()).count("<h1>")
     1
     """
+    # sections without content are left out
     sections = [
         ("result", "Result", _result(design)),
         ("steps", "Steps", _step_table(design)),
@@ -130,6 +131,7 @@ def _result(design: BearingDesign) -> Markup:
         given.append(("Life in motion", f"{plain(joint.life / 3600)} h"))
     given += [(part.capitalize(), name) for part, name in name_materials(design).items()]
 
+    # signs of print stand on the page; the terminal keeps plain ones
     sizes = [(title, _signs(value), source) for title, value, source in dimensions(design)]
     return render_part(
         "design.html",

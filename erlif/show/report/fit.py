@@ -65,5 +65,6 @@ def _value(estimate: Estimate, factor: float, described: bool) -> str:
         return f"about {one.value:.2g}"
     if np.isfinite(one.low) and np.isinf(one.high):
         return f"above {one.low:.3g} (95 %)"
+    # two digits of the error, as elsewhere
     digits = max(0, 1 - int(np.floor(np.log10(one.std)))) if one.std > 0 else 3
     return f"{one.value:.{digits}f} ± {one.std:.{digits}f}"

@@ -34,8 +34,10 @@ def summarise_linkages(found: Synthesis) -> str:
     >>> print(summarise_linkages(synthesise_crank_rocker(swing=0.45, **links)).splitlines()[0])
     1 crank-rocker meets the targets.
     """
+    # without a solution the nearest linkage stands in the table
     designs = found.designs or (() if found.nearest is None else (found.nearest,))
     rows = [_HEAD, _UNITS, *(_cells(design) for design in designs)]
+    # columns are as wide as their widest cell
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     table = [
         "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True))

@@ -82,6 +82,7 @@ def summarise_plan(plan: xr.Dataset) -> str:
 
 def _saturated(plan: xr.Dataset) -> list[tuple[int, float, float]]:
     """Camera, signal of the thickest film and full scale, where it is exceeded. [electron]"""
+    # the signal rises with the film, so that the thickest one decides
     wanted = plan.signal.interp(thickness=plan.film_range.values[1]).values.tolist()
     scales = zip(wanted, plan.full_scale.values.tolist(), strict=True)
     return [(n, signal, full) for n, (signal, full) in enumerate(scales, 1) if signal > full]

@@ -29,6 +29,7 @@ def describe_correlations(film: xr.Dataset) -> str:
     if "film_predicted_min" not in film or "rocker_speed" not in film:
         return ""
     speed = film["rocker_speed"].values
+    # a run directory has a prediction without a measured film
     found = [
         speed_correlation(film[name].values, speed) if name in film else np.nan
         for name in ("film_min", "film_predicted_min")

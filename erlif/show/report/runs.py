@@ -107,6 +107,7 @@ def write_runs_report(
     check_size(max_size)
     out_path = Path(out_path)
     refuse_existing(out_path, overwrite=overwrite)
+    # the numbers of all runs come first: one colour scale for all maps needs their limits
     paths = [Path(path) for path in film_paths]
     refuse_repeated(paths)
     rows, numbers, limits = [], [], []
@@ -130,6 +131,7 @@ def write_runs_report(
     )
     compared = _compare_runs(paths)
     room = max_size * _PER_MB - _FRAME - len((table + compared).encode())
+    # maps take the room that table and figure leave
     ends = (min(low for low, _ in limits), max(high for _, high in limits))
     maps = _map_section(paths, labels, ends, room, report)
     text = compose_page(

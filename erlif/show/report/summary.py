@@ -73,6 +73,7 @@ def describe_film(film: xr.Dataset, shares: Array) -> dict[str, str]:
         for flag, share in zip(Flag, flagged, strict=True)
         if share
     ]
+    # the order is that of reading: films, what limits them, what they follow, and remarks
     rows = {
         "minimum film thickness": _describe_statistic(film, "film_min"),
         "mean film thickness": _describe_statistic(film, "film_mean"),

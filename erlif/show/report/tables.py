@@ -72,6 +72,7 @@ _SUMMARISED = (
 
 def results_table(film: xr.Dataset, shares: Array) -> Table:
     """Make the table of the results; `shares` as `erlif.io.files.flag_shares` returns them."""
+    # the same words as on the terminal, with the signs of print
     found = describe_film(film, shares)
     rows = [
         ("Triggers, frame pairs", f"{film.sizes['trigger']}, {int(film.frames_used.sum())}"),

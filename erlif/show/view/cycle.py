@@ -60,6 +60,7 @@ def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
     axes = {name: title for name, title in _AXES.items() if name in film}
     films = {name: title for name, title in _FILMS.items() if name in film}
     stds = [f"{name}_std" for name in films if f"{name}_std" in film]
+    # numbers of triggers count from 0, whatever the film was cut from
     count = film.sizes["trigger"]
     columns = {name: to_list(film[name].values) for name in (*axes, *films, *stds)}
     columns["trigger"] = list(range(count))

@@ -47,6 +47,7 @@ def map_tiff(
     import tifffile
 
     file = io.BytesIO()
+    # ImageJ takes pixels per unit of length
     pitch = (_pitch(x), _pitch(y))
     tifffile.imwrite(
         file,
@@ -95,6 +96,7 @@ def map_csv(values: Image, flags: FlagImage, *, x: Array, y: Array, name: str) -
     0,0,1,0
     0.5,0,,2
     """
+    # rows follow each other along x, as the pixels in memory do
     across, down = np.meshgrid(x, y)
     shown = np.where(flags == 0, values, np.nan)
     columns = {"x_mm": across.ravel(), "y_mm": down.ravel(), name: shown.ravel()}

@@ -241,6 +241,7 @@ def open_films(paths: Sequence[Path], run_dirs: Sequence[Path] = ()) -> list[Fil
             f"Expected at most one --run-dir for each film; got {len(run_dirs)} for {len(paths)} "
             "films. Name them in the order of the films."
         )
+    # films that are open are closed again where a later one cannot be opened
     readers: list[FilmReader] = []
     known: list[Path | None] = [*run_dirs, *[None] * (len(paths) - len(run_dirs))]
     try:

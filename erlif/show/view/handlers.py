@@ -56,6 +56,7 @@ class _Guarded(tornado.web.RequestHandler):
             self.set_header(name, value)
 
     def prepare(self) -> None:
+        # the token is compared before anything of the request is used
         request: HTTPServerRequest = self.request
         refusal = self.access.refusal(request.path, dict(request.headers.get_all()))
         if refusal:
@@ -90,6 +91,7 @@ class _Reading(_Guarded):
     async def get(self, name: str) -> None:
         values = {key: self.get_query_argument(key) for key in self.request.query_arguments}
         request = queries.Request(self.films, values)
+        # reading maps would block the other requests of the page
         found = await asyncio.get_running_loop().run_in_executor(
             self.executor, READING[name], request
         )

@@ -128,6 +128,7 @@ def reduce_map(values: Image, flags: FlagImage, *, step: int) -> tuple[Image, Fl
     """
     if step == 1:
         return values, flags
+    # squares at the edges have fewer pixels, so that half is half of what is there
     good = (flags == 0) & np.isfinite(values)
     total = _fold(np.where(good, values, np.float32(0)), step, np.add)
     valid = _fold(good.astype(np.uint32), step, np.add)

@@ -86,6 +86,7 @@ def line_profile(
         )
         return np.asarray(found).reshape(found.shape[0], -1)
 
+    # pixels without a value neither count nor lower the error of the others
     across, spread = along(values), along(std)
     good = np.isfinite(across)
     count = good.sum(axis=1)
@@ -211,6 +212,7 @@ def subtract_maps(
     >>> difference.tolist(), std.tolist(), flags.tolist()
     ([[1.0, nan]], [[0.5, nan]], [[0, 2]])
     """
+    # a difference is known where both maps are
     flags = (one[2] | other[2]).astype(np.uint8)
     valid = flags == 0
     difference = np.where(valid, other[0] - one[0], np.nan).astype(np.float32)

@@ -416,6 +416,7 @@ def send_pixel(request: Request) -> dict[str, str]:
     chosen = _read_chosen(request)
     x, y = request.numbers("place", 2)
     axes = chosen.reader.axis("x"), chosen.reader.axis("y")
+    # a pointer at the edge belongs to the last pixel
     rows, columns = chosen.reader.shape
     column = min(max(round((x - axes[0][0]) / axes[0][1]), 0), columns - 1)
     row = min(max(round((y - axes[1][0]) / axes[1][1]), 0), rows - 1)
@@ -474,6 +475,7 @@ def export(request: Request) -> Export:
     ErlifError
         If there is no such export.
     """
+    # what has no picture has no TIFF
     writers = {
         ("map", "csv"): _export_map,
         ("map", "tiff"): _export_map,

@@ -91,6 +91,7 @@ async def _serve(films: Sequence[FilmReader], port: int, ready: Callable[[str], 
             f"Expected port {port} of this machine to be free ({reason_of(error)}). Choose another "
             "one with --port, or leave it out."
         ) from error
+    # the port is known once the socket is open, and the address names it
     listening.setblocking(False)
     access = AccessRule(int(listening.getsockname()[1]))
     with ThreadPoolExecutor(_THREADS) as executor:
