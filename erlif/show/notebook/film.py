@@ -127,12 +127,11 @@ class FilmAccessor:
         trigger : int, optional
             Number of the trigger, from 0; not where the dataset is at one trigger already.
         **style
-            As for `xarray.DataArray.plot.pcolormesh`; ``ax=`` for axes of your own.
+            As for `MapAccessor.plot`, as what is returned.
 
         Returns
         -------
         artist
-            As xarray returns it.
 
         Raises
         ------

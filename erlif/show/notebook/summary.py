@@ -46,16 +46,12 @@ def describe_in_text(film: xr.Dataset) -> str:
 
 
 def describe_in_html(film: xr.Dataset) -> str:
-    """Describe a film with some of its maps, in HTML.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
+    """Describe a film as `describe_in_text` with some of its maps; text of files is escaped.
 
     Returns
     -------
     str
-        Text of files is escaped.
+        HTML.
 
     Examples
     --------

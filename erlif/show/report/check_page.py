@@ -42,20 +42,12 @@ def write_check_page(audit: Audit, out_path: str | Path, *, overwrite: bool = Fa
     ----------
     audit : Audit
         From `erlif.review.audit.audit`.
-    out_path : path
-        The page.
-    overwrite : bool
-        Replace an existing page.
+    out_path, overwrite
+        As for `erlif.show.report.write_report`, as what is returned and raised.
 
     Returns
     -------
     Path
-        `out_path`.
-
-    Raises
-    ------
-    OutputError
-        If the page exists or cannot be written.
 
     Examples
     --------

@@ -53,20 +53,12 @@ def write_design_page(
     ----------
     design : BearingDesign
         From `erlif.design`.
-    out_path : path
-        The page.
-    overwrite : bool
-        Replace an existing page.
+    out_path, overwrite
+        As for `erlif.show.report.write_report`, as what is returned and raised.
 
     Returns
     -------
     Path
-        `out_path`.
-
-    Raises
-    ------
-    OutputError
-        If the page exists or cannot be written.
 
     Examples
     --------

@@ -244,17 +244,12 @@ def write_plan(
         Directory from which the plan names its files of spectra; they are named from `output` in
         the plans that are written. Default: the working directory.
     overwrite : bool
-        Replace an earlier plan.
+        Replace an earlier plan; refusals are those of `check_plan_output`.
 
     Returns
     -------
     list of Path
         The files.
-
-    Raises
-    ------
-    OutputError
-        If the directory exists or cannot be written.
 
     Examples
     --------

@@ -72,26 +72,14 @@ def write_runs_report(
     ----------
     film_paths : sequence of path
         Films, in the order of the table.
-    out_path : path
-        The page.
     max_size : float
         Largest size of the page; maps of the last runs are left out beyond it. [MB]
-    overwrite : bool
-        Replace an existing page.
-    progress : "bar", bool or callable, optional
-        As for `erlif.process`.
+    out_path, overwrite, progress
+        As for `erlif.show.report.write_report`, as what is returned and raised.
 
     Returns
     -------
     Path
-        `out_path`.
-
-    Raises
-    ------
-    OutputError
-        If the page exists or cannot be written, or there is no such film.
-    ErlifError
-        If the size is too small for a page.
 
     Examples
     --------
