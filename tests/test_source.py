@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import ast
-import importlib.util
 import re
-import sys
 from pathlib import Path
+
+from scenes.scripts import load_script
 
 ROOT = Path(__file__).parents[1]
 
-spec = importlib.util.spec_from_file_location("anchors", ROOT / "benchmarks" / "anchors.py")
-assert spec is not None
-assert spec.loader is not None
-anchors = importlib.util.module_from_spec(spec)
-sys.modules["anchors"] = anchors
-spec.loader.exec_module(anchors)
+anchors = load_script(ROOT / "benchmarks" / "anchors.py")
 
 SOURCES = sorted((ROOT / "erlif").rglob("*.py"))
 PAGES = [

@@ -48,14 +48,7 @@ def find_gap_minimum(
 ) -> GapMinimum:
     """Fit a smooth gap to the blocks of a region and find its minimum within the region.
 
-    Parameters
-    ----------
-    sums : BlockSums
-    curve : FilmCurve
-    region : Region
-        Of the sums.
-    sliding_along_x : bool
-        Whether image x is the sliding direction.
+    Arguments as in `erlif.trend.summarise_blocks`.
 
     Returns
     -------

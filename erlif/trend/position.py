@@ -211,23 +211,12 @@ def find_pin_in_blocks(
 
     `find_pin_position` does the same from images.
 
-    Parameters
-    ----------
-    sums : BlockSums
-    curve : FilmCurve
-    region : Region
-        Of the sums.
-    view : PinView
+    `find_pin_position` states the equation and the errors; the sums are those of the region.
 
     Returns
     -------
     PinPosition
         NaN where too few blocks are valid.
-
-    Raises
-    ------
-    ConfigError
-        If the region does not lie within a quarter of a turn of the load line.
 
     Examples
     --------

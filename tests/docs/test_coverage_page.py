@@ -1,13 +1,12 @@
 """docs/coverage.md names functions and tests that exist, and leaves no row without a reason."""
 
-import importlib.util
 import re
-import sys
 from collections import Counter
 from importlib import import_module
 from pathlib import Path
 
 import pytest
+from scenes.scripts import load_script
 
 from erlif.models.sources import TITLES
 
@@ -16,13 +15,7 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(scope="module")
 def page():
-    spec = importlib.util.spec_from_file_location(
-        "make_coverage", ROOT / "docs" / "make_coverage.py"
-    )
-    module = sys.modules["make_coverage"] = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    yield module
-    del sys.modules["make_coverage"]
+    return load_script(ROOT / "docs" / "make_coverage.py")
 
 
 def test_committed_document_is_the_rendering(page):

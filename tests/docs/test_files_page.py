@@ -1,14 +1,13 @@
 """docs/files.md and the JSON schemas, held to what erlif reads and writes."""
 
-import importlib.util
 import re
-import sys
 from pathlib import Path
 
 import h5netcdf
 import numpy as np
 import pytest
 import xarray as xr
+from scenes.scripts import load_script
 
 import erlif
 from erlif.calibration import read_profile
@@ -21,11 +20,7 @@ DOCS = Path(__file__).parents[2] / "docs"
 
 @pytest.fixture(scope="module")
 def page():
-    spec = importlib.util.spec_from_file_location("make_files", DOCS / "make_files.py")
-    module = sys.modules["make_files"] = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    yield module
-    del sys.modules["make_files"]
+    return load_script(DOCS / "make_files.py")
 
 
 def test_the_committed_page_is_the_generated_one(page):

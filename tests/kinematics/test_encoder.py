@@ -5,53 +5,28 @@ import re
 
 import numpy as np
 import pytest
-import xarray as xr
-from scipy.optimize import brentq
+from scenes.linkage import LINKAGE, OMEGA, apart, link_angles, make_log
 
 from erlif.core.errors import EncoderError
 from erlif.kinematics import Encoder, encoder_notes, locate_frames, read_link_angle
-from erlif.models.mechanism import CrankRocker
-
-CRANK, COUPLER, ROCKER, GROUND = 5.5, 44.0, 26.0, 51.0  # cm, Farzaneh (2002)
-OMEGA = 114 * 2 * math.pi / 60
-LINKAGE = CrankRocker(0.055, 0.44, 0.26, 0.51)
-
-
-def rocker_pin(crank):
-    """Rocker pin at a crank angle, from the two circles on which it lies. [cm]"""
-    x, y = CRANK * math.cos(crank), CRANK * math.sin(crank)
-
-    def gap(psi):
-        return math.hypot(GROUND - ROCKER * math.cos(psi) - x, ROCKER * math.sin(psi) - y) - COUPLER
-
-    psi = brentq(gap, math.radians(30), math.radians(90), xtol=1e-14)
-    return psi, math.atan2(ROCKER * math.sin(psi) - y, GROUND - ROCKER * math.cos(psi) - x)
-
 
 FINE = np.linspace(0, 2 * np.pi, 2001)
 ANGLES = {"rocker": 0, "coupler": 1}
-CURVES = {link: np.degrees([rocker_pin(t)[n] for t in FINE]) for link, n in ANGLES.items()}
+CURVES = {link: np.degrees([link_angles(t)[n] for t in FINE]) for link, n in ANGLES.items()}
 
 
 def angle_of(link, crank):
     return np.interp(np.asarray(crank) % (2 * np.pi), FINE, CURVES[link])
 
 
-def log_of(angle, time=None, **columns):
-    data = {"number": np.arange(len(angle)), "angle": np.asarray(angle, float), **columns}
-    if time is not None:
-        data["time"] = time
-    return xr.Dataset({name: ("frame", values) for name, values in data.items()})
+def log_of(angle, time=None):
+    return make_log(angle) if time is None else make_log(angle, time=time)
 
 
 def locate(log, **encoder):
     return locate_frames(
         log, mechanism=LINKAGE, crank_speed=OMEGA, pin_radius=0.033, encoder=Encoder(**encoder)
     )
-
-
-def apart(a, b):
-    return np.abs((np.asarray(a) - np.asarray(b) + 180) % 360 - 180)
 
 
 CYCLE = np.radians(7.0 + np.arange(0, 360, 4.0))
@@ -149,9 +124,9 @@ def test_a_direction_that_contradicts_the_crank_is_refused():
 
 @pytest.mark.parametrize("noise", [0.0, 0.02])
 def test_the_standard_deviation_of_a_fitted_zero_covers_its_error(noise):
-    """Marks of an encoder every 0.96 degree, at random against the dead points; forty seeds."""
+    """Marks of an encoder every 0.96 degree, at random against the dead points."""
     pulls = []
-    for seed in range(40):
+    for seed in range(20):
         rng = np.random.default_rng(seed)
         low, high = CURVES["rocker"].min(), CURVES["rocker"].max()
         marks = np.arange(low + rng.uniform(0, 0.96), high, 0.96)
@@ -166,7 +141,7 @@ def test_the_standard_deviation_of_a_fitted_zero_covers_its_error(noise):
         assert found.direction == "rising"
         pulls.append((found.zero - true) / found.zero_std)
     assert np.abs(pulls).max() < 3
-    assert 0.6 < np.sqrt(np.mean(np.square(pulls))) < 1.3
+    assert 0.5 < np.sqrt(np.mean(np.square(pulls))) < 1.45  # 20 values give it to 16 %
 
 
 def sorted_branch(start, stop):

@@ -7,37 +7,20 @@ import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.optimize import brentq
+from scenes.linkage import LINKAGE, OMEGA, apart, link_angles, make_log
 
 from erlif.core.errors import EncoderError
 from erlif.kinematics import Encoder, encoder_notes, entrained_stroke, locate_frames
-from erlif.models.mechanism import CrankRocker, SliderCrank
+from erlif.models.mechanism import SliderCrank
 
-CRANK, COUPLER, ROCKER, GROUND = 5.5, 44.0, 26.0, 51.0  # cm, Farzaneh (2002)
-OMEGA = 114 * 2 * math.pi / 60
 LOW, HIGH = 47.4095, 71.8355  # degrees: acos of eq. A.1 with crank and coupler in line
 
 
 def rocker_angle(crank):
-    """Degrees at a crank angle in degrees, from the distance that the coupler must bridge."""
-
-    def gap(psi):
-        x = GROUND - ROCKER * math.cos(psi) - CRANK * math.cos(math.radians(crank))
-        y = ROCKER * math.sin(psi) - CRANK * math.sin(math.radians(crank))
-        return math.hypot(x, y) - COUPLER
-
-    return math.degrees(brentq(gap, math.radians(30), math.radians(90), xtol=1e-14))
+    """Degrees at a crank angle in degrees."""
+    return math.degrees(link_angles(math.radians(crank))[0])
 
 
-def make_log(angle, number=None, **columns):
-    number = np.arange(len(angle)) if number is None else number
-    data = {"number": ("frame", np.asarray(number)), "angle": ("frame", np.asarray(angle, float))}
-    return xr.Dataset(
-        data | {name: ("frame", np.asarray(values)) for name, values in columns.items()}
-    )
-
-
-LINKAGE = CrankRocker(0.055, 0.44, 0.26, 0.51)
 PIN = 33.36e-3
 
 
@@ -50,10 +33,6 @@ def locate(log, *, mechanism=LINKAGE, on="rocker", zero=0.0, per_cycle=None):
         pin_radius=PIN,
         encoder=Encoder(on, zero, per_cycle),
     )
-
-
-def apart(a, b):
-    return np.abs((np.asarray(a) - np.asarray(b) + 180) % 360 - 180)
 
 
 def test_the_cycle_is_found_from_the_rocker_angle():
@@ -187,21 +166,6 @@ def test_entrained_oil_travels_half_the_swing():
     expected = PIN * math.radians(HIGH - LOW) / 2
     assert entrained_stroke(LINKAGE, pin_radius=PIN) == pytest.approx(expected, rel=1e-5)
     assert entrained_stroke(SliderCrank(0.05, 0.2), pin_radius=PIN) == math.inf
-
-
-def test_columns_have_units_and_the_frames_their_order():
-    found = locate(make_log(np.arange(12) * 30.0), on="crank")
-    assert found.frame.values.tolist() == list(range(12))
-    units = {str(name): found[name].attrs["units"] for name in found}
-    assert units == {
-        "trigger": "1",
-        "cycle": "1",
-        "encoder_angle": "degree",
-        "stroke": "1",
-        "crank_angle": "degree",
-        "rocker_speed": "rad s-1",
-        "sliding_speed": "m s-1",
-    }
 
 
 @pytest.mark.parametrize(("beyond", "accepted"), [(0.15, True), (0.25, False)])

@@ -122,12 +122,6 @@ def test_a_slider_of_unknown_phase_is_refused(columns):
 # without a mechanism
 
 
-def test_frames_of_a_static_film_are_averaged_on_request():
-    found = locate_logged(make_log(5), triggers_per_cycle=1)
-    assert found.trigger.values.tolist() == [0] * 5
-    assert found.cycle.values.tolist() == [0, 1, 2, 3, 4]
-
-
 def test_a_logged_speed_that_turns_back_has_strokes():
     found = locate_logged(make_log(4, sliding_speed=[0.1, 0.2, -0.1, -0.2]))
     assert found.sliding_speed.values.tolist() == [0.1, 0.2, 0.1, 0.2]

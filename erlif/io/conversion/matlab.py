@@ -44,17 +44,7 @@ def write_matlab(
 ) -> None:
     """Write the variables of a film, a struct ``units`` and a struct ``attributes``.
 
-    Parameters
-    ----------
-    film : xarray.Dataset
-    output : Path
-        File to write.
-    triggers : list of int
-        Triggers to write.
-    progress : Progress
-        Called after each map.
-    largest : int
-        Largest variable of version 5. [byte]
+    Arguments as in `write_archive`; `largest` is that of a variable of version 5. [byte]
     """
     values = small_variables(film, triggers)
     small = {_name(name): _for_matlab(each) for name, each in values.items()}

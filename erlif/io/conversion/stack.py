@@ -34,17 +34,8 @@ def write_stack(
 
     Flags are numbers from 0 to 255 in the fourth channel. Pixels without a thickness are NaN.
 
-    Parameters
-    ----------
-    film : xarray.Dataset
-    output : Path
-        File to write.
-    triggers : list of int
-        Triggers to write.
-    progress : Progress
-        Called after each trigger.
-    largest : int
-        Size up to which each image has a directory of its own. [byte]
+    Arguments as in `write_archive`; up to the size `largest` each image has a directory of its own.
+    [byte]
     """
     import tifffile
 

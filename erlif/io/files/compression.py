@@ -149,12 +149,7 @@ def encode_netcdf(
 def encode_zarr(maps: Mapping[str, AnyArray], variables: Sequence[MapVariable]) -> dict[str, bytes]:
     """Round and compress the maps of one trigger as the blosc codec of zarr writes a chunk.
 
-    Parameters
-    ----------
-    maps : mapping of str to array, (y, x)
-        Map of each variable by its name.
-    variables : sequence of MapVariable
-        Type and precision of the maps.
+    Arguments as in `encode_netcdf`.
 
     Returns
     -------

@@ -59,20 +59,12 @@ def settings_of(film: xr.Dataset) -> RunSettings:
 def motion_of(film: xr.Dataset) -> str:
     """Read the kind of [mechanism] in the settings of a film.
 
-    Parameters
-    ----------
-    film : Dataset
-        Result of `erlif.process`.
+    Argument and errors as in `settings_of`.
 
     Returns
     -------
     str
         "crank-rocker", "slider-crank", "rotation" or "sinusoidal"; empty without [mechanism].
-
-    Raises
-    ------
-    OutputError
-        If the film does not hold its settings.
 
     Examples
     --------
@@ -88,20 +80,12 @@ def motion_of(film: xr.Dataset) -> str:
 def region_of(film: xr.Dataset) -> RegionOfInterest:
     """Read the region of interest of a film.
 
-    Parameters
-    ----------
-    film : Dataset
-        Result of `erlif.process`.
+    Argument and errors as in `settings_of`.
 
     Returns
     -------
     RegionOfInterest
         Intervals of x and y; the whole image where the settings have no region. [mm]
-
-    Raises
-    ------
-    OutputError
-        If the film does not hold its settings.
 
     Examples
     --------
@@ -121,20 +105,12 @@ def region_of(film: xr.Dataset) -> RegionOfInterest:
 def axis_labels(film: xr.Dataset) -> tuple[str, str]:
     """Labels of x and y of an image, with their directions unless nothing moves.
 
-    Parameters
-    ----------
-    film : Dataset
-        Result of `erlif.process`.
+    Argument and errors as in `settings_of`.
 
     Returns
     -------
     tuple of str
         Label of x and of y, with the unit.
-
-    Raises
-    ------
-    OutputError
-        If the film does not hold its settings.
 
     Examples
     --------
@@ -222,14 +198,8 @@ def fastest_trigger(film: xr.Dataset) -> int:
 def describe_trigger(film: xr.Dataset, trigger: int, *, by_crank: bool = False) -> str:
     """Describe a trigger in one line: angle or time, stroke and speed, as far as they are known.
 
-    Parameters
-    ----------
-    film : Dataset
-        With encoder_angle, time, rocker_speed, sliding_speed or stroke (trigger).
-    trigger : int
-        Number of the trigger, from 0.
-    by_crank : bool
-        Name the crank angle in place of the encoder angle, where the film has one.
+    Arguments as in `check_trigger`; `by_crank` names the crank angle in place of the encoder angle,
+    where the film has one.
 
     Returns
     -------

@@ -90,7 +90,7 @@ def write_film(partial: PartialFilm, film: xr.Dataset, groups: Mapping[str, xr.D
     >>> with TemporaryDirectory() as folder:
     ...     output = Path(folder, "film.nc")
     ...     with PartialFilm(output, "key", film, variables) as work:
-    ...         chunks = work.encode({"thickness": np.full((2, 3), 5.0, np.float32)})
+    ...         chunks = work.maps.encode({"thickness": np.full((2, 3), 5.0, np.float32)})
     ...         work.put(0, chunks, {})
     ...         write_film(work, film, {})
     ...     with open_netcdf(output) as found:

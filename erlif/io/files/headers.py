@@ -83,16 +83,7 @@ def _netcdf_entries(group: Any, h5py: Any) -> Iterator[tuple[str, Any]]:
 def check_zarr(path: Path) -> None:
     """Refuse a zarr film by its descriptions.
 
-    Parameters
-    ----------
-    path : Path
-
-    Raises
-    ------
-    ValueError
-        With the bare reason.
-    OSError
-        If a description cannot be read.
+    Argument and errors as in `check_netcdf`.
     """
     for place in [path, *sorted(path.glob("*/")), *sorted(path.glob("*/*/"))]:
         description = place / "zarr.json"

@@ -193,6 +193,8 @@ def replacing_set(folder: Path, names: Sequence[str]) -> Iterator[Path]:
     The first file is there only while all others belong to it: it is removed before them and takes
     its name after them. A process that is killed in between leaves a set without its first file.
 
+    Errors as in `replacing`.
+
     Parameters
     ----------
     folder : Path
@@ -206,11 +208,6 @@ def replacing_set(folder: Path, names: Sequence[str]) -> Iterator[Path]:
     context manager
         Gives a directory to write to. Its files take their names when the block ends without an
         exception, and are removed otherwise.
-
-    Raises
-    ------
-    OutputError
-        If a file cannot be written; the previous ones are then intact.
 
     Examples
     --------
@@ -230,6 +227,8 @@ def replacing_set(folder: Path, names: Sequence[str]) -> Iterator[Path]:
         scratch.mkdir(parents=True)
         yield scratch
         written = [path.name for path in scratch.iterdir()]
+
+        # the first file goes first and comes last: without it nobody reads the others
         order = [*names, *sorted(set(written) - set(names))]
         remove(previous)
         previous.mkdir()
@@ -237,6 +236,7 @@ def replacing_set(folder: Path, names: Sequence[str]) -> Iterator[Path]:
             _move(folder, previous, order)
             _move(scratch, folder, order[::-1])
         except BaseException:
+            # also where the user interrupts: the previous set comes back whole
             for name in written:
                 if not (scratch / name).exists():  # it has taken its name
                     remove(folder / name)

@@ -12,7 +12,6 @@ from typing import IO, Self, TypeAlias
 import numpy.typing as npt
 import xarray as xr
 
-from erlif.core.arrays import AnyArray
 from erlif.core.errors import OutputError
 from erlif.io.files.compression import MapVariable
 from erlif.io.files.netcdf_maps import NetcdfMaps
@@ -101,7 +100,7 @@ class PartialFilm:
     >>> with TemporaryDirectory() as folder:
     ...     output = Path(folder, "film.nc")
     ...     with PartialFilm(output, "inputs of May", grid, variables) as work:
-    ...         chunks = work.encode({"flags": np.zeros((2, 3), np.uint8)})
+    ...         chunks = work.maps.encode({"flags": np.zeros((2, 3), np.uint8)})
     ...         work.put(0, chunks, {"frames_used": 1})
     ...     with PartialFilm(output, "inputs of May", grid, variables) as again:
     ...         again.has(0), again.has(1)
@@ -179,10 +178,6 @@ class PartialFilm:
             self.discard()
         self.lock.release()
 
-    def encode(self, maps: Mapping[str, AnyArray]) -> dict[str, bytes]:
-        """Round and compress the maps (y, x) of one trigger; any thread may call it."""
-        return self.maps.encode(maps)
-
     def has(self, trigger: int) -> bool:
         """Check whether a trigger is finished; one cut off by a loss of power is not."""
         return self.maps.has(trigger)
@@ -192,14 +187,7 @@ class PartialFilm:
     ) -> None:
         """Keep the chunks and the small arrays of one trigger.
 
-        Parameters
-        ----------
-        trigger : int
-            Number of the trigger; the first one that is not finished, unless the output is zarr.
-        chunks : mapping of str to bytes
-            From `encode`.
-        numbers : mapping of str to array
-            Small arrays by name; `numbers` gives them back.
+        Arguments as in `NetcdfMaps.put`; `maps.numbers` gives the small arrays back.
 
         Raises
         ------
@@ -210,10 +198,6 @@ class PartialFilm:
             self.maps.put(trigger, chunks, numbers)
         except OSError as error:
             raise write_error(self.output, error) from error
-
-    def numbers(self, trigger: int) -> dict[str, AnyArray]:
-        """Small arrays of one trigger, by the names given to `put`."""
-        return self.maps.numbers(trigger)
 
     def discard(self) -> None:
         """Remove what is kept beside the output, once that is complete."""

@@ -150,14 +150,7 @@ class ZarrMaps:
     ) -> None:
         """Keep the chunks and the small arrays of one trigger.
 
-        Parameters
-        ----------
-        trigger : int
-            Number of the trigger, from 0.
-        chunks : mapping of str to bytes
-            From `encode`.
-        numbers : mapping of str to array
-            Small arrays by name.
+        Arguments as in `NetcdfMaps.put`; triggers come in any order.
 
         Raises
         ------
@@ -185,17 +178,7 @@ class ZarrMaps:
     def finish(self, film: xr.Dataset, groups: Mapping[str, xr.Dataset]) -> None:
         """Add the coordinates, the small variables, the groups and the attributes.
 
-        Parameters
-        ----------
-        film : Dataset
-            Everything of the film but its maps.
-        groups : mapping of str to Dataset
-            Further groups by name.
-
-        Raises
-        ------
-        OSError
-            If they cannot be written; the finished triggers are intact.
+        Arguments and errors as in `NetcdfMaps.finish`.
         """
         # what a killed process had begun to add
         own = {variable.name for variable in self.variables} | {"zarr.json"}

@@ -136,13 +136,7 @@ def _read_page(pairs: FramePairs, camera: int, frame: int, *, digests: bool) -> 
 def read_frames(pairs: FramePairs, frames: Sequence[int], *, digests: bool = False) -> Frames:
     """Read frame pairs.
 
-    Parameters
-    ----------
-    pairs : FramePairs
-    frames : sequence of int
-        Frame numbers, counted from 0.
-    digests : bool
-        Whether the files are hashed as they are read.
+    Arguments as in `read_pair`, with the numbers of several frames.
 
     Returns
     -------

@@ -54,9 +54,7 @@ def hash_inputs(recording: Run | Fixture, known: Digests | None = None) -> dict[
 def hash_files_beside_frames(recording: Run | Fixture) -> dict[Path, str]:
     """SHA-256 of settings, log or profile, darks and flats.
 
-    Parameters
-    ----------
-    recording : Run or Fixture
+    Argument as in `hash_inputs`.
 
     Returns
     -------
@@ -115,9 +113,7 @@ class InputChangedError(FrameError):
 def stamp_inputs(recording: Run | Fixture) -> dict[Path, str]:
     """Size, time of change and place on the disk of every input.
 
-    Parameters
-    ----------
-    recording : Run or Fixture
+    Argument as in `hash_inputs`.
 
     Returns
     -------

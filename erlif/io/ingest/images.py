@@ -254,24 +254,11 @@ def read_content(
 ) -> PageContent:
     """Decode the counts of one page, and hash the file as it is read.
 
-    Parameters
-    ----------
-    page : Page
-    directory : Path
-        The run or fixture directory, for messages.
-    shape : (rows, columns)
-        Shape of all frames of the recording.
-    digest : bool
-        Whether the hash is wanted.
+    Arguments and errors as in `read_page`; `digest` asks for the hash.
 
     Returns
     -------
     PageContent
-
-    Raises
-    ------
-    FrameError
-        As `read_page`.
     """
     name = os.path.relpath(page.path, directory) + (f"[{page.index}]" if page.index else "")
     try:

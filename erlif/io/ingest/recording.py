@@ -275,14 +275,7 @@ def open_fixture(
 ) -> Fixture:
     """Open a fixture directory: settings and files of both cameras, checked together.
 
-    Parameters
-    ----------
-    fixture_dir : Path
-        Directory with ``fixture.toml``.
-    skip_bad_frames : bool
-        Leave out frame pairs with an unreadable file instead of refusing the fixture.
-    allow_outside : bool
-        Follow links and names that leave the directory.
+    Arguments as in `open_run`, of a directory with ``fixture.toml``.
 
     Returns
     -------

@@ -259,6 +259,6 @@ def run_triggers(
 
     # a shared disk may show a file later than the process that wrote it reports it
     return [
-        TriggerResult.from_arrays(numbers.get(trigger) or unfinished.numbers(trigger))
+        TriggerResult.from_arrays(numbers.get(trigger) or unfinished.maps.numbers(trigger))
         for trigger in triggers
     ]

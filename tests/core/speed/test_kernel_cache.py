@@ -12,12 +12,6 @@ from erlif.core.speed import kernel_cache
 from erlif.core.speed.kernel_cache import ensure_kernel_cache
 
 
-def test_a_writable_directory_is_left_to_numba(monkeypatch):
-    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
-    assert ensure_kernel_cache() is None
-    assert "NUMBA_CACHE_DIR" not in os.environ
-
-
 def test_without_any_a_private_directory_is_made(monkeypatch, tmp_path):
     blocked = tmp_path / "file"
     blocked.write_text("no directory")

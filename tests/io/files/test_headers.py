@@ -28,7 +28,7 @@ def store(path):
     with PartialFilm(path, "key", grid, variables) as work:
         for trigger in range(film.sizes["trigger"]):
             maps = {name: film[name].values[trigger] for name in MAPS}
-            work.put(trigger, work.encode(maps), {})
+            work.put(trigger, work.maps.encode(maps), {})
         write_film(work, film.drop_vars(MAPS), {})
     return path
 

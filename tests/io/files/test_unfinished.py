@@ -21,7 +21,7 @@ def begin(output, key="key"):
 
 def put(work, *triggers):
     for trigger in triggers:
-        work.put(trigger, work.encode(maps_of(trigger)), {"frames_used": 2})
+        work.put(trigger, work.maps.encode(maps_of(trigger)), {"frames_used": 2})
 
 
 def test_an_unfinished_film_forgets_what_was_half_written(output):
@@ -66,17 +66,6 @@ def test_a_folder_of_the_user_is_not_touched(output):
     own.rename(output.with_name("elsewhere"))
     with begin(output):  # the lock was given back
         pass
-
-
-def test_a_folder_in_place_of_the_journal_is_named(tmp_path):
-    output = tmp_path / "film.nc"
-    with PartialFilm(output, "key", GRID, VARIABLES) as film:
-        film.put(0, film.encode(maps_of(0)), {})
-        journal = film.directory / "journal"
-    journal.unlink()
-    (journal / "mine").mkdir(parents=True)
-    with pytest.raises(OutputError, match=r"Move .*journal away"):
-        PartialFilm(output, "key", GRID, VARIABLES)
 
 
 def test_a_full_disk_keeps_the_triggers_put_before(output, monkeypatch):

@@ -151,13 +151,6 @@ def test_frames_that_change_places_change_the_sign(run):
     assert sign(run.directory) != before
 
 
-def test_an_unreadable_frame_has_a_place_in_the_sign(run):
-    path = run.frames(2)[2]
-    path.unlink()
-    path.symlink_to(run.directory / "gone.tif")
-    assert sign(run.directory) == sign(run.directory)
-
-
 def test_a_file_beside_the_frames_is_an_input(run):
     opened = open_run(run.directory)
     header = run.directory / "camera1.cihx"

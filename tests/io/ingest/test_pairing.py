@@ -101,13 +101,6 @@ def test_the_first_frame_without_a_partner_is_named_by_its_number(record):
     assert "unmatched one is camera1/f_2.tif" in message
 
 
-@pytest.mark.parametrize("has_log", [True, False])
-def test_rows_of_a_log_are_advised_where_there_is_one(record, has_log):
-    message = refusal(record([0, 1, 2], [0, 2]), has_log=has_log)
-    assert ("row out of the encoder log" in message) == has_log
-    assert message.endswith(".")
-
-
 def test_equal_counts_with_different_gaps_are_out_of_step(record):
     """Both lost one frame, and not the same: from there on the pulses would not agree."""
     message = refusal(record([0, 1, 2, 4, 5, 6], [0, 1, 2, 3, 4, 6]))
