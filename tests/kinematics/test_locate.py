@@ -35,14 +35,6 @@ def locate(log, *, mechanism=LINKAGE, on="rocker", zero=0.0, per_cycle=None):
     )
 
 
-def test_the_cycle_is_found_from_the_rocker_angle():
-    crank = 7.0 + np.arange(0, 360, 4.0)
-    found = locate(make_log([rocker_angle(c) for c in crank]))
-    assert apart(found.crank_angle, crank).max() < 1e-5
-    assert found.trigger.values.tolist() == list(range(90))
-    assert (found.cycle == 0).all()
-
-
 def test_limits_and_top_speeds_are_those_of_the_linkage():
     crank = np.arange(0, 360, 0.05)
     log = make_log([rocker_angle(c) for c in crank])

@@ -120,14 +120,6 @@ def test_noise_that_neighbours_share_is_part_of_the_random_error():
     npt.assert_allclose(np.mean([one.random_std for one in found]), scatter, rtol=0.48)
 
 
-def test_smooth_surfaces_leave_a_small_surface_error():
-    """Noise alone: what is assigned to marks stays of the order of the random error."""
-    found = [
-        fit(noisy_ratios(known_gap(3.0), 0.01, np.random.default_rng([5, n]))) for n in range(20)
-    ]
-    assert np.median([one.surface_std / one.random_std for one in found]) < 1.0
-
-
 def test_waviness_of_the_surface_has_a_surface_error():
     """A wave of 0.1 um amplitude and 3 mm length along sliding, three periods in the region."""
     wave = 0.1 * np.sin(2 * np.pi * X / 3.0)[None, :]

@@ -121,23 +121,6 @@ def test_mean_remains_where_the_minimum_is_not_determined():
     assert np.isfinite([found.mean, found.mean_std]).all()
 
 
-def test_image_with_x_and_y_exchanged_gives_the_same_statistics():
-    ratios, calibration = (
-        noisy_ratios(known_gap(3.0), 0.01, np.random.default_rng(6)),
-        known_calibration(),
-    )
-    turned = RatioImages(ratios.rename(x="y", y="x").transpose("y", "x"))
-    one = summarise(ratios)
-    two = summarise_film(
-        turned,
-        measure_thickness(turned, calibration),
-        calibration,
-        region=Region(slice(0, X.size), slice(0, Y.size)),
-        sliding_along_x=False,
-    )
-    npt.assert_allclose([two.mean, two.minimum], [one.mean, one.minimum], rtol=1e-6)
-
-
 def test_missing_variance_is_refused_by_name():
     ratios = noisy_ratios(EVEN, 0.01, np.random.default_rng(1))
     maps = measure_thickness(ratios, known_calibration())

@@ -61,9 +61,13 @@ USUAL_DEPTHS = (12, 14, 16)
 COVERED = 0.8
 """Share of the frames that a way of naming must explain; the rest are other images, of a scale."""
 
-_DARK = re.compile(r"(?<![a-z])(dark|bias|black)")
-_FLAT = re.compile(r"(?<![a-z])(flat|white|uniform)")
-_DRY = re.compile(r"(?<![a-z])(background|dry)(?![a-z])")
+_PURPOSES = {
+    "darks": re.compile(r"(?<![a-z])(dark|bias|black)"),
+    "flats": re.compile(r"(?<![a-z])(flat|white|uniform)"),
+    "backgrounds": re.compile(r"(?<![a-z])(background|dry)(?![a-z])"),
+}
+"""Words in the names of images that are no frames."""
+
 _CAMERA = re.compile(
     r"(?<![a-z])(?:camera|kamera|cam|channel|ch|c)[ _-]?0?([0-9])(?!\d)"
     r"|(?<![a-z])(?:camera|kamera|cam)[ _-]?([ab])(?![a-z\d])"
@@ -347,11 +351,8 @@ def _plain_name(path: Path, directory: Path) -> str:
 
 
 def _purpose(name: str) -> str:
-    if _DARK.search(name):
-        return "darks"
-    if _FLAT.search(name):
-        return "flats"
-    return "backgrounds" if _DRY.search(name) else "frames"
+    found = (purpose for purpose, words in _PURPOSES.items() if words.search(name))
+    return next(found, "frames")
 
 
 def _choose_rule(names: Sequence[str]) -> _KeyRule:
@@ -444,14 +445,16 @@ def _describe_camera(
     label: str, group: dict[str, list[Path]], directory: Path, selection: Selection = WHOLE
 ) -> CameraSurvey:
     """Read the headers of a camera's files, and the counts of some."""
-    frames, pages = _describe_set(group["frames"], directory, selection)
-    flats, flat_pages = (
-        _describe_set(group["flats"], directory, selection) if group["flats"] else (None, [])
-    )
-    darks, dry = (
-        _describe_set(group[purpose], directory, selection)[0] if group[purpose] else None
-        for purpose in ("darks", "backgrounds")
-    )
+    sets = {
+        purpose: _describe_set(files, directory, selection)
+        for purpose, files in group.items()
+        if files
+    }
+    frames, pages = sets["frames"]
+    darks, flats, dry = (sets[name][0] if name in sets else None for name in _PURPOSES)
+
+    # flats are brighter than many a film: they show bits that the frames do not set
+    bright = _spread(sets["flats"][1]) if "flats" in sets else []
     return CameraSurvey(
         label=label,
         wavelength=_common_wavelength([_plain_name(path, directory) for path in group["frames"]]),
@@ -459,7 +462,7 @@ def _describe_camera(
         darks=darks,
         flats=flats,
         backgrounds=dry,
-        counts=_sample_counts([*_spread(pages), *_spread(flat_pages)], directory, frames.bits),
+        counts=_sample_counts([*_spread(pages), *bright], directory, frames.bits),
         selection=selection,
     )
 

@@ -243,11 +243,6 @@ def test_a_run_within_a_sixteenth_of_full_scale_is_reported(bit_depth, highest, 
     assert f"bit_depth = {fits} would fit" in note.text
 
 
-@pytest.mark.parametrize(("bit_depth", "highest"), [(12, 256), (16, 4096), (8, 16)])
-def test_a_run_above_a_sixteenth_of_full_scale_is_not_reported(bit_depth, highest):
-    assert depth_warning(highest, bit_depth=bit_depth, camera=1) is None
-
-
 @pytest.mark.parametrize("header", ["cih", "cihx"])
 def test_counts_and_the_header_beside_them_are_one_recording(tmp_path, header):
     frames = random_frames(np.random.default_rng(1))

@@ -154,13 +154,6 @@ def test_frames_of_less_than_64_pixels_are_refused(record, shape):
 # damaged frames
 
 
-def test_the_first_of_several_damaged_frames_is_named_and_the_others_counted(record):
-    directory = record(range(4), range(4))
-    for name in ("camera1/f_3.tif", "camera2/f_1.tif", "camera2/f_2.tif"):
-        (directory / name).write_bytes(b"")
-    assert "camera2/f_1.tif: the file is empty (2 more are unreadable)." in refusal(directory)
-
-
 def test_a_damaged_pair_is_left_out_on_request(record):
     directory = record(range(4), range(4))
     (directory / "camera2" / "f_0.tif").write_bytes(b"")
@@ -169,13 +162,6 @@ def test_a_damaged_pair_is_left_out_on_request(record):
     assert pairs.usable == [1, 3]
     assert pairs.skipped[0] == "camera2/f_0.tif: the file is empty"
     assert pairs.skipped[2].startswith("camera1/f_2.tif: the file is damaged or not a TIFF")
-
-
-def test_an_empty_file_of_its_name_drops_an_unmatched_frame(record):
-    """The way that the message on unequal counts describes."""
-    directory = record(range(4), [0, 1, 3])
-    (directory / "camera2" / "f_2.tif").write_bytes(b"")
-    assert pair(directory, skip_bad_frames=True).usable == [0, 1, 3]
 
 
 def test_pixels_that_cannot_be_decoded_are_left_out_on_request(record):
@@ -309,23 +295,6 @@ def test_alternating_pages_without_a_partner_are_refused(tmp_path):
         selections=(Selection("odd"), Selection("even")),
     )
     assert "camera1 has 3, camera2 has 2. The first unmatched one is both.tif" in message
-
-
-def test_lost_pages_of_one_camera_are_left_out_with_their_partners(tmp_path, save_pages):
-    """Both files have six pages, every other one a frame; the file of camera 2 is cut off."""
-    for name in ("one.tif", "two.tif"):
-        save_pages(tmp_path / name, [GREY] * 6)
-    path = tmp_path / "two.tif"
-    with tifffile.TiffFile(path) as file:
-        start = file.pages[3].dataoffsets[0]
-    path.write_bytes(path.read_bytes()[: start + 10])
-    pairs = pair(
-        tmp_path,
-        patterns=("one.tif", "two.tif"),
-        selections=(Selection("odd"), Selection("even")),
-        skip_bad_frames=True,
-    )
-    assert pairs.usable == [0]
 
 
 @pytest.mark.parametrize("cut", ["camera1", "camera2"])

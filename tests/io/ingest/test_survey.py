@@ -169,15 +169,6 @@ def test_the_bit_depth_follows_from_the_largest_counts(tmp_path, counts, depth, 
     assert found.highest == counts.max()
 
 
-def test_damaged_files_are_listed_and_the_others_read(tmp_path):
-    photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"))
-    (tmp_path / "cam1" / "1.tif").write_bytes(b"")
-    frames = survey_directory(tmp_path).cameras[0].frames
-    assert len(frames.faults) == 1
-    assert "cam1/1.tif" in frames.faults[0]
-    assert frames.pages == 3
-
-
 def test_tables_are_listed_with_header_and_rows(tmp_path):
     (tmp_path / "log.csv").write_text("frame, angle_deg\n0,1.5\n1,2.5\n\n")
     (tmp_path / "empty.csv").write_text("")
