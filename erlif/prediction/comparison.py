@@ -346,7 +346,6 @@ def _plain_unknowns(names: Sequence[str], start: Sequence[float]) -> Unknowns:
         step=1e-4 * ones,
         low=-np.inf * ones,
         high=np.inf * ones,
-        largest=np.inf * ones,
         expected=0 * ones,
         expected_std=np.inf * ones,
     )

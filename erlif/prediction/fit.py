@@ -38,8 +38,6 @@ LOAD_LINE_STD = 5e-3
 MISFIT = 1.5
 """Factor of the stated random errors that the residuals require, from which it is reported."""
 
-_TRIALS = (0.03, 1.0, 30.0)  # dampings tried together where many orbits are quick
-
 _HELD_CONVERGED = 0.01  # of chi-square; cells that change to cavities make it jump by as much
 _HELD_NEAR = 1.0  # before its orbits are corrected
 _FEW = (-2.1, 2.1)  # standard deviations at which slow profiles are computed
@@ -249,12 +247,11 @@ def film_temperature(viscosity: Estimate, law: VogelLaw) -> Estimate:
 def _search(problem: Problem, unknowns: Unknowns, profiles: bool) -> MotionFit:
     """Fit, with the orbits of a held pin corrected where the fit ends."""
     free = isinstance(problem.orbits, FreeOrbits)
-    trials = _TRIALS if free else (1.0,)
 
     def pose(tolerance: float) -> LeastSquares:
         model = partial(problem.predict, unknowns=unknowns)
         observed = problem.observations()
-        return LeastSquares(observed, unknowns, model, trials, tolerance, secants=not free)
+        return LeastSquares(observed, unknowns, model, tolerance)
 
     # a held pin is searched from coarse cells first, to a rough tolerance
     least = pose(CONVERGED if free else _HELD_NEAR)
@@ -310,9 +307,7 @@ def _begin(problem: Problem, unknowns: Unknowns) -> Minimum | None:
         brief = replace(problem, orbits=orbits, frames=kept)
         model = partial(brief.predict, unknowns=unknowns)
         try:
-            least = LeastSquares(
-                brief.observations(), unknowns, model, tolerance=_FIRST_CONVERGED, secants=True
-            )
+            least = LeastSquares(brief.observations(), unknowns, model, _FIRST_CONVERGED)
             found = least.solve()
         except ModelError:
             return found

@@ -1,7 +1,6 @@
 """Weighted least squares with errors that observations share, and profiles of the likelihood.
 
-The models are slow and follow many sets of unknowns at once, so an iteration evaluates a trial and
-its neighbours together.
+The models follow many sets of unknowns at once, so that all derivatives come from one call.
 """
 
 from __future__ import annotations
@@ -14,12 +13,12 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 
-MOST_ITERATIONS = 40
-"""Trials until the search ends without a minimum; four to ten are usual."""
+MOST_TRIALS = 60
+"""Trials until a search ends without a minimum; four to ten are usual."""
 
 CONVERGED = 1e-4
-"""Decrease of chi-square that a further step promises, below which the search ends: a hundredth of
-a standard deviation."""
+"""Decrease of chi-square in a step, below which the search ends: a hundredth of a standard
+deviation."""
 
 TWO_SIDED, ONE_SIDED = 3.841, 2.706
 """Rise of chi-square at the ends of the 95 % interval, and at a 95 % limit."""
@@ -27,15 +26,12 @@ TWO_SIDED, ONE_SIDED = 3.841, 2.706
 TARGETS = (-2.4, -1.2, 1.2, 2.4)
 """Standard deviations at which a profile is computed."""
 
-_DAMPING = 1e-3  # of the first step, over the curvature
 _INFLATIONS = 4001  # of which the likeliest is taken: steps of half a percent
 _LARGEST_LOG = 40.0  # of the square of an inflation
 _SINGULAR = 1e-14  # of the scaled normal matrix, below which a direction is left out
-_NEARLY = 1.0  # promised decrease up to which the last of all iterations is taken
-_GAIN = 3.0  # tolerances that a step gains, below which it counts as slow
-_SLOW = 3  # steps in turn that hardly gain, or fail alone, after which the search ends
-_STEEPER = 100.0  # factor of the damping after a trial alone that fails
-_LARGEST_DAMPING = 1e5
+_ROUNDS = 8  # of minimum and inflation, which depend on each other
+_SAME = 0.02  # relative change of the inflation below which its round is the last
+_SMALLEST_STEP = 1e-5  # of the unknowns, relative: a model solved to a tolerance promises more
 _NEARLY_CLOSED = 0.8  # of the wanted root of the rise, from which the last point gives the end
 
 Predict = Callable[[Array], Array]
@@ -115,8 +111,6 @@ class Unknowns:
         Lower bounds, (unknown,).
     high : Array
         Upper bounds, (unknown,).
-    largest : Array
-        Largest change in one iteration, (unknown,).
     expected : Array
         What is known beforehand, (unknown,).
     expected_std : Array
@@ -130,7 +124,6 @@ class Unknowns:
     step: Array
     low: Array
     high: Array
-    largest: Array
     expected: Array
     expected_std: Array
     fixed: Mapping[str, float] = field(default_factory=dict)
@@ -192,13 +185,8 @@ class LeastSquares:
     predict : callable
         Sets of unknowns (case, unknown) to values (case, group, member); NaN where the model has
         none.
-    trials : sequence of float
-        Dampings that are tried together, over that of the iteration.
     tolerance : float
-        Decrease of chi-square that a further step promises, below which the search ends.
-    secants : bool
-        Whether each step corrects the derivatives, for models that are slow. They are computed
-        anew at the minimum.
+        Decrease of chi-square in a step, below which the search ends.
     """
 
     def __init__(
@@ -206,12 +194,10 @@ class LeastSquares:
         observed: Observations,
         unknowns: Unknowns,
         predict: Predict,
-        trials: Sequence[float] = (1.0,),
         tolerance: float = CONVERGED,
-        secants: bool = False,
     ) -> None:
-        self.trials, self.tolerance, self.secants = trials, tolerance, secants
         self.observed, self.unknowns, self.predict = observed, unknowns, predict
+        self.tolerance = tolerance
         self.target = observed.whiten(observed.value)
         self.columns = observed.whiten(np.moveaxis(observed.shared, -1, 0)).T
         self.sources = self.columns.shape[1]
@@ -256,7 +242,7 @@ class LeastSquares:
         return float(left @ left + shared @ shared + known @ known), shared
 
     def solve(self) -> Minimum:
-        """Search the minimum by the method of Levenberg and Marquardt.
+        """Search the minimum by a trust region within the bounds (Branch et al. 1999).
 
         Returns
         -------
@@ -267,122 +253,66 @@ class LeastSquares:
         ModelError
             If the model has no values at the start, or no minimum was found.
         """
+        from scipy.optimize import least_squares  # slow to load
+
         unknowns = self.unknowns
         value = np.clip(unknowns.start, unknowns.low, unknowns.high)
-        ((miss, jacobian),) = self._evaluate(value)
+        (miss,) = self.misses(value[np.newaxis])
         if not np.isfinite(miss).all():
             raise ModelError(
                 "The model has no film at the start of the fit. Check load and viscosity, or give "
                 "another start."
             )
-        first = jacobian
-        damping, slow, cost, promised = _DAMPING, 0, np.inf, np.inf
-        for _ in range(MOST_ITERATIONS):
-            # a poor model is not bent by shared errors of many standard deviations
-            inflation = self._inflation(miss, value)
-            cost = self.reduced(miss, value, inflation)[0]
-            state = miss, jacobian, value, inflation
-            promised = self._step(*state, damping)[1]
-            if promised < self.tolerance:
-                return self._minimum(value, miss, self._renewed(value, jacobian, first))
 
-            # several trials and their neighbours at once, for models that follow many sets quickly:
-            # where one is better, its derivatives are there
-            dampings = [damping * factor for factor in self.trials]
-            steps = [self._step(*state, one)[0] for one in dampings]
-            trials = [np.clip(value + step, unknowns.low, unknowns.high) for step in steps]
-            found = [] if self.secants else self._evaluate(*trials)
-            ends = self.misses(np.array(trials)) if self.secants else [one for one, _ in found]
-            reached = [
-                self.reduced(there, trial, inflation)[0] if np.isfinite(there).all() else np.inf
-                for trial, there in zip(trials, ends, strict=True)
-            ]
-            best = int(np.argmin(reached))
-            gain = cost - reached[best]
-            hardly = gain >= 0 or self.secants
-            slow = 0 if gain > _GAIN * self.tolerance else slow + int(hardly)
-            if reached[best] < cost:
-                before = value, miss
-                value, miss = trials[best], ends[best]
-                jacobian = (
-                    self._secant(jacobian, before[1] - miss, value - before[0])
-                    if self.secants
-                    else found[best][1]
+        # a poor model is not bent by shared errors of many standard deviations
+        inflation = self._inflation(miss, value)
+        for _ in range(_ROUNDS):
+            search = least_squares(
+                self._independent_errors,
+                value,
+                self._derivatives,
+                args=(inflation,),
+                bounds=(unknowns.low, unknowns.high),
+                x_scale="jac",
+                ftol=self.tolerance / self.target.size,
+                xtol=_SMALLEST_STEP,
+                max_nfev=MOST_TRIALS,
+            )
+            if not search.success:
+                raise ModelError(
+                    f"The fit found no minimum in {MOST_TRIALS} trials: chi-square "
+                    f"{2 * search.cost:.4g} of {self.target.size} observations. Leave one of them "
+                    f"out of the fit: {', '.join(unknowns.names)}."
                 )
-                damping = max(dampings[best] / 3, 1e-9)
-            elif damping > _LARGEST_DAMPING:
-                return self._minimum(value, miss, self._renewed(value, jacobian, first))
-            else:
-                damping *= _STEEPER if self.secants else 10 * max(self.trials)
+            value, before = search.x, inflation
+            (miss,) = self.misses(value[np.newaxis])
+            inflation = self._inflation(miss, value)
+            if abs(inflation / before - 1) < _SAME:
+                break
+        return self._minimum(value, miss, self._jacobian(value))
 
-            # differences of a model that is solved to a tolerance promise more than they keep
-            if slow == _SLOW:
-                return self._minimum(value, miss, self._renewed(value, jacobian, first))
-        if promised < _NEARLY:
-            return self._minimum(value, miss, self._renewed(value, jacobian, first))
-        raise ModelError(
-            f"The fit found no minimum in {MOST_ITERATIONS} iterations: chi-square {cost:.4g} of "
-            f"{self.target.size} observations. Leave one of them out of the fit: "
-            f"{', '.join(unknowns.names)}."
-        )
+    def _independent_errors(self, value: Array, inflation: float) -> Array:
+        """Differences, and departures from what was expected, as independent errors of size 1."""
+        (miss,) = self.misses(value[np.newaxis])
+        return np.append(self._without_shared(miss, inflation), self.expected_miss(value))
 
-    def _secant(self, jacobian: Array, change: Array, moved: Array) -> Array:
-        """Derivatives that agree with a change of the prediction (Broyden 1965).
+    def _derivatives(self, value: Array, inflation: float) -> Array:
+        """Their derivatives with the unknowns."""
+        moved = self._without_shared(np.nan_to_num(self._jacobian(value)), inflation)
+        return -np.vstack([moved, np.diag(1 / self.unknowns.expected_std)[self.known]])
 
-        A step shorter than those of the derivatives leaves them, because cells that change to
-        cavities make the prediction jump.
-        """
-        scaled = moved / self.unknowns.step
-        if not (np.abs(scaled).max() > 1 and np.isfinite(jacobian).all()):
-            return jacobian
-        missing = change - jacobian @ moved
-        return np.asarray(
-            jacobian + np.outer(missing, scaled / self.unknowns.step) / (scaled @ scaled)
-        )
+    def _without_shared(self, miss: Array, inflation: float) -> Array:
+        """Differences over the root of their whole covariance, shared errors included."""
+        along = self.axes.T @ miss
+        root = np.sqrt(self.spread + inflation**2).reshape(-1, *[1] * (miss.ndim - 1))
+        return np.asarray((miss - self.axes @ along) / inflation + self.axes @ (along / root))
 
-    def _renewed(self, value: Array, jacobian: Array, first: Array) -> Array:
-        """Derivatives at a set of unknowns, computed anew where secants have corrected them."""
-        if not self.secants or jacobian is first:
-            return jacobian
-        ((_, jacobian),) = self._evaluate(value)
-        return jacobian
-
-    def _evaluate(self, *values: Array) -> list[tuple[Array, Array]]:
-        """Differences at sets of unknowns, and the derivatives of the prediction there."""
-        groups = [self.neighbours(value) for value in values]
-        misses = np.split(self.misses(np.vstack(groups)), len(groups))
-        found = []
-        for value, sets, there in zip(values, groups, misses, strict=True):
-            steps = np.diag(sets[1:] - value)
-            found.append((there[0], np.asarray((there[0] - there[1:]) / steps[:, np.newaxis]).T))
-        return found
-
-    def _step(
-        self, miss: Array, jacobian: Array, value: Array, inflation: float, damping: float
-    ) -> tuple[Array, float]:
-        """A damped step within the bounds, and the decrease of chi-square without damping."""
-        unknowns = self.unknowns
-        usable = np.nan_to_num(jacobian)
-        matrix, right = self.system(miss, usable, value, inflation)
-        normal, gradient = matrix.T @ matrix, matrix.T @ right
-
-        # an unknown at its bound that would leave it is held there
-        count = value.size
-        held = np.zeros(normal.shape[0], dtype=bool)
-        held[:count] = ((value <= unknowns.low) & (gradient[:count] < 0)) | (
-            (value >= unknowns.high) & (gradient[:count] > 0)
-        )
-        free = ~held
-        inner, pull = normal[np.ix_(free, free)], gradient[free]
-        best = _solve(inner, pull)
-        now = self.reduced(miss, value, inflation)[0]
-        promised = float(now - right @ right + 2 * best @ pull - best @ inner @ best)
-        damped = np.where(np.flatnonzero(free) < count, damping * np.diag(inner), 0.0)
-        taken = np.zeros(normal.shape[0])
-        taken[free] = _solve(inner + np.diag(damped), pull)
-        step = taken[:count]
-        step = step / max(1.0, float((np.abs(step) / unknowns.largest).max()))
-        return step, promised
+    def _jacobian(self, value: Array) -> Array:
+        """Derivatives of the prediction, in random standard deviations. (observation, unknown)"""
+        sets = self.neighbours(value)
+        there = self.misses(sets)
+        steps = np.diag(sets[1:] - value)
+        return np.asarray((there[0] - there[1:]) / steps[:, np.newaxis]).T
 
     def _inflation(self, miss: Array, value: Array) -> float:
         """Factor of the random errors of the greatest likelihood, at least 1."""
@@ -402,7 +332,10 @@ class LeastSquares:
         matrix, _ = self.system(miss, np.nan_to_num(jacobian), value, inflation)
         normal = matrix.T @ matrix
         scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
-        covariance = _inverse(normal / np.outer(scale, scale)) / np.outer(scale, scale)
+        outer = np.outer(scale, scale)
+
+        # without the directions that nothing determines
+        covariance = np.linalg.pinv(normal / outer, rcond=_SINGULAR, hermitian=True) / outer
         chi, shared = self.reduced(miss, value, inflation)
         residual = miss - self.columns @ shared
         likelihood = -0.5 * (
@@ -422,27 +355,24 @@ class LeastSquares:
             log_likelihood=likelihood,
         )
 
-    def profile(self, found: Minimum, which: int) -> tuple[Array, Array]:
-        """Chi-square over one unknown, all others and the shared errors fitted again.
+    def profiles(
+        self, found: Minimum, which: list[int], targets: Sequence[float] = TARGETS
+    ) -> list[tuple[Array, Array]]:
+        """Chi-square over each of some unknowns, all others and the shared errors fitted again.
 
         Parameters
         ----------
         found : Minimum
-        which : int
-            Number of the unknown.
+        which : list of int
+            Numbers of the unknowns.
+        targets : sequence of float
+            Standard deviations from the minimum at which chi-square is computed.
 
         Returns
         -------
-        value, rise : array, (point,)
-            Values of the unknown, rising, and the rise of chi-square there; the minimum is one.
+        list of tuple of array
+            For each, values that rise and the rise of chi-square there; the minimum is one.
         """
-        (points,) = self.profiles(found, [which])
-        return points
-
-    def profiles(
-        self, found: Minimum, which: list[int], targets: Sequence[float] = TARGETS
-    ) -> list[tuple[Array, Array]]:
-        """Profiles of several unknowns, computed together; see `profile`."""
         unknowns, count = self.unknowns, found.value.size
         std = np.sqrt(np.diag(found.covariance))
         sets, fixed = [], []
@@ -487,17 +417,6 @@ class LeastSquares:
             place = np.insert(trial[part, one], middle, found.value[one])
             curves.append((place, np.insert(rise[part], middle, 0.0)))
         return curves
-
-
-def _inverse(matrix: Array) -> Array:
-    """Inverse of a scaled normal matrix, without the directions that nothing determines."""
-    return np.asarray(np.linalg.pinv(matrix, rcond=_SINGULAR, hermitian=True))
-
-
-def _solve(normal: Array, right: Array) -> Array:
-    """Solution of normal equations that may be singular."""
-    scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
-    return np.asarray(_inverse(normal / np.outer(scale, scale)) @ (right / scale) / scale)
 
 
 def interval(value: Array, rise: Array, level: float) -> tuple[float, float]:

@@ -25,22 +25,21 @@ from erlif.prediction.orbits import (
 
 @dataclass(frozen=True)
 class _Kind:
-    """Step of an unknown for derivatives, its largest change, and its bounds."""
+    """Step of an unknown for derivatives, and its bounds."""
 
     step: float
-    largest: float
     low: float = -np.inf
     high: float = np.inf
 
 
 _KINDS = {
-    "fluidity": _Kind(1e-3, 0.7, low=0.0, high=1e3),
-    "start_film": _Kind(1e-3, 1.0, low=-23.0),
-    "start_attitude": _Kind(1e-4, 0.5, low=-1.5, high=1.5),
-    "rest": _Kind(1e-4, 0.1, low=-0.9, high=0.9),
-    "stiffness": _Kind(2e-2, 1.0, low=2.0, high=12.0),
-    "cavitation_pressure": _Kind(1e-2, 0.5, low=0.0, high=100.0),
-    "load_line": _Kind(1e-4, 0.2, low=-1.0, high=1.0),
+    "fluidity": _Kind(1e-3, low=0.0, high=1e3),
+    "start_film": _Kind(1e-3, low=-23.0),
+    "start_attitude": _Kind(1e-4, low=-1.5, high=1.5),
+    "rest": _Kind(1e-4, low=-0.9, high=0.9),
+    "stiffness": _Kind(2e-2, low=2.0, high=12.0),
+    "cavitation_pressure": _Kind(1e-2, low=0.0, high=100.0),
+    "load_line": _Kind(1e-4, low=-1.0, high=1.0),
 }
 
 
@@ -163,7 +162,6 @@ class Problem:
             step=np.array([kind.step for kind in kinds]),
             low=np.array([kind.low for kind in kinds]),
             high=np.array([highest.get(name, _KINDS[name].high) for name in names]),
-            largest=np.array([kind.largest for kind in kinds]),
             expected=np.zeros(len(names)),
             expected_std=np.array([known.get(name, np.inf) for name in names]),
             fixed={name: value for name, value in fixed.items() if name not in names},

@@ -44,7 +44,9 @@ def compare(measured, joint, **options):
 
 
 def test_free_pin_is_recognised_by_its_positions():
-    found = compare(measure(free_orbit(), 1), STATED, steady=STEADY)
+    found = compare(
+        measure(free_orbit(), 1), STATED, steady=STEADY, sideways=["free", "guided", "any guided"]
+    )
     assert found.candidates[0].name == "a pin that is free sideways"
     assert found.candidates[1].bic > 10
     assert found.verdict.startswith("Squeeze carries the film of a pin that is free sideways")
@@ -76,12 +78,6 @@ def test_bound_of_any_guided_pin_is_above_the_fitted_one(guided):
     found = compare(guided, LONG, sideways=["guided", "any guided"])
     names = [one.name for one in found.candidates]
     assert names.index("any guided pin") < names.index("a guided pin")
-
-
-def test_free_pin_is_more_likely_than_any_guided_one():
-    found = compare(measure(free_orbit(), 1), STATED, sideways=["free", "any guided"])
-    assert [one.name for one in found.candidates[:1]] == ["a pin that is free sideways"]
-    assert found.candidates[-1].bic > 10
 
 
 def test_guided_pin_is_recognised(guided):

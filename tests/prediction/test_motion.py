@@ -99,18 +99,9 @@ def test_a_changing_viscosity_stretches_the_time():
     npt.assert_allclose(steps[18:], 2 / 3)
 
 
-def test_the_load_of_the_log_stands_at_its_frames():
-    load = 200 + 10 * np.sin(np.arange(12))
-    moved = follow(frames(np.arange(12) * 30.0, load=load))
-    npt.assert_allclose(at_frames(moved, moved.motion.load), load)
-
-
-def test_frames_at_one_angle_are_refused():
+def test_frames_at_one_angle_or_over_too_many_turns_are_refused():
     with pytest.raises(EncoderError, match="two or more frames at different crank angles"):
         follow(frames([30.0, 30.0]))
-
-
-def test_a_recording_over_too_many_turns_is_refused():
     time = np.arange(3) * (1000 * 2 * np.pi / SPEED)
     with pytest.raises(EncoderError, match="at most 1666 turns of the crank"):
         follow(frames([0, 0, 0], time=time))

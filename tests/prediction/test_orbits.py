@@ -28,13 +28,6 @@ def test_pressure_of_the_free_film_is_far_above_cavitation():
     assert -2e4 < orbits.lowest_pressure(orbits.follow(FREE)[0]) < 0
 
 
-def test_guided_pin_stays_at_its_rest():
-    unknowns = {"fluidity": np.ones(1), "start_film": np.log([25e-6]), "rest": np.array([0.1])}
-    orbit = HeldOrbits(LONG, MOTION, "guided", cells=(64, 1)).follow(unknowns)[0]
-    npt.assert_allclose(orbit[:, 1], 23e-6, rtol=1e-12)
-    npt.assert_allclose(np.hypot(*orbit[0]), 205e-6, rtol=1e-12)
-
-
 def test_stiff_spring_guides_and_soft_spring_frees():
     unknowns = {**{name: one[:1] for name, one in FREE.items()}, "rest": np.zeros(1)}
     unknowns["start_attitude"] = np.zeros(1)

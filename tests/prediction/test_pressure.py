@@ -106,30 +106,6 @@ def test_peak_place_and_load_lie_within_their_errors(free_pin):
         assert inside[1].mean() > 0.90, name
 
 
-def test_a_map_lies_within_its_errors(free_pin):
-    """The map of noisy positions against that of the true ones, at places with pressure."""
-    rng = np.random.default_rng(0)
-    true = find(free_pin, free_pin.position, 1e-12 * NOISE, cells=(192, 12))
-    noise = rng.multivariate_normal(np.zeros(4), NOISE, 12)
-    found = find(free_pin, free_pin.position + noise, NOISE)
-    pull = np.abs((found.pressure - true.pressure) / found.pressure_std).values
-    assert np.median(pull) < 1.5
-    assert found.pressure.dims == ("trigger", "axial", "place")
-    npt.assert_allclose(found.pressure.isel(axial=1), found.pressure_profile, rtol=1e-9)
-
-
-def test_noise_that_hides_the_peak_leaves_no_pressure(free_pin):
-    """Thirty times the noise of the sample in the displacement: the rate of 0.9 um/s is lost."""
-    cov = np.diag([1.4e-7, 1.4e-6, 1e-10, 1e-10]) ** 2
-    noise = np.random.default_rng(1).multivariate_normal(np.zeros(4), cov, 12)
-    found = find(free_pin, free_pin.position + noise, cov)
-    hidden = found.pressure_measured.values == 0
-    assert hidden.mean() > 0.5
-    assert np.isnan(found.peak_pressure.values[hidden]).all()
-    assert np.isnan(found.pressure.values[hidden]).all()
-    assert (found.peak_pressure_std.values[hidden] > 0.3 * free_pin.peak[EVERY][hidden]).all()
-
-
 def test_a_gap_that_closes_outside_the_image_has_no_pressure(free_pin):
     tilted = free_pin.position + np.array([0, 0, 1e-4, 0])  # 12 um at the ends
     with pytest.raises(OverlapError, match="overlap by 5"):
@@ -209,27 +185,6 @@ def test_cavities_from_before_a_recording_leave_no_pressure(guided_pin):
     )
     assert turn[0].max() > 0.1 > another[0].max()
     npt.assert_allclose(turn[12:], another[12:], atol=0.02)  # of this recording alone
-
-
-def test_a_part_of_a_turn_has_no_cavities_that_are_known(guided_pin):
-    motion = find_pin_motion(
-        guided_pin.time[:14],
-        guided_pin.angle[:14],
-        guided_pin.turning[:14],
-        guided_pin.position[:14],
-        random_cov=np.broadcast_to(1e-6 * NOISE, (14, 4, 4)),
-    )
-    found = find_pressures(
-        JOINT,
-        replace(motion, random_root=0 * motion.random_root),
-        viscosity=np.full(14, 0.12),
-        place=PLACE,
-        axial=np.zeros(1),
-        cells=(128, 8),
-    )
-    assert np.isinf(found.cavity_history.values).all()
-    assert not found.pressure_measured.values.any()
-    assert np.isnan(found.peak_pressure.values).all()
 
 
 def test_viscosity_and_clearance_are_part_of_the_error(free_pin):

@@ -135,23 +135,6 @@ def test_a_fitted_guided_film_is_led_in():
     npt.assert_allclose(found.elapsed_cycles, np.arange(25) / 25, atol=1e-12)
 
 
-def test_a_guided_pin_stays_on_the_load_line():
-    moved, _ = motion()
-    found = predict_frames(LONG, moved, start_film=20e-6, sideways="guided")
-    npt.assert_allclose(found.displacement_side, 0.0, atol=1e-12)
-
-
-def test_a_thin_film_twice_as_thick_in_oil_of_root_two_the_viscosity_sinks_alike():
-    """Near contact h^-1/2 rises by a constant times W t / eta."""
-    ratios = []
-    for film, viscosity in ((1e-6, 0.02), (2e-6, 0.02 * 2**0.5)):
-        moved, _ = motion(count=4, viscosity=viscosity)
-        found = predict_frames(LONG, moved, start_film=film)
-        ratios.append((230e-6 - np.hypot(*found.to_array().values)) / film)
-    npt.assert_allclose(ratios[1], ratios[0], rtol=5e-3)
-    assert ratios[0][-1] < 0.95
-
-
 def test_correlation_needs_three_values_that_differ():
     falling = speed_correlation(np.array([3.0, 2.0, 1.0]), np.array([-1.0, 2.0, 3.0]))
     assert falling == pytest.approx(-1.0)

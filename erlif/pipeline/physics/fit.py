@@ -16,7 +16,7 @@ from erlif.io.files import open_film, takes
 from erlif.io.settings import RunSettings
 from erlif.models.reynolds import Journal
 from erlif.pipeline.physics.joint import describe_joint
-from erlif.pipeline.physics.predict import is_film, read_film
+from erlif.pipeline.physics.predict import film_beside, is_film, read_film
 from erlif.pipeline.physics.prediction import build_journal, build_motion
 from erlif.prediction import (
     Comparison,
@@ -67,7 +67,12 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
     """
     report = choose_progress(progress)
     path = Path(path)
-    place = path if is_film(path) else _film_in(path)
+    place = path if is_film(path) else film_beside(path)
+    if place is None:
+        raise ConfigError(
+            f"Expected film.nc in {path} for a fit; there is none. Run erlif process {path} first, "
+            "or give the film."
+        )
     source = read_film(place)
     with open_film(place) as film:
         found = _compare(film, source.settings, source.frames, ("free", "guided"), progress=report)
@@ -155,17 +160,6 @@ def _compare(
         sideways=sideways,
         load_line_std=0.1 * LOAD_LINE_STD if given else LOAD_LINE_STD,
         progress=progress,
-    )
-
-
-def _film_in(run_dir: Path) -> Path:
-    """The film of a run directory."""
-    for name in ("film.nc", "film.zarr"):
-        if (run_dir / name).exists():
-            return run_dir / name
-    raise ConfigError(
-        f"Expected film.nc in {run_dir} for a fit; there is none. Run erlif process {run_dir} "
-        "first, or give the film."
     )
 
 

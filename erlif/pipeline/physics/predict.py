@@ -156,6 +156,12 @@ def is_film(path: Path) -> bool:
     return path.suffix in (".nc", ".zarr") or path.is_file()
 
 
+def film_beside(run_dir: Path) -> Path | None:
+    """The film of a run directory; None where none was made."""
+    paths = (run_dir / name for name in ("film.nc", "film.zarr"))
+    return next((path for path in paths if path.exists()), None)
+
+
 def _write_prediction(
     path: Path, output: Path, overwrite: bool, allow_outside: bool, progress: Progress
 ) -> None:
@@ -240,8 +246,8 @@ def _read_run(run_dir: Path, allow_outside: bool) -> Source:
     logged = hash_files_beside_frames(run)
     hashes = {path.name: digest for path, digest in logged.items() if path.suffix != ".tif"}
 
-    paths = [run_dir / name for name in ("film.nc", "film.zarr") if (run_dir / name).exists()]
-    if not paths:
+    film_path = film_beside(run_dir)
+    if film_path is None:
         if run.settings.prediction.start_film == "fit":
             raise OutputError(
                 f"Expected film.nc in {run_dir}, from which the film at the first frame is found; "
@@ -249,15 +255,15 @@ def _read_run(run_dir: Path, allow_outside: bool) -> Source:
                 "[prediction] of run.toml."
             )
         return Source(run.settings, xr.Dataset(), frames, run.pairs.shape, hashes)
-    with open_film(paths[0]) as film:
+    with open_film(film_path) as film:
         if film.sizes["trigger"] != int(frames.trigger.max()) + 1:
             raise EncoderError(
-                f"Expected {paths[0]} to have the triggers of the log, "
+                f"Expected {film_path} to have the triggers of the log, "
                 f"{int(frames.trigger.max()) + 1}; it has {film.sizes['trigger']}. Make it again "
                 "with erlif process --overwrite."
             )
         kept = film[[name for name in _OF_FILM if name in film]].load()
-        hashes[paths[0].name] = str(film.attrs.get("identity", ""))
+        hashes[film_path.name] = str(film.attrs.get("identity", ""))
     return Source(run.settings, kept, frames, run.pairs.shape, hashes)
 
 

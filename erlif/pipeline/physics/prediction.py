@@ -151,8 +151,12 @@ def build_journal(settings: RunSettings, viscosity: float) -> Journal:
     )
 
 
-def build_motion(settings: RunSettings, frames: xr.Dataset) -> FrameMotion:
+def build_motion(
+    settings: RunSettings, frames: xr.Dataset, *, viscosity: float | None = None
+) -> FrameMotion:
     """The motion of the joint through its frames; `frames` as `frames_of_run` returns them.
+
+    Without a viscosity [Pa s], that of the settings at the temperatures of the frames is taken.
 
     Raises
     ------
@@ -167,7 +171,7 @@ def build_motion(settings: RunSettings, frames: xr.Dataset) -> FrameMotion:
         frames,
         linkage,
         crank_speed=crank_speed,
-        viscosity=viscosity_at(frames, joint.viscosity),
+        viscosity=viscosity_at(frames, joint.viscosity) if viscosity is None else viscosity,
         direction=1 if settings.prediction.direction == "along" else -1,
     )
 

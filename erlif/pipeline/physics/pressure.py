@@ -21,11 +21,11 @@ from erlif.models.contact import conformal_radius
 from erlif.pipeline.physics.position import choose_view
 from erlif.pipeline.physics.prediction import (
     build_journal,
+    build_motion,
     describe_sideways,
     refuse_steady,
     swinging_joint,
 )
-from erlif.prediction.motion import follow_motion
 from erlif.prediction.pin_motion import PinMotion, find_pin_motion
 from erlif.prediction.pressure import CHANGING, CLEAR, find_pressures
 from erlif.prediction.smoothing import FEWEST
@@ -160,7 +160,6 @@ def _follow(
     film: xr.Dataset, settings: RunSettings, view: PinView, known: Mask
 ) -> tuple[PinMotion, npt.NDArray[np.intp]]:
     """Motion of the pin, and the triggers that it holds in the order of their times."""
-    crank_speed, linkage, _ = swinging_joint(settings)
     frames = xr.Dataset(
         {
             "crank_angle": ("frame", film.crank_angle.values),
@@ -170,19 +169,12 @@ def _follow(
     )
     if "time" in film:
         frames["time"] = ("frame", film["time"].values)
-    direction = 1 if settings.prediction.direction == "along" else -1
-    moved = follow_motion(
-        frames,
-        linkage,
-        crank_speed=crank_speed,
-        viscosity=1.0,
-        direction=direction,
-    )
+    moved = build_motion(settings, frames, viscosity=1.0)  # pressure is in proportion to it
     time, angle = moved.motion.time[moved.steps], np.asarray(moved.motion.angle)[moved.steps]
     speed = np.gradient(moved.crank, moved.motion.time)[moved.steps]
-    turning = direction * np.asarray(
-        linkage.rocker_speed(moved.crank[moved.steps], crank_speed=speed)
-    )
+    _, linkage, _ = swinging_joint(settings)
+    turning = np.asarray(linkage.rocker_speed(moved.crank[moved.steps], crank_speed=speed))
+    turning = turning if settings.prediction.direction == "along" else -turning
 
     order = np.flatnonzero(known)
     order = order[np.argsort(time[order], kind="stable")]

@@ -26,13 +26,6 @@ def test_a_log_without_a_stage_is_refused(simulated, rig):
         analyse_endurance(ramp, pin_radius=rig.pin_radius, arm=rig.arm, idle_load=1e6)
 
 
-def test_the_name_of_a_test_is_that_of_its_file(simulated, rig):
-    log, _ = simulated
-    for file in ("run_1", "run_1.csv"):
-        short = log.isel(time=slice(0, 300)).assign_attrs(file=file)
-        assert analyse_endurance(short, pin_radius=rig.pin_radius, arm=rig.arm).name == "run_1"
-
-
 def test_a_torque_that_reverses_too_slowly_for_stages_is_named():
     """20 then 40 kN for 5 min each, a reversal every 60 s."""
     time = np.arange(0.0, 600.0, 2.0)

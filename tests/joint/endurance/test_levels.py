@@ -39,12 +39,6 @@ def test_friction_that_rises_in_a_step_of_load_is_no_survivor():
     assert "no galling" not in text
 
 
-def test_a_slow_rise_is_no_survivor():
-    result = analysed(lambda time: 1 + 0.45 * np.clip((time - 2900) / 200, 0, 1))
-    assert result.onset is None
-    assert not result.failure.decided
-
-
 def test_an_ordinary_test_is_a_survivor_without_a_note():
     result = analysed(np.ones_like)
     assert result.failure.decided
@@ -79,3 +73,9 @@ def test_drift_steps_with_the_load_and_running_in_are_ordinary():
     *others, last = stages_of(0.13, 0.13, 0.13, running_in=0.06)
     short = StageFriction(last.time[:20], last.friction[:20])
     assert find_level_rises([*others, short]) == ()
+
+
+def test_a_slow_rise_is_no_survivor():
+    result = analysed(lambda time: 1 + 0.45 * np.clip((time - 2900) / 200, 0, 1))
+    assert result.onset is None
+    assert not result.failure.decided

@@ -51,11 +51,6 @@ def test_a_sensor_that_is_not_logged_shows_nothing():
     assert [one.name for one in check_other_sensors(signed, STAGE, ONSET)] == ["temperature"]
 
 
-def test_an_onset_at_the_very_end_shows_nothing():
-    late = Onset(397.0, 396.0, 398.0, 0, 0.1, 0.1, 0.01, np.array([397.0]), np.array([1.0]))
-    assert check_other_sensors(test_of(2.0, 2.5, seed=1), STAGE, late) == ()
-
-
 def test_a_sensor_that_stands_still_shows_nothing():
     """Rounding must not confirm galling."""
     stuck = test_of(2.0, 2.5, seed=1)
@@ -78,3 +73,8 @@ def test_a_sensor_that_sticks_in_the_stage_of_the_onset_or_has_no_level_is_named
 def test_an_interval_as_long_as_the_stage_shows_nothing():
     wide = replace(ONSET, earliest=-1.0, latest=500.0)
     assert check_other_sensors(test_of(2.0, 2.5, seed=1), STAGE, wide) == ()
+
+
+def test_an_onset_at_the_very_end_shows_nothing():
+    late = Onset(397.0, 396.0, 398.0, 0, 0.1, 0.1, 0.01, np.array([397.0]), np.array([1.0]))
+    assert check_other_sensors(test_of(2.0, 2.5, seed=1), STAGE, late) == ()

@@ -25,11 +25,6 @@ def test_idle_runs_are_recognised_whatever_their_load(idle, span):
     assert loads == pytest.approx([36e3, 54e3, 72e3], rel=0.01)
 
 
-def test_stages_without_idle_runs_follow_each_other():
-    stages = find_stages(TIME[:600], load_of((400, 36e3), (400, 40e3), (400, 44e3)))
-    assert [stage.number for stage in stages] == [1, 2, 3]
-
-
 def test_a_first_run_without_load_is_idle_even_alone():
     stages = find_stages(TIME[:300], load_of((100, 500.0), (500, 36e3)))
     assert [stage.number for stage in stages] == [0, 1]
@@ -56,11 +51,6 @@ def test_a_slow_rise_to_a_small_first_load_divides_idle_run_and_stage():
     stages = find_stages(TIME[: load.size], load)
     assert [stage.number for stage in stages] == [0, 1, 0, 2]
     assert stages[1].start >= 110
-
-
-def test_repeated_stages_of_one_load_are_stages():
-    load = load_of((40, 1e3), (300, 36e3), (40, 1e3), (300, 36e3), (40, 1e3), (300, 36e3))
-    assert [stage.number for stage in find_stages(TIME[: load.size], load)] == [0, 1, 0, 2, 0, 3]
 
 
 def test_a_given_idle_load_decides():
@@ -90,12 +80,6 @@ def test_a_pause_of_the_log_divides_a_stage_into_parts_of_one_number():
     assert [one.number for one in join_stages(stages[1:3])] == [1]
 
 
-def test_another_load_after_a_pause_is_another_stage():
-    load = load_of((40, 1e3), (300, 36e3), (300, 54e3))
-    time = TIME[: load.size] + np.where(TIME[: load.size] >= 340, 900.0, 0.0)
-    assert [(one.number, one.part) for one in find_stages(time, load)] == [(0, 1), (1, 1), (2, 1)]
-
-
 def test_a_short_part_before_a_pause_is_no_idle_run():
     """A first run that is brief would be idle where another stage follows."""
     load = load_of((60, 36e3), (600, 36e3))
@@ -120,12 +104,6 @@ def test_a_load_that_scatters_does_not_shatter_the_stages(form):
     assert loads == pytest.approx([36e3, 54e3, 72e3], rel=0.01)
     (note,) = note_stages(time, load, stages)
     assert "the load scatters by" in str(note)
-
-
-def test_a_run_without_load_is_no_stage():
-    assert {stage.number for stage in find_stages(TIME[:300], np.zeros(300))} == {0}
-    load = np.where(TIME[:300] < 590, 50.0, 36e3)  # raised, and switched off
-    assert {stage.number for stage in find_stages(TIME[:300], load)} == {0}
 
 
 def test_a_first_stretch_that_is_idle_as_it_is_short_is_noted():

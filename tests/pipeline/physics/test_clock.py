@@ -65,8 +65,3 @@ def test_a_fit_needs_a_linkage(run_dir, tmp_path):
     (tmp_path / "run.toml").write_text(bare, encoding="utf-8")
     with pytest.raises(ErlifError, match="because start is to be fitted"):
         open_run(tmp_path, find_start=fit_start, allow_outside=True)
-
-
-def test_without_the_pipeline_a_start_must_be_given(run_dir):
-    with pytest.raises(ErlifError, match="Expected the time of the first frame as start"):
-        open_run(run_dir)

@@ -9,9 +9,8 @@ import numpy.testing as npt
 import pytest
 from scenes.film import RUN_TOML
 
-from erlif.core.errors import ModelError
 from erlif.io.settings import RunSettings
-from erlif.models.mechanism import CrankRocker, SliderCrank
+from erlif.models.mechanism import CrankRocker
 from erlif.pipeline.physics.joint import build_linkage, describe_joint, locate_run
 from erlif.trend import Solid, VogelLaw
 
@@ -28,22 +27,6 @@ def test_crank_rocker_swings_by_the_angle_of_the_thesis():
     mechanism = build_linkage(settings().mechanism)
     assert isinstance(mechanism, CrankRocker)
     npt.assert_allclose(np.degrees(mechanism.limits()), [47.4095, 71.8355], atol=1e-4)
-
-
-def test_slider_crank_has_its_two_links():
-    raw = tomllib.loads(RUN_TOML)
-    raw["mechanism"] = {
-        "kind": "slider-crank",
-        "crank": "5 cm",
-        "coupler": "20 cm",
-        "crank_speed": "60 rpm",
-    }
-    assert build_linkage(RunSettings.model_validate(raw).mechanism) == SliderCrank(0.05, 0.20)
-
-
-def test_links_that_cannot_turn_are_refused():
-    with pytest.raises(ModelError, match="shortest link"):
-        build_linkage(settings(mechanism={"ground": "70 cm"}).mechanism)
 
 
 def test_joint_is_in_si_units():
@@ -90,13 +73,6 @@ def test_entrained_oil_moves_at_half_the_speed_of_the_moving_surface(mechanism, 
     joint = describe_joint(RunSettings.model_validate(raw))
     assert joint.stroke == travel
     npt.assert_allclose(joint.radius, 4.872010, rtol=1e-6)
-
-
-@pytest.mark.parametrize("missing", ["joint", "oil"])
-def test_without_joint_or_oil_there_is_nothing_to_predict_from(missing):
-    raw = tomllib.loads(RUN_TOML)
-    del raw[missing]
-    assert describe_joint(RunSettings.model_validate(raw)) is None
 
 
 def test_a_logged_speed_stands_in_place_of_that_of_the_linkage(run):

@@ -155,14 +155,6 @@ def test_a_warmer_oil_sinks_faster():
     assert lost[1] / lost[0] == pytest.approx(np.exp(1100 / 140 - 1100 / 150), rel=0.02)
 
 
-def test_a_failure_becomes_a_note():
-    one = settings(start_film="0.5 mm")
-    found = try_prediction(one, film(), frames(), place(one))
-    assert not found.triggers
-    assert not found.frames
-    assert "the film over the cycle is not predicted: start lies outside" in str(found.notes[0])
-
-
 def steady():
     attrs = {"units": "um", "regime": "isoviscous-rigid", "reason": "governs", "notes": ""}
     return xr.Dataset(
@@ -185,13 +177,6 @@ def test_the_transient_film_is_the_theory_and_the_steady_ones_stay_for_reference
     reason = "swings by 24.4 deg in 0.263 s and carries oil 7.11 mm to and fro"
     for name in ("film_regime_map", "film_hamrock_dowson"):
         assert reason in found[name].attrs["comment"]
-
-
-def test_without_a_prediction_the_regime_map_is_the_theory():
-    found = choose_theory(settings(), steady(), xr.Dataset())
-    npt.assert_array_equal(found.film_theory, found.film_regime_map)
-    assert found.film_theory.attrs["regime"] == "isoviscous-rigid"
-    assert not choose_theory(settings(), xr.Dataset(), xr.Dataset())
 
 
 def test_a_note_sets_the_correlation_with_speed_beside_those_of_theory():
