@@ -16,10 +16,9 @@ from scipy.special import ndtr, ndtri, owens_t, stdtr
 
 from erlif.core.arrays import Array
 from erlif.joint.endurance.blocks import Candidate, Record, StageFriction, fits, rises, without
-from erlif.joint.endurance.noise import Noise, fit_noise, whiten
+from erlif.joint.endurance.noise import Noise, Spread, fit_noise, pool_spreads, whiten
 from erlif.joint.endurance.pauses import LogClock, find_pauses
 from erlif.joint.endurance.posterior import COLLINEAR, Onset, locate_onset
-from erlif.joint.endurance.variance import Spread, pool_spreads
 
 SCANNED = (0.0, 10.0, 40.0)
 """Time constants of the rise in the search for an onset; 0 is a step. [s]"""

@@ -10,9 +10,8 @@ from scipy.special import stdtr
 
 from erlif.core.arrays import Array
 from erlif.joint.endurance.blocks import Record, forms, without
-from erlif.joint.endurance.noise import Noise, whiten
+from erlif.joint.endurance.noise import Noise, Spread, whiten
 from erlif.joint.endurance.pauses import LogClock
-from erlif.joint.endurance.variance import Spread
 
 GROWTHS = (1.0, 1.4, 2.0, 2.8)
 """Noise after the onset over that before it. [1]"""

@@ -17,7 +17,7 @@ from erlif.joint.endurance.comparison import DesignComparison
 from erlif.joint.endurance.onset import FEWEST
 from erlif.joint.endurance.other_sensors import SensorChange
 from erlif.joint.endurance.posterior import Onset
-from erlif.joint.friction.plausible import doubt_friction
+from erlif.joint.friction.coefficient import doubt_friction
 
 HEADINGS = (
     "test",

@@ -12,8 +12,7 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.errors import EnduranceError
 from erlif.io.files import replacing
-from erlif.joint.friction.coefficient import require_option, torque_of
-from erlif.joint.friction.plausible import doubt_friction
+from erlif.joint.friction.coefficient import doubt_friction, require_option, torque_of
 from erlif.joint.friction.scatter import spread_of_line
 from erlif.joint.friction.stretches import Stretch, find_stretches
 from erlif.models.friction import friction_coefficient

@@ -7,6 +7,7 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import EnduranceError
@@ -131,8 +132,7 @@ def running_median(values: Array) -> Array:
     """
     if values.size < _MEDIAN:
         return values
-    padded = np.pad(values, _MEDIAN // 2, mode="edge")
-    return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, _MEDIAN), axis=1))
+    return np.asarray(median_filter(values, _MEDIAN, mode="nearest"))
 
 
 def _level_nearby(away: Array, runs: list[tuple[int, int, bool]]) -> Array:
@@ -140,8 +140,7 @@ def _level_nearby(away: Array, runs: list[tuple[int, int, bool]]) -> Array:
     if not runs:
         return np.zeros(away.size)
     sizes = np.array([np.percentile(np.abs(away[a : b + 1]), 75) for a, b, _ in runs])
-    padded = np.pad(sizes, _NEARBY // 2, mode="edge")
-    levels = np.median(np.lib.stride_tricks.sliding_window_view(padded, _NEARBY), axis=1)
+    levels = median_filter(sizes, _NEARBY, mode="nearest")
     centres = [0.5 * (a + b) for a, b, _ in runs]
     return np.asarray(np.interp(np.arange(away.size), centres, levels))
 

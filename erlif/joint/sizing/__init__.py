@@ -5,7 +5,7 @@ from erlif.joint.sizing.heat import FRICTION
 from erlif.joint.sizing.joint import DIMENSIONS, Dimensions, Joint, Lock, dimensions_of
 from erlif.joint.sizing.materials import Material, read_materials
 from erlif.joint.sizing.outcome import BearingDesign
-from erlif.joint.sizing.preferred import round_up
+from erlif.joint.sizing.practice import round_up
 from erlif.joint.sizing.sensitivity import Sensitivity, Substitute, sensitivities, substitutes
 from erlif.joint.sizing.size import size_joint
 from erlif.joint.sizing.state import JointState

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from erlif.joint.sizing.joint import Joint, Lock, dimensions_of
-from erlif.joint.sizing.preferred import Series, round_up
+from erlif.joint.sizing.practice import Series, round_up
 from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result, strength_limit
 from erlif.models.bearing import (

@@ -17,7 +17,7 @@ from erlif.core.errors import ConfigError, UnitWarning
 from erlif.joint.sizing.assessment import EQUATIONS
 from erlif.joint.sizing.joint import Joint
 from erlif.joint.sizing.lock import size_lock
-from erlif.joint.sizing.preferred import Series, round_up
+from erlif.joint.sizing.practice import Series, round_up
 from erlif.joint.sizing.quantities import warn_of_units
 from erlif.joint.sizing.state import JointState
 from erlif.models.bearing import (

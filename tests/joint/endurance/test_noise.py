@@ -4,7 +4,16 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
-from erlif.joint.endurance.noise import Noise, fit_noise, restricted_likelihood, whiten
+from erlif.joint.endurance.noise import (
+    UNKNOWN,
+    Noise,
+    Spread,
+    combine_spreads,
+    fit_noise,
+    pool_spreads,
+    restricted_likelihood,
+    whiten,
+)
 
 
 def recursion(kept, size, rng):
@@ -51,3 +60,24 @@ def test_noise_is_found_in_spite_of_a_fitted_line(kept):
     # correlation of neighbours; its standard error over 900 samples is below 0.035
     found = (1 - noise.white) * np.exp(-1 / noise.correlation_time)
     assert found == pytest.approx(kept, abs=0.09)
+
+
+@pytest.mark.parametrize("freedom", [4.0, 20.0])
+def test_variances_of_a_known_scatter_give_its_degrees_of_freedom(freedom):
+    """Variances drawn as 2e-4 over chi-square by its degrees of freedom: the prior of Smyth."""
+    rng = np.random.default_rng(3)
+    true = 2e-4 * freedom / rng.chisquare(freedom, 2000)
+    seen = [Spread(one * rng.chisquare(50) / 50, 50) for one in true]
+    pooled = combine_spreads(seen)
+    assert pooled.freedom == pytest.approx(freedom, rel=0.1)
+    assert pooled.variance == pytest.approx(2e-4, rel=0.05)
+
+
+def test_stages_that_are_alike_are_worth_their_samples():
+    rng = np.random.default_rng(4)
+    seen = [Spread(rng.chisquare(80) / 80, 80) for _ in range(1000)]
+    assert combine_spreads(seen).freedom > 500
+
+
+def test_one_other_stage_does_not_show_how_unlike_stages_are():
+    assert pool_spreads([Spread(1.0, 50), Spread(2.0, 50)]) == [UNKNOWN, UNKNOWN]

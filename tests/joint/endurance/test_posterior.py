@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from erlif.joint.endurance.blocks import Record, StageFriction
-from erlif.joint.endurance.noise import Noise
+from erlif.joint.endurance.noise import UNKNOWN, Noise
 from erlif.joint.endurance.posterior import locate_onset
-from erlif.joint.endurance.variance import UNKNOWN
 
 WHITE = Noise(1e-3, 0.0)
 

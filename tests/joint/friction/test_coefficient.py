@@ -7,6 +7,7 @@ import xarray as xr
 
 from erlif.core.errors import EnduranceError
 from erlif.joint.friction import measure_friction
+from erlif.joint.friction.coefficient import doubt_friction
 
 
 def log_of(time, **columns):
@@ -88,3 +89,15 @@ def test_an_arm_without_meaning_is_refused_beside_a_logged_torque():
     log = log_of(np.arange(9.0), torque=np.ones(9))
     with pytest.raises(EnduranceError, match="positive arm"):
         measure_friction(log, pin_radius=0.04, arm=0.0)
+
+
+@pytest.mark.parametrize("friction", [0.0001, 15.36, 120.0, float("nan")])
+def test_what_no_bearing_has_is_doubted(friction):
+    (line,) = doubt_friction(friction, radius=0.03336, arm=30.0)
+    assert "implausible" in line
+    assert "the arm of 30 m" in line
+
+
+@pytest.mark.parametrize("friction", [0.01, 0.15, 1.0])
+def test_a_bearing_from_lubricated_to_galled_is_not_doubted(friction):
+    assert doubt_friction(friction, radius=0.03336, arm=0.3) == []
