@@ -7,9 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from erlif.core.errors import UnitWarning
+from erlif.core.tables import read_table
 from erlif.joint.sizing import fit, heat, lock, pin, pressure
 from erlif.joint.sizing.joint import Joint
-from erlif.joint.sizing.quantities import read_table, warn_of_units
+from erlif.joint.sizing.quantities import warn_of_units
 from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result, Step, make_step
 
@@ -151,7 +152,7 @@ def assess_joint(joint: Joint) -> Assessment:
     with warnings.catch_warnings():
         # unusual joints are reported by their margins
         warnings.simplefilter("ignore", UnitWarning)
-        for key in read_table("steps"):
+        for key in read_table("erlif.joint.sizing", "steps.toml"):
             result = EQUATIONS[key](state)
             if result is not None:
                 steps.append(make_step(key, result))

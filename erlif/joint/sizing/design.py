@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from erlif.core.errors import ConfigError, UnitWarning
+from erlif.core.tables import read_table
 from erlif.core.units import Quantity
 from erlif.io.settings import (
     DesignSettings,
@@ -31,7 +32,6 @@ from erlif.joint.sizing import (
     read_materials,
     size_joint,
 )
-from erlif.joint.sizing.quantities import read_table
 
 _HEAD = """\
 # joint.toml: load, motion, life and materials of a pin joint. `erlif design joint.toml` chooses the
@@ -53,7 +53,7 @@ def example_joint_file() -> str:
     >>> example_joint_file().count("[pin]")
     1
     """
-    tables = read_table("example")["file"].items()
+    tables = read_table("erlif.joint.sizing", "example.toml")["file"].items()
     values = {f"{table}.{key}": value for table, keys in tables for key, value in keys.items()}
     return write_template(DesignSettings, values, {}, head=_HEAD)
 
@@ -121,7 +121,10 @@ def example_joint() -> Joint:
     >>> example_joint().pin_diameter
     0.08
     """
-    return joint_of(DesignSettings.model_validate(read_table("example")["joint"]), Path())
+    return joint_of(
+        DesignSettings.model_validate(read_table("erlif.joint.sizing", "example.toml")["joint"]),
+        Path(),
+    )
 
 
 @cache
@@ -190,7 +193,7 @@ def joint_of(settings: DesignSettings, folder: Path) -> Joint:
 @cache
 def _places() -> dict[str, tuple[str, str]]:
     """Table and key of each number of a joint."""
-    numbers = read_table("quantities")["joint"]
+    numbers = read_table("erlif.joint.sizing", "quantities.toml")["joint"]
     return {name: tuple(number["place"].split(".")) for name, number in numbers.items()}
 
 
@@ -210,7 +213,7 @@ def _material(part: PartOfJoint, table: str, materials: Mapping[str, Material]) 
     known = materials[part.material] if part.material else Material("", source="joint.toml")
     changed: dict[str, Any] = {
         field: float(value)
-        for field, number in read_table("quantities")["material"].items()
+        for field, number in read_table("erlif.joint.sizing", "quantities.toml")["material"].items()
         if (value := getattr(part, number.get("place", ""), None)) is not None
     }
     if not known.name:

@@ -14,7 +14,7 @@ from typing import Any
 
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import ConfigError
-from erlif.joint.sizing.quantities import read_table
+from erlif.core.tables import read_table
 from erlif.models.bearing import hardness_from_strength
 
 BRINELL = 9.80665e6
@@ -146,7 +146,7 @@ def _own_table() -> dict[str, Material]:
 @cache
 def _columns() -> dict[str, dict[str, Any]]:
     """Field, unit and accepted values by the headings of the numbers."""
-    fields = read_table("quantities")["material"].items()
+    fields = read_table("erlif.joint.sizing", "quantities.toml")["material"].items()
     return {
         known["column"]: {"field": name, **known} for name, known in fields if "column" in known
     }

@@ -2,38 +2,15 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections import defaultdict
 from collections.abc import Iterator
-from functools import cache, reduce
-from importlib import resources
+from functools import reduce
 from typing import Any, NamedTuple
 
+from erlif.core.tables import read_table
 from erlif.models import arguments
 
 _PARTS = {"pin": "pin", "bushing": "bushing", "seat": "seats", "housing": "housing"}
-
-
-@cache
-def read_table(name: str) -> dict[str, dict[str, Any]]:
-    """Read a table of this folder.
-
-    Parameters
-    ----------
-    name : str
-        ``"quantities"``, ``"steps"`` or ``"example"``.
-
-    Returns
-    -------
-    dict
-
-    Examples
-    --------
-    >>> read_table("quantities")["material"]["wear"]["column"]
-    'wear_mm3/(N m)'
-    """
-    file = resources.files("erlif.joint.sizing").joinpath(f"{name}.toml")
-    return tomllib.loads(file.read_text(encoding="utf-8"))
 
 
 class Number(NamedTuple):
@@ -83,7 +60,7 @@ def numbers_of(joint: Any) -> Iterator[Number]:
     places += [((part,), "material", f" of the {title}") for part, title in _PARTS.items()]
     for place, group, owner in places:
         table = reduce(getattr, place, joint)
-        for field, known in read_table("quantities")[group].items():
+        for field, known in read_table("erlif.joint.sizing", "quantities.toml")[group].items():
             value = getattr(table, field)
             if value is not None:
                 name = known["name"] + owner if "name" in known else ""

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from string import Formatter
 from typing import Literal
 
+from erlif.core.tables import read_table
 from erlif.joint.sizing.materials import BRINELL
-from erlif.joint.sizing.quantities import read_table
 
 ROUNDING = 1e-9
 """Margin below which a limit is exceeded; a dimension that is just enough has a margin of 0."""
@@ -273,7 +273,7 @@ def make_step(key: str, result: Result) -> Step:
     >>> make_step("pv", Result(0.1, most=1.5)).state, make_step("pv", Result()).missing
     ('holds', '[motion] half_swing and period')
     """
-    table = read_table("steps")[key]
+    table = read_table("erlif.joint.sizing", "steps.toml")[key]
     text, values = table | table.get(result.variant, {}), result.values
     missing = math.isnan(result.present) and (result.missing or text["missing"])
     title = text["title"].format(**values)

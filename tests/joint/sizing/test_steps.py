@@ -4,8 +4,8 @@ import math
 
 import pytest
 
+from erlif.core.tables import read_table
 from erlif.joint.sizing.assessment import EQUATIONS
-from erlif.joint.sizing.quantities import read_table
 from erlif.joint.sizing.steps import Result, make_step, margin_below, margin_between
 
 
@@ -37,7 +37,7 @@ def test_the_state_of_a_step(key, present, valid, state):
 
 
 def test_each_step_of_the_table_has_an_equation_and_words_for_it():
-    table = read_table("steps")
+    table = read_table("erlif.joint.sizing", "steps.toml")
     assert set(table) == set(EQUATIONS)
     words = {"title", "equation", "kind", "quantity", "unit", "validity", "reason"}
     assert all(words <= set(texts) for texts in table.values())
