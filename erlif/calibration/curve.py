@@ -16,11 +16,12 @@ import xarray as xr
 from erlif.calibration.background import BackgroundError
 from erlif.calibration.departure import Departure
 from erlif.calibration.pose import FoundPose
+from erlif.calibration.regression import Reabsorption
 from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
 from erlif.core.html import card, curve_picture, findings_list, rows_table
 from erlif.core.notes import Level, Note, join_notes
-from erlif.models.fluorescence import log_band_ratio, log_band_ratio_gradient, log_band_ratio_slope
+from erlif.core.variables import CALIBRATION
 from erlif.registration import CameraMap
 
 DIRECTION = "camera2/camera1"
@@ -29,6 +30,8 @@ DIRECTION = "camera2/camera1"
 FITTED_POINTS = ("curve_thickness", "curve_ratio", "curve_ratio_std", "curve_residual")
 """Variables of the fitted points, which every file has."""
 
+_PARAMETERS = ("ratio_at_zero", "attenuation_camera1", "attenuation_camera2")
+"""K, p and q by their names in the file."""
 
 _CURVE_POINTS = 60
 """Points of the curve in a notebook."""
@@ -138,35 +141,27 @@ class Calibration:
         """Ratio camera 2 / camera 1 of a film. `thickness` in um."""
         return np.exp(self.predict_log(thickness))
 
+    @cached_property
+    def model(self) -> Reabsorption:
+        """The reabsorption model alone."""
+        return Reabsorption(self.parameters)
+
     def predict_log(self, thickness: npt.ArrayLike) -> Array:
         """Natural logarithm of the ratio of a film, departure included. `thickness` in um."""
-        K, p, q = self.parameters
-        modelled = np.asarray(
-            log_band_ratio(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q)
-        )
+        modelled = self.model.predict(thickness)
         return modelled if self.departure is None else modelled + self.departure.predict(thickness)
 
     def slope(self, thickness: npt.ArrayLike) -> Array:
         """Derivative of the logarithm of the ratio by thickness. [1/um]"""
-        _, p, q = self.parameters
-        modelled = np.asarray(
-            log_band_ratio_slope(thickness, attenuation_camera1=p, attenuation_camera2=q)
-        )
+        modelled = self.model.slope(thickness)
         return modelled if self.departure is None else modelled + self.departure.slope(thickness)
-
-    def parameter_gradient(self, thickness: npt.ArrayLike) -> Array:
-        """Derivatives of the logarithm of the ratio by K, p and q, (3, ...)."""
-        K, p, q = self.parameters
-        return log_band_ratio_gradient(
-            thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q
-        )
 
     def gradient(self, thickness: npt.ArrayLike) -> Array:
         """Derivatives of the logarithm of the ratio by all fitted parameters, (n, ...).
 
         They are K, p and q, the coefficients of the departure, then the shares of a background.
         """
-        parts = [self.parameter_gradient(thickness)]
+        parts = [self.model.gradient(thickness)]
         if self.departure is not None:
             parts.append(self.departure.basis(thickness))
         if self.background is not None:
@@ -220,39 +215,16 @@ class Calibration:
 
     def to_dataset(self) -> xr.Dataset:
         """Variables of ``calibration.nc``."""
-        K, p, q = self.parameters
-        low, high = self.thickness_range
-        dataset = self.curve.copy()
-
-        scalars = {
-            "ratio_at_zero": (K, "1", "ratio of a vanishing film, K"),
-            "attenuation_camera1": (p, "um-1", "attenuation in the band of camera 1, p"),
-            "attenuation_camera2": (q, "um-1", "attenuation in the band of camera 2, q"),
-            "reduced_chi_square": (self.reduced_chi_square, "1", "of the fit"),
+        values: dict[str, npt.ArrayLike] = {
+            **{name: getattr(self, name) for name in (*_PARAMETERS, "reduced_chi_square")},
+            "covariance": self.covariance,
+            "thickness_range": list(self.thickness_range),
         }
-        for name, (value, unit, meaning) in scalars.items():
-            dataset[name] = ((), value, {"units": unit, "long_name": meaning})
-
-        dataset["covariance"] = (
-            ("parameter", "parameter2"),
-            self.covariance,
-            {
-                "long_name": "covariance of K, p, q",
-                "comment": "both dimensions in the order of parameter",
-            },
-        )
-        dataset["thickness_range"] = (
-            "bound",
-            [low, high],
-            {"units": "um", "long_name": "calibrated range"},
-        )
         if self.departure is not None:
-            self.departure.describe(dataset)
-        dataset["parameter"] = (
-            "parameter",
-            ["ratio_at_zero", "attenuation_camera1", "attenuation_camera2"],
-        )
-        return dataset
+            values |= self.departure.variables()
+
+        dataset = self.curve.assign({name: CALIBRATION[name].fill(values[name]) for name in values})
+        return dataset.assign_coords(parameter=("parameter", list(_PARAMETERS)))
 
     @property
     def attributes(self) -> dict[str, Any]:

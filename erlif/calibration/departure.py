@@ -32,6 +32,13 @@ VERY_STRONG = 10.0
 STRUCTURE = 1e-3
 """Probability of chance below which structure in the residuals is reported."""
 
+_STORED = {
+    "departure_knots": "knots",
+    "departure_coefficient": "coefficients",
+    "departure_covariance": "covariance",
+}
+"""Variables of the file of a calibration, and what of the spline they hold."""
+
 _MAXIMUM_KNOTS = 5  # inner knots, that is six pieces
 _POINTS_PER_FUNCTION = 10  # each B-spline is supported by as many points
 _PASSES = 6  # Gauss-Newton steps; the change is below rounding after four
@@ -83,42 +90,17 @@ class Departure:
         """Slope of the departure over thickness. [1/um]"""
         return np.tensordot(self.coefficients, self.basis(thickness, derivative=True), 1)
 
-    def describe(self, dataset: xr.Dataset) -> None:
-        """Add the spline to the dataset of a calibration."""
-        dataset["departure_knots"] = (
-            "departure_knot",
-            self.knots,
-            {
-                "units": "um",
-                "long_name": (
-                    "knots of the cubic spline added to the logarithm of the modelled ratio"
-                ),
-            },
-        )
-        dataset["departure_coefficient"] = (
-            "departure_function",
-            self.coefficients,
-            {"units": "1", "long_name": "coefficients of its B-splines"},
-        )
-        dataset["departure_covariance"] = (
-            ("departure_function", "departure_function2"),
-            self.covariance,
-            {
-                "units": "1",
-                "long_name": "covariance of the coefficients, independent of K, p and q",
-            },
-        )
+    def variables(self) -> dict[str, Array]:
+        """Values of the spline by the names of the file of a calibration."""
+        return {name: getattr(self, field) for name, field in _STORED.items()}
 
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset) -> Departure | None:
         """The spline of a calibration's dataset; None where the model stands alone."""
         if "departure_knots" not in dataset:
             return None
-        return cls(
-            knots=np.asarray(dataset["departure_knots"].values, float),
-            coefficients=np.asarray(dataset["departure_coefficient"].values, float),
-            covariance=np.asarray(dataset["departure_covariance"].values, float),
-        )
+        values = {field: dataset[name].values for name, field in _STORED.items()}
+        return cls(**{field: np.asarray(one, float) for field, one in values.items()})
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,7 @@ from erlif.core.arrays import Array, Mask
 from erlif.core.errors import CalibrationError
 from erlif.core.notes import Level, Note
 from erlif.core.products import RatioImages, require
+from erlif.core.variables import CALIBRATION
 
 USEFUL = 0.25
 """Error of a single pixel at which the calibrated range ends, of the thickness."""
@@ -221,20 +222,19 @@ def _describe_curve(
         points.log_ratio_std, thickness_std * np.abs(calibration.slope(points.thickness))
     )
     columns = {
-        "curve_thickness": (points.thickness, "um", "thickness by the CMM"),
-        "curve_ratio": (ratio, "1", "mean ratio camera 2 / camera 1"),
-        "curve_ratio_std": (std, "1", "standard deviation of the ratio, the CMM's error included"),
-        "curve_residual": (residual, "1", "ratio less fitted ratio"),
-        "curve_x": (points.position[:, 0], "mm", "position along the profile"),
+        "curve_thickness": points.thickness,
+        "curve_ratio": ratio,
+        "curve_ratio_std": std,
+        "curve_residual": residual,
+        "curve_x": points.position[:, 0],
     }
+    curve = xr.Dataset({name: CALIBRATION[name].fill(columns[name][kept]) for name in columns})
     if points.on_surface:
-        columns["curve_y"] = (points.position[:, 1], "mm", "position across the profile")
-    return xr.Dataset(
-        {
-            name: ("bin", values[kept], {"units": unit, "long_name": meaning})
-            for name, (values, unit, meaning) in columns.items()
-        }
-    )
+        across = points.position[kept, 1]
+        curve["curve_y"] = CALIBRATION["curve_x"].fill(
+            across, long_name="position across the profile"
+        )
+    return curve
 
 
 def _refuse_constant_thickness(points: Points) -> None:

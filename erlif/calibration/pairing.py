@@ -267,64 +267,58 @@ def _slope_across(pixels: _Pixels, gradient: Array, position: Array, keep: Mask)
     return _Across(middle, slope, std)
 
 
-class _Carried(NamedTuple):
-    mean: Array
-    """Ratio at the CMM point, (cell,)."""
-    gradient: Array
-    """Its gradient, (cell, axis). [1/mm]"""
-
-
-def _carry_to_points(mean: Array, pixels: _Pixels, position: Array, used: Mask) -> _Carried:
-    """Carry the mean of each cell from its centre of gravity to the CMM point."""
+def _carry_to_points(
+    mean: Array, pixels: _Pixels, position: Array, used: Mask
+) -> tuple[Array, Array]:
+    """Mean of each cell carried from its centre of gravity to the CMM point, and its gradient."""
     cell, place, total = pixels.cell, pixels.place, len(position)
     count = np.maximum(np.bincount(cell, minlength=total), 1)
     centre = np.stack([np.bincount(cell, axis, total) for axis in place.T], axis=1) / count[:, None]
     if position.shape[1] == 1:
         gradient = _gradient_along(position, centre, mean, used)
-        return _Carried(mean + np.einsum("ij,ij->i", gradient, position - centre), gradient)
+        return mean + np.einsum("ij,ij->i", gradient, position - centre), gradient
 
     # the cells of a surface are wide: the curvature within them counts too
-    form = _form_about(position, centre, mean, used)
+    gradient, curvature = _form_about(position, centre, mean, used)
     off = place - position[cell]
-    bend = np.einsum("ij,ij->i", form.gradient[cell], off) + 0.5 * np.einsum(
-        "ij,ijk,ik->i", off, form.curvature[cell], off
+    bend = np.einsum("ij,ij->i", gradient[cell], off) + 0.5 * np.einsum(
+        "ij,ijk,ik->i", off, curvature[cell], off
     )
-    return _Carried(mean - np.bincount(cell, bend, total) / count, form.gradient)
+    return mean - np.bincount(cell, bend, total) / count, gradient
 
 
 def _gradient_along(position: Array, centre: Array, mean: Array, used: Mask) -> Array:
     """Slope of the cell means at each CMM point of a line, (point, 1), from neighbours. [1/mm]"""
     gradient = np.zeros_like(position)
-    neighbours = min(_LINE_NEIGHBOURS, int(used.sum()))
-    nearest = np.asarray(scipy.spatial.cKDTree(centre[used]).query(position, k=neighbours)[1])[used]
-    off = (centre[used][nearest] - position[used][:, None])[..., 0]
-    design = np.stack([np.ones_like(off), off], axis=-1)
+    nearest, off = _find_neighbours(position, centre, used, _LINE_NEIGHBOURS)
+    design = np.stack([np.ones_like(off[..., 0]), off[..., 0]], axis=-1)
     gradient[used] = _solve_each(design, mean[used][nearest])[:, 1:]
     return gradient
 
 
-class _Form(NamedTuple):
-    gradient: Array
-    """(point, 2) [1/mm]"""
-    curvature: Array
-    """Second derivatives, (point, 2, 2). [1/mm2]"""
+def _form_about(position: Array, centre: Array, mean: Array, used: Mask) -> tuple[Array, Array]:
+    """Gradient (point, 2) [1/mm] and curvature (point, 2, 2) [1/mm2] at the points of a surface.
 
-
-def _form_about(position: Array, centre: Array, mean: Array, used: Mask) -> _Form:
-    """Gradient and curvature of the cell means at each CMM point of a surface.
-
-    They come from a parabola through the neighbours: the cells are wide, and the film is not
-    plane within one.
+    They are those of the cell means, from a parabola through the neighbours: the cells are wide,
+    and the film is not plane within one.
     """
     gradient, curvature = np.zeros_like(position), np.zeros((len(position), 2, 2))
-    neighbours = min(_SURFACE_NEIGHBOURS, int(used.sum()))
-    nearest = np.asarray(scipy.spatial.cKDTree(centre[used]).query(position, k=neighbours)[1])[used]
-    x, y = np.moveaxis(centre[used][nearest] - position[used][:, None], -1, 0)
+    nearest, off = _find_neighbours(position, centre, used, _SURFACE_NEIGHBOURS)
+    x, y = np.moveaxis(off, -1, 0)
     design = np.stack([np.ones_like(x), x, y, x**2 / 2, x * y, y**2 / 2], axis=-1)
     _, *slopes, xx, xy, yy = _solve_each(design, mean[used][nearest]).T
     gradient[used] = np.stack(slopes, axis=1)
     curvature[used] = np.moveaxis(np.array([[xx, xy], [xy, yy]]), -1, 0)
-    return _Form(gradient, curvature)
+    return gradient, curvature
+
+
+def _find_neighbours(
+    position: Array, centre: Array, used: Mask, count: int
+) -> tuple[npt.NDArray[np.intp], Array]:
+    """Cells nearest to each used point among the used ones, and the way to their centres. [mm]"""
+    tree = scipy.spatial.cKDTree(centre[used])
+    nearest = np.asarray(tree.query(position, k=min(count, int(used.sum())))[1])[used]
+    return nearest, centre[used][nearest] - position[used][:, None]
 
 
 def _solve_each(design: Array, values: Array) -> Array:

@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 from odrpack import OdrResult, odr_fit
 
 from erlif.calibration.points import Points
@@ -35,13 +36,45 @@ _ITERATIONS = 200
 
 
 @dataclass(frozen=True)
-class Fit:
-    """The model fitted to the points that were kept.
+class Reabsorption:
+    """The reabsorption model with its three parameters.
 
     Attributes
     ----------
     parameters : Array
         K [1], p and q [1/um], (3,).
+    """
+
+    parameters: Array
+
+    def predict(self, thickness: npt.ArrayLike) -> Array:
+        """Logarithm of the ratio of a film. `thickness` in um."""
+        K, p, q = self.parameters
+        return np.asarray(
+            log_band_ratio(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q)
+        )
+
+    def slope(self, thickness: npt.ArrayLike) -> Array:
+        """Slope of the logarithm of the ratio over thickness. [1/um]"""
+        _, p, q = self.parameters
+        return np.asarray(
+            log_band_ratio_slope(thickness, attenuation_camera1=p, attenuation_camera2=q)
+        )
+
+    def gradient(self, thickness: npt.ArrayLike) -> Array:
+        """Derivatives of the logarithm of the ratio by K, p and q, (3, ...)."""
+        K, p, q = self.parameters
+        return log_band_ratio_gradient(
+            thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q
+        )
+
+
+@dataclass(frozen=True)
+class Fit(Reabsorption):
+    """The model fitted to the points that were kept.
+
+    Attributes
+    ----------
     displacement : Array
         Remaining change of the pose in its free combinations, (combination,). [mm]
     covariance : Array
@@ -57,7 +90,6 @@ class Fit:
         Film thickness from CMM and ratio together, (point,). [um]
     """
 
-    parameters: Array
     displacement: Array
     covariance: Array
     chi_square: float
@@ -69,27 +101,6 @@ class Fit:
     def reduced_chi_square(self) -> float:
         """Chi-square per degree of freedom."""
         return self.chi_square / max(int(self.kept.sum()) - len(self.covariance), 1)
-
-    def predict(self, thickness: Array) -> Array:
-        """Logarithm of the ratio of a film. `thickness` in um."""
-        K, p, q = self.parameters
-        return np.asarray(
-            log_band_ratio(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q)
-        )
-
-    def slope(self, thickness: Array) -> Array:
-        """Slope of the logarithm of the ratio over thickness. [1/um]"""
-        _, p, q = self.parameters
-        return np.asarray(
-            log_band_ratio_slope(thickness, attenuation_camera1=p, attenuation_camera2=q)
-        )
-
-    def gradient(self, thickness: Array) -> Array:
-        """Derivatives of the logarithm of the ratio by K, p and q, (3, ...)."""
-        K, p, q = self.parameters
-        return log_band_ratio_gradient(
-            thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q
-        )
 
 
 def fit_robustly(points: Points, freedom: Freedom) -> Fit:

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 import xarray as xr
 
+from erlif.calibration.curve import Calibration
 from erlif.calibration.departure import Departure
 from erlif.calibration.profile import THICKEST
 from erlif.core.arrays import Array, Image
@@ -77,30 +78,12 @@ def check_file(dataset: xr.Dataset) -> None:
             raise ValueError(f"{name} is in {str(unit)[:40]}, not in {accepted[0]}")
 
 
-def check_numbers(
-    parameters: Array,
-    covariance: Array,
-    *,
-    thickness_range: tuple[float, float],
-    bands: tuple[float, float],
-    curve: xr.Dataset,
-    departure: Departure | None,
-) -> None:
-    """Refuse numbers that no fit gives.
+def check_calibration(calibration: Calibration) -> None:
+    """Refuse a calibration whose numbers no fit gives.
 
     Parameters
     ----------
-    parameters : array, (3,)
-        K [1], p and q [1/um].
-    covariance : array, (3, 3)
-        Of the parameters.
-    thickness_range : (float, float)
-        Calibrated range. [um]
-    bands : (float, float)
-        Filter bands of camera 1 and 2. [nm]
-    curve : xarray.Dataset
-        The fitted points, (bin).
-    departure : Departure or None
+    calibration : Calibration
 
     Raises
     ------
@@ -109,25 +92,32 @@ def check_numbers(
 
     Examples
     --------
-    >>> one = dict(bands=(580.0, 610.0), curve=xr.Dataset(), departure=None)
-    >>> check_numbers(
-    ...     np.array([0.6, 0.4, 0.2]), np.eye(3), thickness_range=(0.1, 12.0), **one
+    >>> calibration = Calibration(
+    ...     0.65, 0.40, 0.25, -np.eye(3), (0.1, 12.0), (580.0, 610.0), xr.Dataset(), 1.0, "wedge"
     ... )
-    >>> check_numbers(np.array([0.6, 0.4, 0.2]), np.eye(3), thickness_range=(12.0, 0.1), **one)
+    >>> check_calibration(calibration)
     Traceback (most recent call last):
         ...
-    ValueError: thickness_range is 12 to 0.1 um, not rising within 0 to 1000 um
+    ValueError: covariance has a variance of -1, not a positive number
     """
     faults = [
-        *_parameter_faults(parameters),
-        *_covariance_faults("covariance", covariance, parameters.size),
-        *_range_faults(thickness_range, bands),
-        *_curve_faults(curve),
+        *_parameter_faults(calibration.parameters),
+        *_covariance_faults("covariance", calibration.covariance, calibration.parameters.size),
+        *_range_faults(calibration.thickness_range, calibration.bands),
+        *_curve_faults(calibration.curve),
     ]
-    if departure is not None:
-        faults += _departure_faults(departure)
+    if calibration.departure is not None:
+        faults += _departure_faults(calibration.departure)
     if faults:
         raise ValueError(faults[0])
+
+    # a curve that falls within its range would have two films for one ratio
+    films = places(calibration.thickness_range)
+    falling = ~(calibration.slope(films) > 0)
+    if falling.any():
+        raise ValueError(
+            f"its ratio does not rise with thickness at {films[np.argmax(falling)]:.3g} um"
+        )
 
 
 def check_fit(
@@ -178,28 +168,6 @@ def check_fit(
             f"Expected a calibration that determines films to better than {LARGEST_ERROR:.0%}; its "
             f"error is at least {best:.3g} times the film in the whole range (reduced chi-square "
             f"{reduced_chi_square:.3g}). {cure}"
-        )
-
-
-def check_rise(slope: Array, thickness: Array) -> None:
-    """Refuse a curve that falls within its range: one ratio would then have two films.
-
-    Parameters
-    ----------
-    slope : array, (place,)
-        Of the logarithm of the ratio. [1/um]
-    thickness : array, (place,)
-        [um]
-
-    Raises
-    ------
-    ValueError
-        With the bare reason.
-    """
-    falling = ~(slope > 0)
-    if falling.any():
-        raise ValueError(
-            f"its ratio does not rise with thickness at {thickness[np.argmax(falling)]:.3g} um"
         )
 
 

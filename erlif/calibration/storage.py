@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import warnings
-from dataclasses import replace
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +14,7 @@ import xarray as xr
 
 from erlif.calibration.curve import Calibration
 from erlif.calibration.departure import Departure
-from erlif.calibration.soundness import (
-    check_displacements,
-    check_file,
-    check_numbers,
-    check_rise,
-    places,
-)
+from erlif.calibration.soundness import check_calibration, check_displacements, check_file
 from erlif.core.errors import (
     CalibrationError,
     ErlifError,
@@ -177,40 +171,6 @@ def _read(path: Path) -> Calibration:
     return replace(calibration, camera_map=camera_map)
 
 
-def check_calibration(calibration: Calibration) -> None:
-    """Refuse a calibration whose numbers no fit gives.
-
-    Parameters
-    ----------
-    calibration : Calibration
-
-    Raises
-    ------
-    ValueError
-        With the bare reason.
-
-    Examples
-    --------
-    >>> calibration = Calibration(
-    ...     0.65, 0.40, 0.25, -np.eye(3), (0.1, 12.0), (580.0, 610.0), xr.Dataset(), 1.0, "wedge"
-    ... )
-    >>> check_calibration(calibration)
-    Traceback (most recent call last):
-        ...
-    ValueError: covariance has a variance of -1, not a positive number
-    """
-    check_numbers(
-        calibration.parameters,
-        calibration.covariance,
-        thickness_range=calibration.thickness_range,
-        bands=calibration.bands,
-        curve=calibration.curve,
-        departure=calibration.departure,
-    )
-    films = places(calibration.thickness_range)
-    check_rise(calibration.slope(films), films)
-
-
 def record_calibration(calibration: Calibration) -> str:
     """The part of a calibration that determines a film, as JSON.
 
@@ -246,11 +206,7 @@ def record_calibration(calibration: Calibration) -> str:
     }
     departure = calibration.departure
     if departure is not None:
-        kept["departure"] = {
-            "knots": departure.knots.tolist(),
-            "coefficients": departure.coefficients.tolist(),
-            "covariance": departure.covariance.tolist(),
-        }
+        kept["departure"] = {name: each.tolist() for name, each in asdict(departure).items()}
     return json.dumps(kept, sort_keys=True)
 
 
@@ -306,10 +262,9 @@ def _read_record(kept: dict[str, Any], settings: RunSettings) -> Calibration:
     low, high = kept["thickness_range"]
     departure = None
     if "departure" in kept:
+        spline = kept["departure"]
         departure = Departure(
-            knots=np.asarray(kept["departure"]["knots"], float),
-            coefficients=np.asarray(kept["departure"]["coefficients"], float),
-            covariance=np.asarray(kept["departure"]["covariance"], float),
+            **{one.name: np.asarray(spline[one.name], float) for one in fields(Departure)}
         )
 
     return Calibration(

@@ -6,7 +6,7 @@ import logging
 import os
 import time
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -181,24 +181,17 @@ def list_runs(runs: Iterable[str | Path | RunEntry]) -> list[RunEntry]:
             "Expected at least one run directory or a table of runs; got none. Name one."
         )
 
-    entries = [
-        RunEntry(one.run_dir, one.calibration, one.output or one.run_dir / "film.nc")
-        for one in given
-    ]
-    _refuse_repeated([one.run_dir for one in entries], [one.run_dir for one in entries])
-    outputs = [_output_of(one) for one in entries]
-    _refuse_repeated(outputs, [one.run_dir for one in entries])
+    outputs = [one.output or one.run_dir / "film.nc" for one in given]
+    run_dirs = [one.run_dir for one in given]
+    _refuse_repeated(run_dirs, run_dirs)
+    _refuse_repeated(outputs, run_dirs)
     for output in outputs:
         if output.suffix not in _SUFFIXES:
             raise OutputError(
                 f"Expected a name in {' or '.join(_SUFFIXES)} for the output; got {output}. "
                 "Correct the column output."
             )
-    return entries
-
-
-def _output_of(entry: RunEntry) -> Path:
-    return entry.output or entry.run_dir / "film.nc"
+    return [replace(one, output=output) for one, output in zip(given, outputs, strict=True)]
 
 
 def _refuse_repeated(paths: Sequence[Path], run_dirs: Sequence[Path]) -> None:
@@ -224,7 +217,8 @@ def _process_entry(
     entry: RunEntry, process_one: Callable[..., bool], progress: Progress
 ) -> RunOutcome:
     """Process one run and describe what became of it."""
-    name, output = entry.run_dir.name, _output_of(entry)
+    name, output = entry.run_dir.name, entry.output
+    assert output is not None  # `list_runs` has given one to each
     started = time.perf_counter()
     state, message = RunState.FINISHED, ""
     _logger.info("%s: started", entry.run_dir)

@@ -50,6 +50,9 @@ _CENSORED = 0.01
 _MOTION = ("encoder_angle", "position", "rocker_speed", "sliding_speed")
 """What the motion gives for each frame, and a mean for each trigger."""
 
+_FILM_OF = {"minimum": "film_min", "mean": "film_mean"}
+"""Variables of the two statistics."""
+
 _PRECISION: dict[str, dict[str, Any]] = {
     "thickness": {"std": "thickness_std"},
     "thickness_std": {"bits": 5},  # at most 1.6 %; gain and read noise are known to 1 to 2 %
@@ -334,29 +337,23 @@ def describe_exponents(
     speed, load = film[name].values, film["load"].values
     shared = scipy.linalg.block_diag(calibration.full_covariance, np.eye(1))
 
-    # marks of the surfaces are the same at every trigger; the mean film includes them as they are
-    surface = np.array([one.minimum_surface_std for one in statistics])
-    minimum = fit_exponent(
-        np.array([one.minimum for one in statistics]),
-        np.array([one.minimum_random_std for one in statistics]),
-        speed=speed,
-        load=load,
-        gradient=np.column_stack([[one.minimum_gradient for one in statistics], surface]),
-        covariance=shared,
-    )
-    mean = fit_exponent(
-        np.array([one.mean for one in statistics]),
-        np.array([one.mean_random_std for one in statistics]),
-        speed=speed,
-        load=load,
-        gradient=np.column_stack(
-            [[one.mean_gradient for one in statistics], np.zeros(len(statistics))]
-        ),
-        covariance=shared,
-    )
-    return _exponent_variables("speed_exponent", minimum, "film_min", name) | _exponent_variables(
-        "speed_exponent_mean", mean, "film_mean", name
-    )
+    found: dict[str, Any] = {}
+    for variable, kind in (("speed_exponent", "minimum"), ("speed_exponent_mean", "mean")):
+        # marks of the surfaces are the same at every trigger; the mean film includes them as
+        # they are
+        surface = [one.minimum_surface_std if kind == "minimum" else 0.0 for one in statistics]
+        exponent = fit_exponent(
+            np.array([getattr(one, kind) for one in statistics]),
+            np.array([getattr(one, f"{kind}_random_std") for one in statistics]),
+            speed=speed,
+            load=load,
+            gradient=np.column_stack(
+                [[getattr(one, f"{kind}_gradient") for one in statistics], surface]
+            ),
+            covariance=shared,
+        )
+        found |= _exponent_variables(variable, exponent, _FILM_OF[kind], name)
+    return found
 
 
 def describe_frames(

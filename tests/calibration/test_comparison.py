@@ -141,12 +141,6 @@ def test_calibrate_reports_drift_from_the_named_and_from_the_replaced_calibratio
     assert ": not drifted from virtual wedge" in replaced
 
 
-def test_a_calibration_to_compare_with_must_be_one(lab, refused):
-    assert "does not exist" in refused(
-        "calibrate", lab.fixture, "--overwrite", "--against", lab.fixture / "none.nc"
-    )
-
-
 def test_a_calibration_of_other_bands_is_refused_before_the_work(
     lab, refused, monkeypatch, tmp_path
 ):

@@ -23,12 +23,12 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def photographed():
-    """Two hundred fixtures with a noisy CMM, of 0.15 um; the first hundred photographed twice."""
+    """A hundred fixtures with a noisy CMM, of 0.15 um; the first fifty photographed twice."""
     rng = np.random.default_rng(2)
-    profiles = [wedge_profile(rng) for _ in range(200)]
+    profiles = [wedge_profile(rng) for _ in range(100)]
     first, second = (
         [calibrate_wedge(rng, profile=profile) for profile in chosen]
-        for chosen in (profiles, profiles[:100])
+        for chosen in (profiles, profiles[:50])
     )
     return first, second
 
@@ -43,10 +43,10 @@ def test_uncertainties_of_parameters_and_films_cover(photographed):
         pulls.append(
             [*(calibration.parameters - [K, P, Q]) / calibration.standard_deviations, *found]
         )
-    # 200 draws scatter by 3.3 and 1.5 % about 68.3 and 95.4 %
-    assert np.all(np.abs(share_within(pulls, 1) - 0.683) < 3 * 0.033)
-    assert np.all(np.abs(share_within(pulls, 2) - 0.954) < 3 * 0.015)
-    assert np.all(np.abs(np.mean(pulls, axis=0)) < 4 / np.sqrt(200))
+    # 100 draws scatter by 4.7 and 2.1 % about 68.3 and 95.4 %
+    assert np.all(np.abs(share_within(pulls, 1) - 0.683) < 3 * 0.047)
+    assert np.all(np.abs(share_within(pulls, 2) - 0.954) < 3 * 0.021)
+    assert np.all(np.abs(np.mean(pulls, axis=0)) < 4 / np.sqrt(100))
 
 
 def test_noise_alone_gives_neither_departure_nor_structure(photographed):
@@ -59,17 +59,17 @@ def test_noise_alone_gives_neither_departure_nor_structure(photographed):
 
 @pytest.mark.parametrize("shared", [False, True])
 def test_false_alarms_are_as_rare_as_stated(photographed, shared):
-    """Of a hundred pairs of unchanged fixtures, one is significant by chance.
+    """Of fifty pairs of unchanged fixtures, at most a few are significant by chance.
 
     Half of them have a probability below a half.
     """
     first, second = photographed
-    one, other = (second, first[:100]) if shared else (first[::2], first[1::2])
+    one, other = (second, first[:50]) if shared else (first[::2], first[1::2])
     found = [compare_calibrations(*pair) for pair in zip(one, other, strict=True)]
-    assert len(found) == 100
-    assert sum(each.significant for each in found) <= binom.ppf(0.999, 100, 0.01)
-    assert sum(each.drifted for each in found) <= 5
+    assert len(found) == 50
+    assert sum(each.significant for each in found) <= binom.ppf(0.999, 50, 0.01)
+    assert sum(each.drifted for each in found) <= 4
     below = sum(each.probability < 0.5 for each in found)
-    assert abs(below - 50) < 3.3 * 5
+    assert abs(below - 25) < 3.3 * np.sqrt(50) / 2
     pulls = np.array([(each.difference / each.difference_std)[[10, 30, 50]] for each in found])
-    npt.assert_allclose(pulls.std(axis=0), 1, atol=0.25)
+    npt.assert_allclose(pulls.std(axis=0), 1, atol=0.35)

@@ -116,35 +116,6 @@ def test_dust_and_bubbles_do_not_move_the_fit():
     assert np.all(np.abs(calibration.parameters - [K, P, Q]) < 4 * calibration.standard_deviations)
 
 
-def test_wrong_origin_is_found_by_align_where_the_profile_has_form():
-    """A wavy ramp, its profile given 0.3 mm off: the origin is found, and the error vanishes."""
-    rng = np.random.default_rng(6)
-
-    def wave(x):
-        return 9 + 0.4 * (x - 9) + 2.5 * np.sin(x)
-
-    ratio = np.array([integrated_ratio(t) for t in wave(PITCH * np.arange(SHAPE[1]))])
-    position = np.arange(0, SHAPE[1] * PITCH, 0.1)
-    profile = Profile(position + 0.3, wave(position), np.full(position.size, 0.01))
-    image = ratio_image(rng, ratio=ratio)
-    aligned = fit(rng, image=image, profile=profile, align=True)
-    plain = fit(rng, image=image, profile=profile)
-    error = {
-        name: abs(float(c.predict_log(5.0)) - np.log(integrated_ratio(5.0)))
-        for name, c in (("a", aligned), ("p", plain))
-    }
-    assert error["a"] < 0.1 * error["p"]
-    assert aligned.pose.determined.tolist() == [True, False, True, False]
-    assert abs(aligned.pose.change[0] - 0.3) < 0.015
-    assert has_note(aligned, "um along the profile")
-
-
-def test_straight_wedge_leaves_its_origin_as_given_with_a_note():
-    calibration = fit(np.random.default_rng(6), align=True)
-    assert has_note(calibration, "left as given: origin along the profile, scale, direction")
-    npt.assert_array_equal(calibration.parameters, fit(np.random.default_rng(6)).parameters)
-
-
 def test_turned_profile_is_laid_over_the_image():
     """A wedge that rises down the image, with the profile's x turned by 90 degrees."""
     rng = np.random.default_rng(7)
@@ -196,15 +167,6 @@ def test_partly_covering_profile_is_used_with_a_note():
     assert calibration.thickness_range[1] < 12
     with pytest.raises(CalibrationError, match="at least 8 points of the profile in the image"):
         fit(rng, profile=Profile(whole.position + 18.9, whole.thickness, whole.uncertainty))
-
-
-def test_a_fixture_of_one_thickness_is_refused():
-    x = np.arange(0, 18.9, 0.1)
-    for seed in range(4):  # whichever way the noise lets the ratio rise
-        rng = np.random.default_rng(seed)
-        image = ratio_image(rng, ratio=np.full(SHAPE[1], integrated_ratio(5.0)))
-        with pytest.raises(CalibrationError, match="is 5 um thick at all points"):
-            fit(rng, image=image, profile=Profile(x, np.full_like(x, 5.0), np.full_like(x, 0.1)))
 
 
 def test_a_skipped_stage_is_noticed():

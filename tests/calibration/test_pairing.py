@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.fixture import PITCH, SHAPE, WEDGE, calibrate, image, log_ratio
+from scenes.fixture import PITCH, SHAPE, calibrate, image, log_ratio
 
 from erlif.calibration import Profile, compare_calibrations
 from erlif.calibration.pairing import pair_profile_with_image, thin_out
@@ -113,14 +113,6 @@ def test_a_profile_beside_the_image_is_refused():
         pair_profile_with_image(still_image(COLUMN), line_profile(start=30, stop=40), GIVEN)
 
 
-def test_missing_uncertainty_is_noted_and_unknown():
-    known = line_profile()
-    profile = Profile(known.position, known.thickness, None)
-    points, notes = pair_profile_with_image(still_image(COLUMN), profile, GIVEN)
-    assert not points.has_error_bars
-    assert any("no uncertainty_um" in note.text for note in notes)
-
-
 # dense profiles
 
 
@@ -155,10 +147,3 @@ def test_a_dense_profile_is_thinned_alike_wherever_each_photograph_was_placed():
     one, other = (calibrate(image(rng, ratio, noise=0.01), profile, align=True) for _ in range(2))
     assert one.pose.pose.pixel_pitch != other.pose.pose.pixel_pitch
     assert compare_calibrations(one, other).same_profile
-
-
-def test_an_image_without_valid_pixels_is_refused():
-    ratios = still_image(WEDGE)
-    ratios.flags.values[:] = Flag.DIM
-    with pytest.raises(CalibrationError, match="in the image; 0"):
-        pair_profile_with_image(ratios, line_profile(), GIVEN)

@@ -28,7 +28,6 @@ LONGEST = 60_000
 """Length of an attribute that HDF5 can store. [byte]"""
 
 ATTRIBUTES = (7, "[[", np.nan, "", np.inf, [1.0, 2.0], "{}", "x" * LONGEST)
-RENAMED = "of another program"
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,6 @@ from PIL import Image
 
 from damages.bench import Damage
 
-FRAME = "camera1/frame_0002.tif"
-
 
 def _frame(name, change, *words, status=2, option=""):
     return Damage(
@@ -54,14 +52,6 @@ def _picture(suffix, mode=None):
         bench.edit(bench.run / "run.toml", ("camera1/*.tif", f"camera1/*{suffix}"))
 
     return damage
-
-
-def _replace_in_header(old, new):
-    def change(data):
-        assert old in data
-        return data.replace(old, new, 1)
-
-    return change
 
 
 def _fifo(bench):
@@ -114,6 +104,11 @@ FRAMES = [
         "renamed",
         lambda b: b.frame(2).rename(b.frame(2).with_name("copy of frame_0002.tif")),
         "frame_0002.tif",
+    ),
+    _frame(
+        "one missing from each",
+        lambda b: (b.frame(2).unlink(), b.frame(4, 2).unlink()),
+        "camera1/frame_0004.tif",
     ),
     _frame(
         "folder is empty",

@@ -40,6 +40,10 @@ def _cell(row, column, value):
     return change
 
 
+def _header(old, new):
+    return lambda rows: [rows[0].replace(old, new), *rows[1:]]
+
+
 def _column(column, change):
     def damage(rows):
         place = rows[0].split(",").index(column)
@@ -102,6 +106,14 @@ LOGS = [
         lambda rows: [rows[0].replace("laser_mJ", "thickness"), *rows[1:]],
         "Rename",
     ),
+    _log("name with a stroke", _header("laser_mJ", "laser/mJ"), "column 6", "'laser/mJ'", "Rename"),
+    _log("angle without a unit", _header("angle_deg", "angle"), 'units = { angle = "deg" }'),
+    _log("angle in German", _header("angle_deg", "winkel"), "for the angle", 'angle = "NAME"'),
+    _log("no number in a cell", _cell(4, "angle_deg", ""), "column angle_deg", "an empty cell"),
+    _log("underscore in a number", _cell(5, "time_s", "1_0"), "row 5, column time_s", "'1_0'"),
+    _log("decimal comma in quotes", _cell(3, "angle_deg", '"1,5"'), "decimal points"),
+    _log("a cell too many", lambda rows: [*rows[:3], rows[3] + ",7", *rows[4:]], "6 values"),
+    _log("blank row", lambda rows: [*rows[:3], "", *_cell(4, "angle_deg", "x")(rows)[3:]], "row 5"),
     _log("no header", lambda rows: rows[1:], "header"),
     _log("JSON", lambda rows: b'{"angle_deg": [1, 2, 3]}', "encoder.csv"),
     _log("web page", lambda rows: b"<html>\n<body>\n</body>\n</html>\n", "encoder.csv"),

@@ -116,6 +116,8 @@ SETTINGS = [
         '"../fixture"',
         "is a directory. Name its file",
     ),
+    _edit("no calibration", 'calibration = "../fixture/calibration.nc"', "", "--calibration"),
+    _edit("depth of 10", "bit_depth = 12", "bit_depth = 10", "up to 1023", "bit_depth = 12 fits"),
     _edit("bands exchanged", '"580 nm"', '"650 nm"', "look swapped"),
     _edit("bands of another fixture", '"580 nm"', '"560 nm"', "Calibrate with the filters"),
     # the fixture

@@ -12,6 +12,7 @@ from scenes.scripts import load_script
 import erlif
 from erlif.calibration import read_profile
 from erlif.calibration.departure import Departure
+from erlif.core.variables import CALIBRATION
 from erlif.io.files import write_dataset
 from erlif.io.ingest import read_encoder_log
 
@@ -108,8 +109,8 @@ def test_calibration_holds_the_variables_and_attributes_of_the_page(page, small_
 
 
 def test_a_departure_from_the_model_is_stored_as_the_page_describes(page):
-    dataset = xr.Dataset()
-    Departure(np.arange(8.0), np.zeros(4), np.eye(4)).describe(dataset)
+    spline = Departure(np.arange(8.0), np.zeros(4), np.eye(4)).variables()
+    dataset = xr.Dataset({name: CALIBRATION[name].fill(values) for name, values in spline.items()})
     found = {
         str(name): (dataset[name].dims, str(dataset[name].dtype), dataset[name].attrs["units"])
         for name in dataset

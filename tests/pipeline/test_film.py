@@ -26,7 +26,6 @@ from erlif.pipeline.film import (
     describe_statistics,
     describe_triggers,
     group_frames,
-    pixel_positions,
 )
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.physics.prediction import NO_PREDICTION
@@ -57,24 +56,12 @@ def test_frames_that_were_left_out_belong_to_no_trigger():
     assert frames == [[0], [], [2, 5]]
 
 
-def test_pixels_lie_at_multiples_of_the_pitch():
-    """Pixel centres lie at integers; the pitch of the scene is 200 um."""
-    x, y = pixel_positions(SETTINGS, (3, 5))
-    npt.assert_allclose(x, [0.0, 0.2, 0.4, 0.6, 0.8])
-    npt.assert_allclose(y, [0.0, 0.2, 0.4])
-
-
 def test_region_of_the_settings_is_chosen():
     """x from 3.1 to 12.9 mm and y from 1.1 to 10.9 mm, 200 um a pixel."""
     raw = tomllib.loads(RUN_TOML)
     raw["thickness"]["roi"] = {"x": [3.1, 12.9], "y": [1.1, 10.9]}
     region = choose_region(RunSettings.model_validate(raw), (64, 80))
     assert region == Region(rows=slice(6, 55), columns=slice(16, 65))
-
-
-def test_region_outside_the_image_is_refused():
-    with pytest.raises(ConfigError, match="region of interest"):
-        choose_region(SETTINGS, (64, 20))
 
 
 # triggers of two cycles
@@ -141,15 +128,6 @@ def test_load_of_the_settings_serves_where_the_log_has_none(cycles):
 
 
 # statistics and exponents
-
-
-def test_statistics_stand_in_the_order_of_the_triggers():
-    results = [make_result(minimum=value, mean=2 * value) for value in (1.0, 2.0, 3.0)]
-    film = xr.Dataset(describe_statistics(results))
-    assert film.film_min.values.tolist() == [1.0, 2.0, 3.0]
-    assert film.film_mean.values.tolist() == [2.0, 4.0, 6.0]
-    assert film.film_min_std.values.tolist() == [0.06] * 3
-    assert film.share_beyond_range.values.tolist() == [0.007] * 3
 
 
 def test_place_of_the_minimum_is_column_then_row():

@@ -57,15 +57,6 @@ def test_given_calibration_takes_precedence(run, calibration):
     assert find_calibration(run, calibration) is calibration
 
 
-def test_calibration_is_read_from_a_given_path(run, small_rig, calibration):
-    found = find_calibration(run, small_rig.fixture / "calibration.nc")
-    npt.assert_array_equal(found.parameters, calibration.parameters)
-
-
-def test_calibration_that_run_toml_names_is_read(run, calibration):
-    npt.assert_array_equal(find_calibration(run, None).parameters, calibration.parameters)
-
-
 def test_run_without_a_calibration_is_refused(run):
     settings = run.settings.model_copy(update={"calibration": None})
     with pytest.raises(CalibrationError, match=r"run\.toml names none"):

@@ -1,18 +1,11 @@
 """The same frames in other files: the film must not depend on how a rig writes them."""
 
-import contextlib
 import shutil
 
 import numpy as np
-import pytest
 import tifffile
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 import erlif
-from erlif.core.errors import ErlifError
-from erlif.io.ingest import open_run
-from erlif.pipeline.physics.joint import locate_run
 
 
 def read_pages(path):
@@ -52,28 +45,3 @@ def test_eight_bit_frames_give_the_mean_film_of_twelve_bits(lab, film):
     with erlif.open_film(film) as fine:
         np.testing.assert_allclose(coarse.film_mean, fine.film_mean, rtol=0.02)
     assert (coarse.flags == 0).mean() > 0.5
-
-
-@pytest.fixture(scope="module")
-def scratch(small_rig, tmp_path_factory):
-    directory = tmp_path_factory.mktemp("fuzz") / "run"
-    shutil.copytree(small_rig.run, directory)
-    return directory
-
-
-@settings(
-    deadline=None,
-    database=None,
-    max_examples=40,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
-)
-@given(st.data())
-def test_a_log_with_any_bytes_changed_gives_finite_speeds_or_is_refused(small_rig, scratch, data):
-    original = (small_rig.run / "encoder.csv").read_bytes()
-    content = bytearray(original)
-    for _ in range(data.draw(st.integers(1, 3))):
-        place = data.draw(st.integers(0, len(content) - 1))
-        content[place] = data.draw(st.sampled_from(b"0123456789.-e,\n\xff"))
-    (scratch / "encoder.csv").write_bytes(content)
-    with contextlib.suppress(ErlifError):
-        assert np.isfinite(locate_run(open_run(scratch)).rocker_speed).all()

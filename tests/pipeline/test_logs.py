@@ -1,8 +1,6 @@
 """Runs with other encoders and logs give the film of the same rig, within its error bars."""
 
-import os
 import shutil
-import time
 
 import numpy as np
 import pytest
@@ -10,7 +8,6 @@ import xarray as xr
 
 import erlif
 from conftest import SMALL
-from erlif.core.errors import EncoderError
 from erlif.core.notes import Level
 from erlif.io.ingest import open_run
 from erlif.pipeline.physics.joint import locate_run
@@ -191,12 +188,3 @@ def test_a_log_that_cannot_be_right_is_refused_with_the_next_step(
     message = refused("process", lab.run)
     for word in words:
         assert word in message
-
-
-def test_a_log_that_is_a_pipe_is_refused_at_once(lab):
-    (lab.run / "encoder.csv").unlink()
-    os.mkfifo(lab.run / "encoder.csv")
-    start = time.monotonic()
-    with pytest.raises(EncoderError, match="it is a pipe, not a regular file"):
-        open_run(lab.run)
-    assert time.monotonic() - start < 5  # frames included

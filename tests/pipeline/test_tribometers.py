@@ -13,7 +13,6 @@ from scenes.film import RUN_TOML
 
 import erlif
 from conftest import SMALL, Laboratory
-from erlif.core.errors import ConfigError
 from erlif.io.settings import RunSettings
 from erlif.pipeline.film import predict_theory
 from erlif.rig import simulate
@@ -181,20 +180,6 @@ def test_frames_of_a_static_film_are_averaged_into_one_trigger(case, tmp_path):
     assert film.frames_used.values.tolist() == [8]
     ratio = np.nanmedian(film.thickness_std[0]) / np.nanmedian(case.film.thickness_std)
     assert 8**-0.5 < ratio < 0.5
-
-
-def test_a_film_of_a_batch_has_one_line(case, command, tmp_path):
-    if case.kind != "static":
-        return  # the line is about what a static film lacks
-    output = tmp_path / "film.nc"
-    table = tmp_path / "runs.csv"
-    table.write_text(f"run_dir,output\n{case.lab.run},{output}\n", encoding="utf-8")
-    assert "8 triggers" in command("batch", table).output
-
-
-def test_init_refuses_a_kind_that_there_is_not(tmp_path):
-    with pytest.raises(ConfigError, match="crank-rocker, slider-crank, rotation"):
-        erlif.init(tmp_path, kind="orbital")
 
 
 def test_a_shaft_in_a_bushing_has_the_theory_of_its_joint():

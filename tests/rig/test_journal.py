@@ -6,7 +6,6 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
-from erlif.core.errors import ModelError
 from erlif.rig.film import crank_at, draw_marks, list_triggers, rocker_angle
 from erlif.rig.journal import JournalGap, follow_pin, list_gaps, load_at
 from erlif.rig.logger import frame_times
@@ -110,22 +109,3 @@ def test_the_load_follows_the_crank():
     rig = replace(RIG, load_swing=0.2)
     triggers = list_triggers(rig)
     npt.assert_allclose(load_at(triggers.time, rig), triggers.load, rtol=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"mechanism": "rotation"}, "mechanism crank-rocker"),
-        ({"tilt": 0.2}, "tilt of 0"),
-        ({"film_table": (1.0,) * 6}, "without film_table"),
-        ({"film": "elastic"}, "law, reynolds"),
-        ({"viscosity": -1.0}, "Expected viscosity"),
-        ({"elapsed": -1.0}, "Expected elapsed"),
-        ({"sideways": "loose"}, "free, guided or a stiffness"),
-        ({"sideways": -5.0}, "got -5.0"),
-        ({"cavitation_pressure": 20.0}, "Expected cavitation_pressure"),
-    ],
-)
-def test_films_without_a_theory_are_refused(changes, words):
-    with pytest.raises(ModelError, match=words):
-        replace(RIG, **changes)

@@ -9,7 +9,6 @@ import pytest
 import xarray as xr
 from scenes.rig import QUICK
 
-from erlif.core.errors import ModelError
 from erlif.rig import RigSettings, simulate
 from erlif.rig.film import list_triggers, rocker_angle
 from erlif.rig.logger import TICKS, frame_times, read_encoder, write_log_in_time
@@ -88,9 +87,3 @@ def test_a_run_with_a_divider_has_a_film_for_each_frame(tmp_path):
     with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
         assert truth.sizes["trigger"] == truth.sizes["frame"] == 6
         assert truth.attrs["rig_log"] == "continuous"
-
-
-@pytest.mark.parametrize("name", ["encoder", "reading", "log"])
-def test_a_word_that_is_no_choice_is_refused(name):
-    with pytest.raises(ModelError, match=f"Expected {name} of the virtual rig as one of"):
-        RigSettings(**{name: "other"})

@@ -6,7 +6,6 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
-from erlif.core.errors import ModelError
 from erlif.io.settings.tables import RotationSettings, SinusoidalSettings
 from erlif.rig import RigSettings
 from erlif.rig.film import list_triggers
@@ -69,17 +68,3 @@ def test_settings_of_the_motion_are_those_of_the_rig(mechanism, table):
 def test_a_static_film_has_no_table_of_motion():
     rig = RigSettings(mechanism="static")
     assert "mechanism" not in tomllib.loads(run_toml(rig, list_pictures(rig)))
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"mechanism": "orbital"}, "crank-rocker, rotation, sinusoidal, static"),
-        ({"mechanism": "rotation", "pictures": 1000, "cycles": 10_000}, "frame pairs"),
-        ({"mechanism": "rotation", "log": "continuous"}, "with a linkage alone"),
-        ({"pictures": 0}, "pictures of the virtual rig"),
-    ],
-)
-def test_motions_that_no_rig_has_are_refused(changes, words):
-    with pytest.raises(ModelError, match=words):
-        RigSettings(**changes)

@@ -19,7 +19,7 @@ from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
 from itertools import islice
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import cv2
 from threadpoolctl import threadpool_limits
@@ -91,6 +91,8 @@ class Cluster:
     erlif.core.errors.ClusterError: Expected --scheduler local:N for N workers on this machine, ...
     """
 
+    elsewhere: ClassVar[bool] = True
+
     def __init__(self, scheduler: str) -> None:
         self.scheduler = scheduler
         """The scheduler as the user named it."""
@@ -106,11 +108,6 @@ class Cluster:
         # workers of our own start with the first work, so that bad input is refused at once
         if not _LOCAL.fullmatch(scheduler):
             self._connect()
-
-    @property
-    def elsewhere(self) -> bool:
-        """The items are computed by other processes, perhaps on other machines."""
-        return True
 
     def close(self) -> None:
         """Leave the scheduler; workers that were started here end."""

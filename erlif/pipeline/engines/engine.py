@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import ClassVar, Protocol, TypeVar
 
 from threadpoolctl import threadpool_limits
 
@@ -24,12 +24,15 @@ while results are collected, one in reserve. More would only take memory."""
 
 
 class Engine(Protocol):
-    """Computes the items of a piece of work, several at a time."""
+    """Computes the items of a piece of work, several at a time.
 
-    @property
-    def elsewhere(self) -> bool:
-        """Whether other processes compute the items, perhaps on other machines."""
-        ...
+    Attributes
+    ----------
+    elsewhere : bool
+        Whether other processes compute the items, perhaps on other machines.
+    """
+
+    elsewhere: ClassVar[bool]
 
     def compute(
         self,
@@ -73,12 +76,8 @@ class Threads:
     {1: 1, 2: 4, 3: 9}
     """
 
+    elsewhere: ClassVar[bool] = False
     workers: int | None = None
-
-    @property
-    def elsewhere(self) -> bool:
-        """The items are computed in this process."""
-        return False
 
     def compute(
         self,

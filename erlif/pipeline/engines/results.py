@@ -24,8 +24,18 @@ from erlif.ratio import (
 from erlif.thickness import NO_PATCH, PatchMean, sample_patch
 from erlif.trend import FilmStatistics, PinPosition, Region
 
-_COLUMNS = ("frame", "drift", "peaks", "pulse_energy", "digests", "pulse", "cells", "patch")
-"""Arrays of a trigger with one row for each frame pair."""
+_OF_FRAMES: dict[str, tuple[Any, tuple[int, ...]]] = {
+    "frame": (np.int64, ()),
+    "drift": (float, (2,)),
+    "peaks": (np.int64, (2,)),
+    "pulse_energy": (float, ()),
+    # 64 hexadecimal digits; text of numpy would take four bytes for each
+    "digests": ("S64", (2,)),
+    "pulse": (np.float32, np.shape(NO_PULSE)),
+    "cells": (np.float32, np.shape(NO_CELLS)),
+    "patch": (float, (3,)),
+}
+"""Arrays of a trigger with one row for each frame pair: type in the file, and shape of a row."""
 
 
 class FrameLight(NamedTuple):
@@ -147,22 +157,11 @@ class TriggerResult:
                 f"pin_{one.name}": np.asarray(getattr(self.position, one.name))
                 for one in fields(PinPosition)
             }
-        return arrays | {
-            "pixels": np.array(self.pixels, np.int64),
-            "frame": np.array([one.frame for one in self.frames], np.int64),
-            "drift": np.array([one.drift for one in self.frames], float).reshape(-1, 2),
-            "peaks": np.array([one.peaks for one in self.frames], np.int64).reshape(-1, 2),
-            "pulse_energy": np.array([one.pulse_energy for one in self.frames], float),
-            # 64 hexadecimal digits; text of numpy would take four bytes for each
-            "digests": np.array([one.digests for one in self.frames], "S64").reshape(-1, 2),
-            "pulse": np.array([one.pulse for one in self.frames], np.float32).reshape(
-                -1, *np.shape(NO_PULSE)
-            ),
-            "cells": np.array([one.cells for one in self.frames], np.float32).reshape(
-                -1, *np.shape(NO_CELLS)
-            ),
-            "patch": np.array([one.patch for one in self.frames], float).reshape(-1, 3),
-        }
+        arrays["pixels"] = np.array(self.pixels, np.int64)
+        for name, (kind, shape) in _OF_FRAMES.items():
+            rows = np.array([getattr(one, name) for one in self.frames], kind)
+            arrays[name] = rows.reshape(-1, *shape)
+        return arrays
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, AnyArray]) -> TriggerResult:
@@ -186,7 +185,7 @@ class TriggerResult:
                 PatchMean(*patch.tolist()),
             )
             for frame, drift, peaks, energy, digests, pulse, cells, patch in zip(
-                *(arrays[name] for name in _COLUMNS), strict=True
+                *(arrays[name] for name in _OF_FRAMES), strict=True
             )
         )
         position = None

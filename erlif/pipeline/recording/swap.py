@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -31,25 +30,6 @@ _IMPOSSIBLE = 0.15
 
 _SIGMAS = 2
 """Standard deviations by which a ratio must exceed the highest possible one."""
-
-
-@dataclass(frozen=True)
-class RatioShares:
-    """Shares of the valid pixels of one frame.
-
-    Attributes
-    ----------
-    regular : float
-        Ratio within the calibrated range. [1]
-    inverted : float
-        Inverse of the ratio within the calibrated range. [1]
-    impossible : float
-        Ratio above that of any film. [1]
-    """
-
-    regular: float
-    inverted: float
-    impossible: float
 
 
 def refuse_swapped_cameras(
@@ -119,9 +99,7 @@ def _check_ratio(
     if not shares:
         return
 
-    regular = float(np.median([one.regular for one in shares]))
-    inverted = float(np.median([one.inverted for one in shares]))
-    impossible = float(np.median([one.impossible for one in shares]))
+    regular, inverted, impossible = np.median(shares, axis=0).tolist()
     if inverted > _MOST and (regular < _FEW or impossible > _IMPOSSIBLE):
         raise CalibrationError(
             f"Expected ratios camera2/camera1 between {np.exp(low):.3f} and {np.exp(high):.3f} as "
@@ -131,7 +109,8 @@ def _check_ratio(
         )
 
 
-def _share_ratios(log_ratio: Image, std: Image, calibration: Calibration) -> RatioShares:
+def _share_ratios(log_ratio: Image, std: Image, calibration: Calibration) -> list[float]:
+    """Shares of ratios in the calibrated range, of inverse ones in it, and above any film's."""
     low, high = calibration.predict_log(calibration.thickness_range)
     margin = _MARGIN * (high - low)
 
@@ -140,8 +119,8 @@ def _share_ratios(log_ratio: Image, std: Image, calibration: Calibration) -> Rat
     gradient = np.array([1 / K, 1 / p, -1 / q])
     ceiling_std = np.sqrt(gradient @ calibration.covariance @ gradient)
     ceiling = np.log(K * p / q) + _SIGMAS * ceiling_std
-    return RatioShares(
+    return [
         float(((log_ratio > low - margin) & (log_ratio < high + margin)).mean()),
         float(((-log_ratio > low - margin) & (-log_ratio < high + margin)).mean()),
         float((log_ratio - _SIGMAS * std > ceiling).mean()),
-    )
+    ]

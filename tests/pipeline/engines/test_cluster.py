@@ -112,10 +112,6 @@ def test_both_workers_take_part_and_this_process_does_not(two_workers):
     assert min(processes.count(one) for one in set(processes)) > 10
 
 
-def test_nothing_to_do_is_no_reason_to_start(two_workers):
-    assert collect(two_workers, Squares(), []) == []
-
-
 def test_each_worker_checks_the_work_once(two_workers, tmp_path):
     processes = {process for _, process in collect(two_workers, Checked(tmp_path), range(40))}
     checked = {int(file.name): file.read_text() for file in tmp_path.iterdir()}
@@ -280,13 +276,6 @@ def test_another_version_is_refused(two_workers, monkeypatch):
 def test_threads_are_the_engine_without_a_scheduler():
     with open_engine(workers=3) as engine:
         assert engine == Threads(3)
-
-
-def test_a_scheduler_gives_a_cluster_that_is_left_at_the_end():
-    with open_engine(scheduler="local:1") as engine:
-        assert isinstance(engine, Cluster)
-        assert collect(engine, Squares(), [3])[0][1][0] == 9
-    assert engine._client is None
 
 
 def test_threads_and_scheduler_together_are_refused():

@@ -31,21 +31,6 @@ def test_result_survives_the_way_through_arrays():
     assert_same(TriggerResult.from_arrays(result.to_arrays()), result)
 
 
-def test_arrays_are_found_by_their_names():
-    """The order in a file plays no part; further arrays are left alone."""
-    arrays = make_result(3, 9).to_arrays()
-    shuffled = {"other": np.zeros(3), **dict(reversed(arrays.items()))}
-    assert_same(TriggerResult.from_arrays(shuffled), make_result(3, 9))
-
-
-def test_arrays_have_the_names_of_the_statistics():
-    arrays = make_result(3).to_arrays()
-    assert float(arrays["film_minimum_surface_std"]) == 0.04
-    assert arrays["film_mean_gradient"].tolist() == [1.0, 2.0, 3.0]
-    assert arrays["drift"].tolist() == [[0.1 * 3, -0.2 * 3]]
-    assert arrays["peaks"].tolist() == [[3003, 2003]]
-
-
 def test_position_of_the_pin_survives_the_way_through_arrays():
     result = replace(make_result(3), position=make_position((0.01, 0.02)))
     assert_same(TriggerResult.from_arrays(result.to_arrays()), result)

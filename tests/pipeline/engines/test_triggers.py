@@ -15,7 +15,7 @@ from erlif.core.progress import silent
 from erlif.io.files import PartialFilm
 from erlif.pipeline.engines.engine import Threads
 from erlif.pipeline.engines.triggers import run_triggers
-from erlif.pipeline.film import MAPS, choose_region
+from erlif.pipeline.film import MAPS
 from erlif.pipeline.run import trigger_task
 
 FRAMES = [[0, 3], [1, 4], [2, 5]]
@@ -35,28 +35,6 @@ def compute(frames):
     names = ("thickness", "thickness_std", "thickness_std_shared")
     maps = dict.fromkeys(names, image) | {"flags": np.zeros((4, 6), np.uint8)}
     return maps, make_result(*frames)
-
-
-@pytest.mark.parametrize("workers", [1, 3, None])
-def test_results_stand_in_the_order_of_the_triggers(tmp_path, workers):
-    with begin(tmp_path) as unfinished:
-        results = run_triggers(
-            compute, FRAMES, unfinished, engine=Threads(workers), progress=silent
-        )
-    assert [[one.frame for one in result.frames] for result in results] == FRAMES
-
-
-def test_progress_counts_the_triggers(tmp_path):
-    steps = []
-    with begin(tmp_path) as unfinished:
-        run_triggers(
-            compute,
-            FRAMES,
-            unfinished,
-            engine=Threads(1),
-            progress=lambda *step: steps.append(step),
-        )
-    assert steps == [("film", 1, 3), ("film", 2, 3), ("film", 3, 3)]
 
 
 def test_finished_triggers_are_not_computed_again(tmp_path):
@@ -80,34 +58,12 @@ def test_finished_triggers_are_not_computed_again(tmp_path):
     assert len(results) == 3
 
 
-def test_triggers_after_a_fault_are_not_started(tmp_path):
-    started = []
-
-    def fail(frames):
-        started.append(frames[0])
-        raise ValueError("a fault")
-
-    many = [[k] for k in range(50)]
-    with (
-        begin(tmp_path) as unfinished,
-        pytest.raises(ValueError, match="a fault"),
-    ):
-        run_triggers(fail, many, unfinished, engine=Threads(1), progress=silent)
-    assert len(started) < 50
-
-
 # the task of the small rig
 
 
 @pytest.fixture(scope="module")
 def task(run, prepared, calibration):
     return trigger_task(run, prepared.chain, calibration)
-
-
-def test_task_has_the_region_of_the_settings(run, task):
-    assert task.region == choose_region(run.settings, (96, 128))
-    assert task.sliding_along_x
-    assert task.smoothing is None
 
 
 def test_film_of_a_frame_is_that_of_the_rig(task, truth):

@@ -154,11 +154,6 @@ def test_run_of_other_files_is_refused(film, lab):
         restore_images(film, lab.run, trigger=0)
 
 
-def test_trigger_that_the_film_lacks_is_refused(film, small_rig):
-    with pytest.raises(erlif.ErlifError, match="from 0 to 5"):
-        restore_images(film, small_rig.run, trigger=6)
-
-
 def test_film_without_its_sharpness_is_refused(film, small_rig, tmp_path):
     """The ratio of such a film could differ from the one behind its map."""
     import h5py

@@ -67,8 +67,9 @@ def laboratory(rig, tmp_path):
     return tmp_path / "rig"
 
 
-@pytest.mark.parametrize("kind", ["fixture", "run"])
-@pytest.mark.parametrize("lost", [("gain", "flat"), ("gain", "flat", "read_noise")], ids="-".join)
+@pytest.mark.parametrize(
+    ("kind", "lost"), [("fixture", ("gain", "flat")), ("run", ("gain", "flat", "read_noise"))]
+)
 def test_gain_is_estimated_from_the_frames_where_nothing_else_determines_it(laboratory, kind, lost):
     forget(laboratory / kind / f"{kind}.toml", *lost)
     prepared = estimate(laboratory / kind)
@@ -143,20 +144,6 @@ def test_film_with_estimated_gain_has_a_note_and_does_not_depend_on_the_workers(
     assert (lab.directory / "one.nc").read_bytes() == (lab.directory / "three.nc").read_bytes()
 
 
-def test_check_reports_that_the_gain_will_be_estimated(lab, command):
-    forget(lab.run / "run.toml", "gain", "flat")
-    assert (
-        "warning darks and flats: camera1: neither gain nor flats"
-        in command("check", lab.run).stdout
-    )
-
-
-def test_calibration_with_estimated_gain_has_a_note(laboratory):
-    forget(laboratory / "fixture" / "fixture.toml", "gain", "flat")
-    calibration = erlif.calibrate(laboratory / "fixture")
-    assert any("gain estimated from the noise" in str(note) for note in calibration.notes)
-
-
 def test_without_a_flat_the_spread_of_the_response_becomes_noise(laboratory):
     """The rig's pixels differ by 1 %. The drift of camera 2 shows its spread, taken for both."""
     forget(laboratory / "run" / "run.toml", "flat")
@@ -187,8 +174,7 @@ def test_response_of_camera_1_alone_without_a_flat_is_not_estimated(laboratory):
     assert any("no flat; vignetting and pixel response are not corrected" in line for line in one)
 
 
-@pytest.mark.parametrize("vibration", [0.0, 0.05])
-@pytest.mark.parametrize("seed", [812, 813])
+@pytest.mark.parametrize(("seed", "vibration"), [(812, 0.0), (813, 0.05)])
 def test_cameras_at_rest_leave_the_spread_of_the_response_open(tmp_path, seed, vibration):
     """A pattern at rest cancels in the differences of frames; little motion determines nothing."""
     simulate(
@@ -207,19 +193,6 @@ def test_cameras_at_rest_leave_the_spread_of_the_response_open(tmp_path, seed, v
     assert "pixel response is neither corrected" in texts(prepared, Level.WARNING)
     assert "response spread" not in texts(prepared)
     assert "varies by" not in texts(prepared)
-
-
-def test_gain_is_estimated_without_a_pattern_where_frames_do_not_move(laboratory, monkeypatch):
-    """Drift of exactly zero: the pattern cancels in the differences."""
-    monkeypatch.setattr(
-        "erlif.ratio.camera_noise._overlap",
-        lambda kernel, first, second: np.full(first.shape[1:], 0.5),
-    )
-    forget(laboratory / "run" / "run.toml", "gain", "flat")
-    prepared = estimate(laboratory / "run")
-    references = prepared.chain.references
-    assert np.all(np.isfinite(references.gain))
-    npt.assert_array_equal(references.response_spread, np.nan)
 
 
 def test_single_frame_without_gain_is_refused(lab, refused):

@@ -6,7 +6,6 @@ import xarray as xr
 
 from erlif.core.progress import silent
 from erlif.io.ingest import open_run
-from erlif.pipeline.recording.cameras import characterise_cameras
 from erlif.pipeline.recording.prepare import prepare_chain, prepare_with_map
 from erlif.ratio import BlurDifference
 
@@ -27,12 +26,6 @@ def test_options_of_the_settings_reach_the_chain(lab):
     lab.edit("run/run.toml", ("[thickness]\n", limits))
     chain = prepare_chain(open_run(lab.run), silent).chain
     assert (chain.correct.least_signal, chain.no_film_below) == (250, 0.4)
-
-
-def test_references_are_those_of_darks_flats_and_settings(run, prepared):
-    cameras = characterise_cameras(run)
-    xr.testing.assert_identical(prepared.chain.references, cameras.references)
-    assert prepared.notes == cameras.notes
 
 
 def test_cameras_of_the_rig_are_equally_sharp_but_for_the_interpolation(prepared):

@@ -24,7 +24,6 @@ def rename(frames, order):
     [
         ([0, 2, 1, 3, 4, 5], "images of camera 2 are exchanged: frame_0001.tif shows the pulse of"),
         ([1, 2, 3, 4, 5, 0], "camera 2 is one pulse early"),
-        ([5, 0, 1, 2, 3, 4], "camera 2 is one pulse late"),
         ([4, 5, 0, 1, 2, 3], "camera 2 is 2 pulses late"),
         ([5, 4, 3, 2, 1, 0], "camera 2 are in reverse order"),
     ],
@@ -74,11 +73,6 @@ def test_a_fixture_in_another_order_is_refused(longer, tmp_path, refused):
     assert "images of camera 2 are exchanged" in refused("calibrate", fixture)
 
 
-def test_a_sound_fixture_is_calibrated(longer, tmp_path, command):
-    shutil.copytree(longer.fixture, tmp_path / "fixture")
-    assert "pulse" not in command("calibrate", tmp_path / "fixture").output
-
-
 def test_recordings_in_order_have_no_note_on_pulses(film):
     with erlif.open_film(film) as found:
         assert "pulse" not in found.notes
@@ -117,14 +111,13 @@ def test_a_camera_stuck_in_the_first_triggers_alone_is_not_refused(
     assert any(line.startswith("warning: ") and "stuck" in line for line in notes)
 
 
-@pytest.mark.parametrize("camera", [1, 2])
-def test_one_image_for_all_frames_of_one_camera_is_refused(lab, refused, camera):
+def test_one_image_for_all_frames_of_one_camera_is_refused(lab, refused):
     """The first image of camera 2 had looked like one of exchanged cameras."""
-    first, *others = lab.frames(camera)
+    first, *others = lab.frames(2)
     for path in others:
         path.write_bytes(first.read_bytes())
     message = refused("process", lab.run)
-    assert f"all 6 frames of camera{camera} are the same" in message
+    assert "all 6 frames of camera2 are the same" in message
     assert "was stuck. Record the run again" in message
 
 
@@ -143,8 +136,3 @@ def test_a_camera_that_hung_for_some_pulses_is_not_stuck(lab):
     for path in frames[2:]:
         path.write_bytes(frames[2].read_bytes())
     refuse_stuck_cameras(erlif.ingest.open_run(lab.run).pairs)
-
-
-def test_a_frame_of_one_camera_that_is_a_copy_has_a_note(lab, command):
-    lab.frames(1)[3].write_bytes(lab.frames(1)[2].read_bytes())
-    assert "camera1: 1 of 6 files are copies of others" in command("process", lab.run).stdout

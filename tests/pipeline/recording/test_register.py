@@ -7,8 +7,9 @@ import pytest
 
 from erlif.core.errors import CalibrationError, RegistrationError
 from erlif.core.progress import silent
+from erlif.io.ingest import open_run
 from erlif.io.settings import RegistrationOptions
-from erlif.pipeline.recording.register import LitPairs, register_cameras, stored_map
+from erlif.pipeline.recording.register import FixtureMap, LitPairs, register_cameras, stored_map
 
 REUSE = RegistrationOptions(reuse=True)
 
@@ -22,14 +23,6 @@ def test_map_of_the_frames_is_that_of_the_rig(prepared, truth):
     ]
     assert np.sqrt(np.nanmean(squares[0] + squares[1])) < 0.1
     assert not found.stored
-
-
-def test_calibration_without_reuse_gives_no_map(calibration):
-    assert stored_map(calibration.camera_map, RegistrationOptions()) is None
-
-
-def test_calibration_gives_its_map_on_request(calibration):
-    assert stored_map(calibration.camera_map, REUSE) is calibration.camera_map
 
 
 def test_calibration_without_a_map_is_refused_on_request():
@@ -73,13 +66,14 @@ def test_pairs_are_read_one_by_one_and_reported(prepared):
     assert steps == [("registration", 2, 2)]
 
 
-def test_texture_is_left_when_the_slow_light_is_divided_out(prepared):
-    """The beam changes the light by a factor across the image; the quotient lies about 1."""
-    light = prepared.chain.correct.light(0).light
-    one, two, _, _ = LitPairs(prepared.chain.correct, [0], silent)[0]
-    for before, after in ((light[0], one), (light[1], two)):
-        blocks = [
-            image.reshape(6, 16, 8, 16).mean(axis=(1, 3)) / image.mean()
-            for image in (before, after)
-        ]
-        assert np.std(blocks[1]) < 0.5 * np.std(blocks[0])
+def test_the_map_of_the_fixture_is_kept_only_where_it_is_used(small_rig, calibration):
+    settings = open_run(small_rig.run).settings
+    known = FixtureMap.of(calibration, settings)
+    assert known.stored is None
+    assert known.nodes is not None
+
+    reused = settings.model_copy(
+        update={"registration": settings.registration.model_copy(update={"reuse": True})}
+    )
+    assert FixtureMap.of(calibration, reused).stored is not None
+    assert FixtureMap.of(replace(calibration, camera_map=None), settings) == FixtureMap(None, None)

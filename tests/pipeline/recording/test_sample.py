@@ -56,7 +56,3 @@ def test_sharpness_of_bands_is_that_of_the_frames_within_its_uncertainty(prepare
     for axis in "xy":
         difference = getattr(found, axis) - getattr(whole, axis)
         assert abs(difference) < 3 * getattr(found, f"std_{axis}")
-
-
-def test_no_sample_shows_no_difference_of_sharpness():
-    assert not compare_sharpness(()).significant
