@@ -21,6 +21,7 @@ from erlif.calibration.departure import (
     find_correlation,
     fit_departure,
 )
+from erlif.calibration.notes import make_note
 from erlif.calibration.pairing import pair_profile_with_image, thin_out
 from erlif.calibration.placement import add_uncertainty_of_turn, refine_pose
 from erlif.calibration.points import Points
@@ -30,8 +31,9 @@ from erlif.calibration.regression import OUTLIER, Fit, fit_robustly
 from erlif.calibration.soundness import check_fit, places
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import CalibrationError
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note
 from erlif.core.products import RatioImages, require
+from erlif.core.units import count_of
 from erlif.core.variables import CALIBRATION
 
 USEFUL = 0.25
@@ -144,8 +146,7 @@ def fit_calibration(
     fit, candidate, kept = settled.fit, settled.candidate, settled.fit.kept
     notes += settled.notes
     if not kept.all():
-        text = f"{int((~kept).sum())} of {kept.size} points lie far off the curve and were left out"
-        notes.append(Note(Level.NOTE, "", text))
+        notes.append(make_note("points_left_out", count=int((~kept).sum()), total=kept.size))
 
     calibration = _make_curve(settled, found, bands=bands, fixture=fixture)
     best = fit if candidate is None else candidate
@@ -153,7 +154,8 @@ def fit_calibration(
     # the calibrated range follows from the slope of the finished curve
     covered = _calibrated_range(calibration, best.true_thickness[kept], points, kept, frames)
     if covered.limited:
-        notes.append(_describe_limit(points, covered))
+        thickest = points.thickness.max()
+        notes.append(make_note("range_ends", thickest=thickest, end=covered.high, useful=USEFUL))
     notes += _describe_unresolved(calibration)
     moved = freedom.displacement @ best.displacement
     _refuse_nonsense(calibration, covered, points, moved)
@@ -291,29 +293,22 @@ def _settle_departure(points: Points, fit: Fit, freedom: Freedom) -> _Settled:
     if correlation.significance < _CORRELATED:
         return _Settled(fit, candidate, 1.0, notes)
     inflation = min(correlation.inflation, _LARGEST_INFLATION)
-    notes.append(
-        Note(
-            Level.WARNING,
-            "",
-            "errors of neighbouring points along the profile are correlated (coefficient "
-            f"{correlation.coefficient:.2f}): form, position or light of the fixture is not as "
-            f"stated; the standard deviations were widened by {math.sqrt(inflation):.2f}",
-        )
-    )
+    widened = math.sqrt(inflation)
+    notes.append(make_note("correlated", coefficient=correlation.coefficient, widened=widened))
     return _Settled(fit, candidate, inflation, notes)
 
 
 def _describe_departure(fit: Fit, candidate: Candidate, choice: Choice) -> Note:
     """Note on the spline that is used."""
     pieces = candidate.inner_knots + 1
-    text = (
-        f"the ratio departs from the reabsorption model {_describe_largest(fit, candidate)}: a "
-        f"spline of {pieces} piece{'s' * (pieces > 1)} is added to the model, the Bayesian "
-        f"information criterion being lower by {choice.evidence:.0f}"
+    falling = " (with more pieces the ratio would fall somewhere)" if choice.falling else ""
+    return make_note(
+        "departure",
+        largest=_describe_largest(fit, candidate),
+        pieces=count_of(pieces, "piece"),
+        evidence=choice.evidence,
+        falling=falling,
     )
-    if choice.falling:
-        text += " (with more pieces the ratio would fall somewhere)"
-    return Note(Level.NOTE, "", text)
 
 
 def _describe_structure(fit: Fit, choice: Choice) -> Note:
@@ -324,12 +319,8 @@ def _describe_structure(fit: Fit, choice: Choice) -> Note:
         else "but the evidence is too weak to use it"
     )
     chance = max(choice.chance, 1e-12)  # below it only the order of magnitude is known
-    return Note(
-        Level.WARNING,
-        "",
-        f"the residuals have structure (once in {1 / chance:.0g} by chance): a spline would depart "
-        f"from the reabsorption model {_describe_largest(fit, choice.smooth)}, {why}",
-    )
+    largest = _describe_largest(fit, choice.smooth)
+    return make_note("structure", once=1 / chance, largest=largest, why=why)
 
 
 def _residuals(points: Points, fit: Fit, freedom: Freedom, candidate: Candidate | None) -> Array:
@@ -414,40 +405,25 @@ def _calibrated_range(
     return _Range(low, thickest, thickest < grid[-1])
 
 
-def _describe_limit(points: Points, covered: _Range) -> Note:
-    """Note on a range that ends below the thickest film of the fixture."""
-    return Note(
-        Level.NOTE,
-        "",
-        f"the profile reaches {points.thickness.max():.1f} um, but beyond {covered.high:.1f} um "
-        f"the noise of a single pixel of one frame exceeds {USEFUL:.0%} of the thickness, or what "
-        "this light allows: the calibrated range ends there",
-    )
-
-
 def _describe_given_origin(points: Points, pixel_pitch: float) -> Note:
     """Note on the error of an origin along the profile that no fit can show."""
     # another origin shifts all films alike, and K, p and q follow a shifted film as well
     shift = float(np.median(np.abs(points.gradient[:, 0]))) * pixel_pitch
-    return Note(
-        Level.NOTE,
-        "",
-        "the origin along the profile is used as given: if it is wrong, all films are wrong by "
-        f"{shift:.2g} um for each pixel, which neither the chi-square nor the standard deviations "
-        "show. Check it with a mark on the fixture",
-    )
+    return make_note("given_origin", shift=shift)
 
 
 def _describe_unresolved(calibration: Calibration) -> list[Note]:
     """Note where the data determine K and p - q but not p and q."""
     _, p, q = calibration.parameters
     std, covariance = calibration.standard_deviations, calibration.covariance
-    difference_std = math.sqrt(covariance[1, 1] + covariance[2, 2] - 2 * covariance[1, 2])
     if std[2] < _UNRESOLVED * q:
         return []
-    text = (
-        f"the films are too thin to separate p and q (q = {q:.3f} ± {std[2]:.3f} 1/um); only K "
-        f"and p - q = {p - q:.4f} ± {difference_std:.4f} 1/um are determined. Do not measure films "
-        "thicker than the fixture's"
-    )
-    return [Note(Level.WARNING, "", text)]
+    return [
+        make_note(
+            "unresolved",
+            q=q,
+            q_std=std[2],
+            difference=p - q,
+            difference_std=math.sqrt(covariance[1, 1] + covariance[2, 2] - 2 * covariance[1, 2]),
+        )
+    ]

@@ -10,12 +10,13 @@ import numpy as np
 import numpy.typing as npt
 import scipy
 
+from erlif.calibration.notes import make_note
 from erlif.calibration.points import Points
 from erlif.calibration.pose import Pose
 from erlif.calibration.profile import MINIMUM_POINTS, Profile, gradient_of_thickness
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import CalibrationError
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note
 from erlif.core.products import RatioImages
 
 Cells = npt.NDArray[np.intp]
@@ -103,10 +104,7 @@ def pair_profile_with_image(ratios: RatioImages, profile: Profile, pose: Pose) -
 
     uncertainty = profile.uncertainty
     if uncertainty is None:
-        text = (
-            "the profile has no uncertainty_um; it was estimated from the scatter about the curve"
-        )
-        notes.append(Note(Level.NOTE, "", text))
+        notes.append(make_note("no_uncertainty"))
         uncertainty = np.full(total, math.nan)
 
     if position.shape[1] == 1:
@@ -167,17 +165,12 @@ def _describe_coverage(pixels: _Pixels, used: Mask) -> list[Note]:
             f"{int(used.sum())} of {used.size} are. Check origin, direction and pixel_pitch in "
             "fixture.toml, or measure a longer profile."
         )
-    texts = []
+    notes = []
     if pixels.covered < _COVERED:
-        texts.append(
-            f"the profile covers {pixels.covered:.0%} of the usable pixels; the rest was left out"
-        )
+        notes.append(make_note("covered", share=pixels.covered))
     if not used.all():
-        texts.append(
-            f"{int((~used).sum())} of {used.size} points of the profile lie outside the usable "
-            "image"
-        )
-    return [Note(Level.NOTE, "", text) for text in texts]
+        notes.append(make_note("points_outside", count=int((~used).sum()), total=used.size))
+    return notes
 
 
 def thin_out(profile: Profile, *, pixel_pitch: float) -> Profile:

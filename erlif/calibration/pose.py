@@ -9,9 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy
 
+from erlif.calibration.notes import make_note
 from erlif.calibration.points import Points
 from erlif.core.arrays import Array, Mask
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note
 
 ALONG, ACROSS, SCALE, TURN = range(4)
 """Elements of a change of pose: along and across the profile [mm], scale [1], turn [rad]."""
@@ -131,17 +132,10 @@ class FoundPose:
         left = [name for element, name in given.items() if not self.determined[element]]
         notes = []
         if found:
-            notes.append(
-                f"the pose of the profile was refined against the image: {', '.join(found)}, "
-                "about the middle of the profile"
-            )
+            notes.append(make_note("pose_refined", found=", ".join(found)))
         if left:
-            notes.append(
-                f"left as given: {', '.join(left)}. The profile has too little form to determine "
-                "them to a pixel (a straight wedge looks the same wherever it begins), or agrees "
-                "with the given values"
-            )
-        return [Note(Level.NOTE, "", text) for text in notes]
+            notes.append(make_note("pose_given", left=", ".join(left)))
+        return notes
 
     def to_record(self) -> dict[str, Any]:
         """The pose as plain numbers, as calibration.nc stores it."""

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable, Sequence
+from importlib.resources import files
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +14,10 @@ from erlif.core.notes import Level, Note, list_numbers
 from erlif.io.ingest import FramePairs, read_pair
 from erlif.pipeline.engines.results import FrameResult
 from erlif.ratio import PulseFault, PulseSample, find_pulse_faults
+
+_TEXTS: dict[str, Any] = tomllib.loads(
+    (files("erlif.pipeline.recording") / "pulse_order.toml").read_text(encoding="utf-8")
+)
 
 _LAST = 12
 """Pairs at the end of a recording by which a disorder of the first ones is confirmed."""
@@ -140,13 +147,8 @@ def _describe_unknown(fault: PulseFault, numbers: list[int]) -> Note:
     of_pulse = "no frame of camera 1 shows that pulse"
     if shown:
         of_pulse = f"the pulses of pairs {list_numbers(shown)} are among those shown twice"
-    return Note(
-        Level.WARNING,
-        f"frame pairs {list_numbers([numbers[k] for k in fault.frames])}",
-        f"camera 2 shows another laser pulse than camera 1, and {of_pulse}: the film of these "
-        "pairs is wrong by the speckle of the laser. Check the triggering of the cameras, and "
-        "leave these pairs out",
-    )
+    subject = f"frame pairs {list_numbers([numbers[k] for k in fault.frames])}"
+    return Note(Level.WARNING, subject, _TEXTS["notes"]["unknown"].format(of_pulse=of_pulse))
 
 
 def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note]:
@@ -164,76 +166,47 @@ def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note
             continue
         if len(set(known)) == 1 and len(known) == len(ordered):
             raise PulseError(_one_camera(camera + 1, len(known), pairs))
-        notes.append(
-            Note(
-                Level.WARNING,
-                f"camera{camera + 1}",
-                f"{copies} of {len(known)} files are copies of others: the camera was stuck, or "
-                "its export; their maps combine two pulses",
-            )
-        )
+        text = _TEXTS["notes"]["copies"].format(copies=copies, count=len(known))
+        notes.append(Note(Level.WARNING, f"camera{camera + 1}", text))
     return notes
 
 
 def _one_camera(camera: int, count: int, pairs: FramePairs) -> str:
     pages = pairs.pages[camera - 1]
-    return (
-        f"Expected a new exposure in every frame; all {count} frames of camera{camera} are the "
-        f"same ({pages[0].name}, {pages[1].name}, ...): the camera or its export was stuck. Record "
-        "the run again, or export it again."
-    )
+    names = {"first": pages[0].name, "second": pages[1].name}
+    return str(_TEXTS["one_camera"].format(count=count, camera=camera, **names))
 
 
 def _one_image(count: int, names: Sequence[str]) -> str:
-    return (
-        f"Expected a new exposure in every frame pair; all {count} pairs show the same image "
-        f"({names[0]}, {names[1]}, ...). Export the recording again, one frame for each pulse."
-    )
+    return str(_TEXTS["one_image"].format(count=count, first=names[0], second=names[1]))
 
 
 def _describe_repeated(frames: list[int], count: int, pairs: FramePairs) -> Note:
     names = [pairs.pages[0][k].name for k in frames]
     if len(frames) == count > 1:
         raise PulseError(_one_image(count, names))
-    return Note(
-        Level.WARNING,
-        f"frame pairs {list_numbers(frames)}",
-        "they show the same image to the last count: a camera or its export was stuck, or a file "
-        "was copied. Each is used as if it were a new exposure",
-    )
+    subject = f"frame pairs {list_numbers(frames)}"
+    return Note(Level.WARNING, subject, _TEXTS["notes"]["repeated"])
 
 
 def _describe_order(fault: PulseFault, numbers: list[int], pairs: FramePairs) -> str:
     """What is wrong with the order of camera 2, and how to mend it."""
-    expected = "Expected both cameras to show the same laser pulse in every frame pair; "
-    if fault.kind == "unknown":
-        return (
-            f"{expected}in {len(fault.frames)} of {len(numbers)} pairs camera 2 shows another "
-            "pulse, in no simple order. Check the triggering of the cameras and the numbers of the "
-            "files."
-        )
-    if fault.kind == "reversed":
-        return (
-            f"{expected}the frames of camera 2 are in reverse order. Number them in the order of "
-            "the pulses."
-        )
+    words: dict[str, object] = {"wrong": len(fault.frames), "count": len(numbers)}
     if fault.kind == "late":
-        number = abs(fault.lag)
-        pulses = "one pulse" if number == 1 else f"{number} pulses"
-        which = "late" if fault.lag > 0 else "early"
-        first, last = ("2", "1") if fault.lag > 0 else ("1", "2")
-        frames = "frame" if number == 1 else f"{number} frames"
-        return (
-            f"{expected}camera 2 is {pulses} {which}. Remove the first {frames} of camera {first} "
-            f"and the last {frames} of camera {last}; where a log has a row for each pair, remove "
-            "those of the pairs lost as well."
-        )
-    pairing = [
-        f"{pairs.pages[1][numbers[k]].name} shows the pulse of {pairs.pages[0][numbers[n]].name}"
-        for k, n in zip(fault.frames, fault.partners, strict=True)
-    ]
-    more = f", and {len(pairing) - _LISTED} more" if len(pairing) > _LISTED else ""
-    return (
-        f"{expected}images of camera 2 are exchanged: {', '.join(pairing[:_LISTED])}{more}. Give "
-        "them the numbers of their pulses."
-    )
+        number, late = abs(fault.lag), fault.lag > 0
+        words["pulses"] = "one pulse" if number == 1 else f"{number} pulses"
+        words["frames"] = "frame" if number == 1 else f"{number} frames"
+        words["which"] = "late" if late else "early"
+        words["first"], words["last"] = ("2", "1") if late else ("1", "2")
+
+    if fault.kind == "exchanged":
+        one, two = pairs.pages
+        pairing = [
+            f"{two[numbers[k]].name} shows the pulse of {one[numbers[n]].name}"
+            for k, n in zip(fault.frames, fault.partners, strict=True)
+        ]
+        more = [f"and {len(pairing) - _LISTED} more"] if len(pairing) > _LISTED else []
+        words["pairing"] = ", ".join([*pairing[:_LISTED], *more])
+
+    found = _TEXTS["order"][fault.kind].format(**words)
+    return f"Expected both cameras to show the same laser pulse in every frame pair; {found}"
