@@ -6,7 +6,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from scenes.fixture import K, Q, calibrate_wedge, log_ratio, wedge_profile
+from scenes.fixture import K, Q, autoregression, calibrate_wedge, log_ratio, wedge_profile
 from scipy.stats import binom, norm
 
 import erlif
@@ -62,14 +62,6 @@ def test_the_same_cmm_readings_make_the_check_sharper():
     assert "measurably" in uncertain.verdict
 
 
-def autoregression(rng, r, count):
-    """First-order autoregression with variance 1 and correlation `r` of neighbours."""
-    values = [rng.normal()]
-    for _ in range(count - 1):
-        values.append(r * values[-1] + np.sqrt(1 - r**2) * rng.normal())
-    return np.array(values)
-
-
 def test_correlated_noise_is_no_drift_and_hides_none():
     """Noise of 0.1 % whose neighbours are correlated by 0.8, on the readings of one fixture.
 
@@ -80,7 +72,7 @@ def test_correlated_noise_is_no_drift_and_hides_none():
     rng = np.random.default_rng(7)
     earlier = calibrate_wedge(rng)
     count = earlier.curve.curve_ratio.size
-    noise = [np.exp(1e-3 * autoregression(rng, 0.8, count)) for _ in range(100)]
+    noise = [np.exp(1e-3 * autoregression(rng, 0.8, count)) for _ in range(40)]
 
     def compare(factor):
         curve = earlier.curve.assign(curve_ratio=earlier.curve.curve_ratio * factor)
@@ -88,8 +80,8 @@ def test_correlated_noise_is_no_drift_and_hides_none():
 
     by_chance = [compare(factor) for factor in noise]
     assert all(each.paired for each in by_chance)
-    assert sum(each.significant for each in by_chance) <= binom.ppf(0.999, 100, 0.05)
-    assert all(compare(1.01 * factor).probability < 1e-6 for factor in noise[:20])
+    assert sum(each.significant for each in by_chance) <= binom.ppf(0.999, 40, 0.05)
+    assert all(compare(1.01 * factor).probability < 1e-6 for factor in noise[:8])
     assert not any(compare(1.01 * factor).bends for factor in noise[:5])
 
 

@@ -11,6 +11,7 @@ from scenes.fixture import (
     FILMS,
     WEDGE,
     assert_covers,
+    autoregression,
     calibrate,
     calibrate_wedge,
     has_note,
@@ -207,13 +208,6 @@ def test_spline_survives_a_dataset_and_its_absence_too(departing):
 
 
 # correlation of neighbours
-
-
-def autoregression(rng, r, count):
-    values = [rng.normal()]
-    for _ in range(count - 1):
-        values.append(r * values[-1] + np.sqrt(1 - r**2) * rng.normal())
-    return np.array(values)
 
 
 def test_correlation_of_an_autoregression_is_found_in_any_order():

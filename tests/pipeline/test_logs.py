@@ -29,12 +29,11 @@ def apart(a, b):
 @pytest.mark.parametrize(
     ("changes", "tolerance"),
     [
-        ({"encoder": "coupler"}, 0.1),
         ({"encoder": "crank"}, 0.1),
         ({"encoder": "coupler", "reading": "wrapped"}, 0.1),
         ({"reading": "ticks"}, 1.0),  # 0.005 degree of the rocker, five degrees off a dead point
-        ({"log": "continuous"}, 0.5),  # half a row of the log is 0.03 degree of the crank
         ({"log": "continuous", "encoder": "coupler", "reading": "ticks"}, 1.5),
+        # half a row of the log is 0.03 degree of the crank
         ({"log": "continuous", "encoder": "crank", "pulses_per_cycle": 7.3}, 0.5),
     ],
     ids=str,

@@ -90,3 +90,11 @@ def assert_covers(pulls):
         assert np.all(
             np.abs(share_within(pulls, width) - share) < 3 * np.sqrt(share * (1 - share) / count)
         )
+
+
+def autoregression(rng, r, count):
+    """First-order autoregression with variance 1 and correlation `r` of neighbours."""
+    values = [rng.normal()]
+    for _ in range(count - 1):
+        values.append(r * values[-1] + np.sqrt(1 - r**2) * rng.normal())
+    return np.array(values)
