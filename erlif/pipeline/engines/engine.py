@@ -65,6 +65,8 @@ class Threads:
 
     Attributes
     ----------
+    elsewhere : bool
+        As for `Engine`.
     workers : int | None
         Number of threads; default: one per processor.
 
