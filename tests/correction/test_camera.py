@@ -4,7 +4,6 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
-from erlif.core.errors import FrameError
 from erlif.correction import fit_photon_transfer, measure_camera
 
 EMPTY = np.zeros(4096, np.int64)
@@ -25,26 +24,6 @@ def fit(measured):
     )
 
 
-def test_a_camera_without_recordings_has_its_declared_level():
-    measured = measure(64.0, [])
-    assert (measured.darks.level, measured.darks.pages) == (64, 0)
-    assert (measured.full_scale, measured.saturation) == (4095, 4095)
-    assert (measured.levels, measured.flat_pages, measured.has_flat) == ((), 0, False)
-
-
-@pytest.mark.parametrize("bits", [8, 12, 16])
-def test_full_scale_is_the_last_count_of_the_histogram(bits):
-    measured = measure(3.0, [], histogram=np.zeros(2**bits, np.int64))
-    assert measured.full_scale == 2**bits - 1
-
-
-def test_a_pile_up_in_the_frames_is_the_saturation_without_flats():
-    counts = np.minimum(np.random.default_rng(1).normal(3300, 150, SHAPE).round(), 3300)
-    histogram = np.bincount(counts.astype(int).ravel(), minlength=4096)
-    measured = measure(64.0, [], histogram=histogram)
-    assert (measured.full_scale, measured.saturation) == (4095, 3300)
-
-
 def test_levels_and_light_are_those_of_the_flats(simulated):
     rng = np.random.default_rng(2)
     camera = simulated(shape=SHAPE)
@@ -58,22 +37,6 @@ def test_levels_and_light_are_those_of_the_flats(simulated):
     )
     expected = np.sum(flats, axis=0, dtype=float) - 8 * 64
     npt.assert_allclose(measured.flat_light, expected, rtol=0.01)
-
-
-def test_the_darks_are_subtracted_from_the_flats():
-    darks, flats = [np.full(SHAPE, 100, np.uint16)] * 2, [np.full(SHAPE, 1100, np.uint16)] * 3
-    npt.assert_allclose(measure(darks, flats).flat_light, 3000)
-    npt.assert_allclose(measure(64.0, flats).flat_light, 3 * 1036)
-
-
-def test_a_level_of_one_page_counts_for_the_light_and_not_for_the_noise(simulated):
-    rng = np.random.default_rng(3)
-    camera = simulated(shape=SHAPE)
-    flats = [*camera.flats((4400,), 1, rng), *camera.flats((8800,), 3, rng)]
-    measured = measure(64.0, flats)
-    assert len(measured.levels) == 1
-    assert measured.levels[0].light == pytest.approx(2000 * camera.response.mean(), rel=0.05)
-    assert measured.flat_pages == 4
 
 
 def test_gain_of_many_cameras_scatters_by_its_standard_deviation(simulated, check_coverage):
@@ -102,20 +65,3 @@ def test_pixels_within_5_percent_of_saturation_are_left_out_of_the_noise(share, 
     (level,) = measure(64.0, flats).levels
     expected = light.mean() if used else 1000.0
     assert level.light == pytest.approx(expected, rel=0.001)
-
-
-def test_bad_pixels_are_left_out_of_the_noise(simulated):
-    rng = np.random.default_rng(6)
-    camera = simulated(shape=SHAPE, hot=((5, 6),))
-    flats = camera.flats((8000,), 4, rng, flicker=0)
-    for flat in flats:
-        flat[5, 6] = rng.integers(500, 3500)
-    (level,) = measure(camera.darks(8, rng), flats).levels
-    shot = 8000 * camera.response.mean() / camera.gain**2
-    # the one pixel alone would add 750000 DN2/3000 = 250 DN2 to the 400 of shot noise
-    assert abs(level.variance - shot - camera.temporal_var) < 4 * level.variance_std
-
-
-def test_flats_without_light_are_refused_with_the_name_of_the_camera():
-    with pytest.raises(FrameError, match="flats of camera1"):
-        measure(64.0, [np.full(SHAPE, 70, np.uint16)])

@@ -6,8 +6,7 @@ import pytest
 from scipy.stats import chi2, norm
 
 from erlif.core.errors import FrameError
-from erlif.correction import declare_darks, reduce_darks
-from erlif.correction.darks import median_of_surroundings
+from erlif.correction import reduce_darks
 
 SHAPE = (72, 80)
 
@@ -49,11 +48,6 @@ def test_noise_of_many_cameras_scatters_by_its_standard_deviation(simulated, che
     assert abs(np.mean(pulls)) < 4 / np.sqrt(200)
 
 
-def test_the_mean_dark_scatters_by_its_variance(simulated, check_coverage):
-    darks = reduce_darks(simulated().darks(9, np.random.default_rng(2)))
-    check_coverage((darks.mean - 64) / np.sqrt(darks.mean_var))
-
-
 def test_a_level_that_drifts_from_page_to_page_is_less_certain(simulated):
     """A drift of 2 DN from page to page: with 16 pages the mean level is known to 0.5 DN."""
     rng = np.random.default_rng(3)
@@ -68,13 +62,6 @@ def test_a_level_that_drifts_from_page_to_page_is_less_certain(simulated):
     npt.assert_allclose(np.mean(stds), 0.5, rtol=0.06)
     # that of 120 levels is known to 6.5 %
     npt.assert_allclose(np.std(levels), 0.5, rtol=0.23)
-
-
-def test_a_steady_level_is_known_to_the_noise_of_its_mean(simulated):
-    camera = simulated()
-    darks = reduce_darks(camera.darks(16, np.random.default_rng(4)))
-    noise = np.sqrt(camera.temporal_var / (16 * 5760))
-    assert noise * 0.98 < darks.level_std < 20 * noise
 
 
 def test_a_fixed_pattern_is_measured_without_the_noise(simulated):
@@ -104,12 +91,6 @@ def test_two_pages_of_a_quiet_camera_have_few_noisy_pixels(sigma):
     npt.assert_allclose(np.mean(found), expected, rtol=0.05)
 
 
-def test_equal_pages_have_neither_noise_nor_bad_pixels():
-    darks = reduce_darks(even_pages(4))
-    assert (darks.temporal_var, darks.level, darks.level_std, darks.spread) == (0, 64, 0, 0)
-    assert not darks.bad.any()
-
-
 def test_a_single_page_has_no_variance():
     darks = reduce_darks(even_pages(1))
     assert (darks.pages, darks.mean_var, darks.temporal_var) == (1, 0, None)
@@ -120,13 +101,6 @@ def test_a_single_page_has_no_variance():
 def test_no_page_is_refused():
     with pytest.raises(FrameError, match="at least one dark page"):
         reduce_darks([])
-
-
-def test_a_declared_level_has_neither_noise_nor_pages():
-    darks = declare_darks(64.5, (3, 4))
-    npt.assert_array_equal(darks.mean, np.full((3, 4), 64.5))
-    assert (darks.level, darks.mean_var, darks.pages, darks.temporal_var) == (64.5, 0, 0, None)
-    assert not darks.bad.any()
 
 
 # bad pixels
@@ -141,14 +115,6 @@ def test_a_pixel_of_a_quiet_camera_is_hot_beyond_8_counts(pages, excess, hot):
     darks = reduce_darks(images)
     assert darks.bad[30, 40] == hot
     assert darks.bad.sum() == int(hot)
-
-
-@pytest.mark.parametrize(("sigmas", "hot"), [(6, False), (11, True), (-6, False), (-11, True)])
-def test_a_pixel_of_a_noisy_camera_is_hot_beyond_8_standard_deviations(sigmas, hot):
-    """The median of 25 neighbours adds 3 % to the scatter of a pixel."""
-    page = np.random.default_rng(6).normal(500, 10, SHAPE)
-    page[30, 40] = 500 + 10 * sigmas
-    assert reduce_darks([page]).bad[30, 40] == hot
 
 
 def test_glow_of_the_amplifier_does_not_make_pixels_hot():
@@ -183,34 +149,3 @@ def test_the_limit_for_noisy_pixels_is_a_chance_of_1e_7(amplitude, pages, share,
     darks = reduce_darks(alternating(pages, swing))
     assert darks.bad[30, 40] == noisy
     assert darks.bad.sum() == int(noisy)
-
-
-def test_a_flickering_pixel_is_bad_and_leaves_the_noise_as_it_is(simulated):
-    rng = np.random.default_rng(8)
-    camera = simulated()
-    pages = camera.darks(16, rng)
-    for page in pages:
-        page[20, 30] += rng.integers(0, 2, dtype=np.uint16) * np.uint16(60)
-    darks = reduce_darks(pages)
-    assert darks.bad[20, 30]
-    assert darks.bad.sum() == 1
-    assert abs(darks.temporal_var - camera.temporal_var) < 4 * darks.temporal_var_std
-
-
-def test_two_pages_leave_good_pixels_good(simulated):
-    """The variance of two pages is a chi-square of one degree of freedom: a long tail by chance."""
-    rng = np.random.default_rng(9)
-    bad = [reduce_darks(simulated().darks(2, rng)).bad.sum() for _ in range(10)]
-    # hot pixels are beyond 8 standard deviations: none by chance; noisy ones 0.006 of 57600
-    assert sum(bad) <= 1
-
-
-def test_the_surroundings_are_25_pixels():
-    image = np.zeros((9, 9))
-    image[2:7, 2:7] = np.arange(25).reshape(5, 5)
-    assert median_of_surroundings(image)[4, 4] == 12
-    image[2:7, 2:7] = 0
-    image[2:4, 2:7] = image[4, 2:5] = 1  # 13 of 25
-    assert median_of_surroundings(image)[4, 4] == 1
-    image[4, 4] = 0  # 12 of 25
-    assert median_of_surroundings(image)[4, 4] == 0

@@ -5,7 +5,6 @@ import numpy.testing as npt
 import pytest
 import xarray as xr
 
-from erlif.core.errors import ErlifError
 from erlif.core.flags import Flag
 from erlif.core.products import Frames, References
 from erlif.correction import correct_frames
@@ -62,12 +61,6 @@ def test_variance_is_shot_noise_read_noise_and_rounding_over_the_response_square
     npt.assert_allclose(corrected.signal_var_fixed, 0)
 
 
-def test_light_below_dark_is_negative_and_has_no_shot_noise():
-    corrected = correct_frames(make_frames(flat_frame(54)), make_references())
-    npt.assert_allclose(corrected.signal, -10)
-    npt.assert_allclose(corrected.signal_var, (9 / 4.4) ** 2 + 1 / 12, rtol=1e-6)
-
-
 def test_fixed_variance_is_that_of_dark_and_flat():
     """signal = (counts - dark)/flat: its derivatives are -1/flat and -signal/flat."""
     references = make_references(flat=0.8, dark_var=0.3, flat_var=1e-4)
@@ -86,11 +79,6 @@ def test_each_camera_has_its_own_references():
     npt.assert_allclose(corrected.signal_var[1], 125 + 4 + 1 / 12, rtol=1e-6)
     assert (corrected.flags[0] == Flag.SATURATED).all()
     assert (corrected.flags[1] == 0).all()
-
-
-def test_each_frame_is_corrected_by_itself():
-    corrected = correct_frames(make_frames(flat_frame(1064), flat_frame(2064)), make_references())
-    npt.assert_allclose(corrected.signal.mean(("y", "x")), [[1000, 2000]] * 2)
 
 
 # flags
@@ -115,28 +103,10 @@ def test_a_pixel_below_the_least_signal_is_dim(counts, least, flag):
     assert (corrected.flags == flag).all()
 
 
-def test_100_electrons_are_the_usual_limit():
-    image = flat_frame(87)
-    image[3, 4] = 86
-    flags = correct_frames(make_frames(image), make_references()).flags.values[0, 0]
-    assert np.argwhere(flags == Flag.DIM).tolist() == [[3, 4]]
-
-
 def test_dim_is_judged_before_the_response_is_divided_out():
     """The electrons of the pixel decide on its noise, not the light that a better one would see."""
     corrected = correct_frames(make_frames(flat_frame(84)), make_references(flat=0.5))
     assert (corrected.flags == Flag.DIM).all()
-
-
-def test_flags_add_up():
-    image = flat_frame()
-    image[5, 6] = 64
-    image[7, 8] = 4095
-    flags = correct_frames(make_frames(image), make_references(bad=[(5, 6), (7, 8)])).flags
-    assert flags[0, 0, 5, 6] == Flag.DIM | Flag.BAD_PIXEL
-    assert flags[0, 0, 7, 8] == Flag.SATURATED | Flag.BAD_PIXEL
-    assert flags[0, 0, 9, 9] == 0
-    assert "flag_meanings" in flags.attrs
 
 
 # bad pixels
@@ -160,33 +130,6 @@ def test_a_bad_pixel_takes_the_mean_of_its_eight_neighbours():
     others = np.ones(SHAPE, bool)
     others[10, 12] = False
     npt.assert_allclose(filled[others], (image - 64)[others])
-
-
-@pytest.mark.parametrize(
-    ("pixel", "rows", "columns"),
-    [
-        ((0, 0), [0, 1], [0, 1]),
-        ((23, 29), [22, 23], [28, 29]),
-        ((0, 12), [0, 1], [11, 12, 13]),
-        ((10, 29), [9, 10, 11], [28, 29]),
-    ],
-)
-def test_at_the_edge_the_neighbours_inside_count(pixel, rows, columns):
-    image = ramp()
-    ring = [image[i, j] for i in rows for j in columns if (i, j) != pixel]
-    npt.assert_allclose(fill(image, [pixel])[pixel], np.mean(ring) - 64, rtol=1e-6)
-
-
-def test_bad_neighbours_do_not_count():
-    image = ramp()
-    image[10, 13] = 4000
-    good = [
-        image[10 + i, 12 + j]
-        for i in (-1, 0, 1)
-        for j in (-1, 0, 1)
-        if (i, j) not in ((0, 0), (0, 1))
-    ]
-    npt.assert_allclose(fill(image, [(10, 12), (10, 13)])[10, 12], np.mean(good) - 64, rtol=1e-6)
 
 
 @pytest.mark.parametrize("reach", [1, 2, 4, 5])
@@ -222,17 +165,6 @@ def test_variance_matches_the_scatter_of_corrected_counts(simulated, check_cover
     npt.assert_allclose(signal.mean(), truth.mean(), rtol=1e-3)
 
 
-@pytest.mark.parametrize("name", ["dark", "flat", "bad", "gain", "read_noise", "full_scale"])
-def test_missing_references_are_named(name):
-    with pytest.raises(ErlifError, match=name):
-        correct_frames(make_frames(flat_frame()), make_references().drop_vars(name))
-
-
-def test_frames_without_counts_are_refused():
-    with pytest.raises(ErlifError, match="counts"):
-        correct_frames(make_frames(flat_frame()).drop_vars("counts"), make_references())
-
-
 # light that is not film
 
 
@@ -246,12 +178,6 @@ def with_background(references, light, variance=0.0, *, recorded=True):
             background_recorded=("camera", [recorded] * 2),
         )
     )
-
-
-def test_a_background_without_pages_leaves_the_error_of_the_dark():
-    references = with_background(make_references(dark_var=0.3), 20.0, recorded=False)
-    corrected = correct_frames(make_frames(flat_frame()), references)
-    npt.assert_allclose(corrected.signal_var_fixed, 0.3, rtol=1e-6)
 
 
 def test_background_is_scaled_by_the_pulse_energy_between_dark_and_flat():

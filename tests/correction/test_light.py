@@ -97,14 +97,6 @@ def test_blocks_have_their_mean_light(shape):
         npt.assert_allclose(blocks, block_light(light), rtol=0, atol=64 * EPS * light.max())
 
 
-def test_arrays_are_filled_in_place():
-    counts, references = recording((16, 24))
-    tables = tabulate(references, least_signal=100.0)
-    out = PairLight.empty((16, 24))
-    assert measure_light(counts, tables, out=out) is out
-    npt.assert_array_equal(out.light, measure_light(counts, tables).light)
-
-
 @pytest.mark.parametrize("dry", [False, True])
 def test_light_alone_is_the_same_without_memory_for_the_noise(dry):
     counts, references = recording((16, 24))
@@ -128,30 +120,3 @@ def with_background(references, seed=8):
             background_recorded=("camera", [True, False]),
         )
     )
-
-
-@pytest.mark.parametrize("energy", [1.0, 1.07, 0.8])
-def test_background_is_subtracted_as_in_the_plain_correction(energy):
-    counts, references = recording((37, 51))
-    references = with_background(references)
-    found = measure_light(counts, tabulate(references, least_signal=100.0), energy=energy)
-
-    frames = xr.Dataset(
-        {"counts": (("camera", "frame", "y", "x"), counts[:, None])},
-        {"pulse_energy": ("frame", [energy])},
-    )
-    expected = correct_frames(Frames(frames), references).isel(frame=0)
-    npt.assert_array_equal(found.flags, expected["flags"].values)
-    largest = 2 * float(np.abs(found.light).max())
-    npt.assert_allclose(found.light, expected.signal.values, rtol=0, atol=5 * EPS * largest)
-    npt.assert_allclose(found.variance, expected.signal_var.values, rtol=5 * EPS)
-    # light near zero is a difference of counts, whose rounding enters twice
-    npt.assert_allclose(found.variance_fixed, expected.signal_var_fixed.values, rtol=2e-5)
-
-
-def test_without_a_background_the_energy_changes_nothing():
-    counts, references = recording((16, 24))
-    tables = tabulate(references, least_signal=100.0)
-    one, other = (measure_light(counts, tables, energy=energy) for energy in (1.0, 1.3))
-    for name in ("light", "variance", "variance_fixed", "flags", "half", "blocks"):
-        npt.assert_array_equal(getattr(one, name), getattr(other, name))

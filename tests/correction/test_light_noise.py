@@ -25,13 +25,6 @@ def test_variances_are_those_of_the_light(camera):
     npt.assert_allclose(fill(light.light[camera], noise[camera], SHAPE[0]), expected, rtol=3 * EPS)
 
 
-def test_row_is_stored_modulo_the_rows_that_are_kept():
-    light, noise = scene(SHAPE).light[0], camera_noise(SHAPE)[0]
-    whole, last = fill(light, noise, SHAPE[0]), fill(light, noise, 8)
-    for row in range(SHAPE[0] - 8, SHAPE[0]):
-        npt.assert_array_equal(last[:, row % 8], whole[:, row])
-
-
 @pytest.mark.parametrize(("recorded", "energy"), [(1.0, 1.2), (0.0, 0.8)])
 def test_dry_joint_adds_its_shot_noise_and_that_of_its_page(recorded, energy):
     """Light is (counts - dark - energy (page - dark))/flat: derivatives by dark, page and flat."""

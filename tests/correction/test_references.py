@@ -8,7 +8,6 @@ from erlif.core.notes import Level, join_notes
 from erlif.correction import (
     CameraNoise,
     DeclaredNoise,
-    count_pixels,
     make_references,
     measure_camera,
 )
@@ -100,13 +99,6 @@ def test_images_and_characteristics_have_their_values(camera, measured):
     assert references.dark.dtype == np.float32
 
 
-def test_hot_and_dead_pixels_are_bad_and_few_others(measured):
-    bad = combine(measured).references.bad.values[0]
-    assert bad[HOT]
-    assert bad[DEAD]
-    assert bad.sum() <= 4
-
-
 def test_response_spread_is_that_of_the_pattern(camera, measured):
     """A wave of 1 % of the pixels, compared with its own eight neighbours."""
     y, x = np.indices(camera.shape)
@@ -115,17 +107,6 @@ def test_response_spread_is_that_of_the_pattern(camera, measured):
     around = sum(np.roll(wave, shift, (0, 1)) for shift in shifts) / 8
     expected = 1.4826 * np.median(np.abs((wave - around)[2:-2, 2:-2])) / np.sqrt(9 / 8)
     npt.assert_allclose(combine(measured).references.response_spread, expected, rtol=0.1)
-
-
-def test_cameras_are_kept_apart(simulated, measured):
-    other = measure(simulated(gain=2.0, offset=100.0))
-    cameras = make_references([measured, other], declared=[DeclaredNoise()] * 2)
-    npt.assert_allclose(cameras.references.gain, [4.4, 2.0], rtol=0.02)
-    npt.assert_allclose(cameras.references.dark_signal, [64, 100], atol=0.1)
-    assert [note.subject for note in cameras.notes] == ["cameras"]  # one line for both
-    one, two = cameras.notes[0].text.split("; ")
-    assert one.startswith("camera1 gain 4.")
-    assert two.startswith("camera2 gain 2.")
 
 
 def test_the_summary_has_values_with_their_standard_deviations(measured):
@@ -160,12 +141,6 @@ def test_a_declared_gain_that_deviates_by_more_than_10_percent_is_reported(measu
     assert "camera1: the declared gain" in warning
 
 
-@pytest.mark.parametrize("factor", [0.92, 1.08])
-def test_a_declared_gain_within_10_percent_is_not_reported(measured, factor):
-    own = float(combine(measured).references.gain_measured[0])
-    assert warnings_of(combine(measured, gain=own * factor, read_noise=9.0 * factor)) == ""
-
-
 @pytest.mark.parametrize(("factor", "reported"), [(0.8, True), (0.93, False), (1.2, True)])
 def test_a_declared_read_noise_is_compared_with_the_measured_one(measured, factor, reported):
     warning = warnings_of(combine(measured, read_noise=READ * factor))
@@ -191,14 +166,6 @@ def test_a_single_dark_page_brings_the_noise_of_a_page_into_every_frame(camera):
     npt.assert_allclose(
         references.dark_var, np.broadcast_to((READ / gain) ** 2 + 1 / 12, (2, 72, 80)), rtol=1e-6
     )
-
-
-def test_two_dark_pages_give_an_unbiased_read_noise(camera):
-    references = combine(measure(camera, darks=2)).references
-    assert np.all(references.bad.sum(("y", "x")) <= 6)
-    # 5760 pixels of one degree of freedom each: 0.9 % of the read noise
-    npt.assert_allclose(references.read_noise, READ, rtol=0.04)
-    assert np.all(abs(references.read_noise - READ) < 4 * references.read_noise_std)
 
 
 def test_read_noise_below_the_rounding_is_measured_as_zero(camera):
@@ -241,17 +208,6 @@ def test_without_a_gain_a_declared_read_noise_is_not_compared(camera):
     assert "differs" not in warnings_of(cameras)
 
 
-def test_without_darks_the_read_noise_is_assumed(camera):
-    cameras = combine(measure(camera, darks=0, pages=0), gain=4.4)
-    npt.assert_array_equal(cameras.references.read_noise, 10.0)
-    assert not cameras.references.read_noise_known.any()
-    assert cameras.references.gain_known.all()
-    assert "neither read noise nor two dark pages" in warnings_of(cameras)
-    assert "gain 4.4 electron/DN (declared), read noise 10 electron (assumed)" in summary_of(
-        cameras
-    )
-
-
 def test_an_estimate_from_the_frames_replaces_the_assumptions(camera):
     noise = CameraNoise(4.1, 0.2, 8.0, 0.5, response_spread=0.012)
     cameras = combine(measure(camera, darks=0, pages=0), estimated=noise)
@@ -266,13 +222,6 @@ def test_an_estimate_from_the_frames_replaces_the_assumptions(camera):
     npt.assert_allclose(references.flat_var, 0.012**2, rtol=1e-6)
     npt.assert_allclose(references.response_spread, 0.012)
     assert "will be estimated" not in warnings_of(cameras)
-
-
-def test_an_estimate_without_a_spread_adds_no_variance(camera):
-    noise = CameraNoise(4.1, 0.2, 8.0, 0.5)
-    references = combine(measure(camera, darks=0, pages=0), estimated=noise).references
-    npt.assert_array_equal(references.flat_var, 0)
-    assert np.isnan(references.response_spread).all()
 
 
 def test_measured_and_declared_values_take_precedence_over_an_estimate(measured, camera):
@@ -300,14 +249,6 @@ def test_saturation_below_full_scale_is_reported_and_used(simulated):
     assert "camera1: counts pile up at 3300, below full scale (4095)" in warning
     assert np.all(abs(references.gain - GAIN) < 4 * references.gain_std)
     npt.assert_allclose(references.saturation_capacity, (3300 - 64) * GAIN, rtol=0.02)
-
-
-def test_saturation_is_seen_in_frames_where_flats_are_dim(simulated):
-    rng = np.random.default_rng(6)
-    speckle = 13000 * rng.gamma(40, 1 / 40, (72, 80))
-    frame = simulated(top=3301).expose(speckle, rng)
-    dim = measure(simulated(), histogram=count_pixels(frame, 4095))
-    npt.assert_array_equal(combine(dim).references.full_scale, 3301)
 
 
 def test_a_response_that_is_not_linear_is_reported_and_a_linear_one_is_not(simulated, measured):
