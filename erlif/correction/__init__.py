@@ -5,8 +5,7 @@ from erlif.correction.camera import CameraMeasurement, measure_camera
 from erlif.correction.darks import Background, Darks, declare_darks, reduce_background, reduce_darks
 from erlif.correction.flats import FlatField, make_flat_field
 from erlif.correction.frames import correct_frames, gather_light
-from erlif.correction.light import CameraTables, PairLight
-from erlif.correction.light_noise import NoiseTables
+from erlif.correction.light import CameraTables, NoiseTables, PairLight
 from erlif.correction.pages import PageStack
 from erlif.correction.photon_transfer import (
     LightLevel,

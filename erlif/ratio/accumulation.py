@@ -72,6 +72,7 @@ class RatioSum:
             Weights of its pixels: one over the mean of the surroundings of the variance that is new
             in this frame; 0 where the pixel is flagged. [1]
         """
+        # new variance alone weighs: what repeats does not average out
         weight = _weigh(pair)
         images = pair.log_ratio, pair.variance, pair.variance_fixed, pair.variance_shared
         _add_frame(weight, images, pair.flags, self.weight, self._sums, self._flags)

@@ -45,6 +45,7 @@ def find_bubbles(one: Image, two: Image, *, share: float, margin: int = 3) -> Ma
     [[19, 30], [20, 29], [20, 30], [20, 31], [21, 30]]
     """
     blocks, least = _measure_blocks(one, two, _BLOCK)
+    # a block that one camera does not see must not enter a median
     known = np.isfinite(blocks)
     if not known.any():
         return np.zeros(one.shape, bool)
@@ -60,6 +61,7 @@ def find_bubbles(one: Image, two: Image, *, share: float, margin: int = 3) -> Ma
     dark = np.zeros(one.shape, np.uint8)
     _mark_dark(one, two, limit, near, _BLOCK, dark)
 
+    # the meniscus bends the light beside a bubble
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * margin + 1, 2 * margin + 1))
     return cv2.dilate(dark, disc).view(bool)
 

@@ -218,6 +218,7 @@ def estimate_camera_noise(
     True
     """
     cells = _gather_cells(views, blur, size=cell_size(shape))
+    # known values stay, unknown ones are assumptions that the fit replaces
     gain, read_noise = references.gain.values.copy(), references.read_noise.values.copy()
     if len(cells.variance) < _LEAST_CELLS:
         if not unknown.noise.any():
@@ -237,6 +238,7 @@ def estimate_camera_noise(
         # a column almost proportional to the constant would exchange random amounts with it
         pattern = False
         fit = fit_noise(cells, references, unknown, one_gain=True, pattern=False)
+    # two cameras of one kind have one gain; the frames decide how likely that is
     if unknown.gain.all():
         apart = fit_noise(cells, references, unknown, one_gain=False, pattern=pattern)
         fit, alike = weigh_gains(fit, apart)
@@ -259,6 +261,7 @@ def estimate_camera_noise(
     of_root = 2 * np.sqrt(max(fit.dark, fit.dark_std / 4, 1e-12))
     read_std[dark] = gain[dark] * fit.dark_std / of_root
 
+    # the response of camera 1 does not move against the film: that of camera 2 stands for both
     response = np.where(unknown.response & unknown.response[1], np.sqrt(fit.response), np.nan)
     columns = (gain, gain_std, read_noise, read_std, response)
     one, two = (CameraNoise(*(float(column[n]) for column in columns)) for n in range(2))
@@ -314,6 +317,8 @@ def _compare(
         own * mean(first.read[0] + second.read[0]),
         mixed[0] * mean(first.read[1]) + mixed[1] * mean(second.read[1]),
     )
+
+    # what the drift has not moved cancels in the difference
     pattern = mixed[0] + mixed[1] - 2 * common
 
     rows, columns = np.indices(pixels.shape)

@@ -102,6 +102,7 @@ def compute_ratio(
     )
     map_var = np.square(frames.displacement_std.values, dtype=float).astype(np.float32)
     no_flags = np.zeros(map_var.shape, np.uint8)  # those of the map are among those of camera 2
+    # without a difference of sharpness there is no ghost
     along = np.array(BlurDifference().corrected if blur is None else blur.corrected, np.float32)
 
     ratios = []
@@ -114,6 +115,7 @@ def compute_ratio(
             one, two, *noise, *flags, map_var, *along, *ratio.images, 0, 0, len(one)
         )
 
+        # bubbles are dark in both bands, which the ratio alone does not show
         ratio.flags[find_bubbles(one, two, share=no_film_below)] |= _NO_FILM
         correlation = 1.0
         if "interpolation" in frames:

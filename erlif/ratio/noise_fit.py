@@ -101,6 +101,7 @@ class NoiseCells(NamedTuple):
     @classmethod
     def join(cls, parts: Sequence[NoiseCells]) -> NoiseCells:
         """The cells of several pairs of frames together."""
+        # an empty part gives no pairs their types
         none, by_camera = np.zeros(0), np.zeros((0, 2))
         empty = cls(none, none.astype(np.int64), none, by_camera, by_camera, none)
         return cls(*(np.concatenate(column) for column in zip(empty, *parts, strict=True)))

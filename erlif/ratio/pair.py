@@ -152,6 +152,7 @@ def gather_ratios(pairs: Sequence[PairRatio]) -> RatioImages:
         images = [getattr(pair, name)[None] for pair in pairs]
         return images[0] if len(images) == 1 else np.concatenate(images)
 
+    # of pixels that neighbours share by interpolation; it differs with the drift of each frame
     correlation = np.array([pair.noise_correlation for pair in pairs])
     return RatioImages(
         xr.Dataset(

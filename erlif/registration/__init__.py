@@ -5,7 +5,7 @@ and `align_frames` samples camera 2 accordingly, with its noise and its flags.
 """
 
 from erlif.registration.alignment import align_frames
-from erlif.registration.background import divide_by_light
+from erlif.registration.background import divide_by_light, is_steep
 from erlif.registration.camera_map import CameraMap, MapKind, describe_map, move_map
 from erlif.registration.drift import Drift, check_map, estimate_drift
 from erlif.registration.estimate import register, register_frames
@@ -17,7 +17,6 @@ from erlif.registration.interpolation import (
 )
 from erlif.registration.inverse import InverseComparison, MapNodes, compare_with_inverse
 from erlif.registration.settings import RegistrationSettings, orient
-from erlif.registration.steepness import is_steep
 
 __all__ = [
     "CameraMap",

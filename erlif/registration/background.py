@@ -1,4 +1,4 @@
-"""Light that lamp, lens and film shape, fitted and divided out before two bands are compared.
+"""Light that lamp, lens and film shape: divided out before two bands are compared, or left out.
 
 Where a film thickens fast, the light of the two bands differs in shape, and a registration that
 takes this for texture shifts one camera against the other. A plain local mean leaves the curvature
@@ -14,6 +14,7 @@ import numpy as np
 import scipy
 
 from erlif.core.arrays import AnyArray, Array, Image, Mask
+from erlif.correction.light import BLOCK
 
 CELL: Final = 8
 """Side of the cells whose sums are fitted. [px]"""
@@ -35,6 +36,12 @@ BRIGHTER_PARTS: Final = 98
 
 DARK: Final = 0.02
 """Light below this part of the brighter parts is too dark for a texture."""
+
+STEEP: Final = 0.04
+"""Relative rise over blocks of 8 px above which light is steep. [1/px]"""
+
+LEAST_LIGHT: Final = 1e-3
+"""Light from which on its logarithm is taken; dark blocks are set to it. [counts]"""
 
 _TERMS: Final = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))  # powers of x and y
 _ORDERS: Final = 5  # the products of two quadratic terms have powers 0 to 4
@@ -172,6 +179,49 @@ def divide_by_light(image: AnyArray, weight: AnyArray) -> tuple[Image, Image]:
         texture = np.asarray(np.divide(image, light, out=light), np.float32)
     texture[~lit] = 1
     return texture, lit.astype(np.float32)
+
+
+def is_steep(
+    blocks: Image, shape: tuple[int, int], *, side: int = BLOCK, limit: float = STEEP
+) -> Mask:
+    """Find where the film itself makes the light steep, as at the thin end of a wedge.
+
+    There the ratio of the two bands varies as well, so their light rises differently, and a
+    registration that took the rise for texture would shift one camera against the other.
+
+    Parameters
+    ----------
+    blocks : array, (row, column), float32
+        Mean light of the blocks of 8 px of one camera; only ratios count.
+    shape : tuple of int
+        Rows and columns of the image.
+    side : int
+        Pixels of the image along a block.
+    limit : float
+        Relative rise above which a block counts as steep. [1/px]
+
+    Returns
+    -------
+    array of bool, (y, x)
+        True on the pixels of steep blocks.
+
+    Examples
+    --------
+    Exponential light rises everywhere by the same part of itself:
+
+    >>> middle = 8 * np.broadcast_to(np.arange(8, dtype=np.float32), (6, 8))
+    >>> bool(is_steep(np.exp(0.06 * middle), (48, 64))[:, 8:-8].all())
+    True
+    >>> bool(is_steep(np.exp(0.02 * middle), (48, 64)).any())
+    False
+    """
+    level = np.log(np.maximum(blocks, LEAST_LIGHT))
+
+    # a median over 3 by 3 blocks, so that a single scratch or speck is not taken for the film
+    down, along = np.gradient(cv2.medianBlur(level, 3))
+    steep = down * down + along * along > (limit * BLOCK) ** 2
+    pixels = np.repeat(np.repeat(steep, side, axis=0), side, axis=1)
+    return np.asarray(pixels[: shape[0], : shape[1]])
 
 
 @cache

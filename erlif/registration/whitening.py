@@ -139,15 +139,11 @@ class Filter:
         Factor of each frequency, at most 1. [1]
     spacing : float
         Distance of the frequencies. [cycles/px]
-    coherence : Array
-        Squared coherence at the same frequencies. [1]
     """
 
     amplitude: Array
 
     spacing: float
-
-    coherence: Array
 
     def on_grid(self, shape: tuple[int, int]) -> Image:
         """Amplitude at the frequencies of ``rfft2`` of an image of that shape; float32."""
@@ -216,7 +212,7 @@ def make_filter(spectra: Spectra) -> Filter | None:
     # a 1-2-1 average keeps the scatter of single rings out of the filter
     amplitude[1:-1] = 0.25 * amplitude[:-2] + 0.5 * amplitude[1:-1] + 0.25 * amplitude[2:]
     amplitude[0] = amplitude[1]
-    return Filter(amplitude / amplitude.max(), 1.0 / side, coherence)
+    return Filter(amplitude / amplitude.max(), 1.0 / side)
 
 
 def slope_gain(spectra: Spectra, filter_: Filter | None) -> float:

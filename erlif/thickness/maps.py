@@ -74,6 +74,7 @@ def measure_thickness(ratios: RatioImages, calibration: Calibration) -> Thicknes
     0.01
     """
     require(ratios, "log_ratio", "log_ratio_var", "log_ratio_var_shared", "flags")
+    # single precision throughout: its rounding is far below the noise of a pixel
     tables = FilmTables.of(calibration)
     shape = ratios.log_ratio.shape
     thickness, std, std_shared, near = (np.empty(shape, np.float32) for _ in range(4))
@@ -84,6 +85,7 @@ def measure_thickness(ratios: RatioImages, calibration: Calibration) -> Thicknes
     )
     for n in np.ndindex(shape[:-2]):
         images = log_ratio[n], variance[n], displaced[n], ratios.flags.values[n]
+        # medians of the image keep the digits of the sums over squares
         offset, noise = find_medians(images[0], images[1], images[3])
         surroundings = Surroundings.of(shape[-1], offset=offset, variance=noise)
         maps = thickness[n], std[n], std_shared[n], flags[n]

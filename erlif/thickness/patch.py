@@ -64,6 +64,7 @@ def sample_patch(
     >>> round(float(np.exp(patch.light))), patch.log_ratio
     (500, 0.5)
     """
+    # a patch under a bubble gives no mean
     valid = flags == 0
     count = int(valid.sum())
     if count < _LEAST_PIXELS:

@@ -101,6 +101,7 @@ def compare_light(
     >>> round(compare_light(light, film, np.zeros((8, 8), np.uint8), attenuation=0.02), 3)
     300.0
     """
+    # dark and bubbly pixels are flagged; a few pixels would have the noise of their own speckle
     good = flags == 0
     count = int(good.sum())
     if count < _LEAST_PIXELS:

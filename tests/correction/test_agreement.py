@@ -112,6 +112,21 @@ def test_light_in_the_dark_is_reported_with_its_share(bench):
     assert note.startswith("camera1: the dark shows 3.")  # 3 % of the whole, 3.1 % of the rest
 
 
+def test_even_light_has_no_shape_to_find_in_the_dark():
+    """Frames of one count, as a program writes them."""
+    histogram = np.zeros(4096, np.int64)
+    histogram[900] = 64 * 64
+    dark = np.full((64, 64), 64, np.uint16)
+    camera = measure_camera(
+        darks=iter([dark, dark]), flats=[], histogram=histogram, shape=dark.shape, camera="camera1"
+    )
+    total = ViewSum(dark.shape)
+    total.add(np.full(dark.shape, 900, np.uint16))
+    camera = replace(camera, view=total.mean())
+    cameras = make_references([camera, camera], declared=[DeclaredNoise(4.4, 9.0)] * 2)
+    assert find_reference_faults([camera, camera], cameras.references) == []
+
+
 def test_darks_of_changing_level_are_reported(bench):
     darks = np.concatenate([pages(bench.rng, np.full(SHAPE, 60.0 * (k > 1)), 1) for k in range(4)])
     (note,) = faults(bench.camera(darks=darks), bench.camera(number=1))
@@ -130,6 +145,17 @@ def test_files_cut_short_are_reported(bench, cut, words):
     options = {name: pages(bench.rng, light[name], count) for name, count in cut.items()}
     (note,) = faults(bench.camera(**options), bench.camera(number=1))
     assert words in note
+
+
+def test_a_last_light_level_with_fewer_pages_is_reported(bench):
+    cameras = []
+    for number in range(2):
+        response = bench.response[number]
+        flat = [*pages(bench.rng, 1000 * response, 3), *pages(bench.rng, 2000 * response, 1)]
+        cameras.append(bench.camera(flat=flat, number=number))
+    notes = faults(*cameras)
+    assert len(notes) == 2
+    assert all("1 page(s) at the last light level of the flat, 3 and" in note for note in notes)
 
 
 def test_a_flat_with_the_beam_of_the_laser_is_reported(bench):

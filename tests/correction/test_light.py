@@ -4,15 +4,13 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.pair import EPS, camera_noise, scene, variances
 from scenes.plain import block_light, correct_frames
 
 from erlif.core.flags import Flag
 from erlif.core.products import Frames, References
-from erlif.correction.light import PairLight, measure_light, tabulate
+from erlif.correction.light import PairLight, fill_noise, measure_light, tabulate
 from erlif.registration.normalise import binned
-
-EPS = float(np.finfo(np.float32).eps)
-"""A single operation in single precision is rounded by at most half of this."""
 
 
 def recording(shape, seed=5, dtype=np.uint16, full_scale=4095):
@@ -120,3 +118,41 @@ def with_background(references, seed=8):
             background_recorded=("camera", [True, False]),
         )
     )
+
+
+# variances, held to the equations in double precision
+
+NOISY = (37, 51)
+
+
+def fill(light, noise, rows, energy=1.0):
+    """All rows, of which as many are kept."""
+    kept = np.zeros((2, rows, light.shape[1]), np.float32)
+    fill_noise(light, tuple(noise), np.float32(energy), *kept, 0, light.shape[0])
+    return kept
+
+
+@pytest.mark.parametrize("camera", [0, 1])
+def test_variances_are_those_of_the_light(camera):
+    light, noise = scene(NOISY, dark=0.1), camera_noise(NOISY)
+    expected = np.array(variances(light, noise))[:, camera]
+    # four roundings of half a unit each, one of them in the expected value
+    npt.assert_allclose(fill(light.light[camera], noise[camera], NOISY[0]), expected, rtol=3 * EPS)
+
+
+@pytest.mark.parametrize(("recorded", "energy"), [(1.0, 1.2), (0.0, 0.8)])
+def test_dry_joint_adds_its_shot_noise_and_that_of_its_page(recorded, energy):
+    """Light is (counts - dark - energy (page - dark))/flat: derivatives by dark, page and flat."""
+    rng = np.random.default_rng(3)
+    light, noise = scene(NOISY).light[0], camera_noise(NOISY)[0]
+    dry, page = (rng.uniform(low, 2 * low, NOISY).astype(np.float32) for low in (20, 0.3))
+    per_gain, read_var, _ = noise.numbers.tolist()
+    numbers = np.array([per_gain, read_var, recorded], np.float32)
+    found = fill(
+        light, noise._replace(dry_light=dry, dry_var=page, numbers=numbers), NOISY[0], energy
+    )
+    scale, seen = noise.per_flat.astype(float), light + energy * dry.astype(float)
+    new = (seen / scale * per_gain + read_var) * scale**2
+    of_dark = (1 - energy * recorded) ** 2 * noise.dark_var * scale**2
+    repeated = of_dark + energy**2 * page + light.astype(float) ** 2 * noise.flat_var
+    npt.assert_allclose(found, [new, repeated], rtol=6 * EPS)

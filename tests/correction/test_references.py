@@ -73,12 +73,12 @@ def test_read_noise_of_many_cameras_scatters_by_its_standard_deviation(simulated
     """From 0.4 DN, where rounding matters, to 4 DN; the error of the gain enters as well."""
     rng = np.random.default_rng(2)
     pulls = []
-    for seed in range(120):
+    for seed in range(40):
         camera = simulated(shape=(24, 32), read_noise=rng.uniform(2, 18))
         references = combine(measure(camera, darks=6, pages=3, seed=seed)).references
         found, std = references.read_noise_measured[0], references.read_noise_std[0]
         pulls.append(float((found - camera.read_noise) / std))
-    # of 120, 3.5 binomial standard deviations are 15 % at one sigma and 7 % at two
+    # of 40, 3.5 binomial standard deviations are 26 % at one sigma and 12 % at two
     check_coverage(pulls)
 
 
@@ -97,16 +97,6 @@ def test_images_and_characteristics_have_their_values(camera, measured):
     assert references.full_scale == 4095
     assert references.has_flat
     assert references.dark.dtype == np.float32
-
-
-def test_response_spread_is_that_of_the_pattern(camera, measured):
-    """A wave of 1 % of the pixels, compared with its own eight neighbours."""
-    y, x = np.indices(camera.shape)
-    wave = 0.01 * np.sin(1.7 * x + 2.3 * y)
-    shifts = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j]
-    around = sum(np.roll(wave, shift, (0, 1)) for shift in shifts) / 8
-    expected = 1.4826 * np.median(np.abs((wave - around)[2:-2, 2:-2])) / np.sqrt(9 / 8)
-    npt.assert_allclose(combine(measured).references.response_spread, expected, rtol=0.1)
 
 
 def test_the_summary_has_values_with_their_standard_deviations(measured):
@@ -201,11 +191,15 @@ def test_a_camera_without_flats_has_an_assumed_gain_until_the_frames_are_read(ca
     assert "camera1: no flat; vignetting" in warning
 
 
-def test_without_a_gain_a_declared_read_noise_is_not_compared(camera):
-    cameras = combine(measure(camera, pages=0), read_noise=2 * READ)
-    expected = "cameras: camera1 gain not known yet, dark 64.0 DN, saturation 4095 DN; "
-    assert summary_of(cameras).startswith(expected)
-    assert "differs" not in warnings_of(cameras)
+def test_without_darks_the_read_noise_is_assumed(camera):
+    cameras = combine(measure(camera, darks=0, pages=0), gain=4.4)
+    npt.assert_array_equal(cameras.references.read_noise, 10.0)
+    assert not cameras.references.read_noise_known.any()
+    assert cameras.references.gain_known.all()
+    assert "neither read noise nor two dark pages" in warnings_of(cameras)
+    assert "gain 4.4 electron/DN (declared), read noise 10 electron (assumed)" in summary_of(
+        cameras
+    )
 
 
 def test_an_estimate_from_the_frames_replaces_the_assumptions(camera):

@@ -5,7 +5,6 @@ import numpy.testing as npt
 import pytest
 import xarray as xr
 
-from erlif.core.errors import ErlifError
 from erlif.core.flags import Flag
 from erlif.core.products import RatioImages
 from erlif.ratio import PairRatio, RatioSum, combine_frames
@@ -85,54 +84,8 @@ def frames():
     return ratio_images(rng.normal(size=(3, 12, 15)), rng.uniform(1, 2, (3, 12, 15)), fixed=0.2)
 
 
-def test_frames_added_one_by_one_give_the_same_mean(frames):
-    total = RatioSum((12, 15))
-    for n in range(3):
-        total.add(PairRatio.of(frames, n))
-    assert total.frames == 3
-    npt.assert_array_equal(total.mean().log_ratio, combine_frames(frames).log_ratio)
-
-
-def test_the_mean_of_one_frame_is_that_frame(frames):
-    one = RatioImages(frames.isel(frame=[0]))
-    mean = combine_frames(one)
-    for name in ("log_ratio", "log_ratio_var_fixed", "log_ratio_var_shared"):
-        npt.assert_allclose(mean[name], one[name][0], rtol=1e-6)
-    # pixels of one frame keep their own variance
-    npt.assert_allclose(mean.log_ratio_var, one.log_ratio_var[0], rtol=1e-6)
-
-
-def test_flagged_pixels_have_no_weight(frames):
-    frames.flags.values[1, 4, 5] = Flag.DIM
-    frames.log_ratio.values[1, 4, 5] = np.nan
-    weight = RatioSum((12, 15)).add(PairRatio.of(frames, 1))
-    assert weight[4, 5] == 0
-    assert np.count_nonzero(weight) == weight.size - 1
-    kept = combine_frames(RatioImages(frames.isel(frame=[0, 2])))
-    npt.assert_allclose(combine_frames(frames).log_ratio[4, 5], kept.log_ratio[4, 5], rtol=1e-6)
-
-
 def test_a_weight_is_one_over_the_mean_variance_of_the_surroundings(frames):
     """A square of 9 x 9 pixels, without the variance that repeats from frame to frame."""
     expected = 1 / (frames.log_ratio_var.values[0, 2:11, 3:12] - 0.2).mean()
     weight = RatioSum((12, 15)).add(PairRatio.of(frames, 0))
     npt.assert_allclose(weight[6, 7], expected, rtol=1e-5)
-
-
-def test_noise_correlation_is_the_mean_of_the_frames(frames):
-    given = frames.assign(noise_correlation=("frame", [1.0, 1.2, 1.7]))
-    npt.assert_allclose(combine_frames(RatioImages(given)).noise_correlation, 1.3)
-    npt.assert_allclose(combine_frames(frames).noise_correlation, 1.0)
-
-
-def test_a_sum_without_frames_has_no_valid_pixel():
-    mean = RatioSum((4, 5)).mean()
-    assert np.isnan(mean.log_ratio).all()
-    assert np.isnan(mean.variance).all()
-    assert (mean.flags == 0).all()
-
-
-@pytest.mark.parametrize("name", ["log_ratio_var_fixed", "log_ratio_var_shared", "flags"])
-def test_a_missing_variable_is_named(frames, name):
-    with pytest.raises(ErlifError, match=f"{name} is missing"):
-        combine_frames(RatioImages(frames.drop_vars(name)))

@@ -4,7 +4,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
-from erlif.ratio import NO_CELLS, cell_places, sample_cells
+from erlif.ratio import NO_CELLS, sample_cells
 
 
 def images(shape=(160, 192), seed=1):
@@ -47,12 +47,3 @@ def test_a_cell_with_a_bubble_is_left_out_and_single_defects_are_not():
 @pytest.mark.parametrize("shape", [(72, 200), (200, 88)])
 def test_small_images_have_no_cells(shape):
     npt.assert_array_equal(sample_cells(*images(shape)), NO_CELLS)
-
-
-def test_places_are_those_of_the_cells():
-    columns = np.broadcast_to(np.arange(192, dtype=np.float32), (160, 192)) + 1
-    light, _, variance, flags = images()
-    cells = sample_cells(light, columns, variance, flags)
-    x, y = cell_places()
-    npt.assert_allclose((cells.log_ratio - 0.5) / 96 - 1, x, atol=1e-6)
-    assert (np.diff(y.reshape(10, 12), axis=0) > 0).all()

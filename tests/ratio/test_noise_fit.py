@@ -74,24 +74,6 @@ def test_two_gains_follow_from_the_light_of_each_camera():
     assert found.dark == 0
 
 
-def test_one_gain_is_that_of_both_cameras():
-    given = cells(gain=(4.4, 4.4), dark=DARK)
-    found = fit(given, unknown(gain=(True, True)), one_gain=True)
-    npt.assert_allclose(found.slope, 1 / 4.4, rtol=1e-4)
-    npt.assert_allclose(found.slope_covariance, found.slope_covariance[0, 0])
-
-
-def test_known_gain_of_one_camera_is_subtracted():
-    found = fit(cells(dark=DARK), unknown(gain=(False, True)))
-    npt.assert_allclose(found.slope, [0, 1 / GAIN[1]], rtol=1e-4)
-    npt.assert_array_equal(found.slope_covariance[0], 0)
-
-
-def test_dark_variance_is_that_of_both_cameras():
-    found = fit(cells(dark=(7.0, 7.0)), unknown(read_noise=(True, True)))
-    npt.assert_allclose(found.dark, 7.0, rtol=1e-4)
-
-
 @pytest.mark.parametrize("camera", [0, 1])
 def test_dark_variance_of_one_camera_is_found_beside_the_known_one(camera):
     dark = DARK.copy()
@@ -113,11 +95,6 @@ def test_the_noise_of_a_flat_is_subtracted():
     npt.assert_allclose(found.slope, 1 / GAIN, rtol=1e-4)
 
 
-def test_a_constant_variance_does_not_change_the_gain():
-    found = fit(cells(dark=DARK, constant=2e-4), unknown(gain=(True, True)))
-    npt.assert_allclose(found.slope, 1 / GAIN, rtol=1e-4)
-
-
 def test_outliers_are_left_out():
     given = cells(dark=DARK, pixels=64)
     clean = fit(given, unknown(gain=(True, True)))
@@ -126,13 +103,6 @@ def test_outliers_are_left_out():
     std = np.sqrt(np.diag(found.slope_covariance))
     assert np.all(np.abs(found.slope - clean.slope) < std)
     assert np.all(np.abs(found.slope - 1 / GAIN) < 4 * std)
-
-
-def test_results_are_not_negative():
-    given = cells(gain=(np.inf, np.inf), dark=DARK, constant=1e-3, pixels=64)
-    found = fit(given, unknown(gain=(True, True), response=(True, True)), pattern=True)
-    assert np.all(found.slope >= 0)
-    assert found.response >= 0
 
 
 def noise_fit(slope, variance):
@@ -150,20 +120,6 @@ def test_without_information_the_prior_stays():
     npt.assert_allclose(weighed.alike, 0.95, rtol=1e-3)
 
 
-def test_equal_slopes_raise_the_probability_of_equal_gains():
-    weighed = weigh_gains(SAME, noise_fit([0.25, 0.25], 1e-8))
-    assert weighed.alike > 0.99
-    npt.assert_allclose(weighed.fit.slope, 0.25, rtol=1e-6)
-
-
-def test_clearly_different_slopes_are_kept():
-    apart = noise_fit([0.20, 0.30], 1e-8)
-    weighed = weigh_gains(SAME, apart)
-    assert weighed.alike < 1e-6
-    npt.assert_allclose(weighed.fit.slope, apart.slope, rtol=1e-3)
-    npt.assert_allclose(np.diag(weighed.fit.slope_covariance), 1e-8, rtol=1e-2)
-
-
 def test_undecided_gains_have_the_variance_of_the_mixture():
     """At least that between both results, p (1 - p) d^2."""
     apart = noise_fit([0.235, 0.265], 2e-5)
@@ -176,13 +132,6 @@ def test_undecided_gains_have_the_variance_of_the_mixture():
     assert np.all(np.abs(weighed.fit.slope - 0.25) < np.abs(apart.slope - 0.25))
 
 
-def test_exchanged_cameras_exchange_the_result():
-    one = weigh_gains(SAME, noise_fit([0.235, 0.265], 2e-5))
-    two = weigh_gains(SAME, noise_fit([0.265, 0.235], 2e-5))
-    npt.assert_allclose(one.alike, two.alike)
-    npt.assert_allclose(one.fit.slope, two.fit.slope[::-1])
-
-
 @pytest.mark.parametrize(
     ("response", "std", "expected"),
     [(0.0, 1e-5, True), (1e-4, 3e-5, True), (1e-4, 5e-5, False), (1e-3, 2e-4, False)],
@@ -190,36 +139,6 @@ def test_exchanged_cameras_exchange_the_result():
 def test_a_response_is_determined_by_a_small_error_or_a_clear_value(response, std, expected):
     found = NoiseFit(np.zeros(2), np.zeros((2, 2)), 0.0, 0.0, response, std)
     assert found.determines_response is expected
-
-
-@pytest.mark.parametrize(
-    ("what", "noise", "frames"),
-    [
-        (unknown(), [False, False], False),
-        (unknown(gain=(True, False)), [True, False], True),
-        (unknown(read_noise=(False, True)), [False, True], True),
-        (unknown(response=(True, False)), [False, False], False),
-        (unknown(response=(False, True)), [False, False], True),
-    ],
-)
-def test_frames_are_needed_for_noise_and_for_the_response_of_camera_2(what, noise, frames):
-    assert what.noise.tolist() == noise
-    assert what.any is frames
-
-
-def test_cells_of_several_pairs_are_joined():
-    one = cells()
-    both = NoiseCells.join([one, one])
-    assert both.variance.shape == both.pattern.shape == (2 * CELLS,)
-    assert both.shot.shape == both.read.shape == (2 * CELLS, 2)
-    npt.assert_array_equal(both.block[CELLS:], one.block)
-
-
-def test_no_pairs_have_no_cells():
-    none = NoiseCells.join([])
-    assert none.variance.size == 0
-    assert none.shot.shape == (0, 2)
-    assert none.block.dtype == np.int64
 
 
 def test_fits_without_scatter_are_not_averaged():

@@ -5,7 +5,6 @@ import numpy.testing as npt
 import pytest
 
 from erlif.ratio.planes import (
-    DIRECTIONS,
     find_steps,
     fit_one_side,
     fit_planes,
@@ -71,42 +70,6 @@ def test_plane_is_that_of_weighted_least_squares(image, place):
     npt.assert_allclose(remaining[place], expected_variance, rtol=1e-4)
 
 
-def test_pixels_that_are_not_valid_keep_their_value(image):
-    value, variance, sound = image
-    smooth, remaining, _ = fitted(weigh(*image), value, variance)
-    npt.assert_array_equal(smooth[~sound], value[~sound])
-    npt.assert_array_equal(remaining[~sound], 1e6)
-
-
-def test_pixels_on_a_line_determine_no_plane(image):
-    value, variance, sound = image
-    sound[:] = False
-    sound[10] = True
-    smooth, _, _ = fitted(weigh(value, variance, sound), value, variance)
-    npt.assert_array_equal(smooth, value)
-
-
-def test_weighed_pixels_have_a_margin_and_are_zero_where_not_valid(image):
-    value, variance, sound = image
-    planes = weigh_pixels(value, variance, 0.5 * variance, sound, 2.0, REACH)
-    inside = planes[:, REACH:-REACH, REACH:-REACH]
-    npt.assert_allclose(inside[0], np.where(sound, 1 / variance, 0), rtol=1e-6)
-    npt.assert_allclose(inside[1], np.where(sound, (value - 2) / variance, 0), rtol=1e-5, atol=1e-6)
-    npt.assert_allclose(inside[2], np.where(sound, 1.5, 0), rtol=1e-6)
-    assert planes.sum() == pytest.approx(inside.sum(), rel=1e-5)
-
-
-def test_distances_are_those_from_a_line_in_half_pixels():
-    distances = step_distances(REACH)
-    assert distances.shape == (DIRECTIONS, 2 * REACH + 1, 2 * REACH + 1)
-    y, x = np.meshgrid(D, D, indexing="ij")
-    for k in range(DIRECTIONS):
-        angle = np.pi * k / DIRECTIONS
-        exact = x * np.cos(angle) + y * np.sin(angle)
-        assert np.abs(distances[k] / 2 - exact).max() <= 0.25 + 1e-12
-    npt.assert_array_equal(distances[:, REACH, REACH], 0)
-
-
 @pytest.mark.parametrize("along", ["x", "y"])
 def test_a_step_through_a_pixel_is_suspect(along):
     place = X if along == "x" else Y
@@ -121,16 +84,6 @@ def test_a_step_through_a_pixel_is_suspect(along):
         weigh(0.3 * place, variance, np.ones(SHAPE, bool)), value, variance, 3.5**2
     )
     assert not plane.any()
-
-
-def test_the_registration_raises_the_limit_of_a_step():
-    value = np.where(X >= 12, 4.0, 0.0).astype(np.float32)
-    variance, sound = np.ones(SHAPE, np.float32), np.ones(SHAPE, bool)
-    place = np.array([[10, 12]])
-    for shared, expected in ((0.0, True), (100.0, False)):
-        planes = weigh(value, variance, sound, shared)
-        found = find_steps(planes, step_distances(REACH), place, 4.5**2)
-        assert found.tolist() == [expected]
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.4, 1.2, np.pi / 2, 2.5])

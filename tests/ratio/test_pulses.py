@@ -64,10 +64,6 @@ def test_a_reversed_camera_is_found(rng):
     assert fault.kind == "reversed"
 
 
-def test_without_speckle_that_is_new_with_every_pulse_nothing_is_found(rng):
-    assert find_pulse_faults(recording(rng, speckle=0.0, order=range(COUNT)[::-1])) == []
-
-
 def test_copies_of_a_frame_are_found(rng):
     samples = recording(rng)
     samples[7] = samples[2]
@@ -82,13 +78,6 @@ def test_small_frames_and_frames_without_valid_pixels_are_not_judged():
     assert np.isnan(flagged.light).all()
     assert np.isnan(small.light).all()
     assert find_pulse_faults([flagged, small] * 4) == []
-
-
-def test_three_images_in_a_ring_are_exchanged(rng):
-    order = list(range(COUNT))
-    order[3], order[6], order[9] = 6, 9, 3
-    (fault,) = find_pulse_faults(recording(rng, order=order))
-    assert (fault.kind, fault.frames, fault.partners) == ("exchanged", (3, 6, 9), (6, 9, 3))
 
 
 def test_exchanged_images_are_found_beside_one_of_an_unknown_pulse(rng):

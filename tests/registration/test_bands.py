@@ -28,53 +28,11 @@ def test_every_row_belongs_to_exactly_one_band(size, threads):
     npt.assert_array_equal(times, 1)
 
 
-def test_bands_are_of_equal_size_within_a_row():
-    sizes = np.array([stop - start for start, stop in bands_of(101, 4)])
-    assert len(sizes) == 4
-    assert sizes.max() - sizes.min() <= 1
-
-
-def test_short_ranges_are_not_shared_out():
-    """Each thread gets at least 16 rows."""
-    assert ROWS_PER_THREAD == 16
-    assert len(bands_of(31, 8)) == 1
-    assert len(bands_of(32, 8)) == 2
-    assert len(bands_of(80, 8)) == 5
-    assert len(bands_of(80, 3)) == 3
-
-
-def test_an_empty_range_calls_the_kernel_once_with_nothing_to_do():
-    assert bands_of(0, 4) == [(0, 0)]
-
-
 def test_bands_run_at_the_same_time():
     """Each of three kernels waits until all three have started."""
     together = threading.Barrier(3, timeout=20)
     in_bands(lambda start, stop: together.wait(), 3 * ROWS_PER_THREAD, 3)
     assert not together.broken
-
-
-def test_the_calling_thread_takes_the_first_band():
-    workers = {}
-
-    def kernel(start, stop):
-        workers[start] = threading.current_thread().name
-
-    in_bands(kernel, 2 * ROWS_PER_THREAD, 2)
-    assert workers[0] == threading.current_thread().name
-    assert workers[ROWS_PER_THREAD].startswith("registration")
-
-
-def test_all_bands_are_finished_on_return():
-    done = np.zeros(400, bool)
-
-    def slow(start, stop):
-        if start:
-            threading.Event().wait(0.02)
-        done[start:stop] = True
-
-    in_bands(slow, 400, 4)
-    assert done.all()
 
 
 @pytest.mark.parametrize("failing", [0, 50])

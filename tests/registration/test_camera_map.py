@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
-import xarray as xr
 
 from erlif.core.errors import RegistrationError
-from erlif.registration import CameraMap, MapKind, RegistrationSettings, describe_map, move_map
+from erlif.registration import CameraMap, MapKind, RegistrationSettings, move_map
 
 SHAPE = (5, 7)
 ARRAYS = ("displacement_x", "displacement_y", "displacement_std", "overlap", "poor")
@@ -31,12 +30,6 @@ def found():
             window=48, step=12, model="surface", orientation="mirrored_x", whiten=False, search=0.2
         ),
     )
-
-
-def through_a_file(camera_map, path):
-    describe_map(camera_map).to_netcdf(path, engine="h5netcdf")
-    with xr.open_dataset(path, engine="h5netcdf") as stored:
-        return CameraMap.from_dataset(stored.load())
 
 
 def assert_same(one, other):
@@ -99,22 +92,6 @@ def test_unknown_kind_of_map_is_refused(found, text):
 # the file -----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("whiten", [True, False])
-def test_map_and_settings_survive_a_file(found, tmp_path, whiten):
-    camera_map = replace(found, settings=replace(found.settings, whiten=whiten))
-    assert_same(through_a_file(camera_map, tmp_path / "map.nc"), camera_map)
-
-
-def test_every_variable_has_units_and_a_name(found):
-    dataset = found.to_dataset()
-    assert set(dataset) == set(ARRAYS)
-    assert {name: dataset[name].units for name in ARRAYS} == dict(
-        zip(ARRAYS, ("px", "px", "px", "1", "1"), strict=True)
-    )
-    assert dataset.displacement_x.long_name.endswith("along x")
-    assert dataset.displacement_y.long_name.endswith("along y")
-
-
 @pytest.mark.parametrize("missing", [*ARRAYS, "registration_quality", "registration_model_asked"])
 def test_missing_part_of_a_stored_map_is_named(found, missing):
     dataset = found.to_dataset()
@@ -124,10 +101,6 @@ def test_missing_part_of_a_stored_map_is_named(found, missing):
         del dataset.attrs[missing]
     with pytest.raises(RegistrationError, match=f"needs {missing}, which"):
         CameraMap.from_dataset(dataset)
-
-
-def test_shape_is_rows_and_columns_of_camera_1(found):
-    assert found.shape == SHAPE
 
 
 # the translation ----------------------------------------------------------------------------------
@@ -158,10 +131,3 @@ def test_a_map_shows_displacement_and_error():
         assert "-3.00 to -1.00 px" in shown
         assert "0.020 px (median)" in shown
     assert camera_map._repr_html_().count("<img") == 2
-
-
-def test_a_map_without_overlap_is_shown():
-    image, nowhere = np.full((3, 4), np.nan), np.zeros((3, 4), bool)
-    camera_map = CameraMap(image, image, image, nowhere, nowhere, 0.0, MapKind.LOCAL)
-    assert "not known" in repr(camera_map)
-    assert "nan" not in camera_map._repr_html_()

@@ -6,7 +6,6 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes.registration import Scene, drifting_frames, expose, smooth_map
-from scipy import ndimage
 
 from erlif.core.errors import RegistrationError
 from erlif.registration import (
@@ -23,12 +22,11 @@ from erlif.registration.drift import (
     binned_field,
     fold_quarters,
     follow_drift,
-    rough_drift,
     shift_std,
     whole_pixels,
 )
 from erlif.registration.matching import BX, BY, GXX, GXY, GYY, SUMS
-from erlif.registration.pairs import Pair, textures
+from erlif.registration.pairs import Pair
 
 SHAPE = (160, 192)
 
@@ -68,6 +66,17 @@ def run():
 # one frame ----------------------------------------------------------------------------------------
 
 
+def test_error_of_the_drift_agrees_with_its_standard_deviation():
+    """Over scenes: part of the error belongs to the texture and is the same in all exposures."""
+    pull = []
+    for seed in range(12):
+        shape = (416, 448) if seed < 2 else SHAPE  # large frames are binned
+        truth = Scene(shape, 200 + seed).photograph(smooth_map(shape, offset=(1.3, -0.6)))
+        found = estimate_drift(known_map(truth), truth.reference, truth.moving)
+        pull += [found.dx / found.std_dx, found.dy / found.std_dy]
+    assert 0.6 < np.sqrt(np.mean(np.square(pull))) < 1.4  # 24 values know their rms to 14 %
+
+
 def test_drift_scatters_no_less_than_the_bound_and_little_more():
     """The Cramer-Rao variance of two noisy samplings of one scene is 1 / sum(g^2 / (v1 + v2))."""
     truth = Scene(SHAPE, 9, private=0.0, scratches=0).photograph(
@@ -86,38 +95,6 @@ def test_drift_scatters_no_less_than_the_bound_and_little_more():
     v2 = (truth.clean_moving / 4 + 4 + 1 / 12) / truth.clean_moving**2
     bound = 1 / np.sqrt((gradient**2 / (v1 + v2)).sum())
     assert 0.8 < np.std(shots, ddof=1) / bound < 1.6  # 60 shots know their scatter to 9 %
-
-
-def test_error_of_the_drift_agrees_with_its_standard_deviation():
-    """Over scenes: part of the error belongs to the texture and is the same in all exposures."""
-    pull = []
-    for seed in range(25):
-        shape = (416, 448) if seed < 5 else SHAPE  # large frames are binned
-        truth = Scene(shape, 200 + seed).photograph(smooth_map(shape, offset=(1.3, -0.6)))
-        found = estimate_drift(known_map(truth), truth.reference, truth.moving)
-        pull += [found.dx / found.std_dx, found.dy / found.std_dy]
-    assert 0.7 < np.sqrt(np.mean(np.square(pull))) < 1.3  # 50 values know their rms to 10 %
-
-
-@pytest.mark.parametrize("move", [(-4, 3), (7, 0), (0, -6)])
-def test_large_drift_is_followed_in_both_directions(truth, move):
-    moved = np.roll(truth.moving, move[::-1], (0, 1))
-    found = estimate_drift(known_map(truth), truth.reference, moved)
-    npt.assert_allclose((found.dx, found.dy), move, atol=0.03)
-    assert 0.8 < found.quality < 1
-    assert 0 < found.std_dx < 0.03
-    assert 0 < found.std_dy < 0.03
-
-
-def test_drift_comes_on_top_of_the_map(truth):
-    """A map that is 2 px too short along x and 1 px too long along y leaves that much as drift."""
-    short = replace(
-        known_map(truth),
-        displacement_x=(truth.dx - 2).astype(np.float32),
-        displacement_y=(truth.dy + 1).astype(np.float32),
-    )
-    found = estimate_drift(short, truth.reference, truth.moving)
-    npt.assert_allclose((found.dx, found.dy), (2, -1), atol=0.03)
 
 
 def test_orientation_of_the_map_is_applied_to_camera_2(truth):
@@ -143,16 +120,6 @@ def test_pixels_without_weight_do_not_move_the_drift(truth):
     npt.assert_allclose((found.dx, found.dy), (3, 2), atol=0.05)
 
 
-def test_smallest_frame_has_a_drift():
-    """64 by 64 px are sixteen cells, the fewest on which chance can be judged."""
-    noise = np.random.default_rng(15).normal(size=(64, 68))
-    wall = (1000 + 300 * ndimage.gaussian_filter(noise, 1.5)).astype(np.float32)
-    flat = np.zeros((64, 64), np.float32)
-    level = CameraMap(flat, flat, flat, flat == 0, flat > 0, 1.0, MapKind.SURFACE)
-    found = estimate_drift(level, wall[:, 2:-2], wall[:, :-4])
-    npt.assert_allclose((found.dx, found.dy), (2, 0), atol=0.02)
-
-
 def test_frame_that_does_not_fit_is_refused(truth):
     camera_map = known_map(truth)
     stranger = Scene(SHAPE, 77).photograph(smooth_map(SHAPE))
@@ -174,28 +141,6 @@ def test_frame_without_common_texture_has_no_drift(truth):
 
 
 # a stored map -------------------------------------------------------------------------------------
-
-
-def test_check_of_a_map_that_fits_gives_the_drift_of_each_frame(run):
-    frames, drift, camera_map = run
-    measured = check_map(camera_map, frames[:5])
-    npt.assert_allclose(measured, drift[:5], atol=0.1)
-    assert np.sqrt(np.mean((measured - drift[:5]) ** 2)) < 0.05
-
-
-def test_at_most_eight_frames_are_checked(run):
-    frames, _, camera_map = run
-    assert check_map(camera_map, frames).shape == (8, 2)
-    few = replace(camera_map, settings=RegistrationSettings(frames_for_map=2))
-    assert check_map(few, frames).shape == (2, 2)
-    assert check_map(few, frames, settings=RegistrationSettings()).shape == (8, 2)
-
-
-def test_check_turns_camera_2_once(run):
-    frames, drift, camera_map = run
-    mounted = [(one, orient(two, "rotated_180"), None, None) for one, two, *_ in frames[:3]]
-    turned = replace(camera_map, settings=RegistrationSettings(orientation="rotated_180"))
-    npt.assert_allclose(check_map(turned, mounted), drift[:3], atol=0.1)
 
 
 def test_map_of_a_turned_camera_is_refused(run):
@@ -230,16 +175,6 @@ def test_drift_does_not_depend_on_where_the_search_begins():
 
 
 @pytest.mark.parametrize("move", [(0, 0), (3, -5), (-FARTHEST, FARTHEST)])
-def test_whole_pixels_of_a_translation_are_found(move):
-    wall = np.random.default_rng(4).normal(size=(80, 100)).astype(np.float32)
-    dx, dy = move
-    a = wall[10:-10, 10:-10]
-    b = wall[10 - dy : 70 - dy, 10 - dx : 90 - dx].copy()
-    b[5:9, 7] = np.nan
-    npt.assert_array_equal(whole_pixels(a, b), move)
-
-
-@pytest.mark.parametrize("move", [(0, 0), (3, -5), (-FARTHEST, FARTHEST)])
 def test_whole_pixels_are_found_in_the_sum_of_the_quarters(move):
     """Noise of twice the texture: a correlation of 0.45 over a quarter of the pixels."""
     rng = np.random.default_rng(14)
@@ -252,11 +187,6 @@ def test_whole_pixels_are_found_in_the_sum_of_the_quarters(move):
     folded = fold_quarters(a.astype(np.float32)), fold_quarters(b)
     assert folded[0].shape == folded[1].shape == (110, 121)
     npt.assert_array_equal(whole_pixels(*folded), move)
-
-
-def test_small_images_are_searched_as_they_are():
-    image = np.ones((200, 320), np.float32)
-    assert fold_quarters(image) is image
 
 
 def test_opposite_edges_of_the_frame_are_kept_apart():
@@ -284,11 +214,6 @@ def test_binned_field_is_the_displacement_at_the_centres_of_binned_pixels(binnin
     centre = (binning - 1) / 2
     v, u = np.indices((h, w)) * binning + centre
     npt.assert_allclose(binned, (3 + 0.02 * u - 0.05 * v) / binning, rtol=1e-5)
-
-
-def test_products_of_unrelated_textures_are_within_chance():
-    rng = np.random.default_rng(5)
-    assert not any(beyond_chance(rng.normal(size=200)) for _ in range(500))
 
 
 def test_mean_product_of_seven_standard_errors_is_beyond_chance():
@@ -337,24 +262,3 @@ def test_standard_deviation_is_not_known_without_gradients_in_two_directions():
     assert np.isnan(shift_std(sums)).all()
     sums[..., GXX] = 1.0
     assert np.isnan(shift_std(sums)).all()
-
-
-# prepared textures ------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("shape", [(96, 128), SHAPE, (416, 448)])
-def test_textures_alone_give_the_drift_to_a_tenth_of_a_pixel(shape):
-    """Small frames, and one that is binned by 4."""
-    frames, drift, dx, dy = drifting_frames(shape, 3, contrast=0.15)
-    still = dx.astype(np.float32), dy.astype(np.float32)
-    for (reference, moving, *_), expected in zip(frames, drift, strict=True):
-        found = rough_drift(*still, textures(Pair(reference, moving), 1, 1))
-        npt.assert_allclose(found, expected, atol=0.1)
-
-
-def test_textures_without_anything_in_common_have_no_drift():
-    """Camera 2 shows another scene."""
-    one, other = (Scene(SHAPE, seed).photograph(smooth_map(SHAPE)) for seed in (1, 2))
-    still = one.dx.astype(np.float32), one.dy.astype(np.float32)
-    found = rough_drift(*still, textures(Pair(one.reference, other.moving), 1, 1))
-    assert np.isnan(found).all()

@@ -7,10 +7,8 @@ import pytest
 from erlif.registration.matching import BX, BY, EE, GXX, GXY, GYY, SUMS, WEIGHT
 from erlif.registration.selection import (
     FINE_LADDER,
-    LADDER,
     Model,
     attainable_gain,
-    candidates,
     choose_model,
     disagreement,
     elements_of,
@@ -64,28 +62,6 @@ def noise_only(seed=0, **options):
 
 
 @pytest.mark.parametrize(
-    ("model", "coefficients", "name"),
-    [
-        (Model((1, 1), 1), 3, "polynomial of degree 1"),
-        (Model((1, 1), 2), 6, "polynomial of degree 2"),
-        (Model((1, 1), 3), 10, "polynomial of degree 3"),
-        (Model((1, 1)), 16, "1 x 1 cubic spline elements"),
-        (Model((6, 5)), 72, "6 x 5 cubic spline elements"),
-    ],
-)
-def test_models_count_their_coefficients_and_name_themselves(model, coefficients, name):
-    assert model.coefficients == coefficients
-    assert str(model) == name
-
-
-@pytest.mark.parametrize("degree", [1, 2, 3])
-def test_a_polynomial_is_a_restricted_spline(degree):
-    basis = Model((1, 1), degree).basis
-    assert basis.shape == (16, Model((1, 1), degree).coefficients)
-    assert Model((2, 2)).basis is None
-
-
-@pytest.mark.parametrize(
     ("longer", "box", "elements"),
     [
         (4, BOX, (4, 3)),
@@ -98,26 +74,6 @@ def test_a_polynomial_is_a_restricted_spline(degree):
 )
 def test_elements_are_nearly_square(longer, box, elements):
     assert elements_of(longer, box) == elements
-
-
-def test_candidates_go_from_coarse_to_fine():
-    models = candidates((0.0, 1280.0, 0.0, 1024.0), LADDER)
-    assert [model.degree for model in models[:3]] == [1, 2, 3]
-    assert [max(model.elements) for model in models[3:]] == list(LADDER)
-    counts = [model.coefficients for model in models]
-    assert counts == sorted(counts)
-
-
-def test_a_fine_ladder_goes_on_to_32_elements_without_polynomials():
-    assert LADDER == (1, 2, 3, 4, 6, 8)
-    assert FINE_LADDER == (12, 16, 20, 24, 32)
-    models = candidates((0.0, 1280.0, 0.0, 1024.0), FINE_LADDER)
-    assert [max(model.elements) for model in models] == list(FINE_LADDER)
-
-
-@pytest.mark.parametrize(("side", "finest"), [(288.0, 8), (287.0, 6), (20.0, 1)])
-def test_no_element_is_shorter_than_36_pixels(side, finest):
-    assert max(candidates((0.0, side, 0.0, side), LADDER)[-1].elements) == finest
 
 
 # what a surface leaves --------------------------------------------------------------------------
@@ -138,37 +94,6 @@ def test_cells_moved_to_the_true_surface_ask_for_nothing():
     npt.assert_allclose(again.sums[..., [BX, BY, EE]], cells.sums[..., [BX, BY, EE]], atol=1e-6)
 
 
-def test_disagreement_is_the_squared_displacement_in_its_own_matrix():
-    x, _ = grid()
-    cells = cells_of(0 * x + 0.3, 0 * x - 0.2, noise=0)
-    d = np.array([0.3, -0.2])
-    gxx, gxy, gyy = (cells.sums[..., k] for k in (GXX, GXY, GYY))
-    expected = gxx * d[0] ** 2 + 2 * gxy * d[0] * d[1] + gyy * d[1] ** 2
-    npt.assert_allclose(np.sort(disagreement(cells, 1)), np.sort(expected.ravel()), rtol=1e-9)
-
-
-def test_a_common_displacement_adds_up_in_larger_tiles():
-    x, _ = grid()
-    cells = cells_of(0 * x + 0.3, 0 * x, noise=0)
-    npt.assert_allclose(
-        disagreement(cells, 4).mean(), 16 * disagreement(cells, 1).mean(), rtol=1e-6
-    )
-
-
-def test_noise_adds_up_to_the_same_in_tiles_of_any_size():
-    cells = noise_only(rows=64, cols=64)
-    for factor, tolerance in ((1, 0.1), (2, 0.2), (4, 0.4)):
-        npt.assert_allclose(disagreement(cells, factor).mean(), 2, atol=tolerance)
-
-
-def test_weights_multiply_the_disagreement():
-    cells = noise_only()
-    heavier = Cells(
-        *(getattr(cells, n) for n in ("sums", "x", "y", "here_x", "here_y")), 3 + 0 * cells.weight
-    )
-    npt.assert_allclose(disagreement(heavier, 2), 3 * disagreement(cells, 2))
-
-
 def test_tiles_without_texture_or_with_one_direction_only_are_left_out():
     cells = noise_only()
     cells.sums[0, :5, [GXX, GXY, GYY]] *= 0.02
@@ -176,10 +101,6 @@ def test_tiles_without_texture_or_with_one_direction_only_are_left_out():
     assert len(disagreement(cells, 1)) == 32 * 40 - 8
     cells.sums[..., GXX : GYY + 1] = 0
     assert len(disagreement(cells, 1)) == 0
-
-
-def test_noise_leaves_nothing_to_follow():
-    assert max(left_over(noise_only(seed)) for seed in range(10)) < 1
 
 
 @pytest.mark.parametrize("wavelength", [64.0, 150.0])
@@ -231,25 +152,6 @@ def test_windows_are_worth_it_where_the_displacement_left_exceeds_their_noise(
     assert is_unresolved(cells, window=2 * PITCH) is unresolved
 
 
-def test_wider_windows_have_less_noise():
-    """0.035 px in squares of 64 px: below the noise of windows of 2 cells, above that of 8."""
-    x, y = grid(64, 64)
-    sign = np.where((x // 64 + y // 64) % 2, 1.0, -1.0)
-    cells = cells_of(0.035 * sign, -0.035 * sign)
-    assert not is_unresolved(cells, window=2 * PITCH)
-    assert is_unresolved(cells, window=8 * PITCH)
-
-
-@pytest.mark.parametrize("used_up", [0, 200])
-def test_the_noise_of_a_degree_of_freedom_is_that_of_the_scores(used_up):
-    """All n cells have 2 n degrees of freedom, less those of the surface."""
-    cells = noise_only(rows=64, cols=64)
-    single = disagreement(cells, 1).sum() / (2 * 64 * 64 - used_up)
-    double = disagreement(cells, 2).sum() / (2 * 32 * 32 - used_up)
-    npt.assert_allclose(noise_of_scores(cells, used_up), max(single, double))
-    npt.assert_allclose(noise_of_scores(cells, 0), 1, atol=0.06)
-
-
 def test_noise_that_reaches_over_cells_counts_as_it_adds_up():
     x, _ = grid()
     rough = cells_of(0 * x, 0 * x)
@@ -258,26 +160,7 @@ def test_noise_that_reaches_over_cells_counts_as_it_adds_up():
     npt.assert_allclose(noise_of_scores(same, 0), 4 * disagreement(rough, 1).mean() / 2, rtol=0.15)
 
 
-def test_noise_is_unknown_where_the_surface_takes_most_of_it():
-    assert noise_of_scores(noise_only(rows=4, cols=4), 31) == 0
-
-
 # the choice -------------------------------------------------------------------------------------
-
-
-def polynomial(degree):
-    x, y = grid()
-    u, v = (x - 160) / 160, (y - 128) / 160
-    return 3 * u**degree - 2 * u * v ** (degree - 1), 2 * v**degree + u
-
-
-@pytest.mark.parametrize("degree", [1, 2, 3])
-def test_a_polynomial_gets_its_own_degree(degree):
-    assert choose_model(cells_of(*polynomial(degree))) == Model((1, 1), degree)
-
-
-def test_noise_alone_gets_the_coarsest_model():
-    assert {str(choose_model(noise_only(seed))) for seed in range(10)} == {"polynomial of degree 1"}
 
 
 def test_a_ripple_gets_elements_of_its_own_scale():
@@ -288,13 +171,6 @@ def test_a_ripple_gets_elements_of_its_own_scale():
     chosen = choose_model(cells_of(ripple, -ripple))
     assert chosen.degree is None
     assert max(chosen.elements) >= 4
-
-
-def test_a_finer_model_needs_a_clear_gain():
-    """A cubic of 0.01 px is lost in the noise of 1280 cells of 0.1 px; one of 0.3 px is not."""
-    dx, dy = polynomial(3)
-    assert choose_model(cells_of(0.003 * dx, 0.003 * dy)).degree == 1
-    assert choose_model(cells_of(0.1 * dx, 0.1 * dy)).degree == 3
 
 
 def test_a_given_model_is_kept_unless_a_finer_one_gains():
@@ -321,10 +197,6 @@ def test_no_surface_gains_more_than_is_attainable():
         gain = (left[0].sums[..., EE] - left[1].sums[..., EE]).sum()
         chance = 2 * (25 * 21 - 16)
         assert gain - chance < attainable_gain(left[0])
-
-
-def test_without_enough_tiles_any_gain_is_attainable():
-    assert attainable_gain(noise_only(rows=4, cols=4)) == np.inf
 
 
 def test_a_model_is_not_finer_than_the_cells_support():

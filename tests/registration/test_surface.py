@@ -3,7 +3,6 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scipy import ndimage
 from scipy.interpolate import BSpline
 
 from erlif.registration.matching import BX, BY, EE, GXX, GXY, GYY, SUMS, WEIGHT
@@ -11,13 +10,11 @@ from erlif.registration.surface import (
     Cells,
     Surface,
     affine_surface,
-    bilinear,
     cell_weights,
     degree_basis,
     design,
     equations,
     solve_surface,
-    spline_weights,
 )
 
 BOX = (-4.0, 156.0, 2.0, 98.0)
@@ -60,23 +57,6 @@ def make_cells(surface, *, here=(0.0, 0.0), shape=(12, 20), step=8, seed=2, nois
 # splines on an axis -------------------------------------------------------------------------------
 
 
-def test_weights_add_up_to_one_inside_and_outside_the_interval():
-    positions = np.linspace(-40, 180, 333)
-    for elements in (1, 2, 7):
-        _, weights = spline_weights(positions, 0.0, 140.0, elements)
-        npt.assert_allclose(weights.sum(axis=1), 1, rtol=1e-12)
-        inside = (positions >= 0) & (positions <= 140)
-        assert (weights[inside] >= 0).all()
-
-
-def test_first_coefficient_belongs_to_the_element_of_the_position():
-    first, weights = spline_weights(np.array([-5.0, 0.0, 9.9, 10.0, 29.9, 30.0, 55.0]), 0, 30, 3)
-    npt.assert_array_equal(first, [0, 0, 0, 1, 2, 2, 2])
-    npt.assert_allclose(weights[1], [1 / 6, 4 / 6, 1 / 6, 0], atol=1e-15)
-    npt.assert_allclose(weights[3], [1 / 6, 4 / 6, 1 / 6, 0], atol=1e-15)
-    npt.assert_allclose(weights[5], [0, 1 / 6, 4 / 6, 1 / 6], atol=1e-15)
-
-
 @pytest.mark.parametrize("elements", [1, 2, 5])
 def test_design_is_the_b_spline_basis_of_scipy(elements):
     inside = np.linspace(-4, 155.99, 201)
@@ -102,15 +82,6 @@ def test_outer_elements_are_continued_as_polynomials():
 # surfaces -----------------------------------------------------------------------------------------
 
 
-def test_surface_is_the_tensor_product_of_its_splines():
-    surface = field_of(BOX)
-    assert surface.elements == (3, 2)
-    x, y = np.linspace(-4, 155.9, 37), np.linspace(2, 97.9, 23)
-    across, down = basis_functions(-4.0, 156.0, 3)(x), basis_functions(2.0, 98.0, 2)(y)
-    for found, c in zip(surface.evaluate(x, y), surface.coefficients, strict=True):
-        npt.assert_allclose(found, np.einsum("yj,ji,xi->yx", down, c, across), atol=1e-12)
-
-
 @pytest.mark.parametrize("binning", [1, 2, 4])
 def test_binned_pixels_have_the_displacement_at_their_centre(binning):
     surface = field_of(BOX)
@@ -131,24 +102,6 @@ def test_affine_surface_is_exact_inside_and_outside_its_box():
     npt.assert_allclose(dy, 0.03 * x - 0.04 * y[:, None] - 6, atol=1e-12)
 
 
-def test_moved_surface_differs_by_the_translation():
-    surface = field_of(BOX)
-    x, y = np.linspace(0, 150, 9), np.linspace(5, 90, 8)
-    before, after = surface.evaluate(x, y), surface.moved(0.5, -2.0).evaluate(x, y)
-    npt.assert_allclose(after[0] - before[0], 0.5)
-    npt.assert_allclose(after[1] - before[1], -2.0)
-
-
-def test_bilinear_table_is_that_of_scipy():
-    table = np.random.default_rng(3).normal(size=(6, 9)).astype(np.float32)
-    row, column = np.linspace(-1, 6, 43), np.linspace(-2, 10, 61)
-    found = bilinear(table, row.astype(np.float32), column.astype(np.float32))
-    truth = ndimage.map_coordinates(
-        table, np.meshgrid(row, column, indexing="ij"), order=1, mode="nearest"
-    )
-    npt.assert_allclose(found, truth, atol=2e-6)
-
-
 @pytest.mark.parametrize("degree", [1, 2, 3])
 def test_basis_of_a_degree_holds_its_polynomials_only(degree):
     basis = degree_basis(degree)
@@ -167,13 +120,6 @@ def test_basis_of_a_degree_holds_its_polynomials_only(degree):
 # cells --------------------------------------------------------------------------------------------
 
 
-def test_box_holds_the_cells_with_weight():
-    cells = make_cells(field_of(BOX))
-    cells.weight[:2] = cells.weight[-1:] = 0
-    cells.weight[:, :3] = cells.weight[:, -4:] = 0
-    assert cells.box == (24.0 - 0.5, 128.0 - 0.5, 16.0 - 0.5, 88.0 - 0.5)
-
-
 def test_weight_is_the_reciprocal_of_the_larger_variance():
     """Residuals of variance 2 everywhere, but one cell of variance 20 and one of 0.02."""
     sums = np.zeros((8, 9, SUMS))
@@ -186,18 +132,6 @@ def test_weight_is_the_reciprocal_of_the_larger_variance():
     npt.assert_allclose(weight[2, 3], 9 / (8 * 2 + 20))  # its surroundings hold the bad cell
     npt.assert_allclose(weight[5, 6], 9 / (8 * 2 + 0.02))  # not 50: it may match by chance
     npt.assert_allclose(weight[5, 7], 1 / 2)  # its own exceeds that of its surroundings
-
-
-def test_nearly_empty_cells_have_no_weight():
-    sums = np.zeros((5, 6, SUMS))
-    sums[..., WEIGHT] = 64
-    sums[..., EE] = 64
-    for row, pixels in ((1, 15), (2, 17), (3, 0)):
-        sums[row, 2, WEIGHT] = sums[row, 2, EE] = pixels
-    weight = cell_weights(sums)
-    assert (weight[[1, 3], 2] == 0).all()
-    assert weight[2, 2] == pytest.approx(1)
-    assert (cell_weights(0 * sums) == 0).all()
 
 
 # the fit ------------------------------------------------------------------------------------------
@@ -221,23 +155,6 @@ def test_normal_equations_are_those_of_dense_least_squares():
         right += cells.weight[r, c] * np.kron(score, phi[r, c])
     npt.assert_allclose(system.matrix, matrix, atol=1e-9 * np.abs(matrix).max())
     npt.assert_allclose(system.right, right, atol=1e-9 * np.abs(right).max())
-
-
-@pytest.mark.parametrize("here", [(0.0, 0.0), (0.8, -1.3)])
-def test_surface_without_noise_is_found_whatever_the_start(here):
-    surface = field_of(BOX)
-    cells = make_cells(surface, here=here)
-    found = solve_surface(equations(cells, (3, 2), box=BOX))
-    for component, truth in zip(
-        found.evaluate(cells.x, cells.y), surface.evaluate(cells.x, cells.y), strict=True
-    ):
-        npt.assert_allclose(component, truth, atol=1e-5)  # the ridge is 1e-9 of the information
-
-
-def test_box_of_the_cells_is_the_default():
-    cells = make_cells(field_of(BOX))
-    assert equations(cells, (1, 1)).box == cells.box
-    assert solve_surface(equations(cells, (1, 1))).box == cells.box
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3])

@@ -17,7 +17,6 @@ from erlif.registration.matching import (
     GYY,
     SUMS,
     WEIGHT,
-    correlation,
     solve_shift,
 )
 from erlif.registration.pairs import open_frames
@@ -78,13 +77,6 @@ def test_gradients_become_those_per_full_pixel(binning):
     npt.assert_allclose(solve_shift(cells.sums), binning * np.array(solve_shift(sums)))
 
 
-def test_cells_remember_the_displacement_at_which_they_were_summed():
-    surface = affine_surface(BOX, np.array([[0.1, 0.0], [0.0, -0.2]]), np.array([3.0, 4.0]))
-    cells = make_cells(sums_of(), 8, surface)
-    npt.assert_allclose(cells.here_x[2], 3 + 0.1 * cells.x)
-    npt.assert_allclose(cells.here_y[:, 3], 4 - 0.2 * cells.y)
-
-
 @pytest.mark.parametrize(("left", "refused"), [(15, True), (16, False)])
 def test_a_surface_needs_sixteen_cells(left, refused):
     sums = sums_of()
@@ -106,43 +98,7 @@ def test_the_expected_difference_is_the_rms_of_the_surroundings():
     npt.assert_allclose(expected_rms(sums), 0.3)
 
 
-def test_dust_does_not_raise_what_is_expected_of_its_own_cell():
-    sums = np.zeros((8, 10, SUMS))
-    sums[..., WEIGHT] = 64
-    sums[..., EE] = 64 * 0.3**2
-    sums[3, 4, EE] = 1e5
-    sums[6, 9, WEIGHT] = 0
-    npt.assert_allclose(expected_rms(sums), 0.3, rtol=0.01)
-
-
-def test_the_expected_difference_follows_the_frame():
-    sums = np.zeros((9, 21, SUMS))
-    sums[..., WEIGHT] = 10
-    sums[:, :10, EE], sums[:, 10:, EE] = 10, 40
-    rms = expected_rms(sums)
-    assert rms.shape == (9, 21)
-    npt.assert_allclose(rms[:, :8], 1)
-    npt.assert_allclose(rms[:, 12:], 2)
-
-
-def test_cells_without_weight_expect_nothing():
-    npt.assert_array_equal(expected_rms(np.zeros((4, 4, SUMS))), 0)
-
-
 # one frame --------------------------------------------------------------------------------------
-
-
-def test_a_frame_laid_over_by_its_true_displacement_asks_for_nothing():
-    views = views_of(translated((3.0, -2.0)))
-    seen = views.look(shifted(3, -2))
-    npt.assert_allclose(solve_shift(seen.sums), 0, atol=2e-3)
-    assert correlation(seen.sums) > 0.999
-    assert seen.surface.evaluate(np.zeros(1), np.zeros(1))[0] == pytest.approx(3)
-
-
-def test_what_is_missing_is_asked_for_with_its_sign():
-    seen = views_of(translated((3.0, -2.0))).look(shifted(2.9, -1.95))
-    npt.assert_allclose(solve_shift(seen.sums), (0.1, -0.05), atol=4e-3)
 
 
 def test_spectra_are_measured_on_the_unfiltered_textures():
@@ -157,27 +113,6 @@ def test_spectra_are_measured_on_the_unfiltered_textures():
     assert filtered.sums[..., WEIGHT].sum() == (128 - 13) * (160 - 13)
 
 
-@pytest.mark.parametrize(("shape", "merge"), [((128, 160), 1), ((399, 500), 1), ((400, 500), 2)])
-def test_cells_of_large_frames_are_merged_two_by_two(shape, merge):
-    image = np.random.default_rng(3).integers(900, 1100, shape).astype(np.uint16)
-    views = views_of([(image, image, None, None)])
-    assert views.merge == merge
-    sums = np.ones((shape[0] // 8, shape[1] // 8, SUMS))
-    cells = views.cells(sums, shifted(), 1.0)
-    npt.assert_allclose(np.diff(cells.x), 8 * merge)
-    assert cells.sums[0, 0, WEIGHT] == merge**2
-
-
-def test_expected_differences_take_weight_from_dust():
-    pairs = translated((0.0, 0.0))
-    pairs[0][1][60:64, 80:84] *= 3
-    views = views_of(pairs)
-    dx, dy = shifted().on_pixels(SHAPE)
-    plain = views.sums(dx, dy, None).sums
-    careful = views.sums(dx, dy, expected_rms(plain)).sums
-    assert careful[7, 10, EE] < 0.05 * plain[7, 10, EE]
-
-
 # many frames ------------------------------------------------------------------------------------
 
 
@@ -190,31 +125,6 @@ def test_each_frame_is_read_at_its_own_drift_and_the_surface_takes_the_mean():
     npt.assert_allclose(views.drift.mean(0), 0, atol=1e-12)
     dx, dy = seen.surface.evaluate(np.zeros(1), np.zeros(1))
     npt.assert_allclose((dx[0, 0], dy[0, 0]), offsets.mean(0), atol=0.02)
-
-
-def test_a_second_look_finds_nothing_more_to_move():
-    views = views_of(translated((1.3, 0.2), (-0.4, 0.9)))
-    seen = views.look(shifted(1.25, 0.25))
-    again = views.look(seen.surface)
-    before, after = (s.surface.coefficients for s in (seen, again))
-    npt.assert_allclose(after, before, atol=0.01)
-
-
-def test_sums_of_frames_add_up():
-    """Two frames alike hold twice the sums of one, and the same spectra twice."""
-    one, two = translated((0.0, 0.0)), translated((0.0, 0.0), (0.0, 0.0))
-    inner = (slice(1, -1), slice(1, -1), [AA, GXX])  # a drift of 0.001 px passes the border
-    single, double = (views_of(pairs).look(shifted()) for pairs in (one, two))
-    npt.assert_allclose(double.sums[inner], 2 * single.sums[inner], rtol=0.02)
-    single, double = (views_of(pairs).compare(shifted()) for pairs in (one, two))
-    npt.assert_allclose(double.sums[inner], 2 * single.sums[inner], rtol=0.02)
-    assert double.spectra.blocks == 2 * single.spectra.blocks
-
-
-def test_sums_of_drifting_frames_are_those_of_frames_at_rest():
-    """What a frame still asks for after its drift is taken out of the sums, to first order."""
-    seen = views_of(translated((0.3, 0.0), (-0.3, 0.0))).look(shifted(0.3))
-    npt.assert_allclose(solve_shift(seen.sums), 0, atol=1e-9)
 
 
 def test_a_frame_without_common_texture_takes_no_part():
@@ -264,28 +174,6 @@ def test_frames_too_large_to_be_kept_are_read_in_every_pass(monkeypatch):
     read.clear()
     again.look(shifted())
     assert read == [1, 2]  # the frame of the start is kept in any case
-
-
-def test_no_more_frames_are_compared_than_the_spectra_need(monkeypatch):
-    pairs, read = counted(translated(*[(0.1 * k, 0.0) for k in range(6)]))
-    views = views_of(pairs)
-    one = views.compare(shifted()).spectra.blocks / 6
-    monkeypatch.setattr("erlif.registration.views.ENOUGH_BLOCKS", 2 * one)
-    read.clear()
-    assert views_of(pairs).compare(shifted()).spectra.blocks == 2 * one
-    assert read == [0, 1]
-
-
-def test_the_start_may_have_been_made_from_any_frame():
-    pairs = translated((0.0, 0.0), (0.5, 0.0), (0.0, 0.5))
-    frames = open_frames(pairs, SETTINGS)
-    views = Views(frames, next(iter(frames.pick([1]))), SETTINGS, number=1)
-    seen = views.look(shifted(0.5, 0.0))
-    npt.assert_allclose(
-        views.drift, [(-1 / 6, -1 / 6), (1 / 3, -1 / 6), (-1 / 6, 1 / 3)], atol=0.02
-    )
-    dx, dy = seen.surface.evaluate(np.zeros(1), np.zeros(1))
-    npt.assert_allclose((dx[0, 0], dy[0, 0]), (1 / 6, 1 / 6), atol=0.02)
 
 
 def test_cameras_of_different_size_are_filtered_on_their_own_grids():

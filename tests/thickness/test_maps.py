@@ -6,7 +6,6 @@ import pytest
 import xarray as xr
 
 from erlif.calibration import Calibration
-from erlif.core.errors import ErlifError
 from erlif.core.flags import Flag
 from erlif.core.products import RatioImages
 from erlif.thickness import measure_thickness
@@ -75,29 +74,6 @@ def test_shared_part_is_that_of_calibration_and_registration(calibration):
     npt.assert_allclose(maps.thickness_std_shared, np.sqrt(own + 4e-6) / slope, rtol=1e-3)
 
 
-def test_films_beyond_the_range_are_flagged_and_have_no_thickness(calibration):
-    film = np.array([[0.1, 0.3], [15.5, 17.0]])
-    maps = measure_thickness(ratio_images(log_ratio_of(film)), calibration)
-    npt.assert_array_equal(maps.flags, [[Flag.BELOW_RANGE, 0], [0, Flag.ABOVE_RANGE]])
-    npt.assert_array_equal(np.isnan(maps.thickness), maps.flags.values != 0)
-
-
-def test_pixel_whose_registration_error_exceeds_its_noise_is_flagged(calibration):
-    maps = measure_thickness(
-        ratio_images(log_ratio_of(np.full((2, 2), 4.0)), 1e-4, shared=1.1e-4), calibration
-    )
-    npt.assert_array_equal(maps.flags, Flag.POOR_REGISTRATION)
-
-
-def test_earlier_flags_stay(calibration):
-    images = ratio_images(log_ratio_of(np.full((2, 2), 4.0)))
-    images.flags.values[0, 0] = Flag.SATURATED
-    images.log_ratio.values[0, 1] = np.nan
-    images.flags.values[0, 1] = Flag.DIM
-    maps = measure_thickness(images, calibration)
-    npt.assert_array_equal(maps.flags, [[Flag.SATURATED, Flag.DIM], [0, 0]])
-
-
 def test_error_bars_at_the_thin_limit_are_those_of_thin_films():
     """Pixels above the limit in surroundings below it have the slope of a thin film."""
     calibration = Calibration(
@@ -137,34 +113,3 @@ def test_the_covered_range_ends_sharply_for_a_single_pixel(calibration, film, ou
     assert maps.flags.values[8, 8] == 0
     assert maps.flags.values[22, 22] == flag
     assert np.isnan(maps.thickness.values[22, 22])
-
-
-def test_each_frame_is_measured_by_itself(calibration):
-    films = np.stack([np.full((10, 10), film) for film in (2.0, 5.0, 0.1)])
-    single = [ratio_images(log_ratio_of(film), variance=1e-8) for film in films]
-    together = RatioImages(xr.concat(single, "frame"))
-    maps = measure_thickness(together, calibration)
-    assert maps.thickness.dims == ("frame", "y", "x")
-    for n, ratios in enumerate(single):
-        xr.testing.assert_equal(maps.isel(frame=n), measure_thickness(ratios, calibration))
-
-
-def test_the_ratio_images_are_not_changed(calibration):
-    images = ratio_images(log_ratio_of(np.array([[0.1, 3.0], [4.0, 17.0]])), shared=1.1e-4)
-    before = images.copy(deep=True)
-    measure_thickness(images, calibration)
-    xr.testing.assert_identical(images, before)
-
-
-def test_maps_have_units_and_their_uncertainties(calibration):
-    maps = measure_thickness(ratio_images(log_ratio_of(np.full((4, 4), 3.0))), calibration)
-    for name in ("thickness", "thickness_std", "thickness_std_shared"):
-        assert maps[name].attrs["units"] == "um"
-    assert set(maps.thickness.attrs["ancillary_variables"].split()) < set(maps)
-
-
-@pytest.mark.parametrize("name", ["log_ratio_var", "log_ratio_var_shared", "flags"])
-def test_a_missing_variable_is_named(calibration, name):
-    images = ratio_images(log_ratio_of(np.full((4, 4), 3.0))).drop_vars(name)
-    with pytest.raises(ErlifError, match=f"{name} is missing"):
-        measure_thickness(RatioImages(images), calibration)

@@ -114,6 +114,7 @@ class DriftSearch:
 
         # the window covers the same field of view, but enough binned pixels for a mean
         reach = max(REACH / self.binning, LEAST_REACH)
+        # the finer textures are halved: normalising twice would take as long as the search
         fine = Textures(
             *normalise(one, weight_one, reach=reach), *normalise(two, weight_two, reach=reach)
         )

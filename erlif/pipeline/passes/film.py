@@ -126,6 +126,7 @@ def measure_pulse(pair: PairRatio, tables: FilmTables, *, attenuation: float) ->
     >>> round(measure_pulse(pair, FilmTables.of(calibration), attenuation=0.4))
     500
     """
+    # the surroundings of the outer pixels reach beyond the middle half
     rows, columns = middle_of(pair.flags.shape)
     within = slice(max(rows.start - PAD, 0), rows.stop + PAD)
     along = slice(max(columns.start - PAD, 0), columns.stop + PAD)
@@ -138,6 +139,8 @@ def measure_pulse(pair: PairRatio, tables: FilmTables, *, attenuation: float) ->
         flags=np.ascontiguousarray(pair.flags[around]),
         light_one=pair.light_one[around],
     )
+
+    # statistics are those of the whole trigger: none of the crop
     maps = measure_film(crop, tables, _NOWHERE)
 
     # the same pixels, counted from the corner of the crop

@@ -12,7 +12,7 @@ import numpy as np
 
 from erlif.core.flags import Flag
 from erlif.correction import NoiseTables, PairLight
-from erlif.correction.light_noise import fill_noise
+from erlif.correction.light import fill_noise
 from erlif.pipeline.passes.warp import MapTables, PairWarp, Warp
 from erlif.ratio import BlurDifference, PairRatio, find_bubbles
 from erlif.ratio.log_ratio import correlate_noise, divide_rows
@@ -74,6 +74,8 @@ def measure_ratio(
         first = max(start - 1, 0)
         warp.fill(start, stop, first=first)
         last = first
+
+        # the variances of camera 1 are made where they are read, a band at a time
         ready = stop if stop == height else stop - 1
         fill_noise(light.light[0], noise_one, energy, var_one, fixed_one, done, ready)
         variances = var_one, fixed_one, warped.variance, warped.variance_fixed

@@ -14,7 +14,7 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Array, FlagImage, Image
 from erlif.core.flags import Flag
 from erlif.correction import NoiseTables, PairLight
-from erlif.correction.light_noise import fill_noise
+from erlif.correction.light import fill_noise
 from erlif.registration import CameraMap, orient, spline_coefficients
 from erlif.registration.alignment import spread_flags
 from erlif.registration.interpolation import FARTHEST, NOTHING_BAD, sample_rows

@@ -36,19 +36,6 @@ def test_sums_of_even_images_are_multiples_of_the_number_of_pixels():
     assert (sums.valid, sums.beyond) == (SHAPE[0] * SHAPE[1], 0)
 
 
-def test_places_are_counted_from_the_corner_of_the_region():
-    sums = add_all(images_of(), Region(slice(3, 19), slice(2, 21)))
-    rows, columns = np.arange(16), np.arange(19)
-    row = rows.reshape(2, 8).sum(axis=1)
-    npt.assert_array_equal(sums.row, np.outer(row, [8, 8, 3]))
-    first, second, third = (columns[k : k + 8] for k in (0, 8, 16))
-    npt.assert_array_equal(sums.column[0], [8 * c.sum() for c in (first, second, third)])
-    npt.assert_array_equal(
-        sums.column_squared[1], [8 * (c**2).sum() for c in (first, second, third)]
-    )
-    assert sums.size == (16, 19)
-
-
 def test_flagged_pixels_are_left_out():
     images = images_of()
     images[3][5, 6] = Flag.NO_FILM

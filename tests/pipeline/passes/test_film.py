@@ -1,6 +1,6 @@
 """The pass from ratio to film, held to the plain measurement, sums and pulse energy."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import numpy.testing as npt
@@ -14,7 +14,7 @@ from erlif.core.products import RatioImages
 from erlif.pipeline.passes import measure_film, measure_pulse
 from erlif.ratio import PairRatio
 from erlif.thickness import FilmTables, measure_pulse_energy
-from erlif.trend import FilmCurve, Region, sum_blocks, summarise_blocks, summarise_film
+from erlif.trend import Region, sum_blocks
 
 K, P, Q = 0.65, 0.40, 0.25
 EPS = float(np.finfo(np.float32).eps)
@@ -76,25 +76,6 @@ def test_maps_are_those_of_the_plain_measurement(calibration, shape, noise):
         npt.assert_allclose(getattr(found, name), expected[name], rtol=EPS * rate)
 
 
-def test_all_flags_of_the_pass_occur_in_the_test():
-    """Without them, the comparison above would show nothing about them."""
-    curve = xr.Dataset({"curve_thickness": ("bin", np.array([0.5, 14.0]))})
-    calibration = Calibration(
-        K, P, Q, 1e-8 * np.eye(3), (0.5, 12.0), (580.0, 610.0), curve, 1.0, "given"
-    )
-    flags = measure_film(pair_of(), FilmTables.of(calibration), WHOLE).flags
-    expected = {
-        0,
-        Flag.BAD_PIXEL,
-        Flag.OUTSIDE_OVERLAP,
-        Flag.NO_FILM,
-        Flag.BELOW_RANGE,
-        Flag.ABOVE_RANGE,
-        Flag.POOR_REGISTRATION,
-    }
-    assert set(np.unique(flags).tolist()) == {int(flag) for flag in expected}
-
-
 def test_maps_may_replace_the_ratio(calibration):
     tables = FilmTables.of(calibration)
     expected, pair = measure_film(pair_of(), tables, WHOLE), pair_of()
@@ -128,42 +109,6 @@ def test_sums_are_those_of_the_plain_blocks(calibration, region):
         npt.assert_allclose(ratio, getattr(expected, name), atol=64 * 8 * EPS)
     squared = found.ratio_squared + 2 * shift * found.ratio + shift**2 * found.measurable
     npt.assert_allclose(squared, expected.ratio_squared, atol=64 * 8 * EPS)
-
-
-def test_statistics_are_those_of_the_plain_functions(calibration):
-    pair, ratios = pair_of(), plain(pair_of())
-    maps = measure_film(pair, FilmTables.of(calibration), REGION)
-    found = summarise_blocks(maps.sums, FilmCurve.of(calibration), region=REGION)
-    expected = summarise_film(
-        ratios, measure_thickness(ratios, calibration), calibration, region=REGION
-    )
-    for name in ("mean", "minimum"):
-        off = getattr(found, name) - getattr(expected, name)
-        assert abs(off) < 1e-4 * getattr(expected, f"{name}_random_std")
-    for field in fields(expected):
-        npt.assert_allclose(
-            getattr(found, field.name), getattr(expected, field.name), rtol=1e-4, atol=1e-9
-        )
-
-
-def test_flagged_images_have_no_film(calibration):
-    pair = pair_of()
-    dark = replace(
-        pair, flags=np.full(SHAPE, Flag.DIM, np.uint8), log_ratio=np.full(SHAPE, np.nan, np.float32)
-    )
-    maps = measure_film(dark, FilmTables.of(calibration), WHOLE)
-    assert (maps.flags == Flag.DIM).all()
-    for image in (maps.thickness, maps.thickness_std, maps.thickness_std_shared):
-        assert np.isnan(image).all()
-    assert (maps.sums.lit.sum(), maps.sums.valid, maps.sums.beyond) == (0, 0, 0)
-
-
-def test_inputs_are_not_changed(calibration):
-    pair, same = pair_of(), pair_of()
-    measure_film(pair, FilmTables.of(calibration), REGION)
-    measure_pulse(pair, FilmTables.of(calibration), attenuation=P)
-    for field in fields(pair):
-        npt.assert_array_equal(getattr(pair, field.name), getattr(same, field.name))
 
 
 @pytest.mark.parametrize("shape", [SHAPE, (150, 132), (30, 41)])

@@ -67,10 +67,6 @@ def test_ratio_is_that_of_the_plain_functions(shape, drift):
     check(scene(shape), camera_map(shape), drift)
 
 
-def test_ratio_without_a_difference_of_sharpness():
-    check(scene((48, 64)), camera_map((48, 64)), (0.1, 0.2), BlurDifference())
-
-
 def test_light_below_the_dark_has_no_ratio():
     light = scene((48, 64), dark=0.2)
     light.light[:, 10:14, 20:24] = 0.0
@@ -79,29 +75,12 @@ def test_light_below_the_dark_has_no_ratio():
     assert (ratio.flags[np.isnan(ratio.log_ratio)] != 0).all()
 
 
-def test_bubbles_are_flagged_as_by_the_plain_functions():
-    light = scene((120, 160))
-    y, x = np.indices((120, 160))
-    for centre, radius in (((30, 40), 4), ((90, 120), 9), ((0, 159), 6)):
-        light.light[:, np.hypot(y - centre[0], x - centre[1]) <= radius] *= 0.02
-    found = camera_map((120, 160))
-    found.displacement_x[:], found.displacement_y[:] = 0.3, -0.4
-    ratio, plain = both(light, found, (0.0, 0.0))
-    npt.assert_array_equal(ratio.flags, plain.flags)
-    assert ratio.flags[30, 40] & Flag.NO_FILM
-    assert ratio.flags[90, 120] & Flag.NO_FILM
-
-
 def test_drift_that_is_not_known_is_flagged():
     ratio, plain = both(scene((24, 40)), camera_map((24, 40)), (np.nan, np.nan))
     npt.assert_array_equal(ratio.flags, plain.flags)
     assert (ratio.flags & Flag.POOR_REGISTRATION > 0).all()
     assert np.isnan(ratio.log_ratio).all()
     assert np.isnan(ratio.drift).all()
-
-
-def test_displacement_may_differ_from_pixel_to_pixel():
-    check(scene((48, 64)), camera_map((48, 64), rough=True), (0.2, 0.3))
 
 
 @pytest.mark.parametrize("orientation", ["mirrored_y", "rotated_270", "antitransposed"])
