@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Image
@@ -17,7 +18,7 @@ from erlif.correction import PairLight
 from erlif.correction.light import BLOCK
 from erlif.registration import CameraMap, is_steep, orient
 from erlif.registration.drift import LARGE, Drift, Matching, binned_field, match_textures
-from erlif.registration.normalise import REACH, binned, normalise
+from erlif.registration.normalise import MOST, REACH, binned, normalise
 from erlif.registration.pairs import LEAST_REACH, Textures
 
 _UNUSABLE = np.uint8(Flag.SATURATED | Flag.BAD_PIXEL)
@@ -118,7 +119,7 @@ class DriftSearch:
         fine = Textures(
             *normalise(one, weight_one, reach=reach), *normalise(two, weight_two, reach=reach)
         )
-        coarse = Textures(*binned(fine.a, fine.weight, 2), *binned(fine.b, fine.weight_b, 2))
+        coarse = Textures(*_halve(fine.a, fine.weight), *_halve(fine.b, fine.weight_b))
         return match_textures(
             Matching(coarse, *self.coarse), Matching(fine, *self.fine), self.binning
         )
@@ -142,3 +143,20 @@ class DriftSearch:
 
         image, weight = orient(image, turn), orient(weight, turn)
         return binned(image, weight, 2) if whole and self.binning == 2 else (image, weight)
+
+
+def _halve(texture: Image, weight: Image) -> tuple[Image, Image]:
+    """Mean texture over squares of 2 px; weight 1 where more than half of the square counts.
+
+    `binned` does the same, and takes a millisecond a pair more for images that may hold NaN.
+    """
+    size = texture.shape[1] // 2, texture.shape[0] // 2
+    texture, weight = (image[: 2 * size[1], : 2 * size[0]] for image in (texture, weight))
+    total = cv2.resize(texture, size, interpolation=cv2.INTER_AREA)
+    if weight.min() > MOST:
+        return np.asarray(total), np.ones_like(total)
+    sound = cv2.resize(weight, size, interpolation=cv2.INTER_AREA)
+
+    # the texture is 0 where the weight is
+    ok = sound > MOST
+    return np.where(ok, total / np.where(ok, sound, 1), np.float32(0)), ok.astype(np.float32)
