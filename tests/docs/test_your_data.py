@@ -31,7 +31,9 @@ def messages() -> str:
                 found.append("".join(map(str, parts)))
             elif isinstance(node, ast.Constant) and isinstance(node.value, str):
                 found.append(node.value)
-    return "\n".join(found)
+    # messages that stand in tables break their lines with a backslash
+    tables = (path.read_text(encoding="utf-8") for path in (ROOT / "erlif").rglob("*.toml"))
+    return "\n".join([*found, *(text.replace("\\\n", "") for text in tables)])
 
 
 MESSAGES = messages()

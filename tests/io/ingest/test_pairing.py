@@ -101,6 +101,10 @@ def test_the_first_frame_without_a_partner_is_named_by_its_number(record):
     assert "unmatched one is camera1/f_2.tif" in message
 
 
+def test_without_common_numbers_the_first_surplus_position_is_named(record):
+    assert "unmatched one is camera1/f_3.tif" in refusal(record(range(5), [70, 80, 90]))
+
+
 def test_equal_counts_with_different_gaps_are_out_of_step(record):
     """Both lost one frame, and not the same: from there on the pulses would not agree."""
     message = refusal(record([0, 1, 2, 4, 5, 6], [0, 1, 2, 3, 4, 6]))
