@@ -157,13 +157,8 @@ def isoviscous_elastic_film(
     >>> round(film * 1e6, 2)
     7.05
     """
-    U, W = _speed_and_load_groups(
-        entrainment_speed,
-        load_per_length=load_per_length,
-        viscosity=viscosity,
-        radius=radius,
-        contact_modulus=contact_modulus,
-    )
+    stiffness = 2 * contact_modulus * radius
+    U, W = _groups(entrainment_speed, load_per_length, viscosity, stiffness)
     return 3.10 * radius * U**0.6 * W**-0.2
 
 
@@ -208,13 +203,8 @@ def dowson_higginson_film(
     >>> round(film * 1e6, 4)
     0.6272
     """
-    U, W = _speed_and_load_groups(
-        entrainment_speed,
-        load_per_length=load_per_length,
-        viscosity=viscosity,
-        radius=radius,
-        contact_modulus=contact_modulus,
-    )
+    stiffness = 2 * contact_modulus * radius
+    U, W = _groups(entrainment_speed, load_per_length, viscosity, stiffness)
     G = pressure_viscosity * 2 * contact_modulus
     return 2.65 * radius * G**0.54 * U**0.7 * W**-0.13
 
@@ -381,7 +371,8 @@ def line_contact_film(
     governing = _number_of_largest(film, asymptotes)
 
     # at a standstill both parameters are infinite
-    U, W = _speed_and_load_groups(entrainment_speed, **soft)
+    stiffness = 2 * contact_modulus * radius
+    U, W = _groups(entrainment_speed, load_per_length, viscosity, stiffness)
     with np.errstate(divide="ignore"):
         gE = W / np.sqrt(U)
     gV = pressure_viscosity * 2 * contact_modulus * gE * np.sqrt(W)
@@ -590,17 +581,11 @@ def lubrication_regimes(film_parameter: Values) -> Values:
     return regimes.reshape(np.shape(film_parameter)) if np.ndim(film_parameter) else regimes[0]
 
 
-def _speed_and_load_groups(
-    entrainment_speed: Values,
-    *,
-    load_per_length: Values,
-    viscosity: Values,
-    radius: Values,
-    contact_modulus: Values,
+def _groups(
+    speed: Values, load_per_length: Values, viscosity: Values, stiffness: Values
 ) -> tuple[Values, Values]:
-    """U = eta u / (E' R) and W = q / (E' R) with E' = 2 E*."""
-    stiffness = 2 * contact_modulus * radius
-    return viscosity * np.abs(entrainment_speed) / stiffness, load_per_length / stiffness
+    """U = eta u / (E' R) and W = q / (E' R) with the stiffness E' R = 2 E* R."""
+    return viscosity * np.abs(speed) / stiffness, load_per_length / stiffness
 
 
 def _number_of_largest(film: Values, asymptotes: tuple[Values, ...]) -> Values:

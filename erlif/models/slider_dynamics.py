@@ -191,7 +191,7 @@ def _integrate(
     kept, speeds = [state], [impact_speed]
     while len(kept) < times.size:
         found = solve(
-            _rates,
+            lambda time, state, model, speed: model.rates(time, state, speed),
             (time, times[-1]),
             state,
             method="DOP853",
@@ -217,12 +217,6 @@ def _integrate(
         touches += not impact_speed
         impact_speed = 0.0 if impact_speed else max(model.approach(state), model.slowest_impact)
     return np.array(kept), np.array(speeds), touches
-
-
-def _rates(
-    time: float, state: Array, model: SimplifiedJoint | GeneralJoint, impact_speed: float
-) -> list[float]:
-    return model.rates(time, state, impact_speed)
 
 
 def _touch(

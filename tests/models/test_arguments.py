@@ -154,56 +154,15 @@ def test_missing_values_pass():
     warn_of_units("modulus", youngs_modulus=[np.nan, 2e11])
 
 
-PLAUSIBLE = {  # extremes of machines, materials and oils in use
-    "conductivity": [0.13, 400.0, 2000.0],  # oil, copper, diamond
-    "density": [700.0, 857.1, 19300.0],  # light oil, gear oil, tungsten
-    "expansion": [-1e-6, 5e-7, 7e-4],  # carbon fibre, quartz, mineral oil
-    "film": [0.0, 1e-12, 5.4e-7, 1e-3],
-    "kinematic_viscosity": [1e-6, 1.4e-4, 1e-2],
-    "length": [1e-6, 0.0667, 5.0],
-    "line_load": [0.0, 938.0, 1.9e6],
-    "load": [0.0, 222.4, 444.8e3, 1e8],
-    "modulus": [5e5, 2.7e9, 2e11, 1.2e12],  # silicone, acrylic, steel, diamond
-    "pressure_viscosity": [0.0, 5e-10, 2e-8, 5e-8],
-    "reduced_radius": [0.005, 4.872, 1e4],
-    "specific_wear": [0.0, 1e-20, 5.05e-13, 1e-10],
-    "speed": [-0.0842, 0.0, 150.0],
-    "strength": [1e6, 6e8, 1e11],  # PTFE, steel, diamond's hardness
-    "swing": [0.0, 0.2132, 3.0],
-    "temperature": [213.15, 298.15, 1500.0],
-    "viscosity": [1.8e-5, 0.12, 25.0],  # air, gear oil, ISO VG 1000 at freezing point
-}
-
-SLIPS = {  # the gear oil, the steel and the joint of Farzaneh (2002) in the units of a data sheet
-    "conductivity": [5e4],
-    "density": [0.857],
-    "expansion": [12.0],
-    "film": [0.54],
-    "kinematic_viscosity": [140.0],
-    "length": [66.7],
-    "line_load": [1e11],
-    "load": [np.float64(1e10)],
-    "modulus": [200.0, 2e5, 2.7, 2700.0],
-    "pressure_viscosity": [20.0, 0.02],
-    "reduced_radius": [4.872e6],
-    "specific_wear": [5.05e-4],
-    "speed": [1e4],
-    "strength": [600.0, 187.0],
-    "swing": [12.2, 90.0],
-    "temperature": [25.0, 100.0],
-    "viscosity": [120.0, 140.0],
-}
-
-
-def test_every_scale_has_plausible_values_and_slips():
-    assert set(PLAUSIBLE) == set(SLIPS) == {name for name, kind in QUANTITIES.items() if kind[1]}
-
-
-def test_slip_of_units_warns_with_name_value_and_unit():
-    for name, slips in SLIPS.items():
-        for value in slips:
-            with pytest.warns(UnitWarning, match=re.escape(f"number = {value:g} ")) as caught:
-                warn_of_units(name, number=[value, PLAUSIBLE[name][-1]])
+def test_values_beyond_the_sizes_of_machines_warn_with_name_value_and_unit():
+    scales = {name: scale for name, (_, scale) in QUANTITIES.items() if scale}
+    assert len(scales) == 17
+    for name, scale in scales.items():
+        warn_of_units(name, quantity=[scale.lowest, scale.highest, 0.0, np.nan, np.inf])
+        for value in (2 * scale.highest, scale.lowest / 2 or 2 * scale.highest):
+            text = re.escape(f"number = {value:g} {scale.unit}")
+            with pytest.warns(UnitWarning, match=text) as caught:
+                warn_of_units(name, number=[value, scale.highest])
             assert len(caught) == 1
 
 

@@ -173,14 +173,6 @@ def test_general_joint_bears_on_the_side_of_the_force():
         npt.assert_allclose(abs(found.contact_angle[pressed]), place, atol=0.3)
 
 
-def test_every_variable_has_its_unit():
-    found = simulate_slider_crank(
-        linkage(), bodies=RUBBED, crank_speed=np.pi, duration=0.1, samples=2
-    )
-    assert all(found[name].attrs["units"] for name in found.variables)
-    assert found.time.values.tolist() == [0.0, 0.1]
-
-
 @pytest.mark.parametrize(
     ("changed", "message"),
     [

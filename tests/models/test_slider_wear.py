@@ -1,5 +1,6 @@
 """Wear round bushing and pin of the slider-crank: balances, closed forms and error bounds."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -8,13 +9,13 @@ import pytest
 import xarray as xr
 from scipy.integrate import quad
 
-from erlif.core.errors import ModelError, RangeWarning
+from erlif.core.errors import ModelError
 from erlif.models.contact import winkler_modulus
 from erlif.models.mechanism import SliderCrank
 from erlif.models.reaction import SliderCrankBodies, joint_reaction
 from erlif.models.running_in import run_in_bushing
 from erlif.models.slider_dynamics import ContactLaw, simulate_slider_crank
-from erlif.models.slider_wear import WearingJoint, wear_slider_crank
+from erlif.models.slider_wear import WearingJoint, bound_extrapolation, wear_slider_crank
 
 LINKAGE = SliderCrank(crank=0.0762, coupler=0.2032, clearance=10e-6)
 MASSES = {"rod_mass": 0.8175, "rod_inertia": 5500e-6, "slider_mass": 5.5487}
@@ -286,12 +287,6 @@ def test_general_joint_wears_on_both_sides_of_the_bushing():
     npt.assert_allclose(again.rubbing[0], turn.rubbing[-1])
 
 
-def test_wear_in_compression_is_reported():
-    fast = SliderCrankBodies(**MASSES, spring_stiffness=525.4, pin_radius=9.525e-3)
-    with pytest.warns(RangeWarning, match="compression"):
-        wear_slider_crank(LINKAGE, **CASE | {"bodies": fast, "crank_speed": 25.0}, cycles=10)
-
-
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
@@ -317,3 +312,59 @@ def test_what_cannot_be_worn_is_refused(changed, message):
         )
     with pytest.raises(ModelError, match="width must be positive"):
         WearingJoint(width=0.0, thickness=1e-3, modulus=1e9, specific_wear=1e-13)
+
+
+SOFT = replace(PTFE, pin_specific_wear=0.0)
+LOOSE = {
+    "linkage": replace(LINKAGE, clearance=1e-4),
+    "joint": replace(SOFT, thickness=1e-3),
+}
+
+
+@pytest.mark.parametrize(
+    ("changes", "first_order"),
+    [
+        ({}, True),
+        (LOOSE | {"bodies": replace(BODIES, spring_preload=0.0, friction=0.0)}, False),
+        (LOOSE | {"bodies": replace(BODIES, spring_preload=0.0)}, False),
+        ({"joint": replace(SOFT, pin_specific_wear=5.05e-13)}, True),
+    ],
+    ids=["test 1", "loose", "loose with friction", "pin as bushing"],
+)
+def test_error_is_within_its_bound(changes, first_order):
+    """Against the limit of two factors that are 4 and 2 times smaller than the smallest one."""
+    case = {"crank_speed": np.pi, "bodies": BODIES, "joint": SOFT, "cycles": 32_000} | changes
+
+    @cache
+    def wear(factor):
+        return wear_slider_crank(
+            case.get("linkage", LINKAGE),
+            **{name: value for name, value in case.items() if name != "linkage"},
+            extrapolation=factor,
+            steps_per_cycle=24,
+            cells=90,
+        )
+
+    found = bound_extrapolation(4000, wear=wear)
+    fine = 2 * wear(250).isel(cycle=-1) - wear(500).isel(cycle=-1)
+    for name in ("worn_volume", "greatest_depth"):
+        error = abs(found[name] - fine[name])
+        assert np.all(np.diff(error) < 0)
+        assert np.all(error <= found[f"{name}_bound"])
+        assert np.all(found[f"{name}_bound"] < 0.03 * fine[name])
+    orders = np.array([found.worn_volume_order, found.greatest_depth_order])
+    assert np.all(abs(orders - 1) <= 0.05) == first_order
+
+
+@pytest.mark.parametrize(("order", "factor"), [(1.0, 1.25), (1.04, 1.25), (0.9, 3.0), (1.1, 3.0)])
+def test_factor_is_that_of_the_observed_order(order, factor):
+    """Roache (1994, 2011): 1.25 with an order as expected, within 5 %, else 3."""
+
+    def wear(step):
+        value = ("cycle", [0.0, 1.0 + 1e-3 * (step / 4) ** order])
+        return xr.Dataset({"worn_volume": value, "greatest_depth": value})
+
+    found = bound_extrapolation(4, wear=wear)
+    npt.assert_allclose(found.worn_volume_order, order)
+    last = found.worn_volume[1] - found.worn_volume[2]
+    npt.assert_allclose(found.worn_volume_bound[-1], factor * last)

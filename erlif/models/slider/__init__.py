@@ -1,4 +1,4 @@
-"""Parts of the slider-crank with a worn joint: contact, motion, wall and extrapolation.
+"""Parts of the slider-crank with a worn joint: contact, motion and wall.
 
 `erlif.models.slider_dynamics` and `erlif.models.slider_wear` put them together.
 """

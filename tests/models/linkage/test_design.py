@@ -2,9 +2,7 @@
 
 import numpy as np
 import numpy.testing as npt
-import pytest
 
-from erlif.core.errors import ModelError
 from erlif.models.linkage import measure_linkage
 from erlif.models.mechanism import CrankRocker
 
@@ -21,14 +19,6 @@ def test_a_design_holds_the_measures_of_the_rig():
     assert found.kind == "crank-rocker"
     # from 180.1253 degrees of crank for the way out
     assert found.slower_stroke == "rising"
-
-
-def test_the_crank_speed_follows_from_the_rocker_speed():
-    found = measure_linkage(RIG, rocker_speed=2.552104)
-    npt.assert_allclose(found.crank_speed / RPM, 114, rtol=1e-6)
-    assert np.isnan(measure_linkage(RIG).crank_speed)
-    with pytest.raises(ModelError, match="crank_speed must be positive"):
-        measure_linkage(RIG, crank_speed=0)
 
 
 def test_strokes_of_a_centric_linkage_are_equal():

@@ -7,8 +7,8 @@ import pytest
 from erlif.core.errors import ModelError
 from erlif.models.contact import conformal_radius
 from erlif.models.mechanism import CrankRocker
-from erlif.models.reynolds import Groove, Journal, Motion, Mount, crank_motion
-from erlif.models.reynolds.journal import as_mount, covered
+from erlif.models.reynolds import Journal, Motion, Mount, crank_motion
+from erlif.models.reynolds.journal import as_mount
 
 SIZES = {"pin_radius": 0.03336, "bushing_radius": 0.03359, "length": 0.237, "viscosity": 0.12}
 
@@ -80,9 +80,3 @@ def test_unknown_or_negative_mount_is_refused():
         as_mount(-1.0)
     with pytest.raises(ModelError, match="rest of a mount must be finite"):
         Mount(rest=np.nan)
-
-
-def test_groove_covers_its_angle_and_one_cell_at_least():
-    angles = np.radians(np.arange(0, 360, 10))
-    assert covered([Groove(np.radians(350), np.radians(25))], angles).sum() == 3
-    assert list(np.flatnonzero(covered([Groove(np.pi)], angles))) == [18]
