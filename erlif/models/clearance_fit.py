@@ -147,6 +147,8 @@ def fit_clearances(
         "shaft_radius": shaft_radius,
         "thickness": thickness,
     }
+
+    # evenly over the logarithm; a known modulus weighs as one more measurement
     moduli = np.geomspace(*_RANGE, _TRIALS)
     prior = np.zeros(_TRIALS)
     if known_modulus is not None:
@@ -158,12 +160,16 @@ def fit_clearances(
         _Profile.of(moduli, places, measured, torque_std, spread, wall)
         for spread in (place_std, np.zeros(places.shape))
     )
+
+    # what the moduli leave open adds to the error of the friction at each of them
     weight = np.exp(-(both.chi_square + prior - np.min(both.chi_square + prior)) / 2)
     weight /= weight.sum()
     friction_found = float(np.sum(weight * both.friction))
     std = float(np.sqrt(np.sum(weight * ((both.friction - friction_found) ** 2 + both.std**2))))
     exact = np.sum(weight * ((both.friction - friction_found) ** 2 + torque_alone.std**2))
     scatter = min(float(np.sqrt(exact)), std)
+
+    # load and radius are shared by all bushings, so that more of them do not help
     budget = {
         "torque": scatter,
         "clearance": float(np.sqrt(std**2 - scatter**2)),

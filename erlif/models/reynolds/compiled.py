@@ -291,6 +291,8 @@ def _conduct(joint, work, single):  # type: ignore[no-untyped-def]
     taken_before, taken_face_before = work.taken[0], work.taken[1]
     along, along_slope = work.along, work.along_slope
     across, across_slope = work.across, work.across_slope
+
+    # the walls are rigid: each column has lost one height to the displacement
     thinnest = np.inf
     for i in range(n):
         taken = ex * cosine[i] + ey * sine[i]
@@ -320,6 +322,8 @@ def _flow(joint, work, content, storage, single):  # type: ignore[no-untyped-def
     weights = joint.end_weights
     full, along, across = work.full, work.along, work.across
     inflow, oil = work.inflow, work.oil
+
+    # ambient pressure lies half a cell beyond an end, where a full film is a parabola
     for i in range(n):
         before = i - 1 if i > 0 else n - 1
         for j in range(nz):
@@ -334,6 +338,8 @@ def _flow(joint, work, content, storage, single):  # type: ignore[no-untyped-def
         steps_across[i, nz] = -p[i, nz - 1]
         if weights[1, 1] != 0.0 and full[i, nz - 1]:
             steps_across[i, nz] = -(weights[1, 0] * p[i, nz - 1] - weights[1, 1] * p[i, nz - 2])
+
+    # what stays in a cell is its oil of before and what has flown in
     for i in range(n):
         behind = i + 1 if i < n - 1 else 0
         for j in range(nz):
@@ -424,6 +430,8 @@ def _link(joint, work, cut, single):  # type: ignore[no-untyped-def]
     full, supplied, along, across = work.full, work.supplied, work.along, work.across
     band, weights = work.band, joint.end_weights
     band[:] = 0.0
+
+    # rows begin at the cut; a known cell keeps its value and gives no links
     for c in range(n):
         i = c + cut if c + cut < n else c + cut - n
         before = i - 1 if i > 0 else n - 1
@@ -461,6 +469,8 @@ def _derive(film, work, storage, cut, single):  # type: ignore[no-untyped-def]
     sides, faces, cells = work.sides, work.faces, work.cells
     guided = sides.shape[1] == 2
     sides[:] = 0.0
+
+    # a displacement changes the film and with it all conductances of a cell
     along_slope, steps_along = work.along_slope, work.steps_along
     across_slope, steps_across = work.across_slope, work.steps_across
     gap, content, inflow, full, supplied = (
@@ -499,6 +509,8 @@ def _shift(joint, work, cut, shift):  # type: ignore[no-untyped-def]
     """Displacements that restore the forces, in place; whether there are any."""
     n, nz = work.film.shape
     area, alpha = joint.dx * joint.dz, joint.pressure_viscosity
+
+    # force of the pressures that each right side gives, along and across the mount
     push = np.zeros((work.sides.shape[1], 2))
     sides, pulls, pressure, images = work.sides, work.pulls, work.pressure, joint.images
     for c in range(n):
@@ -681,6 +693,8 @@ def march(first, last, joint, drive, film, rows):  # type: ignore[no-untyped-def
         band=np.zeros((n * nz, 2 * nz + 1)),
         sides=np.empty((n * nz, sides)),
     )
+
+    # one row of cells without open ends has no flow across
     single = nz == 1 and joint.ways_across[0] == 0.0 and joint.ways_across[1] == 0.0
     compass = _compass(n, 0.0), _compass(n, 0.5)
     for k in range(first, last):

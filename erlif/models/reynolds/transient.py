@@ -174,6 +174,8 @@ class Bearing:
                 "cells must be an even number of 8 or more round the joint and 1 or more along the "
                 f"axis, got {tuple(cells)}."
             )
+
+        # half of the length where the other half is its image
         edges = _edges(journal, along_half)
         halved = edges[0] == 0.0
         grid = Grid(
@@ -356,6 +358,8 @@ class Ride:
                         f"No film was found at {motion.time[k]:.6g} s (step {k}): {error}"
                     ) from error
                 continue
+
+            # the part is done; the next one starts from it with the same share
             supply += state.supply / step.rate
             self.halfway = 0.5 * (self.turned(self.instant) + self.turned(now))
             self.earlier = (now.time - self.instant.time, self.state.position)

@@ -56,7 +56,7 @@ def roots_for_swing(links, unknown, swing):
 def test_all_lengths_of_one_link_for_a_swing_are_found(solver, draw_linkage):
     rng = np.random.default_rng(11)
     several = 0
-    for k in range(488):
+    for k in range(120):
         links = dict(zip(NAMES, draw_linkage(rng), strict=True))
         one = solver(links.values())
         wanted = one.extreme(one.rocker_angle, 1)[1] - one.extreme(one.rocker_angle, -1)[1]
@@ -69,47 +69,43 @@ def test_all_lengths_of_one_link_for_a_swing_are_found(solver, draw_linkage):
             again = solver(lengths_of(design))
             if np.degrees(design.least_transmission) > 10:
                 npt.assert_allclose(again.swing(), wanted, atol=1e-9)
-    assert several > 100
+    assert several > 20
 
 
 @pytest.mark.parametrize("unknown", list(itertools.combinations(NAMES, 2)))
 def test_two_links_for_a_swing_and_a_speed_ratio(solver, draw_linkage, unknown):
     rng = np.random.default_rng([12, NAMES.index(unknown[0]), NAMES.index(unknown[1])])
-    for _ in range(1):
-        links = dict(zip(NAMES, draw_linkage(rng), strict=True))
-        one = solver(links.values())
-        swing, ratio = one.swing(), one.speed_ratio()
-        given = without(links, *unknown)
-        found = synthesise_crank_rocker(swing=swing, speed_ratio=ratio, **given)
-        assert holds(found, links)
-        for design in found.designs:
-            again = solver(lengths_of(design))
-            if np.degrees(design.least_transmission) > 25:
-                npt.assert_allclose(again.swing(), swing, atol=1e-9)
-                npt.assert_allclose(again.speed_ratio(), ratio, rtol=1e-9)
+    links = dict(zip(NAMES, draw_linkage(rng), strict=True))
+    one = solver(links.values())
+    swing, ratio = one.swing(), one.speed_ratio()
+    given = without(links, *unknown)
+    found = synthesise_crank_rocker(swing=swing, speed_ratio=ratio, **given)
+    assert holds(found, links)
+    for design in found.designs:
+        again = solver(lengths_of(design))
+        if np.degrees(design.least_transmission) > 25:
+            npt.assert_allclose(again.swing(), swing, atol=1e-9)
+            npt.assert_allclose(again.speed_ratio(), ratio, rtol=1e-9)
 
 
 @pytest.mark.parametrize("unknown", list(itertools.combinations(NAMES, 2)))
 def test_two_links_for_a_swing_and_a_time_ratio_in_both_senses(solver, draw_linkage, unknown):
     rng = np.random.default_rng([13, NAMES.index(unknown[0]), NAMES.index(unknown[1])])
-    for _ in range(1):
-        links = dict(zip(NAMES, draw_linkage(rng), strict=True))
-        # crank and coupler line up at both ends: angles of triangles with sides coupler -+ crank
-        a, b, c, d = links.values()
-        excess = np.subtract(
-            *(np.arccos((d**2 + s**2 - c**2) / (2 * d * s)) for s in (b + a, b - a))
-        )
-        ratio = (np.pi + abs(excess)) / (np.pi - abs(excess))
-        swing = solver(links.values()).swing()
-        given = without(links, *unknown)
-        found = synthesise_crank_rocker(swing=swing, time_ratio=ratio, **given)
-        assert holds(found, links)
-        for design in found.designs:
-            if np.degrees(design.least_transmission) > 25:
-                share = solver(lengths_of(design)).rising_part()
-                measured = max(share, 1 - share) / min(share, 1 - share)
-                npt.assert_allclose(measured, ratio, rtol=1e-5)
-                npt.assert_allclose(solver(lengths_of(design)).swing(), swing, atol=1e-9)
+    links = dict(zip(NAMES, draw_linkage(rng), strict=True))
+    # crank and coupler line up at both ends: angles of triangles with sides coupler -+ crank
+    a, b, c, d = links.values()
+    excess = np.subtract(*(np.arccos((d**2 + s**2 - c**2) / (2 * d * s)) for s in (b + a, b - a)))
+    ratio = (np.pi + abs(excess)) / (np.pi - abs(excess))
+    swing = solver(links.values()).swing()
+    given = without(links, *unknown)
+    found = synthesise_crank_rocker(swing=swing, time_ratio=ratio, **given)
+    assert holds(found, links)
+    for design in found.designs:
+        if np.degrees(design.least_transmission) > 25:
+            share = solver(lengths_of(design)).rising_part()
+            measured = max(share, 1 - share) / min(share, 1 - share)
+            npt.assert_allclose(measured, ratio, rtol=1e-5)
+            npt.assert_allclose(solver(lengths_of(design)).swing(), swing, atol=1e-9)
 
 
 def test_the_thesis():
