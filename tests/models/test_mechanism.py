@@ -182,6 +182,8 @@ def test_a_linkage_whose_crank_cannot_turn_is_refused(links, named):
 def test_a_swing_that_no_crank_gives_is_refused():
     with pytest.raises(ModelError, match="swing must be less than"):
         crank_for_swing(np.radians(170), coupler=0.44, rocker=0.26, ground=0.51)
+    with pytest.raises(ModelError, match="close no triangle"):
+        crank_for_swing(0.1, coupler=0.44, rocker=0.26, ground=0.8)
 
 
 @given(st.floats(0.01, 0.5), st.floats(1.05, 10.0), st.floats(0, 0.1), angles)

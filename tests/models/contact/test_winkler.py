@@ -6,7 +6,7 @@ import pytest
 from scipy.integrate import quad
 
 from erlif.core.errors import ModelError
-from erlif.models.contact import winkler_contact, winkler_load
+from erlif.models.contact import winkler_contact, winkler_load, winkler_modulus
 
 # groups of lengths and moduli near 1, or radii beyond those of machines, are no slips of units
 DIMENSIONLESS = pytest.mark.filterwarnings("ignore::erlif.core.errors.UnitWarning")
@@ -68,3 +68,12 @@ def test_winkler_inverts_and_scales():
     assert np.all((found.torque_ratio >= 1) & (found.torque_ratio <= np.pi / 2))
     softer = winkler_load(half_angle, **{**case, "modulus": 5e8})
     npt.assert_allclose(softer, load / 2)
+
+
+def test_winkler_modulus_is_the_confined_one():
+    """Colbert et al. (2009), B3: the constrained modulus lambda + 2 mu."""
+    E, nu = 1.1e9, 0.46
+    lame, shear = E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
+    npt.assert_allclose(winkler_modulus(E, poisson=nu), lame + 2 * shear)
+    with pytest.raises(ModelError, match=r"below 0\.5"):
+        winkler_modulus(E, poisson=0.5)

@@ -157,3 +157,11 @@ def test_deflection_is_that_of_tamaas():
     found = solve_contact(gap, spacing=1 / count, contact_modulus=1e9, load=2e6, tolerance=1e-8)
     theirs = np.asarray(model.traction)
     npt.assert_allclose(found.pressure, theirs, atol=1e-4 * theirs.max())
+
+
+def test_mirror_adds_the_pressure_beyond_the_ends():
+    """With a mirror of one, a strip of even pressure deflects at its end like an endless one."""
+    half, _ = roller(0.0)
+    free, axial = roller(0.0, mirror=1.0)
+    npt.assert_allclose(axial[4:-4], 1.0, atol=0.01)
+    assert float(free.peak_pressure) < float(half.peak_pressure)
