@@ -114,6 +114,10 @@ def test_engine_oil_is_the_printed_formula():
     npt.assert_allclose(vogel_viscosity(333.15, **sae_oil(30)._asdict()), printed, rtol=1e-5)
 
 
+def test_grades_of_iso():
+    npt.assert_allclose(iso_vg_viscosity(46), (41.4e-6, 50.6e-6))
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [

@@ -368,3 +368,5 @@ def test_factor_is_that_of_the_observed_order(order, factor):
     npt.assert_allclose(found.worn_volume_order, order)
     last = found.worn_volume[1] - found.worn_volume[2]
     npt.assert_allclose(found.worn_volume_bound[-1], factor * last)
+    with pytest.raises(ModelError, match="halvings must be 2 or more"):
+        bound_extrapolation(2, wear=wear)
