@@ -137,7 +137,7 @@ def test_damaged_work_in_progress_is_made_again(
 def put_missing(work, triggers):
     for trigger in triggers:
         if not work.has(trigger):
-            work.put(trigger, work.encode(maps_of(trigger)), {"frames_used": 2})
+            work.put(trigger, work.maps.encode(maps_of(trigger)), {"frames_used": 2})
 
 
 @pytest.fixture(scope="module")
