@@ -10,14 +10,16 @@ from collections.abc import Iterable, Mapping, Sequence
 from importlib import resources
 from itertools import groupby
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup, escape
 
 from erlif.io.files import replacing
-from erlif.show.plots.style import ONE_COLUMN, AnyFigure, figure_bytes
-from erlif.show.report.captions import Caption
+
+if TYPE_CHECKING:
+    from erlif.show.plots.style import AnyFigure
+    from erlif.show.report.captions import Caption
 
 _MEDIA = {"svg": "image/svg+xml", "png": "image/png"}
 _LARGE = 400_000  # bytes of a drawing that is kept as an image of pixels
@@ -217,6 +219,8 @@ class PageFigure(NamedTuple):
 
 def embed_figure(name: str, figure: AnyFigure, caption: Caption) -> PageFigure:
     """Embed one figure, its image as base64 text."""
+    from erlif.show.plots.style import ONE_COLUMN, figure_bytes  # matplotlib; texts need none
+
     # lines stay sharp as SVG; an image of many pixels, or many points, is much smaller as PNG
     kind = caption.kind
     image = figure_bytes(figure, kind=kind, dpi=caption.dpi)
