@@ -58,6 +58,7 @@ def test_rig_shares_no_code_with_the_measurement():
                         "erlif.core.arrays",
                         "erlif.core.errors",
                         "erlif.core.progress",
+                        "erlif.core.tables",
                     )  # types, exceptions, progress bars, the reader of TOML tables
                     assert allowed or name.startswith("erlif.rig"), f"{path.name} imports {name}"
 
