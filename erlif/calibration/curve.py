@@ -173,6 +173,10 @@ class Calibration:
             )
         return np.concatenate(parts)
 
+    def film_gradient(self, thickness: npt.ArrayLike) -> Array:
+        """Derivatives of the film of a measured ratio by all fitted parameters, (n, ...)."""
+        return np.asarray(-self.gradient(thickness) / self.slope(thickness))
+
     @property
     def full_covariance(self) -> Array:
         """Covariance of all fitted parameters, (n, n), in the order of `gradient`."""
@@ -345,6 +349,15 @@ class InverseTable:
             per_log_ratio=1 / calibration.slope(thickness),
             calibration_std=calibration.thickness_std(thickness),
         )
+
+    @cached_property
+    def log_ratio(self) -> Array:
+        """Logarithm of the ratio of each entry, (entry,). [1]"""
+        return np.asarray(self.start + self.step * np.arange(self.thickness.size))
+
+    def look_up(self, log_ratio: Array) -> Array:
+        """Thickness by linear interpolation, that of the ends beyond them. [um]"""
+        return np.interp(log_ratio, self.log_ratio, self.thickness)
 
 
 _SAME_BAND = 1.0  # nm: filters of the same name differ by less

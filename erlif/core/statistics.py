@@ -1,4 +1,4 @@
-"""Statistics of samples that hold outliers."""
+"""Statistics of samples that hold outliers, and roots of covariances."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from erlif.core.arrays import AnyArray
+from erlif.core.arrays import AnyArray, Array
 
 SAMPLED = 200_000
 """Pixels from which the median of a whole image is taken: to 0.3 % of the standard deviation."""
@@ -55,6 +55,60 @@ def robust_rms(values: AnyArray) -> float:
     2.9652
     """
     return MAD_TO_STD * float(np.median(np.abs(values)))
+
+
+def covariance_root(covariance: Array) -> Array:
+    """A matrix whose square is a covariance that may be singular, (number, cause).
+
+    Its numbers may have any unit.
+
+    Parameters
+    ----------
+    covariance : array, (number, number)
+
+    Returns
+    -------
+    array, (number, cause)
+        Causes are independent and of unit variance.
+
+    Examples
+    --------
+    >>> np.abs(covariance_root(np.diag([4.0, 9e-12])).sum(axis=1))
+    array([2.e+00, 3.e-06])
+    """
+    scale, axes, sizes = _axes_of(covariance)
+    return np.asarray(scale[:, np.newaxis] * axes * sizes)
+
+
+def symmetric_root(covariance: Array) -> Array:
+    """The same turned so that the cause of each number is mostly its own.
+
+    It is the symmetric root of the correlation, times the standard deviations.
+
+    Parameters
+    ----------
+    covariance : array, (number, number)
+        Rounding may have left small negative variances.
+
+    Returns
+    -------
+    array, (number, cause)
+
+    Examples
+    --------
+    >>> symmetric_root(np.diag([4.0, 9.0]))
+    array([[2., 0.],
+           [0., 3.]])
+    """
+    scale, axes, sizes = _axes_of(covariance)
+    return np.asarray(scale[:, np.newaxis] * ((axes * sizes) @ axes.T))
+
+
+def _axes_of(covariance: Array) -> tuple[Array, Array, Array]:
+    """Standard deviations, and axes of the correlation with the roots of its variances."""
+    scale = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
+    variances, axes = np.linalg.eigh(covariance / scale / scale[:, np.newaxis])
+    return scale, axes, np.sqrt(np.maximum(variances, 0.0))
 
 
 def sample_pixels(image: AnyArray, most: int = SAMPLED) -> AnyArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -159,7 +160,8 @@ def _read_swing(
     log: EncoderLog, mechanism: Mechanism, encoder: Encoder, crank_speed: float
 ) -> LinkAngle:
     """Angle of a link that swings."""
-    low, high = link_limits(mechanism, encoder)
+    link = choose_link(mechanism, encoder)
+    low, high = link.limits
     counted = _count_on(log.angle.values)
     reading = np.radians(counted)
 
@@ -168,12 +170,7 @@ def _read_swing(
     sign = signs[0]
     noise = 0.0
     if "time" in log and reading.size > 1:
-        found = find_direction(
-            log["time"].values,
-            reading,
-            lambda crank: _link_angle_at(mechanism, encoder, crank),
-            crank_speed=crank_speed,
-        )
+        found = find_direction(log["time"].values, reading, link.angle, crank_speed=crank_speed)
         noise = found.noise
         if encoder.direction is not None and found.sign == -sign:
             _refuse_direction(encoder)
@@ -206,18 +203,36 @@ def _refuse_direction(encoder: Encoder) -> None:
     )
 
 
-def link_limits(mechanism: Mechanism, encoder: Encoder) -> tuple[float, float]:
-    """Angles between which the link that carries the encoder swings. [rad]"""
-    if encoder.mounted_on == "coupler" and isinstance(mechanism, CrankRocker):
-        return mechanism.coupler_limits()
-    return mechanism.limits()  # the rod of a slider-crank is its coupler
+class Link(NamedTuple):
+    """A link that swings.
+
+    Attributes
+    ----------
+    limits : tuple[float, float]
+        Angles between which it swings. [rad]
+    angle : Callable[..., Array]
+        Crank angle to its angle. [rad]
+    crank : Callable[..., Array]
+        Its angle to the crank angle, with `rising`. [rad]
+    speed : Callable[..., Array]
+        Crank angle to its speed, with `crank_speed`. [rad s-1]
+    """
+
+    limits: tuple[float, float]
+    angle: Callable[..., Array]
+    crank: Callable[..., Array]
+    speed: Callable[..., Array]
 
 
-def _link_angle_at(mechanism: Mechanism, encoder: Encoder, crank: Array) -> Array:
-    """Angle of the link at crank angles. [rad]"""
-    if isinstance(mechanism, SliderCrank) or encoder.mounted_on == "coupler":
-        return np.asarray(mechanism.coupler_angle(crank))
-    return np.asarray(mechanism.rocker_angle(crank))
+def choose_link(mechanism: Mechanism, encoder: Encoder) -> Link:
+    """The link that carries the encoder and swings; the rod of a slider-crank is its coupler."""
+    one = mechanism
+    if isinstance(one, SliderCrank):
+        return Link(one.limits(), one.coupler_angle, one.crank_angle, one.coupler_speed)
+    if encoder.mounted_on == "coupler":
+        inverse = one.crank_angle_from_coupler
+        return Link(one.coupler_limits(), one.coupler_angle, inverse, one.coupler_speed)
+    return Link(one.limits(), one.rocker_angle, one.crank_angle, one.rocker_speed)
 
 
 def _count_on(reading: Array) -> Array:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.described import Columns, describe
 from erlif.core.errors import EncoderError
 from erlif.core.products import EncoderLog
+from erlif.core.variables import FILM, FRAMES
 from erlif.kinematics.encoder import Encoder, Mechanism
 
 _SINGLE_CYCLE = 1.5
@@ -31,6 +31,10 @@ _BACK = 1.5 * math.pi
 """A larger step of a slow crank is a small one backwards. [rad]"""
 
 _TURN = 2 * math.pi
+
+
+FrameColumns: TypeAlias = dict[str, tuple[npt.ArrayLike, str]]
+"""Values at each frame of variables of a film, and their names in words; empty: as in the table."""
 
 
 class Fold(NamedTuple):
@@ -98,7 +102,7 @@ def fold_frames(crank: Array, log: EncoderLog, encoder: Encoder, mechanism: Mech
 
     # the step that follows the last frame completes its turn
     since = log.number.values - log.number.values[0]
-    turned = float(np.sum(_steps(crank))) / _TURN
+    turned = float(np.sum(crank_steps(crank))) / _TURN
     cycles = turned + turned / max(since[-1], 1)
     frames = int(since[-1] + 1)
     per_cycle = frames if cycles < _SINGLE_CYCLE else round(frames / cycles)
@@ -159,8 +163,24 @@ def fold_by_phase(
     return Fold(trigger.astype(np.int64), _count_turns(sign * crank, sign * at_smallest), remark)
 
 
-def _steps(crank: Array) -> Array:
-    """Turn of the crank from frame to frame; noise about a dead point may set it back. [rad]"""
+def crank_steps(crank: Array) -> Array:
+    """Turn of the crank from frame to frame; noise about a dead point may set it back.
+
+    Parameters
+    ----------
+    crank : array, (frame,)
+        [rad]
+
+    Returns
+    -------
+    array, (frame - 1,)
+        [rad]
+
+    Examples
+    --------
+    >>> np.degrees(crank_steps(np.radians([350.0, 10.0, 9.0, 30.0]))).round()
+    array([20., -1., 21.])
+    """
     step = np.diff(crank) % _TURN
     slow = step.size > 0 and float(np.median(step)) < math.pi
     return np.where(slow & (step > _BACK), step - _TURN, step)
@@ -169,7 +189,7 @@ def _steps(crank: Array) -> Array:
 def _count_turns(crank: Array, start: float) -> npt.NDArray[np.int64]:
     """Turns since the beginning of the log, each from the crank angle `start` on."""
     first = (crank[0] - start) % _TURN
-    turned = first + np.concatenate([[0.0], np.cumsum(_steps(crank))])
+    turned = first + np.concatenate([[0.0], np.cumsum(crank_steps(crank))])
     return np.asarray(np.floor(turned / _TURN + 1e-9), np.int64)  # rounding at a whole turn
 
 
@@ -183,7 +203,7 @@ def _mixes_strokes(fold: Fold, crank: Array, mechanism: Mechanism) -> bool:
     away = np.min(
         [np.abs((crank - at + np.pi) % _TURN - np.pi) for at in (at_smallest, at_largest)], 0
     )
-    step = float(np.median(_steps(crank))) if crank.size > 1 else 0.0
+    step = float(np.median(crank_steps(crank))) if crank.size > 1 else 0.0
     clear = away > _CLEAR * step
     count = [np.bincount(fold.trigger, clear & side) for side in (outward, ~outward)]
     return bool(((count[0] > 0) & (count[1] > 0)).any())
@@ -273,14 +293,14 @@ def fold_by_number(
     return fold
 
 
-def describe_frames(fold: Fold, columns: Columns, *, cycle: str) -> xr.Dataset:
+def describe_frames(fold: Fold, columns: FrameColumns, *, cycle: str) -> xr.Dataset:
     """Trigger and cycle of each frame, and further columns.
 
     Parameters
     ----------
     fold : Fold
-    columns : Columns
-        On dim frame.
+    columns : FrameColumns
+        Variables of a film, at each frame.
     cycle : str
         What a cycle is, in words.
 
@@ -294,9 +314,9 @@ def describe_frames(fold: Fold, columns: Columns, *, cycle: str) -> xr.Dataset:
     >>> describe_frames(Fold(np.array([0, 1]), np.array([0, 0])), {}, cycle="turn").cycle.long_name
     'turn'
     """
-    numbers: Columns = {
-        "trigger": ("frame", fold.trigger, "1", "encoder trigger of the cycle"),
-        "cycle": ("frame", fold.cycle, "1", cycle),
-    }
-    found = describe(numbers | columns, {})
-    return found.assign_coords(frame=np.arange(fold.trigger.size))
+    numbers: FrameColumns = {"trigger": (fold.trigger, ""), "cycle": (fold.cycle, cycle)}
+    found = xr.Dataset(coords={"frame": np.arange(fold.trigger.size)})
+    for name, (values, words) in (numbers | columns).items():
+        known = {**FILM, **FRAMES}[name].attrs
+        found[name] = ("frame", values, {**known, "long_name": words or known["long_name"]})
+    return found

@@ -9,18 +9,18 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.described import Columns
 from erlif.core.errors import EncoderError, ModelError
 from erlif.core.notes import Level, Note
 from erlif.core.products import EncoderLog, require
+from erlif.core.variables import FILM
 from erlif.kinematics.encoder import (
     Encoder,
     LinkAngle,
     Mechanism,
-    link_limits,
+    choose_link,
     read_link_angle,
 )
-from erlif.kinematics.folding import describe_frames, fold_frames
+from erlif.kinematics.folding import FrameColumns, describe_frames, fold_frames
 from erlif.models.mechanism import SliderCrank
 
 _BACKWARD_COST = 3.0
@@ -89,22 +89,19 @@ def locate_frames(
     crank = link.angle if on_crank else _crank_from_swing(link, log, mechanism, encoder)
     fold = fold_frames(crank, log.assign(angle=("frame", link.reading)), encoder, mechanism)
 
+    # the stroke is that of the rod of a slider-crank, or of the rocker
     speed = _joint_speed(mechanism, crank, crank_speed)
-    angle_rate = speed
-    if isinstance(mechanism, SliderCrank):
-        angle_rate = np.asarray(mechanism.coupler_speed(crank, crank_speed=crank_speed))
-    stroke = np.where(angle_rate >= 0, 1, -1).astype(np.int8)
+    angle_rate = choose_link(mechanism, Encoder()).speed(crank, crank_speed=crank_speed)
+    stroke = np.where(np.asarray(angle_rate) >= 0, 1, -1).astype(np.int8)
 
     swings = encoder.mounted_on == "rocker" and not link.falling
-    rising = "stroke, +1 angle rising" if swings else "stroke, +1 rocker angle rising"
-    columns: Columns = {
-        "stroke": ("frame", stroke, "1", rising),
-        "crank_angle": ("frame", np.degrees(crank), "degree", "crank angle"),
-        "rocker_speed": ("frame", speed, "rad s-1", "angular speed of the joint"),
+    columns: FrameColumns = {
+        "stroke": (stroke, "" if swings else "stroke, +1 rocker angle rising"),
+        "crank_angle": (np.degrees(crank), ""),
+        "rocker_speed": (speed, ""),
     }
     if pin_radius is not None:
-        sliding = np.abs(speed) * pin_radius
-        columns["sliding_speed"] = ("frame", sliding, "m s-1", "sliding speed")
+        columns["sliding_speed"] = (np.abs(speed) * pin_radius, "")
     located = describe_frames(fold, columns, cycle="turn of the crank")
     located["encoder_angle"] = ("frame", link.reading, _describe_encoder(link, encoder))
     if link.zero_std is not None:
@@ -177,8 +174,7 @@ def encoder_notes(located: xr.Dataset) -> list[Note]:
 def _describe_encoder(link: LinkAngle, encoder: Encoder) -> dict[str, str | float | int]:
     """Attributes of the encoder angle: how the reading becomes the angle of the link."""
     attrs: dict[str, str | float | int] = {
-        "units": "degree",
-        "long_name": "encoder angle",
+        **FILM["encoder_angle"].attrs,
         "mounted_on": encoder.mounted_on,
         "direction": "falling" if link.falling else "rising",
         # an encoder that starts again has its zero within half a turn
@@ -204,13 +200,13 @@ def _describe_zero_effect(
 ) -> str:
     """What the error of a fitted zero changes: it is the same for all frames."""
     std = link.zero_std or 0.0
-    inverse, rate = _inverse(mechanism, encoder)
-    rising = np.asarray(rate(crank, crank_speed=crank_speed)) > 0
+    carrier = choose_link(mechanism, encoder)
+    rising = np.asarray(carrier.speed(crank, crank_speed=crank_speed)) > 0
 
     # a dead point ends the reach of the link, where the crank angle of a reading changes fastest
-    low, high = link_limits(mechanism, encoder)
     after, before = (
-        inverse(np.clip(link.angle + sign * std, low, high), rising=rising) for sign in (1, -1)
+        carrier.crank(np.clip(link.angle + sign * std, *carrier.limits), rising=rising)
+        for sign in (1, -1)
     )
     turned = np.abs((after - before + math.pi) % (2 * math.pi) - math.pi) / 2
     changed = np.subtract(
@@ -224,22 +220,11 @@ def _describe_zero_effect(
     )
 
 
-def _inverse(
-    mechanism: Mechanism, encoder: Encoder
-) -> tuple[Callable[..., Array], Callable[..., Array]]:
-    """Crank angle as a function of the angle of a link that swings, and the speed of the link."""
-    if isinstance(mechanism, SliderCrank):
-        return mechanism.crank_angle, mechanism.coupler_speed
-    if encoder.mounted_on == "coupler":
-        return mechanism.crank_angle_from_coupler, mechanism.coupler_speed
-    return mechanism.crank_angle, mechanism.rocker_speed
-
-
 def _crank_from_swing(
     link: LinkAngle, log: EncoderLog, mechanism: Mechanism, encoder: Encoder
 ) -> Array:
     """Crank angle from the angle of a link that swings. [rad]"""
-    inverse, _ = _inverse(mechanism, encoder)
+    inverse = choose_link(mechanism, encoder).crank
     if "angle_rate" not in log:
         time = log["time"].values if "time" in log else None
         return _follow_crank(link.angle, inverse, time)

@@ -13,10 +13,9 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.described import Columns
 from erlif.core.errors import EncoderError
 from erlif.core.products import EncoderLog, require
-from erlif.kinematics.folding import describe_frames, fold_by_number, fold_by_phase
+from erlif.kinematics.folding import FrameColumns, describe_frames, fold_by_number, fold_by_phase
 
 _LARGEST_STEP = 150.0
 """Turn of a disc from frame to frame above which its sense is not certain. [degree]"""
@@ -106,16 +105,16 @@ def locate_rotation(
     array([0.2, 0.2])
     """
     require(log, "number")
-    logged, columns = _logged_columns(log), Columns()
+    logged, columns = _logged_columns(log), FrameColumns()
     if "angle" in log:
         columns["encoder_angle"] = logged.pop("encoder_angle")
         disc = (log.angle.values + math.degrees(zero)) % _TURN
-        columns["crank_angle"] = ("frame", disc, "degree", "angle of the disc")
+        columns["crank_angle"] = (disc, "angle of the disc")
     if not logged:
         speed = np.broadcast_to(
             np.abs(_choose_rate(log, rotation)) * rotation.radius, log.sizes["frame"]
         )
-        columns["sliding_speed"] = ("frame", speed, "m s-1", "sliding speed")
+        columns["sliding_speed"] = (speed, "")
     located = _describe(log, columns | logged, triggers_per_cycle, bins)
     return located.assign_attrs(_compare_rate(log, rotation.speed, "speed"))
 
@@ -169,7 +168,7 @@ def locate_slider(
     (array([0.157, 0.   ]), array([0., 5.]))
     """
     require(log, "number")
-    logged, columns = _logged_columns(log), Columns()
+    logged, columns = _logged_columns(log), FrameColumns()
     if "angle" in log:
         columns["encoder_angle"] = logged.pop("encoder_angle")
         drive = np.radians(log.angle.values) + (zero or 0.0)
@@ -191,10 +190,10 @@ def locate_slider(
     sense = -1 if "angle" in log and _falls(log, np.degrees(drive)) else 1
     stroke = np.where(sense * np.cos(drive) >= 0, 1, -1).astype(np.int8)
     columns |= {
-        "crank_angle": ("frame", turned, "degree", "angle of the drive, 0 at mid-stroke"),
-        "position": ("frame", position, "mm", "position of the slider from mid-stroke"),
-        "stroke": ("frame", stroke, "1", "+1 position rising, -1 falling"),
-        "sliding_speed": ("frame", speed, "m s-1", "sliding speed"),
+        "crank_angle": (turned, "angle of the drive, 0 at mid-stroke"),
+        "position": (position, "position of the slider from mid-stroke"),
+        "stroke": (stroke, "+1 position rising, -1 falling"),
+        "sliding_speed": (speed, ""),
     }
     located = _describe(log, columns | logged, triggers_per_cycle, bins, _SLIDER)
     return located.assign_attrs(
@@ -238,30 +237,30 @@ def locate_logged(log: EncoderLog, *, triggers_per_cycle: int | None = None) -> 
         signed = log.sliding_speed.values
         if signed.min() < 0 < signed.max():
             stroke = np.where(signed >= 0, 1, -1).astype(np.int8)
-            columns["stroke"] = ("frame", stroke, "1", "sign of the logged speed")
+            columns["stroke"] = (stroke, "sign of the logged speed")
     return _describe(log, columns, triggers_per_cycle)
 
 
-def _logged_columns(log: EncoderLog) -> Columns:
+def _logged_columns(log: EncoderLog) -> FrameColumns:
     """Angle of the encoder and sliding speed, as far as they are logged."""
-    columns: Columns = {}
+    columns: FrameColumns = {}
     if "angle" in log:
-        columns["encoder_angle"] = ("frame", log.angle.values, "degree", "encoder angle")
+        columns["encoder_angle"] = (log.angle.values, "")
     if "sliding_speed" in log:
         speed = np.abs(log.sliding_speed.values)
-        columns["sliding_speed"] = ("frame", speed, "m s-1", "sliding speed, logged")
+        columns["sliding_speed"] = (speed, "sliding speed, logged")
     return columns
 
 
 def _describe(
     log: EncoderLog,
-    columns: Columns,
+    columns: FrameColumns,
     triggers_per_cycle: int | None,
     bins: int | None = None,
     dead_points: tuple[float, float] = _DISC,
 ) -> xr.Dataset:
     """The columns with trigger and cycle of each frame; without a request each is a trigger."""
-    angle = np.asarray(columns["crank_angle"][1], float) if "crank_angle" in columns else None
+    angle = np.asarray(columns["crank_angle"][0], float) if "crank_angle" in columns else None
     if bins is not None:
         if angle is None:
             raise EncoderError(

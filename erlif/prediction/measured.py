@@ -12,6 +12,7 @@ from erlif.calibration import calibration_of
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ConfigError
 from erlif.core.products import require
+from erlif.core.statistics import covariance_root, symmetric_root
 from erlif.io.files import settings_of
 
 _MICRO, _MILLI = 1e6, 1e-3
@@ -148,36 +149,6 @@ def measured_minima(
     )
 
 
-def covariance_root(covariance: Array) -> Array:
-    """A matrix whose square is a covariance that may be singular, (number, cause).
-
-    Its numbers may have any unit.
-
-    Parameters
-    ----------
-    covariance : array, (number, number)
-
-    Returns
-    -------
-    array, (number, cause)
-        Causes are independent and of unit variance.
-
-    Examples
-    --------
-    >>> np.abs(covariance_root(np.diag([4.0, 9e-12])).sum(axis=1))
-    array([2.e+00, 3.e-06])
-    """
-    scale, axes, sizes = _axes_of(covariance)
-    return np.asarray(scale[:, np.newaxis] * axes * sizes)
-
-
-def _axes_of(covariance: Array) -> tuple[Array, Array, Array]:
-    """Standard deviations, and axes of the correlation with the roots of its variances."""
-    scale = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
-    variances, axes = np.linalg.eigh(covariance / scale / scale[:, np.newaxis])
-    return scale, axes, np.sqrt(np.maximum(variances, 0.0))
-
-
 def _seen_angles(film: xr.Dataset) -> Array | None:
     """Ends of what each trigger sees of the joint, from the load line, (trigger, end). [rad]
 
@@ -226,19 +197,15 @@ def _share_marks(covariances: Array, seen: Array) -> Array:
         inside = np.minimum(places - seen[k, 0], seen[k, 1] - places) / width + 0.5
         weight = np.clip(inside, 0.0, 1.0)[:, np.newaxis]
         fit = np.linalg.pinv(shapes * weight).T * weight
-        found[k] = _square_root(covariances[k]) @ np.linalg.inv(_square_root(fit.T @ fit)) @ fit.T
+        found[k] = (
+            symmetric_root(covariances[k]) @ np.linalg.inv(symmetric_root(fit.T @ fit)) @ fit.T
+        )
 
     # a few sources hold nearly all of it
     rows = found[known].reshape(-1, _PLACES)
     _, size, axes = np.linalg.svd(rows, full_matrices=False)
     kept = axes[size**2 > _NEGLIGIBLE_MARKS * np.sum(size**2)]
     return np.asarray(found @ kept.T)
-
-
-def _square_root(covariance: Array) -> Array:
-    """Symmetric root of a covariance that may be singular."""
-    scale, axes, sizes = _axes_of(covariance)
-    return np.asarray(scale[:, np.newaxis] * ((axes * sizes) @ axes.T))
 
 
 def _roots(covariances: Array) -> Array:

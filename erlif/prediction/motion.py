@@ -12,6 +12,7 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError
 from erlif.core.products import require
+from erlif.kinematics.folding import crank_steps
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Motion
 
@@ -27,8 +28,6 @@ STEADY_CRANK = 0.02
 which the crank is taken as one."""
 
 _TURN = 2 * math.pi
-_BACK = 0.75
-"""A larger step of a slow crank, in turns, is a small one backwards."""
 
 
 @dataclass(frozen=True)
@@ -186,11 +185,9 @@ def _clock(frames: xr.Dataset, linkage: CrankRocker, crank_speed: float) -> tupl
 
 def _count_on(crank: Array, cycle: npt.NDArray[np.int64]) -> Array:
     """Crank angle without jumps, rising; noise about a dead point may hold it. [rad]"""
-    step = np.diff(crank) % _TURN
-    if step.size and np.median(step) < math.pi:
-        step = np.where(step > _BACK * _TURN, step - _TURN, step)
     missed = np.maximum(np.diff(cycle) - 1, 0)
-    turned = crank[0] + np.concatenate([[0.0], np.cumsum(step + _TURN * missed)])
+    steps = crank_steps(crank) + _TURN * missed
+    turned = crank[0] + np.concatenate([[0.0], np.cumsum(steps)])
     return np.asarray(np.maximum.accumulate(turned))
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.prediction.measured import covariance_root
+from erlif.core.statistics import covariance_root
 from erlif.prediction.smoothing import smooth_path
 
 NUMBERS = 4

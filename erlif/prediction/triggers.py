@@ -11,6 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from erlif.core.arrays import Array
+from erlif.core.variables import FILM, FRAMES
 from erlif.models.reynolds import Journal, solve_journal
 from erlif.prediction.motion import FrameMotion
 from erlif.prediction.start import find_start_film
@@ -207,11 +208,8 @@ def predict_triggers(
     each = _describe_positions(frames, journal, view, "frame")
     predicted = predicted.merge(each.rename({name: f"{name}_frame" for name in each}))
     turns = motion.cycles
-    predicted["elapsed_cycles"] = (
-        "frame",
-        turns - turns.min(),
-        {"units": "1", "long_name": "turns of the crank since the first frame"},
-    )
+    predicted["elapsed_cycles"] = FRAMES["elapsed_cycles"].fill(turns - turns.min())
+
     # after a lead the film at the first frame is no longer that of the start
     first = int(np.argmin(motion.steps))
     reached = np.hypot(frames.displacement_load, frames.displacement_side).values[first]
@@ -227,25 +225,13 @@ def _describe_positions(
     load, side = positions.displacement_load.values, positions.displacement_side.values
     minimum, mean = summarise_gap(load, side, journal, view)
     columns = {
-        "film_predicted_min": (_MICRO * minimum, "um", "predicted minimum film thickness"),
-        "film_predicted_mean": (_MICRO * mean, "um", "predicted mean film thickness"),
-        "eccentricity": (
-            np.hypot(load, side) / journal.clearance,
-            "1",
-            "predicted displacement of the pin over the radial clearance",
-        ),
-        "attitude": (
-            np.degrees(np.arctan2(side, load)),
-            "degree",
-            "predicted angle from the load line to the smallest gap, positive along sliding",
-        ),
+        "film_predicted_min": _MICRO * minimum,
+        "film_predicted_mean": _MICRO * mean,
+        "eccentricity": np.hypot(load, side) / journal.clearance,
+        "attitude": np.degrees(np.arctan2(side, load)),
     }
-    return xr.Dataset(
-        {
-            name: (dim, values, {"units": unit, "long_name": meaning})
-            for name, (values, unit, meaning) in columns.items()
-        }
-    )
+    table = {"trigger": FILM, "frame": FRAMES}[dim]
+    return xr.Dataset({name: table[name].fill(values) for name, values in columns.items()})
 
 
 def speed_correlation(film: Array, speed: Array) -> float:

@@ -290,10 +290,8 @@ def _add_sources(
 
 def _smooth_film(maps: ThicknessMaps, calibration: Calibration) -> Array:
     """Film thickness by the surroundings of each pixel, (y, x). [um]"""
-    table = calibration.inverse
-    places = table.start + table.step * np.arange(table.thickness.size)
     valid = maps.flags.values == 0
-    return np.interp(np.where(valid, maps.log_ratio_near.values, 0.0), places, table.thickness)
+    return calibration.inverse.look_up(np.where(valid, maps.log_ratio_near.values, 0.0))
 
 
 def _pixel_columns(
@@ -325,8 +323,7 @@ def _pixel_columns(
             for camera, variance in enumerate(pair)
         }
         terms["registration"] = float(np.median(displaced[near] * rate[near]))
-        gradient = calibration.gradient(wanted) / calibration.slope(wanted)
-        terms |= split_calibration(gradient, calibration)
+        terms |= split_calibration(calibration.film_gradient(wanted), calibration)
         columns.append(_Column(f"pixel of {wanted:g} um", wanted, terms))
     return columns
 

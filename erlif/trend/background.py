@@ -141,21 +141,19 @@ class BackgroundEstimate:
 
     def film_shift(self, thickness: Array, calibration: Calibration) -> Array:
         """Error of the measured film by this background, at median illumination. [um]"""
-        by_share = self._gradient(thickness, calibration) / calibration.slope(thickness)
-        return np.asarray(np.tensordot(self.share, by_share, axes=1))
+        return np.asarray(np.tensordot(self.share, self._gradient(thickness, calibration), axes=1))
 
     def film_shift_std(self, thickness: Array, calibration: Calibration) -> Array:
         """Its standard deviation. [um]"""
-        by_share = self._gradient(thickness, calibration) / calibration.slope(thickness)
+        by_share = self._gradient(thickness, calibration)
         variance = np.einsum("i...,ij,j...->...", by_share, self.covariance, by_share)
         return np.asarray(np.sqrt(variance))
 
     def _gradient(self, thickness: Array, calibration: Calibration) -> Array:
-        return self.error.gradient(
-            thickness,
-            attenuation=calibration.attenuation_camera1,
-            ratio=calibration.predict(thickness),
-        )
+        """Change of the film with both shares, (camera, ...). [um]"""
+        attenuation, ratio = calibration.attenuation_camera1, calibration.predict(thickness)
+        by_share = self.error.gradient(thickness, attenuation=attenuation, ratio=ratio)
+        return by_share / calibration.slope(thickness)
 
 
 def estimate_background(
@@ -254,9 +252,7 @@ class _Fit:
             float(np.median(np.exp(light[known]))),
             float(np.median(np.exp((light + record.log_ratio)[known]))),
         )
-        table = calibration.inverse
-        self.grid = table.start + table.step * np.arange(table.thickness.size)
-        self.table = table.thickness
+        self.table = calibration.inverse
 
     def solve(self) -> BackgroundEstimate | None:
         """The estimate; None where too few cells lie within the range of the model."""
@@ -330,8 +326,9 @@ class _Fit:
         evaluated, the film is therefore that of a smooth surface in each frame plus a form of the
         joint that is the same in all.
         """
-        inside = self.known & (log_ratio > self.grid[0]) & (log_ratio < self.grid[-1])
-        film = np.interp(log_ratio, self.grid, self.table)
+        first, last = self.table.log_ratio[[0, -1]]
+        inside = self.known & (log_ratio > first) & (log_ratio < last)
+        film = self.table.look_up(log_ratio)
         slope = self.calibration.slope(film)
         weight = np.where(inside, slope**2 / np.where(self.known, self.record.variance, 1.0), 0.0)
         form = np.zeros(film.shape[1])
@@ -349,7 +346,7 @@ class _Fit:
     def _choose(self, smooth: Array, inside: Mask) -> Mask | None:
         """Cells and frames of the estimate; they stay the same while it is improved."""
         low = max(self.calibration.thickness_range[0], _THINNEST)
-        usable = inside & (smooth > low) & (smooth < _THICKEST * self.table[-1])
+        usable = inside & (smooth > low) & (smooth < _THICKEST * self.table.thickness[-1])
         usable &= (usable.sum(axis=1) >= _FEWEST_CELLS)[:, None]
         usable &= usable.sum(axis=0) >= _FEWEST_VISITS
         return usable if usable.any(axis=1).sum() >= _FEWEST_FRAMES else None

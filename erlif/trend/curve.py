@@ -76,9 +76,7 @@ class FilmCurve:
         # film, slope, curvature and gradient change slowly with the ratio: once per bin is enough
         first, last = (float(end) for end in calibration.predict_log([low, high]))
         centre = first + (np.arange(_BINS) + 0.5) * (last - first) / _BINS
-        table = calibration.inverse
-        grid = table.start + table.step * np.arange(table.thickness.size)
-        film = np.interp(centre, grid, table.thickness)
+        film = calibration.inverse.look_up(centre)
         rate = 1 / calibration.slope(film)
         return cls(
             calibration,

@@ -19,6 +19,7 @@ from erlif.calibration import Calibration, calibration_of
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
 from erlif.core.products import RatioImages, require
+from erlif.core.statistics import symmetric_root
 from erlif.models.contact import conformal_radius
 from erlif.trend.block_fit import average_blocks, fit_blocks, sum_by_strips
 from erlif.trend.blocks import BlockSums, sum_blocks
@@ -346,22 +347,14 @@ def pin_covariance(film: xr.Dataset) -> Array:
     total = gradient @ calibration_cov @ gradient.T
 
     # the root of what is left at each trigger links the marks of one with those of another
-    roots = np.zeros((triggers, _PINNED, _PINNED))
+    roots = np.full((triggers, _PINNED, _PINNED), np.nan)
     for k in range(triggers):
         here = slice(k * _PINNED, (k + 1) * _PINNED)
-        roots[k] = _root(whole[k] - random[k] - total[here, here])
+        left = whole[k] - random[k] - total[here, here]
+        if np.isfinite(left).all():
+            roots[k] = symmetric_root(left)
     marks = roots.reshape(triggers * _PINNED, _PINNED)
     return np.asarray(total + marks @ marks.T + scipy.linalg.block_diag(*random))
-
-
-def _root(covariance: Array) -> Array:
-    """Symmetric root of a covariance; rounding may have left small negative variances."""
-    if not np.isfinite(covariance).all():
-        return np.full_like(covariance, np.nan)
-    scale = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
-    variance, axes = np.linalg.eigh(covariance / scale / scale[:, None])
-    root = (axes * np.sqrt(np.maximum(variance, 0.0))) @ axes.T
-    return np.asarray(root * scale[:, None])
 
 
 def _span(pixels: slice, pitch: float) -> tuple[float, float]:

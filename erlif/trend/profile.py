@@ -11,6 +11,7 @@ import xarray as xr
 
 from erlif.calibration import calibration_of
 from erlif.core.arrays import Array
+from erlif.core.described import describe
 from erlif.core.flags import Flag
 from erlif.core.statistics import robust_rms
 from erlif.io.files import check_trigger, region_of, settings_of
@@ -90,32 +91,18 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
     unbiased = beyond <= _MOST_BEYOND * (good.sum(axis=0) + beyond)
     total = np.where(enough & unbiased, good.sum(axis=0), np.nan)
 
-    table = calibration.inverse
-    grid = table.start + table.step * np.arange(table.thickness.size)
-    mean = np.interp(log_ratio.sum(axis=0) / total, grid, table.thickness)
+    mean = calibration.inverse.look_up(log_ratio.sum(axis=0) / total)
     std = np.sqrt(variance.sum(axis=0)) / total
     shared = np.where(good, one.thickness_std_shared.values.astype(float), 0.0)
-    return xr.Dataset(
+    random, common = std * _scatter(mean, std), shared.sum(axis=0) / total
+    name = "its standard deviation"
+    return describe(
         {
-            "thickness": ("position", mean, {"units": "um", "long_name": "film along sliding"}),
-            "thickness_std": (
-                "position",
-                std * _scatter(mean, std),
-                {"units": "um", "long_name": "its standard deviation, random part"},
-            ),
-            "thickness_std_shared": (
-                "position",
-                shared.sum(axis=0) / total,
-                {"units": "um", "long_name": "its standard deviation, common to all pixels"},
-            ),
+            "thickness": ("position", mean, "um", "film along sliding"),
+            "thickness_std": ("position", random, "um", f"{name}, random part"),
+            "thickness_std_shared": ("position", common, "um", f"{name}, common to all pixels"),
         },
-        {
-            "position": (
-                "position",
-                film[sliding].values,
-                {"units": "mm", "long_name": f"{sliding}, sliding"},
-            )
-        },
+        {"position": ("position", film[sliding].values, "mm", f"{sliding}, sliding")},
     )
 
 
@@ -222,8 +209,7 @@ def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
     residual = root * (h - design @ (solve @ (root * h)))
     scale = float(residual @ residual) / max(h.size - 3, 1)
     calibration = calibration_of(film)
-    by_parameter = -(calibration.gradient(h) / calibration.slope(h))
-    change = solve[2] @ (root * by_parameter).T
+    change = solve[2] @ (root * calibration.film_gradient(h)).T
     variance = float(solve[2] @ solve[2]) * max(scale, 1.0) + float(
         change @ calibration.full_covariance @ change
     )

@@ -11,6 +11,7 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
 from erlif.core.products import require
+from erlif.core.variables import FILM
 from erlif.models.contact import conformal_radius, contact_modulus
 from erlif.models.film import dowson_higginson_film, film_parameter, line_contact_film
 from erlif.models.oil import vogel_viscosity
@@ -150,30 +151,23 @@ def predict_film(triggers: xr.Dataset, joint: Joint) -> xr.Dataset:
     regimes, count = np.unique(np.asarray(theory.regime), return_counts=True)
     chosen = str(regimes[np.argmax(count)])
     gV, gE = float(np.median(theory.gV)), float(np.median(theory.gE))
+    reason = (
+        "the largest of the four line-contact asymptotes governs; "
+        f"gV = {gV:.3g}, gE = {gE:.3g} (medians)"
+    )
+    film_theory = FILM["film_theory"].fill(
+        1e6 * np.asarray(theory.film),
+        long_name=f"steady line-contact film, {chosen} regime",
+        regime=chosen,
+        reason=reason,
+        notes="\n".join(theory.notes),
+    )
+    regime = np.broadcast_to(np.asarray(theory.regime, dtype=str), speed.shape)
     predicted = xr.Dataset(
         {
-            "film_hamrock_dowson": (
-                "trigger",
-                1e6 * np.asarray(formula),
-                {"units": "um", "long_name": "line-contact formula, 2.65 G^0.54 U^0.7 W^-0.13"},
-            ),
-            "film_theory": (
-                "trigger",
-                1e6 * np.asarray(theory.film),
-                {
-                    "units": "um",
-                    "long_name": f"steady line-contact film, {chosen} regime",
-                    "regime": chosen,
-                    "reason": "the largest of the four line-contact asymptotes governs; "
-                    f"gV = {gV:.3g}, gE = {gE:.3g} (medians)",
-                    "notes": "\n".join(theory.notes),
-                },
-            ),
-            "film_regime": (
-                "trigger",
-                np.broadcast_to(np.asarray(theory.regime, dtype=str), speed.shape),
-                {"long_name": "regime of the line contact"},
-            ),
+            "film_hamrock_dowson": FILM["film_hamrock_dowson"].fill(1e6 * np.asarray(formula)),
+            "film_theory": film_theory,
+            "film_regime": FILM["film_regime"].fill(regime),
         }
     )
 
@@ -212,8 +206,7 @@ def compare_with_roughness(
         return xr.Dataset()
     film = np.maximum(film_min.values, 0.0) * 1e-6
     ratio = film_parameter(film, roughness_a=one, roughness_b=other)
-    attrs = {"units": "1", "long_name": "minimum film thickness over roughness, Lambda"}
-    return xr.Dataset({"film_parameter": ("trigger", np.asarray(ratio), attrs)})
+    return xr.Dataset({"film_parameter": FILM["film_parameter"].fill(np.asarray(ratio))})
 
 
 def viscosity_at(conditions: xr.Dataset, viscosity: float | VogelLaw) -> Array:

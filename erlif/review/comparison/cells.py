@@ -50,34 +50,6 @@ class CellMeans:
     count: Array
 
 
-def film_gradient(calibration: Calibration, film: Array) -> Array:
-    """Change of a film with the parameters of its calibration, at the same ratio.
-
-    Parameters
-    ----------
-    calibration : Calibration
-    film : array
-        [um]
-
-    Returns
-    -------
-    array, (parameter, ...)
-        In the order of `Calibration.full_covariance`.
-
-    Examples
-    --------
-    A ratio at zero that is too high by 1 % makes a film of 5 um too thin by the same share of the
-    ratio, over its slope:
-
-    >>> from erlif.show.plots import example_calibration
-    >>> calibration = example_calibration()
-    >>> change = film_gradient(calibration, np.array(5.0))[0] * 0.01 * calibration.ratio_at_zero
-    >>> bool(np.isclose(change, -0.01 / calibration.slope(5.0)))
-    True
-    """
-    return np.asarray(-calibration.gradient(film) / calibration.slope(film))
-
-
 def calibration_var(
     one: Array, other: Array, calibrations: tuple[Calibration, Calibration], *, same: bool
 ) -> Array:
@@ -214,7 +186,7 @@ def average_cells(
     bend = (calibration.slope(at + _STEP) - calibration.slope(at - _STEP)) / (2 * _STEP)
     mean = mean + 0.5 * bend / slope * variance
 
-    gradient = film_gradient(calibration, at)
+    gradient = calibration.film_gradient(at)
     common = np.einsum("iyx,ij,jyx->yx", gradient, calibration.full_covariance, gradient)
     registration = np.maximum(total(shared[inside]) / count - common, 0.0)
     noise_var = noise_inflation(value, noise) * variance / count

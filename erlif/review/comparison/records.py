@@ -18,7 +18,7 @@ from erlif.core.errors import ErlifError
 from erlif.io.files import region_of, settings_of
 from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.joint import describe_joint
-from erlif.review.comparison.cells import average_cells, film_gradient, noise_inflation
+from erlif.review.comparison.cells import average_cells, noise_inflation
 from erlif.trend import viscosity_at
 
 STATISTICS = ("film_min", "film_mean")
@@ -136,7 +136,7 @@ def read_run(film: xr.Dataset) -> RunRecord:
     shares = _beyond_range(film)
     value["film_mean"] = np.where(shares > _BEYOND, np.nan, value["film_mean"])
 
-    gradient["film_min"] = film_gradient(calibration, value["film_min"]).T
+    gradient["film_min"] = calibration.film_gradient(value["film_min"]).T
     own["film_min"] = _remainder(std["film_min"], gradient["film_min"], covariance)
     sampled = np.unique(np.linspace(0, triggers - 1, min(triggers, _SAMPLED)).astype(int))
     parts = [_mean_errors(film, int(k), calibration) for k in sampled]
@@ -144,7 +144,7 @@ def read_run(film: xr.Dataset) -> RunRecord:
     offset = np.array([change for _, change in parts])
 
     # the gradient at the mean film, with what the spread of films in the region adds
-    at = film_gradient(calibration, value["film_mean"]).T
+    at = calibration.film_gradient(value["film_mean"]).T
     known = np.isfinite(offset).all(axis=1) & np.isfinite(at[sampled]).all(axis=1)
     added = (offset[known] - at[sampled][known]).mean(axis=0) if known.any() else 0.0
     gradient["film_mean"] = at + added

@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 from erlif.core.errors import ErlifError
-from erlif.review.comparison.cells import average_cells, cell_edges, film_gradient, noise_inflation
+from erlif.review.comparison.cells import average_cells, cell_edges, noise_inflation
 from erlif.show.plots import example_calibration
 
 
@@ -96,7 +96,7 @@ def test_the_gradient_is_that_of_the_inverse_curve():
     log_ratio = calibration.predict_log([3.0, 7.0])
     npt.assert_allclose(
         (changed.invert(log_ratio) - [3.0, 7.0]) / step,
-        film_gradient(calibration, np.array([3.0, 7.0]))[0],
+        calibration.film_gradient(np.array([3.0, 7.0]))[0],
         rtol=1e-2,
     )
 
