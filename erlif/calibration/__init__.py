@@ -7,34 +7,6 @@ point counted once. The pose of the fixture is refined with it where the profile
 spline is added to the model where the residuals require one. Two calibrations can be compared.
 """
 
-from erlif.calibration.background import BackgroundError
-from erlif.calibration.comparison import Comparison, compare_calibrations
-from erlif.calibration.curve import DIRECTION, Calibration, InverseTable, check_bands, share_bands
-from erlif.calibration.fit import DIM_LIGHT, USEFUL, fit_calibration
-from erlif.calibration.profile import Profile, read_profile
-from erlif.calibration.storage import (
-    calibration_of,
-    open_calibration,
-    record_calibration,
-    save_calibration,
-)
+import lazy_loader
 
-__all__ = [
-    "DIM_LIGHT",
-    "DIRECTION",
-    "USEFUL",
-    "BackgroundError",
-    "Calibration",
-    "Comparison",
-    "InverseTable",
-    "Profile",
-    "calibration_of",
-    "check_bands",
-    "compare_calibrations",
-    "fit_calibration",
-    "open_calibration",
-    "read_profile",
-    "record_calibration",
-    "save_calibration",
-    "share_bands",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

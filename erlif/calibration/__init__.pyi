@@ -1,0 +1,31 @@
+from .background import BackgroundError
+from .comparison import Comparison, compare_calibrations
+from .curve import DIRECTION, Calibration, InverseTable, check_bands, share_bands
+from .fit import DIM_LIGHT, USEFUL, fit_calibration
+from .profile import Profile, read_profile
+from .storage import (
+    calibration_of,
+    open_calibration,
+    record_calibration,
+    save_calibration,
+)
+
+__all__ = [
+    "DIM_LIGHT",
+    "DIRECTION",
+    "USEFUL",
+    "BackgroundError",
+    "Calibration",
+    "Comparison",
+    "InverseTable",
+    "Profile",
+    "calibration_of",
+    "check_bands",
+    "compare_calibrations",
+    "fit_calibration",
+    "open_calibration",
+    "read_profile",
+    "record_calibration",
+    "save_calibration",
+    "share_bands",
+]

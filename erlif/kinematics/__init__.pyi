@@ -1,0 +1,28 @@
+from .clock import ClockOffset, find_clock_offset
+from .encoder import Encoder, Mechanism, read_link_angle
+from .folding import fold_frames
+from .locate import encoder_notes, entrained_stroke, locate_frames
+from .motion import (
+    Rotation,
+    Sinusoid,
+    locate_logged,
+    locate_rotation,
+    locate_slider,
+)
+
+__all__ = [
+    "ClockOffset",
+    "Encoder",
+    "Mechanism",
+    "Rotation",
+    "Sinusoid",
+    "encoder_notes",
+    "entrained_stroke",
+    "find_clock_offset",
+    "fold_frames",
+    "locate_frames",
+    "locate_logged",
+    "locate_rotation",
+    "locate_slider",
+    "read_link_angle",
+]

@@ -1,0 +1,67 @@
+from .background import BackgroundEstimate, LightRecord, estimate_background
+from .bleaching import Trend, fit_trend
+from .blocks import BLOCK, BlockSums, sum_blocks
+from .curve import FilmCurve
+from .exponent import SLOWEST, Exponent, fit_exponent
+from .form import SCALE_STD, SIGNIFICANT, Cause, GapForm, judge_form
+from .gap import GapMinimum
+from .position import (
+    PARAMETERS,
+    PinPosition,
+    PinView,
+    find_pin_in_blocks,
+    find_pin_position,
+    pin_covariance,
+)
+from .profile import RigidGap, average_across_sliding, rigid_gap
+from .region import Region, find_region
+from .statistics import FilmStatistics, summarise_blocks, summarise_film
+from .theory import (
+    Joint,
+    Solid,
+    VogelLaw,
+    compare_with_roughness,
+    predict_film,
+    viscosity_at,
+)
+
+__all__ = [
+    "BLOCK",
+    "PARAMETERS",
+    "SCALE_STD",
+    "SIGNIFICANT",
+    "SLOWEST",
+    "BackgroundEstimate",
+    "BlockSums",
+    "Cause",
+    "Exponent",
+    "FilmCurve",
+    "FilmStatistics",
+    "GapForm",
+    "GapMinimum",
+    "Joint",
+    "LightRecord",
+    "PinPosition",
+    "PinView",
+    "Region",
+    "RigidGap",
+    "Solid",
+    "Trend",
+    "VogelLaw",
+    "average_across_sliding",
+    "compare_with_roughness",
+    "estimate_background",
+    "find_pin_in_blocks",
+    "find_pin_position",
+    "find_region",
+    "fit_exponent",
+    "fit_trend",
+    "judge_form",
+    "pin_covariance",
+    "predict_film",
+    "rigid_gap",
+    "sum_blocks",
+    "summarise_blocks",
+    "summarise_film",
+    "viscosity_at",
+]
