@@ -21,7 +21,6 @@ from erlif.calibration.departure import (
     find_correlation,
     fit_departure,
 )
-from erlif.calibration.notes import make_note
 from erlif.calibration.pairing import pair_profile_with_image, thin_out
 from erlif.calibration.placement import add_uncertainty_of_turn, refine_pose
 from erlif.calibration.points import Points
@@ -31,10 +30,12 @@ from erlif.calibration.regression import OUTLIER, Fit, fit_robustly
 from erlif.calibration.soundness import check_fit, places
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import CalibrationError
-from erlif.core.notes import Note
+from erlif.core.notes import Note, note_writer
 from erlif.core.products import RatioImages, require
 from erlif.core.units import count_of
 from erlif.core.variables import CALIBRATION
+
+_make_note = note_writer("erlif.calibration")
 
 USEFUL = 0.25
 """Error of a single pixel at which the calibrated range ends, of the thickness."""
@@ -146,7 +147,7 @@ def fit_calibration(
     fit, candidate, kept = settled.fit, settled.candidate, settled.fit.kept
     notes += settled.notes
     if not kept.all():
-        notes.append(make_note("points_left_out", count=int((~kept).sum()), total=kept.size))
+        notes.append(_make_note("points_left_out", count=int((~kept).sum()), total=kept.size))
 
     calibration = _make_curve(settled, found, bands=bands, fixture=fixture)
     best = fit if candidate is None else candidate
@@ -155,7 +156,7 @@ def fit_calibration(
     covered = _calibrated_range(calibration, best.true_thickness[kept], points, kept, frames)
     if covered.limited:
         thickest = points.thickness.max()
-        notes.append(make_note("range_ends", thickest=thickest, end=covered.high, useful=USEFUL))
+        notes.append(_make_note("range_ends", thickest=thickest, end=covered.high, useful=USEFUL))
     notes += _describe_unresolved(calibration)
     moved = freedom.displacement @ best.displacement
     _refuse_nonsense(calibration, covered, points, moved)
@@ -294,7 +295,7 @@ def _settle_departure(points: Points, fit: Fit, freedom: Freedom) -> _Settled:
         return _Settled(fit, candidate, 1.0, notes)
     inflation = min(correlation.inflation, _LARGEST_INFLATION)
     widened = math.sqrt(inflation)
-    notes.append(make_note("correlated", coefficient=correlation.coefficient, widened=widened))
+    notes.append(_make_note("correlated", coefficient=correlation.coefficient, widened=widened))
     return _Settled(fit, candidate, inflation, notes)
 
 
@@ -302,7 +303,7 @@ def _describe_departure(fit: Fit, candidate: Candidate, choice: Choice) -> Note:
     """Note on the spline that is used."""
     pieces = candidate.inner_knots + 1
     falling = " (with more pieces the ratio would fall somewhere)" if choice.falling else ""
-    return make_note(
+    return _make_note(
         "departure",
         largest=_describe_largest(fit, candidate),
         pieces=count_of(pieces, "piece"),
@@ -320,7 +321,7 @@ def _describe_structure(fit: Fit, choice: Choice) -> Note:
     )
     chance = max(choice.chance, 1e-12)  # below it only the order of magnitude is known
     largest = _describe_largest(fit, choice.smooth)
-    return make_note("structure", once=1 / chance, largest=largest, why=why)
+    return _make_note("structure", once=1 / chance, largest=largest, why=why)
 
 
 def _residuals(points: Points, fit: Fit, freedom: Freedom, candidate: Candidate | None) -> Array:
@@ -409,7 +410,7 @@ def _describe_given_origin(points: Points, pixel_pitch: float) -> Note:
     """Note on the error of an origin along the profile that no fit can show."""
     # another origin shifts all films alike, and K, p and q follow a shifted film as well
     shift = float(np.median(np.abs(points.gradient[:, 0]))) * pixel_pitch
-    return make_note("given_origin", shift=shift)
+    return _make_note("given_origin", shift=shift)
 
 
 def _describe_unresolved(calibration: Calibration) -> list[Note]:
@@ -419,7 +420,7 @@ def _describe_unresolved(calibration: Calibration) -> list[Note]:
     if std[2] < _UNRESOLVED * q:
         return []
     return [
-        make_note(
+        _make_note(
             "unresolved",
             q=q,
             q_std=std[2],

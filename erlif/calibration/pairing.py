@@ -10,14 +10,15 @@ import numpy as np
 import numpy.typing as npt
 import scipy
 
-from erlif.calibration.notes import make_note
 from erlif.calibration.points import Points
 from erlif.calibration.pose import Pose
 from erlif.calibration.profile import MINIMUM_POINTS, Profile, gradient_of_thickness
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import CalibrationError
-from erlif.core.notes import Note
+from erlif.core.notes import Note, note_writer
 from erlif.core.products import RatioImages
+
+_make_note = note_writer("erlif.calibration")
 
 Cells = npt.NDArray[np.intp]
 """Number of the CMM point that each pixel belongs to, (pixel,)."""
@@ -104,7 +105,7 @@ def pair_profile_with_image(ratios: RatioImages, profile: Profile, pose: Pose) -
 
     uncertainty = profile.uncertainty
     if uncertainty is None:
-        notes.append(make_note("no_uncertainty"))
+        notes.append(_make_note("no_uncertainty"))
         uncertainty = np.full(total, math.nan)
 
     if position.shape[1] == 1:
@@ -167,9 +168,9 @@ def _describe_coverage(pixels: _Pixels, used: Mask) -> list[Note]:
         )
     notes = []
     if pixels.covered < _COVERED:
-        notes.append(make_note("covered", share=pixels.covered))
+        notes.append(_make_note("covered", share=pixels.covered))
     if not used.all():
-        notes.append(make_note("points_outside", count=int((~used).sum()), total=used.size))
+        notes.append(_make_note("points_outside", count=int((~used).sum()), total=used.size))
     return notes
 
 

@@ -9,10 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy
 
-from erlif.calibration.notes import make_note
 from erlif.calibration.points import Points
 from erlif.core.arrays import Array, Mask
-from erlif.core.notes import Note
+from erlif.core.notes import Note, note_writer
+
+_make_note = note_writer("erlif.calibration")
 
 ALONG, ACROSS, SCALE, TURN = range(4)
 """Elements of a change of pose: along and across the profile [mm], scale [1], turn [rad]."""
@@ -132,9 +133,9 @@ class FoundPose:
         left = [name for element, name in given.items() if not self.determined[element]]
         notes = []
         if found:
-            notes.append(make_note("pose_refined", found=", ".join(found)))
+            notes.append(_make_note("pose_refined", found=", ".join(found)))
         if left:
-            notes.append(make_note("pose_given", left=", ".join(left)))
+            notes.append(_make_note("pose_given", left=", ".join(left)))
         return notes
 
     def to_record(self) -> dict[str, Any]:

@@ -14,11 +14,12 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
 
-from erlif.calibration.notes import make_note
 from erlif.core.arrays import Array
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import CalibrationError
-from erlif.core.notes import Note
+from erlif.core.notes import Note, note_writer
+
+_make_note = note_writer("erlif.calibration")
 
 MINIMUM_POINTS = 8
 """Fewest points of a profile: beside K, p and q, five degrees of freedom remain."""
@@ -155,7 +156,7 @@ def _find_axes(table: _Table, name: str, notes: list[Note]) -> tuple[Array, int]
         return values, 2
 
     # a CMM keeps y of a line scan to its own error only
-    notes.append(make_note("line", subject=name, y=values[:, 1].mean()))
+    notes.append(_make_note("line", subject=name, y=values[:, 1].mean()))
     return np.delete(values, 1, axis=1), 1
 
 
@@ -165,13 +166,13 @@ def _sort_and_merge(
     """Rows in the order of x_mm, repeated positions averaged."""
     order = np.lexsort(values[:, :axes].T[::-1])
     if np.any(order != np.arange(len(order))) and axes == 1:
-        notes.append(make_note("unsorted", subject=name))
+        notes.append(_make_note("unsorted", subject=name))
         values = values[order]
 
     places, group = np.unique(values[:, :axes], axis=0, return_inverse=True)
     if len(places) == len(values):
         return values
-    notes.append(make_note("repeated", subject=name, count=len(values) - len(places)))
+    notes.append(_make_note("repeated", subject=name, count=len(values) - len(places)))
     count = np.bincount(group)
     merged = np.stack([np.bincount(group, column) / count for column in values.T], axis=1)
     if stated:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ModelError
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, note_writer
 from erlif.models.reynolds import Journal, Motion
 from erlif.prediction.least_squares import (
     CONVERGED,
@@ -28,6 +28,8 @@ from erlif.prediction.measured import MeasuredMotion
 from erlif.prediction.orbits import ATMOSPHERE, FreeOrbits, HeldOrbits, Orbits, lead_of
 from erlif.prediction.problem import Frames, Problem
 from erlif.trend import VogelLaw
+
+_note = note_writer("erlif.prediction")
 
 FEWEST_TRIGGERS = 4
 """Measured positions below which nothing is fitted."""
@@ -445,34 +447,11 @@ def _notes(estimates: Mapping[str, Estimate], found: Minimum) -> list[Note]:
     notes = []
     viscosity = estimates.get("viscosity")
     if viscosity is not None and not viscosity.determined:
-        notes.append(
-            Note(
-                Level.WARNING,
-                "fit",
-                "The film does not change enough to determine the viscosity: it is at least "
-                f"{viscosity.low:.3g} Pa s (95 %). Record more cycles, or from the moment of "
-                "loading on.",
-            )
-        )
+        notes.append(_note("viscosity", low=viscosity.low))
     if {"viscosity", "cavitation_pressure"} <= set(estimates):
-        notes.append(
-            Note(
-                Level.WARNING,
-                "fit",
-                "Viscosity and cavitation pressure change the film in nearly the same way: 0.1 % "
-                "of the film is up to 3 % of both, which the standard deviations do not contain. "
-                "Fix one of the two.",
-            )
-        )
+        notes.append(_note("alike"))
     if found.inflation > MISFIT:
-        notes.append(
-            Note(
-                Level.WARNING,
-                "fit",
-                f"The residuals are {found.inflation:.3g} times the stated random errors; the "
-                "standard deviations contain this factor.",
-            )
-        )
+        notes.append(_note("misfit", factor=found.inflation))
     return notes
 
 
@@ -485,9 +464,4 @@ def _note_rupture(problem: Problem, least: LeastSquares, found: Minimum) -> list
     lowest, rupture = orbits.lowest_pressure(orbit), orbits.journal.cavitation_pressure
     if not lowest < rupture:
         return []
-    text = (
-        f"The film of the free pin is taken as full; its pressure falls to {lowest * 1e-3:.3g} "
-        f"kPa, below the cavitation pressure of {rupture * 1e-3:.3g} kPa. Compare with "
-        "solve_journal, which follows the cavities."
-    )
-    return [Note(Level.NOTE, "fit", text)]
+    return [_note("rupture", lowest=lowest * 1e-3, rupture=rupture * 1e-3)]

@@ -15,7 +15,7 @@ import numpy as np
 from erlif.calibration import open_calibration, read_profile
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ErlifError, FrameError, OutputError
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, note_writer
 from erlif.core.products import EncoderLog
 from erlif.io.files import replacing, takes
 from erlif.io.ingest import read_encoder_log
@@ -31,6 +31,8 @@ from erlif.io.settings import (
     write_template,
 )
 from erlif.pipeline.recording.log_cycle import WHOLE_TURN, Cycle, find_cycle
+
+_write_note = note_writer("erlif.review", "init.toml")
 
 MOST_CALIBRATIONS = 5
 """Calibrations beside a run that are listed."""
@@ -58,13 +60,9 @@ class _Draft:
         if remark:
             self.remarks[key] = remark
 
-    def note(self, subject: str, text: str, level: Level = Level.NOTE) -> None:
-        """Add a finding."""
-        self.notes.append(Note(level, subject, text))
-
-    def warn(self, subject: str, text: str) -> None:
-        """Add a finding that the user has to act on."""
-        self.note(subject, text, Level.WARNING)
+    def note(self, key: str, subject: str = "", **values: Any) -> None:
+        """Add a finding of ``init.toml``."""
+        self.notes.append(_write_note(key, subject=subject, **values))
 
 
 @takes(directory="directory")
@@ -170,24 +168,16 @@ def _draft_cameras(draft: _Draft, survey: Survey) -> None:
 
     if len(cameras) == 1:
         draft.set("camera2.offset", GAP)
-        draft.warn(
-            "camera2",
-            f"frames of one camera only were found ({cameras[0].label}); camera 2 is a gap. Where "
-            "the files hold both cameras, give both tables the same files and their part",
-        )
+        draft.note("one_camera", label=cameras[0].label)
     elif len(cameras) > 2:
         labels = ", ".join(camera.label for camera in cameras)
-        draft.warn(
-            "cameras",
-            f"{len(cameras)} groups of frames were found ({labels}); the first two were taken as "
-            "camera 1 and camera 2: correct files in both tables",
-        )
+        draft.note("many_cameras", count=len(cameras), labels=labels)
     else:
         _compare_cameras(draft, *cameras)
 
     if survey.unassigned:
         names = [os.path.relpath(path, survey.directory) for path in survey.unassigned]
-        draft.warn("files", f"these images belong to no camera by their names: {_list(names)}")
+        draft.note("unassigned", names=_list(names))
 
 
 def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurvey) -> None:
@@ -195,15 +185,15 @@ def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurv
     table, frames = f"camera{number}", camera.frames
     kind = _first(frames.kinds)
     draft.set(f"{table}.files", frames.pattern, f"{frames.pages} frames of {kind}.")
-    draft.note(table, f"{frames.pages} frames of {kind}, {frames.pattern or camera.label}")
+    pattern = frames.pattern or camera.label
+    draft.note("frames", table, pages=frames.pages, kind=kind, pattern=pattern)
     if frames.pattern is None:
-        text = "no single pattern matches these frames and no other file; put them into one folder"
-        draft.warn(table, text)
+        draft.note("no_pattern", table)
     if len(frames.kinds) > 1:
-        draft.warn(table, f"the frames differ in size or type: {', '.join(frames.kinds)}")
+        draft.note("unlike_frames", table, kinds=", ".join(frames.kinds))
     for fault in frames.faults[:1]:
         more = f" ({len(frames.faults) - 1} more)" if len(frames.faults) > 1 else ""
-        draft.warn(table, f"{fault}{more}; --skip-bad-frames leaves out unreadable frame pairs")
+        draft.note("faults", table, fault=fault, more=more)
 
     _draft_share(draft, table, number, camera)
     if camera.wavelength is not None:
@@ -215,9 +205,9 @@ def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurv
         if images is None:
             continue
         draft.set(f"{table}.{key}", images.pattern, f"{images.pages} images.")
-        draft.note(table, f"{images.pages} {key} images, {images.pattern}")
+        draft.note("images", table, pages=images.pages, which=key, pattern=images.pattern)
         if images.pattern is None:
-            draft.warn(table, f"no single pattern matches the {key} files; put them into one file")
+            draft.note("no_pattern_of_images", table, which=key)
     if camera.darks is None:
         _ask_for_darks(draft, survey, table)
 
@@ -227,14 +217,10 @@ def _ask_for_darks(draft: _Draft, survey: Survey, table: str) -> None:
     lone = _list([os.path.relpath(path, survey.directory) for path in survey.lone_darks])
     if lone:
         draft.set(f"{table}.offset", GAP, f'Write dark = "..." in place of this line: {lone}.')
-        draft.warn(
-            table,
-            f"no dark frames were found by the name of the camera; there are {lone}: in "
-            f'[{table}], write dark = "..." in place of offset',
-        )
+        draft.note("lone_darks", table, names=lone, table=table)
         return
     draft.set(f"{table}.offset", GAP, 'No dark frames were found; dark = "file.tif" is better.')
-    draft.warn(table, "no dark frames were found: give offset, or photograph darks")
+    draft.note("no_darks", table)
 
 
 def _draft_share(draft: _Draft, table: str, number: int, camera: CameraSurvey) -> None:
@@ -244,7 +230,7 @@ def _draft_share(draft: _Draft, table: str, number: int, camera: CameraSurvey) -
         return
     value = shared.values[number - 1]
     draft.set(f"{table}.{shared.key}", value, f"Check it: {shared.reason}.")
-    draft.note(table, f'{shared.key} = "{value}": {shared.reason}')
+    draft.note("shared", table, name=shared.key, value=value, reason=shared.reason)
     for key, names in (("dark_dataset", shared.darks), ("flat_dataset", shared.flats)):
         if names is not None:
             draft.set(f"{table}.{key}", names[number - 1])
@@ -262,11 +248,7 @@ def _draft_depth(draft: _Draft, table: str, counts: CountsSample) -> None:
         draft.set(f"{table}.alignment", "left", f"{remark[0].upper()}{remark[1:]}.")
         remark = f"{remark}: left-aligned."
     elif counts.unused_bits:
-        draft.warn(
-            table,
-            f"{seen}, all multiples of {factor}: {depth}-bit counts, left-aligned. "
-            f"Divide the counts by {factor} and save the images again",
-        )
+        draft.note("left_aligned", table, seen=seen, factor=factor, depth=depth)
         remark = f"{seen}, left-aligned by {factor}."
     elif counts.stated:
         remark = f"After the headers; {seen}."
@@ -280,23 +262,11 @@ def _draft_depth(draft: _Draft, table: str, counts: CountsSample) -> None:
 def _compare_cameras(draft: _Draft, one: CameraSurvey, two: CameraSurvey) -> None:
     """Report what keeps the frames of the two cameras from being paired."""
     if one.frames.pages != two.frames.pages:
-        draft.warn(
-            "cameras",
-            f"camera1 has {one.frames.pages} frames, camera2 has {two.frames.pages}: frame k of "
-            "both must show the same laser pulse",
-        )
+        draft.note("unlike_counts", one=one.frames.pages, two=two.frames.pages)
     if one.frames.kinds[:1] != two.frames.kinds[:1]:
-        draft.warn(
-            "cameras",
-            f"camera1 has frames of {_first(one.frames.kinds)}, camera2 of "
-            f"{_first(two.frames.kinds)}: set the same region of interest for both",
-        )
+        draft.note("unlike_kinds", one=_first(one.frames.kinds), two=_first(two.frames.kinds))
     if one.wavelength is None:
-        draft.warn(
-            "cameras",
-            f"taken as camera1: {_describe(one)}, as camera2: {_describe(two)}. Camera 1 must be "
-            "the one with the shorter wavelength",
-        )
+        draft.note("which_camera", one=_describe(one), two=_describe(two))
 
 
 def _describe(camera: CameraSurvey) -> str:
@@ -361,15 +331,15 @@ def _read_own_log(
 ) -> EncoderLog | None:
     """The log whose columns have the names of erlif, and whether its rows fit the frames."""
     draft.set("encoder.file", os.path.relpath(table.path, survey.directory))
-    draft.note("encoder log", f"{table.path.name}, {table.rows} rows: {', '.join(table.header)}")
+    draft.note("log", name=table.path.name, rows=table.rows, columns=", ".join(table.header))
     pages = {camera.frames.pages for camera in survey.cameras[:2]}
     if pages != {table.rows}:
         counts = " and ".join(str(count) for count in sorted(pages))
-        draft.warn("encoder log", f"{table.rows} rows for {counts} frames: one row per frame pair")
+        draft.note("rows", rows=table.rows, frames=counts)
     try:
         return read_encoder_log(table.path, needs_angle=needs_angle)
     except ErlifError as error:
-        draft.warn("encoder log", str(error))
+        draft.note("unreadable", "encoder log", reason=error)
         return None
 
 
@@ -416,25 +386,17 @@ def _draft_proposal(draft: _Draft, survey: Survey, found: LogProposal) -> None:
     rows, names = len(found.table.rows), [name for name in found.table.names if name]
     listed = "; ".join(found.table.remarks)
     draft.set("encoder.file", os.path.relpath(found.path, survey.directory), listed)
-    draft.note("encoder log", f"{found.path.name}, {rows} rows: {', '.join(names)}")
+    draft.note("log", name=found.path.name, rows=rows, columns=", ".join(names))
     for quantity, name in found.columns.items():
         draft.set(f"encoder.{quantity}", name, "By its name; check that it is this quantity.")
     for quantity in found.without_unit:
-        draft.warn(
-            "encoder log",
-            f"column {found.columns[quantity]!r} has no unit that is known: add it under units in "
-            f'[encoder], units = {{ {quantity} = "..." }}',
-        )
+        draft.note("no_unit", column=found.columns[quantity], quantity=quantity)
     if not found.in_time:
         return
     if found.pulse is not None:
         draft.set("encoder.pulse", found.pulse, "By its name: it must rise at each frame.")
     else:
-        draft.warn(
-            "encoder log",
-            f"{rows} rows for {frames} frames, a log in time: give the times of the frames as "
-            'pulse, or as frame_rate and start ("fit" finds it) in [encoder]',
-        )
+        draft.note("log_in_time", rows=rows, frames=frames)
 
 
 def _ask_for_columns(draft: _Draft, found: LogProposal) -> None:
@@ -446,22 +408,19 @@ def _ask_for_columns(draft: _Draft, found: LogProposal) -> None:
     names = ", ".join(repr(name) for name in found.table.names if name)
     for quantity in missing:
         draft.set(f"encoder.{quantity}", GAP, f"One of the columns {names}.")
-    draft.warn(
-        "encoder log",
-        f"no column of {found.path.name} is known by its name as {' or '.join(missing)}: choose "
-        f"from {names}",
-    )
+    unknown = " or ".join(missing)
+    draft.note("unknown_columns", name=found.path.name, missing=unknown, columns=names)
 
 
 def _draft_cycle(draft: _Draft, cycle: Cycle, time: Array | None) -> None:
     """Where the encoder sits, triggers per cycle, and the speed of the crank from the times."""
     _draft_mount(draft, cycle.on_crank)
     if cycle.triggers is None:
-        draft.warn("encoder log", "the angles do not show a complete cycle")
+        draft.note("no_cycle")
         return
-    text = f"{cycle.triggers} triggers per cycle, {cycle.count:g} cycle(s)"
-    draft.set("encoder.triggers_per_cycle", cycle.triggers, f"From the angles of the log: {text}.")
-    draft.note("encoder log", text)
+    draft.note("cycle", triggers=cycle.triggers, count=cycle.count)
+    remark = f"From the angles of the log: {draft.notes[-1].text}."
+    draft.set("encoder.triggers_per_cycle", cycle.triggers, remark)
 
     # the time of a cycle is known where the log holds the beginning of the next one
     if time is not None and time.size > cycle.triggers:
@@ -494,10 +453,10 @@ def _draft_profile(draft: _Draft, survey: Survey) -> None:
     try:
         profile = read_profile(table.path)
     except ErlifError as error:
-        draft.warn("profile", str(error))
+        draft.note("unreadable", "profile", reason=error)
         return
     low, high = float(profile.thickness.min()), float(profile.thickness.max())
-    draft.note("profile", f"{table.path.name}, {table.rows} points from {low:.2f} to {high:.2f} um")
+    draft.note("profile", name=table.path.name, rows=table.rows, low=low, high=high)
 
 
 def _find_table(survey: Survey, columns: tuple[str, ...]) -> TextTable | None:
@@ -511,11 +470,11 @@ def _report_missing_table(
 ) -> None:
     others = [f"{table.path.name} ({', '.join(table.header)})" for table in survey.tables]
     if not needed and not others:
-        draft.note(what, "none was found; each frame is a trigger")
+        draft.note("no_log", what)
     elif others:
-        draft.warn(what, f"no CSV file has the columns {columns}; found {_list(others)}")
+        draft.note("no_columns", what, columns=columns, names=_list(others))
     else:
-        draft.warn(what, f"no CSV file was found; {what} needs the columns {columns}")
+        draft.note("no_table", what, what=what, columns=columns)
 
 
 # calibration
@@ -525,17 +484,17 @@ def _draft_calibration(draft: _Draft, survey: Survey) -> None:
     """The calibration or the fixture that lies nearest, and what it states about the cameras."""
     found = list(_calibrations_near(survey.directory.resolve()))[:MOST_CALIBRATIONS]
     if not found:
-        draft.warn("calibration", "no calibration.nc or fixture.toml lies near; name it later")
+        draft.note("no_calibration")
         return
     names = [os.path.relpath(path, survey.directory.resolve()) for path in found]
     name = Path(names[0]).as_posix()
     made = "exists" if found[0].exists() else "is made from its fixture by erlif process"
     remark = f"This file {made}."
     if len(names) > 1:
-        remark = f"{remark} Others near: {', '.join(names[1:])}."
-        draft.warn("calibration", f"{len(names)} calibrations lie near: {', '.join(names)}")
+        remark += f" Others near: {', '.join(names[1:])}."
+        draft.note("many_calibrations", count=len(names), names=", ".join(names))
     draft.set("calibration", name, remark)
-    draft.note("calibration", f"{name} {made}")
+    draft.note("calibration", name=name, made=made)
 
     # the same optics as a rule, but not for certain: a hint, not a value
     for key, text in _fixture_hints(found[0]).items():

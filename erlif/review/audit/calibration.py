@@ -10,11 +10,13 @@ import numpy as np
 from erlif.calibration import Calibration, check_bands, open_calibration
 from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
-from erlif.core.notes import Level, Note, remark
+from erlif.core.notes import Note, note_writer
 from erlif.io.ingest import Run, hash_inputs, open_fixture
 from erlif.pipeline.recording.swap import refuse_swapped_cameras
 from erlif.registration import MapNodes
 from erlif.review.audit.cameras import CameraSurvey
+
+_note = note_writer("erlif.review.audit")
 
 _LARGEST = 2**31
 """Size of a fixture up to which its files are hashed. [byte]"""
@@ -36,19 +38,13 @@ def note_calibration(run: Run, cameras: CameraSurvey, *, allow_outside: bool) ->
     """
     settings = run.settings
     if settings.calibration is None:
-        text = "run.toml names none; process will need --calibration"
-        yield Note(Level.WARNING, "calibration", text)
+        yield _note("unnamed")
         return
 
     path = run.directory / settings.calibration
     has_fixture = (path.parent / "fixture.toml").is_file()
     if not path.exists():
-        level, text = (
-            (Level.NOTE, "is not made yet; process will make it from the fixture")
-            if has_fixture
-            else (Level.WARNING, "does not exist; process will need --calibration")
-        )
-        yield Note(level, "calibration", f"{settings.calibration} {text}")
+        yield _note("not_made" if has_fixture else "absent", name=settings.calibration)
         return
 
     calibration = open_calibration(path)
@@ -61,8 +57,7 @@ def note_calibration(run: Run, cameras: CameraSurvey, *, allow_outside: bool) ->
         stored=None if own_map is None else MapNodes.of(own_map),
     )
     low, high = calibration.thickness_range
-    text = f"{calibration.fixture!r}, calibrated range {low:.2f} to {high:.2f} um"
-    yield remark("calibration", text)
+    yield _note("range", fixture=calibration.fixture, low=low, high=high)
     yield from note_range(calibration, cameras.log_ratios)
     if has_fixture:
         yield from note_age(calibration, path, allow_outside=allow_outside)
@@ -71,25 +66,24 @@ def note_calibration(run: Run, cameras: CameraSurvey, *, allow_outside: bool) ->
 def note_range(calibration: Calibration, log_ratios: Array) -> Iterator[Note]:
     """Ratios of the run against those of the calibrated range."""
     if not log_ratios.size:
-        cure = "Check exposure and registration of the cameras"
-        yield remark("ratio", "no pixel has a ratio", cure)
+        yield _note("no_ratio")
         return
     low, high = (float(one) for one in calibration.predict_log(calibration.thickness_range))
     first, last = np.exp(np.quantile(log_ratios, [0.05, 0.95]))
-    text = (
-        f"{first:.3f} to {last:.3f} in 90 % of the pixels, calibrated from {np.exp(low):.3f} to "
-        f"{np.exp(high):.3f}; {(log_ratios < low).mean():.0%} lie below and "
-        f"{(log_ratios > high).mean():.0%} above, where a map has flags in place of films"
-    )
 
     # noise alone takes half of the pixels at a limit beyond it, so that the range is widened
     margin = _MARGIN * (high - low)
     covered = (log_ratios > low - margin) & (log_ratios < high + margin)
-    cure = (
-        "The films are thinner or thicker than the fixture's, or dyes, filters or light have "
-        "changed since the calibration. Calibrate again with a fixture of these films"
+    yield _note(
+        "ratio",
+        wrong=covered.mean() < _COVERED,
+        first=first,
+        last=last,
+        low=np.exp(low),
+        high=np.exp(high),
+        below=(log_ratios < low).mean(),
+        above=(log_ratios > high).mean(),
     )
-    yield remark("ratio", text, cure if covered.mean() < _COVERED else "")
 
 
 def note_age(calibration: Calibration, path: Path, *, allow_outside: bool) -> Iterator[Note]:
@@ -100,21 +94,14 @@ def note_age(calibration: Calibration, path: Path, *, allow_outside: bool) -> It
     try:
         fixture = open_fixture(path.parent, skip_bad_frames=True, allow_outside=allow_outside)
     except ErlifError as error:
-        text = f"the fixture beside it cannot be read: {error}"
-        yield Note(Level.WARNING, "calibration", text)
+        yield _note("unreadable_fixture", reason=error)
         return
 
     files = {page.path for pages in fixture.pairs.pages for page in pages}
     if sum(file.stat().st_size for file in files if file.exists()) > _LARGEST:
-        text = "the files of the fixture are not compared with it, they exceed 2 GB"
-        yield remark("calibration", text)
+        yield _note("large_fixture")
         return
     now = hash_inputs(fixture)
     changed = sorted(name for name in recorded if now.get(name) != recorded[name])
     if changed:
-        files_now = f"{', '.join(changed)} changed"
-        yield remark(
-            "calibration",
-            f"it was made from other files than the fixture has now: {files_now}",
-            f"Calibrate again with: erlif calibrate {path.parent} --overwrite",
-        )
+        yield _note("older", files=", ".join(changed), folder=path.parent)

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, Image
-from erlif.core.notes import Note, list_numbers, remark, retitle
+from erlif.core.notes import Note, list_numbers, note_writer, retitle
 from erlif.core.progress import silent
 from erlif.core.statistics import robust_std
 from erlif.io.ingest import Fixture, FramePairs, Run
@@ -20,6 +20,8 @@ from erlif.pipeline.recording.pulse_order import check_pulses
 from erlif.pipeline.recording.sample import FrameSample
 from erlif.ratio import PairRatio
 from erlif.registration import orient
+
+_note = note_writer("erlif.review.audit")
 
 WHOLE = 60
 """Frame pairs up to which all of them are searched for exchanged pulses."""
@@ -195,28 +197,19 @@ def note_registration(survey: CameraSurvey) -> Iterator[Note]:
     found = survey.chain.camera_map
     overlap, quality = float(found.overlap.mean()), found.quality
     x, y = (float(np.nanmedian(one)) for one in (found.displacement_x, found.displacement_y))
-    yield remark(
-        "registration",
-        f"camera 2 displaced by ({x:+.2f}, {y:+.2f}) px, correlation of the textures "
-        f"{quality:.2f}, {overlap:.0%} of the image seen by both cameras",
-    )
+    yield _note("registration", x=x, y=y, quality=quality, overlap=overlap)
     found_again = [one for one in survey.frames if np.isfinite(one.drift).all()]
     for one in found_again[:: max(len(found_again) // SHOWN, 1)][:SHOWN]:
         drift = ", ".join(f"{value:+.2f}" for value in one.drift)
-        yield remark("registration", f"pair {one.frame}: camera 2 moved by ({drift}) px")
+        yield _note("drift", pair=one.frame, drift=drift)
 
     if overlap < _LITTLE_OVERLAP:
-        text = f"the cameras have {overlap:.0%} of the image in common"
-        cure = "Turn the cameras until both show the same part of the joint"
-        yield remark("registration", text, cure)
+        yield _note("overlap", overlap=overlap)
     if quality < _WEAK:
-        text = f"the textures of the cameras have a correlation of {quality:.2f}: light, focus or"
-        cure = "Check focus and exposure of both cameras"
-        yield remark("registration", f"{text} texture are weak", cure)
+        yield _note("textures", quality=quality)
     lost = [one.frame for one in survey.frames if not np.isfinite(one.drift).all()]
     if lost:
-        text = f"no common texture of the cameras in pairs {list_numbers(lost)}"
-        yield remark("registration", text, "Leave these pairs out")
+        yield _note("lost", pairs=list_numbers(lost))
 
 
 def note_textures(survey: CameraSurvey) -> Iterator[Note]:
@@ -232,12 +225,7 @@ def note_textures(survey: CameraSurvey) -> Iterator[Note]:
         orientation=found.settings.orientation,
     )
     if correlation > _SHARED:
-        yield remark(
-            "registration",
-            f"the flats of both cameras show one texture, correlation {correlation:.2f}: they were "
-            "recorded on the joint or with the laser, and take its texture for that of the sensors",
-            "Record flats of an evenly lit target without structure",
-        )
+        yield _note("flats", correlation=correlation)
 
 
 def correlate_flats(
@@ -297,9 +285,6 @@ def note_pulses(
     """
     known = {one.frame for one in survey.frames} <= set(counted)
     yield from retitle("pulses", check_pulses(survey.frames, pairs, copies=not known))
-    judged = f"{len(survey.frames)} of {len(pairs.usable)} pairs"
-    yield remark(
-        "pulses",
-        f"{judged} searched for images of other pulses"
-        + ("; erlif process searches all" if len(survey.frames) < len(pairs.usable) else ""),
-    )
+    judged, count = len(survey.frames), len(pairs.usable)
+    rest = "; erlif process searches all" if judged < count else ""
+    yield _note("pulses", judged=judged, count=count, rest=rest)

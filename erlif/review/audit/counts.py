@@ -10,11 +10,13 @@ import cv2
 import numpy as np
 
 from erlif.core.arrays import AnyArray
-from erlif.core.notes import Level, Note, list_numbers, remark
+from erlif.core.notes import Level, Note, list_numbers, note_writer
 from erlif.core.products import References
 from erlif.correction import count_pixels
 from erlif.correction.saturation import Histogram
 from erlif.io.ingest import FramePairs, depth_warning, read_pair
+
+_note = note_writer("erlif.review.audit")
 
 MOST_SPREAD = 24
 """Frame pairs that are read of a long recording, evenly spread over it."""
@@ -127,21 +129,18 @@ def note_counts(survey: CountSurvey, pairs: FramePairs) -> Iterator[Note]:
     ):
         top, share = int(np.flatnonzero(histogram)[-1]), float(saturated[camera - 1])
         warning = depth_warning(top, bit_depth=bit_depth, camera=camera)
-        text = (
-            f"camera{camera}: highest count {top} of {histogram.size - 1}, "
-            f"at most {share:.2%} of a frame saturated"
-        )
-        if share > BRIGHT:
-            text += ". Shorten the exposure, or lower the energy of the laser"
-        level = Level.WARNING if warning or share > BRIGHT else Level.NOTE
-        yield Note(level, "counts", str(warning or text))
+        if warning:
+            yield Note(Level.WARNING, "counts", str(warning))
+            continue
+        most = histogram.size - 1
+        yield _note("counts", wrong=share > BRIGHT, camera=camera, top=top, most=most, share=share)
 
 
 def note_bits(survey: CountSurvey) -> Iterator[Note]:
     """Bits that are never or always set, and counts that never occur."""
     for camera, histogram in enumerate(survey.histograms, 1):
-        for text in find_bit_faults(histogram):
-            yield Note(Level.WARNING, "bits", f"camera{camera}: {text}")
+        for fault in find_bit_faults(histogram):
+            yield _note("bits", camera=camera, fault=fault)
 
 
 def find_bit_faults(histogram: Histogram) -> list[str]:
@@ -216,9 +215,7 @@ def note_bad_pixels(references: References) -> Iterator[Note]:
     for camera, bad in enumerate(references.bad.values, 1):
         share = float(bad.mean())
         # the share is stated in any case; only a large one asks for an action
-        text = f"camera{camera}: {share:.2%} of the pixels are hot, noisy or dead and are flagged"
-        cure = "Look at darks and flats for dust, light and clipping, and record them again"
-        yield remark("darks and flats", text, cure if share > MANY_BAD else "")
+        yield _note("bad_pixels", wrong=share > MANY_BAD, camera=camera, share=share)
 
 
 def note_light(survey: CountSurvey, darks: Sequence[float]) -> Iterator[Note]:
@@ -230,30 +227,17 @@ def note_light(survey: CountSurvey, darks: Sequence[float]) -> Iterator[Note]:
     usual, usual_sharpness = np.median(light, axis=0), np.median(sharpness, axis=0)
     dim = light < _UNLIT * usual
 
-    yield remark(
-        "light",
-        "; ".join(
-            f"camera{n + 1}: median light of a frame {light[:, n].min():.0f} to "
-            f"{light[:, n].max():.0f} DN, fine structure {100 * sharpness[:, n].min():.1f} to "
-            f"{100 * sharpness[:, n].max():.1f} % of the light"
-            for n in range(2)
-        ),
+    cameras = "; ".join(
+        f"camera{n + 1}: median light of a frame {light[:, n].min():.0f} to "
+        f"{light[:, n].max():.0f} DN, fine structure {100 * sharpness[:, n].min():.1f} to "
+        f"{100 * sharpness[:, n].max():.1f} % of the light"
+        for n in range(2)
     )
-    if dim.any():
-        text = f"frame pairs {list_numbers(numbers[dim.any(axis=1)])} have less than {_UNLIT:.0%}"
-        fault = "the laser or a shutter missed the pulse"
-        yield remark(
-            "light", f"{text} of the light of the others: {fault}", "Leave these pairs out"
-        )
+    yield _note("light", cameras=cameras)
     blurred = (sharpness < _BLURRED * usual_sharpness) & ~dim
-    if blurred.any():
-        yield remark(
-            "light",
-            f"frame pairs {list_numbers(numbers[blurred.any(axis=1)])} have less than "
-            f"{_BLURRED:.0%} of the fine structure of the others: they are out of focus, or were "
-            "smoothed",
-            "Check the focus, and export the frames without filters",
-        )
+    for key, odd, share in (("missed", dim, _UNLIT), ("blurred", blurred, _BLURRED)):
+        if odd.any():
+            yield _note(key, pairs=list_numbers(numbers[odd.any(axis=1)]), share=share)
 
 
 def find_copies(survey: CountSurvey) -> list[tuple[int, ...]]:
@@ -280,12 +264,7 @@ def note_copies(survey: CountSurvey) -> Iterator[Note]:
     # images of both cameras that agree to the last count are one image
     same = [one.frame for one in survey.frames if one.digest[0] == one.digest[1]]
     if same:
-        yield Note(
-            Level.ERROR,
-            "pairs",
-            f"both cameras show the same image in frame pairs {list_numbers(same)}. Correct "
-            "files in [camera1] or [camera2], or export the cameras again",
-        )
+        yield _note("same_image", pairs=list_numbers(same))
 
     # a camera whose frames all have one digest has delivered one frame throughout
     stuck = [
@@ -294,16 +273,6 @@ def note_copies(survey: CountSurvey) -> Iterator[Note]:
     for frames in find_copies(survey):
         if len(frames) == len(survey.frames):
             which = "frame pairs" if len(stuck) == 2 else f"frames of {stuck[0]}"
-            yield Note(
-                Level.ERROR,
-                "pairs",
-                f"all {len(frames)} {which} that were read show the same image: the camera or its "
-                "export was stuck. Export the recording again, one frame for each pulse",
-            )
+            yield _note("stuck", count=len(frames), which=which)
         else:
-            yield remark(
-                "pairs",
-                f"frame pairs {list_numbers(frames)} show the same image: a camera or its export "
-                "was stuck, or a file was copied",
-                "Export them again, or leave out all but one",
-            )
+            yield _note("copies", pairs=list_numbers(frames))

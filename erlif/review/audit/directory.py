@@ -10,7 +10,7 @@ from typing import Any
 
 from erlif.calibration import read_profile
 from erlif.core.errors import ConfigError, ErlifError
-from erlif.core.notes import Level, Note, remark, retitle
+from erlif.core.notes import Level, Note, note_writer, retitle
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.core.timing import stage
 from erlif.core.version import __version__
@@ -44,6 +44,7 @@ from erlif.review.audit.counts import (
 from erlif.review.audit.log import Steps, note_conditions, note_energy, note_motion
 from erlif.review.audit.pairing import PairRow, note_numbers, tabulate_pairs
 
+_note = note_writer("erlif.review.audit")
 _logger = logging.getLogger(__name__)
 
 Step = Callable[[], Iterator[Note]]
@@ -197,11 +198,10 @@ def _open(directory: Path, allow_outside: bool) -> Run | Fixture:
 
 def _describe(recording: Run | Fixture) -> Note:
     height, width = recording.pairs.shape
-    count = len(recording.pairs.usable)
-    text = f"{count} pairs of {width} x {height} pixels, {recording.settings.name!r}"
-    if count > MOST_SPREAD:
-        text += f"; counts of {MOST_SPREAD} of them, evenly spread, are examined"
-    return remark("frames", text)
+    count, name = len(recording.pairs.usable), recording.settings.name
+    some = f"; counts of {MOST_SPREAD} of them, evenly spread, are examined"
+    examined = some if count > MOST_SPREAD else ""
+    return _note("frames", count=count, width=width, height=height, name=name, examined=examined)
 
 
 @dataclass
@@ -248,7 +248,7 @@ class _Parts:
         odd = {frame for frames in find_copies(self.survey) for frame in frames}
         self.found.pairs = tabulate_pairs(self.recording.pairs, self.run, odd=odd)
         for row in self.found.pairs:
-            yield remark("pairs", str(row))
+            yield _note("pair", row=row)
         yield from note_copies(self.survey)
 
     def references(self) -> Iterator[Note]:
@@ -278,7 +278,7 @@ class _Parts:
         located = locate_run(run)
         yield from encoder_notes(located)
         triggers = describe_triggers(run, located)
-        yield remark("encoder log", describe_cycle(located))
+        yield _note("cycle", cycle=describe_cycle(located))
         yield from note_motion(run.log, located, run.settings)
         yield from note_conditions(run.log, run.settings)
         numbers = [one.frame for one in self.cameras.frames]
@@ -295,4 +295,4 @@ def _note_profile(fixture: Fixture) -> Iterator[Note]:
     profile = read_profile(fixture.directory / fixture.settings.fixture.profile)
     yield from retitle("profile", profile.notes)
     low, high = profile.thickness.min(), profile.thickness.max()
-    yield remark("profile", f"{profile.thickness.size} points from {low:.2f} to {high:.2f} um")
+    yield _note("profile", count=profile.thickness.size, low=low, high=high)

@@ -9,10 +9,12 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.notes import Note, remark
+from erlif.core.notes import Note, note_writer
 from erlif.core.products import EncoderLog
 from erlif.io.settings import RunSettings
 from erlif.pipeline.recording.pulses import read_energies
+
+_note = note_writer("erlif.review.audit")
 
 _FEWEST = 8
 """Rows from which on steps are compared."""
@@ -83,11 +85,8 @@ def _note_angles(angle: Array) -> Iterator[Note]:
     signed = (np.diff(angle) + 180.0) % 360.0 - 180.0  # an encoder that starts again at 0
     step = np.abs(signed)
     turns = int(np.count_nonzero(np.diff(np.sign(signed[step > 0]))))
-    yield remark(
-        "motion",
-        f"angle from {angle.min():.2f} to {angle.max():.2f} deg in steps of "
-        f"{np.median(step):.3g} deg (median), {step.max():.3g} deg at most; {turns} reversal(s)",
-    )
+    low, high, most = angle.min(), angle.max(), step.max()
+    yield _note("angles", low=low, high=high, usual=np.median(step), most=most, turns=turns)
 
     # a trigger is missed among even steps; where an encoder turns unevenly from trigger to trigger,
     # the steps change by themselves
@@ -97,33 +96,24 @@ def _note_angles(angle: Array) -> Iterator[Note]:
     gaps = 2 + np.flatnonzero(even & (step[2:-2] > _GAP * usual))
     if gaps.size:
         shown = ", ".join(f"{k} and {k + 1} ({step[k]:.3g} deg)" for k in gaps[:5])
-        text = f"the angle jumps between frames {shown}: a trigger was missed, or rows of the log"
-        yield remark("motion", f"{text} are out of place", "Compare the log with the frames there")
+        yield _note("gaps", places=shown)
 
     still = step == 0
     runs = np.convolve(still, np.ones(_STUCK - 1), "valid") == _STUCK - 1
     if runs.any():
         first = int(np.argmax(runs))
-        text = (
-            f"the angle stays at {angle[first]:g} deg in frames {first} to {first + _STUCK - 1} "
-            "and perhaps longer: the encoder or its logger was stuck"
-        )
-        yield remark("motion", text, "Check the cable, and leave these frames out")
+        yield _note("still", angle=angle[first], first=first, last=first + _STUCK - 1)
 
 
 def _note_times(time: Array) -> Iterator[Note]:
     step = np.diff(time)
     usual = float(np.median(step))
-    yield remark(
-        "motion",
-        f"time from {time[0]:.6g} to {time[-1]:.6g} s, steps of {usual:.3g} s (median), "
-        f"{step.min():.3g} to {step.max():.3g} s",
-    )
+    low, high = step.min(), step.max()
+    yield _note("times", first=time[0], last=time[-1], usual=usual, low=low, high=high)
     pauses = np.flatnonzero(step > _PAUSE * usual)
     if pauses.size:
         shown = ", ".join(f"{k} and {k + 1} ({step[k]:.3g} s)" for k in pauses[:5])
-        cure = "Check whether the rig stood still or frames are missing"
-        yield remark("motion", f"the recording pauses between frames {shown}", cure)
+        yield _note("pauses", places=shown)
 
 
 def _note_speed(time: Array, located: xr.Dataset, settings: RunSettings) -> Iterator[Note]:
@@ -139,37 +129,31 @@ def _note_speed(time: Array, located: xr.Dataset, settings: RunSettings) -> Iter
     # the sum over the log does not depend on the error of a reading near a dead point
     found = float(turned[moved].sum() / np.diff(time)[moved].sum()) / 6.0
     stated = float(np.degrees(settings.linkage.crank_speed)) / 6.0
-    text = f"the crank turns at {found:.4g} rpm by angles and times, {stated:.4g} rpm in run.toml"
-    cure = "Correct crank_speed, or the unit of the column of time"
-    yield remark("motion", text, cure if abs(found / stated - 1) > _SPEED else "")
+    yield _note("speed", wrong=abs(found / stated - 1) > _SPEED, found=found, stated=stated)
 
 
 def note_conditions(log: EncoderLog, settings: RunSettings) -> Iterator[Note]:
     """Temperature and load of the log."""
     if "temperature" in log:
         values = np.asarray(log["temperature"].values, float)
-        text = f"temperature {values.min():.1f} to {values.max():.1f} degC"
-        jump = float(np.abs(np.diff(values)).max(initial=0.0))
-        cure = ""
-        if values.min() < _OIL[0] or values.max() > _OIL[1]:
-            text += ", no oil of a rig has that"
-            cure = 'Correct the unit, units = { temperature = "degF" } in [encoder], or the column'
-        elif jump > _JUMP:
-            where = int(np.argmax(np.abs(np.diff(values))))
-            text += f", it changes by {jump:.1f} K from frame {where} to {where + 1}"
-            cure = "Check the sensor and its cable"
-        yield remark("conditions", text, cure)
+        low, high, jumps = values.min(), values.max(), np.abs(np.diff(values))
+        if low < _OIL[0] or high > _OIL[1]:
+            yield _note("no_temperature_of_oil", low=low, high=high)
+        elif jumps.max(initial=0.0) > _JUMP:
+            k = int(np.argmax(jumps))
+            yield _note("temperature_jump", low=low, high=high, jump=jumps[k], frame=k, next=k + 1)
+        else:
+            yield _note("temperature", low=low, high=high)
 
     if "load" in log:
         values = np.asarray(log["load"].values, float)
-        text, joint = f"load {values.min():.4g} to {values.max():.4g} N", settings.joint
+        low, high, joint = values.min(), values.max(), settings.joint
         stated = None if joint is None else joint.load
         factor = 1.0 if stated is None else float(np.median(values)) / stated
-        cure = ""
-        if not 1 / _LOAD < factor < _LOAD:
-            text += f", {factor:.2g} times the load in [joint], {stated:.4g} N"
-            cure = 'Correct the unit, units = { load = "lbf" } in [encoder], or the load in [joint]'
-        yield remark("conditions", text, cure)
+        if 1 / _LOAD < factor < _LOAD:
+            yield _note("load", low=low, high=high)
+        else:
+            yield _note("load_in_other_unit", low=low, high=high, factor=factor, stated=stated)
 
 
 def note_energy(log: EncoderLog, frames: Sequence[int], light: Array) -> Iterator[Note]:
@@ -189,6 +173,4 @@ def note_energy(log: EncoderLog, frames: Sequence[int], light: Array) -> Iterato
         return
     slope = float((x * y).sum()) / scatter
     std = float(np.sqrt(((y - slope * x) ** 2).sum() / max(x.size - 2, 1) / scatter))
-    text = f"the light changes by {slope:.2f} ± {std:.2f} % per % of the pulse energy of the log"
-    cure = "The energies belong to other pulses: check the column and its first row"
-    yield remark("conditions", text, cure if slope + 3 * std < _WITHOUT_PULSE else "")
+    yield _note("energy", wrong=slope + 3 * std < _WITHOUT_PULSE, slope=slope, std=std)

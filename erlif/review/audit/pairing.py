@@ -7,9 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from erlif.core.notes import Note, list_numbers, remark
+from erlif.core.notes import Note, list_numbers, note_writer
 from erlif.io.ingest import FramePairs, Run
 from erlif.io.ingest.pairing import frame_numbers
+
+_note = note_writer("erlif.review.audit")
 
 _FIRST, _LAST = 2, 1
 """Pairs at both ends of the table."""
@@ -99,13 +101,8 @@ def note_numbers(pairs: FramePairs) -> Iterator[Note]:
     for camera, pages in enumerate(pairs.pages, 1):
         missing = find_missing(frame_numbers(pages))
         if missing:
-            yield remark(
-                "pairs",
-                f"camera{camera}: no file has the number {list_numbers(missing)}, between "
-                f"{pages[0].name} and {pages[-1].name}",
-                "If these pulses were not recorded, their rows must be missing in the log too; "
-                "otherwise copy the files again",
-            )
+            numbers, first, last = list_numbers(missing), pages[0].name, pages[-1].name
+            yield _note("missing", camera=camera, numbers=numbers, first=first, last=last)
 
 
 def find_missing(numbers: list[int]) -> list[int]:
