@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
@@ -26,9 +27,13 @@ def describe(variables: Columns, coordinates: Columns) -> xr.Dataset:
     )
 
 
-def in_words(columns: dict[str, tuple[Any, str]], dims: str | tuple[str, ...] = ()) -> Columns:
-    """Rows for `describe` of values and units whose names are their descriptions."""
-    return {
-        name: (dims, values, unit, name.replace("_", " "))
-        for name, (values, unit) in columns.items()
-    }
+def describe_by(
+    words: Mapping[str, Sequence[str]],
+    variables: Mapping[str, tuple[str | tuple[str, ...], Any]],
+    coordinates: Mapping[str, tuple[str | tuple[str, ...], Any]] | None = None,
+) -> xr.Dataset:
+    """Collect variables whose units and names in words stand in a table, under their own names."""
+    return describe(
+        {name: (*column, *words[name]) for name, column in variables.items()},
+        {name: (*column, *words[name]) for name, column in (coordinates or {}).items()},
+    )

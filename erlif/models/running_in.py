@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from erlif.core.described import Columns, describe
+from erlif.core.described import describe_by
 from erlif.core.errors import ModelError
+from erlif.core.tables import read_table
 from erlif.models.arguments import Values, formula
 from erlif.models.contact.roots import like
 
@@ -265,26 +266,18 @@ def _describe(wall: _Wall, distances: Array, found: list[tuple[float, Array, Arr
     # the edge lies where the last two cells that carry load point to, half a cell on at least
     half = np.array([_edge(wall, pressure) for pressure in pressures])
     volume = 2 * wall.width * wall.shaft_radius * wall.cell * depths.sum(axis=1)
-    described: Columns = {
-        "torque_ratio": (
-            along,
-            np.array([wall.ratio(one) for one in pressures]),
-            "1",
-            "torque over mu F R",
-        ),
-        "half_angle": (along, half, "rad", "half of the arc of contact"),
-        "eccentricity": (along, places, "m", "distance of the shaft axis from the bushing axis"),
-        "peak_pressure": (along, pressures.max(axis=1), "Pa", "largest pressure"),
-        "worn_volume": (along, volume, "m3", "worn volume of the wall"),
-        "pressure": (both, pressures, "Pa", "pressure on the wall"),
-        "depth": (both, depths, "m", "worn depth of the wall"),
-    }
-    return describe(
-        described,
+    return describe_by(
+        read_table("erlif.models", "variables.toml")["running_in"],
         {
-            "sliding_distance": (along, distances, "m", "sliding distance"),
-            "angle": ("angle", wall.angle, "rad", "angle from the line of load"),
+            "torque_ratio": (along, np.array([wall.ratio(one) for one in pressures])),
+            "half_angle": (along, half),
+            "eccentricity": (along, places),
+            "peak_pressure": (along, pressures.max(axis=1)),
+            "worn_volume": (along, volume),
+            "pressure": (both, pressures),
+            "depth": (both, depths),
         },
+        {"sliding_distance": (along, distances), "angle": ("angle", wall.angle)},
     )
 
 

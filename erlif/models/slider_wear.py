@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.core.described import Columns, describe
+from erlif.core.described import describe_by
 from erlif.core.errors import ModelError
+from erlif.core.tables import read_table
 from erlif.models.arguments import (
     Values,
     check_fields,
@@ -373,24 +374,19 @@ def _describe(wall: Wall, rows: list[dict[str, Values]]) -> xr.Dataset:
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     depth, pin_depth = columns["depth"], columns["pin_depth"]
     both, along = ("cycle", "angle"), ("cycle",)
-    described: Columns = {
-        "worn_volume": (along, wall.area * depth.sum(axis=1), "m3", "worn volume of the bushing"),
-        "pin_volume": (along, wall.area * pin_depth.sum(axis=1), "m3", "worn volume of the pin"),
-        "greatest_depth": (along, depth.max(axis=1), "m", "largest worn depth of the bushing"),
-        "pin_greatest_depth": (along, pin_depth.max(axis=1), "m", "largest worn depth of the pin"),
-        "clearance": (along, columns["clearance"], "m", "radial clearance in tension"),
-        "greatest_force": (along, columns["greatest_force"], "N", "largest normal force"),
-        "rubbing": (along, columns["rubbing"], "N m", "normal force over sliding of a cycle"),
-        "torque_ratio": (along, columns["torque_ratio"], "1", "pressure over load"),
-        "depth": (both, depth, "m", "worn depth of the bushing"),
-        "pin_depth": (both, pin_depth, "m", "worn depth of the pin"),
-    }
-    return describe(
-        described,
+    measured = ("clearance", "greatest_force", "rubbing", "torque_ratio")
+    return describe_by(
+        read_table("erlif.models", "variables.toml")["slider_wear"],
         {
-            "cycle": ("cycle", columns["cycle"], "1", "cycles"),
-            "angle": ("angle", wall.angle, "rad", "place of contact"),
+            "worn_volume": (along, wall.area * depth.sum(axis=1)),
+            "pin_volume": (along, wall.area * pin_depth.sum(axis=1)),
+            "greatest_depth": (along, depth.max(axis=1)),
+            "pin_greatest_depth": (along, pin_depth.max(axis=1)),
+            **{name: (along, columns[name]) for name in measured},
+            "depth": (both, depth),
+            "pin_depth": (both, pin_depth),
         },
+        {"cycle": ("cycle", columns["cycle"]), "angle": ("angle", wall.angle)},
     )
 
 

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.core.described import describe, in_words
+from erlif.core.described import describe_by
 from erlif.core.errors import ModelError
+from erlif.core.tables import read_table
 from erlif.models.arguments import Values, formula, require_finite
 from erlif.models.edges.active_set import solve_active_set
 from erlif.models.edges.influence import Convolution, displacement_of_cells, displacement_of_strips
@@ -123,25 +124,23 @@ def solve_contact(
     motions[: len(modes)] = found.motion
     remaining = heights + found.deflection - np.tensordot(found.motion, modes, 1)
     dims = ("x", "z")[: heights.ndim]
-    scalars = {
-        "force": (found.pressure.sum() * cell, "N m-1" if plane else "N"),
-        "approach": (motions[0], "m"),
-        "tilt_x": (motions[1], "rad"),
-        "tilt_z": (motions[2], "rad"),
-        "peak_pressure": (found.pressure.max(), "Pa"),
-        "area": (np.count_nonzero(found.pressure) * cell, "m" if plane else "m2"),
-        "iterations": (found.iterations, "1"),
-        "residual": (found.residual, "1"),
-    }
-    names = {"x": "distance across the contact", "z": "distance along the axis"}
-    return describe(
+    words = read_table("erlif.models", "variables.toml")
+    return describe_by(
+        words["half_space"] | (words["plane"] if plane else {}),
         {
-            "pressure": (dims, found.pressure, "Pa", "contact pressure"),
-            "deflection": (dims, found.deflection, "m", "deflection of both bodies"),
-            "gap": (dims, remaining, "m", "gap that remains"),
-            **in_words(scalars),
+            "pressure": (dims, found.pressure),
+            "deflection": (dims, found.deflection),
+            "gap": (dims, remaining),
+            "force": ((), found.pressure.sum() * cell),
+            "approach": ((), motions[0]),
+            "tilt_x": ((), motions[1]),
+            "tilt_z": ((), motions[2]),
+            "peak_pressure": ((), found.pressure.max()),
+            "area": ((), np.count_nonzero(found.pressure) * cell),
+            "iterations": ((), found.iterations),
+            "residual": ((), found.residual),
         },
-        {dim: (dim, middle, "m", names[dim]) for dim, middle in zip(dims, middles, strict=True)},
+        {dim: (dim, middle) for dim, middle in zip(dims, middles, strict=True)},
     )
 
 

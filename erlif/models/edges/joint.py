@@ -12,8 +12,9 @@ import numpy as np
 import scipy.fft
 
 from erlif.core.arrays import Array
-from erlif.core.described import describe, in_words
+from erlif.core.described import describe_by
 from erlif.core.errors import ModelError
+from erlif.core.tables import read_table
 from erlif.models.arguments import check_fields, formula, require_increasing, require_positive
 from erlif.models.edges.active_set import solve_active_set
 from erlif.models.edges.cylinders import (
@@ -27,6 +28,8 @@ from erlif.models.reynolds.shapes import lobe_shape
 
 if TYPE_CHECKING:
     import xarray as xr
+
+_WORDS = read_table("erlif.models", "variables.toml")
 
 
 @dataclass(frozen=True)
@@ -368,32 +371,24 @@ def solve_joint(
     bending = bent - _multiply(pin_matrices, pressure)[line] + motion[1] * middles
     mean_bending = float(bending @ lengths) / lengths.sum()
     vertical = (pressure * round_pin * area).sum(axis=0)
-    profiles = {
-        "cell_length": (lengths, "m"),
-        "line_load": (vertical / lengths, "N m-1"),
-        "bending": (bending - mean_bending, "m"),
-    }
-    scalars = {
-        "force": (float(vertical.sum()) * load / targets[0], "N"),
-        "peak_pressure": (float(pressure[row, column]), "Pa"),
-        "peak_z": (float(middles[column]), "m"),
-        "patch_pressure": (_largest_mean(pressure, lengths, patch), "Pa"),
-        "displacement": (float(motion[0] + mean_bending), "m"),
-        "tilt": (float(motion[1]), "rad"),
-        "iterations": (found.iterations, "1"),
-        "residual": (found.residual, "1"),
-    }
-    return describe(
+    return describe_by(
+        _WORDS["joint"],
         {
-            "pressure": (("angle", "z"), pressure, "Pa", "contact pressure"),
-            "gap": (("angle", "z"), remaining, "m", "gap that remains"),
-            **in_words(profiles, "z"),
-            **in_words(scalars),
+            "pressure": (("angle", "z"), pressure),
+            "gap": (("angle", "z"), remaining),
+            "cell_length": ("z", lengths),
+            "line_load": ("z", vertical / lengths),
+            "bending": ("z", bending - mean_bending),
+            "force": ((), float(vertical.sum()) * load / targets[0]),
+            "peak_pressure": ((), float(pressure[row, column])),
+            "peak_z": ((), float(middles[column])),
+            "patch_pressure": ((), _largest_mean(pressure, lengths, patch)),
+            "displacement": ((), float(motion[0] + mean_bending)),
+            "tilt": ((), float(motion[1])),
+            "iterations": ((), found.iterations),
+            "residual": ((), found.residual),
         },
-        {
-            "angle": ("angle", angle, "rad", "angle from the line of load"),
-            "z": ("z", middles, "m", "distance from the middle"),
-        },
+        {"angle": ("angle", angle), "z": ("z", middles)},
     )
 
 
@@ -455,23 +450,14 @@ def section_stress(
     mises = np.sqrt(((rr - tt) ** 2 + (tt - zz) ** 2 + (zz - rr) ** 2) / 2 + 3 * rz**2)
     (r, z), (width_r, width_z) = solver.points, solver.sizes
     top = int(mises.argmax())
-    names = ("von_mises", "stress_rr", "stress_tt", "stress_zz", "stress_rz")
-    return describe(
-        {
-            **{
-                name: ("point", values, "Pa", "")
-                for name, values in zip(names, (mises, rr, tt, zz, rz), strict=True)
-            },
-            "peak_von_mises": ((), float(mises[top]), "Pa", ""),
-            "peak_r": ((), float(r[top]), "m", ""),
-            "peak_z": ((), float(z[top]), "m", ""),
-        },
-        {
-            "r": ("point", r, "m", ""),
-            "z": ("point", z, "m", ""),
-            "width_r": ("point", width_r, "m", ""),
-            "width_z": ("point", width_z, "m", ""),
-        },
+    stresses = {"von_mises": mises, "stress_rr": rr, "stress_tt": tt, "stress_zz": zz}
+    peak = {"peak_von_mises": mises[top], "peak_r": r[top], "peak_z": z[top]}
+    places = {"r": r, "z": z, "width_r": width_r, "width_z": width_z}
+    return describe_by(
+        _WORDS["section"],
+        {name: ("point", values) for name, values in (stresses | {"stress_rz": rz}).items()}
+        | {name: ((), float(value)) for name, value in peak.items()},
+        {name: ("point", values) for name, values in places.items()},
     )
 
 
@@ -529,7 +515,6 @@ def search_undercut(
     >>> bool(found.patch_pressure.min() < found.patch_uncut)
     True
     """
-    import xarray as xr  # only here, because models load without it
 
     def prepared(cut: Undercut | None, pin: Compliance | None) -> ElasticJoint:
         return prepare_joint(
@@ -560,24 +545,24 @@ def search_undercut(
         peak[place], mean[place] = found["peak_pressure"], found["patch_pressure"]
     best = np.unravel_index(int(np.nanargmin(mean)), shape)
     names = {"depth": depths, "width": widths, "lip": lips}
-    texts = {"depth": "depth D1", "width": "width D2", "lip": "lip D3"}
-    pascal, metre = {"units": "Pa"}, {"units": "m"}
-    return xr.Dataset(
+    chosen = {
+        f"best_{name}": ((), float(values[int(place)]))
+        for (name, values), place in zip(names.items(), best, strict=True)
+    }
+    searched = describe_by(
+        _WORDS["search"],
         {
-            "peak_pressure": (tuple(names), peak, pascal),
-            "patch_pressure": (tuple(names), mean, {**pascal, "patch": patch}),
-            "peak_uncut": ((), float(uncut["peak_pressure"]), pascal),
-            "patch_uncut": ((), float(uncut["patch_pressure"]), {**pascal, "patch": patch}),
-            **{
-                f"best_{name}": ((), float(values[int(place)]), metre)
-                for (name, values), place in zip(names.items(), best, strict=True)
-            },
+            "peak_pressure": (tuple(names), peak),
+            "patch_pressure": (tuple(names), mean),
+            "peak_uncut": ((), float(uncut["peak_pressure"])),
+            "patch_uncut": ((), float(uncut["patch_pressure"])),
+            **chosen,
         },
-        {
-            name: (name, np.asarray(values, float), {**metre, "long_name": texts[name]})
-            for name, values in names.items()
-        },
+        {name: (name, np.asarray(values, float)) for name, values in names.items()},
     )
+    for name in ("patch_pressure", "patch_uncut"):
+        searched[name].attrs["patch"] = patch
+    return searched
 
 
 def _multiply(matrices: Array, pressure: Array) -> Array:

@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.core.described import Columns, describe
+from erlif.core.described import describe_by
 from erlif.core.errors import ModelError
+from erlif.core.tables import read_table
 from erlif.models.arguments import Values, formula
 from erlif.models.edges.influence import Convolution, stress_of_cells
 
@@ -75,7 +76,21 @@ def subsurface_stress(
         for name, values in influence.items():
             layers.setdefault(name, []).append(Convolution.of(values)(pressure))
     stresses = {name: np.stack(found) for name, found in layers.items()}
-    return _describe(stresses, depths, contact)
+    mises = equivalent_stress(stresses)
+    layer, row, column = np.unravel_index(int(mises.argmax()), mises.shape)
+    peak = {
+        "peak_von_mises": mises.max(),
+        "peak_depth": depths[layer],
+        "peak_x": x[row],
+        "peak_z": z[column],
+    }
+    named = {"von_mises": mises} | {f"stress_{name}": found for name, found in stresses.items()}
+    return describe_by(
+        read_table("erlif.models", "variables.toml")["stress"],
+        {name: (("depth", "x", "z"), values) for name, values in named.items()}
+        | {name: ((), float(value)) for name, value in peak.items()},
+        {"depth": ("depth", depths)},
+    ).assign_coords(contact.coords)
 
 
 def equivalent_stress(stress: dict[str, Array]) -> Array:
@@ -84,22 +99,3 @@ def equivalent_stress(stress: dict[str, Array]) -> Array:
     normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
     shear = stress["xz"] ** 2 + stress["xy"] ** 2 + stress["zy"] ** 2
     return np.sqrt(normal / 2 + 3 * shear)
-
-
-def _describe(stresses: dict[str, Array], depths: Array, contact: "xr.Dataset") -> "xr.Dataset":
-    """The results with dimensions, coordinates and units."""
-    dims = ("depth", "x", "z")
-    mises = equivalent_stress(stresses)
-    layer, row, column = np.unravel_index(int(mises.argmax()), mises.shape)
-    variables: Columns = {"von_mises": (dims, mises, "Pa", "von Mises stress")}
-    for name, values in stresses.items():
-        kind = "normal stress" if name[0] == name[1] else "shear stress"
-        variables[f"stress_{name}"] = (dims, values, "Pa", f"{kind} {name}, tension positive")
-    variables |= {
-        "peak_von_mises": ((), float(mises.max()), "Pa", ""),
-        "peak_depth": ((), float(depths[layer]), "m", ""),
-        "peak_x": ((), float(contact["x"][row]), "m", ""),
-        "peak_z": ((), float(contact["z"][column]), "m", ""),
-    }
-    found = describe(variables, {"depth": ("depth", depths, "m", "depth")})
-    return found.assign_coords(contact.coords)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from erlif.core.arrays import Array
+from erlif.core.described import describe_by
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula, warn_of_units
 from erlif.models.reynolds.balance import (
@@ -20,7 +21,7 @@ from erlif.models.reynolds.balance import (
 )
 from erlif.models.reynolds.cells import Grid, Walls, average_walls
 from erlif.models.reynolds.flow import Fluid
-from erlif.models.reynolds.transient import describe, losses
+from erlif.models.reynolds.transient import UNITS, losses
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -276,8 +277,6 @@ class _Course:
 
 def _dataset(course: _Course, states: list[State], *, with_time: bool, wide: bool) -> "xr.Dataset":
     """The results with dimensions, coordinates and units."""
-    import xarray as xr  # only here, because models load without it
-
     medium, grid = course.medium, course.medium.grid
     rows: list[dict[str, Any]] = []
     for k, state in enumerate(states):
@@ -309,9 +308,9 @@ def _dataset(course: _Course, states: list[State], *, with_time: bool, wide: boo
         dims = ("time", *cells) if values.ndim == 3 else ("time",)
         values = values[..., 0] if values.ndim == 3 and wide else values
         variables[name] = (dims, values) if with_time else (dims[1:], values[0])
-    coordinates: dict[str, Any] = {"x": (np.arange(grid.along) + 0.5) * grid.dx}
+    coordinates: dict[str, Any] = {"x": ("x", (np.arange(grid.along) + 0.5) * grid.dx)}
     if not wide:
-        coordinates["z"] = (np.arange(grid.across) + 0.5) * grid.dz[0]
+        coordinates["z"] = ("z", (np.arange(grid.across) + 0.5) * grid.dz[0])
     if with_time:
-        coordinates["time"] = course.times
-    return describe(xr.Dataset(variables, coordinates))
+        coordinates["time"] = ("time", course.times)
+    return describe_by(UNITS, variables, coordinates)

@@ -8,11 +8,12 @@ import numpy as np
 import scipy
 
 from erlif.core.arrays import Array
+from erlif.core.described import describe_by
 from erlif.core.errors import ModelError
 from erlif.models.arguments import require_finite, require_positive, require_single
 from erlif.models.reynolds.balance import NoConvergenceError, State, Step, forces, settle
 from erlif.models.reynolds.journal import Groove, Journal, covered
-from erlif.models.reynolds.transient import Bearing, describe, losses
+from erlif.models.reynolds.transient import UNITS, Bearing, losses
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -147,8 +148,6 @@ class Rotation:
 
 def _describe(case: Rotation, state: State, position: Array) -> "xr.Dataset":
     """The results with units."""
-    import xarray as xr  # only here, because models load without it
-
     journal, medium = case.bearing.journal, case.bearing.medium
     pressure, _ = medium.pressure(state.reduced)
     force = case.force(state)
@@ -168,5 +167,4 @@ def _describe(case: Rotation, state: State, position: Array) -> "xr.Dataset":
     }
     if journal.foundation is None and journal.axial_shape is None:
         values["film_min"] = journal.clearance - size
-    found = xr.Dataset({name: ((), value) for name, value in values.items()})
-    return describe(found)
+    return describe_by(UNITS, {name: ((), value) for name, value in values.items()})

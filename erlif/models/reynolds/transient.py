@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from erlif.core.arrays import Array
+from erlif.core.described import describe_by
 from erlif.core.errors import ModelError
 from erlif.core.tables import read_table
 from erlif.models.reynolds.balance import (
@@ -572,14 +573,6 @@ UNITS: dict[str, tuple[str, str]] = read_table("erlif.models", "variables.toml")
 """Unit and name of each variable."""
 
 
-def describe(found: "xr.Dataset") -> "xr.Dataset":
-    """Write unit and name on every variable, in place."""
-    for name, variable in found.variables.items():
-        unit, text = UNITS[str(name)]
-        variable.attrs.update(units=unit, long_name=text)
-    return found
-
-
 def _dataset(
     bearing: Bearing,
     motion: Motion,
@@ -587,8 +580,6 @@ def _dataset(
     pictures: list[tuple[int, Array, Array, Array]],
 ) -> "xr.Dataset":
     """The results with dimensions, coordinates and units."""
-    import xarray as xr  # only here, because models load without it
-
     journal = bearing.journal
     load, side = table["displacement_load"], table["displacement_side"]
     whole = {
@@ -599,7 +590,7 @@ def _dataset(
     if journal.foundation is None and journal.axial_shape is None:
         whole["film_min"] = journal.clearance * (1 - whole["eccentricity"])
     variables: dict[str, Any] = {name: ("time", whole[name]) for name in UNITS if name in whole}
-    coordinates: dict[str, Any] = {"time": motion.time}
+    coordinates: dict[str, Any] = {"time": ("time", motion.time)}
     if pictures:
         dims = ("time_of_map", "circumference", "axial")
         for place, name in enumerate(("film", "pressure", "void_fraction"), start=1):
@@ -609,8 +600,7 @@ def _dataset(
         axial = bearing.axial
         if bearing.medium.images == 2:
             axial = np.concatenate([-axial[::-1], axial])
-        coordinates["time_of_map"] = motion.time[[picture[0] for picture in pictures]]
-        coordinates["circumference"] = bearing.journal.radius * turn
-        coordinates["axial"] = axial
-    found = xr.Dataset(variables, coordinates)
-    return describe(found)
+        times = motion.time[[picture[0] for picture in pictures]]
+        places = (times, journal.radius * turn, axial)
+        coordinates |= {dim: (dim, values) for dim, values in zip(dims, places, strict=True)}
+    return describe_by(UNITS, variables, coordinates)
