@@ -5,13 +5,13 @@ The crank-rocker is the rig of Farzaneh (2002), appendix A.2, the slider-crank t
 """
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 import scipy
 
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, check_fields, formula
+from erlif.models.linkage import measures
 
 TURN = 2 * np.pi
 """A full turn. [rad]"""
@@ -47,10 +47,6 @@ def _with_unit(value: float, name: str) -> str:
         if name.endswith("angle")
         else f"{value:.6g} m"
     )
-
-
-ROOT_TOLERANCE = 1e-14
-"""Width to which a crank angle of greatest speed is bracketed. [rad]"""
 
 
 @dataclass(frozen=True)
@@ -111,6 +107,11 @@ class CrankRocker:
                 f"than the other two ({others[0] + others[1]:g} m)."
             )
 
+    @property
+    def links(self) -> measures.Links:
+        """The four lengths, as the measures of a linkage take them. [m]"""
+        return measures.Links(self.crank, self.coupler, self.rocker, self.ground)
+
     @formula()
     def rocker_angle(self, crank_angle: Values) -> Values:
         """Rocker angle at a crank angle, on the branch where the linkage is open.
@@ -121,7 +122,7 @@ class CrankRocker:
             Interior angle psi at the rocker pivot. [rad]
         """
         # law of cosines in the triangle of coupler, rocker and diagonal
-        a, b, c, d = self.crank, self.coupler, self.rocker, self.ground
+        a, b, c, d = self.links
         diagonal = self._diagonal(crank_angle)
         to_crank_pin = np.arctan2(a * np.sin(crank_angle), d - a * np.cos(crank_angle))
         return to_crank_pin + np.arccos((c**2 + diagonal**2 - b**2) / (2 * c * diagonal))
@@ -224,9 +225,8 @@ class CrankRocker:
         The source prints a swing of 26 degrees for 5.5, 44, 26 and 51 cm; its own equation gives
         24.43.
         """
-        return self._rocker_angle_at(self.coupler - self.crank), self._rocker_angle_at(
-            self.coupler + self.crank
-        )
+        smallest, largest = measures.rocker_limits(self.links)
+        return float(smallest), float(largest)
 
     def coupler_limits(self) -> tuple[float, float]:
         """Range of the coupler angle, at whose ends the crank is parallel to the rocker.
@@ -236,12 +236,9 @@ class CrankRocker:
         (float, float)
             Smallest and largest coupler angle. [rad]
         """
-        b, d = self.coupler, self.ground
-        shortest, longest = self.rocker - self.crank, self.rocker + self.crank
-        return (
-            float(np.arccos((b**2 + d**2 - shortest**2) / (2 * b * d))),
-            float(np.arccos((b**2 + d**2 - longest**2) / (2 * b * d))),
-        )
+        a, b, c, d = self.links
+        smallest, largest = (measures.angle_opposite(c + s * a, b, d) for s in (-1, 1))
+        return float(smallest), float(largest)
 
     def dead_points(self) -> tuple[float, float]:
         """Crank angles at which the rocker reverses.
@@ -251,10 +248,8 @@ class CrankRocker:
         (float, float)
             Crank angle of the smallest and of the largest rocker angle, 0 to 2 pi. [rad]
         """
-        smallest, largest = self.limits()
-        return float(self._direction_of_rocker_pin(smallest) + np.pi), float(
-            self._direction_of_rocker_pin(largest)
-        )
+        at_smallest, at_largest = measures.dead_points(self.links)
+        return float(at_smallest), float(at_largest)
 
     def time_ratio(self) -> float:
         """Duration of the slower stroke of the rocker over that of the quicker one.
@@ -264,9 +259,8 @@ class CrankRocker:
         float
             Ratio at constant crank speed, at least 1. [1]
         """
-        at_smallest, at_largest = self.dead_points()
-        falling = at_smallest - at_largest
-        return max(falling, TURN - falling) / min(falling, TURN - falling)
+        excess = abs(float(measures.stroke_excess(self.links)))
+        return (np.pi + excess) / (np.pi - excess)
 
     @formula(crank_speed="number")
     def speed_limits(self, *, crank_speed: float) -> tuple[float, float]:
@@ -291,19 +285,8 @@ class CrankRocker:
         >>> print("{:.4f} {:.4f}".format(*rig.speed_limits(crank_speed=114 * TURN / 60)))
         -2.5405 2.5521
         """
-        at_smallest, at_largest = self.dead_points()
-
-        def acceleration(crank_angle: float) -> float:
-            return float(self.rocker_acceleration(crank_angle, crank_speed=crank_speed))
-
-        # the acceleration changes its sign once between the two dead points
-        find_root = partial(scipy.optimize.brentq, acceleration, xtol=ROOT_TOLERANCE)
-        at_fastest_fall = find_root(at_largest, at_smallest)
-        at_fastest_rise = find_root(at_smallest, at_largest + TURN)
-        return (
-            float(self.rocker_speed(at_fastest_fall, crank_speed=crank_speed)),
-            float(self.rocker_speed(at_fastest_rise, crank_speed=crank_speed)),
-        )
+        falling, rising = (measures.speed_ratio(self.links, rising=up) for up in (False, True))
+        return -float(falling) * crank_speed, float(rising) * crank_speed
 
     @formula()
     def crank_angle(
@@ -343,7 +326,7 @@ class CrankRocker:
         reach = np.sqrt(
             self.rocker**2 + self.ground**2 - 2 * self.rocker * self.ground * np.cos(psi)
         )
-        apart = self._angle_off_the_line(reach, self.coupler)
+        apart = measures.angle_opposite(self.coupler, reach, self.crank)
         return (self._direction_of_rocker_pin(psi) - _sign(rising) * apart) % TURN
 
     @formula()
@@ -374,7 +357,7 @@ class CrankRocker:
         phi = _within_reach(coupler_angle, self.coupler_limits(), tolerance, "coupler_angle")
         b, d = self.coupler, self.ground
         reach = np.sqrt(b**2 + d**2 - 2 * b * d * np.cos(phi))
-        apart = self._angle_off_the_line(reach, self.rocker)
+        apart = measures.angle_opposite(self.rocker, reach, self.crank)
         return (np.arctan2(-b * np.sin(phi), d - b * np.cos(phi)) - _sign(rising) * apart) % TURN
 
     def _diagonal(self, crank_angle: Values) -> Values:
@@ -382,23 +365,11 @@ class CrankRocker:
         a, d = self.crank, self.ground
         return np.sqrt(a**2 + d**2 - 2 * a * d * np.cos(crank_angle))
 
-    def _rocker_angle_at(self, reach: float) -> float:
-        """Rocker angle at which the rocker pin is `reach` from the crank pivot. [rad]"""
-        c, d = self.rocker, self.ground
-        return float(np.arccos((c**2 + d**2 - reach**2) / (2 * c * d)))
-
     def _direction_of_rocker_pin(self, rocker_angle: Values) -> Values:
         """Direction of the rocker pin seen from the crank pivot. [rad]"""
         return np.arctan2(
             self.rocker * np.sin(rocker_angle), self.ground - self.rocker * np.cos(rocker_angle)
         )
-
-    def _angle_off_the_line(self, reach: Values, closing_link: float) -> Values:
-        """Angle at the crank pivot in the triangle of crank, `closing_link` and `reach`. [rad]"""
-        # the half-angle form stays exact at the dead points, where the cosine is flat
-        beyond = np.maximum(closing_link**2 - (reach - self.crank) ** 2, 0.0)
-        short = np.maximum((reach + self.crank) ** 2 - closing_link**2, 0.0)
-        return 2 * np.arctan2(np.sqrt(beyond), np.sqrt(short))
 
 
 @formula()
@@ -446,12 +417,7 @@ def crank_for_swing(swing: float, *, coupler: float, rocker: float, ground: floa
         )
 
     def swing_of(crank: float) -> float:
-        cosines = [
-            (rocker**2 + ground**2 - (coupler + s * crank) ** 2) / (2 * rocker * ground)
-            for s in (-1, 1)
-        ]
-        smallest, largest = np.arccos(np.clip(cosines, -1.0, 1.0))
-        return float(largest - smallest)
+        return float(measures.swing(measures.Links(crank, coupler, rocker, ground)))
 
     if swing >= swing_of(longest_crank):
         raise ModelError(
@@ -720,7 +686,5 @@ class SliderCrank:
             A position beyond the reach of the slider.
         """
         x = _within_reach(slider_position, self.slider_limits(), tolerance, "slider_position")
-        # the half-angle form stays exact at the dead centres, where the cosine is flat
-        beyond = np.maximum(self.rod**2 - (x - self.crank) ** 2, 0.0)
-        short = np.maximum((x + self.crank) ** 2 - self.rod**2, 0.0)
-        return (-_sign(rising) * 2 * np.arctan2(np.sqrt(beyond), np.sqrt(short))) % TURN
+        apart = measures.angle_opposite(self.rod, x, self.crank)
+        return (-_sign(rising) * apart) % TURN

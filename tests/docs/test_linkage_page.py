@@ -13,7 +13,7 @@ from erlif.models.linkage import (
     pin_hole_concentration,
     synthesise_crank_rocker,
 )
-from erlif.models.linkage.measures import links_of, speed_ratio
+from erlif.models.linkage.measures import speed_ratio
 from erlif.models.mechanism import CrankRocker
 
 PAGE = (Path(__file__).parents[2] / "docs" / "linkage.md").read_text(encoding="utf-8")
@@ -28,7 +28,7 @@ def numbers():
     (longer,) = synthesise_crank_rocker(
         swing=np.radians(26), rocker_speed=24 * RPM, coupler=0.44, rocker=0.26, ground=0.51
     ).designs
-    away, towards = (114 * speed_ratio(links_of(RIG), rising=up) for up in (True, False))
+    away, towards = (114 * speed_ratio(RIG.links, rising=up) for up in (True, False))
     slopes = link_sensitivity(RIG)
     crank, _, rocker, _ = np.degrees(slopes.swing) / 1e3
     low, high = np.degrees(as_built.transmission)

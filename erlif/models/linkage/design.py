@@ -6,17 +6,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from erlif.models.arguments import formula
-from erlif.models.linkage.measures import (
-    Kind,
-    grashof_class,
-    grashof_margin,
-    links_of,
-    space,
-    speed_ratio,
-    stroke_excess,
-    swing,
-    transmission_limits,
-)
+from erlif.models.linkage import measures
 from erlif.models.mechanism import CrankRocker
 
 Stroke: TypeAlias = Literal["rising", "falling", "neither"]
@@ -68,7 +58,7 @@ class LinkageDesign:
     slower_stroke: Stroke
     transmission: tuple[float, float]
     space: tuple[float, float]
-    kind: Kind
+    kind: measures.Kind
     crank_speed: float = np.nan
     departures: tuple[str, ...] = ()
     link_width: float = 0.0
@@ -81,7 +71,7 @@ class LinkageDesign:
     @property
     def folds_flat(self) -> bool:
         """Whether all links come to lie on one line, from where the motion is not certain."""
-        return bool(grashof_margin(links_of(self.linkage)) < FLAT * self.linkage.crank)
+        return bool(measures.grashof_margin(self.linkage.links) < FLAT * self.linkage.crank)
 
     @property
     def least_transmission(self) -> float:
@@ -133,20 +123,20 @@ def measure_linkage(
     >>> print(f"{np.degrees(found.swing):.3f} degrees, {found.time_ratio:.4f}")
     24.426 degrees, 1.0014
     """
-    links = links_of(linkage)
-    excess = float(stroke_excess(links))
+    links = linkage.links
+    excess = float(measures.stroke_excess(links))
     slower: Stroke = "rising" if excess > 0 else "falling"
-    smallest, largest = transmission_limits(links)
-    along, across = space(links, link_width)
+    smallest, largest = measures.transmission_limits(links)
+    along, across = measures.space(links, link_width)
     found = LinkageDesign(
         linkage=linkage,
-        swing=float(swing(links)),
-        speed_ratio=float(max(speed_ratio(links, rising=up) for up in (True, False))),
+        swing=float(measures.swing(links)),
+        speed_ratio=float(max(measures.speed_ratio(links, rising=up) for up in (True, False))),
         time_ratio=float((np.pi + abs(excess)) / (np.pi - abs(excess))),
         slower_stroke=slower if abs(excess) > EQUAL_STROKES else "neither",
         transmission=(float(smallest), float(largest)),
         space=(float(along), float(across)),
-        kind=grashof_class(**links._asdict()),
+        kind=measures.grashof_class(**links._asdict()),
         link_width=float(link_width),
     )
 

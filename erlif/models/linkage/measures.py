@@ -12,7 +12,6 @@ import numpy as np
 import scipy
 
 from erlif.models.arguments import Values, formula
-from erlif.models.mechanism import CrankRocker
 
 Kind: TypeAlias = Literal[
     "crank-rocker", "double-crank", "rocker-crank", "double-rocker", "triple-rocker", "change point"
@@ -45,11 +44,6 @@ class Links(NamedTuple):
     coupler: Values
     rocker: Values
     ground: Values
-
-
-def links_of(linkage: CrankRocker) -> Links:
-    """Lengths of a crank-rocker."""
-    return Links(linkage.crank, linkage.coupler, linkage.rocker, linkage.ground)
 
 
 @formula(crank="number", coupler="number", rocker="number", ground="number")
@@ -109,7 +103,7 @@ def grashof_margin(links: Links) -> Values:
 def rocker_limits(links: Links) -> tuple[Values, Values]:
     """Smallest and largest rocker angle, where crank and coupler line up. [rad]"""
     a, b, c, d = links
-    return _angle_opposite(b - a, c, d), _angle_opposite(b + a, c, d)
+    return angle_opposite(b - a, c, d), angle_opposite(b + a, c, d)
 
 
 def swing(links: Links) -> Values:
@@ -121,7 +115,7 @@ def swing(links: Links) -> Values:
 def dead_points(links: Links) -> tuple[Values, Values]:
     """Crank angles of the smallest and of the largest rocker angle. [rad]"""
     a, b, c, d = links
-    return _angle_opposite(c, b - a, d) + np.pi, _angle_opposite(c, b + a, d)
+    return angle_opposite(c, b - a, d) + np.pi, angle_opposite(c, b + a, d)
 
 
 def stroke_excess(links: Links) -> Values:
@@ -137,7 +131,7 @@ def stroke_excess(links: Links) -> Values:
 def transmission_limits(links: Links) -> tuple[Values, Values]:
     """Smallest and largest angle between coupler and rocker, at the crank in line. [rad]"""
     a, b, c, d = links
-    return _angle_opposite(d - a, b, c), _angle_opposite(d + a, b, c)
+    return angle_opposite(d - a, b, c), angle_opposite(d + a, b, c)
 
 
 def least_transmission(links: Links) -> Values:
@@ -238,8 +232,11 @@ def _greatest_rate(links: Links, start: Values, end: Values) -> Values:
     return rocker_rates(links, fastest)[0]
 
 
-def _angle_opposite(side: Values, left: Values, right: Values) -> Values:
-    """Angle of a triangle between two sides, opposite to the third. [rad]"""
+def angle_opposite(side: Values, left: Values, right: Values) -> Values:
+    """Angle of a triangle between two sides, opposite to the third. [rad]
+
+    The half-angle form stays exact where the triangle is almost flat, and so is the cosine.
+    """
     open_part = np.maximum(side**2 - (left - right) ** 2, 0.0)
     closed_part = np.maximum((left + right) ** 2 - side**2, 0.0)
     return 2 * np.arctan2(np.sqrt(open_part), np.sqrt(closed_part))

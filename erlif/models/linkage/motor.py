@@ -14,7 +14,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.core.tables import read_table
 from erlif.models.arguments import formula
-from erlif.models.linkage.measures import dead_points, links_of, rocker_rates
+from erlif.models.linkage.measures import dead_points, rocker_rates
 from erlif.models.mechanism import CrankRocker
 
 HORSEPOWER = 745.7
@@ -122,7 +122,7 @@ def drive_power(
         raise ModelError(f"points must be 8 at least, got {points}.")
 
     # both dead points are ends of strokes, so that the friction changes its sign at a point
-    links = links_of(linkage)
+    links = linkage.links
     at_smallest, at_largest = (float(angle) for angle in dead_points(links))
     half = points // 2
     rising = np.linspace(at_smallest, at_largest + 2 * np.pi, half + 1)

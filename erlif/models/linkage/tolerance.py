@@ -6,15 +6,7 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.models.arguments import Values, require_not_negative
-from erlif.models.linkage.measures import (
-    Links,
-    grashof_margin,
-    least_transmission,
-    links_of,
-    speed_ratio,
-    stroke_excess,
-    swing,
-)
+from erlif.models.linkage import measures
 from erlif.models.mechanism import CrankRocker
 
 STEP = 1e-5
@@ -109,24 +101,27 @@ def link_sensitivity(linkage: CrankRocker) -> Sensitivity:
     -0.096 degrees/mm
     0.001 degrees/mm
     """
-    lengths = np.array(links_of(linkage))
+    lengths = np.array(linkage.links)
     # a linkage that almost folds flat stays a crank-rocker on both sides
-    step = min(STEP * linkage.crank, float(grashof_margin(links_of(linkage))) / 10)
+    step = min(STEP * linkage.crank, float(measures.grashof_margin(linkage.links)) / 10)
 
     def slope(index: int) -> list[float]:
         sides = []
         for sign in (1, -1):
             changed = lengths.copy()
             changed[index] += sign * step
-            sides.append(_measures(Links(*(float(length) for length in changed))))
+            sides.append(_measures(measures.Links(*(float(length) for length in changed))))
         return [(high - low) / (2 * step) for high, low in zip(*sides, strict=True)]
 
     return Sensitivity(*np.array([slope(index) for index in range(4)]).T)
 
 
-def _measures(links: Links) -> list[float]:
+def _measures(links: measures.Links) -> list[float]:
     """Values in the order of `Sensitivity`."""
-    excess = stroke_excess(links)
-    fastest = max(speed_ratio(links, rising=rising) for rising in (True, False))
+    excess = measures.stroke_excess(links)
+    fastest = max(measures.speed_ratio(links, rising=rising) for rising in (True, False))
     ratio = (np.pi + excess) / (np.pi - excess)
-    return [float(value) for value in (swing(links), fastest, ratio, least_transmission(links))]
+    return [
+        float(value)
+        for value in (measures.swing(links), fastest, ratio, measures.least_transmission(links))
+    ]

@@ -14,7 +14,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import OutputError
 from erlif.io.files import refuse_existing
 from erlif.models.linkage import LinkageDesign, measure_linkage
-from erlif.models.linkage.measures import links_of, swept_box
+from erlif.models.linkage.measures import swept_box
 from erlif.models.mechanism import CrankRocker
 from erlif.show.plots import style
 from erlif.show.plots.mechanism import pin_places
@@ -115,9 +115,7 @@ def linkage_positions(
             zorder=2,
             label=f"{name} rocker angle {_rocker_degrees(links):.2f}°",
         )
-    left, right, bottom, top = (
-        1e3 * side for side in swept_box(links_of(linkage), design.link_width)
-    )
+    left, right, bottom, top = (1e3 * side for side in swept_box(linkage.links, design.link_width))
     what = (
         f"space of links {1e3 * design.link_width:.4g} mm wide"
         if design.link_width
