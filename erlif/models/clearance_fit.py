@@ -8,8 +8,8 @@ stiffness of the wall that spreads the contact.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula, require_between, require_positive
 from erlif.models.running_in import thin_wall_torque_ratio
@@ -139,7 +139,18 @@ def fit_clearances(
     """
     measured = np.atleast_1d(np.asarray(friction, float))
     places = np.atleast_1d(np.asarray(clearance, float))
-    _require(clearance=places, friction=measured)
+    if places.shape != measured.shape or places.ndim != 1 or places.size < _FEWEST:
+        raise ModelError(
+            f"Expected clearance and friction of {_FEWEST} or more bushings, got "
+            f"{places.size} and {measured.size}. Measure more bushings."
+        )
+    if np.any(np.isnan(places)) or np.any(np.isnan(measured)):
+        raise ModelError("clearance and friction must not be NaN. Leave those bushings out.")
+    if np.ptp(places) == 0:
+        raise ModelError(
+            "clearance must differ between bushings: equal ones do not separate friction and "
+            "stiffness. Measure bushings of other clearances."
+        )
     torque_std = _spread("friction_std", friction_std, measured.size)
     place_std = _spread("clearance_std", clearance_std, measured.size)
     wall = {
@@ -156,17 +167,17 @@ def fit_clearances(
         require_positive(known_modulus=value, std_of_modulus=std)
         require_between(*_RANGE, known_modulus=value)
         prior = (np.log(moduli / value) / std) ** 2
-    both, torque_alone = (
-        _Profile.of(moduli, places, measured, torque_std, spread, wall)
-        for spread in (place_std, np.zeros(places.shape))
-    )
+    series = moduli, places, measured, torque_std
+    fitted, fitted_std, chi_square = _fit_friction(*series, place_std, wall)
+    _, torque_std_alone, _ = _fit_friction(*series, 0 * places, wall)
 
     # what the moduli leave open adds to the error of the friction at each of them
-    weight = np.exp(-(both.chi_square + prior - np.min(both.chi_square + prior)) / 2)
+    weight = np.exp(-(chi_square + prior - np.min(chi_square + prior)) / 2)
     weight /= weight.sum()
-    friction_found = float(np.sum(weight * both.friction))
-    std = float(np.sqrt(np.sum(weight * ((both.friction - friction_found) ** 2 + both.std**2))))
-    exact = np.sum(weight * ((both.friction - friction_found) ** 2 + torque_alone.std**2))
+    friction_found = float(np.sum(weight * fitted))
+    apart = (fitted - friction_found) ** 2
+    std = float(np.sqrt(np.sum(weight * (apart + fitted_std**2))))
+    exact = np.sum(weight * (apart + torque_std_alone**2))
     scatter = min(float(np.sqrt(exact)), std)
 
     # load and radius are shared by all bushings, so that more of them do not help
@@ -183,47 +194,40 @@ def fit_clearances(
         modulus=float(moduli[middle]),
         modulus_low=float(moduli[low]) if weight[0] < _OPEN * weight.max() else 0.0,
         modulus_high=float(moduli[high]) if weight[-1] < _OPEN * weight.max() else float("inf"),
-        chi_square=float(both.chi_square.min()),
+        chi_square=float(chi_square.min()),
         degrees_of_freedom=measured.size - 2,
         budget=budget,
     )
 
 
-@dataclass(frozen=True)
-class _Profile:
-    """Friction that fits best at each modulus, its error there, and what remains."""
+def _fit_friction(
+    moduli: Array,
+    places: Array,
+    measured: Array,
+    torque_std: Array,
+    place_std: Array,
+    wall: dict[str, float],
+) -> tuple[Array, Array, Array]:
+    """Friction that fits best at each modulus, its error there, and the chi square that remains.
 
-    friction: NDArray[np.float64]
-    std: NDArray[np.float64]
-    chi_square: NDArray[np.float64]
+    Weighted lines through the origin: measured torque over that of the model.
+    """
+    near = _SLOPE * float(np.ptp(places))
+    trials = moduli[:, None]
+    shape = thin_wall_torque_ratio(clearance=places, modulus=trials, **wall)
+    beside = thin_wall_torque_ratio(clearance=places + near, modulus=trials, **wall)
+    slope = (beside - shape) / near
 
-    @classmethod
-    def of(
-        cls,
-        moduli: NDArray[np.float64],
-        places: NDArray[np.float64],
-        measured: NDArray[np.float64],
-        torque_std: NDArray[np.float64],
-        place_std: NDArray[np.float64],
-        wall: dict[str, float],
-    ) -> "_Profile":
-        """Weighted lines through the origin: measured torque over that of the model."""
-        near = _SLOPE * float(np.ptp(places))
-        trials = moduli[:, None]
-        shape = thin_wall_torque_ratio(clearance=places, modulus=trials, **wall)
-        beside = thin_wall_torque_ratio(clearance=places + near, modulus=trials, **wall)
-        slope = (beside - shape) / near
-
-        friction = np.full(moduli.shape, float(np.median(measured)))
-        for _ in range(_ROUNDS):
-            variance = torque_std**2 + (friction[:, None] * slope * place_std) ** 2
-            weight = np.sum(shape**2 / variance, axis=1)
-            friction = np.sum(shape * measured / variance, axis=1) / weight
-        left = np.sum((measured - friction[:, None] * shape) ** 2 / variance, axis=1)
-        return cls(friction, weight**-0.5, left)
+    friction = np.full(moduli.shape, float(np.median(measured)))
+    for _ in range(_ROUNDS):
+        variance = torque_std**2 + (friction[:, None] * slope * place_std) ** 2
+        weight = np.sum(shape**2 / variance, axis=1)
+        friction = np.sum(shape * measured / variance, axis=1) / weight
+    left = np.sum((measured - friction[:, None] * shape) ** 2 / variance, axis=1)
+    return friction, weight**-0.5, left
 
 
-def _spread(name: str, std: Values, bushings: int) -> NDArray[np.float64]:
+def _spread(name: str, std: Values, bushings: int) -> Array:
     """A standard deviation for each bushing."""
     given = np.asarray(std, float)
     if given.shape not in ((), (bushings,)) or np.any(np.isnan(given)):
@@ -232,18 +236,3 @@ def _spread(name: str, std: Values, bushings: int) -> NDArray[np.float64]:
             f"{given.shape} for {bushings} bushings."
         )
     return np.broadcast_to(given, (bushings,))
-
-
-def _require(*, clearance: NDArray[np.float64], friction: NDArray[np.float64]) -> None:
-    if clearance.shape != friction.shape or clearance.ndim != 1 or clearance.size < _FEWEST:
-        raise ModelError(
-            f"Expected clearance and friction of {_FEWEST} or more bushings, got "
-            f"{clearance.size} and {friction.size}. Measure more bushings."
-        )
-    if np.any(np.isnan(clearance)) or np.any(np.isnan(friction)):
-        raise ModelError("clearance and friction must not be NaN. Leave those bushings out.")
-    if np.ptp(clearance) == 0:
-        raise ModelError(
-            "clearance must differ between bushings: equal ones do not separate friction and "
-            "stiffness. Measure bushings of other clearances."
-        )

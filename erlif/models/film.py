@@ -157,8 +157,7 @@ def isoviscous_elastic_film(
     >>> round(film * 1e6, 2)
     7.05
     """
-    stiffness = 2 * contact_modulus * radius
-    U, W = _groups(entrainment_speed, load_per_length, viscosity, stiffness)
+    U, W = _groups(entrainment_speed, load_per_length, viscosity, contact_modulus * radius)
     return 3.10 * radius * U**0.6 * W**-0.2
 
 
@@ -203,8 +202,7 @@ def dowson_higginson_film(
     >>> round(film * 1e6, 4)
     0.6272
     """
-    stiffness = 2 * contact_modulus * radius
-    U, W = _groups(entrainment_speed, load_per_length, viscosity, stiffness)
+    U, W = _groups(entrainment_speed, load_per_length, viscosity, contact_modulus * radius)
     G = pressure_viscosity * 2 * contact_modulus
     return 2.65 * radius * G**0.54 * U**0.7 * W**-0.13
 
@@ -371,8 +369,7 @@ def line_contact_film(
     governing = _number_of_largest(film, asymptotes)
 
     # at a standstill both parameters are infinite
-    stiffness = 2 * contact_modulus * radius
-    U, W = _groups(entrainment_speed, load_per_length, viscosity, stiffness)
+    U, W = _groups(entrainment_speed, load_per_length, viscosity, contact_modulus * radius)
     with np.errstate(divide="ignore"):
         gE = W / np.sqrt(U)
     gV = pressure_viscosity * 2 * contact_modulus * gE * np.sqrt(W)
@@ -386,8 +383,9 @@ def line_contact_film(
         "inlet.",
         *_regime_notes(governing, film, asymptotes),
         *_motion_notes(entrainment_speed, half_width, stroke),
-        *_pressure_notes(pressure),
     )
+    if np.any(np.greater(pressure, BARUS_LIMIT)):
+        notes += ("The Hertz pressure exceeds 0.5 GPa, above which the law of Barus is too stiff.",)
     return LineContactFilm(film, _named(governing), *asymptotes, gV=gV, gE=gE, notes=notes)
 
 
@@ -584,8 +582,8 @@ def lubrication_regimes(film_parameter: Values) -> Values:
 def _groups(
     speed: Values, load_per_length: Values, viscosity: Values, stiffness: Values
 ) -> tuple[Values, Values]:
-    """U = eta u / (E' R) and W = q / (E' R) with the stiffness E' R = 2 E* R."""
-    return viscosity * np.abs(speed) / stiffness, load_per_length / stiffness
+    """U = eta u / (E' R) and W = q / (E' R) with half of the stiffness E' R = 2 E* R."""
+    return viscosity * np.abs(speed) / (2 * stiffness), load_per_length / (2 * stiffness)
 
 
 def _number_of_largest(film: Values, asymptotes: tuple[Values, ...]) -> Values:
@@ -653,9 +651,3 @@ def _motion_notes(entrainment_speed: Values, half_width: Values, stroke: float |
             f"{widest * 1e3:.3g} mm: oil entrained at the inlet never crosses the contact."
         )
     return notes
-
-
-def _pressure_notes(pressure: Values) -> list[str]:
-    if np.any(np.greater(pressure, BARUS_LIMIT)):
-        return ["The Hertz pressure exceeds 0.5 GPa, above which the law of Barus is too stiff."]
-    return []

@@ -7,16 +7,23 @@ the logarithm of the viscosity.
 import csv
 from dataclasses import dataclass
 from importlib.resources import files
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula, warn_of_units
-from erlif.models.oil import LOWEST_WALTHER_VISCOSITY, WALTHER_SHIFT, VogelConstants
+from erlif.models.oil import VogelConstants
+
+_WALTHER_SHIFT = 0.7
+"""Constant in Walther's law, of ASTM D341 for oils above 2 mm2/s. [mm2/s]"""
+
+_LOWEST_WALTHER_VISCOSITY = 2e-6
+"""Kinematic viscosity above which the constant of Walther's law is 0.7. [m2/s]"""
 
 _CONSTANTS = {"vogel": ("a", "b", "c"), "walther": ("A", "B")}
+_QUANTITY = {"vogel": "viscosity", "walther": "kinematic_viscosity"}
 
 _BRACKET = 400
 """Trial values of Vogel's c."""
@@ -95,6 +102,7 @@ class ViscosityFit:
     scatter: float
     degrees_of_freedom: float = np.inf
 
+    @formula()
     def viscosity(self, temperature: Values) -> FittedViscosity:
         """Viscosity with its standard deviation at a temperature.
 
@@ -125,7 +133,28 @@ class ViscosityFit:
         >>> print(f"{found.value:.4f} ± {found.std:.4f} Pa s")
         0.0715 ± 0.0005 Pa s
         """
-        return _viscosity(temperature, fit=self)
+        # to first order in the logarithm
+        if self.law == "vogel":
+            a, b, c = self.constants.values()
+            above = temperature - c
+            if np.any(np.less_equal(above, 0)):
+                raise ModelError(
+                    f"temperature must be above the Vogel constant c of {c:.4g} K, got "
+                    f"{np.nanmin(np.asarray(temperature)):g} K."
+                )
+            value = a * np.exp(b / above)
+            slopes = [1.0 + 0 * above, 1 / above, b / above**2]
+        else:
+            A, B = self.constants.values()
+            logarithm = np.log10(temperature)
+            w = A - B * logarithm
+            value = _walther(w)
+            slopes = [_walther_slope(w), -logarithm * _walther_slope(w)]
+        variance = 0.0
+        for i, one in enumerate(slopes):
+            for j, other in enumerate(slopes):
+                variance = variance + self.covariance[i, j] * one * other
+        return FittedViscosity(value, value * np.sqrt(np.maximum(variance, 0.0)))
 
     def interval(self, temperature: Values, *, probability: float = 0.95) -> ViscosityInterval:
         """Interval that holds the viscosity at a temperature with a probability.
@@ -248,12 +277,9 @@ def fit_viscosity(
                 f"shape {given.shape} for {T.size} viscosities."
             )
         spread = np.broadcast_to(given, T.shape)
-    if law == "vogel":
-        warn_of_units("viscosity", viscosities=viscosities)
-        values, slopes, residuals = _fit_vogel(T, viscosity, spread)
-    else:
-        warn_of_units("kinematic_viscosity", viscosities=viscosities)
-        values, slopes, residuals = _fit_walther(T, viscosity, spread)
+    warn_of_units(_QUANTITY[law], viscosities=viscosities)
+    fit = _fit_vogel if law == "vogel" else _fit_walther
+    values, slopes, residuals = fit(T, viscosity, spread)
 
     freedom = T.size - values.size
     scatter = np.sqrt(np.sum((residuals * spread) ** 2) / freedom) if freedom else np.nan
@@ -268,8 +294,8 @@ def fit_viscosity(
     names = _CONSTANTS[law]
     return ViscosityFit(
         law,
-        {name: float(value) for name, value in zip(names, values, strict=True)},
-        {name: float(value) for name, value in zip(names, std, strict=True)},
+        dict(zip(names, values.tolist(), strict=True)),
+        dict(zip(names, std.tolist(), strict=True)),
         covariance,
         float(scatter),
         np.inf if relative_std is not None else float(freedom),
@@ -306,13 +332,7 @@ def sae_oil(grade: int) -> VogelConstants:
     >>> print(f"{vogel_viscosity(373.15, **sae_oil(30)._asdict()) * 1e3:.1f} mPa s")
     8.2 mPa s
     """
-    table = {int(row["grade"]): row for row in _read_table("oils_sae.csv")}
-    if grade not in table:
-        raise ModelError(
-            f"Expected an SAE grade of {', '.join(map(str, table))}, got {grade!r}. Choose one of "
-            "them, or fit measured points with fit_viscosity."
-        )
-    row = table[grade]
+    row = _row_of("oils_sae.csv", "SAE", grade)
     return VogelConstants(float(row["a"]), float(row["b"]), float(row["c"]))
 
 
@@ -340,13 +360,8 @@ def iso_vg_viscosity(grade: int) -> tuple[float, float]:
     >>> print(f"{lowest * 1e6:.0f} to {highest * 1e6:.0f} mm2/s")
     135 to 165 mm2/s
     """
-    table = {int(row["grade"]): float(row["midpoint"]) for row in _read_table("oils_iso_vg.csv")}
-    if grade not in table:
-        raise ModelError(
-            f"Expected an ISO VG grade of {', '.join(map(str, table))}, got {grade!r}. Choose one "
-            "of them."
-        )
-    return 0.9 * table[grade], 1.1 * table[grade]
+    midpoint = float(_row_of("oils_iso_vg.csv", "ISO VG", grade)["midpoint"])
+    return 0.9 * midpoint, 1.1 * midpoint
 
 
 def _fit_vogel(T: Values, viscosity: Values, spread: Values) -> tuple[Values, Values, Values]:
@@ -401,11 +416,11 @@ def _fit_walther(T: Values, viscosity: Values, spread: Values) -> tuple[Values, 
     """A and B, the derivatives of the weighted residuals, and these."""
     from scipy.optimize import least_squares  # at use, as all solvers of the theories
 
-    if np.any(viscosity < LOWEST_WALTHER_VISCOSITY):
+    if np.any(viscosity < _LOWEST_WALTHER_VISCOSITY):
         raise ModelError(f"viscosities must be at least 2e-6 m2/s, got {viscosity.min():g}.")
     y, x = np.log(viscosity), np.log10(T / _CENTRE)
     constant, slope, _ = _line(
-        -x, np.log10(np.log10(viscosity * 1e6 + WALTHER_SHIFT)), np.ones(T.shape)
+        -x, np.log10(np.log10(viscosity * 1e6 + _WALTHER_SHIFT)), np.ones(T.shape)
     )
 
     def residuals(line: Values) -> Values:
@@ -433,42 +448,22 @@ def _fit_walther(T: Values, viscosity: Values, spread: Values) -> tuple[Values, 
 
 def _walther(w: Values) -> Values:
     """Kinematic viscosity from log10 log10(nu + 0.7). [m2/s]"""
-    return (10 ** (10**w) - WALTHER_SHIFT) * 1e-6
+    return (10 ** (10**w) - _WALTHER_SHIFT) * 1e-6
 
 
 def _walther_slope(w: Values) -> Values:
     """Derivative of ln nu by w."""
     shifted = 10 ** (10**w)
-    return np.log(10) ** 2 * 10**w * shifted / (shifted - WALTHER_SHIFT)
+    return np.log(10) ** 2 * 10**w * shifted / (shifted - _WALTHER_SHIFT)
 
 
-@formula()
-def _viscosity(temperature: Values, *, fit: Any) -> FittedViscosity:
-    """A fitted law at a temperature, and its standard deviation to first order in the logarithm."""
-    """A fitted law at a temperature, and its standard deviation to first order in the logarithm."""
-    if fit.law == "vogel":
-        a, b, c = fit.constants.values()
-        above = temperature - c
-        if np.any(np.less_equal(above, 0)):
-            raise ModelError(
-                f"temperature must be above the Vogel constant c of {c:.4g} K, got "
-                f"{np.nanmin(np.asarray(temperature)):g} K."
-            )
-        value = a * np.exp(b / above)
-        slopes = [1.0 + 0 * above, 1 / above, b / above**2]
-    else:
-        A, B = fit.constants.values()
-        logarithm = np.log10(temperature)
-        w = A - B * logarithm
-        value = _walther(w)
-        slopes = [_walther_slope(w), -logarithm * _walther_slope(w)]
-    variance = 0.0
-    for i, one in enumerate(slopes):
-        for j, other in enumerate(slopes):
-            variance = variance + fit.covariance[i, j] * one * other
-    return FittedViscosity(value, value * np.sqrt(np.maximum(variance, 0.0)))
-
-
-def _read_table(name: str) -> list[dict[str, str]]:
+def _row_of(name: str, system: str, grade: int) -> dict[str, str]:
+    """Row of a grade in a table of oils."""
     text = files("erlif.models").joinpath(name).read_text(encoding="utf-8")
-    return list(csv.DictReader(text.splitlines()))
+    table = {int(row["grade"]): row for row in csv.DictReader(text.splitlines())}
+    if grade not in table:
+        raise ModelError(
+            f"Expected one of the grades {', '.join(map(str, table))} of {system}, got {grade!r}. "
+            "Choose one of them, or fit measured points with fit_viscosity."
+        )
+    return table[grade]

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
+from typing import Any
 
 import numpy as np
 import scipy
@@ -27,6 +28,7 @@ from erlif.models import (
     wear,
 )
 from erlif.models.arguments import Values
+from erlif.models.linkage.motor import HORSEPOWER
 from erlif.models.mechanism import CrankRocker, SliderCrank, crank_for_swing
 
 LBF = 4.4482216152605
@@ -37,9 +39,6 @@ INCH = 0.0254
 
 RPM = 2 * np.pi / 60
 """Turn per minute. [rad/s]"""
-
-HORSEPOWER = 745.7
-"""[W]"""
 
 _SOURCES = read_table("erlif.models", "sources.toml")
 
@@ -133,15 +132,11 @@ def published_numbers() -> tuple[PublishedNumber, ...]:
     """
     return tuple(
         PublishedNumber(
-            source=row["source"],
-            place=row["place"],
-            quantity=row["quantity"],
-            printed=row["printed"],
-            unit=row["unit"],
-            within=float(row["within"] or _half_last_digit(row["printed"])),
-            model=row["model"],
-            computed=float(MODELS[row["model"]]()),
-            note=row["note"],
+            **row
+            | {
+                "within": float(row["within"] or _half_last_digit(row["printed"])),
+                "computed": float(MODELS[row["model"]]()),
+            }
         )
         for row in _table("sources_numbers.csv")
     )
@@ -208,7 +203,7 @@ def _line(*cells: str) -> str:
     return "| " + " | ".join(cells) + " |"
 
 
-def _table(name: str) -> list[dict[str, str]]:
+def _table(name: str) -> list[dict[str, Any]]:
     return list(
         csv.DictReader((files("erlif.models") / name).read_text(encoding="utf-8").splitlines())
     )

@@ -10,11 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula
 from erlif.models.mechanism import SliderCrank
-from erlif.models.reaction import JointReaction, SliderCrankBodies, joint_reaction
+from erlif.models.reaction import SliderCrankBodies, joint_reaction
 
 
 @formula(load="load or zero")
@@ -539,7 +538,9 @@ def coupled_wear(
             break
 
         # the forces of this cycle stand for the whole step, so the step must not change the joint
-        path = _mean_load_path(worn, reaction, crank_angle, crank_speed)
+        # the mean over equal steps of a periodic function is its integral to the last digit
+        turning = np.abs(worn.joint_speed(crank_angle, crank_speed=crank_speed)) / crank_speed
+        path = float(np.mean(reaction.normal * turning))
         per_cycle = specific_wear * bushing_radius * path * 2 * np.pi
         step = min(extrapolation, cycles - at[-1])
         if step * per_cycle / (2 * bushing_radius * bushing_width) > LARGEST_STEP * bushing_radius:
@@ -552,14 +553,3 @@ def coupled_wear(
 
     depth = np.array(volume) / (2 * bushing_radius * bushing_width)
     return CoupledWear(np.array(at), np.array(volume), depth, np.array(force))
-
-
-def _mean_load_path(
-    linkage: SliderCrank, reaction: JointReaction, crank_angle: Array, crank_speed: float
-) -> float:
-    """Mean over a cycle of the normal force times the joint's turning per turn of the crank. [N]
-
-    The mean over equal steps of a periodic function is its integral to the last digit.
-    """
-    turning = np.abs(linkage.joint_speed(crank_angle, crank_speed=crank_speed)) / crank_speed
-    return float(np.mean(reaction.normal * turning))

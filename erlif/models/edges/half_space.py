@@ -89,7 +89,8 @@ def solve_contact(
     616 MPa
     """
     heights, steps = _check_grid(gap, spacing)
-    _check_load(load, approach)
+    if (load is None) == (approach is None):
+        raise ModelError("A contact needs either a load or an approach, not both and not neither.")
     plane = heights.ndim == 1
     if plane and (mirror or free_tilt):
         raise ModelError(
@@ -105,7 +106,13 @@ def solve_contact(
     modes = np.ones((1, *heights.shape))
     if free_tilt:
         modes = np.array([modes[0], *np.meshgrid(*middles, indexing="ij")])
-        _check_position(load_position, heights.shape, steps)
+        require_finite(load_position=load_position)
+        half = np.array(heights.shape) * steps / 2
+        if np.any(np.abs(load_position) >= half):
+            raise ModelError(
+                f"The load at {tuple(load_position)} m lies outside the grid, which ends at x = "
+                f"±{half[0]:g} and z = ±{half[1]:g} m; no contact carries it."
+            )
     targets = None if load is None else load * np.array([1.0, *load_position])[: len(modes)]
     motion = None if approach is None else np.array([approach, 0.0, 0.0])[: len(modes)]
     cell = float(np.prod(steps))
@@ -159,25 +166,6 @@ def _check_grid(gap: Values, spacing: Values) -> tuple[Array, tuple[float, ...]]
         )
     steps = np.broadcast_to(np.asarray(spacing, float), heights.ndim)
     return heights, tuple(float(step) for step in steps)
-
-
-def _check_load(load: float | None, approach: float | None) -> None:
-    """One of the two is given, and positive."""
-    if (load is None) == (approach is None):
-        raise ModelError("A contact needs either a load or an approach, not both and not neither.")
-
-
-def _check_position(
-    position: tuple[float, float], shape: tuple[int, ...], steps: tuple[float, ...]
-) -> None:
-    """A load lies between the ends of the bodies."""
-    require_finite(load_position=position)
-    half = np.array(shape) * steps / 2
-    if np.any(np.abs(position) >= half):
-        raise ModelError(
-            f"The load at {tuple(position)} m lies outside the grid, which ends at x = ±{half[0]:g}"
-            f" and z = ±{half[1]:g} m; no contact carries it."
-        )
 
 
 def _deflection(

@@ -96,29 +96,20 @@ def stress_of_cells(
     def v_xx(x: Array, z: Array) -> Array:
         return -x * z / (root(x, z) * (x * x + y * y))
 
-    def v_zz(x: Array, z: Array) -> Array:
-        return v_xx(z, x)
-
     def chi_xx(x: Array, z: Array) -> Array:
         return np.arctan(z / x) - np.arctan(y * z / (x * root(x, z)))
-
-    def chi_zz(x: Array, z: Array) -> Array:
-        return chi_xx(z, x)
 
     def v_xy(x: Array, z: Array) -> Array:
         return -y * z / (root(x, z) * (x * x + y * y))
 
-    def v_zy(x: Array, z: Array) -> Array:
-        return v_xy(z, x)
-
     free = 1 - 2 * poisson
     corners: dict[str, Callable[[Array, Array], Array]] = {
         "xx": lambda x, z: 2 * poisson * v_y(x, z) - y * v_xx(x, z) - free * chi_xx(x, z),
-        "zz": lambda x, z: 2 * poisson * v_y(x, z) - y * v_zz(x, z) - free * chi_zz(x, z),
-        "yy": lambda x, z: v_y(x, z) + y * (v_xx(x, z) + v_zz(x, z)),  # V is harmonic
+        "zz": lambda x, z: 2 * poisson * v_y(x, z) - y * v_xx(z, x) - free * chi_xx(z, x),
+        "yy": lambda x, z: v_y(x, z) + y * (v_xx(x, z) + v_xx(z, x)),  # V is harmonic
         "xz": lambda x, z: -y / root(x, z) - free * np.log(y + root(x, z)),
         "xy": lambda x, z: -y * v_xy(x, z),
-        "zy": lambda x, z: -y * v_zy(x, z),
+        "zy": lambda x, z: -y * v_xy(z, x),
     }
     return {
         name: corner_differences(corner, shape, spacing) / (2 * np.pi)

@@ -121,11 +121,16 @@ def dead_points(links: Links) -> tuple[Values, Values]:
 def stroke_excess(links: Links) -> Values:
     """Crank angle of the rising stroke less half a turn. [rad]
 
-    Negative where that stroke is the quicker one. The time ratio, rising over falling, is
-    (pi + excess) / (pi - excess).
+    Negative where that stroke is the quicker one.
     """
     at_smallest, at_largest = dead_points(links)
     return at_largest - at_smallest + np.pi
+
+
+def time_ratio(links: Links) -> Values:
+    """Duration of the rising stroke over that of the falling one. [1]"""
+    excess = stroke_excess(links)
+    return (np.pi + excess) / (np.pi - excess)
 
 
 def transmission_limits(links: Links) -> tuple[Values, Values]:

@@ -21,10 +21,8 @@ HORSEPOWER = 745.7
 """Watts of a horsepower of 550 ft lbf/s."""
 
 RATINGS = {
-    "hp": [
-        HORSEPOWER * rating for rating in read_table("erlif.models.linkage", "motors.toml")["hp"]
-    ],
-    "kW": [1e3 * rating for rating in read_table("erlif.models.linkage", "motors.toml")["kW"]],
+    series: [{"hp": HORSEPOWER, "kW": 1e3}[series] * rating for rating in ratings]
+    for series, ratings in read_table("erlif.models.linkage", "motors.toml").items()
 }
 """Standard ratings of motors: NEMA MG 1 in horsepower, IEC 60072-1 in kilowatts. [W]"""
 

@@ -20,7 +20,7 @@ from erlif.models.arguments import Values, formula
 from erlif.models.linkage import measures
 from erlif.models.linkage.design import LinkageDesign, measure_linkage
 from erlif.models.linkage.domain import EDGE, Domain, find_domain
-from erlif.models.linkage.measures import Links, least_transmission, space, stroke_excess
+from erlif.models.linkage.measures import Links, least_transmission, space
 from erlif.models.mechanism import CrankRocker
 
 LINE, SQUARE = 257, 49
@@ -241,14 +241,10 @@ def _branches(targets: dict[str, float]) -> Iterator[list[_Target]]:
         choices.append([_Target("speed_ratio", of, targets["speed_ratio"]) for of in strokes])
     if "time_ratio" in targets:
         ratios = {targets["time_ratio"], 1 / targets["time_ratio"]}
-        choices.append([_Target("time_ratio", _time_ratio, ratio) for ratio in sorted(ratios)])
+        choices.append(
+            [_Target("time_ratio", measures.time_ratio, ratio) for ratio in sorted(ratios)]
+        )
     return (list(branch) for branch in product(*choices))
-
-
-def _time_ratio(links: Links) -> Values:
-    """Duration of the rising stroke over that of the falling one."""
-    excess = stroke_excess(links)
-    return (np.pi + excess) / (np.pi - excess)
 
 
 def _solve(domain: Domain, branch: list[_Target], limits: _Limits) -> list[Array]:
@@ -410,14 +406,14 @@ def _starts(
     if len(domain.unknown) == 1:
         axis = _axis(LINE)
         sums = (deviations(axis[None]) ** 2).sum(axis=0)
-        inner = np.flatnonzero(_is_minimum(sums))
+        inner = np.flatnonzero(sums == scipy.ndimage.minimum_filter(sums, size=3, mode="nearest"))
         return [], [np.array([axis[np.clip(k, 1, LINE - 2)]]) for k in inner]
 
     axis = _axis(SQUARE)
     square = np.stack(np.meshgrid(axis, axis, indexing="ij"))
     values = np.stack([target.deviation(domain.links(square)) for target in branch])
     sums = (values**2).sum(axis=0)
-    lowest = _is_minimum(sums)
+    lowest = sums == scipy.ndimage.minimum_filter(sums, size=3, mode="nearest")
     order = np.argwhere(lowest)[np.argsort(sums[lowest])][:STARTS]
     minima = [axis[np.clip(place, 1, SQUARE - 2)] for place in order]
 
@@ -445,12 +441,6 @@ def _neighbours(points: list[_Point], following: list[_Point]) -> list[tuple[_Po
     return list(product(points, following))
 
 
-def _is_minimum(values: Array) -> Any:
-    """Whether each place is lowest among its neighbours."""
-    lowest: Array = scipy.ndimage.minimum_filter(values, size=3, mode="nearest")
-    return lowest == values
-
-
 def _linkage_at(domain: Domain, place: Array) -> CrankRocker | None:
     """The linkage at a place of the search; None where rounding makes it fold flat."""
     try:
@@ -476,12 +466,6 @@ def _departures(
         got = getattr(design, name)
         if abs(got / wanted - 1) > ATTAINED:
             found.append(f"{name.replace('_', ' ')} {_text(name, got)}, not {_text(name, wanted)}")
-    return (*found, *_broken_limits(design, limits))
-
-
-def _broken_limits(design: LinkageDesign, limits: _Limits) -> tuple[str, ...]:
-    """Limits that a design breaks."""
-    found = []
     angle = design.least_transmission
     if angle < limits.transmission - ATTAINED:
         least = np.degrees(limits.transmission)
@@ -519,15 +503,11 @@ def _conclude(designs: list[LinkageDesign], targets: dict[str, float], domain: D
         reason = "; ".join(nearest.departures)
         return Synthesis((), nearest, f"No crank-rocker meets the targets; nearest: {reason}.")
     kept = sum(not design.departures for design in met)
-    statement = _count(len(met)) + " the targets"
+    statement = "1 crank-rocker meets" if len(met) == 1 else f"{len(met)} crank-rockers meet"
+    statement += " the targets"
     if kept < len(met):
         statement += f", {kept or 'none'} within the limits"
     if len(domain.unknown) > len(targets):
         chosen = "with the best transmission angle" if kept else "nearest to the limits"
         statement += f"; of a family, the one {chosen}"
     return Synthesis(tuple(sorted(met, key=order)), None, statement + ".")
-
-
-def _count(number: int) -> str:
-    """Number of crank-rockers and the verb that follows."""
-    return "1 crank-rocker meets" if number == 1 else f"{number} crank-rockers meet"

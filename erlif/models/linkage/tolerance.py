@@ -118,10 +118,6 @@ def link_sensitivity(linkage: CrankRocker) -> Sensitivity:
 
 def _measures(links: measures.Links) -> list[float]:
     """Values in the order of `Sensitivity`."""
-    excess = measures.stroke_excess(links)
     fastest = max(measures.speed_ratio(links, rising=rising) for rising in (True, False))
-    ratio = (np.pi + excess) / (np.pi - excess)
-    return [
-        float(value)
-        for value in (measures.swing(links), fastest, ratio, measures.least_transmission(links))
-    ]
+    others = (measures.time_ratio(links), measures.least_transmission(links))
+    return [float(value) for value in (measures.swing(links), fastest, *others)]

@@ -282,12 +282,8 @@ def _conduct(joint, work, single):  # type: ignore[no-untyped-def]
     way_along = joint.dz / joint.dx
     gap_cells, gap_faces, film = joint.gap_cells, joint.gap_faces, work.film
     viscosity, roughness, ways_across = joint.viscosity, joint.roughness, joint.ways_across
-    cosine, sine, face_cosine, face_sine = (
-        work.cells[0],
-        work.cells[1],
-        work.faces[0],
-        work.faces[1],
-    )
+    cosine, sine = work.cells[0], work.cells[1]
+    face_cosine, face_sine = work.faces[0], work.faces[1]
     taken_before, taken_face_before = work.taken[0], work.taken[1]
     along, along_slope = work.along, work.along_slope
     across, across_slope = work.across, work.across_slope
@@ -375,12 +371,8 @@ def _switch(work, floor):  # type: ignore[no-untyped-def]
 def _unbalanced(joint, drive, film, work, storage, k):  # type: ignore[no-untyped-def]
     """Largest error of the balance of a full cell or of the forces, relative."""
     n, nz = work.film.shape
-    alpha, area, force, missing = (
-        joint.pressure_viscosity,
-        joint.dx * joint.dz,
-        work.force,
-        work.missing,
-    )
+    alpha, area = joint.pressure_viscosity, joint.dx * joint.dz
+    force, missing = work.force, work.missing
     worst = 0.0
     pressure, pulls, full, inflow = work.pressure, work.pulls, work.full, work.inflow
     supplied, gap, content, images = work.supplied, work.film, film.content, joint.images
@@ -473,13 +465,8 @@ def _derive(film, work, storage, cut, single):  # type: ignore[no-untyped-def]
     # a displacement changes the film and with it all conductances of a cell
     along_slope, steps_along = work.along_slope, work.steps_along
     across_slope, steps_across = work.across_slope, work.steps_across
-    gap, content, inflow, full, supplied = (
-        work.film,
-        film.content,
-        work.inflow,
-        work.full,
-        work.supplied,
-    )
+    gap, content, inflow = work.film, film.content, work.inflow
+    full, supplied = work.full, work.supplied
     for c in range(n):
         i = c + cut if c + cut < n else c + cut - n
         behind = i + 1 if i < n - 1 else 0

@@ -183,7 +183,7 @@ def follow_full_film(
     >>> print(f"{sunk / joint.clearance:.6f} {ratio / np.hypot(1, ratio):.6f}")
     0.825510 0.825510
     """
-    from scipy.interpolate import CubicSpline
+    from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
     from erlif.models.reynolds import compiled_orbit  # only here, because numba loads slowly
 
@@ -207,24 +207,15 @@ def follow_full_film(
     turned[::2], turned[1::2] = half[steps], middle
     cosines, sines = np.cos(turned), np.sin(turned)
     loads = motion.load * np.array([np.cos(motion.load_direction), np.sin(motion.load_direction)])
-    between = (
-        np.interp(0.5 * (time[1:] + time[:-1]), motion.time, loads[0]),
-        np.interp(0.5 * (time[1:] + time[:-1]), motion.time, loads[1]),
-    )
+    between = [np.interp(0.5 * (time[1:] + time[:-1]), motion.time, one) for one in loads]
     forces = np.empty((2 * time.size - 1, 2))
     forces[::2], forces[1::2] = loads[:, steps].T, np.stack(between, axis=1)
 
     # into the frame that turns with half the bushing
-    state = np.stack(
-        [
-            cosines[0] * place[:, 0] + sines[0] * place[:, 1],
-            cosines[0] * place[:, 1] - sines[0] * place[:, 0],
-        ],
-        axis=1,
-    )
     orbit = np.empty((len(place), time.size, 2))
     slope = np.empty_like(orbit)
-    orbit[:, 0] = state
+    orbit[:, 0, 0] = cosines[0] * place[:, 0] + sines[0] * place[:, 1]
+    orbit[:, 0, 1] = cosines[0] * place[:, 1] - sines[0] * place[:, 0]
     turns = np.stack([cosines, sines], axis=1)
     cases = np.stack([flow, spring, unloaded], axis=1)
     table = np.ascontiguousarray(film.table.c)
@@ -232,9 +223,10 @@ def follow_full_film(
     compiled_orbit.march(time, turns, forces, cases, table, width, THINNEST, orbit, slope)
 
     # back to the laboratory at every step of the motion
-    everywhere = _hermite(time, orbit, slope, motion.time) if stride > 1 else orbit
+    if stride > 1:
+        orbit = CubicHermiteSpline(time, orbit, slope, axis=1)(motion.time)
     cosine, sine = np.cos(half), np.sin(half)
-    x, y = everywhere[..., 0], everywhere[..., 1]
+    x, y = orbit[..., 0], orbit[..., 1]
     return np.asarray(np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1) * clearance)
 
 
@@ -257,19 +249,6 @@ def _stride(motion: Motion) -> int:
             break
         stride //= 2
     return stride
-
-
-def _hermite(time: Array, value: Array, slope: Array, wanted: Array) -> Array:
-    """The cubic of values and slopes at other times, (case, time, axis)."""
-    k = np.clip(np.searchsorted(time, wanted, side="right") - 1, 0, time.size - 2)
-    length = (time[k + 1] - time[k])[:, None]
-    s = (wanted[:, None] - time[k][:, None]) / length
-    return np.asarray(
-        (1 + 2 * s) * (1 - s) ** 2 * value[:, k]
-        + s * (1 - s) ** 2 * length * slope[:, k]
-        + s**2 * (3 - 2 * s) * value[:, k + 1]
-        + s**2 * (s - 1) * length * slope[:, k + 1]
-    )
 
 
 @cache
