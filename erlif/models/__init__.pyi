@@ -19,7 +19,6 @@ from . import (
     slider_wear,
     sources,
     wear,
-    winkler_arc,
 )
 from .edges import (
     Joint,
@@ -91,5 +90,4 @@ __all__ = [
     "steady_journal",
     "subsurface_stress",
     "wear",
-    "winkler_arc",
 ]

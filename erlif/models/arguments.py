@@ -310,7 +310,8 @@ def formula(
     as integer or text; scalars of numpy become floats after it, inside tuples and dataclasses too.
     Arrays and DataArrays stay as they are, so the equation itself broadcasts. An argument annotated
     as float or integer is refused as an array and as NaN. The docstring gets the common arguments
-    that it leaves out, and a section Raises from the kinds where it has none.
+    that it leaves out, and a section Raises from the kinds where it has none; in the place of the
+    section Returns of one number it has a line `Returns: text`.
 
     Parameters
     ----------
@@ -368,12 +369,22 @@ def formula(
     return decorate
 
 
+_TYPES = {"Any": "float or array", "Values": "float or array"}
+
+
 def _with_arguments(text: str, annotations: dict[str, str]) -> str:
-    """Docstring with the arguments that it leaves out, as arguments.toml has them."""
+    """Docstring with the arguments that it leaves out, as arguments.toml has them.
+
+    A line `Returns: text` becomes the section of a number or an array of them.
+    """
+    result = re.search(r"^Returns: (.*(\n +.*)*)", text, re.MULTILINE)
+    if result:
+        section = f"Returns\n-------\nfloat or array\n    {result[1]}"
+        text = text[: result.start()] + section + text[result.end() :]
     described = re.search(r"Parameters\n-+\n(.*?)\n\n(?=\w+\n-)", text, re.DOTALL)
     known = described[1] if described else ""
     missing = [
-        f"{name} : {annotation if annotation.startswith('float') else 'float or array'}\n"
+        f"{name} : {_TYPES.get(annotation, annotation.rpartition('.')[2])}\n"
         f"    {_TABLE['texts'][name]}"
         for name, annotation in annotations.items()
         if name in _TABLE["texts"] and not re.search(rf"^([\w, ]+, )?{name}(,.*)? :", known, re.M)

@@ -49,10 +49,7 @@ def pin_diameter_in_shear(load: Values, *, yield_stress: Values, safety: Values)
     yield_stress : float or array
         Yield stress sigma_y of the pin. [Pa]
 
-    Returns
-    -------
-    float or array
-        Minimum diameter d. [m]
+    Returns: Minimum diameter d. [m]
 
     Examples
     --------
@@ -82,10 +79,7 @@ def pin_diameter_in_bending(
     yield_stress : float or array
         Yield stress sigma_y of the pin. [Pa]
 
-    Returns
-    -------
-    float or array
-        Minimum diameter d. [m]
+    Returns: Minimum diameter d. [m]
 
     Examples
     --------
@@ -112,10 +106,7 @@ def hole_stress_concentration(hole_ratio: Values) -> Values:
     hole_ratio : float or array
         Hole diameter over pin diameter x, 0 to 0.2. [1]
 
-    Returns
-    -------
-    float or array
-        Stress concentration K_t. [1]
+    Returns: Stress concentration K_t. [1]
 
     Raises
     ------
@@ -152,10 +143,7 @@ def pin_diameter_with_hole(
     yield_stress : float or array
         Yield stress sigma_y of the pin. [Pa]
 
-    Returns
-    -------
-    float or array
-        Minimum diameter d. [m]
+    Returns: Minimum diameter d. [m]
 
     Raises
     ------
@@ -201,10 +189,7 @@ def lateral_shift(
         Load F in the middle [N], length L, both seats and the bushing [m], diameter d of the pin, I
         = pi d^4 / 64 [m], Young's modulus E of the pin [Pa].
 
-    Returns
-    -------
-    float or array
-        Shortening dL. [m]
+    Returns: Shortening dL. [m]
 
     Raises
     ------
@@ -251,13 +236,9 @@ def lateral_force(
     Parameters
     ----------
     load, length, diameter, youngs_modulus : float or array
-        Load F in the middle [N], length L, both seats and the bushing [m], diameter d of the pin, A
-        = pi d^2 / 4 [m], Young's modulus E of the pin [Pa].
+        As of `lateral_shift` [N, m, m, Pa]; A = pi d^2 / 4.
 
-    Returns
-    -------
-    float or array
-        Axial force. [N]
+    Returns: Axial force. [N]
 
     Raises
     ------
@@ -290,10 +271,7 @@ def least_projected_area(load: Values, *, yield_stress: Values) -> Values:
     yield_stress : float or array
         Yield stress sigma_y of the softer body. [Pa]
 
-    Returns
-    -------
-    float or array
-        Minimum of pin diameter times bushing width. [m2]
+    Returns: Minimum of pin diameter times bushing width. [m2]
 
     Examples
     --------
@@ -318,10 +296,7 @@ def least_bushing_width(
     diameter, hardness : float or array
         Diameter d of the pin [m], hardness H of the bushing [Pa].
 
-    Returns
-    -------
-    float or array
-        Minimum width w. [m]
+    Returns: Minimum width w. [m]
 
     Examples
     --------
@@ -348,10 +323,7 @@ def least_seat_width(load: Values, *, diameter: Values, hardness: Values, safety
     load, diameter, hardness : float or array
         Load F on the joint [N], diameter d of the pin [m], hardness H of the seat [Pa].
 
-    Returns
-    -------
-    float or array
-        Minimum width s of one seat. [m]
+    Returns: Minimum width s of one seat. [m]
 
     Examples
     --------
@@ -375,10 +347,7 @@ def hardness_from_strength(ultimate_stress: Values) -> Values:
     ultimate_stress : float or array
         Tensile strength sigma. [Pa]
 
-    Returns
-    -------
-    float or array
-        Brinell hardness H. [Pa]
+    Returns: Brinell hardness H. [Pa]
 
     Notes
     -----
@@ -410,10 +379,7 @@ def least_eyebar_diameter(
     bore, width, yield_stress : float or array
         Inner diameter d [m], width s of the eye [m], yield stress sigma_y of the housing [Pa].
 
-    Returns
-    -------
-    float or array
-        Minimum outer diameter D; infinite where no outer diameter carries the load (F from
+    Returns: Minimum outer diameter D; infinite where no outer diameter carries the load (F from
         sigma_y s d / eta on). [m]
 
     Notes
@@ -461,11 +427,8 @@ def lock_force(
         Friction coefficients mu1 in the bushing and mu2 in the seats; the defaults are the worst
         case of the source. [1]
 
-    Returns
-    -------
-    float or array
-        Shear force, negative where the seats hold the pin more firmly than the bushing turns it.
-        [N]
+    Returns: Shear force, negative where the seats hold the pin more firmly than the bushing turns
+        it. [N]
 
     Examples
     --------
@@ -492,10 +455,7 @@ def least_weld_diameter(
         Load F on the joint, with the friction of `lock_force` at its worst [N], effective throat a
         of the weld [m], yield stress sigma_y of the weld [Pa].
 
-    Returns
-    -------
-    float or array
-        Minimum inner diameter; not positive where a weld of any diameter is strong enough. [m]
+    Returns: Minimum inner diameter; not positive where a weld of any diameter is strong enough. [m]
 
     Notes
     -----
@@ -531,10 +491,7 @@ def largest_internal_weld_diameter(pin_diameter: Values, *, throat: Values) -> V
     throat : float or array
         Effective throat a of the weld. [m]
 
-    Returns
-    -------
-    float or array
-        Largest inner diameter; not positive where the throat is too large for the pin. [m]
+    Returns: Largest inner diameter; not positive where the throat is too large for the pin. [m]
 
     Examples
     --------
@@ -560,10 +517,7 @@ def least_open_prong_height(
     thickness, length, yield_stress : float or array
         Plate thickness t [m], lever L of the force [m], yield stress sigma_y of the plate [Pa].
 
-    Returns
-    -------
-    float or array
-        Minimum height h. [m]
+    Returns: Minimum height h. [m]
 
     Examples
     --------
@@ -588,10 +542,7 @@ def end_force_of_closed_lock(load: Values) -> Values:
     load : float or array
         Lock force F. [N]
 
-    Returns
-    -------
-    float or array
-        Force that the closed end passes to the unloaded prong. [N]
+    Returns: Force that the closed end passes to the unloaded prong. [N]
 
     Examples
     --------
@@ -623,10 +574,7 @@ def least_closed_prong_height(
         Plate thickness t [m], lever L of the force [m], yield stress sigma_y of the plate [Pa],
         share of the force that shears the root [1].
 
-    Returns
-    -------
-    float or array
-        Minimum height h. [m]
+    Returns: Minimum height h. [m]
 
     Notes
     -----
@@ -665,10 +613,7 @@ def least_closed_end_width(
     thickness, yield_stress : float or array
         Plate thickness t [m], yield stress sigma_y of the plate [Pa].
 
-    Returns
-    -------
-    float or array
-        Minimum width c. [m]
+    Returns: Minimum width c. [m]
 
     Notes
     -----
@@ -712,10 +657,7 @@ def relative_play(pin_diameter: Values, *, bore: Values) -> Values:
     bore : float or array
         Diameter D of the bore. [m]
 
-    Returns
-    -------
-    float or array
-        Relative play, negative for an interference; 0.3e-3 to 5e-3 is recommended. [1]
+    Returns: Relative play, negative for an interference; 0.3e-3 to 5e-3 is recommended. [1]
 
     Examples
     --------
@@ -753,10 +695,7 @@ def press_fit_displacement(
     youngs_bushing, youngs_housing, poisson_bushing, poisson_housing : float or array
         Young's moduli E_b and E_h [Pa], Poisson's ratios nu_b and nu_h [1].
 
-    Returns
-    -------
-    float or array
-        Radial displacement u of the bore, negative where it shrinks (by 2u in diameter). [m]
+    Returns: Radial displacement u of the bore, negative where it shrinks (by 2u in diameter). [m]
 
     Raises
     ------

@@ -61,10 +61,7 @@ def isoviscous_rigid_film(
 
     Martin (1916).
 
-    Returns
-    -------
-    float or array
-        Film thickness at the line of centres, the minimum. [m]
+    Returns: Film thickness at the line of centres, the minimum. [m]
 
     Notes
     -----
@@ -93,10 +90,7 @@ def piezoviscous_rigid_film(
 
     Blok (1950).
 
-    Returns
-    -------
-    float or array
-        Minimum film thickness. [m]
+    Returns: Minimum film thickness. [m]
 
     Notes
     -----
@@ -138,10 +132,7 @@ def isoviscous_elastic_film(
     contact_modulus : float or array
         E*, see `erlif.models.contact.contact_modulus`; U and W are formed with 2 E*. [Pa]
 
-    Returns
-    -------
-    float or array
-        Minimum film thickness. [m]
+    Returns: Minimum film thickness. [m]
 
     Examples
     --------
@@ -177,10 +168,7 @@ def dowson_higginson_film(
     Dowson and Higginson (1966); `thesis_film` is the form of Farzaneh (2002), eq. 2.8, in its own
     symbols.
 
-    Returns
-    -------
-    float or array
-        Minimum film thickness. [m]
+    Returns: Minimum film thickness. [m]
 
     Notes
     -----
@@ -191,14 +179,9 @@ def dowson_higginson_film(
     --------
     The steel pin joint of Farzaneh (2002) under 444.8 kN, in micrometres:
 
-    >>> film = dowson_higginson_film(
-    ...     0.042,
-    ...     load_per_length=444.8e3 / 0.237,
-    ...     viscosity=0.12,
-    ...     pressure_viscosity=2e-8,
-    ...     radius=4.87201,
-    ...     contact_modulus=109.8901e9,
-    ... )
+    >>> joint = {"radius": 4.87201, "contact_modulus": 109.8901e9, "viscosity": 0.12}
+    >>> joint |= {"load_per_length": 444.8e3 / 0.237, "pressure_viscosity": 2e-8}
+    >>> film = dowson_higginson_film(0.042, **joint)
     >>> round(film * 1e6, 4)
     0.6272
     """
@@ -226,10 +209,7 @@ def thesis_film(
     sliding_speed : float or array
         Full sliding speed v of the pin in its bushing. [m/s]
 
-    Returns
-    -------
-    float or array
-        Minimum film thickness. [m]
+    Returns: Minimum film thickness. [m]
 
     Notes
     -----
@@ -484,10 +464,7 @@ def squeeze_time(
     half_width : float or array
         Half width b of the strip, see `erlif.models.contact.hertz_line`. [m]
 
-    Returns
-    -------
-    float or array
-        Time from an infinitely thick film. [s]
+    Returns: Time from an infinitely thick film. [s]
 
     Examples
     --------
@@ -513,10 +490,7 @@ def film_parameter(film: Values, *, roughness_a: Values, roughness_b: Values) ->
         Minimum film thickness h [m], root-mean-square roughness of the two surfaces, not negative
         and not both zero [m].
 
-    Returns
-    -------
-    float or array
-        Film parameter Lambda, see `lubrication_regimes`. [1]
+    Returns: Film parameter Lambda, see `lubrication_regimes`. [1]
 
     Raises
     ------

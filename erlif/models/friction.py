@@ -43,10 +43,7 @@ def friction_torque(
         T* of the pressure distribution; 1 takes the contact for a line, as Farzaneh (2002),
         appendix A.3, does. [1]
 
-    Returns
-    -------
-    float or array
-        Friction torque T. [N m]
+    Returns: Friction torque T. [N m]
 
     Notes
     -----
@@ -81,10 +78,7 @@ def friction_coefficient(
         T* of the pressure distribution. With 1 the result is the apparent coefficient mu' of the
         source, which is at least the true one. [1]
 
-    Returns
-    -------
-    float or array
-        Friction coefficient mu. [1]
+    Returns: Friction coefficient mu. [1]
 
     Examples
     --------
@@ -106,10 +100,7 @@ def uniform_torque_ratio(half_angle: Values) -> Values:
 
     alpha / sin alpha, pi/2 at 90 degrees.
 
-    Returns
-    -------
-    float or array
-        Torque ratio T*. [1]
+    Returns: Torque ratio T*. [1]
 
     Examples
     --------
@@ -127,10 +118,7 @@ def cosine_torque_ratio(half_angle: Values) -> Values:
 
     (pi^2 - 4 alpha^2) / (pi^2 cos alpha).
 
-    Returns
-    -------
-    float or array
-        Torque ratio T*. [1]
+    Returns: Torque ratio T*. [1]
 
     Notes
     -----
@@ -155,10 +143,7 @@ def elliptic_torque_ratio(half_angle: Values) -> Values:
 
     alpha / (2 J1(alpha)).
 
-    Returns
-    -------
-    float or array
-        Torque ratio T*. [1]
+    Returns: Torque ratio T*. [1]
 
     Examples
     --------
@@ -176,10 +161,7 @@ def truncated_cosine_torque_ratio(half_angle: Values) -> Values:
 
     sin a / (a/2 + sin(2a)/4), 4/pi at 90 degrees; from Colbert et al. (2009), eq. 4.
 
-    Returns
-    -------
-    float or array
-        Torque ratio T*. [1]
+    Returns: Torque ratio T*. [1]
 
     Examples
     --------
@@ -206,10 +188,7 @@ def thin_winkler_torque_ratio(half_angle: Values) -> Values:
         Half of the arc of contact a, 0 to pi/2; `thin_winkler_load` gives the load that belongs to
         it. [rad]
 
-    Returns
-    -------
-    float or array
-        Torque ratio mu*. [1]
+    Returns: Torque ratio mu*. [1]
 
     Examples
     --------
@@ -235,10 +214,7 @@ def thin_winkler_load(half_angle: Values) -> Values:
     (a - sin a cos a) / cos a, from Colbert et al. (2009), B1 to B10; see
     `thin_winkler_torque_ratio`.
 
-    Returns
-    -------
-    float or array
-        Load group F* t* R/c, which grows without bound towards 90 degrees. [1]
+    Returns: Load group F* t* R/c, which grows without bound towards 90 degrees. [1]
 
     Raises
     ------
@@ -270,10 +246,7 @@ def torque_ratio(angle: Values, *, pressure: Values) -> Values:
     pressure : array, (..., n)
         Pressure there. [Pa, or any unit]
 
-    Returns
-    -------
-    float or array
-        Torque ratio T*, over the last axis. [1]
+    Returns: Torque ratio T*, over the last axis. [1]
 
     Raises
     ------

@@ -70,14 +70,9 @@ class CrankRocker:
 
     Attributes
     ----------
-    crank : float
-        Length from crank pivot to crank pin. [m]
-    coupler : float
-        Length from crank pin to rocker pin. [m]
-    rocker : float
-        Length from rocker pivot to rocker pin. [m]
-    ground : float
-        Distance of the two pivots. [m]
+    crank, coupler, rocker, ground : float
+        Lengths from crank pivot to crank pin, on to the rocker pin, from rocker pivot to rocker
+        pin, and from pivot to pivot. [m]
 
     Examples
     --------
@@ -116,10 +111,7 @@ class CrankRocker:
     def rocker_angle(self, crank_angle: Values) -> Values:
         """Rocker angle at a crank angle, on the branch where the linkage is open.
 
-        Returns
-        -------
-        float or array
-            Interior angle psi at the rocker pivot. [rad]
+        Returns: Interior angle psi at the rocker pivot. [rad]
         """
         # law of cosines in the triangle of coupler, rocker and diagonal
         a, b, c, d = self.links
@@ -131,10 +123,7 @@ class CrankRocker:
     def coupler_angle(self, crank_angle: Values) -> Values:
         """Coupler angle at a crank angle.
 
-        Returns
-        -------
-        float or array
-            Direction phi of the coupler against the ground link. [rad]
+        Returns: Direction phi of the coupler against the ground link. [rad]
         """
         psi = self.rocker_angle(crank_angle)
         return np.arctan2(
@@ -146,10 +135,7 @@ class CrankRocker:
     def transmission_angle(self, crank_angle: Values) -> Values:
         """Angle between coupler and rocker; at 90 degrees the coupler has its longest lever.
 
-        Returns
-        -------
-        float or array
-            Angle at the rocker pin. [rad]
+        Returns: Angle at the rocker pin. [rad]
         """
         # the same triangle, at the rocker pin
         b, c = self.coupler, self.rocker
@@ -162,10 +148,7 @@ class CrankRocker:
         The rule of Farzaneh (2002), appendix A.2, crank speed times crank over rocker, is 0.6 to
         1.1 % low on that rig.
 
-        Returns
-        -------
-        float or array
-            Rate of psi. [rad/s]
+        Returns: Rate of psi. [rad/s]
         """
         # both pins move at one speed along the coupler
         phi, psi = self.coupler_angle(crank_angle), self.rocker_angle(crank_angle)
@@ -177,10 +160,7 @@ class CrankRocker:
     def coupler_speed(self, crank_angle: Values, *, crank_speed: Values) -> Values:
         """Rate of the coupler angle, exact.
 
-        Returns
-        -------
-        float or array
-            Rate of phi. [rad/s]
+        Returns: Rate of phi. [rad/s]
         """
         # the rocker pin does not move along the rocker
         phi, psi = self.coupler_angle(crank_angle), self.rocker_angle(crank_angle)
@@ -197,10 +177,7 @@ class CrankRocker:
     ) -> Values:
         """Second time derivative of the rocker angle.
 
-        Returns
-        -------
-        float or array
-            Second rate of psi. [rad/s2]
+        Returns: Second rate of psi. [rad/s2]
         """
         phi, psi = self.coupler_angle(crank_angle), self.rocker_angle(crank_angle)
         phi_rate = self.coupler_speed(crank_angle, crank_speed=crank_speed)
@@ -298,15 +275,8 @@ class CrankRocker:
         ----------
         rocker_angle : float or array
             Interior angle at the rocker pivot. [rad]
-        rising : bool or array of bool
-            Whether the rocker angle grows while the crank turns in its positive sense.
-        tolerance : float
-            How far beyond a dead point an angle may lie and still be taken as the dead point. [rad]
 
-        Returns
-        -------
-        float or array
-            Crank angle, 0 to 2 pi. [rad]
+        Returns: Crank angle, 0 to 2 pi. [rad]
 
         Raises
         ------
@@ -339,15 +309,8 @@ class CrankRocker:
         ----------
         coupler_angle : float or array
             Direction of the coupler against the ground link. [rad]
-        rising : bool or array of bool
-            Whether the coupler angle grows while the crank turns in its positive sense.
-        tolerance : float
-            How far beyond its range an angle may lie and still be taken as its end. [rad]
 
-        Returns
-        -------
-        float or array
-            Crank angle, 0 to 2 pi. [rad]
+        Returns: Crank angle, 0 to 2 pi. [rad]
 
         Raises
         ------
@@ -495,10 +458,7 @@ class SliderCrank:
     def coupler_angle(self, crank_angle: Values) -> Values:
         """Coupler angle at a crank angle.
 
-        Returns
-        -------
-        float or array
-            Direction phi of the rod from crank pin to slider. [rad]
+        Returns: Direction phi of the rod from crank pin to slider. [rad]
         """
         # the slider pin stays on the line: crank sin t + rod sin phi = 0
         return np.arcsin(-self.crank * np.sin(crank_angle) / self.rod)
@@ -507,10 +467,7 @@ class SliderCrank:
     def coupler_speed(self, crank_angle: Values, *, crank_speed: Values) -> Values:
         """Rate of the coupler angle.
 
-        Returns
-        -------
-        float or array
-            Rate of phi. [rad/s]
+        Returns: Rate of phi. [rad/s]
         """
         # the rate of: crank sin t + rod sin phi = 0
         phi = self.coupler_angle(crank_angle)
@@ -522,10 +479,7 @@ class SliderCrank:
     ) -> Values:
         """Second time derivative of the coupler angle.
 
-        Returns
-        -------
-        float or array
-            Second rate of phi. [rad/s2]
+        Returns: Second rate of phi. [rad/s2]
         """
         phi = self.coupler_angle(crank_angle)
         phi_rate = self.coupler_speed(crank_angle, crank_speed=crank_speed)
@@ -536,10 +490,7 @@ class SliderCrank:
     def slider_position(self, crank_angle: Values) -> Values:
         """Distance from crank pivot to slider pin at a crank angle.
 
-        Returns
-        -------
-        float or array
-            Position of the slider pin along x. [m]
+        Returns: Position of the slider pin along x. [m]
         """
         phi = self.coupler_angle(crank_angle)
         return self.crank * np.cos(crank_angle) + self.rod * np.cos(phi)
@@ -548,10 +499,7 @@ class SliderCrank:
     def slider_speed(self, crank_angle: Values, *, crank_speed: Values) -> Values:
         """Speed of the slider, positive away from the crank pivot.
 
-        Returns
-        -------
-        float or array
-            Rate of the slider position. [m/s]
+        Returns: Rate of the slider position. [m/s]
         """
         phi = self.coupler_angle(crank_angle)
         phi_rate = self.coupler_speed(crank_angle, crank_speed=crank_speed)
@@ -563,10 +511,7 @@ class SliderCrank:
     ) -> Values:
         """Acceleration of the slider, positive away from the crank pivot.
 
-        Returns
-        -------
-        float or array
-            Second rate of the slider position. [m/s2]
+        Returns: Second rate of the slider position. [m/s2]
         """
         phi = self.coupler_angle(crank_angle)
         phi_rate = self.coupler_speed(crank_angle, crank_speed=crank_speed)
@@ -580,10 +525,7 @@ class SliderCrank:
     def joint_angle(self, crank_angle: Values) -> Values:
         """Angle by which the crank pin has turned in the bushing of the connecting rod: t - phi.
 
-        Returns
-        -------
-        float or array
-            Angle of the pin against the rod. [rad]
+        Returns: Angle of the pin against the rod. [rad]
         """
         return crank_angle - self.coupler_angle(crank_angle)
 
@@ -591,10 +533,7 @@ class SliderCrank:
     def joint_speed(self, crank_angle: Values, *, crank_speed: Values) -> Values:
         """Rate at which the crank pin turns in the bushing of the connecting rod.
 
-        Returns
-        -------
-        float or array
-            Rate of the angle of the pin against the rod. [rad/s]
+        Returns: Rate of the angle of the pin against the rod. [rad/s]
         """
         return crank_speed - self.coupler_speed(crank_angle, crank_speed=crank_speed)
 
@@ -639,15 +578,8 @@ class SliderCrank:
         ----------
         coupler_angle : float or array
             Direction of the rod from crank pin to slider. [rad]
-        rising : bool or array of bool
-            Whether the coupler angle grows while the crank turns in its positive sense.
-        tolerance : float
-            How far beyond a dead point an angle may lie and still be taken as the dead point. [rad]
 
-        Returns
-        -------
-        float or array
-            Crank angle, 0 to 2 pi. [rad]
+        Returns: Crank angle, 0 to 2 pi. [rad]
 
         Raises
         ------
@@ -669,16 +601,8 @@ class SliderCrank:
         ----------
         slider_position : float or array
             Distance from crank pivot to slider pin. [m]
-        rising : bool or array of bool
-            Whether the slider moves away from the crank pivot while the crank turns in its positive
-            sense.
-        tolerance : float
-            How far beyond a dead centre a position may lie and still be taken as its end. [m]
 
-        Returns
-        -------
-        float or array
-            Crank angle, 0 to 2 pi. [rad]
+        Returns: Crank angle, 0 to 2 pi. [rad]
 
         Raises
         ------

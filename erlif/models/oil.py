@@ -31,10 +31,7 @@ def vogel_viscosity(temperature: Values, *, a: Values, b: Values, c: Values) -> 
     b, c : float or array
         Constants of the oil, see `fit_vogel`. [K]
 
-    Returns
-    -------
-    float or array
-        Dynamic viscosity. [Pa s]
+    Returns: Dynamic viscosity. [Pa s]
 
     Raises
     ------
@@ -147,10 +144,7 @@ def barus_viscosity(pressure: Values, *, viscosity: Values, pressure_viscosity: 
     pressure : float or array
         Pressure above ambient. [Pa]
 
-    Returns
-    -------
-    float or array
-        Dynamic viscosity. [Pa s]
+    Returns: Dynamic viscosity. [Pa s]
 
     Notes
     -----
@@ -183,10 +177,7 @@ def roelands_viscosity(
     viscosity : float or array
         Dynamic viscosity eta0 at ambient pressure, above 6.31e-5. [Pa s]
 
-    Returns
-    -------
-    float or array
-        Dynamic viscosity. [Pa s]
+    Returns: Dynamic viscosity. [Pa s]
 
     Raises
     ------
@@ -237,10 +228,7 @@ def density_at_pressure(pressure: Values, *, density: Values) -> Values:
     pressure, density : float or array
         Pressure above ambient [Pa], density rho0 at ambient pressure [kg/m3].
 
-    Returns
-    -------
-    float or array
-        Density. [kg/m3]
+    Returns: Density. [kg/m3]
 
     Raises
     ------
@@ -269,10 +257,7 @@ def density_at_temperature(
         Temperature T and the temperature T0 of the known density [K], density rho0 at T0 [kg/m3],
         coefficient of cubic expansion beta, about 7e-4 for mineral oils [1/K].
 
-    Returns
-    -------
-    float or array
-        Density. [kg/m3]
+    Returns: Density. [kg/m3]
 
     Examples
     --------
@@ -295,10 +280,7 @@ def kinematic_viscosity(viscosity: Values, *, density: Values) -> Values:
     density : float or array
         Density rho. [kg/m3]
 
-    Returns
-    -------
-    float or array
-        Kinematic viscosity. [m2/s]
+    Returns: Kinematic viscosity. [m2/s]
 
     Examples
     --------

@@ -40,10 +40,8 @@ class ViscosityInterval(NamedTuple):
 
     Attributes
     ----------
-    lower : Values
-        Dynamic viscosity of Vogel's law [Pa s], or kinematic one of Walther's [m2/s].
-    upper : Values
-        The same at the other end. [Pa s or m2/s]
+    lower, upper : Values
+        Dynamic viscosities of Vogel's law [Pa s], or kinematic ones of Walther's [m2/s].
     """
 
     lower: Values

@@ -29,20 +29,14 @@ class SliderCrankBodies:
 
     Attributes
     ----------
-    rod_mass : Values
-        Mass of the connecting rod. [kg]
+    rod_mass, slider_mass : Values
+        Masses of connecting rod and slider. [kg]
     rod_inertia : Values
         Moment of inertia of the rod about its centre of mass. [kg m2]
-    slider_mass : Values
-        Mass of the slider. [kg]
-    spring_stiffness : Values
-        Stiffness of the spring on the slider. [N/m]
-    spring_preload : Values
-        Pull of the spring at the outer dead centre. [N]
-    friction : Values
-        Friction coefficient of the crank-pin joint. [1]
-    pin_radius : Values
-        Lever of that friction. [m]
+    spring_stiffness, spring_preload : Values
+        Stiffness of the spring on the slider [N/m], and its pull at the outer dead centre [N].
+    friction, pin_radius : Values
+        Friction coefficient of the crank-pin joint [1], and lever of that friction [m].
 
     Notes
     -----
@@ -71,14 +65,10 @@ class JointReaction:
 
     Attributes
     ----------
-    force_x : Values
-        Force along the line of the slider, positive away from the crank pivot. [N]
-    force_y : Values
-        Force across that line. [N]
-    force : Values
-        Magnitude of the force. [N]
-    normal : Values
-        Share of the force normal to the contact; the rest is friction. [N]
+    force_x, force_y : Values
+        Forces along the line of the slider, positive away from the crank pivot, and across it. [N]
+    force, normal : Values
+        Magnitude of the force, and its share normal to the contact; the rest is friction. [N]
     crank_torque : Values
         Torque that drives the crank. [N m]
     """
@@ -247,10 +237,7 @@ def coupler_force(linkage: CrankRocker, *, crank_angle: Values, rocker_torque: V
     rocker_torque : float or array
         Torque T on the rocker. [N m]
 
-    Returns
-    -------
-    float or array
-        Force in the coupler, of the sign of the torque. [N]
+    Returns: Force in the coupler, of the sign of the torque. [N]
 
     Examples
     --------
@@ -281,10 +268,7 @@ def rolling_bearing_life(
     exponent : float or array
         p: 3 for ball bearings, 10/3 for roller bearings. [1]
 
-    Returns
-    -------
-    float or array
-        Life L10. [s]
+    Returns: Life L10. [s]
 
     Notes
     -----
@@ -313,10 +297,7 @@ def rod_stress(force: Values, *, diameter: Values) -> Values:
     force, diameter : float or array
         Axial force F [N], diameter d [m].
 
-    Returns
-    -------
-    float or array
-        Stress, of the sign of the force. [Pa]
+    Returns: Stress, of the sign of the force. [Pa]
 
     Notes
     -----

@@ -131,8 +131,6 @@ def run_in_bushing(
         Width of the bushing. [m]
     thickness : float
         Thickness of the wall. [m]
-    modulus : float
-        E' of the wall, see `erlif.models.contact.winkler_modulus`. [Pa]
     specific_wear : float
         Specific wear rate k of the wall. [1/Pa]
     sliding_distance : array of shape (n,)
@@ -315,13 +313,8 @@ def thin_wall_torque_ratio(
     load_per_length, clearance, shaft_radius, thickness : float or array
         Load over width, q [N/m], radial clearance c, negative for an interference [m], radius R of
         the shaft and thickness t of the wall [m].
-    modulus : float or array
-        E' of the wall, see `erlif.models.contact.winkler_modulus`. [Pa]
 
-    Returns
-    -------
-    float or array
-        Torque over mu F R: from 1 for a wide clearance through 4/pi for none to 2 for an
+    Returns: Torque over mu F R: from 1 for a wide clearance through 4/pi for none to 2 for an
         interference that is about to press all round, and more beyond it. [1]
 
     Raises

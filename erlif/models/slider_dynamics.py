@@ -149,11 +149,12 @@ def simulate_slider_crank(
     model: SimplifiedJoint | GeneralJoint
     if contact is None and worn is not None:
         raise ModelError("contact must be given where worn profiles are: they touch by its law.")
+    links = linkage, bodies, torque, crank_inertia, slowest_slip
     if contact is None:
-        model = SimplifiedJoint(linkage, bodies, torque, crank_inertia, slowest_slip)
+        model = SimplifiedJoint(*links)
         start = [crank_angle, crank_speed]
     else:
-        model = GeneralJoint(linkage, bodies, torque, crank_inertia, slowest_slip, contact, worn)
+        model = GeneralJoint(contact, worn, *links)
         start = model.rest(crank_angle, crank_speed, eccentricity)
     times = np.linspace(0.0, duration, int(samples))
     states, impact_speeds, touches = _integrate(model, start, times, crank_speed, tolerance)

@@ -59,16 +59,12 @@ class WearingJoint:
 
     Attributes
     ----------
-    width : float
-        Width of the bushing. [m]
-    thickness : float
-        Thickness of its wall. [m]
+    width, thickness : float
+        Width of the bushing and thickness of its wall. [m]
     modulus : float
         E' of the wall, see `erlif.models.contact.winkler_modulus`. [Pa]
-    specific_wear : float
-        Specific wear rate of the bushing. [1/Pa]
-    pin_specific_wear : float
-        Specific wear rate of the pin. [1/Pa]
+    specific_wear, pin_specific_wear : float
+        Specific wear rates of bushing and pin. [1/Pa]
     """
 
     width: float

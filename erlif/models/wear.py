@@ -29,10 +29,7 @@ def adhesive_wear(
     coefficient : float or array
         Wear coefficient K, from a test of the same pair and lubricant. [1]
 
-    Returns
-    -------
-    float or array
-        Worn volume V. [m3]
+    Returns: Worn volume V. [m3]
 
     Examples
     --------
@@ -58,10 +55,7 @@ def abrasive_wear(
     asperity_slope : float or array
         Angle Theta of the hard asperities to the surface, 0 to below pi/2. [rad]
 
-    Returns
-    -------
-    float or array
-        Worn volume V. [m3]
+    Returns: Worn volume V. [m3]
 
     Examples
     --------
@@ -110,10 +104,7 @@ def fatigue_wear(
         Constant eta of the distribution of asperity heights [1], constant gamma of the particle
         size [1], strain eps to failure in one cycle [1], wear coefficient C [1].
 
-    Returns
-    -------
-    float or array
-        Worn volume V. [m3]
+    Returns: Worn volume V. [m3]
 
     Examples
     --------
@@ -145,10 +136,7 @@ def wear_depth(pressure: Values, *, sliding_distance: Values, specific_wear: Val
         Pressure p [Pa], sliding distance s, speed times time [m], specific wear rate k, the K/H of
         `adhesive_wear` [1/Pa].
 
-    Returns
-    -------
-    float or array
-        Worn depth h. [m]
+    Returns: Worn depth h. [m]
 
     Examples
     --------
@@ -167,10 +155,8 @@ class WornBushing:
 
     Attributes
     ----------
-    depth : Values
-        Worn depth on the line of load, which falls off as the cosine. [m]
-    pressure : Values
-        Pressure on the line of load, which falls off as the cosine. [Pa]
+    depth, pressure : Values
+        Worn depth [m] and pressure [Pa] on the line of load, which fall off as the cosine.
     volume : Values
         Worn volume. [m3]
     """
@@ -238,10 +224,7 @@ def mean_sliding_speed(half_swing: Values, *, diameter: Values, period: Values) 
         Half of the angle from end to end, beta [rad], diameter d of the pin [m], time t of a swing
         forth and back [s].
 
-    Returns
-    -------
-    float or array
-        Mean sliding speed v. [m/s]
+    Returns: Mean sliding speed v. [m/s]
 
     Notes
     -----
@@ -272,10 +255,7 @@ def pressure_velocity(load: Values, *, diameter: Values, width: Values, speed: V
     speed : float or array
         Sliding speed v; its sign is kept. [m/s]
 
-    Returns
-    -------
-    float or array
-        pv. [W/m2]
+    Returns: pv. [W/m2]
 
     Examples
     --------
@@ -297,10 +277,7 @@ def friction_heat(load: Values, *, friction: Values, speed: Values) -> Values:
     friction, speed : float or array
         Friction coefficient mu [1], sliding speed v, in either direction [m/s].
 
-    Returns
-    -------
-    float or array
-        Heat Q. [W]
+    Returns: Heat Q. [W]
 
     Examples
     --------
@@ -321,10 +298,7 @@ def bushing_heat_share(pin_conductivity: Values, *, bushing_conductivity: Values
     pin_conductivity, bushing_conductivity : float or array
         Thermal conductivities. [W/(m K)]
 
-    Returns
-    -------
-    float or array
-        Share of the heat. [1]
+    Returns: Share of the heat. [1]
 
     Examples
     --------
@@ -359,10 +333,7 @@ def surface_temperature(
         thickness t of the bushing [m], width w of the bushing [m], thermal conductivity lambda of
         the bushing [W/(m K)], angle through which the heat flows, 2 pi for the whole ring [rad].
 
-    Returns
-    -------
-    float or array
-        Temperature T_s of the sliding surface. [K]
+    Returns: Temperature T_s of the sliding surface. [K]
 
     Notes
     -----
@@ -395,10 +366,7 @@ def thermal_growth(diameter: Values, *, expansion: Values, temperature_change: V
         Diameter d [m], coefficient of linear thermal expansion alpha [1/K], rise of the temperature
         dT [K].
 
-    Returns
-    -------
-    float or array
-        Change of the diameter, positive for growth. [m]
+    Returns: Change of the diameter, positive for growth. [m]
 
     Examples
     --------
@@ -421,12 +389,8 @@ class CoupledWear:
 
     Attributes
     ----------
-    cycles : Values
-        Cycles since the joint was new. [1]
-    volume : Values
-        Worn volume. [m3]
-    depth : Values
-        Largest worn depth. [m]
+    cycles, volume, depth : Values
+        Cycles since the joint was new [1], worn volume [m3], largest worn depth [m].
     greatest_force : Values
         Largest joint force of the cycle computed with that wear. [N]
     """

@@ -21,10 +21,7 @@ def impact_stiffness(
     as_printed : bool
         Use the reduced radius that the source prints.
 
-    Returns
-    -------
-    float or array
-        Stiffness K. [N/m^1.5]
+    Returns: Stiffness K. [N/m^1.5]
 
     Raises
     ------
@@ -79,10 +76,7 @@ def impact_force(
     restitution : float or array
         Coefficient of restitution e, 0 to 1; the law is meant for values near 1. [1]
 
-    Returns
-    -------
-    float or array
-        Normal force F. [N]
+    Returns: Normal force F. [N]
 
     Examples
     --------

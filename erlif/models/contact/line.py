@@ -12,10 +12,8 @@ class LineContact(NamedTuple):
 
     Attributes
     ----------
-    half_width : Values
-        Half width b of the contact. [m]
-    pressure : Values
-        Maximum pressure p0. [Pa]
+    half_width, pressure : Values
+        Half width b of the contact [m], maximum pressure p0 [Pa].
     """
 
     half_width: Values

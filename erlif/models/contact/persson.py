@@ -21,10 +21,7 @@ def persson_group(half_angle: Values) -> Values:
 
     [2 - ln(1 + b^2) - 2 b^4] / [pi b^2 (1 + b^2)] with b = tan(half_angle / 2).
 
-    Returns
-    -------
-    float or array
-        E Delta / 2q. [1]
+    Returns: E Delta / 2q. [1]
 
     Notes
     -----
@@ -50,10 +47,7 @@ def persson_peak_group(half_angle: Values) -> Values:
 
     2b / (pi sqrt(1 + b^2)) + asinh(b) / [pi b^2 (1 + b^2)] with b = tan(half_angle / 2).
 
-    Returns
-    -------
-    float or array
-        d p_max / 2q. [1]
+    Returns: d p_max / 2q. [1]
 
     Notes
     -----
@@ -80,10 +74,7 @@ def persson_half_angle(group: Values) -> Values:
     group : float or array
         E Delta / 2q, above -2/pi. [1]
 
-    Returns
-    -------
-    float or array
-        Half contact angle. [rad]
+    Returns: Half contact angle. [rad]
 
     Raises
     ------
@@ -131,10 +122,7 @@ def persson_pressure(
     angle : float or array
         Angle from the line of load. [rad]
 
-    Returns
-    -------
-    float or array
-        Pressure, zero outside the contact. [Pa]
+    Returns: Pressure, zero outside the contact. [Pa]
 
     Raises
     ------
@@ -164,10 +152,8 @@ class ConformalContact(NamedTuple):
 
     Attributes
     ----------
-    half_angle : Values
-        Half of the arc of contact. [rad]
-    pressure : Values
-        Maximum pressure, on the line of load. [Pa]
+    half_angle, pressure : Values
+        Half of the arc of contact [rad], maximum pressure, on the line of load [Pa].
     """
 
     half_angle: Values
@@ -182,8 +168,6 @@ def persson_contact(
 
     Parameters
     ----------
-    play : float or array
-        Bore less pin diameter; negative for an interference. [m]
     youngs_modulus : float or array
         E of both bodies for plane stress; E/(1 - nu^2) for plane strain. [Pa]
 
@@ -242,10 +226,7 @@ def closed_contact_pressure(
     interference, youngs_modulus : float or array
         Pin diameter less bore I, from 4q / (pi E) on [m], E of both bodies for plane stress [Pa].
 
-    Returns
-    -------
-    float or array
-        Largest pressure, on the line of load; on the other side it is 4q / (pi d) less. [Pa]
+    Returns: Largest pressure, on the line of load; on the other side it is 4q / (pi d) less. [Pa]
 
     Raises
     ------
@@ -282,15 +263,10 @@ def persson_load(half_angle: Values, *, play: Values, youngs_modulus: Values) ->
 
     Parameters
     ----------
-    play : float or array
-        Bore less pin diameter; negative for an interference. [m]
     youngs_modulus : float or array
         E of both bodies for plane stress; E/(1 - nu^2) for plane strain. [Pa]
 
-    Returns
-    -------
-    float or array
-        Line load q. [N/m]
+    Returns: Line load q. [N/m]
 
     Raises
     ------

@@ -9,10 +9,7 @@ from erlif.models.arguments import Values, formula
 def projected_pressure(load_per_length: Values, *, pin_diameter: Values) -> Values:
     """Compute the load over the projected area of a pin: p = q / d. Strand (2005), eq. 6.
 
-    Returns
-    -------
-    float or array
-        Projected pressure p. [Pa]
+    Returns: Projected pressure p. [Pa]
 
     Examples
     --------
@@ -30,10 +27,7 @@ def sinusoidal_pressure(load_per_length: Values, *, pin_diameter: Values) -> Val
 
     p = 4q / (pi d).
 
-    Returns
-    -------
-    float or array
-        Maximum pressure p, on the line of load. [Pa]
+    Returns: Maximum pressure p, on the line of load. [Pa]
 
     Notes
     -----

@@ -6,13 +6,13 @@ import numpy as np
 
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula, require_increasing
-from erlif.models.contact.roots import like
-from erlif.models.winkler_arc import (
+from erlif.models.contact.arc import (
     arc_of_load,
     eccentricity_of_arc,
     indentation_of_arc,
     supported_by_arc,
 )
+from erlif.models.contact.roots import like
 
 
 @dataclass(frozen=True)
@@ -50,10 +50,7 @@ def winkler_modulus(youngs_modulus: Values, *, poisson: Values) -> Values:
     poisson : float or array
         Poisson's ratio nu of the layer, above -1 and below 0.5. [1]
 
-    Returns
-    -------
-    float or array
-        E'. [Pa]
+    Returns: E'. [Pa]
 
     Raises
     ------
@@ -94,13 +91,8 @@ def winkler_load(
     ----------
     shaft_radius, bushing_radius, thickness : float or array
         Rs and Rb [m], wall thickness t of the bushing [m].
-    modulus : float or array
-        E' of the wall, see `winkler_modulus`. [Pa]
 
-    Returns
-    -------
-    float or array
-        Line load. [N/m]
+    Returns: Line load. [N/m]
 
     Raises
     ------
@@ -146,8 +138,6 @@ def winkler_contact(
     ----------
     shaft_radius, bushing_radius, thickness : float or array
         Rs and Rb [m], wall thickness t of the bushing [m].
-    modulus : float or array
-        E' of the wall, see `winkler_modulus`. [Pa]
 
     Returns
     -------

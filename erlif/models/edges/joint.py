@@ -38,12 +38,9 @@ class Undercut:
 
     Attributes
     ----------
-    depth : float
-        D1, from the face along the axis. [m]
-    width : float
-        D2, along the radius. [m]
-    lip : float
-        D3, thickness of the lip between bore and groove. [m]
+    depth, width, lip : float
+        D1 from the face along the axis, D2 along the radius, and D3, the thickness of the lip
+        between bore and groove. [m]
     """
 
     depth: float
@@ -57,24 +54,14 @@ class Joint:
 
     Attributes
     ----------
-    pin_radius : float
-        Radius of the pin. [m]
-    bushing_radius : float
-        Radius of the bore. [m]
-    outer_radius : float
-        Radius of the outside of the bushing, which is held. [m]
-    length : float
-        Length of the bushing. [m]
-    pin_length : float
-        Length of the pin. [m]
-    youngs_modulus : float
-        Young's modulus of the bushing. [Pa]
-    pin_youngs_modulus : float
-        Young's modulus of the pin. [Pa]
-    poisson : float
-        Poisson's ratio of the bushing. [1]
-    pin_poisson : float
-        Poisson's ratio of the pin. [1]
+    pin_radius, bushing_radius, outer_radius : float
+        Radii of the pin, of the bore, and of the outside of the bushing, which is held. [m]
+    length, pin_length : float
+        Lengths of bushing and pin. [m]
+    youngs_modulus, pin_youngs_modulus : float
+        Young's moduli of bushing and pin. [Pa]
+    poisson, pin_poisson : float
+        Poisson's ratios of bushing and pin. [1]
     undercut : Undercut, optional
         Groove in both faces of the bushing.
     """

@@ -81,8 +81,6 @@ def drive_power(
     ----------
     linkage : CrankRocker
         The four lengths. [m]
-    crank_speed : float
-        Speed of the crank, constant and positive. [rad/s]
     torque : float
         Friction torque on the rocker, which opposes its motion. [N m]
     inertia : float

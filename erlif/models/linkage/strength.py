@@ -45,10 +45,7 @@ def beam_bending_stress(force: Values, *, arm: Values, thickness: Values, depth:
         Force F across the link [N], distance L of the force from the section [m], side t of the
         section across the force [m], side h of the section along the force [m].
 
-    Returns
-    -------
-    float or array
-        Stress at the edge, of the sign of the force. [Pa]
+    Returns: Stress at the edge, of the sign of the force. [Pa]
 
     Raises
     ------
@@ -81,10 +78,7 @@ def pin_hole_concentration(hole_ratio: Values) -> Values:
     hole_ratio : float or array
         Diameter of the hole over width of the link, 0.15 to 0.75. [1]
 
-    Returns
-    -------
-    float or array
-        Stress concentration. [1]
+    Returns: Stress concentration. [1]
 
     Warns
     -----
@@ -119,10 +113,7 @@ def open_hole_concentration(hole_ratio: Values) -> Values:
     hole_ratio : float or array
         Diameter of the hole over width of the link, 0 to 1. [1]
 
-    Returns
-    -------
-    float or array
-        Stress concentration, 3 at a small hole and 2 at a large one. [1]
+    Returns: Stress concentration, 3 at a small hole and 2 at a large one. [1]
 
     Examples
     --------
@@ -147,10 +138,7 @@ def hole_stress(
         along the hole [m], diameter d of the hole, below the width [m], stress concentration K of
         the section beside the hole [1].
 
-    Returns
-    -------
-    float or array
-        Stress, of the sign of the force. [Pa]
+    Returns: Stress, of the sign of the force. [Pa]
 
     Raises
     ------
@@ -181,10 +169,7 @@ def thread_stress_area(diameter: Values, *, pitch: Values) -> Values:
     diameter, pitch : float or array
         Nominal diameter d [m], pitch p [m].
 
-    Returns
-    -------
-    float or array
-        Area of the circle that is as strong as the thread. [m2]
+    Returns: Area of the circle that is as strong as the thread. [m2]
 
     Raises
     ------
@@ -227,10 +212,7 @@ def fatigue_safety(
     tensile_strength : float or array
         Tensile strength Su; needed with a mean stress. [Pa]
 
-    Returns
-    -------
-    float or array
-        Factor of safety; below 1 the part fails, infinite without stress. [1]
+    Returns: Factor of safety; below 1 the part fails, infinite without stress. [1]
 
     Examples
     --------

@@ -11,9 +11,8 @@ from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
     check_fields,
-    require_finite,
+    formula,
     require_increasing,
-    require_positive,
     require_single,
     warn_of_units,
 )
@@ -33,16 +32,10 @@ class Journal:
 
     Attributes
     ----------
-    pin_radius : float
-        Radius of the pin. [m]
-    bushing_radius : float
-        Radius of the bore. [m]
-    length : float
-        Length of the bearing. [m]
-    viscosity : float
-        Viscosity at ambient pressure. [Pa s]
-    pressure_viscosity : float
-        Coefficient of Barus' law. [1/Pa]
+    pin_radius, bushing_radius, length : float
+        Radii of pin and bore, and length of the bearing. [m]
+    viscosity, pressure_viscosity : float
+        Viscosity at ambient pressure [Pa s], coefficient of Barus' law [1/Pa].
     cavitation_pressure : float
         Pressure at which the film ruptures, relative to ambient; 0 where cavities are vented. [Pa]
     long : bool
@@ -193,6 +186,9 @@ class Motion:
         )
 
 
+@formula(
+    crank_speed="signed number", load="signed number", cycles="number", start_crank="signed number"
+)
 def crank_motion(
     linkage: CrankRocker,
     *,
@@ -208,8 +204,6 @@ def crank_motion(
     ----------
     linkage : CrankRocker
         The linkage. The angle of the bushing is that of the rocker about the middle of its swing.
-    crank_speed : float
-        Speed of the crank, of either sign. [rad/s]
     load : float
         Dead load on the pin. [N]
     cycles : float
@@ -239,9 +233,6 @@ def crank_motion(
     >>> print(f"{np.degrees(np.ptp(motion.angle)):.2f}")
     24.43
     """
-    require_single(crank_speed=crank_speed, cycles=cycles, steps_per_cycle=steps_per_cycle)
-    require_finite(crank_speed=crank_speed, start_crank=start_crank)
-    require_positive(cycles=cycles, steps_per_cycle=steps_per_cycle)
     if crank_speed == 0:
         raise ModelError("crank_speed must not be zero: a crank at rest has no cycle.")
     turned = np.arange(round(cycles * steps_per_cycle) + 1.0) * (2 * np.pi / steps_per_cycle)

@@ -21,10 +21,7 @@ def roller_shape(x: Values, *, radius: Values) -> Values:
         Distance from the line of contact [m], radius R of the cylinder, or the reduced radius of
         two [m].
 
-    Returns
-    -------
-    float or array
-        Height. [m]
+    Returns: Height. [m]
 
     Examples
     --------
@@ -46,10 +43,7 @@ def pin_shape(x: Values, z: Values, *, radius: Values, cross_radius: Values) -> 
         Distances from the point of contact along sliding and across [m], radii of the pin along
         sliding and across [m].
 
-    Returns
-    -------
-    float or array
-        Height above the point of contact. [m]
+    Returns: Height above the point of contact. [m]
 
     Raises
     ------
@@ -82,10 +76,7 @@ def lobe_shape(axial: Values, *, centres: Sequence[float], radius: float, height
     height : float
         Height of a lobe above the bore. [m]
 
-    Returns
-    -------
-    float or array
-        Height added to the gap, at most zero. [m]
+    Returns: Height added to the gap, at most zero. [m]
 
     Examples
     --------

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import asin, atan, atan2, cos, hypot, sin, sqrt, tan, tanh
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
@@ -199,17 +199,9 @@ class GeneralJoint(Links):
     penetration is far smaller than the lengths of the links.
     """
 
-    def __init__(
-        self,
-        linkage: SliderCrank,
-        bodies: SliderCrankBodies,
-        torque: Torque | None,
-        crank_inertia: float,
-        slowest_slip: float,
-        law: ContactLaw,
-        worn: xr.Dataset | None = None,
-    ) -> None:
-        super().__init__(linkage, bodies, torque, crank_inertia, slowest_slip)
+    def __init__(self, law: ContactLaw, worn: xr.Dataset | None, *links: Any) -> None:
+        super().__init__(*links)
+        linkage, bodies, torque, crank_inertia, slowest_slip = links
         self.perfect = SimplifiedJoint(
             SliderCrank(linkage.crank, linkage.coupler), bodies, None, crank_inertia, slowest_slip
         )

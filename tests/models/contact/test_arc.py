@@ -7,7 +7,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from erlif.models.contact import winkler_contact, winkler_load
-from erlif.models.winkler_arc import rubbed_by_arc, supported_by_arc
+from erlif.models.contact.arc import rubbed_by_arc, supported_by_arc
 
 CASES = [(0.3, 0.99), (0.9, 0.9), (1.2, 0.5), (np.pi / 2, 0.3), (np.pi / 2, 0.999)]
 

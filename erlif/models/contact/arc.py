@@ -7,7 +7,8 @@ eccentricity e. The indentation is (Colbert et al. 2009, B1 to B10)
 
 which is 0 at t = A. With w = sin B = e sin A, its integral over the arc, weighed by cos t, is that
 of two circular segments: e (2A - sin 2A)/2 - (2B - sin 2B)/(2e). Both segments are evaluated
-without the cancellation of x - sin x.
+without the cancellation of x - sin x. All arguments are arrays of one shape: half
+angles above 0 and at most 90 degrees [rad], fits above 0 and below 1 [1].
 """
 
 import numpy as np
@@ -41,83 +42,20 @@ _BLOCK = 1 << 14
 
 
 def eccentricity_of_arc(half_angle: Values, *, fit: Values) -> Values:
-    """Eccentricity over bushing radius. Colbert et al. (2009), B10, without its cancellation.
-
-    Parameters
-    ----------
-    half_angle : array
-        Half angle of the contact. [rad]
-    fit : array of the same shape
-        Shaft radius over bushing radius, above 0 and below 1. [1]
-
-    Returns
-    -------
-    array of the same shape
-        Eccentricity over bushing radius.
-
-    Examples
-    --------
-    A narrow contact has the clearance as its eccentricity:
-
-    >>> print(f"{eccentricity_of_arc(np.array(1e-6), fit=np.array(0.99)):.3f}")
-    0.010
-    """
+    """Eccentricity over bushing radius. Colbert et al. (2009), B10, without its cancellation."""
     sine, cosine = np.sin(half_angle), np.cos(half_angle)
     return (1 - fit) * (1 + fit) / (np.sqrt(1 - (fit * sine) ** 2) + fit * cosine)
 
 
 def indentation_of_arc(half_angle: Values, *, fit: Values) -> Values:
-    """Largest indentation over bushing radius, on the line of load.
-
-    Parameters
-    ----------
-    half_angle : array
-        Half angle of the contact. [rad]
-    fit : array of the same shape
-        Shaft radius over bushing radius, above 0 and below 1. [1]
-
-    Returns
-    -------
-    array of the same shape
-        Indentation over bushing radius.
-
-    Examples
-    --------
-    For a narrow contact it is e (1 - e) A^2 / 2:
-
-    >>> print(f"{indentation_of_arc(np.array(0.01), fit=np.array(0.9)) / (0.1 * 0.9 * 5e-5):.3f}")
-    1.000
-    """
+    """Largest indentation over bushing radius, on the line of load."""
     e = eccentricity_of_arc(half_angle, fit=fit)
     w2 = (e * np.sin(half_angle)) ** 2
     return 2 * e * np.sin(half_angle / 2) ** 2 - w2 / (1 + np.sqrt(1 - w2))
 
 
 def supported_by_arc(half_angle: Values, *, fit: Values) -> Values:
-    """Integral of indentation times cosine over the arc, times the fit.
-
-    Parameters
-    ----------
-    half_angle : array
-        Half angle of the contact. [rad]
-    fit : array of the same shape
-        Shaft radius over bushing radius, above 0 and below 1. [1]
-
-    Returns
-    -------
-    array of the same shape
-        Load over that of the unit of load, E' Rb^2 / t.
-
-    Examples
-    --------
-    For a narrow contact it is two thirds of the arc times the indentation:
-
-    >>> from erlif.models.winkler_arc import indentation_of_arc
-    >>> A, fit = np.array(0.01), np.array(0.9)
-    >>> carried = fit * 4 / 3 * A * indentation_of_arc(A, fit=fit)
-    >>> print(f"{supported_by_arc(A, fit=fit) / carried:.3f}")
-    1.000
-    """
+    """Integral of indentation times cosine over the arc, times the fit: load over E' Rb^2 / t."""
     e = eccentricity_of_arc(half_angle, fit=fit)
     wide, narrow = _segments(half_angle, e * np.sin(half_angle))
     return fit * (e * wide - narrow / e) / 2
@@ -126,26 +64,7 @@ def supported_by_arc(half_angle: Values, *, fit: Values) -> Values:
 def rubbed_by_arc(half_angle: Values, *, fit: Values) -> Values:
     """Integral of the indentation over the arc, times the fit.
 
-    Parameters
-    ----------
-    half_angle : array
-        Half angle of the contact. [rad]
-    fit : array of the same shape
-        Shaft radius over bushing radius, above 0 and below 1. [1]
-
-    Returns
-    -------
-    array of the same shape
-        Friction force over friction coefficient, in the unit of load.
-
-    Examples
-    --------
-    All pressure bears on a narrow contact along the line of load:
-
-    >>> from erlif.models.winkler_arc import supported_by_arc
-    >>> A, fit = np.array([0.01]), np.array([0.9])
-    >>> print(f"{rubbed_by_arc(A, fit=fit)[0] / supported_by_arc(A, fit=fit)[0]:.4f}")
-    1.0000
+    Friction force over friction coefficient, in the unit of load.
     """
     e = eccentricity_of_arc(half_angle, fit=fit)
     sine, cosine = np.sin(half_angle), np.cos(half_angle)
@@ -172,26 +91,9 @@ def rubbed_by_arc(half_angle: Values, *, fit: Values) -> Values:
 
 
 def arc_of_load(supported: Values, *, fit: Values) -> tuple[Values, Values]:
-    """Half angle at which `supported_by_arc` has a wanted value, and the ratio of both integrals.
+    """Half angle of a load, at most that of 90 degrees, and friction over it.
 
-    Parameters
-    ----------
-    supported : array
-        Load in units of E' Rb^2 / t, not above that of a half angle of 90 degrees. [1]
-    fit : array of the same shape
-        Shaft radius over bushing radius, above 0 and below 1. [1]
-
-    Returns
-    -------
-    half_angle, torque_ratio : arrays of the shape of the arguments
-        Angle [rad], and `rubbed_by_arc` over `supported_by_arc` [1].
-
-    Examples
-    --------
-    >>> from erlif.models.winkler_arc import supported_by_arc
-    >>> A, fit = np.array([0.7]), np.array([0.9])
-    >>> print(f"{arc_of_load(supported_by_arc(A, fit=fit), fit=fit)[0][0]:.6f} rad")
-    0.700000 rad
+    The load is in units of E' Rb^2 / t; the ratio is `rubbed_by_arc` over `supported_by_arc`.
     """
     angle, ratio = np.empty(np.shape(supported)), np.empty(np.shape(supported))
     wanted, fits = supported.reshape(-1), fit.reshape(-1)
