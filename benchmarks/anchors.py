@@ -58,7 +58,9 @@ def exported(package: Path) -> set[tuple[Path, str]]:
     """Functions in the ``__all__`` of a folder, and the public ones of models."""
     found: set[tuple[Path, str]] = set()
     for init in package.rglob("__init__.py"):
-        tree = ast.parse(init.read_text(encoding="utf-8"))
+        # a face that loads its modules when they are used has its names in a stub
+        stub = init.with_suffix(".pyi")
+        tree = ast.parse((stub if stub.exists() else init).read_text(encoding="utf-8"))
         names = {
             element.value
             for node in tree.body

@@ -1,0 +1,34 @@
+from .accumulation import RatioSum, combine_frames
+from .bubbles import find_bubbles
+from .camera_noise import NoiseEstimate, NoiseView, estimate_camera_noise
+from .cells import NO_CELLS, LightCells, cell_places, sample_cells
+from .log_ratio import compute_ratio
+from .noise_fit import NoiseUnknowns
+from .pair import PairRatio
+from .pulses import NO_PULSE, PulseFault, PulseSample, find_pulse_faults, sample_pulse
+from .sharpness import BlurDifference, BlurMoments
+from .smoothing import smooth_ratio
+
+__all__ = [
+    "NO_CELLS",
+    "NO_PULSE",
+    "BlurDifference",
+    "BlurMoments",
+    "LightCells",
+    "NoiseEstimate",
+    "NoiseUnknowns",
+    "NoiseView",
+    "PairRatio",
+    "PulseFault",
+    "PulseSample",
+    "RatioSum",
+    "cell_places",
+    "combine_frames",
+    "compute_ratio",
+    "estimate_camera_noise",
+    "find_bubbles",
+    "find_pulse_faults",
+    "sample_cells",
+    "sample_pulse",
+    "smooth_ratio",
+]
