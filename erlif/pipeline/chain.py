@@ -22,7 +22,7 @@ from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, Ref
 from erlif.correction import CameraTables, NoiseTables, PairLight, gather_light
 from erlif.correction.light import measure_light, tabulate
 from erlif.io.ingest import FramePairs, read_pair
-from erlif.pipeline.passes.drift import DriftSearch
+from erlif.pipeline.passes.drift import PairDrift
 from erlif.pipeline.passes.ratio import BAND, measure_ratio
 from erlif.pipeline.passes.warp import MapTables, PairWarp, tabulate_map, turn_noise
 from erlif.ratio import BlurDifference, PairRatio, compute_ratio
@@ -175,9 +175,9 @@ class FrameChain(PickledByFields):
         return one.noise, turn_noise(two.noise, self.tables.orientation)
 
     @cached_property
-    def search(self) -> DriftSearch:
+    def search(self) -> PairDrift:
         """The search for the drift of each frame against the map."""
-        return DriftSearch.of(self.camera_map)
+        return PairDrift.of(self.camera_map)
 
     def align(self, frame: int) -> tuple[CorrectedFrames, AlignedFrames]:
         """Light of one frame pair, and the same with camera 2 on the pixels of camera 1.

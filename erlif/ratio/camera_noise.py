@@ -309,13 +309,9 @@ def _compare(
     own = float((kernels[0] ** 2).sum())
     mixed = [_overlap(kernels[1], view.place, view.place) for view in (first, second)]
     common = _overlap(kernels[1], first.place, second.place)
-    shot = (
-        own * mean(first.shot[0] + second.shot[0]),
-        mixed[0] * mean(first.shot[1]) + mixed[1] * mean(second.shot[1]),
-    )
-    read = (
-        own * mean(first.read[0] + second.read[0]),
-        mixed[0] * mean(first.read[1]) + mixed[1] * mean(second.read[1]),
+    shot, read = (
+        (own * mean(a[0] + b[0]), mixed[0] * mean(a[1]) + mixed[1] * mean(b[1]))
+        for a, b in ((first.shot, second.shot), (first.read, second.read))
     )
 
     # what the drift has not moved cancels in the difference

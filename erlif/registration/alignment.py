@@ -105,10 +105,7 @@ def align_frames(
         aligned["flags"][1, n][camera_map.poor | np.isnan(x)] |= _POOR
 
     dims = ("camera", "frame", "y", "x")
-    described = {
-        name: (dims, aligned[name], frames[name].attrs)
-        for name in ("signal", "signal_var", "signal_var_fixed")
-    }
+    described = {name: (dims, aligned[name], frames[name].attrs) for name in names[:3]}
     return AlignedFrames(
         xr.Dataset(
             {

@@ -181,9 +181,7 @@ def divide_by_light(image: AnyArray, weight: AnyArray) -> tuple[Image, Image]:
     return texture, lit.astype(np.float32)
 
 
-def is_steep(
-    blocks: Image, shape: tuple[int, int], *, side: int = BLOCK, limit: float = STEEP
-) -> Mask:
+def is_steep(blocks: Image, shape: tuple[int, int], *, side: int = BLOCK) -> Mask:
     """Find where the film itself makes the light steep, as at the thin end of a wedge.
 
     There the ratio of the two bands varies as well, so their light rises differently, and a
@@ -197,8 +195,6 @@ def is_steep(
         Rows and columns of the image.
     side : int
         Pixels of the image along a block.
-    limit : float
-        Relative rise above which a block counts as steep. [1/px]
 
     Returns
     -------
@@ -219,7 +215,7 @@ def is_steep(
 
     # a median over 3 by 3 blocks, so that a single scratch or speck is not taken for the film
     down, along = np.gradient(cv2.medianBlur(level, 3))
-    steep = down * down + along * along > (limit * BLOCK) ** 2
+    steep = down * down + along * along > (STEEP * BLOCK) ** 2
     pixels = np.repeat(np.repeat(steep, side, axis=0), side, axis=1)
     return np.asarray(pixels[: shape[0], : shape[1]])
 

@@ -8,6 +8,7 @@ others that agree (random sample consensus: Fischler and Bolles, 1981).
 
 from typing import Final, NamedTuple
 
+import cv2
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, Image
@@ -101,15 +102,9 @@ class Agreement(NamedTuple):
 NONE_AGREE: Final = Agreement(np.zeros((2, 2)), np.zeros(2), 0.0)
 
 
-def integral(values: Image, other: Image) -> Array:
-    """Sums of values * other over every rectangle from the origin.
-
-    One row and one column more than the image.
-    """
-    sums = np.zeros((values.shape[0] + 1, values.shape[1] + 1))
-    lines = np.cumsum(values * other, axis=1, dtype=float)
-    np.cumsum(lines, axis=0, out=sums[1:, 1:])
-    return sums
+def integral(values: Image) -> Array:
+    """Sums over every rectangle from the origin; one row and one column more than the image."""
+    return np.asarray(cv2.integral(values, sdepth=cv2.CV_64F))
 
 
 class _Ends(NamedTuple):
@@ -145,10 +140,10 @@ def _correlate_blocks(a: Image, b: Image, weight: Image, reach: int) -> Image:
 
     # the energies of each block, and of its counterpart as far as it lies inside the image
     still = np.zeros(1, int)
-    energy = _sum_blocks(integral(a, a), _ends(rows, h, still), _ends(cols, w, still))
+    energy = _sum_blocks(integral(a * a), _ends(rows, h, still), _ends(cols, w, still))
     y, x = _ends(rows, h, offsets), _ends(cols, w, offsets)
-    area = _sum_blocks(integral(weight, weight), y, x)
-    other = _sum_blocks(integral(b, b), y, x)
+    area = _sum_blocks(integral(weight * weight), y, x)
+    other = _sum_blocks(integral(b * b), y, x)
 
     # sums over blocks that overlap are a matrix product along each axis
     down, across = (

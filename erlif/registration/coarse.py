@@ -19,9 +19,9 @@ from erlif.core.arrays import AnyArray, Array, Image, Mask
 from erlif.core.errors import RegistrationError
 from erlif.core.statistics import robust_rms
 from erlif.registration.blocks import FEWEST, agree, match_blocks
-from erlif.registration.interpolation import NOTHING_BAD, spline_coefficients
+from erlif.registration.interpolation import NOTHING_BAD, laid_over, spline_coefficients
 from erlif.registration.normalise import binned, normalise
-from erlif.registration.pairs import laid_over
+from erlif.registration.pairs import Pair
 from erlif.registration.settings import ORIENTATIONS, RegistrationSettings, orient
 
 COARSE_SIZE: Final = 256
@@ -100,8 +100,6 @@ class Start:
         (2,), x first. [px]
     agreement : float
         Part of the blocks that agree with it. [1]
-    blocks : int
-        Number of the blocks.
     """
 
     matrix: Array
@@ -109,8 +107,6 @@ class Start:
     offset: Array
 
     agreement: float
-
-    blocks: int
 
 
 @dataclass(frozen=True)
@@ -316,13 +312,12 @@ def _refine(coarse: CoarsePair, peak: Peak) -> Start | None:
     """Match blocks about a peak, twice, and keep the affine map if enough of them agree."""
     centre = _centre(coarse.shape)
     linear, shift = peak.linear, peak.shift
-    agreement, blocks = 0.0, 0
+    agreement = 0.0
     for reach in (REACH, REACH // 2):
         b, wb = coarse.turned(linear, shift)
         centres, vectors, strength = match_blocks(coarse.a, b, wb, reach)
         matrix, offset, agreement = agree(centres - centre, vectors, strength)
-        blocks = len(centres)
-        if agreement * blocks < FEWEST:
+        if agreement * len(centres) < FEWEST:
             return None
 
         # camera 2 was read at L (x - c) + c + s and matches at x + M (x - c) + o
@@ -335,7 +330,7 @@ def _refine(coarse: CoarsePair, peak: Peak) -> Start | None:
     f = coarse.factor
     middle = f * centre + (f - 1) / 2
     matrix = linear - np.eye(2)
-    return Start(matrix, f * shift - matrix @ middle, agreement, blocks)
+    return Start(matrix, f * shift - matrix @ middle, agreement)
 
 
 NO_PEAK: Final = Peak(0.0, np.eye(2), np.zeros(2))
@@ -390,21 +385,13 @@ SEARCHES: Final[tuple[Callable[[CoarsePair, Correlator], tuple[Start | None, Pea
 """The searches, the quick one first."""
 
 
-def find_start(
-    reference: AnyArray,
-    moving: AnyArray,
-    weight_reference: AnyArray | None,
-    weight_moving: AnyArray | None,
-    settings: RegistrationSettings,
-) -> Start:
+def find_start(pair: Pair, settings: RegistrationSettings) -> Start:
     """Find camera 2's offset, rotation and scale against camera 1.
 
     Parameters
     ----------
-    reference, moving : array, (y, x)
-        Counts above dark; the orientation of the settings is applied to ``moving`` already.
-    weight_reference, weight_moving : array, (y, x), optional
-        0 for pixels that must not count.
+    pair : Pair
+        Counts above dark; the orientation of the settings is applied to camera 2 already.
     settings : RegistrationSettings
         ``search`` bounds the offset.
 
@@ -419,10 +406,9 @@ def find_start(
         If the frames share no texture, if camera 2 is mirrored or turned against the settings, or
         if the offset is beyond the search range.
     """
-    height, width = (min(a, b) for a, b in zip(reference.shape, moving.shape, strict=True))
-    factor = coarse_binning((height, width))
-    a, wa = _textures(reference, weight_reference, factor)
-    b, wb = _textures(moving, weight_moving, factor)
+    factor = coarse_binning(pair.smaller)
+    a, wa = _textures(pair.reference, pair.weight_reference, factor)
+    b, wb = _textures(pair.moving, pair.weight_moving, factor)
     coarse = coarse_pair(a, wa, b, wb, factor)
     _check_light(coarse)
 
@@ -435,7 +421,7 @@ def find_start(
         best = max(best, peak, key=lambda p: p.significance)
 
     # why the frames do not fit: turned, too far off, or nothing in common
-    _refuse_turned(moving, weight_moving, settings, coarse)
+    _refuse_turned(pair, settings, coarse)
     _refuse_distant(settings, coarse, correlator)
     raise RegistrationError(
         "No common texture found in the images of the two cameras: the highest peak of their "
@@ -457,21 +443,11 @@ def _check_light(coarse: CoarsePair) -> None:
             )
 
 
-def _refuse_turned(
-    moving: AnyArray,
-    weight_moving: AnyArray | None,
-    settings: RegistrationSettings,
-    coarse: CoarsePair,
-) -> None:
+def _refuse_turned(pair: Pair, settings: RegistrationSettings, coarse: CoarsePair) -> None:
     """Raise the error that names the orientation of camera 2, if it fits in another one."""
     for search in SEARCHES:
         for other in ORIENTATIONS[1:]:
-            turned = np.ascontiguousarray(orient(moving, other))
-            weight = weight_moving
-            if weight is not None:
-                weight = np.ascontiguousarray(orient(weight, other))
-
-            trial = coarse.with_second(turned, weight)
+            trial = coarse.with_second(*pair.turned(other))
             start, peak = search(trial, Correlator(trial, settings.search))
             agreement = 0.0 if start is None else start.agreement
             if agreement < AGREEMENT_TURNED or peak.significance < SIGNIFICANT:

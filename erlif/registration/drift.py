@@ -4,9 +4,12 @@ The binned images are correlated to find the whole pixels, and Gauss-Newton step
 1981) find the fraction. The standard deviation is the sandwich of the scores (Huber 1967).
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 from typing import Final
 
+import cv2
 import numpy as np
 from scipy import fft
 
@@ -15,6 +18,7 @@ from erlif.core.errors import RegistrationError
 from erlif.core.statistics import robust_rms
 from erlif.registration import local
 from erlif.registration.camera_map import CameraMap
+from erlif.registration.interpolation import laid_over
 from erlif.registration.matching import (
     AB,
     BX,
@@ -32,17 +36,8 @@ from erlif.registration.matching import (
     solve_shift,
     without_noise,
 )
-from erlif.registration.normalise import binned
-from erlif.registration.pairs import (
-    Pair,
-    Pairs,
-    Textures,
-    laid_over,
-    make_pair,
-    open_frames,
-    textures,
-)
-from erlif.registration.settings import RegistrationSettings
+from erlif.registration.normalise import MOST, binned
+from erlif.registration.pairs import Pair, Pairs, Textures, make_pair, open_frames, textures
 from erlif.registration.surface import cell_weights
 
 STEP: Final = 16
@@ -104,10 +99,6 @@ class Drift:
     quality: float
 
 
-NO_DRIFT: Final = (np.nan, np.nan, np.nan, np.nan)
-"""dx, dy and their standard deviations for a frame without common texture."""
-
-
 def estimate_drift(
     camera_map: CameraMap,
     reference: AnyArray,
@@ -156,15 +147,19 @@ def estimate_drift(
     (True, True)
     """
     pair = make_pair(reference, moving, weight_reference, weight_moving, camera_map.settings)
+    return _find_drift(camera_map, pair, threads)
+
+
+def _find_drift(camera_map: CameraMap, pair: Pair, threads: int) -> Drift:
+    """The drift of a pair that is turned already; refused without one."""
     if pair.reference.shape != camera_map.shape:
         raise RegistrationError(
             f"The camera map was made for frames of {camera_map.shape}, this frame has "
             f"{pair.reference.shape}; register the cameras again for this region of interest."
         )
 
-    found = follow_drift(
-        camera_map.displacement_x, camera_map.displacement_y, pair, threads=threads
-    )
+    search = DriftSearch.of(camera_map.displacement_x, camera_map.displacement_y)
+    found = search.find(textures(pair, search.binning, threads), threads=threads)
     if np.isnan(found.dx):
         raise RegistrationError(
             "This frame does not fit the camera map: after alignment, the images of the two "
@@ -180,7 +175,6 @@ def check_map(
     pairs: Pairs,
     *,
     tolerance: float = 0.1,
-    settings: RegistrationSettings | None = None,
 ) -> Array:
     """Check on a few frames of a run that a map made before still fits.
 
@@ -192,8 +186,6 @@ def check_map(
         Frames of the run, as for `register_frames`; at most eight of them, evenly spaced, are used.
     tolerance : float
         Local displacements up to this, beyond the drift, are accepted. [px]
-    settings : RegistrationSettings, optional
-        Those of the map if missing.
 
     Returns
     -------
@@ -221,24 +213,15 @@ def check_map(
     >>> bool(np.allclose(drift, [[0, 0], [1, 0]], atol=0.01))
     True
     """
-    settings = camera_map.settings if settings is None else settings
+    settings = camera_map.settings
     few = replace(settings, frames_for_map=min(FRAMES_CHECKED, settings.frames_for_map))
     frames = open_frames(pairs, few)
-    # the frames are turned as they are read, so the map must not turn them again
-    unturned = replace(camera_map, settings=replace(settings, orientation="normal"))
     field = camera_map.displacement_x, camera_map.displacement_y
 
     drift = []
     total = np.zeros((1, 1, SUMS))
     for pair in frames.pick(frames.chosen):
-        found = estimate_drift(
-            unturned,
-            pair.reference,
-            pair.moving,
-            weight_reference=pair.weight_reference,
-            weight_moving=pair.weight_moving,
-            threads=settings.threads,
-        )
+        found = _find_drift(camera_map, pair, settings.threads)
         drift.append((found.dx, found.dy))
 
         views = textures(pair, 1, settings.threads)
@@ -261,72 +244,76 @@ def check_map(
     return np.array(drift)
 
 
-def follow_drift(
-    displacement_x: Image, displacement_y: Image, pair: Pair, *, threads: int = 1
-) -> Drift:
-    """Measure the drift of a checked pair against a dense displacement (NaN where not known). [px]
-
-    The texture is that of the frame for small frames, and binned by 2 for large ones.
-    NaN if the textures do not correlate beyond chance.
-    """
-    last = 2 if min(pair.reference.shape) >= LARGE else 1
-    coarse, fine = (
-        Matching(
-            textures(pair, binning, threads),
-            binned_field(displacement_x, binning),
-            binned_field(displacement_y, binning),
-        )
-        for binning in (2 * last, last)
-    )
-    return match_textures(coarse, fine, last, threads=threads)
-
-
 @dataclass(frozen=True)
-class Matching:
-    """The textures of a frame pair, and the displacement between them.
+class DriftSearch:
+    """Finds the drift of frames against one displacement.
 
     Attributes
     ----------
-    views : Textures
-        Of both cameras, in the orientation of camera 1.
-    dx : Image
-        Displacement along x, (y, x); NaN where not known. [px]
-    dy : Image
-        Displacement along y, as dx. [px]
-    """
-
-    views: Textures
-    dx: Image
-    dy: Image
-
-
-def match_textures(coarse: Matching, fine: Matching, binning: int, *, threads: int = 1) -> Drift:
-    """Measure the drift on textures that are prepared.
-
-    The cross-correlation of the coarse textures finds it to the coarse pixel, Gauss-Newton steps on
-    them to a fraction of a pixel, and a step on the fine ones does the rest. NaN if the textures do
-    not correlate beyond chance.
-
-    The five-point derivative falls short of the slope of a fine texture, so a step is too long. A
-    second look at a part of the cells shows how far, and the step is corrected.
-
-    Parameters
-    ----------
-    coarse, fine : Matching
-        Textures and displacement, in binned pixels; the pixels of ``coarse`` are twice as large.
     binning : int
-        Pixels of the frame along a side of a pixel of ``fine``.
-    threads : int
-        Threads to use.
-
-    Returns
-    -------
-    Drift
-        In pixels of the frame.
+        Side of the pixels on which the drift is found: 2 for large frames, otherwise 1. [px]
+    fine : tuple[Image, Image]
+        Displacement (x, y) at these pixels, in their unit; NaN where not known.
+    coarse : tuple[Image, Image]
+        The same at pixels of twice the side.
     """
-    views = coarse.views
+
+    binning: int
+    fine: tuple[Image, Image]
+    coarse: tuple[Image, Image]
+
+    @classmethod
+    def of(cls, displacement_x: Image, displacement_y: Image) -> DriftSearch:
+        """Prepare the search for a dense displacement [px], NaN where not known."""
+        binning = 2 if min(displacement_x.shape) >= LARGE else 1
+        fine, coarse = (
+            (binned_field(displacement_x, side), binned_field(displacement_y, side))
+            for side in (binning, 2 * binning)
+        )
+        return cls(binning, fine, coarse)
+
+    def find(self, fine: Textures, *, threads: int = 1) -> Drift:
+        """Measure the drift of a frame pair.
+
+        Parameters
+        ----------
+        fine : Textures
+            Of both cameras in the orientation of camera 1, on the pixels of the search.
+        threads : int
+            Threads to use.
+
+        Returns
+        -------
+        Drift
+            In pixels of the frame; NaN if the textures do not correlate beyond chance.
+        """
+        # the finer textures are halved: normalising twice would take as long as the search
+        coarse = Textures(*_halve(fine.a, fine.weight), *_halve(fine.b, fine.weight_b))
+        start = _find_start(coarse, self.coarse, threads)
+        return _finish_search(fine, self.fine, 2 * start, self.binning, threads)
+
+
+def _halve(texture: Image, weight: Image) -> tuple[Image, Image]:
+    """Mean texture over squares of 2 px; weight 1 where more than half of the square counts.
+
+    `binned` does the same, and takes a millisecond a pair more for images that may hold NaN.
+    """
+    size = texture.shape[1] // 2, texture.shape[0] // 2
+    texture, weight = (image[: 2 * size[1], : 2 * size[0]] for image in (texture, weight))
+    total = cv2.resize(texture, size, interpolation=cv2.INTER_AREA)
+    if weight.min() > MOST:
+        return np.asarray(total), np.ones_like(total)
+    sound = cv2.resize(weight, size, interpolation=cv2.INTER_AREA)
+
+    # the texture is 0 where the weight is
+    ok = sound > MOST
+    return np.where(ok, total / np.where(ok, sound, 1), np.float32(0)), ok.astype(np.float32)
+
+
+def _find_start(views: Textures, field: tuple[Image, Image], threads: int) -> Array:
+    """Translation by the cross-correlation to the pixel, by Gauss-Newton to a fraction. [px]"""
     spline = views.spline(threads)
-    b = laid_over(spline, coarse.dx, coarse.dy, (0.0, 0.0), threads)
+    b = laid_over(spline, *field, (0.0, 0.0), threads)
     shift = whole_pixels(*(fold_quarters(image) for image in (views.a, b)))
 
     # in large images every other row of cells is enough for the start of the fine step
@@ -335,24 +322,32 @@ def match_textures(coarse: Matching, fine: Matching, binning: int, *, threads: i
     step = np.zeros(2)
     for count in range(COARSE_STEPS):
         if shift.any():
-            b = _parts_laid_over(spline, coarse, shift, part, threads)
+            b = _parts_laid_over(spline, field, shift, part, threads)
         before, step = step, _step(cell_sums(views.a, views.weight, b, STEP, only=part)[part])
         shift = shift + (step / _step_ratio(before, before - step) if count else step)
+    return np.asarray(shift)
 
-    views, shift = fine.views, 2 * shift
+
+def _finish_search(
+    views: Textures, field: tuple[Image, Image], shift: Array, binning: int, threads: int
+) -> Drift:
+    """One more step from a start [binned px], with its standard deviation.
+
+    The five-point derivative falls short of the slope of a fine texture, so a step is too long. A
+    second look at a part of the cells shows how far, and the step is corrected.
+    """
     spline = views.spline(threads)
-    b = laid_over(spline, fine.dx, fine.dy, (shift[0], shift[1]), threads)
+    b = laid_over(spline, *field, (shift[0], shift[1]), threads)
     sums = cell_sums(views.a, views.weight, b, STEP, threads=threads)
     quality = correlation(sums)
-    products = sums[..., AB][sums[..., WEIGHT] > 0]
-    if products.size < FEWEST_CELLS or not beyond_chance(products):
-        return Drift(*NO_DRIFT, quality)
+    if not beyond_chance(sums[..., AB][sums[..., WEIGHT] > 0]):
+        return Drift(np.nan, np.nan, np.nan, np.nan, quality)
 
     # a part of the cells again, after the step; their equations stay those before it
     sums = without_noise(sums)
     step = np.array(solve_shift(sums))
     part = range(min(PART // 2, len(sums) - 1), max(len(sums) - 1, 1), PART)
-    b = _parts_laid_over(spline, fine, shift + step, part, threads)
+    b = _parts_laid_over(spline, field, shift + step, part, threads)
     after = sums.copy()
     after[..., SCORES] = cell_sums(views.a, views.weight, b, STEP, only=part)[..., SCORES]
     moved = np.subtract(solve_shift(sums[part]), solve_shift(after[part]))
@@ -365,15 +360,15 @@ def match_textures(coarse: Matching, fine: Matching, binning: int, *, threads: i
 
 
 def _parts_laid_over(
-    spline: tuple[Image, Mask], textures: Matching, shift: Array, part: range, threads: int
+    spline: tuple[Image, Mask], field: tuple[Image, Image], shift: Array, part: range, threads: int
 ) -> Image:
     """The texture of camera 2 for the sums of some rows of cells; other rows are not set."""
-    height = len(textures.dx)
+    height = len(field[0])
     drift = float(shift[0]), float(shift[1])
     if part.step == 1:  # the bands would overlap
-        return laid_over(spline, textures.dx, textures.dy, drift, threads)
+        return laid_over(spline, *field, drift, threads)
     bands = [(max(r * STEP - EDGE, 0), min((r + 1) * STEP + EDGE, height)) for r in part]
-    return laid_over(spline, textures.dx, textures.dy, drift, threads, only=bands)
+    return laid_over(spline, *field, drift, threads, only=bands)
 
 
 def _step(sums: Array) -> Array:
@@ -394,7 +389,7 @@ def rough_drift(
 ) -> Array:
     """Measure the drift of textures against a dense displacement to some hundredths of a pixel.
 
-    Only the first half of `follow_drift`, on the textures themselves after binning.
+    Only the first half of a `DriftSearch`, on the textures themselves after binning.
 
     Returns
     -------
@@ -413,10 +408,8 @@ def rough_drift(
         sums = cell_sums(small.a, small.weight, b, ROUGH_STEP, threads=threads)
         shift = shift + np.array(solve_shift(without_noise(sums)))
 
-    products = sums[..., AB][sums[..., WEIGHT] > 0]
-    if products.size < FEWEST_CELLS or not beyond_chance(products):
-        return np.full(2, np.nan)
-    return binning * shift
+    found = beyond_chance(sums[..., AB][sums[..., WEIGHT] > 0])
+    return binning * shift if found else np.full(2, np.nan)
 
 
 def beyond_chance(products: Array) -> bool:
@@ -426,6 +419,8 @@ def beyond_chance(products: Array) -> bool:
     outshine the rest: the rim of a bubble widens the scatter about the mean, not about the median.
     The median of normal values has sqrt(pi/2) times the standard error of their mean.
     """
+    if products.size < FEWEST_CELLS:
+        return False
     error = np.sqrt(1 / products.size)
     median = float(np.median(products))
     spread = robust_rms(products - median)

@@ -14,9 +14,10 @@ from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import RegistrationError
 from erlif.registration.camera_map import CameraMap
 from erlif.registration.coarse import Start, coarse_binning, find_start
-from erlif.registration.drift import follow_drift
+from erlif.registration.drift import DriftSearch
+from erlif.registration.interpolation import laid_over
 from erlif.registration.matching import AB, WEIGHT, cell_sums, correlation
-from erlif.registration.pairs import Frames, Pair, Pairs, laid_over, open_frames, textures
+from erlif.registration.pairs import Frames, Pair, Pairs, open_frames, textures
 from erlif.registration.selection import (
     FINE_LADDER,
     Model,
@@ -149,7 +150,7 @@ def register_frames(
     settings = RegistrationSettings() if settings is None else settings
     frames = open_frames(pairs, settings)
     number, first, surface = start_with_any(frames)
-    views = Views(frames, first, settings, number=number)
+    views = Views(frames, first, number=number)
     del first  # its textures are kept, so the frame itself need not be
 
     fit = fit_surface(views, surface)
@@ -200,13 +201,7 @@ def start_with_any(frames: Frames) -> Begun:
     failure: RegistrationError | None = None
     for number, pair in enumerate(frames.pick(frames.chosen[:CANDIDATES])):
         try:
-            start = find_start(
-                pair.reference,
-                pair.moving,
-                pair.weight_reference,
-                pair.weight_moving,
-                frames.settings,
-            )
+            start = find_start(pair, frames.settings)
         except RegistrationError as error:
             failure = failure or error
             continue
@@ -232,8 +227,8 @@ def align_small(pair: Pair, start: Start, settings: RegistrationSettings) -> Sur
     Surface
         The displacement. [px]
     """
-    (h, w), (height, width) = pair.reference.shape, pair.moving.shape
-    binning = coarse_binning((min(h, height), min(w, width)))
+    h, w = pair.reference.shape
+    binning = coarse_binning(pair.smaller)
     surface = affine_surface((0.0, float(w), 0.0, float(h)), start.matrix, start.offset)
 
     # two affine and two cubic passes on the smallest images, which small frames get at full size;
@@ -419,13 +414,9 @@ def choose_solution(views: Views, fit: Fit) -> Solution:
 
 def measure_drift(frames: Frames, camera_map: CameraMap) -> Array:
     """Drift (frame, 2) of all frames against a map, x first; NaN without common texture. [px]"""
-    drift = np.empty((frames.count, 2))
+    search = DriftSearch.of(camera_map.displacement_x, camera_map.displacement_y)
+    drift, threads = np.empty((frames.count, 2)), frames.settings.threads
     for number, pair in enumerate(frames.pick(range(frames.count))):
-        found = follow_drift(
-            camera_map.displacement_x,
-            camera_map.displacement_y,
-            pair,
-            threads=frames.settings.threads,
-        )
+        found = search.find(textures(pair, search.binning, threads), threads=threads)
         drift[number] = found.dx, found.dy
     return drift

@@ -5,13 +5,14 @@ up to the third degree. Its coefficients come from a recursive filter along each
 Aldroubi and Eden 1993).
 """
 
+from collections.abc import Sequence
 from typing import Final
 
 import cv2
 import numpy as np
 from numba import njit
 
-from erlif.core.arrays import FAST, AnyArray, Image
+from erlif.core.arrays import FAST, AnyArray, Image, Mask
 from erlif.core.errors import RegistrationError
 from erlif.core.flags import Flag
 from erlif.correction.light import fill_gaps
@@ -475,6 +476,49 @@ def sample_rows(  # type: ignore[no-untyped-def]
     return total, count
 
 
+def laid_over(
+    spline: tuple[Image, Mask],
+    dx: Image,
+    dy: Image,
+    drift: tuple[float, float],
+    threads: int,
+    *,
+    only: Sequence[tuple[int, int]] | None = None,
+) -> Image:
+    """Read an image of camera 2 at the pixels of camera 1.
+
+    Parameters
+    ----------
+    spline : (array, array)
+        Coefficients of camera 2 and its marked pixels, as for `sample_spline`.
+    dx, dy : array, (y, x), float32
+        Displacement at each pixel of camera 1. [px]
+    drift : (float, float)
+        Translation (x, y) that is added to the displacement. [px]
+    threads : int
+        Threads to use.
+    only : sequence of (int, int), optional
+        Bands of rows, first and behind the last, that are read; the others are not set.
+
+    Returns
+    -------
+    array, (y, x), float32
+        NaN as for `sample_spline`.
+    """
+    out = np.empty(dx.shape, np.float32)
+    coefficients, bad = spline
+    x, y = float(drift[0]), float(drift[1])
+    if only is not None:
+        for s, t in only:
+            sample_spline(coefficients, dx, dy, x, y, bad, out, s, t)
+        return out
+
+    in_bands(
+        lambda s, t: sample_spline(coefficients, dx, dy, x, y, bad, out, s, t), dx.shape[0], threads
+    )
+    return out
+
+
 def warp(
     image: AnyArray,
     displacement_x: AnyArray,
@@ -544,12 +588,7 @@ def warp(
     coefficients = spline_coefficients(image, threads=threads)
     dx = np.ascontiguousarray(displacement_x, np.float32)
     dy = np.ascontiguousarray(displacement_y, np.float32)
-    out = np.empty(dx.shape, np.float32)
-    x, y = float(drift[0]), float(drift[1])
-    in_bands(
-        lambda a, b: sample_spline(coefficients, dx, dy, x, y, bad, out, a, b), dx.shape[0], threads
-    )
-    return out
+    return laid_over((coefficients, bad), dx, dy, drift, threads)
 
 
 def interpolation_variance_factor(

@@ -232,10 +232,7 @@ def cell_sums(
     else:
         inverse = (1 / (ROBUST * np.maximum(scale, LEAST_RMS)) ** 2).astype(np.float32)
         limit = np.repeat(inverse, step, axis=1)
-        limit = np.concatenate(
-            [limit, np.repeat(limit[:, -1:], w - limit.shape[1], axis=1)], axis=1
-        )
-        limit = np.ascontiguousarray(np.concatenate([limit, limit[-1:]], axis=0))
+        limit = np.pad(limit, ((0, 1), (0, w - limit.shape[1])), mode="edge")
 
     if only is not None:
         for r in only:

@@ -8,8 +8,7 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Image, Mask
 from erlif.core.errors import RegistrationError
-from erlif.registration.bands import in_bands
-from erlif.registration.interpolation import NOTHING_BAD, sample_spline, spline_coefficients
+from erlif.registration.interpolation import NOTHING_BAD, spline_coefficients
 from erlif.registration.normalise import REACH, binned, normalise
 from erlif.registration.settings import RegistrationSettings, orient
 
@@ -50,6 +49,18 @@ class Pair:
 
     weight_moving: Image | None = None
 
+    @property
+    def smaller(self) -> tuple[int, int]:
+        """Rows and columns that both cameras have."""
+        (h, w), (height, width) = self.reference.shape, self.moving.shape
+        return min(h, height), min(w, width)
+
+    def turned(self, orientation: str) -> tuple[AnyArray, Image | None]:
+        """Camera 2 and its weight in another orientation."""
+        moving, weight = self.moving, self.weight_moving
+        turned = None if weight is None else np.ascontiguousarray(orient(weight, orientation))
+        return np.ascontiguousarray(orient(moving, orientation)), turned
+
 
 def make_pair(
     reference: AnyArray,
@@ -81,25 +92,16 @@ def make_pair(
         If the arrays are not images of at least 64 by 64 pixels, or a weight does not fit its
         image.
     """
-    reference, weight_reference = _checked(1, reference, weight_reference)
-    moving, weight_moving = _checked(2, moving, weight_moving)
-
-    moving = orient(moving, settings.orientation)
-    if weight_moving is not None:
-        weight_moving = orient(weight_moving, settings.orientation)
-
-    return Pair(
-        _contiguous(reference),
-        _contiguous(moving),
-        _weight(reference, weight_reference),
-        _weight(moving, weight_moving),
-    )
+    one, weight_one = _checked(1, reference, weight_reference)
+    two, weight_two = _checked(2, moving, weight_moving)
+    turned, weight_turned = Pair(one, two, weight_one, weight_two).turned(settings.orientation)
+    return Pair(one, turned, weight_one, weight_turned)
 
 
 def _checked(
     camera: int, image: AnyArray, weight: AnyArray | None
-) -> tuple[AnyArray, AnyArray | None]:
-    """Refuse what is not a grey image with its weight."""
+) -> tuple[AnyArray, Image | None]:
+    """The image and its weight as the kernels take them; anything but a grey image is refused."""
     image = np.asarray(image)
     if image.ndim != 2 or min(image.shape) < SMALLEST_SIDE or image.dtype.kind not in "uif":
         raise RegistrationError(
@@ -107,30 +109,19 @@ def _checked(
             f"pixels; camera {camera} has {image.dtype} of shape {image.shape}. "
             "Pass one frame of each camera."
         )
-    if weight is None:
-        return image, None
-
-    weight = np.asarray(weight)
-    if weight.shape != image.shape:
+    if weight is not None and np.shape(weight) != image.shape:
         raise RegistrationError(
-            f"The weight of camera {camera} has shape {weight.shape}, its image {image.shape}; "
+            f"The weight of camera {camera} has shape {np.shape(weight)}, its image {image.shape}; "
             "pass one weight for each pixel."
         )
-    return image, weight
-
-
-def _contiguous(image: AnyArray) -> AnyArray:
-    """The image in a type for which the kernels are compiled."""
-    if image.dtype not in (np.uint16, np.float32):
-        image = image.astype(np.float32)
-    return np.ascontiguousarray(image)
-
-
-def _weight(image: AnyArray, weight: AnyArray | None) -> Image | None:
-    """The weight in single precision; made from the image where that is not finite."""
     if weight is None and image.dtype.kind == "f" and not np.isfinite(image).all():
         weight = np.isfinite(image)
-    return None if weight is None else np.ascontiguousarray(weight, np.float32)
+
+    # the types for which the kernels are compiled
+    if image.dtype not in (np.uint16, np.float32):
+        image = image.astype(np.float32)
+    image = np.ascontiguousarray(image)
+    return image, None if weight is None else np.ascontiguousarray(weight, np.float32)
 
 
 @dataclass(frozen=True)
@@ -165,63 +156,28 @@ class Textures:
 
 def textures(pair: Pair, binning: int, threads: int) -> Textures:
     """Normalise both frames, binned first if ``binning`` is above 1."""
-    if binning == 1:
-        a, wa = normalise(pair.reference, pair.weight_reference, threads=threads)
-        b, wb = normalise(pair.moving, pair.weight_moving, threads=threads)
-        return Textures(a, wa, b, wb)
+    one, two = (pair.reference, pair.weight_reference), (pair.moving, pair.weight_moving)
+    if binning > 1:
+        one, two = binned(*one, binning), binned(*two, binning)
+    return normalise_both(*one, *two, binning=binning, threads=threads)
 
+
+def normalise_both(
+    one: AnyArray,
+    weight_one: AnyArray | None,
+    two: AnyArray,
+    weight_two: AnyArray | None,
+    *,
+    binning: int,
+    threads: int = 1,
+) -> Textures:
+    """The textures of images that are binned already."""
     # the window covers the same field of view, but enough binned pixels for a mean
     reach = max(REACH / binning, LEAST_REACH)
-    a, wa = normalise(
-        *binned(pair.reference, pair.weight_reference, binning), reach=reach, threads=threads
+    return Textures(
+        *normalise(one, weight_one, reach=reach, threads=threads),
+        *normalise(two, weight_two, reach=reach, threads=threads),
     )
-    b, wb = normalise(
-        *binned(pair.moving, pair.weight_moving, binning), reach=reach, threads=threads
-    )
-    return Textures(a, wa, b, wb)
-
-
-def laid_over(
-    spline: tuple[Image, Mask],
-    dx: Image,
-    dy: Image,
-    drift: tuple[float, float],
-    threads: int,
-    *,
-    only: Sequence[tuple[int, int]] | None = None,
-) -> Image:
-    """Read the texture of camera 2 at the pixels of camera 1.
-
-    Parameters
-    ----------
-    spline : (array, array)
-        From `Textures.spline`.
-    dx, dy : array, (y, x), float32
-        Displacement at each pixel of camera 1. [px]
-    drift : (float, float)
-        Translation (x, y) that is added to the displacement. [px]
-    threads : int
-        Threads to use.
-    only : sequence of (int, int), optional
-        Bands of rows, first and behind the last, that are read; the others are not set.
-
-    Returns
-    -------
-    array, (y, x), float32
-        The texture; NaN where camera 2 has none.
-    """
-    out = np.empty(dx.shape, np.float32)
-    coefficients, bad = spline
-    x, y = float(drift[0]), float(drift[1])
-    if only is not None:
-        for s, t in only:
-            sample_spline(coefficients, dx, dy, x, y, bad, out, s, t)
-        return out
-
-    in_bands(
-        lambda s, t: sample_spline(coefficients, dx, dy, x, y, bad, out, s, t), dx.shape[0], threads
-    )
-    return out
 
 
 @dataclass(frozen=True)

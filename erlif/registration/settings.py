@@ -34,6 +34,9 @@ _TURNS: Final[dict[str, Callable[[AnyArray], AnyArray]]] = {
 ORIENTATIONS: Final[tuple[str, ...]] = tuple(_TURNS)
 """The eight ways in which camera 2, behind mirrors or turned in its mount, can see the scene."""
 
+MODELS: Final = ("auto", "surface", "local")
+"""What the displacement may be made of, see `RegistrationSettings`."""
+
 SMALLEST_STEP: Final = 4
 """Smallest side of a cell: the five-point derivative reaches as far. [px]"""
 
@@ -105,15 +108,12 @@ class RegistrationSettings:
     threads: int = 2
 
     def __post_init__(self) -> None:
-        if self.orientation not in _TURNS:
-            raise RegistrationError(
-                f"orientation must be one of {', '.join(ORIENTATIONS)}; got {self.orientation!r}. "
-                "Correct it in the settings of the registration."
-            )
-        if self.model not in ("auto", "surface", "local"):
-            raise RegistrationError(
-                f"model must be auto, surface or local; got {self.model!r}. Correct the settings."
-            )
+        for name, words in (("orientation", ORIENTATIONS), ("model", MODELS)):
+            if getattr(self, name) not in words:
+                raise RegistrationError(
+                    f"{name} must be one of {', '.join(words)}; got {getattr(self, name)!r}. "
+                    "Correct it in the settings of the registration."
+                )
 
         # a window spans at least two cells
         narrow = not SMALLEST_STEP <= self.step <= self.window / 2

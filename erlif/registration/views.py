@@ -14,6 +14,7 @@ from scipy import ndimage
 from erlif.core.arrays import Array, Image, Mask
 from erlif.core.errors import RegistrationError
 from erlif.registration.drift import rough_drift
+from erlif.registration.interpolation import laid_over
 from erlif.registration.matching import (
     EE,
     GRADIENT_PRODUCTS,
@@ -26,8 +27,7 @@ from erlif.registration.matching import (
     solve_shift,
     without_noise,
 )
-from erlif.registration.pairs import Frames, Pair, Textures, laid_over, textures
-from erlif.registration.settings import RegistrationSettings
+from erlif.registration.pairs import Frames, Pair, Textures, textures
 from erlif.registration.surface import Cells, Surface, cell_weights
 from erlif.registration.whitening import Filter, Spectra, measure_spectra, padded_size, whiten
 
@@ -156,10 +156,6 @@ class Compared(Seen):
 
     Attributes
     ----------
-    sums : Array
-        (row, column, 11)
-    surface : Surface
-        Where the sums hold: the given surface and the mean drift that was found. [px]
     spectra : Spectra
         Spectra of the textures.
     """
@@ -194,11 +190,9 @@ class Views:
     large for that are read again in every pass.
     """
 
-    def __init__(
-        self, frames: Frames, first: Pair, settings: RegistrationSettings, *, number: int = 0
-    ) -> None:
+    def __init__(self, frames: Frames, first: Pair, *, number: int = 0) -> None:
         self.frames = frames
-        self.settings = settings
+        self.settings = settings = frames.settings
         self.shape = (first.reference.shape[0], first.reference.shape[1])
         self.shape_moving = (first.moving.shape[0], first.moving.shape[1])
         self.merge = 2 if min(self.shape) >= LARGE else 1

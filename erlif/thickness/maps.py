@@ -101,12 +101,11 @@ def measure_thickness(ratios: RatioImages, calibration: Calibration) -> Thicknes
         )
 
     dims = ratios.log_ratio.dims
-    images_by_name = {
-        "thickness": thickness,
-        "thickness_std": std,
-        "thickness_std_shared": std_shared,
+    names = ("thickness", "thickness_std", "thickness_std_shared")
+    described = {
+        name: (dims, image, FILM[name].attrs)
+        for name, image in zip(names, (thickness, std, std_shared), strict=True)
     }
-    described = {name: (dims, image, FILM[name].attrs) for name, image in images_by_name.items()}
     others = {"log_ratio_near": (dims, near, _NEAR), "flags": (dims, flags, FLAG_ATTRS)}
     return ThicknessMaps(xr.Dataset(described | others, ratios.coords))
 

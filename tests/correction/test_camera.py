@@ -16,14 +16,6 @@ def measure(darks, flats, *, histogram=EMPTY, shape=SHAPE):
     )
 
 
-def fit(measured):
-    return fit_photon_transfer(
-        measured.levels,
-        dark_variance=measured.darks.temporal_var,
-        dark_variance_std=measured.darks.temporal_var_std,
-    )
-
-
 def test_levels_and_light_are_those_of_the_flats(simulated):
     rng = np.random.default_rng(2)
     camera = simulated(shape=SHAPE)
@@ -49,7 +41,9 @@ def test_gain_of_many_cameras_scatters_by_its_standard_deviation(simulated, chec
         )
         levels = camera.gain * np.array([600, 2400])
         flats = camera.flats(levels, 3, rng, flicker=0.01)
-        found = fit(measure(camera.darks(8, rng), flats, shape=camera.shape))
+        measured = measure(camera.darks(8, rng), flats, shape=camera.shape)
+        dark, std = measured.darks.temporal_var, measured.darks.temporal_var_std
+        found = fit_photon_transfer(measured.levels, dark_variance=dark, dark_variance_std=std)
         pulls.append((found.gain - camera.gain) / found.gain_std)
     # of 50, 3.5 binomial standard deviations are 23 % at one sigma and 10 % at two
     check_coverage(pulls)

@@ -23,12 +23,6 @@ def even_pages(count, level=64):
     return [np.full(SHAPE, level, np.uint16) for _ in range(count)]
 
 
-def alternating(count, amplitude):
-    """Pages that swing about 1000 DN: amplitude^2 n/(n - 1) is the variance of each pixel."""
-    signs = np.resize([1, -1], count)
-    return [1000.0 + sign * np.broadcast_to(amplitude, SHAPE) for sign in signs]
-
-
 # level and noise
 
 
@@ -99,14 +93,10 @@ def test_two_pages_of_a_quiet_camera_have_few_noisy_pixels(sigma):
     npt.assert_allclose(np.mean(found), expected, rtol=0.05)
 
 
-def test_a_single_page_has_no_variance():
+def test_one_page_has_no_variance_and_none_is_refused():
     darks = reduce_darks(even_pages(1))
     assert (darks.pages, darks.mean_var, darks.temporal_var) == (1, 0, None)
-    assert np.isnan(darks.level_std)
-    assert np.isnan(darks.spread)
-
-
-def test_no_page_is_refused():
+    assert np.isnan([darks.level_std, darks.spread]).all()
     with pytest.raises(FrameError, match="at least one dark page"):
         reduce_darks([])
 
@@ -146,7 +136,8 @@ def test_the_level_is_that_of_the_good_pixels(simulated):
 def test_the_limit_for_noisy_pixels_is_a_chance_of_1e_7(amplitude, pages, share, noisy):
     """All pixels have one variance, which is the median of a chi-square of n - 1 degrees.
 
-    One count squared is added, which matters for a quiet camera.
+    The pages swing about 1000 DN: the variance of a pixel is amplitude^2 n/(n - 1). One count
+    squared is added, which matters for a quiet camera.
     """
     freedom = pages - 1
     variance = amplitude**2 * pages / freedom
@@ -154,7 +145,7 @@ def test_the_limit_for_noisy_pixels_is_a_chance_of_1e_7(amplitude, pages, share,
     limit = typical * chi2.isf(1e-7, freedom) / freedom + 1
     swing = np.full(SHAPE, amplitude)
     swing[30, 40] = amplitude * np.sqrt(share * limit / variance)
-    darks = reduce_darks(alternating(pages, swing))
+    darks = reduce_darks(1000.0 + sign * swing for sign in np.resize([1, -1], pages))
     assert darks.bad[30, 40] == noisy
     assert darks.bad.sum() == int(noisy)
 
@@ -173,24 +164,16 @@ def test_mean_light_and_its_share_of_the_light_of_the_run(simulated):
     noise = np.sqrt((240 + 2 * 81) / 16 / found.light.size)
     npt.assert_allclose(4.4 * found.light.mean(), 240, atol=5 * noise)
     assert found.share == pytest.approx(0.03, abs=0.002)
-
-
-def test_no_pages_are_no_background():
-    darks = declare_darks(64.0, (4, 4))
-    assert reduce_background([], darks=darks, histogram=np.ones(9), camera="camera1") is None
+    assert reduce_background([], darks=darks, histogram=run, camera="camera1") is None
 
 
 def test_frames_of_a_film_are_refused_as_background(simulated):
     camera = simulated(shape=(60, 64))
     rng = np.random.default_rng(5)
     run = count_pixels(camera.expose(8000, rng), 4095)
+    darks, page = declare_darks(64.0, camera.shape), camera.expose(8000, rng)
     with pytest.raises(FrameError, match=r"camera2 .*dry .*100%"):
-        reduce_background(
-            [camera.expose(8000, rng)],
-            darks=declare_darks(64.0, camera.shape),
-            histogram=run,
-            camera="camera2",
-        )
+        reduce_background([page], darks=darks, histogram=run, camera="camera2")
 
 
 def test_references_hold_the_background_with_the_variance_of_its_mean(simulated):
@@ -198,15 +181,9 @@ def test_references_hold_the_background_with_the_variance_of_its_mean(simulated)
     camera = simulated(shape=(60, 64))
     rng = np.random.default_rng(6)
     histogram = count_pixels(camera.expose(8000, rng), 4095)
+    both = {"darks": 64.0, "flats": (), "histogram": histogram, "shape": camera.shape}
     measured = [
-        measure_camera(
-            darks=64.0,
-            flats=(),
-            histogram=histogram,
-            shape=camera.shape,
-            camera="camera1",
-            background=dry,
-        )
+        measure_camera(**both, camera="camera1", background=dry)
         for dry in ([camera.expose(400, rng) for _ in range(5)], ())
     ]
     found = make_references(measured, declared=[DeclaredNoise(4.4, 9.0)] * 2)

@@ -10,7 +10,6 @@ from erlif.correction.flats import reduce_flats, sum_light
 
 SHAPE = (50, 60)
 DARK = np.full(SHAPE, 64.0)
-NONE = np.zeros(SHAPE, bool)
 EMPTY = np.zeros(4096, np.int64)
 
 
@@ -61,18 +60,15 @@ def test_a_page_with_more_than_a_thousandth_of_saturated_pixels_is_left_out(satu
     assert len(reduce([page(2000), bright]).stacks) == 1 + kept
 
 
-def piled_up(top, rng, mean=3300):
-    return np.minimum(rng.normal(mean, 150, SHAPE).round(), top).astype(np.uint16)
-
-
 def test_pages_that_saturate_below_full_scale_are_left_out_and_show_the_count():
     rng = np.random.default_rng(1)
-    found = reduce([page(1000), piled_up(3300, rng), piled_up(3300, rng)])
+    piled = (np.minimum(rng.normal(3300, 150, SHAPE).round(), 3300) for _ in range(2))
+    found = reduce([page(1000), *(image.astype(np.uint16) for image in piled)])
     assert found.saturation == 3300
     assert [stack.count for stack in found.stacks] == [1]
 
 
-@pytest.mark.parametrize("light", [0, 40, 81])
+@pytest.mark.parametrize("light", [-3, 0, 40, 81])
 def test_flats_below_a_fiftieth_of_full_scale_are_refused(light):
     with pytest.raises(FrameError, match="flats of camera2 well above dark and below saturation"):
         reduce([page(light)])
@@ -82,22 +78,14 @@ def test_flats_below_a_fiftieth_of_full_scale_are_refused(light):
 def test_a_page_without_light_is_left_out(first):
     (stack,) = reduce([page(first), page(1000), page(1000)]).stacks
     npt.assert_array_equal(stack.mean, 1000)
-    with pytest.raises(FrameError, match="well above dark"):
-        reduce([page(first)])
 
 
 # response
 
 
-def field(total, *, pages=1, dark_var=0.0, bad=NONE, gain=4.0, page_var=0.0):
-    return make_flat_field(
-        total,
-        pages,
-        dark_var=np.full(total.shape, dark_var),
-        bad=bad,
-        gain=gain,
-        page_var=page_var,
-    )
+def field(total, *, pages=1, dark_var=0.0, bad=None, gain=4.0, page_var=0.0):
+    bad, dark = np.zeros(total.shape, bool) if bad is None else bad, np.full(total.shape, dark_var)
+    return make_flat_field(total, pages, dark_var=dark, bad=bad, gain=gain, page_var=page_var)
 
 
 def test_variance_of_the_response_has_a_closed_form():
@@ -138,8 +126,7 @@ def test_a_dark_patch_is_dead_below_a_fiftieth_of_the_mean(share, dead):
 def test_a_bad_pixel_takes_the_response_of_its_surroundings_and_is_not_called_dead():
     total = np.full(SHAPE, 1000.0)
     total[20, 30] = 1400.0
-    bad = NONE.copy()
-    bad[20, 30] = True
+    bad = total > 1000
     found = field(total, bad=bad)
     assert not found.dead.any()
     npt.assert_allclose(found.response, 1.0)  # the mean is that of the good pixels
@@ -152,14 +139,9 @@ def test_error_bars_of_the_response_cover_the_truth(simulated, check_coverage):
     pages = camera.flats((3000, 7000, 12000), 8, rng)
     darks = np.mean(camera.darks(16, rng), axis=0)
     levels = reduce(pages, dark=darks)
-    found = make_flat_field(
-        sum_light(levels.stacks),
-        24,
-        dark_var=np.full(camera.shape, camera.temporal_var / 16),
-        bad=np.zeros(camera.shape, bool),
-        gain=camera.gain,
-        page_var=camera.temporal_var,
-    )
+    noise = camera.temporal_var
+    total, known = sum_light(levels.stacks), {"gain": camera.gain, "page_var": noise}
+    found = field(total, pages=24, dark_var=noise / 16, **known)
     truth = camera.response / camera.response.mean()
     pulls = (found.response - truth) / np.sqrt(found.response_var)
     # 5760 pixels: 3.5 binomial standard deviations are 2.1 % at one sigma, 1 % at two

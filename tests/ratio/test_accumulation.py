@@ -2,39 +2,33 @@
 
 import numpy as np
 import numpy.testing as npt
-import pytest
-import xarray as xr
+from scenes.pair import ratio_images
 
 from erlif.core.flags import Flag
-from erlif.core.products import RatioImages
-from erlif.ratio import PairRatio, RatioSum, combine_frames
+from erlif.ratio import PairRatio, RatioSum
 
 
-def ratio_images(values, variances, flags=None, fixed=0.0):
-    dims = ("frame", "y", "x")
-    return RatioImages(
-        xr.Dataset(
-            {
-                "log_ratio": (dims, values),
-                "log_ratio_var": (dims, variances),
-                "log_ratio_var_fixed": (dims, np.full(values.shape, fixed)),
-                "log_ratio_var_shared": (dims, np.full(values.shape, 1e-6)),
-                "flags": (dims, np.zeros(values.shape, np.uint8) if flags is None else flags),
-            }
-        )
-    )
+def combine(values, variances, **images):
+    """The mean over frames, and their number."""
+    given = ratio_images(values, variances, shared=1e-6, **images)
+    total = RatioSum(values.shape[1:])
+    for n in range(len(values)):
+        total.add(PairRatio.of(given, n))
+    assert total.frames == len(values)
+    return total.mean()
 
 
 def test_frames_are_combined_with_inverse_variance_weights():
     rng = np.random.default_rng(5)
     values = rng.normal(size=(4, 8, 9))
     variances = np.broadcast_to(rng.uniform(1, 3, (4, 1, 1)), values.shape)
-    combined = combine_frames(ratio_images(values, variances))
+    combined = combine(values, variances)
     weights = 1 / variances
-    npt.assert_allclose(combined.log_ratio, (weights * values).sum(0) / weights.sum(0), rtol=1e-5)
-    npt.assert_allclose(combined.log_ratio_var, 1 / weights.sum(0), rtol=1e-5)
+    mean = (weights * values).sum(0) / weights.sum(0)
+    npt.assert_allclose(combined.log_ratio, mean, rtol=1e-5, atol=1e-7)
+    npt.assert_allclose(combined.variance, 1 / weights.sum(0), rtol=1e-5)
     # the registration error is the same in every frame
-    npt.assert_allclose(combined.log_ratio_var_shared, 1e-6, rtol=1e-5)
+    npt.assert_allclose(combined.variance_shared, 1e-6, rtol=1e-5)
 
 
 def test_weights_are_not_correlated_with_the_noise():
@@ -44,12 +38,12 @@ def test_weights_are_not_correlated_with_the_noise():
     values = np.log(two / one) + 0.5 * (1 / two - 1 / one)
     own = 1 / one + 1 / two
     weighted = ((values / own).sum(0) / (1 / own).sum(0)).mean() - np.log(2 / 3)
-    combined = combine_frames(ratio_images(values, own))
+    combined = combine(values, own)
     left = float(combined.log_ratio.mean()) - np.log(2 / 3)
     scatter = np.sqrt((1 / 300 + 1 / 200) / values.size)
     assert weighted > 5 * scatter  # the bias of weights by the pixels' own variance
     assert abs(left) < 3 * scatter
-    npt.assert_allclose(combined.log_ratio_var.mean(), (1 / 300 + 1 / 200) / 30, rtol=0.02)
+    npt.assert_allclose(combined.variance.mean(), (1 / 300 + 1 / 200) / 30, rtol=0.02)
 
 
 def test_noise_of_dark_and_flat_does_not_average_out():
@@ -57,11 +51,9 @@ def test_noise_of_dark_and_flat_does_not_average_out():
     rng = np.random.default_rng(6)
     shape = (100, 100, 120)
     values = rng.normal(0, 0.02, shape) + rng.normal(0, 0.005, shape[1:])
-    combined = combine_frames(
-        ratio_images(values, np.full(shape, 0.02**2 + 0.005**2), fixed=0.005**2)
-    )
-    npt.assert_allclose(combined.log_ratio_var, 0.02**2 / 100 + 0.005**2, rtol=1e-4)
-    npt.assert_allclose(combined.log_ratio.values.var(), combined.log_ratio_var.mean(), rtol=0.04)
+    combined = combine(values, 0.02**2 + 0.005**2, fixed=0.005**2)
+    npt.assert_allclose(combined.variance, 0.02**2 / 100 + 0.005**2, rtol=1e-4)
+    npt.assert_allclose(combined.log_ratio.var(), combined.variance.mean(), rtol=0.04)
 
 
 def test_a_pixel_is_valid_by_any_frame_and_keeps_all_flags_otherwise():
@@ -69,23 +61,16 @@ def test_a_pixel_is_valid_by_any_frame_and_keeps_all_flags_otherwise():
     flags = np.zeros((2, 2, 2), np.uint8)
     flags[0, 0, 0] = Flag.NO_FILM
     flags[:, 1, 1] = Flag.DIM, Flag.SATURATED
-    total = RatioSum((2, 2))
-    for n in range(2):
-        total.add(PairRatio.of(ratio_images(values, np.ones((2, 2, 2)), flags), n))
-    mean = RatioImages(total.mean().to_images().isel(frame=0))
-    npt.assert_allclose(mean.log_ratio.values[0], [3.0, 2.0])
+    mean = combine(values, 1.0, flags=flags)
+    npt.assert_allclose(mean.log_ratio[0], [3.0, 2.0])
     npt.assert_array_equal(mean.flags, [[0, 0], [0, Flag.DIM | Flag.SATURATED]])
-    assert np.isnan(mean.log_ratio.values[1, 1])
+    assert np.isnan(mean.log_ratio[1, 1])
 
 
-@pytest.fixture
-def frames():
-    rng = np.random.default_rng(9)
-    return ratio_images(rng.normal(size=(3, 12, 15)), rng.uniform(1, 2, (3, 12, 15)), fixed=0.2)
-
-
-def test_a_weight_is_one_over_the_mean_variance_of_the_surroundings(frames):
+def test_a_weight_is_one_over_the_mean_variance_of_the_surroundings():
     """A square of 9 x 9 pixels, without the variance that repeats from frame to frame."""
-    expected = 1 / (frames.log_ratio_var.values[0, 2:11, 3:12] - 0.2).mean()
-    weight = RatioSum((12, 15)).add(PairRatio.of(frames, 0))
+    variance = np.random.default_rng(9).uniform(1, 2, (1, 12, 15))
+    expected = 1 / (variance[0, 2:11, 3:12] - 0.2).mean()
+    images = ratio_images(np.zeros((1, 12, 15)), variance, fixed=0.2)
+    weight = RatioSum((12, 15)).add(PairRatio.of(images))
     npt.assert_allclose(weight[6, 7], expected, rtol=1e-5)

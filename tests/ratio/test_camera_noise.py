@@ -4,14 +4,15 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.pair import given_noise, map_with, ratio_images, unknown
 from scenes.plain import subtract_ghost
 from scipy import ndimage
 
 from erlif.core.errors import FrameError
-from erlif.core.products import AlignedFrames, RatioImages, References
-from erlif.ratio import BlurDifference, NoiseUnknowns, NoiseView, estimate_camera_noise
+from erlif.core.products import AlignedFrames
+from erlif.ratio import BlurDifference, NoiseView, estimate_camera_noise
 from erlif.ratio.camera_noise import _overlap
-from erlif.registration import CameraMap, MapKind, interpolation_variance_factor
+from erlif.registration import interpolation_variance_factor
 
 GAIN = 4.4  # [electron/DN]
 SHAPE = (256, 320)
@@ -43,34 +44,16 @@ def views(
         yield NoiseView(np.log(two / one), 1 / light, 1 / light**2, place)
 
 
-def references(gain=(2.0, 2.0), read_noise=(0.0, 0.0)):
+def references(gain=(2.0, 2.0)):
     """Gains are an assumption where they are to be estimated."""
-    dims = ("camera", "y", "x")
-    return References(
-        xr.Dataset(
-            {
-                "gain": ("camera", np.array(gain, float)),
-                "read_noise": ("camera", np.array(read_noise, float)),
-                "flat": (dims, np.ones((2, *SHAPE))),
-                "flat_var": (dims, np.zeros((2, *SHAPE))),
-                "bad": (dims, np.zeros((2, *SHAPE), bool)),
-            }
-        )
-    )
+    return given_noise(gain, (0.0, 0.0), shape=SHAPE)
 
 
-def unknown(gain=(False, False), read_noise=(False, False), response=(False, False)):
-    return NoiseUnknowns(np.array(gain), np.array(read_noise), np.array(response))
-
-
-def estimate(taken, what, known=None, frames=4):
+def estimate(taken, what, known=None, frames=4, blur=None):
+    known = references() if known is None else known
+    blur = BlurDifference() if blur is None else blur
     return estimate_camera_noise(
-        taken,
-        what,
-        references=references() if known is None else known,
-        blur=BlurDifference(),
-        shape=SHAPE,
-        frames=frames,
+        taken, what, references=known, blur=blur, shape=SHAPE, frames=frames
     )
 
 
@@ -111,14 +94,7 @@ def test_noise_that_the_removed_ghost_adds_is_not_taken_for_shot_noise():
         log_ratio = np.log(two / one)
         subtract_ghost(log_ratio, one, two, blur)
         taken.append(NoiseView(log_ratio, 1 / LIGHT, 1 / LIGHT**2, np.zeros((2, *CELLS))))
-    found = estimate_camera_noise(
-        taken,
-        unknown(gain=(True, True)),
-        references=references(),
-        blur=blur,
-        shape=SHAPE,
-        frames=len(taken),
-    )
+    found = estimate(taken, unknown(gain=(True, True)), frames=6, blur=blur)
     for camera in found.cameras:
         assert abs(camera.gain - GAIN) < 3 * camera.gain_std < 0.1 * GAIN
 
@@ -139,17 +115,12 @@ def test_cameras_at_rest_do_not_determine_the_spread_of_the_response():
     assert all(abs(camera.gain - GAIN) < 3 * camera.gain_std for camera in found.cameras)
 
 
-def test_a_single_frame_does_not_determine_the_gain():
-    taken = views(np.random.default_rng(14), frames=1)
-    with pytest.raises(
-        FrameError, match="frames with enough light and overlap, got 1 with 0 usable"
-    ):
-        estimate(taken, unknown(gain=(False, True)), frames=1)
-
-
-def test_a_single_frame_leaves_the_response_open():
-    taken = views(np.random.default_rng(15), frames=1)
+def test_a_single_frame_leaves_the_response_open_and_does_not_determine_the_gain():
+    taken = list(views(np.random.default_rng(14), frames=1))
     assert estimate(taken, unknown(response=(False, True)), frames=1) is None
+    message = "frames with enough light and overlap, got 1 with 0 usable"
+    with pytest.raises(FrameError, match=message):
+        estimate(taken, unknown(gain=(False, True)), frames=1)
 
 
 def test_noise_that_does_not_rise_with_the_light_is_refused():
@@ -166,8 +137,6 @@ def frame():
     """One frame on a map with a displacement of (0.5, 3) px, and a drift of (0.25, -1) px."""
     shape = (24, 40)
     field = np.ones(shape, np.float32)
-    none = np.zeros(shape, bool)
-    camera_map = CameraMap(0.5 * field, 3 * field, 0 * field, ~none, none, 0.9, MapKind.SURFACE)
     images = np.ones((2, 1, *shape), np.float32)
     dims = ("camera", "frame", "y", "x")
     signal = images * np.reshape([1000, 500], (2, 1, 1, 1))
@@ -183,15 +152,7 @@ def frame():
             {"drift_x": ("frame", [0.25]), "drift_y": ("frame", [-1.0])},
         )
     )
-    flags = np.zeros((1, *shape), np.uint8)
-    flags[0, 2, 3] = 1
-    ratio = xr.Dataset(
-        {
-            "log_ratio": (dims[1:], np.full((1, *shape), np.log(0.5))),
-            "flags": (dims[1:], flags),
-        }
-    )
-    return RatioImages(ratio), unit, camera_map
+    return ratio_images(np.full((1, *shape), np.log(0.5))), unit, map_with(0.5, 3, shape)
 
 
 def test_a_view_has_the_variance_of_single_pixels(frame):
@@ -208,19 +169,14 @@ def test_interpolated_noise_of_differences_has_the_predicted_covariance():
     y, x = np.indices(noise.shape, float)
     kernel = rng.standard_normal((5, 5))
     places = [(0.3, -0.15), (0.45, 0.2)]
-    images = [
-        ndimage.correlate(
-            ndimage.map_coordinates(noise, (y + v, x + u), order=3, mode="grid-wrap"),
-            kernel,
-            mode="wrap",
-        )
-        for u, v in places
-    ]
-    at = [np.reshape(place, (2, 1, 1)) for place in places]
-    for a in (0, 1):
-        for b in (0, 1):
-            expected = (images[a] * images[b]).mean()
-            npt.assert_allclose(_overlap(kernel, at[a], at[b])[0, 0], expected, rtol=0.02)
+    moved = (
+        ndimage.map_coordinates(noise, (y + v, x + u), order=3, mode="grid-wrap") for u, v in places
+    )
+    images = [ndimage.correlate(image, kernel, mode="wrap") for image in moved]
+    at = np.reshape(places, (2, 2, 1, 1))
+    for a, b in np.ndindex(2, 2):
+        expected = (images[a] * images[b]).mean()
+        npt.assert_allclose(_overlap(kernel, at[a], at[b])[0, 0], expected, rtol=0.02)
 
 
 def test_film_and_marks_that_stand_still_have_no_effect():

@@ -3,36 +3,17 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
-import xarray as xr
+from scenes.pair import aligned_frames
 
-from erlif.core.products import AlignedFrames
 from erlif.ratio import compute_ratio
 
 GAIN = 4.4  # [electron/DN]
 
 
-def aligned(one, two, one_var=None, two_var=None, displacement_std=0.0):
-    """Aligned frames (frame, y, x) of two cameras."""
-    signal = np.stack([one, two]).astype(np.float32)
-    variance = np.stack(
-        [one / GAIN if one_var is None else one_var, two / GAIN if two_var is None else two_var]
-    )
-    dims = ("camera", "frame", "y", "x")
-    return AlignedFrames(
-        xr.Dataset(
-            {
-                "signal": (dims, signal),
-                "signal_var": (dims, variance.astype(np.float32)),
-                "signal_var_fixed": (dims, np.zeros(signal.shape, np.float32)),
-                "flags": (dims, np.zeros(signal.shape, np.uint8)),
-                "displacement_std": (
-                    ("y", "x"),
-                    np.full(signal.shape[-2:], displacement_std, np.float32),
-                ),
-            },
-            {"camera": [1, 2]},
-        )
-    )
+def aligned(one, two, *variance, displacement_std=0.0):
+    """Aligned frames (frame, y, x) of two cameras; shot noise alone if no variance is given."""
+    light = np.stack([one, two])
+    return aligned_frames(light, np.stack(variance or light / GAIN), displacement_std)
 
 
 @pytest.fixture

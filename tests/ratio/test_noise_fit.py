@@ -3,17 +3,9 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
-import xarray as xr
+from scenes.pair import given_noise, unknown
 
-from erlif.core.products import References
-from erlif.ratio.noise_fit import (
-    BLOCKS,
-    NoiseCells,
-    NoiseFit,
-    NoiseUnknowns,
-    fit_noise,
-    weigh_gains,
-)
+from erlif.ratio.noise_fit import BLOCKS, NoiseCells, NoiseFit, fit_noise, weigh_gains
 
 CELLS = 1500
 GAIN = np.array([4.4, 2.2])  # [electron/DN]
@@ -40,28 +32,9 @@ def cells(*, gain=GAIN, dark=(0.0, 0.0), pattern=0.0, constant=0.0, pixels=1e10)
     )
 
 
-def references(flat_var=0.0):
-    dims = ("camera", "y", "x")
-    return References(
-        xr.Dataset(
-            {
-                "gain": ("camera", GAIN),
-                "read_noise": ("camera", READ),
-                "flat": (dims, np.full((2, 3, 4), 0.5)),
-                "flat_var": (dims, np.full((2, 3, 4), flat_var)),
-                "bad": (dims, np.zeros((2, 3, 4), bool)),
-            }
-        )
-    )
-
-
-def unknown(gain=(False, False), read_noise=(False, False), response=(False, False)):
-    return NoiseUnknowns(np.array(gain), np.array(read_noise), np.array(response))
-
-
-def fit(given, what, *, one_gain=False, pattern=False, known=None):
-    known = references() if known is None else known
-    return fit_noise(given, known, what, one_gain=one_gain, pattern=pattern)
+def fit(given, what, *, pattern=False, flat_var=0.0):
+    known = given_noise(GAIN, READ, shape=(3, 4), flat=0.5, flat_var=flat_var)
+    return fit_noise(given, known, what, one_gain=False, pattern=pattern)
 
 
 DARK = (READ / GAIN) ** 2  # [DN2]
@@ -91,7 +64,7 @@ def test_response_follows_from_the_pattern():
 def test_the_noise_of_a_flat_is_subtracted():
     """Relative variance 1e-4: 0.25e-4 of a flat of 0.5."""
     given = cells(dark=DARK, pattern=1e-4)
-    found = fit(given, unknown(gain=(True, True)), known=references(flat_var=0.25e-4))
+    found = fit(given, unknown(gain=(True, True)), flat_var=0.25e-4)
     npt.assert_allclose(found.slope, 1 / GAIN, rtol=1e-4)
 
 
@@ -106,9 +79,7 @@ def test_outliers_are_left_out():
 
 
 def noise_fit(slope, variance):
-    slope = np.array(slope, float)
-    covariance = np.diag(np.full(2, float(variance)))
-    return NoiseFit(slope, covariance, 0.0, 0.0, float("nan"), float("nan"))
+    return NoiseFit(np.array(slope), variance * np.eye(2), 0.0, 0.0, np.nan, np.nan)
 
 
 SAME = noise_fit([0.25, 0.25], 1e-8)
@@ -143,14 +114,7 @@ def test_a_response_is_determined_by_a_small_error_or_a_clear_value(response, st
 
 def test_fits_without_scatter_are_not_averaged():
     """Frames of formulas, or none with noise: there is no error with which to compare."""
-
-    def exact(one, two):
-        return NoiseFit(np.array([one, two]), np.zeros((2, 2)), 0.0, 0.0, np.nan, np.nan)
-
-    for slope in (0.0, 0.25):
-        found = weigh_gains(exact(slope, slope), exact(slope, slope))
-        assert found.alike == 1
-        npt.assert_array_equal(found.fit.slope, slope)
-    found = weigh_gains(exact(0.25, 0.25), exact(0.2, 0.3))
-    assert found.alike == 0
-    npt.assert_array_equal(found.fit.slope, (0.2, 0.3))
+    for same, apart in ((0.0, (0.0, 0.0)), (0.25, (0.25, 0.25)), (0.25, (0.2, 0.3))):
+        found = weigh_gains(noise_fit((same, same), 0.0), noise_fit(apart, 0.0))
+        assert found.alike == (apart[0] == apart[1])
+        npt.assert_array_equal(found.fit.slope, apart)

@@ -4,13 +4,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
-from erlif.ratio.planes import (
-    find_steps,
-    fit_one_side,
-    fit_planes,
-    step_distances,
-    weigh_pixels,
-)
+from erlif.ratio.planes import find_steps, fit_one_side, fit_planes, step_distances, weigh_pixels
 
 SHAPE = (21, 25)
 REACH = 4
@@ -50,6 +44,11 @@ def fitted(planes, value, variance, limit=np.inf):
     return smooth, remaining, suspect
 
 
+def one_sided(planes, places, value, variance, smooth, remaining):
+    window, distances = WINDOW.astype(np.float32), step_distances(REACH)
+    fit_one_side(planes, window, distances, places, 4.5**2, value, variance, 0.0, smooth, remaining)
+
+
 def least_squares(i, j, value, variance, use):
     """Weights with which the pixels enter the plane at (i, j), zero outside the window."""
     apart = np.maximum(abs(Y - i), abs(X - j))
@@ -80,10 +79,8 @@ def test_a_step_through_a_pixel_is_suspect(along):
     marked = np.nonzero(suspect.any(axis=0 if along == "x" else 1))[0]
     assert 10 in marked
     assert np.abs(marked - 9.5).max() < REACH
-    _, _, plane = fitted(
-        weigh(0.3 * place, variance, np.ones(SHAPE, bool)), value, variance, 3.5**2
-    )
-    assert not plane.any()
+    tilted = weigh(0.3 * place, variance, np.ones(SHAPE, bool))
+    assert not fitted(tilted, value, variance, limit=3.5**2)[2].any()
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.4, 1.2, np.pi / 2, 2.5])
@@ -93,14 +90,13 @@ def test_a_step_of_any_direction_is_found_and_each_side_keeps_its_level(angle):
     level = np.where(across >= 0, 6.0, 0.0)
     value = (level + 0.05 * X - 0.02 * Y).astype(np.float32)
     variance, sound = np.ones(SHAPE, np.float32), np.ones(SHAPE, bool)
-    planes, distances = weigh(value, variance, sound), step_distances(REACH)
+    planes = weigh(value, variance, sound)
     places = np.argwhere((np.abs(across) < 2) & (np.abs(X - 12) < 6) & (np.abs(Y - 10) < 6))
-    assert find_steps(planes, distances, places, 4.5**2).all()
+    assert find_steps(planes, step_distances(REACH), places, 4.5**2).all()
 
     # lines are rounded to half pixels: pixels half a pixel from the step may change sides
     smooth, remaining = value.copy(), variance.copy()
-    window = WINDOW.astype(np.float32)
-    fit_one_side(planes, window, distances, places, 4.5**2, value, variance, 0.0, smooth, remaining)
+    one_sided(planes, places, value, variance, smooth, remaining)
     clear = tuple(places[np.abs(across[tuple(places.T)]) > 0.5].T)
     assert np.abs(smooth[clear] - value[clear]).max() < 1.0
     assert np.median(np.abs(smooth[clear] - value[clear])) < 0.01
@@ -123,17 +119,6 @@ def test_a_pixel_without_a_step_is_not_changed():
     value = (0.1 * X).astype(np.float32)
     variance, sound = np.ones(SHAPE, np.float32), np.ones(SHAPE, bool)
     smooth, remaining = np.full(SHAPE, 7.0, np.float32), np.full(SHAPE, 0.3, np.float32)
-    fit_one_side(
-        weigh(value, variance, sound),
-        WINDOW.astype(np.float32),
-        step_distances(REACH),
-        np.argwhere(sound),
-        4.5**2,
-        value,
-        variance,
-        0.0,
-        smooth,
-        remaining,
-    )
+    one_sided(weigh(value, variance, sound), np.argwhere(sound), value, variance, smooth, remaining)
     npt.assert_array_equal(smooth, 7.0)
     npt.assert_array_equal(remaining, np.float32(0.3))

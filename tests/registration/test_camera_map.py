@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.pair import map_with
 
 from erlif.core.errors import RegistrationError
 from erlif.registration import CameraMap, MapKind, RegistrationSettings, move_map
@@ -46,20 +47,8 @@ def assert_same(one, other):
 @pytest.mark.parametrize(
     ("kind", "resolution", "stored", "drift", "text"),
     [
-        (
-            MapKind.SURFACE,
-            "polynomial of degree 2",
-            False,
-            None,
-            "surface, polynomial of degree 2",
-        ),
-        (
-            MapKind.SURFACE,
-            "4 x 3 cubic spline elements",
-            True,
-            None,
-            "surface, 4 x 3 cubic spline elements, stored with the calibration",
-        ),
+        (MapKind.SURFACE, "degree 2", False, None, "surface, degree 2"),
+        (MapKind.SURFACE, "4 x 3", True, None, "surface, 4 x 3, stored with the calibration"),
         (
             MapKind.LOCAL,
             "32 px",
@@ -73,7 +62,6 @@ def assert_same(one, other):
     ],
 )
 def test_description_in_a_file_is_read_back(found, kind, resolution, stored, drift, text):
-    """The texts are those of the files that earlier versions have written."""
     camera_map = replace(
         found, kind=kind, resolution=resolution, stored=stored, drift_taken_up=drift
     )
@@ -124,8 +112,7 @@ def test_stored_map_records_the_whole_translation(found):
 
 def test_a_map_shows_displacement_and_error():
     image = np.linspace(1.0, 3.0, 12).reshape(3, 4)
-    seen, nowhere = np.ones((3, 4), bool), np.zeros((3, 4), bool)
-    camera_map = CameraMap(image, -image, 0 * image + 0.02, seen, nowhere, 0.98, MapKind.SURFACE)
+    camera_map = map_with(image, -image, image.shape, std=0.02)
     for shown in (repr(camera_map), camera_map._repr_html_()):
         assert "1.00 to 3.00 px" in shown
         assert "-3.00 to -1.00 px" in shown

@@ -1,6 +1,5 @@
 """Registration against analytic scenes whose displacement is known exactly."""
 
-import gc
 import weakref
 from dataclasses import replace
 
@@ -18,7 +17,6 @@ from erlif.registration import (
     orient,
     register,
     register_frames,
-    warp,
 )
 from erlif.registration.estimate import (
     check_correlation,
@@ -69,16 +67,6 @@ def test_error_bars_are_of_the_size_of_the_error(views, camera_map):
     assert 0.4 < vector_rms(camera_map, views) / announced < 2.5
 
 
-def test_the_map_lays_camera_2_over_camera_1(views, camera_map):
-    """The sign and the frame of the displacement, without using the known map."""
-    moved = warp(views.clean_moving, camera_map.displacement_x, camera_map.displacement_y)
-    inside = np.isfinite(moved) & views.inside()
-    ratio = np.log(moved / views.clean_reference)[inside]
-    shifted = np.log(views.clean_moving / views.clean_reference)[inside]
-    assert ratio.std() < 0.3  # what is left is the ratio field and the texture of camera 2 alone
-    assert shifted.std() > 1.1 * ratio.std()
-
-
 @pytest.mark.parametrize("shape", [(128, 128), (130, 203), (300, 160)])
 def test_small_and_odd_frames_work(shape):
     truth = Scene(shape, 3).photograph(smooth_map(shape, cubic=0.1, quadratic=0.1))
@@ -126,22 +114,15 @@ def test_dust_on_one_camera_is_recognised():
     assert vector_rms(register(*frames), truth) < 0.05
 
 
-def ripple(shape, amplitude, wavelength):
-    smooth = smooth_map(shape)
-
-    def field(x, y):
-        dx, dy = smooth(x, y)
-        k = 2 * np.pi / wavelength
-        return dx + amplitude * np.sin(k * x + 0.3) * np.cos(0.8 * k * y), dy + amplitude * np.cos(
-            k * y + 1
-        ) * np.sin(0.9 * k * x)
-
-    return field
-
-
 def test_local_distortion_is_followed():
     shape = (384, 512)
-    truth = Scene(shape, 5).photograph(ripple(shape, 0.3, 130.0))
+
+    def ripple(x, y):
+        (dx, dy), k = smooth_map(shape)(x, y), 2 * np.pi / 130.0
+        dx = dx + 0.3 * np.sin(k * x + 0.3) * np.cos(0.8 * k * y)
+        return dx, dy + 0.3 * np.cos(k * y + 1) * np.sin(0.9 * k * x)
+
+    truth = Scene(shape, 5).photograph(ripple)
     found = register(truth.reference, truth.moving)
     assert vector_rms(found, truth) < 0.1  # the ripple alone has 0.2
     windows = register(truth.reference, truth.moving, settings=RegistrationSettings(model="local"))
@@ -172,10 +153,10 @@ def test_two_thirds_of_the_errors_lie_within_one_standard_deviation():
     textures = ({}, {"private": 0.0}, {"contrast": 0.04, "private": 0.0})
     hits = []
     for texture in textures:
-        for seed in range(7):
+        for seed in range(4):
             truth = Scene(SHAPE, 100 + seed, **texture).photograph(smooth_map(SHAPE))
             hits.append(within_one_std(register(truth.reference, truth.moving), truth).mean())
-    assert 0.6 < np.mean(hits) < 0.76  # a third of 60 maps: their mean scatters by 0.025
+    assert 0.6 < np.mean(hits) < 0.76  # 12 maps: their mean scatters by 0.03
 
 
 # many frames --------------------------------------------------------------------------------------
@@ -195,46 +176,35 @@ def test_many_weak_frames_give_one_map_and_the_drift_of_each(run):
     npt.assert_allclose(measured.mean(0), 0, atol=1e-9)
 
 
-def test_frames_may_come_from_a_callable_and_are_not_kept(run):
-    frames, *_ = run
+def test_frames_may_come_from_a_callable_and_are_not_kept():
+    frames, *_ = drifting_frames((128, 160), 5, contrast=0.1)
     alive: list[weakref.ref[np.ndarray]] = []
-    most = 0
+    seen = []
 
     def read():
-        nonlocal most
-        for reference, moving, *weights in frames[:5]:
+        for reference, *others in frames:
             copy = reference.copy()
             alive.append(weakref.ref(copy))
-            gc.collect()
-            most = max(most, sum(ref() is not None for ref in alive))
-            yield copy, moving, *weights
+            seen.append(sum(ref() is not None for ref in alive))
+            yield copy, *others
             del copy
 
     once, drift = register_frames(read)
-    again, same = register_frames(frames[:5])
+    again, same = register_frames(frames)
     npt.assert_array_equal(once.displacement_x, again.displacement_x)
     npt.assert_array_equal(drift, same)
-    assert most <= 3  # the first pair, the one before, this one
+    assert max(seen) <= 3  # the first pair, the one before, this one
 
 
 def test_a_misfired_pulse_has_no_drift_and_does_no_harm(run):
     frames, *_ = run
     rng = np.random.default_rng(12)
     blank = tuple(expose(np.full(SHAPE, 300.0), rng) for _ in range(2))
-    found, drift = register_frames([(*blank, None, None), *frames[:6]])
-    alone, expected = register_frames(frames[:6])
+    found, drift = register_frames([(*blank, None, None), *frames[:4]])
+    alone, expected = register_frames(frames[:4])
     assert np.isnan(drift[0]).all()
     npt.assert_allclose(drift[1:], expected, atol=0.01)
     npt.assert_allclose(found.displacement_x, alone.displacement_x, atol=0.01)
-
-
-def sums_of(product, cells=400, seed=1):
-    """Cell sums whose texture products scatter by 1 about a mean."""
-    sums = np.zeros((20, cells // 20, SUMS))
-    rng = np.random.default_rng(seed)
-    sums[..., AB] = product + rng.standard_normal(sums.shape[:2])
-    sums[..., WEIGHT], sums[..., AA], sums[..., BB] = 64, 4, 1
-    return sums
 
 
 def test_only_so_many_frames_make_the_map_but_all_get_a_drift(run):
@@ -247,41 +217,16 @@ def test_only_so_many_frames_make_the_map_but_all_get_a_drift(run):
 # loud failure -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("orientation", ["mirrored_y", "rotated_90", "antitransposed"])
-def test_a_turned_camera_is_recognised_and_the_advice_works(views, camera_map, orientation):
-    back = {"rotated_90": "rotated_270", "rotated_270": "rotated_90"}.get(orientation, orientation)
-    mounted = np.ascontiguousarray(orient(views.moving, back))
-    with pytest.raises(RegistrationError, match=f'orientation = "{orientation}"'):
+def test_a_turned_camera_is_recognised_and_the_advice_works(views, camera_map):
+    mounted = np.ascontiguousarray(orient(views.moving, "rotated_270"))
+    with pytest.raises(RegistrationError, match='orientation = "rotated_90"'):
         register(views.reference, mounted)
-    found = register(
-        views.reference, mounted, settings=RegistrationSettings(orientation=orientation)
-    )
+    turned = RegistrationSettings(orientation="rotated_90")
+    found = register(views.reference, mounted, settings=turned)
     npt.assert_array_equal(found.displacement_x, camera_map.displacement_x)
 
 
-def test_frames_without_common_texture_are_refused():
-    shape = (96, 112)
-    one, other = (Scene(shape, seed).photograph(smooth_map(shape)) for seed in (1, 78))
-    with pytest.raises(RegistrationError, match="No common texture"):
-        register(one.reference, other.moving)
-    rng = np.random.default_rng(13)
-    light = Scene(shape, 79, contrast=0.0, private=0.0, scratches=0).photograph(smooth_map(shape))
-    with pytest.raises(RegistrationError, match="No common texture"):
-        register(light.reference, expose(light.clean_moving, rng))
-
-
-def test_a_dark_camera_is_named(views):
-    with pytest.raises(RegistrationError, match="camera 2 is both lit and sound"):
-        register(views.reference, np.zeros(SHAPE, np.uint16))
-    with pytest.raises(RegistrationError, match="camera 1 is both lit and sound"):
-        register(views.reference, views.moving, weight_reference=np.zeros(SHAPE, np.float32))
-
-
 # the steps ----------------------------------------------------------------------------------------
-
-
-def frames_of(*pairs, **chosen):
-    return open_frames([(*pair, None, None) for pair in pairs], RegistrationSettings(**chosen))
 
 
 def surface_error(surface, truth):
@@ -291,18 +236,23 @@ def surface_error(surface, truth):
 
 
 def test_products_eight_standard_errors_above_zero_are_common_texture():
-    """400 cells: the standard error is 1/20, the limit 0.4."""
-    common = sums_of(0.5)
-    npt.assert_allclose(check_correlation(common), common[..., AB].mean() / np.sqrt(4 * 1))
+    """400 cells whose products scatter by 1: the standard error is 1/20, the limit 0.4."""
+    sums = np.zeros((20, 20, SUMS))
+    sums[..., WEIGHT], sums[..., AA], sums[..., BB] = 64, 4, 1
+    scatter = np.random.default_rng(1).standard_normal((20, 20))
+    sums[..., AB] = 0.5 + scatter
+    npt.assert_allclose(check_correlation(sums), sums[..., AB].mean() / np.sqrt(4 * 1))
     for product in (0.3, 0.0, -2.0):
+        sums[..., AB] = product + scatter
         with pytest.raises(RegistrationError, match="no more than chance gives"):
-            check_correlation(sums_of(product))
+            check_correlation(sums)
 
 
 def fit_of(truth, **chosen):
-    frames = frames_of((truth.reference, truth.moving), **chosen)
+    pair = truth.reference, truth.moving, None, None
+    frames = open_frames([pair], RegistrationSettings(**chosen))
     begun = start_with_any(frames)
-    views = Views(frames, begun.pair, frames.settings, number=begun.number)
+    views = Views(frames, begun.pair, number=begun.number)
     return views, fit_surface(views, begun.surface)
 
 
@@ -335,9 +285,8 @@ def test_the_settings_choose_between_surface_and_windows(views, model, unresolve
 
 def test_a_fine_surface_is_kept_if_windows_leave_no_less(views):
     seen, fit = fit_of(views)
-    fine = replace(fit, model=Model((16, 12)))
-    cells, surface = fit.cells, solve_surface(equations(fit.cells, (16, 12)))
-    fine = replace(fine, surface=surface, cells=cells)
+    surface = solve_surface(equations(fit.cells, (16, 12)))
+    fine = replace(fit, model=Model((16, 12)), surface=surface)
     assert choose_solution(seen, fine).kind is MapKind.SURFACE
 
 
@@ -358,7 +307,7 @@ _SCENES = {
 
 @pytest.mark.slow
 @settings(
-    max_examples=20, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+    max_examples=8, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
 )
 @given(
     st.sampled_from(sorted(_SCENES)),

@@ -8,16 +8,10 @@ import itertools
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.pair import map_with
 from scenes.registration import Scene, inverse, smooth_map
 
-from erlif.registration import (
-    CameraMap,
-    MapKind,
-    RegistrationSettings,
-    compare_with_inverse,
-    orient,
-    register,
-)
+from erlif.registration import compare_with_inverse, orient, register
 from erlif.registration.inverse import judge
 from erlif.registration.settings import ORIENTATIONS
 
@@ -25,10 +19,13 @@ SHAPE = (240, 320)
 STD = 0.01
 
 AFFINE = smooth_map(SHAPE, rotation=0.3, scale=1.01, cubic=0.0, quadratic=0.0)
-CURVED = smooth_map(SHAPE, rotation=0.0, scale=1.0, cubic=1.5, quadratic=0.8)
 BOTH = smooth_map(SHAPE)
-ROTATION = smooth_map(SHAPE, rotation=0.5, scale=1.0, cubic=0.0, quadratic=0.0)
-MAPS = {"affine": AFFINE, "curved": CURVED, "both": BOTH, "rotation": ROTATION}
+MAPS = {
+    "affine": AFFINE,
+    "curved": smooth_map(SHAPE, rotation=0.0, scale=1.0, cubic=1.5, quadratic=0.8),
+    "both": BOTH,
+    "rotation": smooth_map(SHAPE, rotation=0.5, scale=1.0, cubic=0.0, quadratic=0.0),
+}
 
 
 def backwards(field):
@@ -43,19 +40,10 @@ def backwards(field):
 
 def camera_map(field, *, shape=SHAPE, std=STD, move=(0.0, 0.0), orientation="normal"):
     y, x = np.indices(shape, dtype=float)
-    dx, dy = field(x, y)
-    dx, dy = dx + move[0], dy + move[1]
+    dx, dy = np.add(field(x, y), np.reshape(move, (2, 1, 1)))
     h, w = SHAPE
-    return CameraMap(
-        dx.astype(np.float32),
-        dy.astype(np.float32),
-        np.full(shape, std, np.float32),
-        (x + dx >= 0) & (x + dx <= w - 1) & (y + dy >= 0) & (y + dy <= h - 1),
-        np.zeros(shape, bool),
-        0.9,
-        MapKind.SURFACE,
-        settings=RegistrationSettings(orientation=orientation),
-    )
+    seen = (x + dx >= 0) & (x + dx <= w - 1) & (y + dy >= 0) & (y + dy <= h - 1)
+    return map_with(dx, dy, shape, std=std, overlap=seen, orientation=orientation)
 
 
 def with_errors(field, seed, size):
@@ -137,16 +125,8 @@ def test_orientation_of_camera_2_is_undone(orientation):
     found_x, found_y = across * step_x, down * step_x
     down, across = np.gradient(row)
     found_x, found_y = found_x + across * step_y, found_y + down * step_y
-    found = CameraMap(
-        found_x.astype(np.float32),
-        found_y.astype(np.float32),
-        np.full(row.shape, STD, np.float32),
-        orient(camera_map(backwards(BOTH)).overlap, back),
-        np.zeros(row.shape, bool),
-        0.9,
-        MapKind.SURFACE,
-        settings=RegistrationSettings(orientation=back),
-    )
+    overlap = orient(camera_map(backwards(BOTH)).overlap, back)
+    found = map_with(found_x, found_y, row.shape, overlap=overlap, orientation=back)
     result = compare_with_inverse(stored, found)
     assert result.inverted is True
     assert result.misfit_inverse < 0.001

@@ -18,23 +18,6 @@ from erlif.registration.matching import BX, BY, GXX, GXY, GYY, SUMS, move_sums
 SHAPE = (30, 40)
 
 
-def sums_of(displacement, *, shape=SHAPE, seed=1, level=1.0):
-    """Cell sums of random texture that still needs this displacement (2, row, column)."""
-    rng = np.random.default_rng(seed)
-    sums = np.zeros((*shape, SUMS))
-    sums[..., GXX] = level * rng.uniform(8, 12, shape)
-    sums[..., GYY] = level * rng.uniform(18, 22, shape)
-    sums[..., GXY] = level * rng.uniform(-5, 5, shape)
-    dx, dy = displacement
-    sums[..., BX] = sums[..., GXX] * dx + sums[..., GXY] * dy
-    sums[..., BY] = sums[..., GXY] * dx + sums[..., GYY] * dy
-    return sums
-
-
-def constant(dx, dy, shape=SHAPE):
-    return np.stack([np.full(shape, dx), np.full(shape, dy)])
-
-
 def level_sums(information, dx, dy, shape=SHAPE):
     """Texture without a preferred direction."""
     sums = np.zeros((*shape, SUMS))
@@ -94,13 +77,9 @@ def test_vector_that_is_not_sound_is_replaced_and_not_used():
 # smoothing and interpolation ----------------------------------------------------------------------
 
 
-def nodes_at(start, pitch, count):
-    return start + pitch * np.arange(count)
-
-
 def test_interpolation_reproduces_quadratics():
     """Catmull-Rom splines do, away from the outer elements."""
-    rows, columns = nodes_at(3.5, 8, 8), nodes_at(3.5, 8, 10)
+    rows, columns = (3.5 + 8 * np.arange(count) for count in (8, 10))
 
     def quadratic(y, x):
         return 0.3 + 0.01 * x - 0.02 * y + 1e-4 * x**2 - 2e-4 * y**2 + 3e-4 * x * y
@@ -112,10 +91,6 @@ def test_interpolation_reproduces_quadratics():
 
 
 # noise --------------------------------------------------------------------------------------------
-
-
-def three_by_three(field):
-    return ndimage.uniform_filter(field, 3, mode="wrap") * 9
 
 
 @pytest.mark.parametrize(("sigma", "passes"), [(2.26, 1), (2.26, 3), (4.5, 3), (1.2, 2)])
@@ -135,8 +110,8 @@ def test_response_is_that_of_the_passes_on_white_noise(sigma, passes):
                 field = ndimage.convolve1d(field, [0.25, 0.5, 0.25], axis=axis, mode="wrap")
     found = response(sigma, passes)
     npt.assert_allclose(found.gain, field.var() / window(noise).var(), rtol=0.05)
-    left = three_by_three(noise - field).var() / three_by_three(noise).var()
-    npt.assert_allclose(found.kept, left, rtol=0.03)
+    left, whole = (ndimage.uniform_filter(each, 3, mode="wrap") for each in (noise - field, noise))
+    npt.assert_allclose(found.kept, left.var() / whole.var(), rtol=0.03)
 
 
 @pytest.mark.parametrize("sigma", [1.5, 2.26])
@@ -144,10 +119,11 @@ def test_standard_deviation_of_windows_is_the_scatter_of_their_vectors(sigma):
     """One pass over scores of independent noise, three times larger in y."""
     rng = np.random.default_rng(5)
     shape = (60, 80)
-    texture = sums_of(constant(0, 0, shape), shape=shape)
+    sums = np.zeros((*shape, SUMS))
+    sums[..., GXX], sums[..., GYY] = rng.uniform(8, 12, shape), rng.uniform(18, 22, shape)
+    sums[..., GXY] = rng.uniform(-5, 5, shape)
     squares, variances = [], []
     for _ in range(6):
-        sums = texture.copy()
         sums[..., BX], sums[..., BY] = rng.normal(size=shape), 3 * rng.normal(size=shape)
         vector, *_ = solve_windows(sums, sigma)
         squares.append(0.5 * (vector**2).sum(0))

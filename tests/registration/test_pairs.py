@@ -6,8 +6,9 @@ import pytest
 
 from erlif.core.errors import RegistrationError
 from erlif.registration import RegistrationSettings, orient
+from erlif.registration.interpolation import laid_over
 from erlif.registration.normalise import REACH, binned, normalise
-from erlif.registration.pairs import Pair, Textures, laid_over, make_pair, open_frames, textures
+from erlif.registration.pairs import Pair, Textures, make_pair, open_frames, textures
 from erlif.registration.settings import ORIENTATIONS
 
 SHAPE = (64, 80)
@@ -16,10 +17,6 @@ SETTINGS = RegistrationSettings()
 
 def image(seed=0, kind=np.uint16, shape=SHAPE):
     return np.random.default_rng(seed).integers(500, 1500, shape).astype(kind)
-
-
-def ones(shape=SHAPE):
-    return np.ones(shape, np.float32)
 
 
 # checks -----------------------------------------------------------------------------------------
@@ -90,34 +87,17 @@ def test_binned_textures_average_over_the_same_field_of_view(binning, reach):
         npt.assert_array_equal(texture, expected)
 
 
-def read(b, dx, dy, *, weight=None, drift=(0.0, 0.0)):
-    """Texture of camera 2 read at an even displacement."""
-    weight = ones(b.shape) if weight is None else weight
-    spline = Textures(b, weight, b, weight).spline(1)
-    field = np.ones(b.shape, np.float32)
-    return laid_over(spline, np.float32(dx) * field, np.float32(dy) * field, drift, 1)
-
-
 def test_pixels_without_weight_are_not_interpolated_over():
     """One bad pixel spoils the four squares of which it is a corner."""
     b = np.random.default_rng(5).normal(size=SHAPE).astype(np.float32)
-    weight = ones()
+    weight, half = np.ones(SHAPE, np.float32), np.full(SHAPE, 0.5, np.float32)
     weight[20, 30] = 0
-    missing = np.argwhere(np.isnan(read(b, 0.5, 0.5, weight=weight)[:-1, :-1]))
+    found = laid_over(Textures(b, weight, b, weight).spline(1), half, half, (0.0, 0.0), 1)
+    missing = np.argwhere(np.isnan(found[:-1, :-1]))
     npt.assert_array_equal(missing, [[19, 29], [19, 30], [20, 29], [20, 30]])
 
 
 # frames -----------------------------------------------------------------------------------------
-
-
-def pairs_of(count):
-    """Pairs whose pixel (0, 0) is the number of the frame."""
-    frames = []
-    for number in range(count):
-        one = image(number)
-        one[0, 0] = number
-        frames.append((one, image(100 + number), None, None))
-    return frames
 
 
 @pytest.mark.parametrize(
@@ -131,7 +111,7 @@ def pairs_of(count):
     ],
 )
 def test_the_middle_frames_of_equal_parts_of_the_run_make_the_map(count, most, chosen):
-    frames = open_frames(pairs_of(count), RegistrationSettings(frames_for_map=most))
+    frames = open_frames([()] * count, RegistrationSettings(frames_for_map=most))
     assert frames.count == count
     assert list(frames.chosen) == chosen
 

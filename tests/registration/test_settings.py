@@ -38,7 +38,7 @@ def test_each_orientation_turns_the_image_as_its_name_says_without_a_copy():
     ("wrong", "message"),
     [
         ({"orientation": "upside_down"}, "orientation must be one of normal, mirrored_x"),
-        ({"model": "spline"}, "model must be auto, surface or local; got 'spline'"),
+        ({"model": "spline"}, "model must be one of auto, surface, local; got 'spline'"),
         ({"step": 2}, "window must lie between .* got window 32 and step 2"),
         ({"step": 7}, "step must be even"),
         ({"step": 18}, "got window 32 and step 18"),

@@ -7,8 +7,9 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.flags import FLAG_ATTRS
-from erlif.core.products import CorrectedFrames
+from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, References
 from erlif.correction import NoiseTables, PairLight
+from erlif.ratio import NoiseUnknowns
 from erlif.registration import CameraMap, MapKind, RegistrationSettings
 
 EPS = float(np.finfo(np.float32).eps)
@@ -71,6 +72,55 @@ def camera_map(shape, *, rough=False, orientation="normal"):
         MapKind.SURFACE,
         settings=RegistrationSettings(orientation=orientation),
     )
+
+
+def map_with(dx, dy, shape, *, std=0.01, overlap=True, **settings):
+    """The map of a displacement that is known, everywhere well."""
+
+    def image(values, kind=np.float32):
+        return np.broadcast_to(values, shape).astype(kind)
+
+    images = image(dx), image(dy), image(std), image(overlap, bool), image(False, bool)
+    return CameraMap(*images, 0.9, MapKind.SURFACE, settings=RegistrationSettings(**settings))
+
+
+def ratio_images(log_ratio, variance=1e-4, *, fixed=0.0, shared=0.0, flags=0):
+    """Images (y, x) or (frame, y, x) of the log ratio with its variances."""
+    dims = ("frame", "y", "x")[-np.ndim(log_ratio) :]
+    values = {"": log_ratio, "_var": variance, "_var_fixed": fixed, "_var_shared": shared}
+
+    def image(values, kind=np.float32):
+        return dims, np.broadcast_to(values, np.shape(log_ratio)).astype(kind)
+
+    variables = {f"log_ratio{name}": image(given) for name, given in values.items()}
+    return RatioImages(xr.Dataset({**variables, "flags": image(flags, np.uint8)}))
+
+
+def aligned_frames(light, variance, displacement_std=0.0):
+    """Light (camera, frame, y, x) on one grid with the variance that is new in every frame."""
+    dims = ("camera", "frame", "y", "x")
+    images = {"signal": light, "signal_var": variance, "signal_var_fixed": 0 * light}
+    variables = {name: (dims, image.astype(np.float32)) for name, image in images.items()}
+    flags = dims, np.zeros(light.shape, np.uint8)
+    std = ("y", "x"), np.full(light.shape[-2:], displacement_std, np.float32)
+    coords = {"camera": [1, 2]}
+    return AlignedFrames(xr.Dataset({**variables, "flags": flags, "displacement_std": std}, coords))
+
+
+def given_noise(gain, read_noise, *, shape, flat=1.0, flat_var=0.0):
+    """References of cameras whose pixels are alike."""
+    images = {"flat": flat, "flat_var": flat_var, "bad": False}
+    variables = {
+        name: (("camera", "y", "x"), np.full((2, *shape), value)) for name, value in images.items()
+    }
+    scalars = {"gain": gain, "read_noise": read_noise}
+    numbers = {name: ("camera", np.array(values, float)) for name, values in scalars.items()}
+    return References(xr.Dataset({**variables, **numbers}))
+
+
+def unknown(gain=(False, False), read_noise=(False, False), response=(False, False)):
+    """What is to be found of the noise of both cameras."""
+    return NoiseUnknowns(np.array(gain), np.array(read_noise), np.array(response))
 
 
 def as_corrected(light, noise):

@@ -4,11 +4,11 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.pair import ratio_images
 from scipy.integrate import quad
 
 from erlif.calibration import Calibration
 from erlif.core.flags import Flag
-from erlif.core.products import RatioImages
 from erlif.thickness import CLEAR, measure_thickness
 
 K, P, Q = 0.65, 0.40, 0.25
@@ -32,29 +32,14 @@ def log_ratio_of(film):
     return curve(film)
 
 
-def measured(film, noise, calibration, *, seed=0):
-    values = log_ratio_of(film) + noise * np.random.default_rng(seed).standard_normal(film.shape)
-    dims = ("y", "x")
-    ratios = RatioImages(
-        xr.Dataset(
-            {
-                "log_ratio": (dims, values.astype(np.float32)),
-                "log_ratio_var": (dims, np.full(film.shape, noise**2, np.float32)),
-                "log_ratio_var_shared": (dims, np.zeros(film.shape, np.float32)),
-                "flags": (dims, np.zeros(film.shape, np.uint8)),
-            }
-        )
-    )
-    return ratios, measure_thickness(ratios, calibration)
-
-
 RAMP = np.broadcast_to(np.linspace(0.5, 13.0, SHAPE[1]), SHAPE)
 
 
 @pytest.mark.parametrize("noise", [0.0135, 0.025, 0.045], ids=["full light", "a third", "a tenth"])
 def test_error_bars_cover_up_to_the_limits(calibration, noise):
     """A ramp through both limits: 66-70 and 94.5-96.5 % in each measurable octave, and no bias."""
-    _, maps = measured(RAMP, noise, calibration)
+    scatter = noise * np.random.default_rng(0).standard_normal(SHAPE)
+    maps = measure_thickness(ratio_images(log_ratio_of(RAMP) + scatter, noise**2), calibration)
     valid = maps.flags.values == 0
     error = (maps.thickness.values - RAMP)[valid]
     pull = error / maps.thickness_std.values[valid]
@@ -71,23 +56,12 @@ def test_error_bars_cover_up_to_the_limits(calibration, noise):
     assert seen >= 2
 
 
-def map_of(log_ratio, variance, flags, calibration):
-    dims = ("y", "x")
-    images = {
-        "log_ratio": (dims, log_ratio),
-        "log_ratio_var": (dims, np.full_like(log_ratio, variance)),
-        "log_ratio_var_shared": (dims, np.zeros_like(log_ratio)),
-        "flags": (dims, np.asarray(flags, np.uint8)),
-    }
-    return measure_thickness(RatioImages(xr.Dataset(images)), calibration)
-
-
 def test_the_range_of_a_pixel_does_not_depend_on_its_own_value(calibration):
     """A pixel far too bright or far too dim in even surroundings: it is measurable by them."""
     for own in (-1.0, 1.0):
         image = uniform(5.0)
         image[20, 20] += own
-        assert np.isfinite(map_of(image, 1e-4, 0 * image, calibration).log_ratio_near).all()
+        assert np.isfinite(measure_thickness(ratio_images(image), calibration).log_ratio_near).all()
 
 
 def uniform(film, shape=(40, 40)):
@@ -97,7 +71,7 @@ def uniform(film, shape=(40, 40)):
 def test_flagged_pixels_do_not_affect_the_range_of_others(calibration):
     image, flags = uniform(5.0), np.zeros((40, 40), np.uint8)
     image[10:14], flags[10:14] = -3.0, Flag.NO_FILM
-    maps = map_of(image, 1e-4, flags, calibration)
+    maps = measure_thickness(ratio_images(image, flags=flags), calibration)
     npt.assert_array_equal(maps.flags, flags)
     npt.assert_allclose(maps.log_ratio_near, np.where(flags == 0, uniform(5.0), np.nan), rtol=1e-5)
 
@@ -108,4 +82,5 @@ def test_the_margin_is_two_standard_deviations_of_a_pixel(calibration, factor, e
     image = uniform(0.5)
     end = log_ratio_of(np.array([0.1, 18.0]))[0]
     std = factor * (image[0, 0] - end) / CLEAR
-    npt.assert_array_equal(map_of(image, std**2, 0 * image, calibration).flags, expected)
+    maps = measure_thickness(ratio_images(image, std**2), calibration)
+    npt.assert_array_equal(maps["flags"], expected)

@@ -5,7 +5,7 @@ Few passes over plain arrays do what `erlif.correction.correct_frames`,
 and `erlif.trend.sum_blocks` do for datasets.
 """
 
-from erlif.pipeline.passes.drift import DriftSearch
+from erlif.pipeline.passes.drift import PairDrift
 from erlif.pipeline.passes.film import FilmMaps, measure_film, measure_pulse
 
-__all__ = ["DriftSearch", "FilmMaps", "measure_film", "measure_pulse"]
+__all__ = ["FilmMaps", "PairDrift", "measure_film", "measure_pulse"]

@@ -8,24 +8,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
-from erlif.core.arrays import AnyArray, Image
+from erlif.core.arrays import AnyArray
 from erlif.core.errors import RegistrationError
 from erlif.core.flags import Flag
 from erlif.correction import PairLight
 from erlif.correction.light import BLOCK
 from erlif.registration import CameraMap, is_steep, orient
-from erlif.registration.drift import LARGE, Drift, Matching, binned_field, match_textures
-from erlif.registration.normalise import MOST, REACH, binned, normalise
-from erlif.registration.pairs import LEAST_REACH, Textures
+from erlif.registration.drift import Drift, DriftSearch
+from erlif.registration.normalise import binned
+from erlif.registration.pairs import normalise_both
 
 _UNUSABLE = np.uint8(Flag.SATURATED | Flag.BAD_PIXEL)
 
 
 @dataclass(frozen=True)
-class DriftSearch:
+class PairDrift:
     """Finds the drift of frames against one camera map.
 
     Attributes
@@ -34,22 +33,16 @@ class DriftSearch:
         Rows and columns of the frames.
     orientation : str
         How camera 2 is turned, one of `erlif.registration.settings.ORIENTATIONS`.
-    binning : int
-        Side of the pixels on which the drift is found: 2 for large frames, otherwise 1. [px]
-    fine : tuple[Image, Image]
-        Displacement (x, y) at these pixels, in their unit.
-    coarse : tuple[Image, Image]
-        The same at pixels of twice the side.
+    search : DriftSearch
+        The search on textures.
     """
 
     shape: tuple[int, int]
     orientation: str
-    binning: int
-    fine: tuple[Image, Image]
-    coarse: tuple[Image, Image]
+    search: DriftSearch
 
     @classmethod
-    def of(cls, camera_map: CameraMap) -> DriftSearch:
+    def of(cls, camera_map: CameraMap) -> PairDrift:
         """Prepare the search.
 
         Parameters
@@ -59,15 +52,10 @@ class DriftSearch:
 
         Returns
         -------
-        DriftSearch
+        PairDrift
         """
-        binning = 2 if min(camera_map.shape) >= LARGE else 1
-        fields = camera_map.displacement_x, camera_map.displacement_y
-        fine, coarse = (
-            (binned_field(fields[0], side), binned_field(fields[1], side))
-            for side in (binning, 2 * binning)
-        )
-        return cls(camera_map.shape, camera_map.settings.orientation, binning, fine, coarse)
+        search = DriftSearch.of(camera_map.displacement_x, camera_map.displacement_y)
+        return cls(camera_map.shape, camera_map.settings.orientation, search)
 
     def find(self, light: PairLight) -> Drift:
         """Measure how far camera 2 has moved in this frame since the map was made.
@@ -100,7 +88,7 @@ class DriftSearch:
         >>> light = PairLight.empty((96, 128))
         >>> light.light[:] = wall[:, 3:], wall[:, :-3]
         >>> light.flags[:], light.blocks[:] = 0, 1000
-        >>> drift = DriftSearch.of(level).find(light)
+        >>> drift = PairDrift.of(level).find(light)
         >>> abs(drift.dx - 3) < 0.01, abs(drift.dy) < 0.01
         (True, True)
         """
@@ -110,25 +98,14 @@ class DriftSearch:
                 f"{light.light.shape[1:]}; register the cameras again for this region of interest."
             )
 
-        one, weight_one = self._light(light, 0, "normal")
-        two, weight_two = self._light(light, 1, self.orientation)
-
-        # the window covers the same field of view, but enough binned pixels for a mean
-        reach = max(REACH / self.binning, LEAST_REACH)
-        # the finer textures are halved: normalising twice would take as long as the search
-        fine = Textures(
-            *normalise(one, weight_one, reach=reach), *normalise(two, weight_two, reach=reach)
-        )
-        coarse = Textures(*_halve(fine.a, fine.weight), *_halve(fine.b, fine.weight_b))
-        return match_textures(
-            Matching(coarse, *self.coarse), Matching(fine, *self.fine), self.binning
-        )
+        one, two = self._light(light, 0, "normal"), self._light(light, 1, self.orientation)
+        return self.search.find(normalise_both(*one, *two, binning=self.search.binning))
 
     def _light(self, light: PairLight, camera: int, turn: str) -> tuple[AnyArray, AnyArray]:
         """Light of one camera in the pixels of the search, turned, and the weight of the pixels."""
         # squares of 2 px that begin at the other end of an odd side are other squares
         odd = any(side % 2 for side in self.shape)
-        whole = self.binning == 1 or (odd and turn != "normal")
+        whole = self.search.binning == 1 or (odd and turn != "normal")
         if whole:
             image = light.light[camera]
             weight = (light.flags[camera] & _UNUSABLE == 0).astype(np.float32)
@@ -142,21 +119,4 @@ class DriftSearch:
             weight = np.where(steep, np.float32(0), weight)
 
         image, weight = orient(image, turn), orient(weight, turn)
-        return binned(image, weight, 2) if whole and self.binning == 2 else (image, weight)
-
-
-def _halve(texture: Image, weight: Image) -> tuple[Image, Image]:
-    """Mean texture over squares of 2 px; weight 1 where more than half of the square counts.
-
-    `binned` does the same, and takes a millisecond a pair more for images that may hold NaN.
-    """
-    size = texture.shape[1] // 2, texture.shape[0] // 2
-    texture, weight = (image[: 2 * size[1], : 2 * size[0]] for image in (texture, weight))
-    total = cv2.resize(texture, size, interpolation=cv2.INTER_AREA)
-    if weight.min() > MOST:
-        return np.asarray(total), np.ones_like(total)
-    sound = cv2.resize(weight, size, interpolation=cv2.INTER_AREA)
-
-    # the texture is 0 where the weight is
-    ok = sound > MOST
-    return np.where(ok, total / np.where(ok, sound, 1), np.float32(0)), ok.astype(np.float32)
+        return binned(image, weight, 2) if whole and self.search.binning == 2 else (image, weight)

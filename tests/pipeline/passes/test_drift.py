@@ -10,7 +10,7 @@ from erlif.core.errors import RegistrationError
 from erlif.core.flags import Flag
 from erlif.core.products import References
 from erlif.correction.light import measure_light, tabulate
-from erlif.pipeline.passes.drift import DriftSearch
+from erlif.pipeline.passes.drift import PairDrift
 from erlif.registration import (
     CameraMap,
     MapKind,
@@ -69,7 +69,7 @@ def estimate(camera_map, light):
 
 @pytest.mark.parametrize("shape", [SMALL, LARGE])
 def test_known_drift_is_found(shape):
-    search = DriftSearch.of(known_map(shape, offset=(4.25, -2.5)))
+    search = PairDrift.of(known_map(shape, offset=(4.25, -2.5)))
     found = search.find(to_light(photograph(shape)))
     npt.assert_allclose((found.dx, found.dy), (4.25, -2.5), atol=0.03)
 
@@ -82,7 +82,7 @@ def test_drift_is_that_of_the_estimate_from_whole_frames(shape, turn):
     counts[1] = orient(counts[1], turn)
     camera_map = known_map(shape, turn, offset=(0.7, -0.4))
     light = to_light(counts)
-    found, expected = DriftSearch.of(camera_map).find(light), estimate(camera_map, light)
+    found, expected = PairDrift.of(camera_map).find(light), estimate(camera_map, light)
     assert abs(found.dx - expected.dx) < 0.1 * expected.std_dx
     assert abs(found.dy - expected.dy) < 0.1 * expected.std_dy
     npt.assert_allclose(
@@ -102,7 +102,7 @@ def test_saturated_and_steep_light_count_as_little_as_in_whole_frames(shape):
     counts[:, -64:, :48] = 3000 * wedge
     camera_map = known_map(shape)
     light = to_light(counts)
-    found, expected = DriftSearch.of(camera_map).find(light), estimate(camera_map, light)
+    found, expected = PairDrift.of(camera_map).find(light), estimate(camera_map, light)
     npt.assert_allclose((found.dx, found.dy), (3, 0), atol=0.05)
     npt.assert_allclose((found.dx, found.dy), (expected.dx, expected.dy), atol=2e-4)
 
@@ -110,13 +110,13 @@ def test_saturated_and_steep_light_count_as_little_as_in_whole_frames(shape):
 @pytest.mark.parametrize("shape", [SMALL, LARGE])
 def test_frame_without_common_texture_has_no_drift(shape):
     camera_map, light = known_map(shape), to_light(photograph(shape, stranger=True))
-    found = DriftSearch.of(camera_map).find(light)
+    found = PairDrift.of(camera_map).find(light)
     assert np.isnan([found.dx, found.dy, found.std_dx, found.std_dy]).all()
     with pytest.raises(RegistrationError, match="does not fit"):
         estimate(camera_map, light)
 
 
 def test_frame_of_another_size_is_refused():
-    search = DriftSearch.of(known_map(LARGE))
+    search = PairDrift.of(known_map(LARGE))
     with pytest.raises(RegistrationError, match=r"for frames of \(416, 448\), .* \(160, 192\)"):
         search.find(to_light(photograph(SMALL)))
