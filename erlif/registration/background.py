@@ -15,6 +15,7 @@ import scipy
 
 from erlif.core.arrays import AnyArray, Array, Image, Mask
 from erlif.correction.light import BLOCK
+from erlif.registration.normalise import BRIGHTER_PARTS, CUT, DARK
 
 CELL: Final = 8
 """Side of the cells whose sums are fitted. [px]"""
@@ -27,15 +28,6 @@ NODE: Final = 4
 
 REACH: Final = 12.0
 """Standard deviation of the Gaussian window of the fit. [px]"""
-
-CUT: Final = 3.0
-"""Standard deviations at which the Gaussian window ends."""
-
-BRIGHTER_PARTS: Final = 98
-"""Percentile of the light that stands for the brighter parts of the frame."""
-
-DARK: Final = 0.02
-"""Light below this part of the brighter parts is too dark for a texture."""
 
 STEEP: Final = 0.04
 """Relative rise over blocks of 8 px above which light is steep. [1/px]"""
@@ -55,10 +47,8 @@ def local_light(image: AnyArray, weight: AnyArray) -> Image:
 
     Parameters
     ----------
-    image : array, (y, x)
-        Counts above the dark level.
-    weight : array, (y, x)
-        0 for a pixel that must not count, otherwise 1.
+    image, weight : array, (y, x)
+        As for `divide_by_light`.
 
     Returns
     -------

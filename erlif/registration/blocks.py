@@ -73,9 +73,7 @@ class Blocks(NamedTuple):
     """
 
     centres: Array
-
     vectors: Array
-
     strength: Array
 
 
@@ -93,9 +91,7 @@ class Agreement(NamedTuple):
     """
 
     matrix: Array
-
     offset: Array
-
     part: float
 
 
@@ -111,7 +107,6 @@ class _Ends(NamedTuple):
     """First pixel (block, offset) of blocks along one axis, and the one after the last."""
 
     start: AnyArray
-
     stop: AnyArray
 
 

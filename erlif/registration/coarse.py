@@ -88,6 +88,27 @@ AT_THE_LIMIT: Final = 0.98
 """An offset of this part of the search range is beyond it, for its peak is cut. [1]"""
 
 
+def coarse_binning(shape: tuple[int, int]) -> int:
+    """Power of two that brings the longer side to `COARSE_SIZE` and keeps `SHORTEST_SIDE`."""
+    factor = 1
+    while max(shape) / factor > COARSE_SIZE and min(shape) / (2 * factor) >= SHORTEST_SIDE:
+        factor *= 2
+    return factor
+
+
+def combined_orientation(first: str, second: str) -> str:
+    """The one orientation that turns an image as ``first`` and then ``second`` do.
+
+    Examples
+    --------
+    >>> combined_orientation("rotated_90", "rotated_90")
+    'rotated_180'
+    """
+    probe = np.arange(6).reshape(2, 3)
+    both = orient(orient(probe, first), second)
+    return next(name for name in ORIENTATIONS if np.array_equal(orient(probe, name), both))
+
+
 @dataclass(frozen=True)
 class Start:
     """An affine displacement d(x) = matrix @ x + offset, x from the origin of the full frame.
@@ -103,9 +124,7 @@ class Start:
     """
 
     matrix: Array
-
     offset: Array
-
     agreement: float
 
 
@@ -124,18 +143,8 @@ class Peak:
     """
 
     significance: float
-
     linear: Array
-
     shift: Array
-
-
-def coarse_binning(shape: tuple[int, int]) -> int:
-    """Power of two that brings the longer side to `COARSE_SIZE` and keeps `SHORTEST_SIDE`."""
-    factor = 1
-    while max(shape) / factor > COARSE_SIZE and min(shape) / (2 * factor) >= SHORTEST_SIDE:
-        factor *= 2
-    return factor
 
 
 def _textures(image: AnyArray, weight: AnyArray | None, factor: int) -> tuple[AnyArray, AnyArray]:
@@ -179,14 +188,10 @@ class CoarsePair:
 
     a: Image
     wa: Image
-
     b: Image
     wb: Image
-
     coefficients: Image
-
     bad: Mask
-
     factor: int
 
     @property
@@ -475,16 +480,3 @@ def _refuse_distant(
             f"at an offset of ({dx:.0f}, {dy:.0f}) px. Move its region of interest by that much, "
             "or raise search (at most 0.4)."
         )
-
-
-def combined_orientation(first: str, second: str) -> str:
-    """The one orientation that turns an image as ``first`` and then ``second`` do.
-
-    Examples
-    --------
-    >>> combined_orientation("rotated_90", "rotated_90")
-    'rotated_180'
-    """
-    probe = np.arange(6).reshape(2, 3)
-    both = orient(orient(probe, first), second)
-    return next(name for name in ORIENTATIONS if np.array_equal(orient(probe, name), both))

@@ -20,20 +20,16 @@ from erlif.registration import local
 from erlif.registration.camera_map import CameraMap
 from erlif.registration.interpolation import laid_over
 from erlif.registration.matching import (
-    AB,
-    BX,
-    BY,
     EDGE,
-    GXX,
-    GXY,
-    GYY,
     SCORES,
     SUMS,
     WEIGHT,
     cell_sums,
     correlation,
     move_sums,
+    products_of,
     solve_shift,
+    system_of,
     without_noise,
 )
 from erlif.registration.normalise import MOST, binned
@@ -72,6 +68,72 @@ FRAMES_CHECKED: Final = 8
 """Largest number of frames on which a stored map is checked."""
 OFF_SHARE: Final = 0.1
 """Part of the common field that may need another displacement before a stored map is refused."""
+
+
+def beyond_chance(products: Array) -> bool:
+    """Whether the textures of the two cameras have more in common than chance gives.
+
+    The mean product over the cells is the sharper test. The median decides where a few cells
+    outshine the rest: the rim of a bubble widens the scatter about the mean, not about the median.
+    The median of normal values has sqrt(pi/2) times the standard error of their mean.
+    """
+    if products.size < FEWEST_CELLS:
+        return False
+    error = np.sqrt(1 / products.size)
+    median = float(np.median(products))
+    spread = robust_rms(products - median)
+    return bool(
+        products.mean() > CHANCE * products.std() * error
+        or median > CHANCE * np.sqrt(np.pi / 2) * spread * error > 0
+    )
+
+
+def whole_pixels(a: Image, b: Image) -> Array:
+    """Translation (dx, dy) of ``b`` against ``a`` to the pixel, from their cross-correlation.
+
+    NaN in ``b`` counts as 0, the mean of a texture.
+    """
+    # zeros beyond the frame, as wide as the search, keep its opposite edges apart
+    size = (
+        fft.next_fast_len(a.shape[0] + FARTHEST, real=True),
+        fft.next_fast_len(a.shape[1] + FARTHEST, real=True),
+    )
+    product = fft.rfft2(np.nan_to_num(b), size) * np.conj(fft.rfft2(a, size))
+
+    # negative lags stand at the end of the transform, where negative indices find them; after the
+    # transform back along y, only the rows of the search are needed
+    near = np.r_[-FARTHEST : FARTHEST + 1]
+    value = fft.irfft(fft.ifft(product, axis=0)[near], size[1])[:, near]
+    j, i = np.unravel_index(int(np.argmax(value)), value.shape)
+    return np.array([near[i], near[j]], float)
+
+
+def fold_quarters(image: Image) -> Image:
+    """The sum of the quarters of a large image; a small one as it is.
+
+    A translation is common to the quarters. What they do not have in common is noise to each other:
+    it leaves half the significance, with a quarter of the pixels.
+    """
+    if min(image.shape) <= LARGEST_UNFOLDED:
+        return image
+    h, w = image.shape[0] // 2, image.shape[1] // 2
+    image = np.where(np.isfinite(image), image, np.float32(0))
+    return np.asarray(
+        image[:h, :w] + image[:h, w : 2 * w] + image[h : 2 * h, :w] + image[h : 2 * h, w : 2 * w]
+    )
+
+
+def binned_field(field: Image, binning: int) -> Image:
+    """The displacement at the centres of the binned pixels, in binned pixels.
+
+    ``binning`` is 1, 2 or 4: the centre lies between four pixels, whose mean is taken.
+    """
+    if binning == 1:
+        return field
+    h, w = field.shape[0] // binning, field.shape[1] // binning
+    low, high = binning // 2 - 1, binning // 2
+    parts = [field[j::binning, i::binning][:h, :w] for j in (low, high) for i in (low, high)]
+    return np.asarray(sum(parts) * np.float32(0.25 / binning), np.float32)
 
 
 @dataclass(frozen=True)
@@ -114,10 +176,8 @@ def estimate_drift(
     ----------
     camera_map : CameraMap
         The fixed map, whose orientation is applied to ``moving``.
-    reference, moving : array, (y, x)
-        Camera 1 and camera 2, counts above the dark level. [DN]
-    weight_reference, weight_moving : array, (y, x), optional
-        0 for pixels that must not count, otherwise 1.
+    reference, moving, weight_reference, weight_moving : array, (y, x)
+        As for `register`.
     threads : int
         Threads to use.
 
@@ -182,7 +242,7 @@ def check_map(
     ----------
     camera_map : CameraMap
         A stored map.
-    pairs : sequence, or callable that gives a fresh iterable
+    pairs : sequence
         Frames of the run, as for `register_frames`; at most eight of them, evenly spaced, are used.
     tolerance : float
         Local displacements up to this, beyond the drift, are accepted. [px]
@@ -200,16 +260,13 @@ def check_map(
 
     Examples
     --------
-    The cameras show one random texture; camera 2 is a column to the right in the second frame.
+    The cameras show one noise; camera 2 is a column to the right in the second frame.
 
-    >>> from scipy.ndimage import gaussian_filter
     >>> from erlif.registration import CameraMap, MapKind
-    >>> flat = np.zeros((96, 128), np.float32)
-    >>> level = CameraMap(flat, flat, flat, flat == 0, flat > 0, 1.0, MapKind.SURFACE)
-    >>> noise = np.random.default_rng(1).normal(size=(96, 129))
-    >>> wall = (1000 + 300 * gaussian_filter(noise, 1.5)).astype(np.float32)
-    >>> still, moved = (wall[:, 1:], wall[:, 1:]), (wall[:, 1:], wall[:, :-1])
-    >>> drift = check_map(level, [(*still, None, None), (*moved, None, None)])
+    >>> wall = 1000 + 100 * np.random.default_rng(1).normal(size=(96, 129)).astype(np.float32)
+    >>> one, moved = wall[:, 1:], wall[:, :-1]
+    >>> level = CameraMap(0 * one, 0 * one, 0 * one, one > 0, one < 0, 1.0, MapKind.SURFACE)
+    >>> drift = check_map(level, [(one, one, None, None), (one, moved, None, None)])
     >>> bool(np.allclose(drift, [[0, 0], [1, 0]], atol=0.01))
     True
     """
@@ -340,7 +397,7 @@ def _finish_search(
     b = laid_over(spline, *field, (shift[0], shift[1]), threads)
     sums = cell_sums(views.a, views.weight, b, STEP, threads=threads)
     quality = correlation(sums)
-    if not beyond_chance(sums[..., AB][sums[..., WEIGHT] > 0]):
+    if not beyond_chance(products_of(sums)):
         return Drift(np.nan, np.nan, np.nan, np.nan, quality)
 
     # a part of the cells again, after the step; their equations stay those before it
@@ -408,85 +465,20 @@ def rough_drift(
         sums = cell_sums(small.a, small.weight, b, ROUGH_STEP, threads=threads)
         shift = shift + np.array(solve_shift(without_noise(sums)))
 
-    found = beyond_chance(sums[..., AB][sums[..., WEIGHT] > 0])
+    found = beyond_chance(products_of(sums))
     return binning * shift if found else np.full(2, np.nan)
-
-
-def beyond_chance(products: Array) -> bool:
-    """Whether the textures of the two cameras have more in common than chance gives.
-
-    The mean product over the cells is the sharper test. The median decides where a few cells
-    outshine the rest: the rim of a bubble widens the scatter about the mean, not about the median.
-    The median of normal values has sqrt(pi/2) times the standard error of their mean.
-    """
-    if products.size < FEWEST_CELLS:
-        return False
-    error = np.sqrt(1 / products.size)
-    median = float(np.median(products))
-    spread = robust_rms(products - median)
-    return bool(
-        products.mean() > CHANCE * products.std() * error
-        or median > CHANCE * np.sqrt(np.pi / 2) * spread * error > 0
-    )
-
-
-def whole_pixels(a: Image, b: Image) -> Array:
-    """Translation (dx, dy) of ``b`` against ``a`` to the pixel, from their cross-correlation.
-
-    NaN in ``b`` counts as 0, the mean of a texture.
-    """
-    # zeros beyond the frame, as wide as the search, keep its opposite edges apart
-    size = (
-        fft.next_fast_len(a.shape[0] + FARTHEST, real=True),
-        fft.next_fast_len(a.shape[1] + FARTHEST, real=True),
-    )
-    product = fft.rfft2(np.nan_to_num(b), size) * np.conj(fft.rfft2(a, size))
-
-    # negative lags stand at the end of the transform, where negative indices find them; after the
-    # transform back along y, only the rows of the search are needed
-    near = np.r_[-FARTHEST : FARTHEST + 1]
-    value = fft.irfft(fft.ifft(product, axis=0)[near], size[1])[:, near]
-    j, i = np.unravel_index(int(np.argmax(value)), value.shape)
-    return np.array([near[i], near[j]], float)
-
-
-def fold_quarters(image: Image) -> Image:
-    """The sum of the quarters of a large image; a small one as it is.
-
-    A translation is common to the quarters. What they do not have in common is noise to each other:
-    it leaves half the significance, with a quarter of the pixels.
-    """
-    if min(image.shape) <= LARGEST_UNFOLDED:
-        return image
-    h, w = image.shape[0] // 2, image.shape[1] // 2
-    image = np.where(np.isfinite(image), image, np.float32(0))
-    return np.asarray(
-        image[:h, :w] + image[:h, w : 2 * w] + image[h : 2 * h, :w] + image[h : 2 * h, w : 2 * w]
-    )
-
-
-def binned_field(field: Image, binning: int) -> Image:
-    """The displacement at the centres of the binned pixels, in binned pixels.
-
-    ``binning`` is 1, 2 or 4: the centre lies between four pixels, whose mean is taken.
-    """
-    if binning == 1:
-        return field
-    h, w = field.shape[0] // binning, field.shape[1] // binning
-    low, high = binning // 2 - 1, binning // 2
-    parts = [field[j::binning, i::binning][:h, :w] for j in (low, high) for i in (low, high)]
-    return np.asarray(sum(parts) * np.float32(0.25 / binning), np.float32)
 
 
 def shift_std(sums: Array) -> tuple[float, float]:
     """Standard deviations of a common translation (dx, dy), from the scatter of the cell scores."""
-    gxx, gxy, gyy = (float(sums[..., k].sum()) for k in (GXX, GXY, GYY))
+    *products, bx, by = system_of(sums)
+    gxx, gxy, gyy = (float(each.sum()) for each in products)
     matrix = np.array([[gxx, gxy], [gxy, gyy]])
     if not np.linalg.det(matrix) > 0:
         return float("nan"), float("nan")
 
     # the scatter of the scores holds shot noise, private texture and residual distortion alike
-    scores = np.stack([sums[..., BX].ravel(), sums[..., BY].ravel()])
+    scores = np.stack([bx.ravel(), by.ravel()])
     inverse = np.linalg.inv(matrix)
     covariance = inverse @ (scores @ scores.T) @ inverse
     return float(np.sqrt(covariance[0, 0])), float(np.sqrt(covariance[1, 1]))

@@ -5,7 +5,6 @@ filtered by what the cameras share, a surface as fine as the data support, and w
 surface suffices. docs/registration.md has the reasons and the measurements.
 """
 
-from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -14,9 +13,9 @@ from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import RegistrationError
 from erlif.registration.camera_map import CameraMap
 from erlif.registration.coarse import Start, coarse_binning, find_start
-from erlif.registration.drift import DriftSearch
+from erlif.registration.drift import FEWEST_CELLS, DriftSearch
 from erlif.registration.interpolation import laid_over
-from erlif.registration.matching import AB, WEIGHT, cell_sums, correlation
+from erlif.registration.matching import cell_sums, correlation, products_of
 from erlif.registration.pairs import Frames, Pair, Pairs, open_frames, textures
 from erlif.registration.selection import (
     FINE_LADDER,
@@ -34,13 +33,7 @@ from erlif.registration.solution import (
     fits_better,
     solve_local,
 )
-from erlif.registration.surface import (
-    Cells,
-    Surface,
-    affine_surface,
-    equations,
-    solve_surface,
-)
+from erlif.registration.surface import Cells, Surface, affine_surface, equations, solve_surface
 from erlif.registration.views import Views, expected_rms, make_cells
 from erlif.registration.whitening import make_filter, slope_gain
 
@@ -52,9 +45,6 @@ FINE: Final = 16
 
 BEYOND_CHANCE: Final = 8.0
 """Standard errors by which the mean product of the textures must stand above 0."""
-
-FEWEST_PRODUCTS: Final = 16
-"""Cells that such a standard error needs."""
 
 
 def register(
@@ -114,10 +104,10 @@ def register_frames(
 
     Parameters
     ----------
-    pairs : sequence, or callable that gives a fresh iterable
-        Of ``(reference, moving, weight_reference, weight_moving)`` as in `register`. Frames are
-        read when they are needed; their textures are kept, as long as they fit into some 300 MB. A
-        sequence is indexed, a callable is called several times.
+    pairs : sequence
+        Of ``(reference, moving, weight_reference, weight_moving)`` as in `register`. It is indexed
+        when a frame is needed, and may read the frame then; textures are kept, as long as they fit
+        into some 300 MB.
     settings : RegistrationSettings, optional
         Defaults if missing.
 
@@ -132,8 +122,7 @@ def register_frames(
     Raises
     ------
     RegistrationError
-        If the frames share no texture, are mirrored or turned against the settings, or lie too far
-        apart.
+        As `register`.
 
     Examples
     --------
@@ -180,9 +169,7 @@ class Begun(NamedTuple):
     """
 
     number: int
-
     pair: Pair
-
     surface: Surface
 
 
@@ -251,8 +238,7 @@ def align_small(pair: Pair, start: Start, settings: RegistrationSettings) -> Sur
     return surface
 
 
-@dataclass(frozen=True)
-class Fit:
+class Fit(NamedTuple):
     """The surface through all chosen frames and what later steps need of it.
 
     Attributes
@@ -274,17 +260,11 @@ class Fit:
     """
 
     surface: Surface
-
     model: Model
-
     cells: Cells
-
     sums: Array
-
     slope: float
-
     quality: float
-
     unresolved: bool
 
 
@@ -351,10 +331,10 @@ def check_correlation(sums: Array) -> float:
         If the mean product of the textures is within eight of its own standard errors over the
         cells.
     """
-    products = sums[..., AB][sums[..., WEIGHT] > 0]
+    products = products_of(sums)
     quality = correlation(sums)
     error = products.std() / np.sqrt(products.size) if products.size else np.inf
-    if products.size < FEWEST_PRODUCTS or not products.mean() > BEYOND_CHANCE * error:
+    if products.size < FEWEST_CELLS or not products.mean() > BEYOND_CHANCE * error:
         raise RegistrationError(
             "No common texture found: laid over each other as well as possible, the images of the "
             f"two cameras have a correlation coefficient of {quality:.3f}, no more than chance "

@@ -5,14 +5,13 @@ window about each node (Scarano 2002). Vectors that do not fit their neighbours 
 (Westerweel and Scarano 2005).
 """
 
-from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
 from scipy import ndimage
 
 from erlif.core.arrays import Array, Image, Mask
-from erlif.registration.matching import BX, BY, GXX, GXY, GYY
+from erlif.registration.matching import SCORES, SYSTEM, system_of
 
 LARGEST_STEP: Final = 1.5
 """Longest correction of one pass. [px]"""
@@ -87,8 +86,7 @@ def solve_windows(sums: Array, sigma: float) -> Windows:
     Windows
         Displacement, inverse normal matrix and validity of each window.
     """
-    total = window_sums(sums[..., : BY + 1], sigma)
-    gxx, gxy, gyy, bx, by = (total[..., k] for k in (GXX, GXY, GYY, BX, BY))
+    gxx, gxy, gyy, bx, by = system_of(window_sums(sums[..., SYSTEM], sigma))
     trace = gxx + gyy
     ridge = WINDOW_RIDGE * float(np.median(trace[trace > 0])) if (trace > 0).any() else 1.0
 
@@ -186,8 +184,7 @@ def _catmull_rom(positions: Array, size: int) -> Image:
     return matrix
 
 
-@dataclass(frozen=True)
-class Response:
+class Response(NamedTuple):
     """Effect of the passes together on noise that is independent from cell to cell.
 
     Attributes
@@ -257,7 +254,7 @@ def window_std(sums: Array, sigma: float, passes: int) -> Array:
         Of one component, the rms of the two; infinite where the texture is too faint. [px]
     """
     _, inverse, sound = solve_windows(sums, sigma)
-    scores = sums[..., [BX, BY]]
+    scores = sums[..., SCORES]
 
     # neighbouring cells share texture: the products of sums over 3 by 3 cells hold their
     # covariances too

@@ -295,6 +295,16 @@ def without_noise(sums: Array, slope: float = 1.0) -> Array:
     return cleaned
 
 
+def system_of(sums: Array) -> Array:
+    """GXX, GXY, GYY, BX and BY, (5, row, column): the equations of each cell."""
+    return np.moveaxis(sums[..., SYSTEM], -1, 0)
+
+
+def products_of(sums: Array) -> Array:
+    """Product of the textures in each cell with weight, (cell,). [1]"""
+    return np.asarray(sums[..., AB][sums[..., WEIGHT] > 0])
+
+
 def correlation(sums: Array) -> float:
     """Correlation coefficient of the two textures over everything that was summed. [1]"""
     ab, aa, bb = (float(sums[..., k].sum()) for k in (AB, AA, BB))
@@ -306,7 +316,7 @@ def solve_shift(sums: Array) -> tuple[float, float]:
 
     (0, 0) where the texture does not determine both components.
     """
-    gxx, gxy, gyy, bx, by = (float(sums[..., k].sum()) for k in (GXX, GXY, GYY, BX, BY))
+    gxx, gxy, gyy, bx, by = (float(each.sum()) for each in system_of(sums))
     det = gxx * gyy - gxy * gxy
     if not det > SINGULAR * (gxx + gyy) ** 2:
         return 0.0, 0.0
@@ -329,7 +339,7 @@ def move_sums(sums: Array, delta_x: Array | float, delta_y: Array | float) -> Ar
         Scores and squared differences at the new displacement; the other sums as they were.
     """
     moved = sums.copy()
-    gxx, gxy, gyy, bx, by = (sums[..., k] for k in (GXX, GXY, GYY, BX, BY))
+    gxx, gxy, gyy, bx, by = system_of(sums)
     tx = gxx * delta_x + gxy * delta_y
     ty = gxy * delta_x + gyy * delta_y
 

@@ -22,7 +22,7 @@ REACH_OF_RMS: Final = 1.5
 """Standard deviation of the average of the local rms over that of the local mean."""
 
 CUT: Final = 3.0
-"""Standard deviations at which the Gaussian average ends."""
+"""Standard deviations at which a Gaussian window ends."""
 
 FINITE: Final = 1e30
 """Counts are far below this; infinity and NaN fail the comparison. [counts]"""
@@ -31,7 +31,7 @@ LARGEST: Final = 1e6
 """Textures are far below this; infinity and NaN fail the comparison. [1]"""
 
 BRIGHTER_PARTS: Final = 98
-"""Percentile of the local means that stands for the brighter parts of the frame."""
+"""Percentile of the local light that stands for the brighter parts of the frame."""
 
 EVERY: Final = 5
 """Of so many cells one is looked at for that percentile."""

@@ -1,6 +1,6 @@
 """Pairs of frames: checked, turned into the orientation of camera 1, normalised."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -21,8 +21,8 @@ LEAST_REACH: Final = 3.0
 PairOfArrays = tuple[AnyArray, AnyArray, AnyArray | None, AnyArray | None]
 """``(reference, moving, weight_reference, weight_moving)`` of one frame."""
 
-Pairs = Sequence[PairOfArrays] | Callable[[], Iterable[PairOfArrays]]
-"""The pairs of a run, read when needed: a sequence, or a callable that starts over each time."""
+Pairs = Sequence[PairOfArrays]
+"""The pairs of a run; a sequence may read each when it is indexed."""
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,8 @@ class Pair:
     """
 
     reference: AnyArray
-
     moving: AnyArray
-
     weight_reference: Image | None = None
-
     weight_moving: Image | None = None
 
     @property
@@ -73,11 +70,8 @@ def make_pair(
 
     Parameters
     ----------
-    reference, moving : array, (y, x)
-        Camera 1 and camera 2, counts above the dark level. Pixels that are not finite get weight
-        0 if no weight is given.
-    weight_reference, weight_moving : array, (y, x), optional
-        0 for pixels that must not count, otherwise 1.
+    reference, moving, weight_reference, weight_moving : array, (y, x)
+        As for `register`. Pixels that are not finite get weight 0 if no weight is given.
     settings : RegistrationSettings
         Gives the orientation.
 
@@ -141,11 +135,8 @@ class Textures:
     """
 
     a: Image
-
     weight: Image
-
     b: Image
-
     weight_b: Image
 
     def spline(self, threads: int) -> tuple[Image, Mask]:
@@ -197,23 +188,14 @@ class Frames:
     """
 
     source: Pairs
-
     count: int
-
     chosen: tuple[int, ...]
-
     settings: RegistrationSettings
 
     def pick(self, wanted: Sequence[int]) -> Iterator[Pair]:
-        """Read the pairs with these numbers, which must ascend."""
-        if callable(self.source):
-            keep = set(wanted)
-            for number, pair in enumerate(self.source()):
-                if number in keep:
-                    yield make_pair(*pair, self.settings)
-        else:
-            for number in wanted:
-                yield make_pair(*self.source[number], self.settings)
+        """Read the pairs with these numbers."""
+        for number in wanted:
+            yield make_pair(*self.source[number], self.settings)
 
 
 def open_frames(source: Pairs, settings: RegistrationSettings) -> Frames:
@@ -224,7 +206,7 @@ def open_frames(source: Pairs, settings: RegistrationSettings) -> Frames:
     RegistrationError
         If there are none.
     """
-    count = sum(1 for _ in source()) if callable(source) else len(source)
+    count = len(source)
     if count == 0:
         raise RegistrationError(
             "Registration needs at least one pair of frames, got none. Pass one or more."

@@ -14,17 +14,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.registration.matching import (
-    BX,
-    BY,
-    EE,
-    GXX,
-    GXY,
-    GYY,
-    SYSTEM,
-    merge_cells,
-    move_sums,
-)
+from erlif.registration.matching import EE, SYSTEM, merge_cells, move_sums, system_of
 from erlif.registration.surface import Box, Cells, Surface, degree_basis, equations, solve_surface
 
 LADDER: Final = (1, 2, 3, 4, 6, 8)
@@ -82,7 +72,6 @@ class Model:
     """
 
     elements: tuple[int, int]
-
     degree: int | None = None
 
     @property
@@ -146,7 +135,7 @@ def disagreement(cells: Cells, factor: int) -> Array:
         squared displacement that the tile asks for, in units of the weight of the cells.
     """
     weighted = merge_cells(cells.sums[..., SYSTEM] * cells.weight[..., None], factor)
-    gxx, gxy, gyy, bx, by = (weighted[..., k] for k in (GXX, GXY, GYY, BX, BY))
+    gxx, gxy, gyy, bx, by = system_of(weighted)
     det = gxx * gyy - gxy**2
     trace = gxx + gyy
     if not (trace > 0).any():
@@ -170,9 +159,7 @@ class Excess(NamedTuple):
     """
 
     side: int
-
     value: float
-
     limit: float
 
 
@@ -245,20 +232,10 @@ def is_unresolved(cells: Cells, window: float) -> bool:
 
 
 def noise_of_scores(cells: Cells, used_up: int) -> float:
-    """Mean of s' M^-1 s for one degree of freedom.
+    """Mean of s' M^-1 s for one degree of freedom of cells on a surface that used up so many.
 
-    Parameters
-    ----------
-    cells : Cells
-        Sums on a fitted surface.
-    used_up : int
-        Degrees of freedom of that surface.
-
-    Returns
-    -------
-    float
-        That of single cells or of tiles of two by two, whichever is larger: texture that reaches
-        from cell to cell shows in the tiles.
+    That of single cells or of tiles of two by two, whichever is larger: texture that reaches from
+    cell to cell shows in the tiles.
     """
     values = []
     for factor in (1, 2):

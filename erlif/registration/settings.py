@@ -47,6 +47,34 @@ LARGEST_SEARCH: Final = 0.4
 """At larger offsets the cameras share too little of the field. [1]"""
 
 
+def orient(image: AnyArray, orientation: str) -> AnyArray:
+    """Turn the image of camera 2 so that it can be laid over that of camera 1.
+
+    Parameters
+    ----------
+    image : array, (y, x)
+        Anything on the pixels of camera 2: counts, weights, flags.
+    orientation : str
+        One of ``ORIENTATIONS``.
+
+    Returns
+    -------
+    array, (y, x)
+        A view where possible; (x, y) of the original for the orientations that exchange the axes.
+
+    Examples
+    --------
+    >>> orient(np.array([[1, 2, 3], [4, 5, 6]]), "rotated_90")
+    array([[3, 6],
+           [2, 5],
+           [1, 4]])
+    >>> orient(np.array([[1, 2, 3], [4, 5, 6]]), "mirrored_x")
+    array([[3, 2, 1],
+           [6, 5, 4]])
+    """
+    return _TURNS[orientation](image)
+
+
 @dataclass(frozen=True)
 class RegistrationSettings:
     """Settings of the registration. Every default suits an ordinary run.
@@ -90,21 +118,13 @@ class RegistrationSettings:
     """
 
     window: int = 32
-
     step: int = 8
-
     passes: int = 3
-
     model: Literal["auto", "surface", "local"] = "auto"
-
     orientation: Orientation = "normal"
-
     whiten: bool = True
-
     search: float = 0.27
-
     frames_for_map: int = 32
-
     threads: int = 2
 
     def __post_init__(self) -> None:
@@ -135,31 +155,3 @@ class RegistrationSettings:
                 f"got {self.passes}, {self.frames_for_map} and {self.threads}. "
                 "Correct the settings."
             )
-
-
-def orient(image: AnyArray, orientation: str) -> AnyArray:
-    """Turn the image of camera 2 so that it can be laid over that of camera 1.
-
-    Parameters
-    ----------
-    image : array, (y, x)
-        Anything on the pixels of camera 2: counts, weights, flags.
-    orientation : str
-        One of ``ORIENTATIONS``.
-
-    Returns
-    -------
-    array, (y, x)
-        A view where possible; (x, y) of the original for the orientations that exchange the axes.
-
-    Examples
-    --------
-    >>> orient(np.array([[1, 2, 3], [4, 5, 6]]), "rotated_90")
-    array([[3, 6],
-           [2, 5],
-           [1, 4]])
-    >>> orient(np.array([[1, 2, 3], [4, 5, 6]]), "mirrored_x")
-    array([[3, 2, 1],
-           [6, 5, 4]])
-    """
-    return _TURNS[orientation](image)

@@ -42,6 +42,27 @@ UNKNOWN_STD: Final = 1e3
 """Standard deviation of a window without texture, finite so that it can be interpolated. [px]"""
 
 
+def find_overlap(dx: Image, dy: Image, std: Image, height: int, width: int) -> Mask:
+    """Mark the pixels whose point camera 2 sees; the fields become NaN far beyond its frame.
+
+    ``height`` and ``width`` are those of camera 2. The fields are changed in place.
+    """
+    overlap = np.empty(dx.shape, np.bool_)
+    x, y = np.arange(dx.shape[1], dtype=float), np.arange(dx.shape[0], dtype=float)[:, None]
+    for start in range(0, dx.shape[0], ROWS):
+        part = slice(start, start + ROWS)
+        px, py = x + dx[part], y[part] + dy[part]
+        across, down = np.maximum(-px, px - (width - 1)), np.maximum(-py, py - (height - 1))
+        beyond = np.maximum(across, down)
+        overlap[part] = beyond <= 0
+
+        # an unknown displacement is far as well
+        far = ~(beyond <= BEYOND)
+        for field in (dx, dy, std):
+            field[part][far] = np.nan
+    return overlap
+
+
 @dataclass(frozen=True)
 class Solution:
     """A dense displacement with its standard deviation, on every pixel of camera 1.
@@ -61,13 +82,9 @@ class Solution:
     """
 
     dx: Image
-
     dy: Image
-
     std: Image
-
     kind: MapKind
-
     resolution: str
 
     def moved(self, dx: float, dy: float) -> Solution:
@@ -223,24 +240,3 @@ def finish_map(solution: Solution, views: Views, cells: Cells, quality: float) -
         )
     kind, resolution = solution.kind, solution.resolution
     return CameraMap(dx, dy, std, overlap, poor, quality, kind, resolution, views.settings)
-
-
-def find_overlap(dx: Image, dy: Image, std: Image, height: int, width: int) -> Mask:
-    """Mark the pixels whose point camera 2 sees; the fields become NaN far beyond its frame.
-
-    ``height`` and ``width`` are those of camera 2. The fields are changed in place.
-    """
-    overlap = np.empty(dx.shape, np.bool_)
-    x, y = np.arange(dx.shape[1], dtype=float), np.arange(dx.shape[0], dtype=float)[:, None]
-    for start in range(0, dx.shape[0], ROWS):
-        part = slice(start, start + ROWS)
-        px, py = x + dx[part], y[part] + dy[part]
-        across, down = np.maximum(-px, px - (width - 1)), np.maximum(-py, py - (height - 1))
-        beyond = np.maximum(across, down)
-        overlap[part] = beyond <= 0
-
-        # an unknown displacement is far as well
-        far = ~(beyond <= BEYOND)
-        for field in (dx, dy, std):
-            field[part][far] = np.nan
-    return overlap

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from erlif.core.arrays import AnyArray, Array, Image
-from erlif.registration.matching import BX, BY, EE, GXX, GXY, GYY, WEIGHT
+from erlif.registration.matching import EE, WEIGHT, system_of
 
 Box = tuple[float, float, float, float]
 """x0, x1, y0, y1 of a rectangle of camera-1 pixels. [px]"""
@@ -338,9 +338,7 @@ def equations(cells: Cells, elements: tuple[int, int], *, box: Box | None = None
     on = cells.weight > 0
     weight = np.where(on, cells.weight, 0)
     here_x, here_y = np.where(on, cells.here_x, 0), np.where(on, cells.here_y, 0)
-    gxx, gxy, gyy, bx, by = (
-        weight * np.where(on, cells.sums[..., k], 0) for k in (GXX, GXY, GYY, BX, BY)
-    )
+    gxx, gxy, gyy, bx, by = weight * np.where(on, system_of(cells.sums), 0)
 
     # the solution is the whole displacement: that which the cells already have goes to the right
     data = np.stack([bx + gxx * here_x + gxy * here_y, by + gxy * here_x + gyy * here_y])

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.registration.matching import BX, BY, GXX, GXY, GYY
+from erlif.registration.matching import system_of
 from erlif.registration.selection import Model
 from erlif.registration.surface import (
     RIDGE,
@@ -45,8 +45,8 @@ def _block_scores(cells: Cells, block: AnyArray, across: Array, down: Array) -> 
     shape = len(rows), len(columns), 2, down.shape[1], across.shape[1]
     scores = np.empty(shape)
 
-    for component, k in enumerate((BX, BY)):
-        score = np.where(on, cells.weight * cells.sums[..., k], 0)
+    for component, score in enumerate(system_of(cells.sums)[3:]):
+        score = np.where(on, cells.weight * score, 0)
         lines = np.add.reduceat(score[:, :, None] * across, columns, axis=1)
         for row, (start, stop) in enumerate(pairwise([*rows, len(block)])):
             scores[row, :, component] = np.einsum(
@@ -97,11 +97,9 @@ def surface_covariance(cells: Cells, model: Model, box: Box) -> Array:
 
     # leverage of block b: the trace of M_b M^-1, M_b its part of the normal matrix M
     x, y = pair_up(across), pair_up(down)
-    share = (
-        cells.sums[..., GXX] * _between(inverse[:p, :p], x, y)
-        + 2 * cells.sums[..., GXY] * _between(inverse[:p, p:], x, y)
-        + cells.sums[..., GYY] * _between(inverse[p:, p:], x, y)
-    )
+    gxx, gxy, gyy, _, _ = system_of(cells.sums)
+    share = gxx * _between(inverse[:p, :p], x, y) + 2 * gxy * _between(inverse[:p, p:], x, y)
+    share = share + gyy * _between(inverse[p:, p:], x, y)
     share = np.where(cells.weight > 0, cells.weight * share, 0)
     leverage = np.bincount(block.ravel(), share.ravel())
     scores = _block_scores(cells, block, across, down).reshape(len(leverage), 2 * p)

@@ -13,7 +13,7 @@ from scipy import ndimage
 
 from erlif.core.arrays import Array, Image, Mask
 from erlif.core.errors import RegistrationError
-from erlif.registration.drift import rough_drift
+from erlif.registration.drift import LARGE, rough_drift
 from erlif.registration.interpolation import laid_over
 from erlif.registration.matching import (
     EE,
@@ -33,9 +33,6 @@ from erlif.registration.whitening import Filter, Spectra, measure_spectra, padde
 
 FEWEST_CELLS: Final = 16
 """A surface needs this many cells with weight: four for each coefficient of an affine map."""
-
-LARGE: Final = 400
-"""Frames with a shorter side from this on have cells enough to be merged two by two. [px]"""
 
 MOST_KEPT: Final = 20_000_000
 """Pixels of all chosen frames up to which their textures are kept: some 300 MB. [px]"""
@@ -129,7 +126,6 @@ class Summed(NamedTuple):
     """
 
     sums: Array
-
     mean_drift: Array
 
 
@@ -146,7 +142,6 @@ class Seen:
     """
 
     sums: Array
-
     surface: Surface
 
 
@@ -177,9 +172,7 @@ class View(NamedTuple):
     """
 
     a: Image
-
     weight: Image
-
     spline: tuple[Image, Mask]
 
 
@@ -195,6 +188,7 @@ class Views:
         self.settings = settings = frames.settings
         self.shape = (first.reference.shape[0], first.reference.shape[1])
         self.shape_moving = (first.moving.shape[0], first.moving.shape[1])
+        # large frames have cells enough to be merged two by two
         self.merge = 2 if min(self.shape) >= LARGE else 1
         self._keep = len(frames.chosen) * first.reference.size <= MOST_KEPT
         self._whitening: Filter | None = None

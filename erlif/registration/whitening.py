@@ -39,6 +39,11 @@ TAPER_WIDTH: Final = 2
 """Frequencies that the taper smears into the mean; they get no weight."""
 
 
+def padded_size(shape: tuple[int, ...]) -> tuple[int, int]:
+    """Smallest size, at least that of the frame, for which the Fourier transform is fast."""
+    return fft.next_fast_len(shape[0], real=True), fft.next_fast_len(shape[1], real=True)
+
+
 @dataclass(frozen=True)
 class Spectra:
     """Sums of block spectra; frequencies (y, x) as in ``rfft2``.
@@ -56,11 +61,8 @@ class Spectra:
     """
 
     first: Array
-
     second: Array
-
     cross: Array
-
     blocks: int
 
     def __add__(self, other: "Spectra") -> "Spectra":
@@ -142,7 +144,6 @@ class Filter:
     """
 
     amplitude: Array
-
     spacing: float
 
     def on_grid(self, shape: tuple[int, int]) -> Image:
@@ -252,11 +253,6 @@ def slope_gain(spectra: Spectra, filter_: Filter | None) -> float:
         true += float((k * derivative * common).sum())
         held += float((derivative**2 * common).sum())
     return max(true / held, 1.0) if held > 0 else 1.0
-
-
-def padded_size(shape: tuple[int, ...]) -> tuple[int, int]:
-    """Smallest size, at least that of the frame, for which the Fourier transform is fast."""
-    return fft.next_fast_len(shape[0], real=True), fft.next_fast_len(shape[1], real=True)
 
 
 def whiten(

@@ -9,12 +9,7 @@ from scenes.registration import Scene, expose, smooth_map
 
 from erlif.core.errors import RegistrationError
 from erlif.registration import RegistrationSettings, orient
-from erlif.registration.coarse import (
-    Correlator,
-    coarse_binning,
-    coarse_pair,
-    find_start,
-)
+from erlif.registration.coarse import Correlator, coarse_binning, coarse_pair, find_start
 from erlif.registration.pairs import Pair
 
 SHAPE = (256, 320)

@@ -7,18 +7,7 @@ from scenes.registration import Blobs, Scene, smooth_map
 
 from erlif.core.errors import RegistrationError
 from erlif.registration import RegistrationSettings
-from erlif.registration.matching import (
-    AA,
-    BX,
-    BY,
-    EE,
-    GXX,
-    GXY,
-    GYY,
-    SUMS,
-    WEIGHT,
-    solve_shift,
-)
+from erlif.registration.matching import AA, BX, BY, EE, GXX, GXY, GYY, SUMS, WEIGHT, solve_shift
 from erlif.registration.pairs import open_frames
 from erlif.registration.surface import affine_surface
 from erlif.registration.views import Views, expected_rms, make_cells
