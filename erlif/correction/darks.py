@@ -30,6 +30,11 @@ _FILM = 0.5
 """Median light of the dry joint over that of the run from which its frames show a film. [1]"""
 
 
+def median_of_surroundings(image: AnyArray) -> Image:
+    """Median over the 5 x 5 pixels about each pixel."""
+    return np.asarray(cv2.medianBlur(np.ascontiguousarray(image, np.float32), 5), np.float32)
+
+
 @dataclass(frozen=True)
 class Darks:
     """Darks of one camera, reduced.
@@ -159,11 +164,6 @@ def _stack_pages(pages: Iterable[Counts], levels: list[float] | None = None) -> 
         if levels is not None:
             levels.append(float(np.mean(page, dtype=float)))
     return stack
-
-
-def median_of_surroundings(image: AnyArray) -> Image:
-    """Median over the 5 x 5 pixels about each pixel."""
-    return np.asarray(cv2.medianBlur(np.ascontiguousarray(image, np.float32), 5), np.float32)
 
 
 def _find_noisy(variance: AnyArray, pages: int) -> Mask:

@@ -28,6 +28,15 @@ _SIGNIFICANT = 4.0
 """Standard deviations above which a bend is significant; 1 camera in 16000 by chance."""
 
 
+def _count_apart(lights: Sequence[float]) -> int:
+    """Number of light levels that differ."""
+    count, last = 0, 0.0
+    for light in sorted(lights):
+        if light > DISTINCT * last:
+            count, last = count + 1, light
+    return count
+
+
 @dataclass(frozen=True)
 class LightLevel:
     """One point of the photon transfer curve.
@@ -241,15 +250,6 @@ def measure_response_spread(flat: AnyArray, flat_var: AnyArray, bad: Mask) -> fl
     departure = own / mean - 1
     noise = float(np.median(variance / own**2))
     return float(np.sqrt(max(robust_std(departure) ** 2 / (1 + 1 / 8) - noise, 0.0)))
-
-
-def _count_apart(lights: Sequence[float]) -> int:
-    """Number of light levels that differ."""
-    count, last = 0, 0.0
-    for light in sorted(lights):
-        if light > DISTINCT * last:
-            count, last = count + 1, light
-    return count
 
 
 def _least_squares(design: Array, values: Array, covariance: Array) -> _Solution:

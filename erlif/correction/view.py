@@ -16,6 +16,11 @@ _SIDE = 512
 """Largest side of the window about the middle that is kept pixel by pixel. [px]"""
 
 
+def mean_of_blocks(image: AnyArray) -> Array:
+    """Mean of an image in `BLOCKS` x `BLOCKS` blocks, (row, column)."""
+    return np.asarray(cv2.resize(image, (BLOCKS, BLOCKS), interpolation=cv2.INTER_AREA), float)
+
+
 @dataclass(frozen=True)
 class FrameView:
     """Mean counts of some frames, dark not subtracted.
@@ -75,8 +80,3 @@ class ViewSum:
         count = max(self.count, 1)
         centre = (self._centre / count).astype(np.float32, copy=False)
         return FrameView(self.window, centre, self._blocks / count)
-
-
-def mean_of_blocks(image: AnyArray) -> Array:
-    """Mean of an image in `BLOCKS` x `BLOCKS` blocks, (row, column)."""
-    return np.asarray(cv2.resize(image, (BLOCKS, BLOCKS), interpolation=cv2.INTER_AREA), float)

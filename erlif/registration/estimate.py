@@ -318,7 +318,7 @@ def check_correlation(sums: Array) -> float:
     Parameters
     ----------
     sums : array, (row, column, 11)
-        From `cell_sums`.
+        As `cell_sums` makes them.
 
     Returns
     -------

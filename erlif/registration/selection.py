@@ -303,21 +303,11 @@ def _need(more: int) -> float:
 
 
 def attainable_gain(cells: Cells) -> float:
-    """Gain above chance that finer surfaces may have at most.
+    """Gain above chance that finer surfaces may have at most, for cells on a fitted surface.
 
     Tiles with a displacement of their own follow everything that a surface can. What they gain
     above chance is uncertain by the scatter of chance, of which three standard deviations are
-    added.
-
-    Parameters
-    ----------
-    cells : Cells
-        Sums on a fitted surface.
-
-    Returns
-    -------
-    float
-        In units of the weight of the cells, as the gain of a model; infinite for too few tiles.
+    added. In units of the weight of the cells, as the gain of a model; infinite for too few tiles.
     """
     small = disagreement(cells, 1)
     gains = []

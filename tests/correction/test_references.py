@@ -111,15 +111,6 @@ def test_the_summary_has_values_with_their_standard_deviations(measured):
 # declared
 
 
-def test_declared_values_are_used_and_measured_ones_kept(measured):
-    references = combine(measured, gain=4.5, read_noise=9.2).references
-    npt.assert_array_equal(references.gain, 4.5)
-    npt.assert_array_equal(references.read_noise, 9.2)
-    npt.assert_allclose(references.gain_measured, GAIN, rtol=0.015)
-    # in electrons, with the gain in use
-    npt.assert_allclose(references.read_noise_measured, READ * 4.5 / 4.4, rtol=0.02)
-
-
 @pytest.mark.parametrize(("factor", "reported"), [(0.8, True), (0.93, False), (1.2, True)])
 def test_declared_values_that_deviate_by_more_than_10_percent_are_reported(
     measured, factor, reported
@@ -164,7 +155,7 @@ def test_read_noise_below_the_rounding_is_measured_as_zero(camera):
 # estimated and assumed
 
 
-def test_a_camera_without_flats_has_an_assumed_gain_until_the_frames_are_read(camera):
+def test_gain_without_flats_and_read_noise_without_darks_are_assumed(camera):
     cameras = combine(measure(camera, pages=0))
     references = cameras.references
     npt.assert_allclose(references.gain, 16000 / 4095)
@@ -178,8 +169,6 @@ def test_a_camera_without_flats_has_an_assumed_gain_until_the_frames_are_read(ca
     assert "camera2: neither gain nor flats with two pages of one light level" in warning
     assert "camera1: no flat; vignetting" in warning
 
-
-def test_without_darks_the_read_noise_is_assumed(camera):
     cameras = combine(measure(camera, darks=0, pages=0), gain=4.4)
     npt.assert_array_equal(cameras.references.read_noise, 10.0)
     assert not cameras.references.read_noise_known.any()
@@ -207,6 +196,12 @@ def test_an_estimate_from_the_frames_replaces_the_assumptions(camera):
 
 def test_measured_and_declared_values_take_precedence_over_an_estimate(measured, camera):
     noise = CameraNoise(40.0, 1.0, 80.0, 1.0, response_spread=0.5)
+    references = combine(measured, estimated=noise, gain=4.5, read_noise=9.2).references
+    npt.assert_array_equal(references.gain, 4.5)
+    npt.assert_array_equal(references.read_noise, 9.2)
+    npt.assert_allclose(references.gain_measured, GAIN, rtol=0.015)
+    # in electrons, with the gain in use
+    npt.assert_allclose(references.read_noise_measured, READ * 4.5 / 4.4, rtol=0.02)
     references = combine(measured, estimated=noise).references
     npt.assert_allclose(references.gain, GAIN, rtol=0.015)
     npt.assert_allclose(references.read_noise, READ, rtol=0.02)

@@ -29,11 +29,6 @@ ONES = np.ones(SHAPE, np.float32)
 INSIDE = (slice(2, -2), slice(2, -2))  # what a five-point derivative reaches
 
 
-def response(k):
-    """Gain of the five-point derivative for a wave of that number [rad/px]; k for small k."""
-    return (8 * np.sin(k) - np.sin(2 * k)) / 6
-
-
 def waves(dx=0.0, dy=0.0, seed=3):
     """A smooth texture whose features lie (dx, dy) further right and down."""
     rng = np.random.default_rng(seed)
@@ -58,16 +53,6 @@ def test_a_ramp_gives_one_for_each_pixel_and_its_shift():
         npt.assert_allclose(sums[cell][EE], pixels / 16, rtol=1e-5)
         npt.assert_allclose(sums[cell][CROSS], pixels, rtol=1e-5)
         npt.assert_allclose(sums[cell][[GXY, GYY, BY]], 0, atol=1e-4)
-
-
-@pytest.mark.parametrize("k", [0.2, 0.6, 1.2])
-def test_the_derivative_of_a_wave_is_that_of_five_points(k):
-    """Over whole periods the mean of the squared derivative is half its squared amplitude."""
-    x = np.arange(4 + 64 * 5)
-    wave = np.tile(np.cos(k * x), (20, 1)).astype(np.float32)
-    derivative = -response(k) * np.sin(k * x[2:-2])
-    sums = cell_sums(wave, np.ones_like(wave), wave, 8)
-    npt.assert_allclose(sums[..., GXX].sum(), 16 * (derivative**2).sum(), rtol=1e-4)
 
 
 def test_gradients_are_those_of_the_mean_image_and_products_are_summed_over_the_inner_pixels():
