@@ -17,12 +17,13 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Image, Mask
 from erlif.core.errors import FrameError
-from erlif.core.notes import Note
+from erlif.core.notes import Note, note_writer
 from erlif.core.products import References
 from erlif.core.statistics import robust_std
 from erlif.correction.camera import CameraMeasurement
-from erlif.correction.findings import find
 from erlif.correction.view import BLOCKS, FrameView, mean_of_blocks
+
+_write = note_writer("erlif.correction")
 
 _CLEAR = 4.0
 """Robust standard deviations beyond which fine structure is dust, a bubble or a bad pixel."""
@@ -162,11 +163,11 @@ def _find_light_in_dark(
     rest = y - share * x
     std = float(np.sqrt((rest * rest).sum() / (x.size - 2) / (x * x).sum()))
     if share > max(_LEAK, _SIGNIFICANT * std):
-        yield find(camera, "light_in_dark", share=share)
+        yield _write("light_in_dark", subject=camera, share=share)
 
     page_std = darks.level_std * np.sqrt(darks.pages) if darks.pages > 1 else 0.0
     if page_std > max(_UNSTEADY * typical, 1.0):
-        yield find(camera, "unsteady_dark", std=page_std, share=page_std / typical)
+        yield _write("unsteady_dark", subject=camera, std=page_std, share=page_std / typical)
 
 
 def _find_missing_pages(
@@ -175,13 +176,15 @@ def _find_missing_pages(
     """Pages that one camera lacks against the other, or one light level against the others."""
     pages, others = measured.darks.pages, other.darks.pages
     if 0 < pages < others:
-        yield find(camera, "few_darks", pages=pages, others=others)
+        yield _write("few_darks", subject=camera, pages=pages, others=others)
 
     levels = measured.level_pages
     if measured.has_flat and measured.flat_pages < other.flat_pages:
-        yield find(camera, "few_flats", pages=measured.flat_pages, others=other.flat_pages)
+        yield _write(
+            "few_flats", subject=camera, pages=measured.flat_pages, others=other.flat_pages
+        )
     elif len(levels) > 1 and levels[-1] < min(levels[:-1]):
-        yield find(camera, "few_last", pages=levels[-1], others=min(levels[:-1]))
+        yield _write("few_last", subject=camera, pages=levels[-1], others=min(levels[:-1]))
 
 
 def _compare_flats(references: References) -> Iterator[Note]:
@@ -194,7 +197,7 @@ def _compare_flats(references: References) -> Iterator[Note]:
     for number, flat in blocks.items():
         darkest = float(flat.min() / flat.max())
         if darkest < _DARK_CORNER:
-            yield find(f"camera{number}", "uneven_flat", darkest=darkest)
+            yield _write("uneven_flat", subject=f"camera{number}", darkest=darkest)
     if len(blocks) < 2:
         return
 
@@ -203,7 +206,7 @@ def _compare_flats(references: References) -> Iterator[Note]:
     ratio = ratio / np.median(ratio)
     low, high = float(ratio.min()), float(ratio.max())
     if max(high, 1 / low) > 1 + _UNLIKE:
-        yield find("camera1 and camera2", "unlike_flats", low=low - 1, high=high - 1)
+        yield _write("unlike_flats", subject="camera1 and camera2", low=low - 1, high=high - 1)
 
 
 def _compare_patterns(
@@ -230,7 +233,7 @@ def _compare_patterns(
     for n in range(2):
         if (n, n) in shares and shares[n, n].is_missing:
             share = shares[n, n]
-            yield find(f"camera{n + 1}", "foreign_flat", share=share.value, std=share.std)
+            yield _write("foreign_flat", subject=f"camera{n + 1}", share=share.value, std=share.std)
 
 
 def find_share(

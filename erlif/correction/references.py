@@ -16,17 +16,18 @@ import xarray as xr
 
 from erlif.core.arrays import AnyArray, Mask
 from erlif.core.detector import QUANTISATION_VAR
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Level, Note, note_writer
 from erlif.core.products import References
 from erlif.core.tables import read_table
 from erlif.correction.camera import CameraMeasurement
-from erlif.correction.findings import find
 from erlif.correction.flats import make_flat_field
 from erlif.correction.photon_transfer import (
     PhotonTransfer,
     fit_photon_transfer,
     measure_response_spread,
 )
+
+_write = note_writer("erlif.correction")
 
 _TOLERATED = 0.10
 """Relative deviation of a declared gain or read noise from the measured one that is reported."""
@@ -398,31 +399,35 @@ def _find_notes(
     # the comparison is False where no gain was measured, because that gain is NaN
     if declared.gain is not None and abs(declared.gain / gain.measured - 1) > _TOLERATED:
         off = 100 * (declared.gain / gain.measured - 1)
-        yield find(camera, "declared_gain", gain=declared.gain, off=off)
+        yield _write("declared_gain", subject=camera, gain=declared.gain, off=off)
     if not gain.known:
-        yield find(camera, "no_gain")
+        yield _write("no_gain", subject=camera)
 
     # variance per light of a response f is f'^2/f, which changes three times as much as f itself
     if transfer is not None and transfer.is_bent:
-        yield find(camera, "bent", bend=100 * transfer.bend, std=100 * transfer.bend_std)
+        yield _write("bent", subject=camera, bend=100 * transfer.bend, std=100 * transfer.bend_std)
 
     # the measured read noise in electrons scales with the gain: without one there is no comparison
     own, std = read_noise.measured, read_noise.std
     given = declared.read_noise if gain.known else None
     if given is not None and abs(given - own) > _TOLERATED * own + 3 * std:
-        yield find(camera, "declared_read_noise", given=given, measured=_with_std(own, std))
+        yield _write(
+            "declared_read_noise", subject=camera, given=given, measured=_with_std(own, std)
+        )
     if not read_noise.known:
-        yield find(camera, "no_read_noise")
+        yield _write("no_read_noise", subject=camera)
 
     dry = measured.background
     if dry is not None:
-        yield find(camera, "background", level=Level.NOTE, pages=dry.pages, share=100 * dry.share)
+        yield _write("background", subject=camera, pages=dry.pages, share=100 * dry.share)
 
     # a pile-up below full scale comes from the sensor or from a range set in the camera
     if measured.saturation < measured.full_scale:
-        yield find(camera, "pile_up", top=measured.saturation, full_scale=measured.full_scale)
+        yield _write(
+            "pile_up", subject=camera, top=measured.saturation, full_scale=measured.full_scale
+        )
     if not measured.has_flat:
-        yield find(camera, "no_flat")
+        yield _write("no_flat", subject=camera)
 
 
 def _summarise(
