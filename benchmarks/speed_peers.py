@@ -37,7 +37,7 @@ def read_and_write(run_dir: str, film_path: str, output: str) -> None:
     with PartialFilm(Path(output), "reading and writing alone", grid, MAPS) as work:
         for trigger, frame in enumerate(run.pairs.usable):
             read_frames(run.pairs, [frame])
-            work.put(trigger, work.encode(images[trigger % len(images)]), {})
+            work.put(trigger, work.maps.encode(images[trigger % len(images)]), {})
         write_film(work, grid, {})
     spent = (time.perf_counter() - wall, time.process_time() - processor)
     print(json.dumps([value / pairs for value in spent]))
