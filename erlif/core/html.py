@@ -1,4 +1,7 @@
-"""Small pieces of HTML for notebooks: tables, lists, pictures. Text of files is escaped here."""
+"""Small pieces of HTML for notebooks: tables, lists, pictures.
+
+The macros of ``notebook.html`` beside this module escape the text of files.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +9,15 @@ import base64
 import io
 import math
 from collections.abc import Iterable, Sequence
-from html import escape
+from functools import cache
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from erlif.core.arrays import Array
 from erlif.core.notes import Level
+from erlif.core.units import count_of
 
 _MISSING = np.array([217, 217, 217], np.uint8)
 """Colour of pixels without a value."""
@@ -20,10 +25,24 @@ _MISSING = np.array([217, 217, 217], np.uint8)
 _PALETTE = 128
 """Colours of an embedded picture."""
 
-_CELL = "padding:1px 14px 1px 0;text-align:left;vertical-align:top"
-_COLOURS = {Level.ERROR: "#B00020", Level.WARNING: "#B35900"}
+_LEFT, _RIGHT, _TOP, _BOTTOM = 34.0, 224.0, 20.0, 112.0
+"""Edges of the axes in the picture of a curve. [px]"""
 
 Range = tuple[float, float]
+
+
+def _fill(macro: str, *content: Any) -> str:
+    """Fill one of the macros."""
+    return str(getattr(_macros(), macro)(*content))
+
+
+@cache
+def _macros() -> Any:
+    from jinja2 import Environment, PackageLoader, StrictUndefined  # slow to load
+
+    loader = PackageLoader("erlif.core", "")
+    environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
+    return environment.get_template("notebook.html").module
 
 
 def card(title: str, subtitle: str, *parts: str) -> str:
@@ -45,12 +64,7 @@ def card(title: str, subtitle: str, *parts: str) -> str:
     >>> "&lt;b&gt;" in card("<b>", "", "<p>2 um</p>")
     True
     """
-    small = f' <span style="opacity:0.7">{escape(subtitle)}</span>' if subtitle else ""
-    body = "".join(part for part in parts if part)
-    return (
-        '<div class="erlif" style="font-size:0.92em;line-height:1.45;max-width:60em">'
-        f"<div><strong>{escape(title)}</strong>{small}</div>{body}</div>"
-    )
+    return _fill("card", title, subtitle, parts)
 
 
 def rows_table(rows: Iterable[tuple[str, str]]) -> str:
@@ -69,12 +83,7 @@ def rows_table(rows: Iterable[tuple[str, str]]) -> str:
     >>> rows_table([("oil", "<80W>")]).count("&lt;80W&gt;")
     1
     """
-    lines = "".join(
-        f'<tr style="background:none"><td style="{_CELL};opacity:0.75">{escape(name)}</td>'
-        f'<td style="{_CELL}">{escape(value)}</td></tr>'
-        for name, value in rows
-    )
-    return f'<table style="border:none;border-collapse:collapse;margin:4px 0">{lines}</table>'
+    return _fill("rows_table", rows)
 
 
 def findings_list(findings: Sequence[tuple[Level, str]], *, most: int = 5) -> str:
@@ -97,18 +106,11 @@ def findings_list(findings: Sequence[tuple[Level, str]], *, most: int = 5) -> st
     >>> findings_list([(Level.NOTE, "no flat")])
     '<div style="opacity:0.75">1 note</div>'
     """
-    serious = [(level, text) for level, text in findings if level is not Level.NOTE]
-    lines = "".join(
-        f'<li><span style="color:{_COLOURS[level]}">{level.value}</span>: {escape(text)}</li>'
-        for level, text in serious[:most]
-    )
-    listed = f'<ul style="margin:2px 0;padding-left:1.4em">{lines}</ul>' if lines else ""
-
+    serious = [(level.value, text) for level, text in findings if level is not Level.NOTE]
     notes = len(findings) - len(serious)
     parts = [f"{len(serious) - most} more warnings"] if len(serious) > most else []
-    parts += [f"{notes} note{'s' if notes > 1 else ''}"] if notes else []
-    rest = f'<div style="opacity:0.75">{", ".join(parts)}</div>' if parts else ""
-    return listed + rest
+    parts += [count_of(notes, "note")] if notes else []
+    return _fill("findings_list", serious[:most], ", ".join(parts))
 
 
 def colour_picture(
@@ -173,11 +175,7 @@ def picture_tag(picture: npt.NDArray[np.uint8], *, alt: str, width: int = 160) -
     thin = Image.fromarray(np.ascontiguousarray(picture[::step, ::step]))
     buffer = io.BytesIO()
     thin.quantize(_PALETTE).save(buffer, "PNG", optimize=True)
-    text = base64.b64encode(buffer.getvalue()).decode("ascii")
-    return (
-        f'<img src="data:image/png;base64,{text}" alt="{escape(alt)}" width="{width}" '
-        'style="display:block;margin:2px 0">'
-    )
+    return _fill("picture_tag", base64.b64encode(buffer.getvalue()).decode("ascii"), alt, width)
 
 
 def captioned(pictures: Iterable[tuple[str, str]]) -> str:
@@ -197,12 +195,7 @@ def captioned(pictures: Iterable[tuple[str, str]]) -> str:
     >>> captioned([("<img>", "trigger 0")]).count("trigger 0")
     1
     """
-    cells = "".join(
-        f'<div style="margin:0 10px 6px 0">{picture}'
-        f'<div style="font-size:0.85em;opacity:0.8">{escape(caption)}</div></div>'
-        for picture, caption in pictures
-    )
-    return f'<div style="display:flex;flex-wrap:wrap;margin:4px 0">{cells}</div>'
+    return _fill("captioned", pictures)
 
 
 def curve_picture(
@@ -229,41 +222,16 @@ def curve_picture(
     >>> curve_picture((line, line), (line, line), labels=("film", "ratio")).count("<circle")
     5
     """
-    width, height, left, top = 230.0, 142.0, 34.0, 20.0
     x, y = (np.concatenate([one, other]) for one, other in zip(curve, points, strict=True))
     (x0, x1), (y0, y1) = ((float(np.nanmin(v)), float(np.nanmax(v))) for v in (x, y))
 
     def place(u: Array, v: Array) -> list[tuple[float, float]]:
-        across = left + (width - left - 6) * (u - x0) / ((x1 - x0) or 1.0)
-        down = top + (height - top - 30) * (1 - (v - y0) / ((y1 - y0) or 1.0))
+        across = _LEFT + (_RIGHT - _LEFT) * (u - x0) / ((x1 - x0) or 1.0)
+        down = _BOTTOM - (_BOTTOM - _TOP) * (v - y0) / ((y1 - y0) or 1.0)
         good = np.isfinite(across) & np.isfinite(down)
         return [
             (round(float(a), 1), round(float(b), 1))
             for a, b in zip(across[good], down[good], strict=True)
         ]
 
-    line = " ".join(f"{a},{b}" for a, b in place(*curve))
-    dots = "".join(f'<circle cx="{a}" cy="{b}" r="1.6"/>' for a, b in place(*points))
-    bottom = height - 30
-    texts = [
-        (left, bottom + 12, "start", f"{x0:.3g}"),
-        (width - 6, bottom + 12, "end", f"{x1:.3g}"),
-        ((left + width) / 2, bottom + 25, "middle", labels[0]),
-        (left - 4, bottom, "end", f"{y0:.2f}"),
-        (left - 4, top + 8, "end", f"{y1:.2f}"),
-        (left, top - 8, "start", labels[1]),
-    ]
-    words = "".join(
-        f'<text x="{a}" y="{b}" text-anchor="{anchor}">{escape(text)}</text>'
-        for a, b, anchor, text in texts
-    )
-    return (
-        f'<svg width="{width:.0f}" height="{height:.0f}" role="img" '
-        f'aria-label="{escape(labels[1])} against {escape(labels[0])}" '
-        'style="display:block;font-size:10px">'
-        f'<g fill="currentColor" font-family="sans-serif">{words}</g>'
-        f'<path d="M{left},{top}V{bottom}H{width - 6}" fill="none" stroke="currentColor" '
-        'opacity="0.5"/>'
-        f'<g fill="currentColor" opacity="0.55">{dots}</g>'
-        f'<polyline points="{line}" fill="none" stroke="#0072B2" stroke-width="1.5"/></svg>'
-    )
+    return _fill("curve_picture", place(*curve), place(*points), (x0, x1), (y0, y1), labels)

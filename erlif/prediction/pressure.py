@@ -125,7 +125,7 @@ def solve_pin_motion(
     angle, axial = _lay_cells(journal, cells)
     around, along, angle = angle.size, axial.size, angle + turned
     cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
-    load, side = position[0] + position[2] * axial, position[1] + position[3] * axial
+    load, side = _tilted(position, axial)
     film = journal.clearance - load * cosine - side * sine
     if film.min() <= 0:
         raise OverlapError(
@@ -134,7 +134,7 @@ def solve_pin_motion(
             "maps."
         )
 
-    load_rate, side_rate = rate[0] + rate[2] * axial, rate[1] + rate[3] * axial
+    load_rate, side_rate = _tilted(rate, axial)
     change = (turning / 2 * load - side_rate) * sine - (turning / 2 * side + load_rate) * cosine
     change = change[:, 0] if journal.long else change
     solved = _solve(journal, film, film_rate=change, void_fraction=void_fraction)
@@ -166,6 +166,11 @@ def _solve(journal: Journal, film: Array, **driven: Any) -> xr.Dataset:
         foundation=journal.foundation,
         **driven,
     )
+
+
+def _tilted(numbers: Array, axial: Array) -> tuple[Array, Array]:
+    """Displacements, or their rates, towards the load and sideways at axial places."""
+    return numbers[0] + numbers[2] * axial, numbers[1] + numbers[3] * axial
 
 
 def _lay_cells(journal: Journal, cells: tuple[int, int]) -> tuple[Array, Array]:
@@ -245,8 +250,7 @@ def follow_cavities(
     fine = np.interp(np.arange(place[-1] + 1), place, time)
     angle, axial = _lay_cells(journal, cells)
     at, turned = path(fine), angle + swing(fine)[:, None] / 2
-    load = at[:, None, None, 0] + at[:, None, None, 2] * axial
-    side = at[:, None, None, 1] + at[:, None, None, 3] * axial
+    load, side = _tilted(at.T[..., None, None], axial)
     film = journal.clearance - load * np.cos(turned)[..., None] - side * np.sin(turned)[..., None]
     if film.min() <= 0:
         raise OverlapError("Expected a gap all over the joint; pin and bushing overlap on the way.")
