@@ -63,6 +63,9 @@ class RangeWarning(UserWarning):
     """A fitted equation used beyond the range over which its source fitted it."""
 
 
+LONGEST_REASON = 200
+"""Length of a foreign text in a message; one of a damaged file may have megabytes. [character]"""
+
 _PLAIN = (
     (r".*file signature not found.*", "it is no HDF5 file"),
     (r".*truncated file: eof = (\d+).*stored_eof = (\d+).*", r"\1 of its \2 bytes are there"),
@@ -74,12 +77,6 @@ _PLAIN = (
     (r".*Unable to synchronously open object.*|.*group not found.*", "a part of it is missing"),
 )
 """Texts of the HDF5 library, and what they mean."""
-
-LONGEST_REASON = 200
-"""Length of a foreign text in a message; one of a damaged file may have megabytes. [character]"""
-
-_SEARCHED = 1000
-"""Length of a foreign text that is compared with known ones. [character]"""
 
 
 def reason_of(error: BaseException) -> str:
@@ -103,7 +100,7 @@ def reason_of(error: BaseException) -> str:
     """
     first = str(error).strip().partition("\n")[0].rstrip(".")
     for text, meaning in _PLAIN:
-        found = re.fullmatch(text, first[:_SEARCHED])
+        found = re.fullmatch(text, first[: 5 * LONGEST_REASON])
         if found is not None:
             first = found.expand(meaning)
             break

@@ -79,8 +79,7 @@ FLAG_COLOURS = {
 the colour of the first."""
 
 
-_SMALLEST_SHARE = 5e-5
-"""Share of pixels that rounds to 0.00 %."""
+_SMALLEST_SHARE = 5e-5  # share of pixels that rounds to 0.00 %
 
 
 def describe_share(share: float, sign: str = " %") -> str:

@@ -11,9 +11,6 @@ import numpy as np
 from erlif.core.arrays import Mask
 from erlif.core.guarded import check_hdf5
 
-SIGNATURE = b"\x89HDF\r\n\x1a\n"
-"""First bytes of a superblock."""
-
 
 def open_hdf5(path: Path) -> Any:
     """Open an HDF5 file for reading.
@@ -44,6 +41,10 @@ def open_hdf5(path: Path) -> Any:
 
     check_hdf5(path)
     return h5py.File(path, "r")
+
+
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+"""First bytes of a superblock."""
 
 
 def filters_of(data: Any) -> list[int]:

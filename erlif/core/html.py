@@ -19,11 +19,9 @@ from erlif.core.arrays import Array
 from erlif.core.notes import Level
 from erlif.core.units import count_of
 
-_MISSING = np.array([217, 217, 217], np.uint8)
-"""Colour of pixels without a value."""
+_MISSING = np.array([217, 217, 217], np.uint8)  # colour of pixels without a value
 
-_PALETTE = 128
-"""Colours of an embedded picture."""
+_PALETTE = 128  # colours of an embedded picture
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 34.0, 224.0, 20.0, 112.0
 """Edges of the axes in the picture of a curve. [px]"""

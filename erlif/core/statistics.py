@@ -37,17 +37,16 @@ def robust_std(values: AnyArray) -> float:
 
 
 def robust_rms(values: AnyArray) -> float:
-    """Standard deviation about zero, from the median of absolute values.
+    """Standard deviation about zero, from the median of absolute values; as `robust_std`.
 
     Parameters
     ----------
     values : array
-        Residuals, without NaN.
+        Residuals.
 
     Returns
     -------
     float
-        In the unit of the values.
 
     Examples
     --------

@@ -18,9 +18,6 @@ from erlif.core.tables import read_table
 LARGEST_NUMBER = 1e9
 """Largest magnitude of a number of a trigger, in the units of the file."""
 
-_ATTRIBUTES = ("units", "long_name", "comment", "ancillary_variables")
-"""Keys that are attributes in the file."""
-
 
 @dataclass(frozen=True)
 class Variable:
@@ -97,6 +94,9 @@ def _read_table() -> dict[str, Mapping[str, Variable]]:
         )
         for file, variables in table.items()
     }
+
+
+_ATTRIBUTES = ("units", "long_name", "comment", "ancillary_variables")  # of a variable, after CF
 
 
 def _read_variable(name: str, keys: dict[str, Any], table: dict[str, Any]) -> Variable:

@@ -27,8 +27,7 @@ _REPEATED = 0.2
 _CLEAR = 0.25
 """Distance from a dead point, in steps of the crank, beyond which the stroke is certain."""
 
-_BACK = 1.5 * math.pi
-"""A larger step of a slow crank is a small one backwards. [rad]"""
+_BACK = 1.5 * math.pi  # A larger step of a slow crank is a small one backwards [rad]
 
 _TURN = 2 * math.pi
 

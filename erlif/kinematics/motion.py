@@ -20,8 +20,7 @@ from erlif.kinematics.folding import FrameColumns, describe_frames, fold_by_numb
 _LARGEST_STEP = 150.0
 """Turn of a disc from frame to frame above which its sense is not certain. [degree]"""
 
-_OFF_RATE = 0.1
-"""Relative difference of the logged rate from that of the settings that is reported."""
+_OFF_RATE = 0.1  # relative difference of the logged rate from that of the settings that is reported
 
 _TURN = 360.0
 

@@ -157,25 +157,14 @@ def compare_models(
 
     Parameters
     ----------
-    measured : MeasuredMotion
-    journal : Journal
-        The joint, with the expected viscosity.
-    motion : Motion
-        Rotation of the bushing and load.
-    steps : array, (frame,)
-        Step of the motion at each frame.
-    trigger : array, (frame,), optional
-        Trigger of each frame; by default each frame is one.
-    crank : array, (step,), optional
-        Crank angle, counted on, for the lead of a held pin; as for `fit_motion`. [rad]
+    measured, journal, motion, steps, trigger, crank, load_line_std
+        As for `fit_motion`.
     steady : mapping of str to array, (trigger,), optional
         Films of steady formulas under the names of `STEADY`. [m]
     sideways : sequence of str
         Transient films to compare: of "free", "guided" and "spring". "any guided" is the
         largest likelihood that a guided pin can have, with any course along the load at one
         sideways place; it needs positions, and solves no film with cavities.
-    load_line_std : float
-        As for `fit_motion`. [m]
     progress : callable
         Receives the name of the step, the number of models that are fitted, and of all models.
 

@@ -115,12 +115,12 @@ class HeldOrbits:
 
     Attributes
     ----------
+    sideways : str
+        "guided", "spring" or "free".
     journal : Journal
         The joint.
     motion : Motion
         Its motion.
-    sideways : str
-        "guided", "spring" or "free".
     cells : (int, int)
         Cells round the joint and along half of its length.
     shift : Array or None

@@ -206,14 +206,12 @@ def follow_cavities(
     Returns
     -------
     array, (trigger, angle, axial)
-        Share of void in each cell. The cells turn with half the bushing. [1]
+        Share of void in each cell, which turns with half the bushing. [1]
 
     Raises
     ------
-    OverlapError
-        If pin and bushing touch.
-    ModelError
-        If the pressure does not converge.
+    OverlapError, ModelError
+        As `solve_pin_motion`.
 
     Examples
     --------

@@ -21,8 +21,7 @@ FEWEST = 5
 
 _DEGREE = 4  # of the spline: its rate has a continuous second derivative
 _DIFFERENCE = 3  # order of the differences that are penalised; a parabola is free
-_MOST_INTERVALS = 48
-"""Intervals between knots: of one cycle, they follow 16 oscillations."""
+_MOST_INTERVALS = 48  # intervals between knots: of one cycle, they follow 16 oscillations
 
 _PENALTIES = np.logspace(-8, 8, 65)
 """Penalties that are compared, over the one at which penalty and data are of equal weight."""

@@ -19,8 +19,7 @@ CONVERGED = 1e-3
 _THINNEST, _THICKEST = 1e-9, 0.999
 """Bounds of the start film: a nanometre [m], and a share of the clearance."""
 
-_LARGEST_STEP = 1.0
-"""Largest change of the logarithm of the start film in one trial."""
+_LARGEST_STEP = 1.0  # largest change of the logarithm of the start film in one trial
 
 _INSENSITIVE = 1e-3
 """Change of the predicted films with the start film, relative, below which it is not determined."""

@@ -43,8 +43,7 @@ RANDOM, FIXED, SHARED = "random", "random, the same in every frame", "shared"
 """Errors that average out over pixels and frames, over pixels only, and not at all."""
 
 
-_DRY = "frames of the dry joint"
-"""A source of runs with a background alone."""
+_DRY = "frames of the dry joint"  # A source of runs with a background alone
 
 
 _KINDS = {
@@ -70,11 +69,9 @@ _LIGHT_TERMS = ("background", "bleaching")
 _SHARED_TERMS = ("registration", "calibration", *_LIGHT_TERMS, "marks of the surfaces")
 _ALL_NOISE = "noise of all kinds"
 
-_NEAR = 0.05
-"""Relative distance within which pixels represent a film thickness."""
+_NEAR = 0.05  # relative distance within which pixels represent a film thickness
 
-_LEAST_PIXELS = 50
-"""Pixels that represent a film thickness, at least."""
+_LEAST_PIXELS = 50  # pixels that represent a film thickness, at least
 
 
 @dataclass(frozen=True)

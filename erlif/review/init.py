@@ -41,8 +41,7 @@ MOST_CALIBRATIONS = 5
 KINDS = ("crank-rocker", "slider-crank", "rotation", "sinusoidal", "static")
 """Tribometers for which run.toml is written; a static film has no mechanism."""
 
-_LINKAGES = KINDS[:2]
-"""Those that have a joint, and an encoder that they cannot do without."""
+_LINKAGES = KINDS[:2]  # those that have a joint, and an encoder that they cannot do without
 
 
 @dataclass

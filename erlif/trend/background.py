@@ -28,36 +28,28 @@ deviations of one number."""
 _LARGEST = 0.05
 """Share of the median light; a run that would not show this much determines no background. [1]"""
 
-_FEWEST_FRAMES = 12
-"""Frames of an estimate, at least."""
+_FEWEST_FRAMES = 12  # frames of an estimate, at least
 
-_FEWEST_CELLS = 24
-"""Cells of a frame, at least; the surface through its films has six coefficients."""
+_FEWEST_CELLS = 24  # cells of a frame, at least; the surface through its films has six coefficients
 
-_FEWEST_VISITS = 6
-"""Frames in which a cell must be measured."""
+_FEWEST_VISITS = 6  # frames in which a cell must be measured
 
-_THINNEST = 1.0
-"""Film below which the model is not linear in a background of a few per cent. [um]"""
+_THINNEST = 1.0  # film below which the model is not linear in a background of a few per cent [um]
 
 _THICKEST = 0.8
 """Share of the covered range; the noise of a cell with a thicker film may reach beyond it, and a
 choice that depends on the noise would bias the estimate."""
 
-_ROUNDS = 12
-"""Steps of Gauss and Newton, at most; three are usual."""
+_ROUNDS = 12  # steps of Gauss and Newton, at most; three are usual
 
-_LOST = 0.5
-"""Share beyond which the search has left the range of its equations. [1]"""
+_LOST = 0.5  # share beyond which the search has left the range of its equations [1]
 
-_SETTLED = 0.05
-"""Last step over the standard deviation at which the search ends."""
+_SETTLED = 0.05  # last step over the standard deviation at which the search ends
 
 _START_NOISE = 0.02
 """Relative scatter of the light of a cell to start from: speckle that is new with every pulse."""
 
-_LEAST_ENERGY_STD = 1e-3
-"""Relative accuracy that is granted to the energies of a log at best."""
+_LEAST_ENERGY_STD = 1e-3  # relative accuracy that is granted to the energies of a log at best
 
 
 class LightRecord(NamedTuple):

@@ -8,8 +8,7 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 
-_FEWEST = 6
-"""Degrees of freedom of the scatter about the lines, at least."""
+_FEWEST = 6  # degrees of freedom of the scatter about the lines, at least
 
 
 @dataclass(frozen=True)

@@ -18,14 +18,11 @@ from erlif.core.statistics import MAD_TO_STD
 from erlif.trend.blocks import BlockSums
 from erlif.trend.curve import FilmCurve
 
-_CLIP = 4.685
-"""Residual from which a block has no weight: 95 % efficient for normal noise. [std]"""
+_CLIP = 4.685  # residual from which a block has no weight: 95 % efficient for normal noise [std]
 
-_LAG = 3
-"""Strips of blocks over which the marks of a surface are correlated, at most."""
+_LAG = 3  # strips of blocks over which the marks of a surface are correlated, at most
 
-_STRIPS_PER_LAG = 6
-"""Strips that one lag of correlation takes."""
+_STRIPS_PER_LAG = 6  # strips that one lag of correlation takes
 
 _LEAST_BLOCKS, _LEAST_ALONG, _LEAST_ACROSS = 16, 4, 3
 """Blocks in all, and positions along and across sliding, that determine four parameters."""
@@ -34,14 +31,12 @@ _MANY = 4000
 """Blocks above which four are merged into one: of a megapixel a parabola needs no finer ones."""
 
 _MOST_STEPS = 30
-_CONVERGED = 1e-4
-"""Change of the gap below which the iteration ends. [um]"""
+_CONVERGED = 1e-4  # change of the gap below which the iteration ends [um]
 
 _PLAIN_STEPS = 2
 """First steps, without weights of residuals: the start is too coarse to judge outliers."""
 
-_DECISIVE = 0.2
-"""Biweight (before squaring) above which a block counts towards determining the gap."""
+_DECISIVE = 0.2  # biweight (before squaring) above which a block counts towards determining the gap
 
 
 @dataclass(frozen=True)

@@ -10,11 +10,9 @@ import numpy.typing as npt
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
 
-_FILMS = 20001
-"""Films of the table; its linear interpolation is good to 1e-8 of the log ratio."""
+_FILMS = 20001  # films of the table; its linear interpolation is good to 1e-8 of the log ratio
 
-_BINS = 4000
-"""Bins of log ratio over the calibrated range, far narrower than the noise of a pixel."""
+_BINS = 4000  # bins of log ratio over the calibrated range, far narrower than the noise of a pixel
 
 _BELOW, _ABOVE = 0.5, 1.5
 """The table begins 0.5 um below the calibrated range and ends at 1.5 times its end."""

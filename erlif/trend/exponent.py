@@ -12,11 +12,9 @@ from erlif.core.arrays import Array
 SLOWEST = 0.1
 """Triggers below this share of the top speed are left out of the speed exponent."""
 
-_LEAST_RANGE = 0.1
-"""Range of the logarithm of speed over load below which there is no power to fit."""
+_LEAST_RANGE = 0.1  # range of the logarithm of speed over load below which there is no power to fit
 
-_LEAST_TRIGGERS = 5
-"""Triggers of a fit of two parameters and a scatter, at least."""
+_LEAST_TRIGGERS = 5  # triggers of a fit of two parameters and a scatter, at least
 
 
 @dataclass(frozen=True)

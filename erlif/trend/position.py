@@ -210,30 +210,20 @@ def find_pin_in_blocks(
 ) -> PinPosition:
     """Find the position of the pin from the sums over the blocks of a region.
 
-    `find_pin_position` does the same from images.
-
-    `find_pin_position` states the equation and the errors; the sums are those of the region.
+    `find_pin_position` does the same from images, and states the equation and the errors.
 
     Returns
     -------
     PinPosition
-        NaN where too few blocks are valid.
 
     Examples
     --------
-    An image without light has no position:
+    A region without light has no position:
 
-    >>> import xarray as xr
-    >>> from erlif.core.products import RatioImages
-    >>> from erlif.show.plots import example_calibration
-    >>> dark = RatioImages(xr.Dataset({
-    ...     "log_ratio": (("y", "x"), np.zeros((64, 64))),
-    ...     "log_ratio_var": (("y", "x"), np.ones((64, 64))),
-    ...     "flags": (("y", "x"), np.full((64, 64), 128, np.uint8)),
-    ... }))
+    >>> from erlif.show.plots import example_calibration as made
     >>> whole, view = Region(slice(0, 64), slice(0, 64)), PinView(33e-3, 34e-3, 0.1, 3.0, 3.0)
-    >>> curve = FilmCurve.of(example_calibration())
-    >>> find_pin_in_blocks(sum_blocks(dark, whole), curve, region=whole, view=view).value
+    >>> dark = BlockSums((64, 64), 0.0, *[np.zeros((8, 8))] * 12, valid=0, beyond=0)
+    >>> find_pin_in_blocks(dark, FilmCurve.of(made()), region=whole, view=view).value
     array([nan, nan, nan, nan])
     """
     blocks = average_blocks(sums, sliding_along_x=view.sliding_along_x)

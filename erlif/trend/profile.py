@@ -22,8 +22,7 @@ _RANGE_FLAGS = int(Flag.BELOW_RANGE | Flag.ABOVE_RANGE)
 _MOST_BEYOND = 0.02
 """Share of a line outside the measurable range above which the rest is a biased sample."""
 
-_LEAST_VALID = 0.25
-"""Share of valid pixels of a line, at least."""
+_LEAST_VALID = 0.25  # share of valid pixels of a line, at least
 
 _BLOCK = 8
 """Pixels averaged before the gap is fitted: machining marks correlate closer neighbours. [px]"""

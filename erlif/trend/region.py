@@ -9,8 +9,7 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
 
-_SMALLEST = 32
-"""Least width and height: four blocks of eight pixels for the fit of the gap. [px]"""
+_SMALLEST = 32  # least width and height: four blocks of eight pixels for the fit of the gap [px]
 
 Interval = tuple[float, float]
 

@@ -16,8 +16,7 @@ from erlif.trend.curve import FilmCurve
 from erlif.trend.gap import find_gap_minimum
 from erlif.trend.region import Region
 
-_LEAST_PIXELS = 64
-"""Measurable pixels of a mean, at least."""
+_LEAST_PIXELS = 64  # measurable pixels of a mean, at least
 
 
 @dataclass(frozen=True)
@@ -150,31 +149,23 @@ def summarise_blocks(
     ----------
     sums : BlockSums
     curve : FilmCurve
-    region : Region
-        Of the sums.
-    sliding_along_x : bool
-        Whether image x is the sliding direction.
+    region, sliding_along_x
+        As for `summarise_film`; the region is that of the sums.
 
     Returns
     -------
     FilmStatistics
-        NaN where the region holds too few valid pixels.
 
     Examples
     --------
-    >>> import xarray as xr
-    >>> from erlif.core.products import RatioImages
+    A region without light has no film:
+
     >>> from erlif.show.plots import example_calibration
-    >>> calibration = example_calibration()
-    >>> ratios = RatioImages(xr.Dataset({
-    ...     "log_ratio": (("y", "x"), np.full((64, 64), calibration.predict_log(3.0))),
-    ...     "log_ratio_var": (("y", "x"), np.full((64, 64), 1e-6)),
-    ...     "flags": (("y", "x"), np.zeros((64, 64), np.uint8)),
-    ... }))
-    >>> whole = Region(slice(0, 64), slice(0, 64))
-    >>> curve = FilmCurve.of(calibration)
-    >>> round(summarise_blocks(sum_blocks(ratios, whole), curve, region=whole).minimum, 2)
-    3.0
+    >>> one = np.zeros((4, 4))
+    >>> dark = BlockSums((32, 32), 0.0, *[one] * 12, valid=0, beyond=0)
+    >>> whole, curve = Region(slice(0, 32), slice(0, 32)), FilmCurve.of(example_calibration())
+    >>> summarise_blocks(dark, curve, region=whole).mean
+    nan
     """
     mean = _average_film(sums, curve)
     minimum = find_gap_minimum(sums, curve, region=region, sliding_along_x=sliding_along_x)

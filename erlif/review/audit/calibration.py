@@ -18,14 +18,12 @@ from erlif.review.audit.cameras import CameraSurvey
 
 _note = note_writer("erlif.review.audit")
 
-_LARGEST = 2**31
-"""Size of a fixture up to which its files are hashed. [byte]"""
+_LARGEST = 2**31  # size of a fixture up to which its files are hashed [byte]
 
 _COVERED = 0.5
 """Share of the ratios within the calibrated range below which the calibration does not fit."""
 
-_MARGIN = 0.1
-"""Widening of the range on both sides for noise, of the range of the logarithm."""
+_MARGIN = 0.1  # widening of the range on both sides for noise, of the range of the logarithm
 
 
 def note_calibration(run: Run, cameras: CameraSurvey, *, allow_outside: bool) -> Iterator[Note]:

@@ -35,21 +35,17 @@ SHOWN = 3
 _LITTLE_OVERLAP = 0.7
 """Share of the image that both cameras see, below which they are not well adjusted."""
 
-_WEAK = 0.3
-"""Correlation of the textures below which a registration is doubtful."""
+_WEAK = 0.3  # correlation of the textures below which a registration is doubtful
 
 _SHARED = 0.1
 """Correlation of the structure of both flats from which it is that of the object; sensors have
 none in common, and 10 000 pixels give 0.01 by chance."""
 
-_DUST = 5.0
-"""Robust standard deviations beyond which the structure of a flat is dust."""
+_DUST = 5.0  # robust standard deviations beyond which the structure of a flat is dust
 
-_PIXELS = 100_000
-"""Pixels of a ratio that are kept for the comparison with the calibration."""
+_PIXELS = 100_000  # pixels of a ratio that are kept for the comparison with the calibration
 
-_WIDTH = 640
-"""Largest width of a picture on the page. [px]"""
+_WIDTH = 640  # largest width of a picture on the page [px]
 
 
 @dataclass(frozen=True)
@@ -58,12 +54,12 @@ class Picture:
 
     Attributes
     ----------
-    frame : int
-        Number of the frame pair, counted from 0.
     light : tuple[Image, Image]
         Corrected light of camera 1 and camera 2, (y, x); NaN where flagged. [DN]
     difference : Image
         Logarithm of the ratio less its mean over the surroundings, (y, x); NaN where flagged. [1]
+    frame : int
+        Number of the frame pair, counted from 0.
     """
 
     frame: int

@@ -28,11 +28,9 @@ MANY_BAD = 0.01
 """Share of hot, noisy and dead pixels above which darks and flats are doubtful; sensors have some
 0.1 %."""
 
-_FULLY = 0.98
-"""Share of the pixels between the darkest and the brightest per cent."""
+_FULLY = 0.98  # share of the pixels between the darkest and the brightest per cent
 
-_LEAST_USED = 0.5
-"""Share of the counts in between that occur; fewer are left by a change of scale."""
+_LEAST_USED = 0.5  # share of the counts in between that occur; fewer are left by a change of scale
 
 _PIXELS_PER_COUNT = 20
 """Pixels for each possible count from which on every count is expected to occur."""
@@ -40,8 +38,7 @@ _PIXELS_PER_COUNT = 20
 _BLURRED = 0.6
 """Fine structure over that of the median frame, below which a frame counts as blurred."""
 
-_UNLIT = 0.1
-"""Light over that of the median frame, below which a pulse counts as missed."""
+_UNLIT = 0.1  # light over that of the median frame, below which a pulse counts as missed
 
 
 @dataclass(frozen=True)

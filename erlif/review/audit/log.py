@@ -16,29 +16,22 @@ from erlif.pipeline.recording.pulses import read_energies
 
 _note = note_writer("erlif.review.audit")
 
-_FEWEST = 8
-"""Rows from which on steps are compared."""
+_FEWEST = 8  # rows from which on steps are compared
 
-_GAP = 1.7
-"""Step over that of its neighbours from which a trigger is missing; 2 for one trigger."""
+_GAP = 1.7  # step over that of its neighbours from which a trigger is missing; 2 for one trigger
 
 _EVEN = 0.1
 """Relative difference of the two steps on either side that are compared with one in between."""
 
-_SPEED = 0.05
-"""Relative deviation of the speed by the log from that of run.toml that is reported."""
+_SPEED = 0.05  # relative deviation of the speed by the log from that of run.toml that is reported
 
-_STUCK = 3
-"""Equal angles in a row from which the encoder stood still; a dead point leaves two."""
+_STUCK = 3  # equal angles in a row from which the encoder stood still; a dead point leaves two
 
-_PAUSE = 20.0
-"""Time step over the median one from which the recording paused."""
+_PAUSE = 20.0  # time step over the median one from which the recording paused
 
-_OIL = (-40.0, 150.0)
-"""Temperature of the oil of a test rig. [degree_Celsius]"""
+_OIL = (-40.0, 150.0)  # temperature of the oil of a test rig [degree_Celsius]
 
-_JUMP = 10.0
-"""Change of temperature from row to row that no oil has. [K]"""
+_JUMP = 10.0  # change of temperature from row to row that no oil has [K]
 
 _LOAD = 3.0
 """Factor between the load of the log and that of run.toml from which a unit is wrong; 4.4 between

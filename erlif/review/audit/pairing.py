@@ -13,15 +13,6 @@ from erlif.io.ingest.pairing import frame_numbers
 
 _note = note_writer("erlif.review.audit")
 
-_FIRST, _LAST = 2, 1
-"""Pairs at both ends of the table."""
-
-_LISTED = 20
-"""Rows of the table at most."""
-
-_USUAL = 0.5
-"""Share of the steps from number to number that must be equal before others count as gaps."""
-
 
 @dataclass(frozen=True)
 class PairRow:
@@ -59,6 +50,11 @@ class PairRow:
         if self.time is not None:
             text += f", {self.time:.6g} s"
         return text
+
+
+_FIRST, _LAST = 2, 1  # pairs at both ends of the table
+_LISTED = 20  # rows of the table at most
+_USUAL = 0.5  # share of equal steps from number to number, below which others are no gaps
 
 
 def tabulate_pairs(pairs: FramePairs, run: Run | None, *, odd: Iterable[int] = ()) -> list[PairRow]:
