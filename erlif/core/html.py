@@ -111,18 +111,14 @@ def findings_list(findings: Sequence[tuple[Level, str]], *, most: int = 5) -> st
     return _fill("findings_list", serious[:most], ", ".join(parts))
 
 
-def colour_picture(
-    values: npt.ArrayLike, limits: Range, *, colours: str = "batlow"
-) -> npt.NDArray[np.uint8]:
-    """Colour an image; what has no value is grey.
+def colour_picture(values: npt.ArrayLike, limits: Range) -> npt.NDArray[np.uint8]:
+    """Colour an image with batlow of Crameri (2018); what has no value is grey.
 
     Parameters
     ----------
     values : array, (y, x)
     limits : (float, float)
         Values at the ends of the colours.
-    colours : str
-        Name after Crameri (2018).
 
     Returns
     -------
@@ -139,7 +135,7 @@ def colour_picture(
     image = np.asarray(values, float)
     known = np.isfinite(image)
     place = np.where(known, (image - low) / (high - low if high > low else 1.0), 0.0)
-    table = np.asarray(cmap.Colormap(f"crameri:{colours}").lut(256))[:, :3]
+    table = np.asarray(cmap.Colormap("crameri:batlow").lut(256))[:, :3]
     rgb = np.rint(255 * table).astype(np.uint8)
     picture: npt.NDArray[np.uint8] = rgb[np.rint(255 * np.clip(place, 0.0, 1.0)).astype(int)]
     picture[~known] = _MISSING

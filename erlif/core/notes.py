@@ -197,14 +197,14 @@ def split_notes(text: str) -> list[tuple[Level, str]]:
     return notes
 
 
-def list_numbers(numbers: Iterable[int], *, most: int = 10) -> str:
-    """Numbers for a sentence; those beyond the first ones are counted.
+def list_some(items: Iterable[object], *, most: int = 10) -> str:
+    """Numbers or names for a sentence; those beyond the first ones are counted.
 
     Parameters
     ----------
-    numbers : iterable of int
+    items : iterable
     most : int
-        Numbers that are written.
+        Items that are written.
 
     Returns
     -------
@@ -212,9 +212,9 @@ def list_numbers(numbers: Iterable[int], *, most: int = 10) -> str:
 
     Examples
     --------
-    >>> list_numbers([3, 5, 8], most=2)
+    >>> list_some([3, 5, 8], most=2)
     '3, 5 and 1 more'
     """
-    found = [str(int(number)) for number in numbers]
+    found = [str(item) for item in items]
     more = f" and {len(found) - most} more" if len(found) > most else ""
     return ", ".join(found[:most]) + more

@@ -227,5 +227,5 @@ def _refine(model: _Model, offsets: Array, place: int) -> float:
 
     low = float(offsets[max(place - 1, 0)])
     high = float(offsets[min(place + 1, offsets.size - 1)])
-    options = {"xatol": 1e-6 * (high - low)}
-    return float(minimize_scalar(model.residual, bounds=(low, high), options=options).x)
+    tolerance = 1e-6 * (high - low)
+    return float(minimize_scalar(model.residual, bounds=(low, high), tol=tolerance).x)

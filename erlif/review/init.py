@@ -15,7 +15,7 @@ import numpy as np
 from erlif.calibration import open_calibration, read_profile
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ErlifError, FrameError, OutputError
-from erlif.core.notes import Note, note_writer
+from erlif.core.notes import Note, list_some, note_writer
 from erlif.core.products import EncoderLog
 from erlif.io.files import replacing, takes
 from erlif.io.ingest import read_encoder_log
@@ -36,6 +36,8 @@ _write_note = note_writer("erlif.review", "init.toml")
 
 MOST_CALIBRATIONS = 5
 """Calibrations beside a run that are listed."""
+
+_LISTED = 3  # files that a note names
 
 
 KINDS = ("crank-rocker", "slider-crank", "rotation", "sinusoidal", "static")
@@ -176,7 +178,7 @@ def _draft_cameras(draft: _Draft, survey: Survey) -> None:
 
     if survey.unassigned:
         names = [os.path.relpath(path, survey.directory) for path in survey.unassigned]
-        draft.note("unassigned", names=_list(names))
+        draft.note("unassigned", names=list_some(names, most=_LISTED))
 
 
 def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurvey) -> None:
@@ -213,7 +215,9 @@ def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurv
 
 def _ask_for_darks(draft: _Draft, survey: Survey, table: str) -> None:
     """Leave a gap for the dark level, and name darks that belong to neither camera."""
-    lone = _list([os.path.relpath(path, survey.directory) for path in survey.lone_darks])
+    lone = list_some(
+        [os.path.relpath(path, survey.directory) for path in survey.lone_darks], most=_LISTED
+    )
     if lone:
         draft.set(f"{table}.offset", GAP, f'Write dark = "..." in place of this line: {lone}.')
         draft.note("lone_darks", table, names=lone, table=table)
@@ -274,11 +278,6 @@ def _describe(camera: CameraSurvey) -> str:
 
 def _first(kinds: tuple[str, ...]) -> str:
     return kinds[0] if kinds else "unreadable images"
-
-
-def _list(names: list[str], most: int = 3) -> str:
-    more = f" and {len(names) - most} more" if len(names) > most else ""
-    return f"{', '.join(names[:most])}{more}"
 
 
 # encoder log
@@ -471,7 +470,7 @@ def _report_missing_table(
     if not needed and not others:
         draft.note("no_log", what)
     elif others:
-        draft.note("no_columns", what, columns=columns, names=_list(others))
+        draft.note("no_columns", what, columns=columns, names=list_some(others, most=_LISTED))
     else:
         draft.note("no_table", what, what=what, columns=columns)
 

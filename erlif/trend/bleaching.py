@@ -33,10 +33,10 @@ class Trend:
     light: float
     light_std: float
 
-    def significant(self, sigmas: float = 3.0) -> bool:
-        """Whether one of them differs from zero."""
-        ratio = abs(self.log_ratio) > sigmas * self.log_ratio_std
-        return ratio or abs(self.light) > sigmas * self.light_std
+    def significant(self) -> bool:
+        """Whether one of them differs from zero, by three standard deviations."""
+        ratio = abs(self.log_ratio) > 3 * self.log_ratio_std
+        return ratio or abs(self.light) > 3 * self.light_std
 
 
 def fit_trend(

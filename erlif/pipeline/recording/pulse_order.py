@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from erlif.core.errors import FrameError
-from erlif.core.notes import Level, Note, list_numbers
+from erlif.core.notes import Level, Note, list_some
 from erlif.io.ingest import FramePairs, read_pair
 from erlif.pipeline.engines.results import FrameResult
 from erlif.ratio import PulseFault, PulseSample, find_pulse_faults
@@ -146,8 +146,8 @@ def _describe_unknown(fault: PulseFault, numbers: list[int]) -> Note:
     shown = sorted({numbers[n] for n in fault.partners if n >= 0})
     of_pulse = "no frame of camera 1 shows that pulse"
     if shown:
-        of_pulse = f"the pulses of pairs {list_numbers(shown)} are among those shown twice"
-    subject = f"frame pairs {list_numbers([numbers[k] for k in fault.frames])}"
+        of_pulse = f"the pulses of pairs {list_some(shown)} are among those shown twice"
+    subject = f"frame pairs {list_some([numbers[k] for k in fault.frames])}"
     return Note(Level.WARNING, subject, _TEXTS["notes"]["unknown"].format(of_pulse=of_pulse))
 
 
@@ -185,7 +185,7 @@ def _describe_repeated(frames: list[int], count: int, pairs: FramePairs) -> Note
     names = [pairs.pages[0][k].name for k in frames]
     if len(frames) == count > 1:
         raise PulseError(_one_image(count, names))
-    subject = f"frame pairs {list_numbers(frames)}"
+    subject = f"frame pairs {list_some(frames)}"
     return Note(Level.WARNING, subject, _TEXTS["notes"]["repeated"])
 
 

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, Image
-from erlif.core.notes import Note, list_numbers, note_writer, retitle
+from erlif.core.notes import Note, list_some, note_writer, retitle
 from erlif.core.progress import silent
 from erlif.core.statistics import robust_std
 from erlif.io.ingest import Fixture, FramePairs, Run
@@ -205,7 +205,7 @@ def note_registration(survey: CameraSurvey) -> Iterator[Note]:
         yield _note("textures", quality=quality)
     lost = [one.frame for one in survey.frames if not np.isfinite(one.drift).all()]
     if lost:
-        yield _note("lost", pairs=list_numbers(lost))
+        yield _note("lost", pairs=list_some(lost))
 
 
 def note_textures(survey: CameraSurvey) -> Iterator[Note]:

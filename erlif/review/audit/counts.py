@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from erlif.core.arrays import AnyArray
-from erlif.core.notes import Level, Note, list_numbers, note_writer
+from erlif.core.notes import Level, Note, list_some, note_writer
 from erlif.core.products import References
 from erlif.correction import count_pixels
 from erlif.correction.saturation import Histogram
@@ -234,7 +234,7 @@ def note_light(survey: CountSurvey, darks: Sequence[float]) -> Iterator[Note]:
     blurred = (sharpness < _BLURRED * usual_sharpness) & ~dim
     for key, odd, share in (("missed", dim, _UNLIT), ("blurred", blurred, _BLURRED)):
         if odd.any():
-            yield _note(key, pairs=list_numbers(numbers[odd.any(axis=1)]), share=share)
+            yield _note(key, pairs=list_some(numbers[odd.any(axis=1)]), share=share)
 
 
 def find_copies(survey: CountSurvey) -> list[tuple[int, ...]]:
@@ -261,7 +261,7 @@ def note_copies(survey: CountSurvey) -> Iterator[Note]:
     # images of both cameras that agree to the last count are one image
     same = [one.frame for one in survey.frames if one.digest[0] == one.digest[1]]
     if same:
-        yield _note("same_image", pairs=list_numbers(same))
+        yield _note("same_image", pairs=list_some(same))
 
     # a camera whose frames all have one digest has delivered one frame throughout
     stuck = [
@@ -272,4 +272,4 @@ def note_copies(survey: CountSurvey) -> Iterator[Note]:
             which = "frame pairs" if len(stuck) == 2 else f"frames of {stuck[0]}"
             yield _note("stuck", count=len(frames), which=which)
         else:
-            yield _note("copies", pairs=list_numbers(frames))
+            yield _note("copies", pairs=list_some(frames))

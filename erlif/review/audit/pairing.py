@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from erlif.core.notes import Note, list_numbers, note_writer
+from erlif.core.notes import Note, list_some, note_writer
 from erlif.io.ingest import FramePairs, Run
 from erlif.io.ingest.pairing import frame_numbers
 
@@ -97,7 +97,7 @@ def note_numbers(pairs: FramePairs) -> Iterator[Note]:
     for camera, pages in enumerate(pairs.pages, 1):
         missing = find_missing(frame_numbers(pages))
         if missing:
-            numbers, first, last = list_numbers(missing), pages[0].name, pages[-1].name
+            numbers, first, last = list_some(missing), pages[0].name, pages[-1].name
             yield _note("missing", camera=camera, numbers=numbers, first=first, last=last)
 
 
