@@ -162,67 +162,51 @@ def test_a_comparison_that_cannot_be_made_leaves_the_calibration_written(lab, co
     npt.assert_array_equal(erlif.open_calibration(written).parameters, stored.parameters)
 
 
-def with_hash(calibration, digest, *, places=True):
+WEDGE_A = {"fixture.toml": "f", "wedge.csv": "a", "dark.tif": "d"}
+WEDGE_B = WEDGE_A | {"wedge.csv": "b"}
+GAP = {"fixture.toml": "f", "gap.dat": "g", "flat.txt": "t"}
+
+
+def recorded(calibration, hashes=WEDGE_A, *, places=True, profile=""):
     """As the file of a fixture directory stores it; earlier versions lack the `places`."""
     curve = calibration.curve if places else calibration.curve.drop_vars("curve_x")
-    return replace(
-        calibration,
-        curve=curve,
-        input_hashes={"fixture.toml": "f", "wedge.csv": digest, "dark.tif": "d"},
-    )
+    return replace(calibration, curve=curve, input_hashes=hashes, profile_file=profile)
 
 
-def test_readings_count_as_different_only_where_that_is_recorded():
-    calibration, earlier = pair(np.random.default_rng(7), shared=True)
-    found = compare_calibrations(
-        calibration, replace(earlier, curve=earlier.curve.drop_vars("curve_x"))
-    )
-    assert not found.same_profile
-    assert (
-        "whether both rest on the same CMM readings is not recorded; they were taken as independent"
-        in found.verdict
-    )
-    assert "differ and" not in found.verdict
-    found = compare_calibrations(with_hash(calibration, "a"), with_hash(earlier, "b", places=False))
-    assert "the CMM readings differ" in found.verdict
-    found = compare_calibrations(with_hash(calibration, "a"), with_hash(earlier, "a", places=False))
-    assert (
-        "both rest on the same CMM readings, but not on the same points of them; "
-        "they were taken as independent" in found.verdict
-    )
-    apart = compare_calibrations(*pair(np.random.default_rng(7), shared=False))
-    npt.assert_allclose(found.difference_std, apart.difference_std, rtol=0.5)
-
-
-def test_readings_are_recognised_through_a_hash_and_to_rounding():
-    calibration, earlier = pair(np.random.default_rng(8), shared=True)
-    rounded = replace(earlier, curve=earlier.curve.assign(curve_x=earlier.curve.curve_x + 1e-9))
-    for one, other in (
-        (calibration, rounded),
-        (with_hash(calibration, "a"), with_hash(rounded, "a")),
-    ):
-        found = compare_calibrations(one, other)
-        assert found.same_profile
-        assert "both rest on the same CMM readings, whose error cancels" in found.verdict
-
-
-def test_readings_are_recognised_by_the_recorded_profile():
-    """The name of the profile decides, whatever its suffix and whatever other tables exist."""
-    calibration, earlier = pair(np.random.default_rng(9), shared=True)
-    earlier = replace(earlier, curve=earlier.curve.drop_vars("curve_x"))
-    hashes = {"fixture.toml": "f", "gap.dat": "g", "flat.txt": "t"}
-    recorded = [
-        replace(each, input_hashes=hashes, profile_file="gap.dat")
-        for each in (calibration, earlier)
-    ]
-    assert compare_calibrations(*recorded).same_profile is True
-    other = replace(recorded[1], input_hashes={**hashes, "gap.dat": "h"})
-    assert compare_calibrations(recorded[0], other).same_profile is False
-    # a calibration by an earlier version has no name: its tables by suffix are compared
-    unnamed = replace(recorded[1], input_hashes={"gap.csv": "g"}, profile_file="")
-    assert compare_calibrations(recorded[0], unnamed).same_profile is True
-    missing = replace(recorded[1], profile_file="lost.csv")
-    assert compare_calibrations(recorded[0], missing).same_profile is None
+@pytest.mark.parametrize(
+    ("new", "old", "same", "words"),
+    [
+        ({}, {}, True, "rest on the same CMM readings, whose error cancels"),
+        (
+            {"hashes": {}},
+            {"hashes": {}},
+            True,
+            "rest on the same CMM readings, whose error cancels",
+        ),
+        ({"hashes": {}}, {"hashes": {}, "places": False}, None, "is not recorded; they were taken"),
+        ({}, {"hashes": WEDGE_B, "places": False}, False, "the CMM readings differ"),
+        ({}, {"places": False}, True, "CMM readings, but not on the same points of them"),
+        # the name of the profile decides, whatever its suffix and whatever other tables exist
+        ({"hashes": GAP, "profile": "gap.dat"}, {"hashes": GAP, "profile": "gap.dat"}, True, ""),
+        (
+            {"hashes": GAP, "profile": "gap.dat"},
+            {"hashes": GAP | {"gap.dat": "h"}, "profile": "gap.dat"},
+            False,
+            "",
+        ),
+        # an earlier version has no name: its tables by suffix are compared
+        ({"hashes": GAP, "profile": "gap.dat"}, {"hashes": {"gap.csv": "g"}}, True, ""),
+        ({"hashes": GAP, "profile": "gap.dat"}, {"hashes": GAP, "profile": "lost.csv"}, None, ""),
+    ],
+)
+def test_readings_are_recognised_by_their_points_or_by_what_is_recorded(new, old, same, words):
+    one, other = pair(np.random.default_rng(8), shared=True)
+    if "profile" in new:
+        new, old = new | {"places": False}, old | {"places": False}
+    other = replace(other, curve=other.curve.assign(curve_x=other.curve.curve_x + 1e-9))
+    found = compare_calibrations(recorded(one, **new), recorded(other, **old))
+    assert found.same_profile is same
+    assert words in found.verdict
 
 
 def test_difference_of_known_curves_has_the_probability_of_chi_square():

@@ -140,20 +140,6 @@ def test_table_covers_the_fixture_and_not_the_calibrated_range_alone(exact):
     assert replace(exact, curve=xr.Dataset()).covered_range == (0.3, 14.0)
 
 
-# the file
-
-
-def stored(calibration):
-    return calibration.to_dataset().assign_attrs(calibration.attributes)
-
-
-def test_notes_keep_level_and_subject(exact):
-    notes = (Note(Level.WARNING, "camera1", "gain differs"), Note(Level.NOTE, "", "2 points left"))
-    dataset = stored(replace(exact, notes=notes))
-    assert dataset.attrs["notes"] == "warning: camera1: gain differs\n2 points left"
-    assert Calibration.from_dataset(dataset).notes == notes
-
-
 # bands
 
 

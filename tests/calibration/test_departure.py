@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
-import xarray as xr
 from scenes.fixture import (
     FILMS,
     WEDGE,
@@ -17,12 +16,12 @@ from scenes.fixture import (
     has_note,
     image,
     log_ratio,
+    make_points,
     wedge_profile,
 )
 
 from erlif.calibration import Profile
 from erlif.calibration.departure import Correlation, Departure, find_correlation, fit_departure
-from erlif.calibration.points import Points
 from erlif.calibration.pose import Freedom
 from erlif.calibration.regression import fit_robustly
 from erlif.rig import dyes
@@ -159,20 +158,12 @@ def test_displacement_is_found_with_the_spline():
     rng = np.random.default_rng(10)
     film = np.linspace(0.2, 15, 160)
     half = np.where(np.arange(film.size) % 2, 1.0, -1.0)[:, None]
-    blank, axis = np.zeros(film.size), np.zeros((film.size, 1))
-    points = Points(
+    points = make_points(
+        film,
         thickness=film - 0.2 * half[:, 0] + rng.normal(0, 0.01, film.size),
         thickness_std=np.full(film.size, 0.01),
         log_ratio=log_ratio(film, background=BACKGROUND) + rng.normal(0, 1e-4, film.size),
-        log_ratio_std=np.full(film.size, 1e-4),
-        pixel_var=blank,
-        fixed_var=blank,
-        position=film[:, None],
         gradient=half,
-        ratio_gradient=axis,
-        mean_across=blank,
-        across_slope=blank,
-        across_slope_std=blank,
     )
     freedom = Freedom(half, np.eye(4)[:, :1], np.zeros(2), np.array([1.0, 0, 0, 0]))
     fit = fit_robustly(points, freedom)
@@ -197,14 +188,6 @@ def test_spline_reproduces_a_cubic_and_is_constant_beyond_its_ends():
     npt.assert_allclose(spline.predict([0.0, 20.0]), cubic(np.array([1.0, 9.0])), atol=1e-12)
     npt.assert_array_equal(spline.slope([0.0, 20.0]), 0)
     npt.assert_allclose(spline.basis(film).sum(axis=0), 1, rtol=1e-12)
-
-
-def test_spline_survives_a_dataset_and_its_absence_too(departing):
-    assert Departure.from_dataset(xr.Dataset()) is None
-    back = Departure.from_dataset(departing.to_dataset())
-    npt.assert_array_equal(back.knots, departing.departure.knots)
-    npt.assert_array_equal(back.coefficients, departing.departure.coefficients)
-    npt.assert_array_equal(back.covariance, departing.departure.covariance)
 
 
 # correlation of neighbours

@@ -1,29 +1,18 @@
 """Points of a line and of a surface, with and without the CMM's uncertainty."""
 
-from dataclasses import fields, replace
-
 import numpy as np
-import pytest
+from scenes.fixture import make_points
 
-from erlif.calibration.points import Points
-
-
-@pytest.fixture
-def line():
-    """Ten points of a line with all uncertainties."""
-    column = {each.name: np.ones(10) for each in fields(Points)}
-    axes = {name: np.ones((10, 1)) for name in ("position", "gradient", "ratio_gradient")}
-    return Points(**column | axes)
+LINE = make_points(np.linspace(1.0, 10.0, 10))
 
 
-def test_a_profile_with_two_axes_is_a_surface(line):
-    assert not line.on_surface
-    assert replace(line, position=np.ones((10, 2))).on_surface
+def test_a_profile_with_two_axes_is_a_surface():
+    assert not LINE.on_surface
+    assert make_points(LINE.thickness, position=np.ones((10, 2))).on_surface
 
 
-def test_error_bars_are_known_only_where_every_point_has_one(line):
-    assert line.has_error_bars
-    one_missing = line.thickness_std.copy()
-    one_missing[3] = np.nan
-    assert not replace(line, thickness_std=one_missing).has_error_bars
-    assert not replace(line, thickness_std=np.full(10, np.nan)).has_error_bars
+def test_error_bars_are_known_only_where_every_point_has_one():
+    assert LINE.has_error_bars
+    for known in (np.arange(10) != 3, np.zeros(10, bool)):
+        std = np.where(known, 0.1, np.nan)
+        assert not make_points(LINE.thickness, thickness_std=std).has_error_bars

@@ -5,32 +5,22 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.fixture import K, P, Q, log_ratio
+from scenes.fixture import K, P, Q, log_ratio, make_points
 
-from erlif.calibration.points import Points
 from erlif.calibration.pose import Freedom
 from erlif.calibration.regression import fit_robustly
 
 FILM = np.linspace(0.2, 15, 80)
 
 
-def make_points(rng, *, film_std=0.05, ratio_std=1e-3, film=FILM):
+def measure(rng, *, film_std=0.05, ratio_std=1e-3):
     """Points of the true curve with errors in both variables."""
-    count = film.size
-    column, axis = np.zeros(count), np.zeros((count, 1))
-    return Points(
-        thickness=film + rng.normal(0, film_std, count),
-        thickness_std=np.full(count, film_std),
-        log_ratio=log_ratio(film) + rng.normal(0, ratio_std, count),
-        log_ratio_std=np.full(count, ratio_std),
-        pixel_var=column,
-        fixed_var=column,
-        position=film[:, None],
-        gradient=np.ones((count, 1)),
-        ratio_gradient=axis,
-        mean_across=column,
-        across_slope=column,
-        across_slope_std=column,
+    return make_points(
+        FILM,
+        thickness=FILM + rng.normal(0, film_std, FILM.size),
+        thickness_std=np.full(FILM.size, film_std),
+        log_ratio=log_ratio(FILM) + rng.normal(0, ratio_std, FILM.size),
+        log_ratio_std=np.full(FILM.size, ratio_std),
     )
 
 
@@ -39,14 +29,14 @@ def fit(points):
 
 
 def test_exact_points_give_the_parameters():
-    found = fit(make_points(np.random.default_rng(0), film_std=1e-6, ratio_std=1e-7))
+    found = fit(measure(np.random.default_rng(0), film_std=1e-6, ratio_std=1e-7))
     npt.assert_allclose(found.parameters, [K, P, Q], rtol=1e-3)
     npt.assert_allclose(found.true_thickness, FILM, atol=1e-5)
     npt.assert_allclose(found.predict(FILM), log_ratio(FILM), atol=1e-6)
 
 
 def test_slope_and_gradient_are_those_of_the_prediction():
-    found = fit(make_points(np.random.default_rng(1)))
+    found = fit(measure(np.random.default_rng(1)))
     step = 1e-5
     numerical = (found.predict(FILM + step) - found.predict(FILM - step)) / (2 * step)
     npt.assert_allclose(found.slope(FILM), numerical, rtol=1e-6, atol=1e-9)
@@ -65,7 +55,7 @@ def test_scatter_of_the_parameters_matches_their_covariance():
     rng = np.random.default_rng(2)
     distances = []
     for _ in range(60):
-        found = fit(make_points(rng))
+        found = fit(measure(rng))
         error = found.parameters - [K, P, Q]
         distances.append(error @ np.linalg.solve(found.covariance, error))
     assert abs(np.mean(distances) - 3) < 4 * np.sqrt(6 / 60)
@@ -73,13 +63,13 @@ def test_scatter_of_the_parameters_matches_their_covariance():
 
 def test_chi_square_has_its_degrees_of_freedom():
     rng = np.random.default_rng(3)
-    values = [fit(make_points(rng)).reduced_chi_square for _ in range(20)]
+    values = [fit(measure(rng)).reduced_chi_square for _ in range(20)]
     assert abs(np.mean(values) - 1) < 4 * np.sqrt(2 / 77 / 20)
 
 
 def test_outliers_are_left_out_and_nothing_else():
     """Three slips of the CMM by 2 um among 80 points with 0.05 um of noise."""
-    points = make_points(np.random.default_rng(4))
+    points = measure(np.random.default_rng(4))
     thickness = points.thickness.copy()
     slips = [10, 40, 47]
     thickness[slips] += 2.0
@@ -92,7 +82,7 @@ def test_outliers_are_left_out_and_nothing_else():
 @pytest.mark.parametrize("std", [0.03, 0.3])
 def test_unknown_error_of_the_cmm_is_estimated_from_the_scatter(std):
     """From the median absolute deviation of 80 points, which scatters by 13 %."""
-    points = make_points(np.random.default_rng(5), film_std=std, ratio_std=1e-4)
+    points = measure(np.random.default_rng(5), film_std=std, ratio_std=1e-4)
     found = fit(replace(points, thickness_std=np.full(FILM.size, np.nan)))
     npt.assert_allclose(found.thickness_std, std, rtol=0.4)
     npt.assert_array_equal(found.thickness_std, found.thickness_std[0])
@@ -100,7 +90,7 @@ def test_unknown_error_of_the_cmm_is_estimated_from_the_scatter(std):
 
 def test_a_free_displacement_is_fitted_with_the_parameters():
     """Films misplaced by 0.2 um in one half of the points only, which no p or q imitates."""
-    points = make_points(np.random.default_rng(6), film_std=0.01)
+    points = measure(np.random.default_rng(6), film_std=0.01)
     half = np.where(np.arange(FILM.size) % 2, 1.0, -1.0)[:, None]
     moved = replace(points, thickness=points.thickness - 0.2 * half[:, 0])
     freedom = Freedom(half, np.eye(4)[:, :1], np.zeros(2), np.array([1.0, 0, 0, 0]))

@@ -5,10 +5,10 @@ import re
 
 import numpy as np
 import pytest
-from scenes.linkage import LINKAGE, OMEGA, apart, link_angles, make_log
+from scenes.linkage import LINKAGE, OMEGA, apart, link_angles, locate, make_log
 
 from erlif.core.errors import EncoderError
-from erlif.kinematics import Encoder, encoder_notes, locate_frames, read_link_angle
+from erlif.kinematics import Encoder, encoder_notes, read_link_angle
 
 FINE = np.linspace(0, 2 * np.pi, 2001)
 ANGLES = {"rocker": 0, "coupler": 1}
@@ -21,12 +21,6 @@ def angle_of(link, crank):
 
 def log_of(angle, time=None):
     return make_log(angle) if time is None else make_log(angle, time=time)
-
-
-def locate(log, **encoder):
-    return locate_frames(
-        log, mechanism=LINKAGE, crank_speed=OMEGA, pin_radius=0.033, encoder=Encoder(**encoder)
-    )
 
 
 CYCLE = np.radians(7.0 + np.arange(0, 360, 4.0))

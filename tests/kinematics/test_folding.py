@@ -2,13 +2,11 @@
 
 import numpy as np
 import pytest
-import xarray as xr
+from scenes.linkage import LINKAGE, locate, make_log
 
 from erlif.core.errors import EncoderError
-from erlif.kinematics import Encoder, encoder_notes, fold_frames, locate_frames
-from erlif.models.mechanism import CrankRocker
+from erlif.kinematics import Encoder, encoder_notes, fold_frames
 
-LINKAGE = CrankRocker(0.055, 0.44, 0.26, 0.51)
 AT_SMALLEST, AT_LARGEST = LINKAGE.dead_points()
 
 
@@ -18,15 +16,7 @@ def divided(per_cycle, cycles):
 
 
 def located(crank, **encoder):
-    log = xr.Dataset(
-        {
-            "number": ("frame", np.arange(crank.size)),
-            "angle": ("frame", np.degrees(LINKAGE.rocker_angle(crank))),
-        }
-    )
-    return locate_frames(
-        log, mechanism=LINKAGE, crank_speed=12.0, pin_radius=0.03, encoder=Encoder(**encoder)
-    )
+    return locate(make_log(np.degrees(LINKAGE.rocker_angle(crank))), **encoder)
 
 
 def test_a_divider_that_does_not_repeat_leaves_each_frame_for_itself():
@@ -65,8 +55,7 @@ def test_bins_hold_frames_of_one_stroke_and_of_one_part_of_it(bins):
 
 def test_bins_without_frames_are_left_out():
     crank = AT_SMALLEST + np.radians([5.0, 6.0, 100.0, 200.0, 365.5])
-    log = xr.Dataset({"number": ("frame", np.arange(5)), "angle": ("frame", np.arange(5.0))})
-    fold = fold_frames(crank, log, Encoder(bins=10), LINKAGE)
+    fold = fold_frames(crank, make_log(np.arange(5.0)), Encoder(bins=10), LINKAGE)
     assert fold.trigger.tolist() == [0, 0, 1, 2, 0]
     assert fold.cycle.tolist() == [0, 0, 0, 0, 1]
     assert fold.remark == (

@@ -7,10 +7,11 @@ import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenes.linkage import LINKAGE, OMEGA, apart, link_angles, make_log
+from scenes import linkage
+from scenes.linkage import LINKAGE, OMEGA, PIN, apart, link_angles, make_log
 
 from erlif.core.errors import EncoderError
-from erlif.kinematics import Encoder, encoder_notes, entrained_stroke, locate_frames
+from erlif.kinematics import encoder_notes, entrained_stroke
 from erlif.models.mechanism import SliderCrank
 
 LOW, HIGH = 47.4095, 71.8355  # degrees: acos of eq. A.1 with crank and coupler in line
@@ -21,18 +22,10 @@ def rocker_angle(crank):
     return math.degrees(link_angles(math.radians(crank))[0])
 
 
-PIN = 33.36e-3
-
-
-def locate(log, *, mechanism=LINKAGE, on="rocker", zero=0.0, per_cycle=None):
+def locate(log, *, on="rocker", zero=0.0, per_cycle=None, **mechanism):
     """The linkage of the thesis; the encoder reads the angle of the rocker itself."""
-    return locate_frames(
-        log,
-        mechanism=mechanism,
-        crank_speed=OMEGA,
-        pin_radius=PIN,
-        encoder=Encoder(on, zero, per_cycle),
-    )
+    encoder = {"mounted_on": on, "zero": zero, "triggers_per_cycle": per_cycle}
+    return linkage.locate(log, **mechanism, **encoder)
 
 
 def test_limits_and_top_speeds_are_those_of_the_linkage():

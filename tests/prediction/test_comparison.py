@@ -2,41 +2,15 @@
 
 import numpy as np
 import pytest
+from scenes.orbits import CRANK, FRAMES, MOTION, RIG, SPEED, STATED, STEPS, free_orbit, measure
 
-from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal, crank_motion, solve_journal
-from erlif.prediction import MeasuredMotion, compare_models, measured_minima
-from erlif.rig.orbit import Bearing, follow_orbit
+from erlif.prediction import compare_models, measured_minima
 
-RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
-SPEED = 114 * 2 * np.pi / 60
 LONG = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
-STATED = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
-FRAMES = 100
-MOTION = crank_motion(RIG, crank_speed=SPEED, load=222.4, cycles=2, steps_per_cycle=100)
-STEPS = np.arange(FRAMES) * 2
-CRANK = np.arange(MOTION.time.size) * 2 * np.pi / 100
-STD = np.array([5e-9, 20e-9])
 SWEPT = np.abs(np.asarray(RIG.rocker_speed(CRANK[STEPS], crank_speed=SPEED)))
 STEADY = {"film_theory": 52e-6 * SWEPT, "film_hamrock_dowson": 1e-6 * SWEPT**0.7}
-
-
-def measure(orbit, seed):
-    noisy = orbit + np.random.default_rng(seed).normal(size=orbit.shape) * STD
-    return MeasuredMotion(
-        noisy, np.diag(STD**2) * np.ones((FRAMES, 1, 1)), np.zeros((FRAMES, 2, 0))
-    )
-
-
-def free_orbit():
-    """A free pin in oil 25 % thicker than stated, by Chebyshev collocation."""
-    return follow_orbit(
-        Bearing(STATED.radius, STATED.clearance, STATED.length, 0.15),
-        MOTION.time[STEPS],
-        load=lambda time: 222.4,
-        rotation=lambda time: float(RIG.rocker_speed(SPEED * time, crank_speed=SPEED)),
-        start=(205e-6, 20e-6),
-    )
+START = 205e-6, 20e-6
 
 
 def compare(measured, joint, **options):
@@ -45,7 +19,10 @@ def compare(measured, joint, **options):
 
 def test_free_pin_is_recognised_by_its_positions():
     found = compare(
-        measure(free_orbit(), 1), STATED, steady=STEADY, sideways=["free", "guided", "any guided"]
+        measure(free_orbit(START), 1),
+        STATED,
+        steady=STEADY,
+        sideways=["free", "guided", "any guided"],
     )
     assert found.candidates[0].name == "a pin that is free sideways"
     assert found.candidates[1].bic > 10
@@ -55,7 +32,7 @@ def test_free_pin_is_recognised_by_its_positions():
 
 
 def test_free_pin_is_recognised_by_its_minima():
-    film = STATED.clearance - np.hypot(*free_orbit().T)
+    film = STATED.clearance - np.hypot(*free_orbit(START).T)
     noisy = film + np.random.default_rng(3).normal(0, 5e-9, FRAMES)
     measured = measured_minima(noisy, np.full(FRAMES, 5e-9), clearance=STATED.clearance)
     found = compare(measured, STATED, steady=STEADY)

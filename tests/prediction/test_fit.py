@@ -5,11 +5,23 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.orbits import (
+    CRANK,
+    FRAMES,
+    MOTION,
+    RIG,
+    SPEED,
+    STATED,
+    STD,
+    STEPS,
+    VISCOSITY,
+    free_orbit,
+    measure,
+)
 
 from erlif.core.errors import ConfigError
-from erlif.models.mechanism import CrankRocker
 from erlif.models.oil import vogel_viscosity
-from erlif.models.reynolds import Journal, Motion, crank_motion, solve_journal
+from erlif.models.reynolds import Motion, crank_motion, solve_journal
 from erlif.prediction import (
     Estimate,
     MeasuredMotion,
@@ -17,31 +29,14 @@ from erlif.prediction import (
     fit_motion,
     measured_minima,
 )
-from erlif.rig.orbit import Bearing, follow_orbit
 from erlif.trend import VogelLaw
 
-RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
-SPEED = 114 * 2 * np.pi / 60
-STATED = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
-VISCOSITY = 0.15
-FRAMES = 100
-MOTION = crank_motion(RIG, crank_speed=SPEED, load=222.4, cycles=2, steps_per_cycle=100)
-STEPS = np.arange(FRAMES) * 2
-STD = np.array([5e-9, 20e-9])
 SCALE = 0.005  # error of the calibration that all films share
 
 
 @pytest.fixture(scope="module")
 def orbit():
-    """Two cycles of a free pin in thicker oil than stated, by Chebyshev collocation."""
-    joint = Bearing(STATED.radius, STATED.clearance, STATED.length, VISCOSITY)
-    return follow_orbit(
-        joint,
-        MOTION.time[STEPS],
-        load=lambda time: 222.4,
-        rotation=lambda time: float(RIG.rocker_speed(SPEED * time, crank_speed=SPEED)),
-        start=(215e-6, 30e-6),
-    )
+    return free_orbit((215e-6, 30e-6))
 
 
 def photograph(orbit, seed, line=0.0):
@@ -124,11 +119,7 @@ def test_means_over_cycles_are_compared_with_means(orbit):
 
 
 def test_film_that_does_not_change_leaves_a_lower_limit_of_the_viscosity():
-    rng = np.random.default_rng(7)
-    place = np.array([225e-6, 0.0]) + rng.normal(size=(FRAMES, 2)) * STD
-    measured = MeasuredMotion(
-        place, np.diag(STD**2) * np.ones((FRAMES, 1, 1)), np.zeros((FRAMES, 2, 0))
-    )
+    measured = measure(np.tile([225e-6, 0.0], (FRAMES, 1)), 7)
     still = Motion(MOTION.time, 0 * MOTION.angle, 222.4)
     found = fit_motion(measured, STATED, still, steps=STEPS)
     viscosity = found.estimates["viscosity"]
@@ -150,13 +141,8 @@ def held_orbit(side=0.0, **changes):
 
 
 def fit_held(orbit, seed, **options):
-    noisy = orbit + np.random.default_rng(seed).normal(size=orbit.shape) * STD
-    measured = MeasuredMotion(
-        noisy, np.diag(STD**2) * np.ones((FRAMES, 1, 1)), np.zeros((FRAMES, 2, 0))
-    )
-    crank = np.arange(MOTION.time.size) * 2 * np.pi / 100
-    options = {"steps": STEPS, "crank": crank, "load_line_std": 0} | options
-    return fit_motion(measured, replace(STATED, long=True), MOTION, **options)
+    options = {"steps": STEPS, "crank": CRANK, "load_line_std": 0} | options
+    return fit_motion(measure(orbit, seed), replace(STATED, long=True), MOTION, **options)
 
 
 @pytest.fixture(scope="module")

@@ -8,10 +8,8 @@ import numpy.testing as npt
 import pytest
 import xarray as xr
 from scenes.gap import (
-    AXIAL_ORIGIN,
-    BORE,
     LOAD_LINE,
-    PIN,
+    VIEW,
     WHOLE,
     X,
     Y,
@@ -25,7 +23,7 @@ from erlif.prediction import measured_minima, measured_positions
 from erlif.rig import RigSettings
 from erlif.rig.film import draw_marks
 from erlif.show.plots import example_film
-from erlif.trend import PinView, find_pin_position
+from erlif.trend import find_pin_position
 
 TRIGGERS = 5
 BOTH = ("trigger", "parameter", "parameter_other")
@@ -95,14 +93,13 @@ def film_of_marks(seed):
 
 def errors_by_marks(highest, seeds):
     """Errors of both displacements by the marks of turned surfaces, (seed, place, axis). [um]"""
-    view = PinView(PIN * 1e-3, BORE * 1e-3, X[1], LOAD_LINE, AXIAL_ORIGIN)
     calibration = replace(known_calibration(), thickness_range=(0.2, highest))
-    angle = SWING / view.radius
+    angle = SWING / VIEW.radius
     gaps = [circle_gap(224 * np.cos(one), 224 * np.sin(one)) for one in angle]
 
     def place(film):
         ratios = noisy_ratios(film, 1e-9, np.random.default_rng(0))
-        return find_pin_position(ratios, calibration, region=WHOLE, view=view).value[:2]
+        return find_pin_position(ratios, calibration, region=WHOLE, view=VIEW).value[:2]
 
     smooth = np.array([place(gap) for gap in gaps])
     found = [[place(gap + film_of_marks(seed)) for gap in gaps] - smooth for seed in range(seeds)]
@@ -112,8 +109,7 @@ def errors_by_marks(highest, seeds):
 
 def stated_sources(highest, errors):
     """Sources of the errors that a film with these errors states, (place, axis, source). [um]"""
-    view = PinView(PIN * 1e-3, BORE * 1e-3, X[1], LOAD_LINE, AXIAL_ORIGIN)
-    angle = SWING / view.radius
+    angle = SWING / VIEW.radius
     film = example_film().isel(trigger=np.zeros(SWING.size, dtype=int))
     marks = np.zeros((SWING.size, 4, 4))
     marks[:, :2, :2] = np.einsum("kpa,kpb->pab", errors, errors) / len(errors)

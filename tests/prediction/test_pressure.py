@@ -26,14 +26,14 @@ EVERY = slice(1, None, 3)
 """Moments at which the pressure is found, at the ends of the cycle and within it."""
 
 
-def find(pin, position, cov, cells=(192, 12)):
-    motion = find_pin_motion(
-        pin.time,
-        pin.angle,
-        pin.turning,
-        position,
-        random_cov=np.broadcast_to(cov, (pin.time.size, 4, 4)),
-    )
+def move(pin, cov, error=0.0):
+    """Motion of a pin from its positions with an error."""
+    cov = np.broadcast_to(cov, (pin.time.size, 4, 4))
+    return find_pin_motion(pin.time, pin.angle, pin.turning, pin.position + error, random_cov=cov)
+
+
+def find(pin, cov, error=0.0, cells=(192, 12)):
+    motion = move(pin, cov, error)
     some = {field.name: getattr(motion, field.name)[EVERY] for field in fields(motion)}
     motion = PinMotion(**{**some, "noise_scale": motion.noise_scale})
     return find_pressures(
@@ -91,7 +91,7 @@ def test_peak_place_and_load_lie_within_their_errors(free_pin):
     pulls = {"peak": [], "place": [], "load": [], "side": []}
     for seed in range(12):
         noise = np.random.default_rng(seed).multivariate_normal(np.zeros(4), NOISE, 12)
-        found = find(free_pin, free_pin.position + noise, NOISE)
+        found = find(free_pin, NOISE, noise)
         assert found.pressure_measured.values.all()
         for name, variable, truth in (
             ("peak", "peak_pressure", free_pin.peak[EVERY]),
@@ -110,8 +110,7 @@ def test_a_gap_that_closes_outside_the_image_has_no_pressure(free_pin):
     tilted = free_pin.position + np.array([0, 0, 1e-4, 0])  # 12 um at the ends
     with pytest.raises(OverlapError, match="overlap by 5"):
         solve_pin_motion(JOINT, tilted[0], free_pin.rate[0], 0.0)
-    pin = replace(free_pin, position=tilted)
-    found = find(pin, tilted, NOISE)
+    found = find(replace(free_pin, position=tilted), NOISE)
     assert not found.pressure_measured.values.any()
     assert np.isnan(found.peak_pressure_std.values).all()
 
@@ -125,13 +124,8 @@ def guided_pin():
 def find_guided(pin, noise):
     """Pressure with noise in the displacements; derivatives with tilts cost as much again."""
     cov = np.diag([4e-9, 5e-8, 1e-12, 1e-12]) ** 2
-    motion = find_pin_motion(
-        pin.time,
-        pin.angle,
-        pin.turning,
-        pin.position + noise * np.random.default_rng(0).multivariate_normal(np.zeros(4), cov, 24),
-        random_cov=np.broadcast_to(cov, (24, 4, 4)),
-    )
+    error = np.random.default_rng(0).multivariate_normal(np.zeros(4), cov, 24)
+    motion = move(pin, cov, noise * error)
     uncertain = np.tile([1, 1, 0, 0], 2)[:, None] * (noise > 0)
     return find_pressures(
         JOINT,
@@ -173,13 +167,7 @@ def test_the_load_of_a_guided_pin_with_noise_lies_within_its_error(guided_pin):
 
 def test_cavities_from_before_a_recording_leave_no_pressure(guided_pin):
     """Half a turn after loading the film is full; a turn like the recorded one has cavities."""
-    motion = find_pin_motion(
-        guided_pin.time,
-        guided_pin.angle,
-        guided_pin.turning,
-        guided_pin.position,
-        random_cov=np.broadcast_to(1e-6 * NOISE, (24, 4, 4)),
-    )
+    motion = move(guided_pin, 1e-6 * NOISE)
     turn, another = (
         follow_cavities(JOINT, motion, sinking=sinking, cells=(128, 8)) for sinking in (1.0, 2.0)
     )
@@ -228,13 +216,7 @@ def test_viscosity_and_clearance_are_part_of_the_error(free_pin):
 
 
 def test_the_load_line_divides_the_force_and_not_the_peak(free_pin):
-    motion = find_pin_motion(
-        free_pin.time,
-        free_pin.angle,
-        free_pin.turning,
-        free_pin.position,
-        random_cov=np.broadcast_to(1e-8 * NOISE, (12, 4, 4)),
-    )
+    motion = move(free_pin, 1e-8 * NOISE)
     one = {f.name: getattr(motion, f.name)[:1] for f in fields(motion) if f.name != "noise_scale"}
     found = find_pressures(
         JOINT,

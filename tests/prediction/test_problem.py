@@ -20,6 +20,13 @@ def sinking(viscosity):
     return MeasuredMotion(place, 1e-16 * np.eye(2) * np.ones((41, 1, 1)), np.zeros((41, 2, 0)))
 
 
+def pose(measured):
+    """The fit of the viscosity of a free pin."""
+    frames = Frames.of(measured, np.arange(41), None)
+    problem = Problem(FreeOrbits(LONG, AT_REST), frames, measured, "free")
+    return problem, problem.unknowns(("viscosity",), 5e-3)
+
+
 def test_triggers_are_the_means_of_their_frames():
     measured = sinking(0.12)
     frames = Frames.of(measured, np.arange(4), np.array([2, 0, -1, 2]))
@@ -30,11 +37,7 @@ def test_triggers_are_the_means_of_their_frames():
 
 
 def test_search_begins_at_the_closed_form_of_squeeze():
-    measured = sinking(0.48)
-    problem = Problem(
-        FreeOrbits(LONG, AT_REST), Frames.of(measured, np.arange(41), None), measured, "free"
-    )
-    unknowns = problem.unknowns(("viscosity",), 5e-3)
+    _, unknowns = pose(sinking(0.48))
     start = dict(zip(unknowns.names, unknowns.start, strict=True))
     npt.assert_allclose(start["fluidity"], 0.25, rtol=1e-3)
     npt.assert_allclose(np.exp(start["start_film"]), 230e-6 * (1 - 3 / np.hypot(1, 3)), rtol=1e-3)
@@ -42,11 +45,7 @@ def test_search_begins_at_the_closed_form_of_squeeze():
 
 
 def test_load_line_turns_the_orbit():
-    measured = sinking(0.12)
-    problem = Problem(
-        FreeOrbits(LONG, AT_REST), Frames.of(measured, np.arange(41), None), measured, "free"
-    )
-    unknowns = problem.unknowns(("viscosity",), 5e-3)
+    problem, unknowns = pose(sinking(0.12))
     sets = np.tile(unknowns.start, (2, 1))
     sets[1, unknowns.names.index("load_line")] = 0.01
     straight, turned = problem.predict(sets, unknowns)

@@ -42,6 +42,12 @@ def motion(count=25, cycles=1, viscosity=0.12):
     return follow_motion(frames, RIG, crank_speed=SPEED, viscosity=viscosity), turned
 
 
+def minima(minimum, std):
+    """Measured minima. [um]"""
+    values = {"film_min": minimum, "film_min_std": np.full(minimum.size, std)}
+    return xr.Dataset({name: ("trigger", value) for name, value in values.items()})
+
+
 def orbit(start_film, turned):
     """Eccentricity and attitude [degree] of the orbit at these crank angles [degree]."""
     clearance, radius = 230e-6, np.sqrt(0.03336 * 0.03359)
@@ -100,9 +106,7 @@ def test_the_start_film_is_found_from_noisy_minima():
     moved, turned = motion()
     eccentricity, _ = orbit(12e-6, turned)
     minimum = 230 * (1 - eccentricity) + 0.05 * np.random.default_rng(2).standard_normal(25)
-    film = xr.Dataset(
-        {"film_min": ("trigger", minimum), "film_min_std": ("trigger", np.full(25, 0.05))}
-    )
+    film = minima(minimum, 0.05)
     found = predict_triggers(film, LONG, moved, trigger=np.arange(25), view=VIEW)
     attrs = found.film_predicted_min.attrs
     assert attrs["start_film_fitted"] == 1
@@ -125,9 +129,7 @@ def test_a_fitted_guided_film_is_led_in():
     both, _ = motion(count=25, cycles=2)
     twice = predict_frames(LONG, both, start_film=12e-6, sideways="guided")
     minimum = 1e6 * (230e-6 - twice.displacement_load.values[25:])
-    film = xr.Dataset(
-        {"film_min": ("trigger", minimum), "film_min_std": ("trigger", np.full(25, 0.02))}
-    )
+    film = minima(minimum, 0.02)
     one, _ = motion(count=25)
     found = predict_triggers(film, LONG, one, trigger=np.arange(25), view=VIEW, sideways="guided")
     npt.assert_allclose(found.film_predicted_min, minimum, atol=0.02)

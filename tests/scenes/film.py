@@ -182,21 +182,10 @@ def make_film(directory: Path) -> Path:
         )
     film.attitude.attrs["load_line"] = PLACE
 
-    calibration = {
-        "fixture": "known wedge",
-        "ratio_at_zero": K,
-        "attenuation_camera1": P,
-        "attenuation_camera2": Q,
-        "covariance": (np.diag([1e-3, 2e-3, 1e-3]) ** 2).tolist(),
-        "thickness_range": [0.2, 16.0],
-        "covered_range": [0.2, 16.0],
-        "input_hashes": {},
-        "date": "",
-    }
     film.attrs.update(
         title=f"oil-film thickness, {settings.name}",
         settings=to_toml(settings),
-        calibration=json.dumps(calibration),
+        calibration=known_calibration(np.diag([1e-3, 2e-3, 1e-3]) ** 2),
         erlif_version="0.1.0",
         history="made by formula",
         notes="gain < measured",
@@ -208,6 +197,23 @@ def make_film(directory: Path) -> Path:
     for name, group in {"frames": frames_group(), "registration": registration_group()}.items():
         group.to_netcdf(path, engine="h5netcdf", mode="a", group=name)
     return path
+
+
+def known_calibration(covariance: np.ndarray) -> str:
+    """Record of the calibration whose ratio is `true_ratio`."""
+    return json.dumps(
+        {
+            "fixture": "known wedge",
+            "ratio_at_zero": K,
+            "attenuation_camera1": P,
+            "attenuation_camera2": Q,
+            "covariance": covariance.tolist(),
+            "thickness_range": [0.2, 16.0],
+            "covered_range": [0.2, 16.0],
+            "input_hashes": {},
+            "date": "",
+        }
+    )
 
 
 def trigger_columns() -> dict[str, tuple[np.ndarray, str]]:

@@ -1,9 +1,12 @@
 """Fixtures made by quadrature and numpy noise alone, for the tests of the calibration."""
 
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
 
 from erlif.calibration import Profile, fit_calibration
+from erlif.calibration.points import Points
 from erlif.core.products import RatioImages
 
 K, P, Q = 0.65, 0.40, 0.25
@@ -48,6 +51,27 @@ def image(rng, values, *, noise=0.004, shape=SHAPE):
             }
         )
     )
+
+
+def make_points(film, **changes):
+    """CMM points of a film on the true curve, the film being their position too."""
+    count = film.size
+    column, axis = np.zeros(count), np.zeros((count, 1))
+    points = Points(
+        thickness=film,
+        thickness_std=np.full(count, 0.1),
+        log_ratio=log_ratio(film),
+        log_ratio_std=np.full(count, 1e-4),
+        pixel_var=column,
+        fixed_var=column,
+        position=film[:, None],
+        gradient=np.ones((count, 1)),
+        ratio_gradient=axis,
+        mean_across=column,
+        across_slope=column,
+        across_slope_std=column,
+    )
+    return replace(points, **changes)
 
 
 def wedge_profile(rng, *, noise=0.15):

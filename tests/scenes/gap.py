@@ -7,7 +7,8 @@ import xarray as xr
 
 from erlif.calibration import Calibration
 from erlif.core.products import RatioImages
-from erlif.trend import Region
+from erlif.trend import PinView, Region
+from scenes.fixture import image
 
 K, P, Q = 0.65, 0.40, 0.25
 RANGE = (0.2, 16.0)  # um
@@ -18,6 +19,8 @@ LOAD_LINE, AXIAL_ORIGIN = 6.2, 4.77  # mm
 CENTRE = 7.0  # mm, where the gap is thinnest along x
 X, Y = 0.06 * np.arange(200), 0.06 * np.arange(160)
 WHOLE = Region(slice(0, Y.size), slice(0, X.size))
+TURNED = Region(slice(0, X.size), slice(0, Y.size))  # of images with x and y exchanged
+VIEW = PinView(PIN * 1e-3, BORE * 1e-3, X[1], LOAD_LINE, AXIAL_ORIGIN)
 
 
 def known_calibration(k: float = K, p: float = P, q: float = Q) -> Calibration:
@@ -53,18 +56,18 @@ def circle_gap(
     return 1e3 * (BORE - along - np.sqrt(pin**2 - beside**2))
 
 
+def exact_ratios(film: np.ndarray) -> RatioImages:
+    """Ratio images without noise; the variance is that of very bright light."""
+    ratios = noisy_ratios(film, 1e-4, np.random.default_rng(0))
+    ratios.log_ratio.values[:] = true_log_ratio(film)
+    return ratios
+
+
+def exchange_axes(ratios: RatioImages) -> RatioImages:
+    """The same images with x and y exchanged."""
+    return RatioImages(ratios.rename(x="y", y="x").transpose("y", "x"))
+
+
 def noisy_ratios(film: np.ndarray, noise: float, rng: np.random.Generator) -> RatioImages:
     """Ratio images of a film with normal noise of the log ratio, and its variance."""
-    dims = ("y", "x")
-    values = true_log_ratio(film) + noise * rng.standard_normal(film.shape)
-    variance = np.full(film.shape, noise**2, np.float32)
-    return RatioImages(
-        xr.Dataset(
-            {
-                "log_ratio": (dims, values.astype(np.float32)),
-                "log_ratio_var": (dims, variance),
-                "log_ratio_var_shared": (dims, np.zeros(film.shape, np.float32)),
-                "flags": (dims, np.zeros(film.shape, np.uint8)),
-            }
-        )
-    )
+    return image(rng, true_log_ratio(film), noise=noise, shape=film.shape)

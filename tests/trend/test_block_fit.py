@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.gap import WHOLE, X, Y, known_calibration, noisy_ratios, true_log_ratio
+from scenes.gap import WHOLE, X, Y, exact_ratios, known_calibration, true_log_ratio
 
 from erlif.trend.block_fit import average_blocks, fit_blocks, sum_by_strips
 from erlif.trend.blocks import sum_blocks
@@ -14,9 +14,7 @@ from erlif.trend.curve import FilmCurve
 
 def exact_blocks(film):
     """Blocks of a film without noise."""
-    ratios = noisy_ratios(film, 1e-4, np.random.default_rng(0))
-    ratios.log_ratio.values[:] = true_log_ratio(film)
-    return average_blocks(sum_blocks(ratios, WHOLE), sliding_along_x=True)
+    return average_blocks(sum_blocks(exact_ratios(film), WHOLE), sliding_along_x=True)
 
 
 @pytest.fixture(scope="module")

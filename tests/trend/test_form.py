@@ -6,13 +6,11 @@ import pytest
 from scenes.gap import (
     AXIAL_ORIGIN,
     BORE,
-    LOAD_LINE,
-    PIN,
+    VIEW,
     WHOLE,
     K,
     P,
     Q,
-    X,
     Y,
     circle_gap,
     known_calibration,
@@ -20,9 +18,8 @@ from scenes.gap import (
 )
 from scenes.results import make_position
 
-from erlif.trend import Cause, PinView, find_pin_position, judge_form
+from erlif.trend import Cause, find_pin_position, judge_form
 
-VIEW = PinView(PIN * 1e-3, BORE * 1e-3, X[1], LOAD_LINE, AXIAL_ORIGIN)
 FILMS = (1.5, 2.5, 4.0, 7.0)
 ROUNDED = 4.1  # um, of a clearance of two radii that are stated to 0.01 mm
 

@@ -11,33 +11,31 @@ from scenes.gap import (
     BORE,
     LOAD_LINE,
     PIN,
+    TURNED,
+    VIEW,
     WHOLE,
-    X,
     Y,
     circle_gap,
+    exact_ratios,
+    exchange_axes,
     known_calibration,
     noisy_ratios,
-    true_log_ratio,
 )
 
 from erlif.calibration import record_calibration
 from erlif.core.errors import ConfigError
-from erlif.core.products import RatioImages
 from erlif.rig import RigSettings
 from erlif.rig.film import draw_marks
 from erlif.show.plots import example_film
-from erlif.trend import PinView, Region, find_pin_position, pin_covariance
+from erlif.trend import find_pin_position, pin_covariance
 
-VIEW = PinView(PIN * 1e-3, BORE * 1e-3, X[1], LOAD_LINE, AXIAL_ORIGIN)
 ON_THE_BORE = np.array([1, np.sqrt(BORE / PIN)] * 2)
 """Numbers of the formula over those of circles, whose gap has the slope -ey/R2 on the bore."""
 
 
 def find(film_or_ratios, *, calibration=None, view=VIEW, region=WHOLE):
-    ratios = film_or_ratios
-    if isinstance(ratios, np.ndarray):
-        ratios = noisy_ratios(film_or_ratios, 1e-4, np.random.default_rng(0))
-        ratios.log_ratio.values[:] = true_log_ratio(film_or_ratios)
+    given = film_or_ratios
+    ratios = exact_ratios(given) if isinstance(given, np.ndarray) else given
     return find_pin_position(ratios, calibration or known_calibration(), region=region, view=view)
 
 
@@ -73,12 +71,8 @@ def test_load_line_and_axial_origin_only_turn_and_shift_the_numbers():
 
 def test_image_with_x_and_y_exchanged_gives_the_same_position():
     ratios = noisy_ratios(circle_gap(227.0, 5.0, 0.02, 0.1), 0.01, np.random.default_rng(6))
-    turned = RatioImages(ratios.rename(x="y", y="x").transpose("y", "x"))
-    found = find(
-        turned,
-        view=replace(VIEW, sliding_along_x=False),
-        region=Region(slice(0, X.size), slice(0, Y.size)),
-    )
+    view = replace(VIEW, sliding_along_x=False)
+    found = find(exchange_axes(ratios), view=view, region=TURNED)
     npt.assert_allclose(found.value, find(ratios).value, rtol=1e-6, atol=1e-9)
 
 
@@ -127,7 +121,7 @@ def test_covariance_covers_noise_and_calibration():
 
 @pytest.mark.slow
 def test_covariance_covers_turned_and_scratched_surfaces():
-    rows, columns = np.indices((Y.size, X.size), dtype=float)
+    rows, columns = np.indices(circle_gap(227.0, 0.0).shape, dtype=float)
     check_coverage(pulls_of(60, RigSettings(), rows + 40, columns + 60), 60)
 
 

@@ -1,13 +1,12 @@
 """The profile along sliding and the gap of rigid bodies in it, on films made by formula."""
 
-import json
 import tomllib
 
 import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from scenes.film import CLEARANCE, RADIUS, RUN_TOML, K, P, Q, true_ratio
+from scenes.film import CLEARANCE, RADIUS, RUN_TOML, K, P, Q, known_calibration, true_ratio
 
 from erlif.core.flags import Flag
 from erlif.io.settings import RunSettings, to_toml
@@ -52,19 +51,9 @@ def make_film(truth, *, noise=0.0, turned=False, covariance=EXACT):
         },
         {"x": Y, "y": X} if turned else {"x": X, "y": Y},
     )
-    calibration = {
-        "fixture": "known wedge",
-        "ratio_at_zero": K,
-        "attenuation_camera1": P,
-        "attenuation_camera2": Q,
-        "covariance": covariance.tolist(),
-        "thickness_range": [0.2, 16.0],
-        "covered_range": [0.2, 16.0],
-        "input_hashes": {},
-        "date": "",
-    }
     return film.assign_attrs(
-        settings=to_toml(RunSettings.model_validate(settings)), calibration=json.dumps(calibration)
+        settings=to_toml(RunSettings.model_validate(settings)),
+        calibration=known_calibration(covariance),
     )
 
 

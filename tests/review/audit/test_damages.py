@@ -39,16 +39,8 @@ def a_stuck_frame(lab):
     shutil.copy(lab.frames(2)[2], lab.frames(2)[3])
 
 
-def late(lab):
-    renumber(lab.frames(2), [5, 0, 1, 2, 3, 4])
-
-
-def reverse(lab):
-    renumber(lab.frames(2), [5, 4, 3, 2, 1, 0])
-
-
-def exchanged_frames(lab):
-    renumber(lab.frames(2), [0, 2, 1, 3, 4, 5])
+def renumbered(*order):
+    return lambda lab: renumber(lab.frames(2), order)
 
 
 def exchange(one, two):
@@ -58,34 +50,25 @@ def exchange(one, two):
     aside.rename(two)
 
 
-def exchanged_folders(lab):
-    exchange(lab.run / "camera1", lab.run / "camera2")
+def exchanged(one, two):
+    return lambda lab: exchange(lab.run / one, lab.run / two)
 
 
-def exchanged_flats(lab):
-    exchange(lab.run / "camera1_flat.tif", lab.run / "camera2_flat.tif")
-
-
-def dark_and_flat_exchanged(lab):
-    exchange(lab.run / "camera1_dark.tif", lab.run / "camera1_flat.tif")
-
-
-def each_frame(lab, change):
-    for camera in (1, 2):
-        for path in lab.frames(camera):
+def each_frame(change):
+    def damage(lab):
+        for path in (*lab.frames(1), *lab.frames(2)):
             rewrite(path, change)
 
-
-def eight_bits(lab):
-    each_frame(lab, lambda counts: (counts // 16).astype(np.uint8))
+    return damage
 
 
-def eight_bits_scaled(lab):
-    each_frame(lab, lambda counts: np.rint(counts // 16 * 16.06).astype("u2"))
+def scale_up(counts):
+    """Eight bits as twelve."""
+    return np.rint(counts // 16 * 16.06).astype("u2")
 
 
-def a_stuck_bit(lab):
-    each_frame(lab, lambda counts: counts & ~np.uint16(32))
+def turn(page):
+    return page[::-1, ::-1]
 
 
 def keep_pages(path, count):
@@ -93,14 +76,6 @@ def keep_pages(path, count):
     with tifffile.TiffWriter(path) as file:
         for page in pages:
             file.write(page, contiguous=False, metadata=None)
-
-
-def dark_cut_short(lab):
-    keep_pages(lab.run / "camera2_dark.tif", 2)
-
-
-def flat_cut_short(lab):
-    keep_pages(lab.run / "camera1_flat.tif", 4)
 
 
 def dark_cut_within_a_page(lab):
@@ -127,10 +102,6 @@ def flats_of_the_joint(lab):
         with tifffile.TiffWriter(lab.run / f"camera{camera}_flat.tif") as file:
             for page in pages:
                 file.write(page, contiguous=False, metadata=None)
-
-
-def flat_of_another_sensor(lab):
-    rewrite(lab.run / "camera1_flat.tif", lambda page: page[::-1, ::-1])
 
 
 def dark_with_light(lab):
@@ -160,27 +131,36 @@ def another_profile(lab):
         file.write("20.0,18.9,0.01\n")
 
 
+SWAPPED = "The cameras look swapped"
 DAMAGES = [
     (both_cameras_the_same, 2, "both [camera1] and [camera2] name"),
     (copies_of_one_camera, 2, "both cameras show the same image"),
     (copies_of_one_pair, 2, "all 6 frame pairs that were read show the same image"),
     (a_stuck_frame, 1, "frame pairs 2, 3 show the same image"),
-    (late, 2, "camera 2 is one pulse late. Remove the first frame"),
-    (reverse, 2, "camera 2 are in reverse order. Number them"),
-    (exchanged_frames, 2, "images of camera 2 are exchanged"),
-    (exchanged_folders, 2, "The cameras look swapped"),
-    (exchanged_flats, 2, "The cameras look swapped"),
-    (dark_and_flat_exchanged, 2, "flat"),
-    (eight_bits, 1, "bit_depth = 8 would fit"),
-    (eight_bits_scaled, 1, "frames of fewer bits were scaled or corrected"),
-    (a_stuck_bit, 1, "bit 5 (value 32) is never set"),
-    (dark_cut_short, 1, "camera2: 2 dark page(s), the other camera has 4"),
-    (flat_cut_short, 1, "camera1: 4 flat page(s), the other camera has"),
+    (renumbered(5, 0, 1, 2, 3, 4), 2, "camera 2 is one pulse late. Remove the first frame"),
+    (renumbered(5, 4, 3, 2, 1, 0), 2, "camera 2 are in reverse order. Number them"),
+    (renumbered(0, 2, 1, 3, 4, 5), 2, "images of camera 2 are exchanged"),
+    (exchanged("camera1", "camera2"), 2, SWAPPED),
+    (exchanged("camera1_flat.tif", "camera2_flat.tif"), 2, SWAPPED),
+    (exchanged("camera1_dark.tif", "camera1_flat.tif"), 2, "flat"),
+    (each_frame(lambda counts: (counts // 16).astype("u1")), 1, "bit_depth = 8 would fit"),
+    (each_frame(scale_up), 1, "frames of fewer bits were scaled or corrected"),
+    (each_frame(lambda counts: counts & ~np.uint16(32)), 1, "bit 5 (value 32) is never set"),
+    (
+        lambda lab: keep_pages(lab.run / "camera2_dark.tif", 2),
+        1,
+        "camera2: 2 dark page(s), the other camera has 4",
+    ),
+    (
+        lambda lab: keep_pages(lab.run / "camera1_flat.tif", 4),
+        1,
+        "camera1: 4 flat page(s), the other camera has",
+    ),
     (dark_cut_within_a_page, 2, "camera2_dark.tif"),
     (flat_of_a_tilted_lamp, 1, "the light of their flats differs by"),
     (flat_with_the_beam, 1, "it shows the beam of the laser, a film or a shadow"),
     (flats_of_the_joint, 1, "the flats of both cameras show one texture"),
-    (flat_of_another_sensor, 1, "the flat is of another camera"),
+    (lambda lab: rewrite(lab.run / "camera1_flat.tif", turn), 1, "the flat is of another camera"),
     (dark_with_light, 1, "light fell on the sensor"),
     (a_missed_pulse, 1, "frame pairs 3 have less than 10% of the light"),
     (kelvin, 1, "no oil of a rig has that"),
