@@ -203,6 +203,8 @@ def compare_models(
     failures: list[str] = []
     transient = [one for one in sideways if one != "any guided"]
     total = len(transient) + 1 + len(steady or {})
+
+    # a model that cannot carry the load is left out, unless none can
     for done, held in enumerate(transient):
         progress("fit", done, total)
         try:
@@ -225,6 +227,8 @@ def compare_models(
         if not measured.is_position:
             predicted = np.hypot(*predicted.T)[:, np.newaxis]
         fitted.append(_Fitted.of(HELD[held], problem, found.minimum, predicted))
+
+    # closed forms take no time beside the transient films
     simple = [(STEADY[name], *_steady(problem, film)) for name, film in (steady or {}).items()]
     candidates = [(SQUEEZE, *_squeeze(problem)), *simple]
     for done, (name, unknowns, predict) in enumerate(candidates, len(transient)):
@@ -237,6 +241,7 @@ def compare_models(
             continue
         fitted.append(_Fitted.of(name, problem, minimum, minimum.predicted))
     progress("fit", total, total)
+
     if measured.is_position and "any guided" in sideways:
         fitted.append(_bound_guided(problem, load_line_std))
     if not fitted:
