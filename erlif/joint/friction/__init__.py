@@ -1,22 +1,5 @@
 """Friction of bearings from logs of load and torque: over a test, and from reversals."""
 
-from erlif.joint.friction.coefficient import measure_friction
-from erlif.joint.friction.log import QUANTITIES, SEVERAL, LogColumns, read_torque_log
-from erlif.joint.friction.reversals import (
-    ReversalSeries,
-    analyse_friction,
-    describe_friction,
-    write_friction_table,
-)
+import lazy_loader
 
-__all__ = [
-    "QUANTITIES",
-    "SEVERAL",
-    "LogColumns",
-    "ReversalSeries",
-    "analyse_friction",
-    "describe_friction",
-    "measure_friction",
-    "read_torque_log",
-    "write_friction_table",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
