@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from functools import partial
 
+from erlif.joint.sizing.joint import Dimensions, known
 from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result
 from erlif.models.bearing import RECOMMENDED_HOUSING, RECOMMENDED_PLAY, least_eyebar_diameter
@@ -15,9 +16,7 @@ PUSH_OUT_FRICTION = 0.1
 
 def _eye(state: JointState) -> Result:
     joint, bore, outer = state.joint, state.size.fit, state.size.housing
-    strength, width = joint.housing.yield_stress, state.size.width
-    if strength is None:
-        return Result()
+    strength, width = known(joint.housing.yield_stress), state.size.width
     allowed, fits = strength / joint.safety, outer > bore
     least = least_eyebar_diameter(
         joint.force, bore=bore, width=width, yield_stress=strength, safety=joint.safety
@@ -45,18 +44,12 @@ def _ratio(state: JointState) -> Result:
     return Result(state.size.housing / bore, least=low, most=high, values=values)
 
 
-def _if_pressed(equation: Callable[[JointState], Result]) -> Callable[[JointState], Result | None]:
-    """An equation of stresses that only a press fit has."""
-    return lambda state: equation(state) if state.joint.interference > 0 else None
-
-
 def _press_fit(state: JointState) -> Result:
-    if state.displacement is None:
-        return Result(missing=_missing_for_fit(state))
-    size, pressure = state.size, state.fit_pressure or 0.0
+    size, pressure = state.size, state.fit_pressure
     push_out = PUSH_OUT_FRICTION * pressure * math.pi * size.fit * size.width
     return Result(
         abs(2e6 * state.displacement),
+        missing=_missing_for_fit(state),
         values={
             "play": state.play * 1e6,
             "pressure": pressure / 1e6,
@@ -72,29 +65,32 @@ def _missing_for_fit(state: JointState, strength: str = "") -> str:
     return strength + "youngs_modulus and poissons_ratio of [bushing] and [housing]"
 
 
-def _pressed_bushing(state: JointState) -> Result:
-    pressure, strength = state.fit_pressure, state.joint.bushing.yield_stress
-    if pressure is None or strength is None:
-        return Result(missing=_missing_for_fit(state, "yield_stress of [bushing]; "))
-    stress = 2 * pressure / (1 - (state.size.pin / state.size.fit) ** 2)
-    return _pressed(state, stress, strength, pressure, -stress)
+def _pressed_bushing(size: Dimensions, pressure: float) -> tuple[float, float]:
+    """Von Mises stress and hoop stress at the bore of the bushing. [Pa]"""
+    stress = 2 * pressure / (1 - (size.pin / size.fit) ** 2)
+    return stress, -stress
 
 
-def _pressed_housing(state: JointState) -> Result:
-    pressure, strength = state.fit_pressure, state.joint.housing.yield_stress
-    if pressure is None or strength is None:
-        return Result(missing=_missing_for_fit(state, "yield_stress of [housing]; "))
-    outer, inner = state.size.housing**2, state.size.fit**2
+def _pressed_housing(size: Dimensions, pressure: float) -> tuple[float, float]:
+    """Von Mises stress and hoop stress at the bore of the housing. [Pa]"""
+    outer, inner = size.housing**2, size.fit**2
     hoop = pressure * (outer + inner) / (outer - inner)
-    stress = math.sqrt(hoop**2 + hoop * pressure + pressure**2)  # von Mises, radial -p
-    return _pressed(state, stress, strength, pressure, hoop)
+    return math.sqrt(hoop**2 + hoop * pressure + pressure**2), hoop  # the radial stress is -p
 
 
-def _pressed(
-    state: JointState, stress: float, strength: float, pressure: float, hoop: float
-) -> Result:
+_STRESSES = {"bushing": _pressed_bushing, "housing": _pressed_housing}
+
+
+def _pressed(state: JointState, part: str) -> Result | None:
     """A stress of the press fit, which is in proportion to the interference."""
-    most = state.joint.interference * strength / stress if stress > 0 else math.inf
+    joint, pressure = state.joint, state.fit_pressure
+    if joint.interference <= 0:
+        return None
+    strength = known(getattr(joint, part).yield_stress)
+    if math.isnan(strength + pressure):
+        return Result(missing=_missing_for_fit(state, f"yield_stress of [{part}]; "))
+    stress, hoop = _STRESSES[part](state.size, pressure)
+    most = joint.interference * strength / stress if stress > 0 else math.inf
     return Result(
         stress / 1e6,
         most=strength / 1e6,
@@ -109,17 +105,16 @@ def _pressed(
 
 def _doubt_about_fit(state: JointState) -> str:
     """Why the play that the press fit takes may be another one; empty where there is no reason."""
-    if state.displacement is None:
+    if math.isnan(state.displacement):
         return "; without what the press fit takes, which is not known"
-    if state.joint.interference <= 0:
-        return ""
-    shares = _pressed_bushing(state).share, _pressed_housing(state).share
-    return "; elastic, though the press fit yields" if any(one < 0 for one in shares) else ""
+    stresses = (_pressed(state, part) for part in _STRESSES)
+    yields = any(stress is not None and stress.share < 0 for stress in stresses)
+    return "; elastic, though the press fit yields" if yields else ""
 
 
 def _relative_play(state: JointState) -> Result:
     pin, (low, high) = state.size.pin, RECOMMENDED_PLAY
-    wanted = low * 1e-3 * pin - 2 * (state.displacement or 0.0)
+    wanted = low * 1e-3 * pin - state.gain
     doubt = _doubt_about_fit(state)
     return Result(
         1e3 * state.play / pin,
@@ -136,11 +131,9 @@ def _relative_play(state: JointState) -> Result:
 
 def _warm_play(state: JointState) -> Result:
     loss, play, size = state.growth_loss, state.play, state.size
-    at_rest = not state.speed
+    at_rest = not state.speed > 0
     doubts = _doubt_about_fit(state)
-    if loss is None:
-        if at_rest or play >= 0:
-            return Result(variant="at_rest" if at_rest else "")
+    if math.isnan(loss) and not at_rest and play < 0:
         # tight when cold: what growth takes decides nothing
         loss = 0.0
         doubts += "; without growth, for which expansion or conductivity is not known"
@@ -162,8 +155,8 @@ EQUATIONS = {
     "housing_eye": _eye,
     "housing_ratio": _ratio,
     "press_fit": _press_fit,
-    "press_bushing": _if_pressed(_pressed_bushing),
-    "press_housing": _if_pressed(_pressed_housing),
+    "press_bushing": partial(_pressed, part="bushing"),
+    "press_housing": partial(_pressed, part="housing"),
     "relative_play": _relative_play,
     "warm_play": _warm_play,
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from erlif.joint.sizing.joint import known
 from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result, margin_below
 from erlif.models.wear import pressure_velocity, steady_bushing_wear
@@ -15,24 +16,16 @@ LARGEST_ROUGHNESS = 1e-6
 """Ra of pin and bushing up to which wear is kept low, section 2.1.16. [m]"""
 
 
-def _up_to(limit: float | None, unit: float) -> float:
-    """A limit in a unit; infinite where there is none."""
-    return math.inf if limit is None else limit * unit
-
-
 def _speed(state: JointState) -> Result:
-    if state.speed is None:
-        return Result()
-    return Result(state.speed * 1e3, most=_up_to(state.joint.bushing.speed, 1e3))
+    return Result(state.speed * 1e3, most=known(state.joint.bushing.speed, math.inf) * 1e3)
 
 
 def _pv(state: JointState) -> Result:
-    joint, size, speed = state.joint, state.size, state.speed
-    if speed is None:
-        return Result()
-    pv = pressure_velocity(joint.moving_force, diameter=size.pin, width=size.width, speed=speed)
-    limit = joint.bushing.pv
-    return Result(pv / 1e6, most=math.inf if limit is None else limit / 1e6)
+    joint, size = state.joint, state.size
+    pv = pressure_velocity(
+        joint.moving_force, diameter=size.pin, width=size.width, speed=state.speed
+    )
+    return Result(pv / 1e6, most=known(joint.bushing.pv, math.inf) / 1e6)
 
 
 def _friction(state: JointState) -> Result:
@@ -52,8 +45,6 @@ def _moment(state: JointState) -> Result:
 
 def _temperature(state: JointState) -> Result:
     joint, rise, limit = state.joint, state.rise, state.temperature_limit
-    if rise is None or state.heat is None:
-        return Result()
     outside, doubt = joint.outside_temperature, ""
     if not state.heat_is_shared:
         doubt = ", which hardly conducts: the pin becomes warmer than this, and pv governs"
@@ -84,25 +75,22 @@ def _roughness(state: JointState) -> Result:
 
 
 def _wear(state: JointState) -> Result:
-    joint, size = state.joint, state.size
-    per_diameter, rate, most = joint.sliding_distance, joint.bushing.wear, joint.largest_wear
-    if per_diameter is None or rate is None:
-        return Result()
+    joint, size, most = state.joint, state.size, known(state.joint.largest_wear, math.inf)
 
     # depth and volume of one cosine, of which eq. 31 has the volume for a flat contact only
-    distance = per_diameter * size.pin
+    distance = joint.sliding_distance * size.pin
     worn = steady_bushing_wear(
         joint.moving_force,
         shaft_radius=size.pin / 2,
         width=size.width,
         sliding_distance=distance,
-        specific_wear=rate,
+        specific_wear=known(joint.bushing.wear),
     )
     depth = float(worn.depth)
-    reached = math.inf if most is None or depth == 0 else (joint.life or 0.0) * most / depth
+    reached = math.inf if depth == 0 else known(joint.life) * most / depth
     return Result(
         depth * 1e3,
-        most=_up_to(most, 1e3),
+        most=most * 1e3,
         values={
             "distance": distance / 1e3,
             "volume": float(worn.volume) * 1e9,

@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from erlif.core.errors import ModelError
 from erlif.joint.sizing.materials import Material
 from erlif.models.wear import mean_sliding_speed
+
+
+def known(value: float | None, otherwise: float = math.nan) -> float:
+    """Return a number that may not be given: what is computed with NaN is not known either.
+
+    Examples
+    --------
+    >>> known(0.3), known(None), known(None, 0.0)
+    (0.3, nan, 0.0)
+    """
+    return otherwise if value is None else value
 
 
 @dataclass(frozen=True)
@@ -156,10 +168,10 @@ class Joint:
     @property
     def moving_force(self) -> float:
         """Load in motion. [N]"""
-        return self.force if self.mean_force is None else self.mean_force
+        return known(self.mean_force, self.force)
 
-    def speed(self, diameter: float) -> float | None:
-        """Mean sliding speed on a pin of this diameter; None where the motion is not known. [m/s]
+    def speed(self, diameter: float) -> float:
+        """Mean sliding speed on a pin of this diameter; NaN where the motion is not known. [m/s]
 
         Examples
         --------
@@ -168,16 +180,13 @@ class Joint:
         >>> Joint(1e5, 2.0, steel, steel, steel, steel, half_swing=0.5, period=2.0).speed(0.08)
         0.04
         """
-        if self.half_swing is None or self.period is None:
-            return None
-        speed: float = mean_sliding_speed(self.half_swing, diameter=diameter, period=self.period)
-        return speed
+        swing, period = known(self.half_swing), known(self.period)
+        return float(mean_sliding_speed(swing, diameter=diameter, period=period))
 
     @property
-    def sliding_distance(self) -> float | None:
-        """Distance slid in the life over the pin diameter; None where it is not known. [1]"""
-        per_diameter = self.speed(1.0)
-        return None if per_diameter is None or self.life is None else per_diameter * self.life
+    def sliding_distance(self) -> float:
+        """Distance slid in the life over the pin diameter; NaN where it is not known. [1]"""
+        return self.speed(1.0) * known(self.life)
 
 
 DIMENSIONS = (
@@ -253,11 +262,8 @@ def dimensions_of(joint: Joint) -> Dimensions:
         ...
     erlif.core.errors.ModelError: pin_diameter must be known; choose it with size_joint.
     """
-    values: list[float] = []
-    for name in DIMENSIONS:
-        value = getattr(joint, name)
-        if value is None:
-            raise ModelError(f"{name} must be known; choose it with size_joint.")
-        values.append(float(value))
-    pin, width, wall, seat, housing, play = values
-    return Dimensions(pin, width, wall, seat, housing, play)
+    values = {name: getattr(joint, name) for name in DIMENSIONS}
+    unknown = next((name for name, value in values.items() if value is None), None)
+    if unknown:
+        raise ModelError(f"{unknown} must be known; choose it with size_joint.")
+    return Dimensions(*map(float, values.values()))

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from erlif.joint.sizing.joint import Joint, Lock, dimensions_of
+from erlif.joint.sizing.joint import Joint, Lock, dimensions_of, known
 from erlif.joint.sizing.practice import Series, round_up
 from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result, strength_limit
@@ -110,15 +111,13 @@ def _least_sizes(joint: Joint, lock: Lock) -> dict[str, float]:
 def _choose_weld(joint: Joint, lock: Lock, series: Series) -> Lock:
     """Kind, throat and inner diameter of the weld: internal where there is room, else external."""
     pin, strength = dimensions_of(joint).pin, lock.plate.yield_stress
-    throat = USUAL_THROAT if lock.throat is None else lock.throat
-    weld, inner = lock.weld, pin
+    throat, weld, inner = known(lock.throat, USUAL_THROAT), lock.weld, pin
     if strength is not None:
         wanted = round_up(max(_least_weld(joint, throat, strength), SMALLEST_WELD), series)
         room = float(largest_internal_weld_diameter(pin, throat=throat))
         weld = weld or ("internal" if wanted <= room else "external")
         inner = wanted if weld == "internal" else pin
-    if lock.weld_diameter is not None:
-        inner = lock.weld_diameter
+    inner = known(lock.weld_diameter, inner)
     if lock.throat is None and strength is not None:
         throat = round_up(max(throat, _least_throat(joint, inner, strength)), series)
     return replace(lock, weld=weld or "external", throat=throat, weld_diameter=inner)
@@ -145,11 +144,21 @@ def _least_throat(joint: Joint, inner: float, strength: float) -> float:
     return float(max(roots.real[np.abs(roots.imag) < 1e-9 * np.abs(roots)]))
 
 
-def _screw(state: JointState) -> Result | None:
-    joint, lock = state.joint, state.joint.lock
-    if lock is None:
-        return None
-    force = _force_on(joint, lock)
+_OfLock = Callable[[JointState, Lock], Result | None]
+
+
+def _if_locked(equation: _OfLock) -> Callable[[JointState], Result | None]:
+    """An equation of a joint, which gives nothing where the joint has no lock."""
+
+    def of_joint(state: JointState) -> Result | None:
+        lock = state.joint.lock
+        return None if lock is None else equation(state, lock)
+
+    return of_joint
+
+
+def _screw(state: JointState, lock: Lock) -> Result:
+    joint, force = state.joint, _force_on(state.joint, lock)
     texts: dict[str, Any] = {
         "bushing": lock.friction_bushing,
         "seat": lock.friction_seat,
@@ -162,11 +171,9 @@ def _screw(state: JointState) -> Result | None:
     return strength_limit(least, size, strength, joint.safety, power=2, **texts)
 
 
-def _weld(state: JointState) -> Result | None:
-    joint, lock = state.joint, state.joint.lock
-    if lock is None:
-        return None
-    strength, inner, throat = lock.plate.yield_stress, lock.weld_diameter, lock.throat
+def _weld(state: JointState, lock: Lock) -> Result:
+    joint, strength = state.joint, lock.plate.yield_stress
+    inner, throat = lock.weld_diameter, lock.throat
     title = f"{lock.weld or ''} weld".strip()
     if strength is None or inner is None or throat is None:
         return Result(values={"weld": title})
@@ -195,9 +202,8 @@ def _weld(state: JointState) -> Result | None:
     )
 
 
-def _weld_room(state: JointState) -> Result | None:
-    lock = state.joint.lock
-    if lock is None or lock.weld == "external" or lock.plate.yield_stress is None:
+def _weld_room(state: JointState, lock: Lock) -> Result | None:
+    if lock.weld == "external" or lock.plate.yield_stress is None:
         return None
     if lock.weld_diameter is None or lock.throat is None:
         return None
@@ -205,15 +211,8 @@ def _weld_room(state: JointState) -> Result | None:
     return Result(lock.weld_diameter * 1e3, most=largest * 1e3, least=SMALLEST_WELD * 1e3)
 
 
-def _prong(state: JointState) -> Result | None:
-    joint, lock = state.joint, state.joint.lock
-    if lock is None:
-        return None
-    closed, variant = lock.kind == "closed", "closed" if lock.kind == "closed" else ""
-    strength, height = lock.plate.yield_stress, lock.height
-    if strength is None or height is None:
-        return Result(variant=variant)
-
+def _prong(state: JointState, lock: Lock) -> Result:
+    joint, closed, height = state.joint, lock.kind == "closed", known(lock.height)
     force = _force_on(joint, lock)
     moment, shear = (CLOSED_LOCK_MOMENT, CLOSED_LOCK_SHEAR) if closed else (1.0, 1.0)
     bending = 6 * moment * force * lock.length / (lock.thickness * height**2)
@@ -222,35 +221,30 @@ def _prong(state: JointState) -> Result | None:
     least = _least_sizes(joint, lock).get("height", 0.0)
     return Result(
         stress / 1e6,
-        most=strength / joint.safety / 1e6,
-        variant=variant,
+        most=known(lock.plate.yield_stress) / joint.safety / 1e6,
+        variant="closed" if closed else "",
         values={"force": force / 1e3, "least": least * 1e3},
     )
 
 
-def _end(state: JointState) -> Result | None:
-    joint, lock = state.joint, state.joint.lock
-    if lock is None or lock.kind == "open":
+def _end(state: JointState, lock: Lock) -> Result | None:
+    if lock.kind == "open":
         return None
-    strength, width = lock.plate.yield_stress, lock.end_width
-    if strength is None or width is None:
-        return Result()
-    least = _least_sizes(joint, lock).get("end_width", 0.0)
-    return strength_limit(least, width, strength, joint.safety)
+    strength, width = known(lock.plate.yield_stress), known(lock.end_width)
+    least = _least_sizes(state.joint, lock).get("end_width", 0.0)
+    return strength_limit(least, width, strength, state.joint.safety)
 
 
-def _plate(state: JointState) -> Result | None:
-    lock, (low, high) = state.joint.lock, PLATE
-    if lock is None:
-        return None
+def _plate(_: JointState, lock: Lock) -> Result:
+    low, high = PLATE
     return Result(lock.thickness * 1e3, least=low * 1e3, most=high * 1e3)
 
 
 EQUATIONS = {
-    "lock_screw": _screw,
-    "weld": _weld,
-    "weld_room": _weld_room,
-    "prong": _prong,
-    "lock_end": _end,
-    "plate": _plate,
+    "lock_screw": _if_locked(_screw),
+    "weld": _if_locked(_weld),
+    "weld_room": _if_locked(_weld_room),
+    "prong": _if_locked(_prong),
+    "lock_end": _if_locked(_end),
+    "plate": _if_locked(_plate),
 }

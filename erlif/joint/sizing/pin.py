@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from erlif.joint.sizing.joint import known
 from erlif.joint.sizing.materials import BRINELL
 from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result, margin_below, strength_limit
@@ -29,9 +30,7 @@ _SMALL_SLOPE = 0.1  # sine of the slope up to which a beam bends as the equation
 
 
 def _shear(state: JointState) -> Result:
-    joint, strength = state.joint, state.joint.pin.yield_stress
-    if strength is None:
-        return Result()
+    joint, strength = state.joint, known(state.joint.pin.yield_stress)
     least = pin_diameter_in_shear(joint.force, yield_stress=strength, safety=joint.safety)
     return strength_limit(least, state.size.pin, strength, joint.safety, power=2)
 
@@ -63,7 +62,7 @@ def bending_factor(ratio: float) -> tuple[float, float]:
 
 def _with_hole(unweakened: float, hole: float) -> float:
     """Least diameter of a pin with a hole, from that of one without. Eq. 4."""
-    if hole <= 0:
+    if hole <= 0 or math.isnan(unweakened):
         return unweakened
 
     from scipy.optimize import brentq  # few joints have a hole, and it is slow to load
@@ -79,10 +78,7 @@ def _with_hole(unweakened: float, hole: float) -> float:
 
 def _bending(state: JointState) -> Result:
     """Eq. 2, or eq. 4 where a hole crosses the pin."""
-    joint, size = state.joint, state.size
-    variant, strength = "hole" if joint.hole_diameter > 0 else "", joint.pin.yield_stress
-    if strength is None:
-        return Result(variant=variant)
+    joint, size, strength = state.joint, state.size, known(state.joint.pin.yield_stress)
 
     # the hole raises the stress of a whole pin
     d, free = size.pin, size.width + joint.lateral_play
@@ -99,7 +95,7 @@ def _bending(state: JointState) -> Result:
         power=3,
         factor=concentration / remaining if remaining > 0 else math.inf,
         valid=d <= free and ratio <= LARGEST_HOLE_RATIO,
-        variant=variant,
+        variant="hole" if joint.hole_diameter > 0 else "",
         least=_with_hole(float(unweakened), joint.hole_diameter) * 1e3,
         pin=d * 1e3,
         free=free * 1e3,
@@ -111,11 +107,10 @@ def _bending(state: JointState) -> Result:
 
 
 def _seat(state: JointState) -> Result:
-    joint, size, hardness = state.joint, state.size, state.joint.seat.hardness
-    if hardness is None:
-        return Result()
+    joint, size, hardness = state.joint, state.size, known(state.joint.seat.hardness)
     least = least_seat_width(joint.force, diameter=size.pin, hardness=hardness, safety=joint.safety)
-    estimated, brinell = joint.seat.hardness_low is None, hardness / BRINELL
+    brinell = hardness / BRINELL
+    estimated = joint.seat.hardness_low is None and not math.isnan(hardness)
     return strength_limit(
         least,
         size.seat,
@@ -133,9 +128,7 @@ def _slenderness(state: JointState) -> Result:
 
 
 def _lateral(state: JointState) -> Result:
-    joint, size, modulus = state.joint, state.size, state.joint.pin.youngs_modulus
-    if modulus is None:
-        return Result()
+    joint, size, modulus = state.joint, state.size, known(state.joint.pin.youngs_modulus)
 
     # sine of the slope of the two straight halves; beyond 1 the pin folds
     slope = 8 * joint.force * size.length**2 / (3 * math.pi * modulus * size.pin**4)

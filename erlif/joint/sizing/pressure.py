@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from erlif.joint.sizing.joint import known
 from erlif.joint.sizing.materials import BRINELL
 from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result, strength_limit
@@ -27,25 +28,22 @@ HARDER = 100.0
 
 def _seizure(state: JointState) -> Result:
     joint, size, speed = state.joint, state.size, state.speed
-    if joint.bushing.yield_stress is None:
-        return Result()
-    softer = min(joint.bushing.yield_stress, joint.pin.yield_stress or math.inf)
+    softer = min(known(joint.bushing.yield_stress), known(joint.pin.yield_stress, math.inf))
     area = least_projected_area(joint.force, yield_stress=softer)
     return strength_limit(
         area / size.pin,
         size.width,
         softer,
         2.0,  # half of the yield stress, eq. 5
-        valid=speed is not None and speed <= SLOW,
+        valid=speed <= SLOW,
         slow=SLOW,
-        speed="speed not known" if speed is None else f"{speed:.3g} m/s",
+        speed="speed not known" if math.isnan(speed) else f"{speed:.3g} m/s",
     )
 
 
 def _most(state: JointState) -> float:
     """Pressure that the hardness of the bushing allows; infinite where it is not known. [MPa]"""
-    hardness = state.joint.bushing.hardness
-    return math.inf if hardness is None else hardness / state.joint.safety / 1e6
+    return known(state.joint.bushing.hardness, math.inf) / state.joint.safety / 1e6
 
 
 def _projected(state: JointState) -> Result:
@@ -80,10 +78,10 @@ def _hertz(state: JointState) -> Result:
 
 def _persson(state: JointState) -> Result:
     contact, joint = state.contact, state.joint
-    moduli = joint.pin.youngs_modulus, joint.bushing.youngs_modulus
-    if contact is None or moduli[0] is None or moduli[1] is None:
+    if contact is None:
         return Result()
-    ratio = max(moduli[0], moduli[1]) / min(moduli[0], moduli[1])
+    moduli = known(joint.pin.youngs_modulus), known(joint.bushing.youngs_modulus)
+    ratio = max(moduli) / min(moduli)
     return Result(
         contact.peak / 1e6,
         most=_most(state),
@@ -107,9 +105,7 @@ def _material_pressure(state: JointState) -> Result:
 
 
 def _edge(state: JointState) -> Result:
-    joint, d, hardness = state.joint, state.size.pin, state.joint.bushing.hardness
-    if hardness is None:
-        return Result()
+    joint, d, hardness = state.joint, state.size.pin, known(state.joint.bushing.hardness)
     least = least_bushing_width(joint.force, diameter=d, hardness=hardness, safety=joint.safety)
     return strength_limit(least, state.size.width, hardness, joint.safety)
 
@@ -121,9 +117,7 @@ def _width_ratio(state: JointState) -> Result:
 
 
 def _hardness_difference(state: JointState) -> Result:
-    pin, ring = state.joint.pin.hardness_low, state.joint.bushing.hardness_high
-    if pin is None or ring is None:
-        return Result()
+    pin, ring = known(state.joint.pin.hardness_low), known(state.joint.bushing.hardness_high)
     return Result(pin - ring, least=HARDER, values={"pin": ring + HARDER, "bushing": pin - HARDER})
 
 

@@ -99,8 +99,8 @@ def _size(joint: Joint, series: Series) -> Joint:
         if joint.play is not None:
             break
         state = JointState(sized)
-        loss = (state.growth_loss or 0.0) / state.size.pin
-        if loss <= relative:
+        loss = state.growth_loss / state.size.pin
+        if not loss > relative:
             sized = replace(sized, play=_round_play(state.least_play, series))
             break
         relative = loss

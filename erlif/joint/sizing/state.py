@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.joint.sizing.joint import Joint, dimensions_of
+from erlif.joint.sizing.joint import Joint, dimensions_of, known
 from erlif.models.bearing import RECOMMENDED_PLAY, press_fit_displacement
 from erlif.models.contact import (
     FULL_CONTACT,
@@ -82,45 +82,46 @@ class JointState:
     # fit
 
     @cached_property
-    def displacement(self) -> float | None:
+    def displacement(self) -> float:
         """Radial displacement of the bore by the press fit, eqs. 24 and 25: negative where it
-        shrinks, None where an elastic constant is not known or the housing is not larger than the
+        shrinks, NaN where an elastic constant is not known or the housing is not larger than the
         fit. [m]"""
         joint, size = self.joint, self.size
         if joint.interference <= 0:
             return 0.0
-        inner, outer = joint.bushing, joint.housing
         if size.housing <= size.fit or size.wall <= 0:
-            return None
-        if inner.youngs_modulus is None or inner.poissons_ratio is None:
-            return None
-        if outer.youngs_modulus is None or outer.poissons_ratio is None:
-            return None
-        displacement: float = press_fit_displacement(
-            joint.interference,
-            bore=size.pin,
-            fit_diameter=size.fit,
-            housing_diameter=size.housing,
-            youngs_bushing=inner.youngs_modulus,
-            poisson_bushing=inner.poissons_ratio,
-            youngs_housing=outer.youngs_modulus,
-            poisson_housing=outer.poissons_ratio,
+            return math.nan
+        return float(
+            press_fit_displacement(
+                joint.interference,
+                bore=size.pin,
+                fit_diameter=size.fit,
+                housing_diameter=size.housing,
+                youngs_bushing=known(joint.bushing.youngs_modulus),
+                poisson_bushing=known(joint.bushing.poissons_ratio),
+                youngs_housing=known(joint.housing.youngs_modulus),
+                poisson_housing=known(joint.housing.poissons_ratio),
+            )
         )
-        return displacement
+
+    @property
+    def gain(self) -> float:
+        """Play that pressing adds, below 0 where the bore shrinks; 0 where it is not known. [m]"""
+        return 0.0 if math.isnan(self.displacement) else 2 * self.displacement
 
     @property
     def play(self) -> float:
         """Play with the bushing pressed in; without the loss where it is not known. [m]"""
-        return self.size.play + 2 * (self.displacement or 0.0)
+        return self.size.play + self.gain
 
     @cached_property
-    def fit_pressure(self) -> float | None:
+    def fit_pressure(self) -> float:
         """Pressure between bushing and housing, from the displacement of the bore. Lame. [Pa]"""
-        modulus = self.joint.bushing.youngs_modulus
-        if self.displacement is None or modulus is None:
-            return 0.0 if self.displacement == 0 else None
+        if self.displacement == 0:
+            return 0.0
 
         # the bore is free of pressure: its hoop strain has its hoop stress alone
+        modulus = known(self.joint.bushing.youngs_modulus)
         hoop = modulus * abs(self.displacement) / (self.size.pin / 2)
         return hoop * (1 - (self.size.pin / self.size.fit) ** 2) / 2
 
@@ -149,12 +150,12 @@ class JointState:
             peak = persson_peak_group(half_angle) * 2 * load / pin
 
         flat = flat_angle = math.nan
-        if play > 0 and one.poissons_ratio is not None and two.poissons_ratio is not None:
+        if play > 0:
             both = contact_modulus(
                 one.youngs_modulus,
-                poisson_1=one.poissons_ratio,
+                poisson_1=known(one.poissons_ratio),
                 youngs_2=two.youngs_modulus,
-                poisson_2=two.poissons_ratio,
+                poisson_2=known(two.poissons_ratio),
             )
             line = hertz_line(load, radius=pin * (pin + play) / (2 * play), contact_modulus=both)
             flat = float(line.pressure)
@@ -178,37 +179,31 @@ class JointState:
     # motion and heat
 
     @property
-    def speed(self) -> float | None:
-        """Mean sliding speed; None where the motion is not known. [m/s]"""
+    def speed(self) -> float:
+        """Mean sliding speed; NaN where the motion is not known. [m/s]"""
         return self.joint.speed(self.size.pin)
 
     @cached_property
-    def share(self) -> float | None:
+    def share(self) -> float:
         """Share of the heat that enters the bushing, by the conductivities. Eq. 28."""
-        pin, ring = self.joint.pin.conductivity, self.joint.bushing.conductivity
-        if pin is None or ring is None:
-            return None
+        pin, ring = known(self.joint.pin.conductivity), known(self.joint.bushing.conductivity)
         return float(bushing_heat_share(pin, bushing_conductivity=ring))
 
     @property
     def heat_is_shared(self) -> bool:
         """Whether enough of the heat enters the bushing for eq. 29, or the share is not known."""
-        return self.share is None or self.share >= LEAST_SHARE
+        return not self.share < LEAST_SHARE
 
     @cached_property
-    def heat(self) -> float | None:
+    def heat(self) -> float:
         """Friction heat that enters the bushing. Eqs. 27 and 28. [W]"""
-        if self.speed is None or self.share is None:
-            return None
         force, friction = self.joint.moving_force, self.joint.friction
         return float(friction_heat(force, friction=friction, speed=self.speed) * self.share)
 
     @property
-    def rise(self) -> float | None:
+    def rise(self) -> float:
         """Rise of the sliding surface over the outside. Eq. 29, through the loaded half. [K]"""
-        conductivity = self.joint.bushing.conductivity
-        if self.heat is None or conductivity is None:
-            return None
+        conductivity = known(self.joint.bushing.conductivity)
         # conduction through a cylindrical wall; the rise itself keeps its digits where it is small
         wall = math.log1p(2 * self.size.wall / self.size.pin)
         return self.heat * wall / (HALF_RING * self.size.width * conductivity)
@@ -216,31 +211,29 @@ class JointState:
     @property
     def temperature_limit(self) -> float:
         """Highest temperature of the surface: that of the grease or of the bushing. [degC]"""
-        grease, ring = self.joint.grease_temperature, self.joint.bushing.temperature
-        return grease if ring is None else min(grease, ring)
+        grease = self.joint.grease_temperature
+        return min(grease, known(self.joint.bushing.temperature, grease))
 
     @cached_property
-    def growth_loss(self) -> float | None:
-        """Play that the growth of warm parts takes, eq. 30; None where a property is missing. [m]
+    def growth_loss(self) -> float:
+        """Play that the growth of warm parts takes, eq. 30; NaN where a property is missing. [m]
 
         The bushing grows freely or is held by the housing, whichever leaves less play.
         """
         joint, size, rise = self.joint, self.size, self.rise
-        pin, ring, housing = joint.pin.expansion, joint.bushing.expansion, joint.housing.expansion
-        if rise is None or pin is None or ring is None or housing is None:
-            return None
+        parts = joint.pin, joint.bushing, joint.housing
+        pin, ring, housing = (known(part.expansion) for part in parts)
         outside = joint.outside_temperature - joint.assembly_temperature
         wall_rise = outside + rise / 2
         grown_pin = thermal_growth(size.pin, expansion=pin, temperature_change=outside + rise)
         free = thermal_growth(size.pin, expansion=ring, temperature_change=wall_rise)
         held = thermal_growth(size.fit, expansion=housing, temperature_change=outside)
         held -= 2 * size.wall * ring * wall_rise
-        return float(grown_pin - min(free, held))
+        return float(grown_pin - np.minimum(free, held))
 
     @property
     def least_play(self) -> float:
         """Least play before pressing that is recommended, cold and warm. [m]"""
-        loss = self.growth_loss or 0.0
+        loss = self.growth_loss
         wanted = RECOMMENDED_PLAY[0] * 1e-3 * self.size.pin
-        wanted = max(wanted, loss if math.isfinite(loss) else 0.0)
-        return wanted - 2 * (self.displacement or 0.0)
+        return max(wanted, loss if math.isfinite(loss) else 0.0) - self.gain

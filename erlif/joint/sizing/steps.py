@@ -174,7 +174,7 @@ class Result:
     present : float
         The value that is compared; NaN where it cannot be computed.
     most : float
-        Highest value allowed.
+        Highest value allowed; NaN where it cannot be computed.
     least : float
         Lowest value allowed.
     margin : float | None
@@ -199,11 +199,21 @@ class Result:
     values: Mapping[str, float | str] = field(default_factory=dict)
 
     @property
+    def unknown(self) -> bool:
+        """Whether a number is missing with which value or limit would be known."""
+        return math.isnan(self.present) or math.isnan(self.most)
+
+    @property
+    def unlimited(self) -> bool:
+        """Whether there is no limit."""
+        return math.isinf(self.least) and math.isinf(self.most)
+
+    @property
     def share(self) -> float:
         """Margin: allowed over present value less 1; NaN without a limit."""
-        if self.margin is not None or math.isnan(self.present):
-            return math.nan if self.margin is None else self.margin
-        if math.isinf(self.least) and math.isinf(self.most):
+        if self.margin is not None:
+            return self.margin
+        if self.unknown or self.unlimited:
             return math.nan
         return margin_between(self.present, (self.least, self.most))
 
@@ -275,19 +285,18 @@ def make_step(key: str, result: Result) -> Step:
     """
     table = read_table("erlif.joint.sizing", "steps.toml")[key]
     text, values = table | table.get(result.variant, {}), result.values
-    missing = math.isnan(result.present) and (result.missing or text["missing"])
+    missing = result.unknown and (result.missing or text["missing"])
     title = text["title"].format(**values)
     if missing:
         known = (key, title, text["equation"], text["kind"], "", "")
         nan = math.nan
         return Step(*known, nan, (-math.inf, math.inf), nan, True, "", "", missing=missing)
 
-    unlimited = math.isinf(result.least) and math.isinf(result.most)
     return Step(
         key,
         title,
         text["equation"],
-        "result" if unlimited and text["kind"] == "limit" else text["kind"],
+        "result" if result.unlimited and text["kind"] == "limit" else text["kind"],
         text["quantity"],
         text["unit"],
         result.present,
