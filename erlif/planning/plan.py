@@ -15,7 +15,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
 from erlif.core.tables import read_table
 from erlif.core.units import Quantity
-from erlif.io.settings import DyeSettings, PlanSettings, read_plan_settings, to_toml, write_template
+from erlif.io.settings import DyeSettings, PlanSettings, read_plan_settings, to_toml, write_example
 from erlif.planning import (
     Camera,
     Design,
@@ -54,13 +54,6 @@ _BEYOND = (0.4, 1.6)  # of the thinnest and the thickest wanted film: ends of th
 _DIGITS = 3  # significant digits of a proposed concentration
 _RIG_STEP = 0.25  # nm: spectra that the virtual rig is given
 
-_HEAD = """\
-# plan.toml: what a rig is to be. `erlif plan plan.toml` predicts what it would measure.
-# Quantities are text with a unit. A key behind "#" is optional and shown with its default, or with
-# an example where there is no default.
-# The concentrations, the laser and the filters are those of Farzaneh (2002). The spectra and the
-# light are invented: replace them by your own."""
-
 
 def example_plan() -> str:
     """Write a commented plan.toml that works as it is.
@@ -75,9 +68,7 @@ def example_plan() -> str:
     >>> example_plan().count("[dye1]")
     1
     """
-    tables = read_table("erlif.planning", "plan.toml")["example"].items()
-    values = {f"{table}.{key}": value for table, keys in tables for key, value in keys.items()}
-    return write_template(PlanSettings, values, {}, leave_out=["optics"], head=_HEAD)
+    return write_example(PlanSettings, "erlif.planning", "plan.toml", leave_out=["optics"])
 
 
 def plan(source: Path | str | PlanSettings, *, folder: Path | None = None) -> xr.Dataset:

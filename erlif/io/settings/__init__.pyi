@@ -53,7 +53,7 @@ from .tables import (
     VogelSettings,
     Wavelength,
 )
-from .template import GAP, write_template
+from .template import GAP, write_example, write_template
 from .toml import stated_keys, to_toml
 
 __all__ = [
@@ -118,5 +118,6 @@ __all__ = [
     "stated_keys",
     "tables_of",
     "to_toml",
+    "write_example",
     "write_template",
 ]

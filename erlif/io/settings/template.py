@@ -7,6 +7,7 @@ import textwrap
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any, Final
 
+from erlif.core.tables import read_table
 from erlif.io.settings.keys import Key, Table, keys_of, meaning_of, tables_in, tables_of
 from erlif.io.settings.tables import Settings
 from erlif.io.settings.toml import toml_value
@@ -111,6 +112,37 @@ def write_template(
         seen.add(table.title)
         lines += ["", *_table_lines(table, values, remarks)]
     return "\n".join(lines) + "\n"
+
+
+def write_example(
+    kind: type[Settings], package: str, name: str, *, leave_out: Collection[str] = ()
+) -> str:
+    """Write a commented settings file that works as it is.
+
+    Arguments that are not listed are those of `write_template`.
+
+    Parameters
+    ----------
+    package, name : str
+        Table of the package, see `erlif.core.tables.read_table`: the first lines under ``head``, the
+        values under ``example`` by table and key.
+
+    Returns
+    -------
+    str
+        TOML.
+
+    Examples
+    --------
+    >>> from erlif.io.settings import PlanSettings
+    >>> write_example(PlanSettings, "erlif.planning", "plan.toml").count("[dye1]")
+    1
+    """
+    table = read_table(package, name)
+    values = {
+        f"{part}.{key}": value for part, keys in table["example"].items() for key, value in keys.items()
+    }
+    return write_template(kind, values, {}, leave_out=leave_out, head=table["head"])
 
 
 def _is_written(table: Table) -> bool:

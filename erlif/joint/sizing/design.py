@@ -20,7 +20,7 @@ from erlif.io.settings import (
     PartOfJoint,
     read_design_settings,
     to_toml,
-    write_template,
+    write_example,
 )
 from erlif.joint.sizing import (
     DIMENSIONS,
@@ -32,12 +32,6 @@ from erlif.joint.sizing import (
     read_materials,
     size_joint,
 )
-
-_HEAD = """\
-# joint.toml: load, motion, life and materials of a pin joint. `erlif design joint.toml` chooses the
-# dimensions that are not given and checks the joint step by step.
-# Quantities are text with a unit. A key behind "#" is optional and shown with its default, or with
-# an example where there is no default. The joint is invented; the wear rate has to be measured."""
 
 
 def example_joint_file() -> str:
@@ -53,9 +47,7 @@ def example_joint_file() -> str:
     >>> example_joint_file().count("[pin]")
     1
     """
-    tables = read_table("erlif.joint.sizing", "example.toml")["file"].items()
-    values = {f"{table}.{key}": value for table, keys in tables for key, value in keys.items()}
-    return write_template(DesignSettings, values, {}, head=_HEAD)
+    return write_example(DesignSettings, "erlif.joint.sizing", "example.toml")
 
 
 def design(source: Path | str | DesignSettings, *, folder: Path | None = None) -> BearingDesign:
