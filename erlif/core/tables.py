@@ -1,11 +1,14 @@
-"""Tables of texts and numbers that stand in TOML files beside the modules that read them."""
+"""Tables and templates of texts that stand in files beside the modules that read them."""
 
 from __future__ import annotations
 
 import tomllib
 from functools import cache
 from importlib import resources
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
 
 
 @cache
@@ -30,3 +33,44 @@ def read_table(package: str, name: str) -> dict[str, Any]:
     'N'
     """
     return tomllib.loads(resources.files(package).joinpath(name).read_text(encoding="utf-8"))
+
+
+def fill_template(package: str, name: str, **values: Any) -> str:
+    """Fill a template of plain text.
+
+    Parameters
+    ----------
+    package : str
+        Package in whose folder ``templates`` the file lies.
+    name : str
+        Name of the file.
+    **values
+        What it names; a name that is not given is refused.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> from erlif.rig import RigSettings
+    >>> text = fill_template(
+    ...     "erlif.rig", "fixture.toml", rig=RigSettings(), bands=(580.0, 610.0), background=False
+    ... )
+    >>> text.splitlines()[0]
+    '[fixture]'
+    """
+    return _templates(package).get_template(name).render(**values)
+
+
+@cache
+def _templates(package: str) -> Environment:
+    from jinja2 import Environment, PackageLoader, StrictUndefined  # few commands need it
+
+    return Environment(
+        loader=PackageLoader(package),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )

@@ -4,14 +4,13 @@ import csv
 import dataclasses
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any
 
 import h5netcdf
 import numpy as np
 import tifffile
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from erlif.core.arrays import Array, Counts
+from erlif.core.tables import fill_template
 from erlif.rig.camera import FULL_SCALE, expose, vibrate
 from erlif.rig.dyes import BANDS, signals_of
 from erlif.rig.film import (
@@ -255,22 +254,10 @@ def write_encoder_log(
 # settings files
 
 
-def _fill(template: str, **values: Any) -> str:
-    """The text of a settings file from its template."""
-    environment = Environment(
-        loader=PackageLoader("erlif.rig"),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    return environment.get_template(template).render(**values)
-
-
 def fixture_toml(rig: RigSettings) -> str:
     """Return fixture.toml of the virtual wedge."""
     bands = BANDS if rig.dyes is None else rig.dyes.bands
-    return _fill("fixture.toml", rig=rig, bands=bands, background=False)
+    return fill_template("erlif.rig", "fixture.toml", rig=rig, bands=bands, background=False)
 
 
 def run_toml(rig: RigSettings, triggers: Triggers) -> str:
@@ -278,7 +265,8 @@ def run_toml(rig: RigSettings, triggers: Triggers) -> str:
     linked = rig.mechanism == "crank-rocker"
     (first, last), (upper, lower) = rig.patch
     edge = _PATCH_EDGE * rig.pitch
-    return _fill(
+    return fill_template(
+        "erlif.rig",
         "run.toml",
         rig=rig,
         name=_NAMES[rig.mechanism],

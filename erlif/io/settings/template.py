@@ -140,7 +140,9 @@ def write_example(
     """
     table = read_table(package, name)
     values = {
-        f"{part}.{key}": value for part, keys in table["example"].items() for key, value in keys.items()
+        f"{part}.{key}": value
+        for part, keys in table["example"].items()
+        for key, value in keys.items()
     }
     return write_template(kind, values, {}, leave_out=leave_out, head=table["head"])
 

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
-from erlif.core.arrays import AnyArray
+from erlif.core.tables import fill_template
 from erlif.core.units import count_of
+from erlif.io.conversion import table_csv
 from erlif.io.files import replacing
 from erlif.joint.endurance.analysis import EnduranceResult
 from erlif.joint.endurance.comparison import DesignComparison
 from erlif.joint.endurance.onset import FEWEST
-from erlif.joint.endurance.other_sensors import SensorChange
-from erlif.joint.endurance.posterior import Onset
 from erlif.joint.friction.coefficient import doubt_friction
 
 HEADINGS = (
@@ -60,133 +57,40 @@ def describe_test(found: EnduranceResult) -> list[str]:
     >>> print(describe_test(example_test())[0])
     example: 6 stages and 6 idle runs in 4424 s
     """
-    test, failure = found.test, found.failure
-    last = float(test["time"][-1])
-    idle = sum(stage.is_idle and stage.part == 1 for stage in found.stages)
-    lines = [
-        f"{found.name}: {count_of(len(found.whole), 'stage')} and {count_of(idle, 'idle run')} in "
-        f"{last - float(test['time'][0]):.0f} s"
-    ]
-    level = float(test["friction"][_samples_of(found)].median())
-    lines += doubt_friction(level, radius=test.attrs.get("pin_radius"), arm=test.attrs.get("arm"))
-    divided = {stage.number for stage in found.loaded if stage.part > 1}
-    for stage in found.loaded:
-        friction = float(test["friction"][stage.samples].median())
-        part = f", part {stage.part}" if stage.number in divided else ""
-        line = (
-            f"  stage {stage.number}{part}: {stage.load / 1e3:.1f} kN, {stage.start:.0f} to "
-            f"{stage.end:.0f} s, friction {friction:.3f}"
-        )
-        if "temperature" in test:
-            line += f", {float(test['temperature'][stage.last]):.1f} degC at its end"
-        lines.append(line)
-
-    for before, after in pairwise(found.loaded):
-        if after.part > 1:
-            lines.append(
-                f"note: the log pauses from {before.end:.0f} to {after.start:.0f} s, within stage "
-                f"{after.number}"
-            )
-    if "period" in test.attrs:
-        lines.append(
-            f"note: the torque reverses with a period of {test.attrs['period']:.3g} s; friction is "
-            "half the difference of its directions over two periods. erlif friction gives it for "
-            "each reversal"
-        )
-    lines += [f"{note.level}: {note}" for note in found.notes]
-    lines += [
-        f"note: the {name} {reason}; it is left out" for name, reason in found.unusable.items()
-    ]
-    for place in found.search.left_out:
-        stage = found.whole[place]
-        needed = FEWEST * sum(part.number == stage.number for part in found.loaded)
-        lines.append(
-            f"note: stage {stage.number} has {stage.last - stage.first + 1} samples and was not "
-            f"searched for galling; {needed} are needed"
-        )
-    chance = found.search.p_value
-    p = "p below 1e-12" if chance < _NO_CHANCE else f"p = {chance:.2g}"
-    onset = found.onset
-    if onset is None:
-        lines += _describe_no_galling(found, p)
-        if failure.decided:
-            lines.append(f"load survived: {failure.load / 1e3:.1f} kN")
-        else:
-            lines.append(
-                f"not decided whether it survived: carried {failure.load / 1e3:.1f} kN, and is "
-                "compared as a bearing that carries at least that"
-            )
-        return lines
-    into = onset.time - found.whole[onset.stage].start
-    since = "" if onset.pause else f", {into:.0f} s into it"
-    lines.append(f"galling in stage {failure.stage} {_describe_time(onset)}{since}; {p}")
-    lines.append(_describe_rise(onset))
-    lines += [_describe_sensor(sensor) for sensor in found.other_sensors]
-    lines.append(
-        f"load at failure: {failure.load / 1e3:.2f} ± {failure.std / 1e3:.2f} kN; "
-        f"{failure.survived / 1e3:.1f} kN were survived"
+    test, loaded, search = found.test, found.loaded, found.search
+    places = np.concatenate([np.arange(one.first, one.last + 1) for one in loaded])
+    level = float(test["friction"][places].median())
+    left_out = [found.whole[place] for place in search.left_out]
+    text = fill_template(
+        "erlif.joint.endurance",
+        "test.txt",
+        found=found,
+        count_of=count_of,
+        idle=sum(stage.is_idle and stage.part == 1 for stage in found.stages),
+        duration=float(test["time"][-1]) - float(test["time"][0]),
+        doubts=doubt_friction(
+            level, radius=test.attrs.get("pin_radius"), arm=test.attrs.get("arm")
+        ),
+        divided={stage.number for stage in loaded if stage.part > 1},
+        friction=[float(test["friction"][stage.samples].median()) for stage in loaded],
+        temperature=test["temperature"].values.tolist() if "temperature" in test else (),
+        before=dict(zip(loaded[1:], loaded[:-1], strict=True)),
+        period=test.attrs.get("period"),
+        # each part of a stage needs its own samples
+        left_out=[
+            (stage, FEWEST * sum(part.number == stage.number for part in loaded))
+            for stage in left_out
+        ],
+        p="p below 1e-12" if search.p_value < _NO_CHANCE else f"p = {search.p_value:.2g}",
+        round_below=_round_below(search.small.rise) if search.small else None,
     )
-    share = found.calibration * failure.load / 1e3
-    lines.append(
-        f"  of this, {share:.2f} kN is the calibration of the cells, "
-        f"{100 * found.calibration:.2g} % of the load (load_error of the settings)"
-    )
-    return lines
+    return text.splitlines()
 
 
-def _samples_of(found: EnduranceResult) -> AnyArray:
-    """Places of the samples under load."""
-    return np.concatenate([np.arange(one.first, one.last + 1) for one in found.loaded])
-
-
-def _describe_no_galling(found: EnduranceResult, p: str) -> list[str]:
-    """That there is no galling, and which rise there is that is too small."""
-    small, least = found.search.small, found.search.least_rise
-    if small is None:
-        what = "galling" if found.failure.decided else "sudden rise of friction within a stage"
-        return [f"no {what} found ({p})"]
-    stage = found.whole[small.stage]
-    return [
-        f"no galling found: in stage {stage.number} friction rises {_describe_time(small)} by "
-        f"{small.rise:.3f} ± {small.rise_std:.3f}, which is significant ({p}), but below the least "
-        f"rise of {least:g} that counts",
-        f"  a smaller rise counts with --least-rise {_next_below(small.rise):g}, or least_rise "
-        "under [galling] of the settings",
-    ]
-
-
-def _next_below(rise: float) -> float:
+def _round_below(rise: float) -> float:
     """A round number below a rise, with one digit."""
     unit = 10.0 ** np.floor(np.log10(rise))
     return float(np.floor(rise / unit) * unit)
-
-
-def _describe_time(onset: Onset) -> str:
-    """When it begins: a pause of the log hides it."""
-    if onset.pause is not None:
-        return (
-            f"between {onset.earliest:.1f} and {onset.latest:.1f} s (95 %), an interval with a "
-            "pause of the log"
-        )
-    return f"at {onset.time:.1f} s (95 %: {onset.earliest:.1f} to {onset.latest:.1f} s)"
-
-
-def _describe_rise(onset: Onset) -> str:
-    after = onset.friction_before + onset.rise
-    return (
-        f"friction: {onset.friction_before:.3f} to {after:.3f}, a rise of {onset.rise:.3f} ± "
-        f"{onset.rise_std:.3f}"
-    )
-
-
-def _describe_sensor(sensor: SensorChange) -> str:
-    verdict = "confirms it" if sensor.confirms else "does not confirm it"
-    span = f"{sensor.low:.2f} to {sensor.high:.2f}"
-    if sensor.name == "temperature":
-        what = f"temperature: slope {sensor.change:+.2f} K/min more from the onset on ({span})"
-    else:
-        what = f"vibration: {sensor.change:.2f} times the level before ({span})"
-    return f"{what}, p = {sensor.p_value:.2g}: {verdict}"
 
 
 def describe_designs(found: DesignComparison) -> list[str]:
@@ -209,25 +113,8 @@ def describe_designs(found: DesignComparison) -> list[str]:
     >>> print(describe_designs(compare_designs(low, high, names=("uncut", "undercut")))[-1])
     log-rank test by permutation: p = 0.1 (so few runs give 0.1 at least)
     """
-    lines = [
-        f"{name}: {count_of(runs, 'run')}, {count_of(failures, 'failure')}"
-        for name, runs, failures in zip(
-            (found.first, found.second), found.runs, found.failures, strict=True
-        )
-    ]
-    if found.ratio == found.ratio:
-        lines.append(
-            f"load at failure of {found.second} over {found.first}: {found.ratio:.2f} (95 %: "
-            f"{found.low:.2f} to {found.high:.2f}, {found.model}); {found.second} carries more "
-            f"with a probability of {found.probability:.3g}"
-        )
-    else:
-        lines.append("no ratio of the loads: it needs a failure of each design")
-    lines.append(
-        f"log-rank test by permutation: p = {found.log_rank:.2g} (so few runs give "
-        f"{found.least_p:.2g} at least)"
-    )
-    return lines
+    text = fill_template("erlif.joint.endurance", "designs.txt", found=found, count_of=count_of)
+    return text.splitlines()
 
 
 def write_test_table(found: Sequence[EnduranceResult], output: Path) -> Path:
@@ -256,10 +143,10 @@ def write_test_table(found: Sequence[EnduranceResult], output: Path) -> Path:
     >>> write_test_table([example_test()], path).read_text().splitlines()[1][:12]
     'example,6,1,'
     """
-    with replacing(output) as scratch, scratch.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(HEADINGS)
-        writer.writerows(_row(one) for one in found)
+    columns = zip(*map(_row, found), strict=True)
+    with replacing(output) as scratch:
+        text = table_csv(dict(zip(HEADINGS, columns, strict=True)))
+        scratch.write_text(text, encoding="utf-8")
     return output
 
 

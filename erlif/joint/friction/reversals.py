@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,6 +10,8 @@ import xarray as xr
 
 from erlif.core.arrays import Array
 from erlif.core.errors import EnduranceError
+from erlif.core.tables import fill_template
+from erlif.io.conversion import table_csv
 from erlif.io.files import replacing
 from erlif.joint.friction.coefficient import doubt_friction, require_option, torque_of
 from erlif.joint.friction.scatter import spread_of_line
@@ -284,41 +285,21 @@ def describe_friction(found: ReversalSeries, *, torque_ratio: float = 1.0) -> li
     >>> print(describe_friction(found)[0])
     apparent friction coefficient: 0.1500 ± 0.0015 (4 pairs of stretches)
     """
-    lines = [
-        f"apparent friction coefficient: {found.friction:.4f} ± {found.friction_std:.4f} "
-        f"({found.pairs.sizes['time']} pairs of stretches)",
-        "  interval of 95 %: {:.4f} to {:.4f}".format(*found.friction_interval),
-    ]
     known = found.pairs.attrs
-    lines += doubt_friction(found.friction, radius=known.get("shaft_radius"), arm=known.get("arm"))
-    # the scatter is measured, even where it is 0
-    missing = [name for name, value in found.budget.items() if value == 0 and name != "scatter"]
-    lines += [
-        f"  {name}: {value:.2g}" for name, value in found.budget.items() if name not in missing
-    ]
-    if missing:
-        lines.append(f"  not stated: {', '.join(missing)}")
-    offset = float(found.pairs["offset"].mean())
-    lines.append(f"offset of the torque: {offset:.4f}")
-    if abs(offset) > found.friction:
-        lines.append(
-            "  The torque has one sign in both directions: the offset is larger than the friction. "
-            "Check that the log has the torque with its sign."
-        )
-    dwell = float(found.pairs["dwell"].median()) / 2
-    if dwell > 0:
-        lines.append(f"dwell left out: {dwell:.3g} s of each stretch")
-    if np.isfinite(found.trend):
-        lines.append(
-            f"change over the log: {found.trend:+.2g} ± {found.trend_std:.2g} "
-            "(95 %: {:+.2g} to {:+.2g})".format(*found.trend_interval)
-        )
-    if torque_ratio > 1:
-        lines.append(
-            f"true friction coefficient, at a torque ratio of {torque_ratio:.4g}: "
-            f"{found.friction / torque_ratio:.4f} ± {found.friction_std / torque_ratio:.4f}"
-        )
-    return lines
+    text = fill_template(
+        "erlif.joint.friction",
+        "friction.txt",
+        found=found,
+        doubts=doubt_friction(
+            found.friction, radius=known.get("shaft_radius"), arm=known.get("arm")
+        ),
+        # the scatter is measured, even where it is 0
+        missing=[name for name, value in found.budget.items() if value == 0 and name != "scatter"],
+        offset=float(found.pairs["offset"].mean()),
+        dwell=float(found.pairs["dwell"].median()) / 2,
+        torque_ratio=torque_ratio,
+    )
+    return text.splitlines()
 
 
 def write_friction_table(found: ReversalSeries, output: Path) -> Path:
@@ -345,11 +326,10 @@ def write_friction_table(found: ReversalSeries, output: Path) -> Path:
     >>> write_friction_table.__name__
     'write_friction_table'
     """
-    names = ["time", *found.pairs.data_vars]
-    headings = [f"{name} [{found.pairs[name].attrs.get('units', 's')}]" for name in names]
-    rows = np.stack([found.pairs[name].values for name in names], axis=1)
-    with replacing(output) as scratch, scratch.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(headings)
-        writer.writerows([f"{value:.6g}" for value in row] for row in rows)
+    columns = [found.pairs["time"], *found.pairs.data_vars.values()]
+    text = table_csv(
+        {f"{one.name} [{one.attrs['units']}]": one.values for one in columns}, digits=6
+    )
+    with replacing(output) as scratch:
+        scratch.write_text(text, encoding="utf-8")
     return output
