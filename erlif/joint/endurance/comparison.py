@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
-from math import comb
 from typing import Literal
 
 import numpy as np
@@ -27,6 +25,7 @@ _MOST_REACH = 3.0
 _QUANTILES = (0.025, 0.5, 0.975)
 _MOST_PERMUTATIONS = 20_000
 _TIE = 1e-9
+_DECIMALS = 9  # of a sum of log-rank scores
 
 
 @dataclass(frozen=True)
@@ -244,24 +243,23 @@ def _log_probability(lower: AnyArray | float, upper: AnyArray | float, model: st
 
 def _log_rank(first: Sequence[FailureLoad], second: Sequence[FailureLoad]) -> tuple[float, float]:
     """Two-sided p-value by permutation, and the smallest one possible."""
+    from scipy.stats import permutation_test  # slow to load
+
     runs = [*first, *second]
     loads = np.array([run.load for run in runs])
     failed = np.array([run.failed for run in runs])
-    scores = _scores(loads, failed)
-    n = len(first)
-    own = tuple(range(n))
-    choices: list[tuple[int, ...]]
-    if comb(len(runs), n) <= _MOST_PERMUTATIONS:
-        choices = list(combinations(range(len(runs)), n))
-    else:
-        rng = np.random.default_rng(0)
-        # the division that was made is one of those possible, so that no p-value is zero
-        choices = [own] + [
-            tuple(rng.permutation(len(runs))[:n].tolist()) for _ in range(_MOST_PERMUTATIONS)
-        ]
-    sums = np.abs([scores[list(one)].sum() for one in choices])
-    p_value = float(np.mean(sums >= abs(scores[:n].sum()) - _TIE))
-    return p_value, float(np.mean(sums >= sums.max() - _TIE))
+    scores = np.split(_scores(loads, failed), [len(first)])
+
+    # rounded, so that equal sums of scores in another order are equal
+    found = permutation_test(
+        scores,
+        lambda one, _, axis: np.round(np.abs(one.sum(axis=axis)), _DECIMALS),
+        n_resamples=_MOST_PERMUTATIONS,
+        alternative="greater",
+        rng=np.random.default_rng(0),
+    )
+    sums = found.null_distribution
+    return float(found.pvalue), float(np.mean(sums == sums.max()))
 
 
 def _scores(loads: Array, failed: AnyArray) -> Array:

@@ -7,12 +7,13 @@ the other stages alone.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, note_writer
+from erlif.core.statistics import robust_std
 from erlif.joint.endurance.blocks import RESTART, StageFriction
 from erlif.joint.endurance.pauses import LogClock
 from erlif.joint.endurance.posterior import Onset
@@ -120,20 +121,17 @@ def find_level_rises(
 
 def note_level_rises(rises: Sequence[LevelRise], numbers: Sequence[int]) -> list[Note]:
     """Describe stages whose friction is higher than expected; `numbers` are those of the stages."""
-    notes = []
+    write, notes = note_writer("erlif.joint.endurance"), []
     for rise in rises:
-        more = 100 * (rise.level / rise.before - 1)
-        against = f"stage {numbers[rise.stage - 1]}" if rise.stage else "its lowest before"
-        text = (
-            f"friction of {rise.level:.3f} is {more:.0f} % above {against} ({rise.before:.3f}), "
-            f"where the other stages let expect a change of {rise.expected:+.3f} ± {rise.bound:.3f}"
-        )
-        if rise.recovered is None:
-            text += "; galling during the step of load or a slow rise cannot be excluded"
-            notes.append(Note(Level.WARNING, f"stage {numbers[rise.stage]}", text))
-        else:
-            text += f"; it has recovered in stage {numbers[rise.recovered]}"
-            notes.append(Note(Level.NOTE, f"stage {numbers[rise.stage]}", text))
+        stated = {
+            **asdict(rise),
+            "more": 100 * (rise.level / rise.before - 1),
+            "against": f"stage {numbers[rise.stage - 1]}" if rise.stage else "its lowest before",
+            "recovered": None if rise.recovered is None else numbers[rise.recovered],
+        }
+        name = "rise" if rise.recovered is None else "recovered"
+        subject = f"stage {numbers[rise.stage]}"
+        notes.append(write(name, subject=subject, **stated))
     return notes
 
 
@@ -171,7 +169,7 @@ def _ordinary(others: Array, least_rise: float) -> tuple[float, float]:
     """Rise that others let expect, and what is ordinary beyond it."""
     count = others.size
     middle = float(np.median(others)) if count else 0.0
-    scatter = 1.4826 * float(np.median(np.abs(others - middle))) if count else 0.0
+    scatter = robust_std(others) if count else 0.0
     variance = (_STAGES * 2 * _SPREAD**2 + count * scatter**2) / (_STAGES + count)
     bound = _DEVIATIONS * float(np.sqrt(variance * (1 + 1 / max(count, 1))))
     return float(np.clip(middle, -_USUAL, _USUAL)), max(bound, least_rise)

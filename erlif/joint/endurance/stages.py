@@ -6,9 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, note_writer
+from erlif.core.statistics import robust_std
 from erlif.joint.endurance.pauses import find_pauses
 from erlif.joint.friction.stretches import running_median
 
@@ -194,32 +196,21 @@ def note_stages(
         A load that scatters, a load that changes within a stage, and a first stretch that is idle
         only as it is short or light.
     """
+    note = note_writer("erlif.joint.endurance")
     notes = []
     pauses = find_pauses(time)
     width = _average_samples(time)
     raw = _scatter(np.split(load, pauses), width)
     scatter = _scatter([running_median(part) for part in np.split(load, pauses)], width)
     if _CLEAR * scatter > SAME_LOAD:
-        notes.append(
-            Note(
-                Level.NOTE,
-                "",
-                f"the load scatters by {100 * raw:.1f} % (standard deviation); stages are found "
-                f"from its mean over {width} samples",
-            )
-        )
+        notes.append(note("scatters", raw=100 * raw, width=width))
 
     first = stages[0] if stages else None
     others = any(stage.is_idle for stage in stages[1:])
     highest = float(np.max(load, initial=0.0))
     alone = first is not None and first.is_idle and not others and len(stages) > 1
     if first and alone and idle_load is None and first.load > _ZERO * highest:
-        text = (
-            f"the stretch of {first.load / 1e3:.1f} kN from {first.start:.0f} to "
-            f"{first.end:.0f} s is taken for an idle run, as it is shorter than a third of the "
-            "next or below a quarter of its load; if it is a stage, give --idle-load"
-        )
-        notes.append(Note(Level.WARNING, "", text))
+        notes.append(note("idle", load=first.load / 1e3, start=first.start, end=first.end))
 
     for stage in join_stages([stage for stage in stages if not stage.is_idle]):
         inside = load[stage.samples]
@@ -227,11 +218,8 @@ def note_stages(
         start, end = float(np.median(inside[:tenth])), float(np.median(inside[-tenth:]))
         chance = _CLEAR * raw * np.sqrt(2 / tenth)
         if abs(end - start) > (_DRIFT + chance) * stage.load:
-            text = (
-                f"the load changes from {start / 1e3:.1f} to {end / 1e3:.1f} kN; it is a ramp, and "
-                f"its median of {stage.load / 1e3:.1f} kN counts as the load of the stage"
-            )
-            notes.append(Note(Level.WARNING, f"stage {stage.number}", text))
+            loads = {"start": start / 1e3, "end": end / 1e3, "load": stage.load / 1e3}
+            notes.append(note("ramp", subject=f"stage {stage.number}", **loads))
     return notes
 
 
@@ -266,7 +254,7 @@ def _steady_spans(
     # a load that scatters by more than the tolerance would be shattered
     width = _average_samples(time)
     if _CLEAR * _scatter(smooth, width) > same_load:
-        smooth = [_running_mean(part, width) for part in smooth]
+        smooth = [uniform_filter1d(part, width, mode="nearest") for part in smooth]
         same_load = max(same_load, min(_CLEAR * _scatter(smooth, width), _MOST_TOLERANCE))
 
     spans: list[tuple[int, int]] = []
@@ -294,28 +282,18 @@ def _average_samples(time: Array) -> int:
     return max(_FEWEST, round(_AVERAGE / float(np.median(np.diff(time)))))
 
 
-def _running_mean(values: Array, width: int) -> Array:
-    if values.size < width:
-        return np.full_like(values, values.mean()) if values.size else values
-    padded = np.pad(values, (width // 2, width - 1 - width // 2), mode="edge")
-    total = np.append(0.0, np.cumsum(padded))
-    return np.asarray((total[width:] - total[:-width]) / width)
-
-
 def _scatter(parts: Sequence[Array], width: int) -> float:
     """Standard deviation of a load as a share of it, from its differences up to a width apart."""
     highest = max((float(part.max(initial=0.0)) for part in parts), default=0.0)
     largest, lag = 0.0, 1
     while lag <= width:
-        shares = [
-            (part[lag:] - part[:-lag])[part[:-lag] > _UNLOADED * highest]
-            / part[:-lag][part[:-lag] > _UNLOADED * highest]
-            for part in parts
-        ]
-        differences = np.concatenate(shares) if shares else np.zeros(0)
+        shares = []
+        for part in parts:
+            loaded = np.flatnonzero(part[:-lag] > _UNLOADED * highest)
+            shares.append((part[loaded + lag] - part[loaded]) / part[loaded])
+        differences = np.concatenate(shares)
         if differences.size:
-            off = np.abs(differences - np.median(differences))
-            largest = max(largest, 1.4826 * float(np.median(off)) / np.sqrt(2))
+            largest = max(largest, robust_std(differences) / np.sqrt(2))
         lag *= 2
     return largest
 
