@@ -35,7 +35,7 @@ def read_table(package: str, name: str) -> dict[str, Any]:
     return tomllib.loads(resources.files(package).joinpath(name).read_text(encoding="utf-8"))
 
 
-def fill_template(package: str, name: str, **values: Any) -> str:
+def fill_template(package: str, name: str, /, **values: Any) -> str:
     """Fill a template of plain text.
 
     Parameters

@@ -69,23 +69,13 @@ def seen_from_camera_2(
 def _displace(x: Any, y: Any, centre_x: float, centre_y: float, terms: Array) -> tuple[Any, Any]:
     """Value of the polynomial, for numbers or arrays."""
     u, v = x / centre_x - 1, y / centre_y - 1
-    dx = (
-        terms[0, 0]
-        + terms[0, 1] * u
-        + terms[0, 2] * v
-        + terms[0, 3] * u * u
-        + terms[0, 4] * u * v
-        + terms[0, 5] * v * v
-    )
-    dy = (
-        terms[1, 0]
-        + terms[1, 1] * u
-        + terms[1, 2] * v
-        + terms[1, 3] * u * u
-        + terms[1, 4] * u * v
-        + terms[1, 5] * v * v
-    )
-    return dx, dy
+    return _quadratic(u, v, terms[0]), _quadratic(u, v, terms[1])
+
+
+@njit(cache=True, nogil=True)
+def _quadratic(u: Any, v: Any, of: Array) -> Any:
+    """Sum of the terms 1, u, v, u^2, u v, v^2."""
+    return of[0] + of[1] * u + of[2] * v + of[3] * u * u + of[4] * u * v + of[5] * v * v
 
 
 @njit(cache=True, nogil=True)

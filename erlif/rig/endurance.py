@@ -16,6 +16,7 @@ from scipy.signal import lfilter
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
+from erlif.rig.logger import write_table
 
 if TYPE_CHECKING:
     import xarray as xr  # loaded when a test is simulated: the commands import this stage
@@ -271,7 +272,7 @@ def write_endurance_log(
     ...     path.read_text().splitlines()[0]
     'Time [s],Cell 1 [N],Cell 2 [N],Arm [N],Temperature [degC],Vibration [g]'
     """
-    columns = {
+    known = {
         "time": ("Time [s]", "%.7g"),
         "cell_1": ("Cell 1 [N]", "%.0f"),
         "cell_2": ("Cell 2 [N]", "%.0f"),
@@ -279,15 +280,11 @@ def write_endurance_log(
         "temperature": ("Temperature [degC]", "%.1f"),
         "vibration": ("Vibration [g]", "%.2f"),
     }
-    np.savetxt(
-        path,
-        np.column_stack([log[name].values for name in columns]),
-        fmt=[form for _, form in columns.values()],
-        delimiter=",",
-        header=",".join((names or {}).get(name, title) for name, (title, _) in columns.items()),
-        comments="",
-        encoding="utf-8",
-    )
+    columns = {
+        (names or {}).get(name, heading): (log[name].values, form)
+        for name, (heading, form) in known.items()
+    }
+    write_table(path, columns)
     return path
 
 

@@ -1,5 +1,6 @@
 """The encoder of the virtual rig and its data logger: other links, ticks, and logs in time."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -89,14 +90,32 @@ def write_log_in_time(
 
     unit = "ticks" if rig.reading == "ticks" else "deg"
     digits = 0 if rig.reading == "ticks" else 4
-    with path.open("w", newline="", encoding="utf-8") as file:
-        file.write("# virtual logger, 5 channels\n")
-        file.write(f"Time [s];Encoder [{unit}];Force [N];Oil [°C];Trigger [V]\n")
-        for row in zip(time - first, reading.values, load, oil, trigger, strict=True):
-            t, angle, force, warm, volt = row
-            text = f"{t:.4f};{angle:.{digits}f};{force:.3f};{warm:.2f};{volt:.1f}"
-            file.write(text.replace(".", ",") + "\n")
+    columns = {
+        "Time [s]": (time - first, "%.4f"),
+        f"Encoder [{unit}]": (reading.values, f"%.{digits}f"),
+        "Force [N]": (load, "%.3f"),
+        "Oil [°C]": (oil, "%.2f"),
+        "Trigger [V]": (trigger, "%.1f"),
+    }
+    write_table(path, columns, delimiter=";")
+    text = path.read_text(encoding="utf-8").replace(".", ",")
+    path.write_text(f"# virtual logger, 5 channels\n{text}", encoding="utf-8")
     return reading
+
+
+def write_table(
+    path: Path, columns: Mapping[str, tuple[Array, str]], *, delimiter: str = ","
+) -> None:
+    """Write columns as text: numbers and their format by their heading."""
+    np.savetxt(
+        path,
+        np.column_stack([values for values, _ in columns.values()]),
+        fmt=[form for _, form in columns.values()],
+        delimiter=delimiter,
+        header=delimiter.join(columns),
+        comments="",
+        encoding="utf-8",
+    )
 
 
 def frame_times(triggers: Triggers, rig: RigSettings) -> Array:

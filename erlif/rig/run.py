@@ -1,6 +1,5 @@
 """Directories as the laboratory writes them: a fixture, a run, and the truth beside them."""
 
-import csv
 import dataclasses
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -23,7 +22,7 @@ from erlif.rig.film import (
     draw_marks,
 )
 from erlif.rig.journal import list_gaps
-from erlif.rig.logger import TICKS, frame_times, read_encoder, write_log_in_time
+from erlif.rig.logger import TICKS, frame_times, read_encoder, write_log_in_time, write_table
 from erlif.rig.motion import list_pictures
 from erlif.rig.scene import mix_grains
 from erlif.rig.settings import RigSettings
@@ -215,12 +214,12 @@ def write_profile(path: Path, wedge: Wedge, rng: np.random.Generator) -> None:
     read = thickness + rig.cmm_noise * rng.standard_normal(x.size)
     uncertainty = max(rig.cmm_noise, _SMALLEST_UNCERTAINTY)
 
-    with path.open("w", newline="", encoding="utf-8") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(["x_mm", "thickness_um", "uncertainty_um"])
-        table.writerows(
-            [f"{a:.1f}", f"{b:.5f}", f"{uncertainty:.3f}"] for a, b in zip(x, read, strict=True)
-        )
+    columns = {
+        "x_mm": (x, "%.1f"),
+        "thickness_um": (read, "%.5f"),
+        "uncertainty_um": (np.full(x.size, uncertainty), "%.3f"),
+    }
+    write_table(path, columns)
 
 
 def write_encoder_log(
@@ -240,15 +239,15 @@ def write_encoder_log(
     )
     meter = LASER_ENERGY * energy * (1 + _METER_NOISE * rng.standard_normal(frames))
 
-    with path.open("w", newline="", encoding="utf-8") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(["frame", "time_s", column, "load_N", "temperature_C", "laser_mJ"])
-        for k in range(frames):
-            row = k % triggers.reading.size
-            angle, load = f"{reading[row]:.{digits}f}", f"{triggers.load[row]:.3f}"
-            table.writerow(
-                [k, f"{time[k]:.6f}", angle, load, f"{temperature[k]:.2f}", f"{meter[k]:.2f}"]
-            )
+    columns = {
+        "frame": (np.arange(frames), "%d"),
+        "time_s": (time, "%.6f"),
+        column: (np.resize(reading, frames), f"%.{digits}f"),
+        "load_N": (np.resize(triggers.load, frames), "%.3f"),
+        "temperature_C": (temperature, "%.2f"),
+        "laser_mJ": (meter, "%.2f"),
+    }
+    write_table(path, columns)
 
 
 # settings files
