@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import errno
 import os
 import stat
@@ -64,3 +65,37 @@ def read_bounded(path: Path, *, largest: int) -> bytes:
                 str(path),
             )
     return content
+
+
+def read_rows(path: Path, *, largest: int) -> list[list[str]]:
+    """Read the cells of a CSV file, row by row.
+
+    Parameters
+    ----------
+    path, largest
+        As for `read_bounded`.
+
+    Returns
+    -------
+    list of list of str
+
+    Raises
+    ------
+    OSError
+        As `read_bounded`.
+    ValueError
+        If the file is no text in UTF-8 or no CSV.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> path = Path(tempfile.mkdtemp(), "table.csv")
+    >>> _ = path.write_text("name,value\\na,1\\n")
+    >>> read_rows(path, largest=100)
+    [['name', 'value'], ['a', '1']]
+    """
+    text = read_bounded(path, largest=largest).decode("utf-8-sig")
+    try:
+        return list(csv.reader(text.splitlines()))
+    except csv.Error as error:
+        raise ValueError(str(error)) from error

@@ -396,14 +396,14 @@ def _as_variables(**values: Any) -> xr.Dataset:
     table = read_table("erlif.planning", "plan.toml")["variables"]
     return xr.Dataset(
         {
-            name: (table[name][0].split(), np.asarray(value, float), _attributes(*table[name][1:]))
+            name: (
+                table[name][0].split(),
+                np.asarray(value, float),
+                dict(zip(("units", "long_name"), table[name][1:], strict=True)),
+            )
             for name, value in values.items()
         }
     )
-
-
-def _attributes(units: str, meaning: str) -> dict[str, str]:
-    return {"units": units, "long_name": meaning}
 
 
 def _describe_tolerances(design: Design, film: Film, settings: PlanSettings) -> xr.Dataset:
@@ -450,12 +450,7 @@ def rig_of(source: Path | str | PlanSettings, *, folder: Path | None = None) -> 
     The film rises over the height of the picture through the wanted range; the wedge covers the
     films of the fixture. The virtual rig shares no code with the prediction.
 
-    Parameters
-    ----------
-    source : Path or PlanSettings
-        The file plan.toml, or its tables.
-    folder : Path, optional
-        Directory of the files of spectra. Default: that of plan.toml.
+    Arguments as in `plan`.
 
     Returns
     -------

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
 from erlif.core.arrays import Array
-from erlif.core.bounded import read_bounded
+from erlif.core.bounded import read_rows
 from erlif.core.errors import ConfigError
 
 SYNTHETIC = ("synthetic 605", "synthetic 650")
@@ -118,19 +116,15 @@ def read_spectrum(path: Path, what: str) -> Spectrum:
     30000.0
     """
     try:
-        text = read_bounded(path, largest=_LARGEST_FILE).decode("utf-8-sig")
+        rows = read_rows(path, largest=_LARGEST_FILE)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "it is not text"
         raise ConfigError(
             f"Expected the {what} as a CSV file at {path}; it cannot be read: {reason}. Correct "
             "its name in plan.toml."
         ) from error
-    return _parse(text, f"{what} in {path.name}")
-
-
-def _parse(text: str, name: str) -> Spectrum:
-    """Columns of a CSV file as a spectrum."""
-    rows = [row for row in csv.reader(text.splitlines()) if row and not row[0].startswith("#")]
+    name = f"{what} in {path.name}"
+    rows = [row for row in rows if row and not row[0].startswith("#")]
     if not rows or [cell.strip() for cell in rows[0]] != ["wavelength_nm", "value"]:
         raise ConfigError(
             f"Expected the header wavelength_nm,value for the {name}; got "
@@ -142,11 +136,7 @@ def _parse(text: str, name: str) -> Spectrum:
         raise ConfigError(
             f"Expected two numbers in each line of the {name}; {error}. Correct that line."
         ) from error
-    return _checked(table, name)
 
-
-def _checked(table: Array, name: str) -> Spectrum:
-    """A spectrum, if its numbers can be one."""
     wavelength, value = table.T
     if wavelength.size < 2 or not np.isfinite(table).all() or np.diff(wavelength).min() <= 0:
         raise ConfigError(
@@ -214,10 +204,9 @@ def synthetic_spectra(name: str) -> tuple[Spectrum, Spectrum]:
     """
     if name not in SYNTHETIC:
         raise ConfigError(f"Expected one of {', '.join(SYNTHETIC)}; got {name!r}. Choose one.")
-    folder = files("erlif.planning") / "dyes"
-
-    def read(kind: str) -> Spectrum:
-        file = folder / f"{name.replace(' ', '_')}_{kind}.csv"
-        return _parse(file.read_text(encoding="utf-8"), f"{kind} of {name}")
-
-    return read("absorption"), normalise_emission(read("emission"))
+    file = name.replace(" ", "_")
+    absorption, emission = (
+        read_spectrum(Path(__file__).parent / "dyes" / f"{file}_{kind}.csv", kind)
+        for kind in ("absorption", "emission")
+    )
+    return absorption, normalise_emission(emission)

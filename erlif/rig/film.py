@@ -303,26 +303,6 @@ class Gap:
         return np.maximum(smooth + height, BARE_FILM)
 
 
-@dataclass(frozen=True)
-class Patched:
-    """A film with a patch of the reference film in it.
-
-    Attributes
-    ----------
-    rig : RigSettings
-        The patch and its film.
-    film : Field
-        The film around the patch.
-    """
-
-    rig: RigSettings
-    film: Field
-
-    def __call__(self, x: Array, y: Array) -> Array:
-        """Film at object points [pixel]. [um]"""
-        return lay_patch(self.film(x, y), x, y, self.rig)
-
-
 def lay_patch(film: Array, x: Array, y: Array, rig: RigSettings) -> Array:
     """The film [um] with the patch at object points [pixel]; unchanged where the rig has none."""
     if rig.reference == 0:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from erlif.core.arrays import Array
+from erlif.core.arrays import AnyArray, Array
 from erlif.rig.film import Triggers, coupler_angle, crank_at, rocker_angle
 from erlif.rig.motion import cycle_time
 from erlif.rig.settings import RigSettings
@@ -104,7 +104,7 @@ def write_log_in_time(
 
 
 def write_table(
-    path: Path, columns: Mapping[str, tuple[Array, str]], *, delimiter: str = ","
+    path: Path, columns: Mapping[str, tuple[AnyArray, str]], *, delimiter: str = ","
 ) -> None:
     """Write columns as text: numbers and their format by their heading."""
     np.savetxt(

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable, Iterable
+from functools import partial
 from pathlib import Path
 
 import h5netcdf
@@ -14,12 +15,13 @@ from erlif.rig.camera import FULL_SCALE, expose, vibrate
 from erlif.rig.dyes import BANDS, signals_of
 from erlif.rig.film import (
     Bubbles,
+    Field,
     Gap,
-    Patched,
     Triggers,
     Wedge,
     draw_bubbles,
     draw_marks,
+    lay_patch,
 )
 from erlif.rig.journal import list_gaps
 from erlif.rig.logger import TICKS, frame_times, read_encoder, write_log_in_time, write_table
@@ -114,7 +116,7 @@ def write_run(
             rng_frame = random_stream(seed, "run frame", k)
             bubbles = draw_bubbles(rig, rng_frame)
             shot = Shot(
-                film=Patched(rig, gaps[k % len(gaps)]),
+                film=partial(_patched, gaps[k % len(gaps)], rig),
                 bubbles=bubbles,
                 grains=mix_grains(setup.grains, rig, rng_frame),
                 energy=float(energy[k]),
@@ -129,6 +131,11 @@ def write_run(
     elif rig.mechanism != "static":
         write_encoder_log(directory / "encoder.csv", triggers, rig, energy, rng)
     (directory / "run.toml").write_text(run_toml(rig, triggers), encoding="utf-8")
+
+
+def _patched(film: Field, rig: RigSettings, x: Array, y: Array) -> Array:
+    """Film at object points [pixel], with the patch of the reference film in it. [um]"""
+    return lay_patch(film(x, y), x, y, rig)
 
 
 def median_light(setup: Setup, gaps: list[Gap]) -> tuple[float, float]:

@@ -23,6 +23,12 @@ def bushing(time):
     return float(rocker_angle(crank_at(np.asarray(time), RIG), RIG) - middle)
 
 
+def follow(time, **changes):
+    """The pin of the acrylic joint under its dead load."""
+    usual = {"load": lambda _: LOAD, "angle": bushing, "step": CYCLE / 50, "start": THIN}
+    return follow_cavitated(ACRYLIC, time, **(usual | changes))
+
+
 def test_a_cavity_between_oscillating_plates_grows_and_closes_as_its_fronts_do():
     """Half width 10 mm, 0.1 Pa s, 20 + 15 (1 - cos 2 pi t/T) um in 50 ms, cavities at -100 kPa.
 
@@ -64,9 +70,7 @@ def test_a_free_pin_follows_the_orbit_of_the_full_film():
     """The other solver has no cavities, other places of its unknowns and another step of time."""
     time = np.array([0, 1, 2]) * CYCLE
     start = (0.8 * ACRYLIC.clearance, 0.0)
-    found = follow_cavitated(
-        ACRYLIC, time, load=lambda _: LOAD, angle=bushing, step=CYCLE / 50, start=start
-    )
+    found = follow(time, start=start)
     known = follow_orbit(
         ACRYLIC,
         time,
@@ -86,15 +90,7 @@ def test_cavities_carry_a_guided_pin():
     the length another 1 %.
     """
     time = np.linspace(0, 4, 161) * CYCLE
-    place = follow_cavitated(
-        ACRYLIC,
-        time,
-        load=lambda _: LOAD,
-        angle=bushing,
-        step=CYCLE / 50,
-        stiffness=np.inf,
-        start=THIN,
-    )
+    place = follow(time, stiffness=np.inf)
     film = 1e6 * (ACRYLIC.clearance - place[-41:, 0])
     npt.assert_allclose([film.min(), film.max()], [16.9, 19.3], rtol=0.045)
     npt.assert_array_equal(place[:, 1], 0)
@@ -106,16 +102,7 @@ def test_a_spring_lies_between_a_guide_and_freedom():
     time = np.linspace(0, 1, 21) * CYCLE
     swing = {}
     for stiffness in (0.0, 6e4, 6e7, 1.2e11):
-        place = follow_cavitated(
-            ACRYLIC,
-            time,
-            load=lambda _: LOAD,
-            angle=bushing,
-            step=CYCLE / 40,
-            stiffness=stiffness,
-            start=THIN,
-        )
-        swing[stiffness] = np.ptp(place[:, 1])
+        swing[stiffness] = np.ptp(follow(time, step=CYCLE / 40, stiffness=stiffness)[:, 1])
     npt.assert_allclose(swing[6e4], swing[0.0], rtol=0.02)
     assert 0.1 * swing[0.0] < swing[6e7] < 0.9 * swing[0.0]
     assert swing[1.2e11] < 1e-3 * swing[0.0]
@@ -123,12 +110,4 @@ def test_a_spring_lies_between_a_guide_and_freedom():
 
 def test_a_pin_that_touches_is_refused():
     with pytest.raises(ModelError, match="carries the load"):
-        follow_cavitated(
-            ACRYLIC,
-            np.array([0.0, 5.0]),
-            load=lambda _: 1e4 * LOAD,
-            angle=lambda _: 0.0,
-            step=0.05,
-            stiffness=np.inf,
-            start=THIN,
-        )
+        follow(np.array([0.0, 5.0]), load=lambda _: 1e4 * LOAD, step=0.05, stiffness=np.inf)

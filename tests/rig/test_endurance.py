@@ -49,12 +49,8 @@ def test_noise_has_its_size_and_its_memory():
 
 
 def test_same_seed_same_file(tmp_path):
-    one, other = (
-        write_endurance_log(
-            simulate_endurance(rng=np.random.default_rng(3))[0], tmp_path / name
-        ).read_bytes()
-        for name in ("one.csv", "other.csv")
-    )
+    logs = [simulate_endurance(rng=np.random.default_rng(3))[0] for _ in range(2)]
+    one, other = (write_endurance_log(log, tmp_path / "run.csv").read_bytes() for log in logs)
     assert one == other
 
 

@@ -52,19 +52,11 @@ def test_a_static_film_is_the_same_in_all_pictures():
     assert not found.speed.any()
 
 
-@pytest.mark.parametrize(
-    ("mechanism", "table"), [("rotation", RotationSettings), ("sinusoidal", SinusoidalSettings)]
-)
-def test_settings_of_the_motion_are_those_of_the_rig(mechanism, table):
-    rig = RigSettings(mechanism=mechanism)
-    raw = tomllib.loads(run_toml(rig, list_pictures(rig)))
-    settings = table.model_validate(raw["mechanism"])
-    if mechanism == "rotation":
-        assert (settings.radius, settings.speed) == (0.02, pytest.approx(2 * np.pi))
-    else:
-        assert (settings.stroke, settings.frequency) == (0.01, 5.0)
-
-
-def test_a_static_film_has_no_table_of_motion():
-    rig = RigSettings(mechanism="static")
-    assert "mechanism" not in tomllib.loads(run_toml(rig, list_pictures(rig)))
+def test_settings_of_the_motion_are_those_of_the_rig():
+    rigs = [RigSettings(mechanism=name) for name in ("rotation", "sinusoidal", "static")]
+    disc, slider, static = (tomllib.loads(run_toml(rig, list_pictures(rig))) for rig in rigs)
+    motion = RotationSettings.model_validate(disc["mechanism"])
+    assert (motion.radius, motion.speed) == (0.02, pytest.approx(2 * np.pi))
+    motion = SinusoidalSettings.model_validate(slider["mechanism"])
+    assert (motion.stroke, motion.frequency) == (0.01, 5.0)
+    assert "mechanism" not in static

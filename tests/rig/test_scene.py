@@ -7,39 +7,35 @@ from erlif.rig import RigSettings
 from erlif.rig.scene import Grains, beam, draw_grains, mix_grains, speckle
 
 
+def drawn(rig):
+    """Grains of one pulse."""
+    fixed = draw_grains(rig, 10, np.random.default_rng(1))
+    return mix_grains(fixed, rig, np.random.default_rng(2))
+
+
 def test_speckle_has_its_contrast_and_correlation():
     rig = RigSettings(width=400, height=400, speckle_fixed=0.06, speckle_new=0.08, speckle_size=0.8)
-    grains = mix_grains(
-        draw_grains(rig, 10, np.random.default_rng(1)), rig, np.random.default_rng(2)
-    )
+    grains = drawn(rig)
     y, x = np.indices((400, 400), dtype=float)
     field = speckle(x, y, grains, size=0.8, blur=0.0) - 1
     npt.assert_allclose(field.std(), np.hypot(0.06, 0.08), rtol=0.02)
     for lag in (1, 2):  # two Gaussian grains overlap like exp(-r^2/(4 s^2))
-        npt.assert_allclose(
-            np.mean(field[:, lag:] * field[:, :-lag]) / field.var(),
-            np.exp(-(lag**2) / (4 * 0.8**2)),
-            atol=0.015,
-        )
+        correlation = np.mean(field[:, lag:] * field[:, :-lag]) / field.var()
+        npt.assert_allclose(correlation, np.exp(-(lag**2) / (4 * 0.8**2)), atol=0.015)
 
 
 def test_camera_sees_speckle_through_its_point_spread():
-    rig = RigSettings(width=40, height=40)
-    grains = mix_grains(
-        draw_grains(rig, 10, np.random.default_rng(1)), rig, np.random.default_rng(2)
-    )
+    grains = drawn(RigSettings(width=40, height=40))
     y, x = np.indices((40, 40)) + 0.37
-    node, weight = np.polynomial.hermite_e.hermegauss(
-        14
-    )  # the point spread by Gauss-Hermite quadrature
+    # the point spread by Gauss-Hermite quadrature
+    node, weight = np.polynomial.hermite_e.hermegauss(14)
     blurred = sum(
         wx * wy * speckle(x + 0.55 * nx, y + 0.55 * ny, grains, size=0.72, blur=0.0)
         for nx, wx in zip(node, weight, strict=True)
         for ny, wy in zip(node, weight, strict=True)
     )
-    npt.assert_allclose(
-        speckle(x, y, grains, size=0.72, blur=0.55), blurred / (2 * np.pi), atol=1e-4
-    )
+    seen = speckle(x, y, grains, size=0.72, blur=0.55)
+    npt.assert_allclose(seen, blurred / (2 * np.pi), atol=1e-4)
 
 
 def test_one_grain_is_a_gaussian_of_the_blurred_width():

@@ -11,6 +11,8 @@ from erlif.rig.film import Bubbles
 from erlif.rig.scene import Grains, beam
 from erlif.rig.setup import STREAMS, Shot, build_setup, photograph, random_stream
 
+NO_BUBBLES = Bubbles(*np.empty((3, 0)))
+
 
 def test_one_bright_grain_appears_displaced_in_camera_2():
     rig = RigSettings(
@@ -24,11 +26,10 @@ def test_one_bright_grain_appears_displaced_in_camera_2():
     bright = Grains(setup.grains.x, setup.grains.y, brightness, margin)
     at_x, at_y = setup.grains.x[margin + 25, margin + 60], setup.grains.y[margin + 25, margin + 60]
     drift = (0.4, -0.7)
-    no_bubbles = Bubbles(*np.empty((3, 0)))
     with_grain, without = (
         photograph(
             setup,
-            Shot(lambda x, y: np.full(x.shape, 6.0), no_bubbles, grains, 1.0, drift),
+            Shot(lambda x, y: np.full(x.shape, 6.0), NO_BUBBLES, grains, 1.0, drift),
             np.random.default_rng(1),
         )
         for grains in (bright, dark)
@@ -80,22 +81,6 @@ def test_grains_cover_every_object_point_of_camera_2():
     assert setup.grains.margin > max(np.abs(dx).max(), np.abs(dy).max()) + 6 * 0.5
     margin = setup.grains.margin
     assert setup.grains.x.shape == (80 + 2 * margin, 96 + 2 * margin)
-
-
-def test_an_empty_film_leaves_the_dark_frame():
-    rig = RigSettings(width=64, height=48, hot_fraction=0.0, column_pattern=0.0)
-    setup = build_setup(3, rig)
-    shot = Shot(
-        film=lambda x, y: np.zeros(x.shape),
-        bubbles=Bubbles(*np.empty((3, 0))),
-        grains=setup.grains,
-        energy=1.0,
-        drift=(0.0, 0.0),
-    )
-    for frame in photograph(setup, shot, np.random.default_rng(1)):
-        std = np.hypot(rig.read_noise / rig.gain, 12**-0.5)
-        npt.assert_allclose(frame.mean(), rig.offset, atol=4 * std / np.sqrt(frame.size))
-        npt.assert_allclose(frame.std(), std, rtol=4 / np.sqrt(2 * frame.size))
 
 
 def test_a_dry_joint_shows_the_background_times_the_pulse_energy():

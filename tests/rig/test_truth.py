@@ -31,9 +31,8 @@ def test_film_in_the_truth_is_gap_and_marks(truth):
     smooth = truth.film.median("y").isel(trigger=13)
     curvature = np.polyfit(truth.x, smooth, 2)[0] * 2
     npt.assert_allclose(curvature, 0.2053, rtol=0.02)
-    change = truth.film.isel(trigger=13) - truth.film.isel(
-        trigger=0
-    )  # the marks stay where they are
+    # the marks stay where they are
+    change = truth.film.isel(trigger=13) - truth.film.isel(trigger=0)
     npt.assert_allclose(change, truth.film_min[13] - truth.film_min[0], atol=3e-4)
 
 
@@ -50,20 +49,20 @@ def test_settings_are_attributes_and_absent_ones_are_left_out(truth, tmp_path):
         npt.assert_array_equal(again.film_min, films)
 
 
-def test_motion_is_that_of_the_linkage(truth):
+def test_motion_and_geometry_are_those_of_linkage_and_cameras(truth):
     triggers = list_triggers(SMALL)
-    npt.assert_array_equal(truth.encoder_angle, triggers.reading)
-    npt.assert_array_equal(truth.rocker_angle, triggers.zero + triggers.reading)
-    npt.assert_array_equal(truth.rocker_speed, triggers.speed)
-    npt.assert_array_equal(truth["load"], triggers.load)
-    npt.assert_array_equal(truth.frame_trigger, np.arange(50))
-
-
-def test_geometry_is_that_of_the_cameras(truth):
     y, x = np.indices((80, 96), dtype=float)
     dx, dy = displacement(x, y, SMALL)
-    npt.assert_array_equal(truth.displacement_x, dx)
-    npt.assert_array_equal(truth.displacement_y, dy)
+    for name, expected in (
+        ("encoder_angle", triggers.reading),
+        ("rocker_angle", triggers.zero + triggers.reading),
+        ("rocker_speed", triggers.speed),
+        ("load", triggers.load),
+        ("frame_trigger", np.arange(50)),
+        ("displacement_x", dx),
+        ("displacement_y", dy),
+    ):
+        npt.assert_array_equal(truth[name], expected)
     npt.assert_allclose(truth.x, np.arange(96) * 0.2, rtol=1e-12)
 
 
@@ -82,11 +81,8 @@ def test_the_film_of_theory_is_given_for_every_frame_with_the_place_of_the_pin(t
         assert dict(truth.film.sizes) == {"frame": 12, "y": 48, "x": 64}
         assert dict(truth.expected_electrons.sizes) == {"camera": 2, "frame": 12, "y": 48, "x": 64}
         phi = (truth.x - truth.load_line) / np.sqrt(33.36 * 33.59)
-        gap = (
-            230
-            - truth.pin_displacement_load * np.cos(phi)
-            - truth.pin_displacement_side * np.sin(phi)
-        )
+        gap = 230 - truth.pin_displacement_load * np.cos(phi)
+        gap = gap - truth.pin_displacement_side * np.sin(phi)
         npt.assert_allclose(truth.film, gap.broadcast_like(truth.film), atol=2e-4)
         film_min = 230 * (1 - truth.eccentricity)
         npt.assert_allclose(truth.film_min, film_min, rtol=1e-9)

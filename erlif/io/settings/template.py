@@ -124,8 +124,8 @@ def write_example(
     Parameters
     ----------
     package, name : str
-        Table of the package, see `erlif.core.tables.read_table`: the first lines under ``head``, the
-        values under ``example`` by table and key.
+        Table of the package, see `erlif.core.tables.read_table`: the first lines under ``head``,
+        the values under ``example`` by table and key.
 
     Returns
     -------

@@ -131,19 +131,20 @@ def analyse_endurance(
     time, friction = test["time"].values, test["friction"].values
     stages = find_stages(time, test["load"].values, test["torque"].values, idle_load=idle_load)
     loaded = [stage for stage in stages if not stage.is_idle]
-    if not loaded and "period" in test.attrs:
-        raise EnduranceError(
-            f"Expected a stage of constant load in {name or log.attrs.get('file', 'the log')}; the "
-            f"torque reverses with a period of {test.attrs['period']:.3g} s, and friction is one "
-            f"value for two periods: {test.sizes['time']} values are too few for stages. Take "
-            "erlif friction for a motion that reverses now and then, or log the size of the torque."
-        )
     if not loaded:
-        raise EnduranceError(
-            f"Expected a stage of constant load in {name or log.attrs.get('file', 'the log')}; "
+        reason = (
             f"there is none among {len(stages)} stretches. Check the columns of the load cells, or "
             "give the load up to which a run is idle with --idle-load."
         )
+        if "period" in test.attrs:
+            reason = (
+                f"the torque reverses with a period of {test.attrs['period']:.3g} s, and friction "
+                f"is one value for two periods: {test.sizes['time']} values are too few for "
+                "stages. Take erlif friction for a motion that reverses now and then, or log the "
+                "size of the torque."
+            )
+        where = name or log.attrs.get("file", "the log")
+        raise EnduranceError(f"Expected a stage of constant load in {where}; {reason}")
 
     # the cells may read nothing for a moment even in a stage
     whole = join_stages(loaded)

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import csv
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cache
-from importlib import resources
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from erlif.core.bounded import read_bounded
+from erlif.core.bounded import read_rows
 from erlif.core.errors import ConfigError
 from erlif.core.tables import read_table
 from erlif.models.bearing import hardness_from_strength
@@ -121,26 +118,12 @@ def read_materials(path: Path | None = None) -> MappingProxyType[str, Material]:
     (140.0, 230.0)
     """
     known = _own_table()
-    if path is None:
-        return MappingProxyType(known)
-    try:
-        text = read_bounded(path, largest=_LARGEST_FILE).decode("utf-8-sig")
-    except OSError as error:
-        raise ConfigError(
-            f"Expected a table of materials in {path}; it cannot be read: {error.strerror}. Name a "
-            "CSV file beside joint.toml with `materials`."
-        ) from error
-    except ValueError as error:
-        raise ConfigError(
-            f"Expected a table of materials in {path}, CSV; got {error}. Save it as text in UTF-8."
-        ) from error
-    return MappingProxyType(_merge(known, text.splitlines(), str(path)))
+    return MappingProxyType(known if path is None else _merge(known, path))
 
 
 @cache
 def _own_table() -> dict[str, Material]:
-    file = resources.files("erlif.joint.sizing").joinpath("materials.csv")
-    return _merge({}, file.read_text(encoding="utf-8").splitlines(), file.name)
+    return _merge({}, Path(__file__).with_name("materials.csv"))
 
 
 @cache
@@ -152,13 +135,15 @@ def _columns() -> dict[str, dict[str, Any]]:
     }
 
 
-def _merge(known: dict[str, Material], lines: Iterable[str], name: str) -> dict[str, Material]:
+def _merge(known: dict[str, Material], path: Path) -> dict[str, Material]:
     """The known materials with those of a table; ConfigError with the row and the column."""
     try:
-        rows = list(csv.reader(lines))
-    except csv.Error as error:
+        rows = read_rows(path, largest=_LARGEST_FILE)
+    except (OSError, ValueError) as error:
         raise ConfigError(
-            f"Expected a table of materials in {name}, CSV; got {error}. Save it as text in UTF-8."
+            f"Expected a table of materials in {path}; it cannot be read: "
+            f"{getattr(error, 'strerror', None) or error}. Name a CSV file, text in UTF-8, beside "
+            "joint.toml with `materials`."
         ) from error
     head = [cell.strip() for cell in rows[0]] if rows else []
     allowed = ["name", "use", *_columns(), "source"]
@@ -166,7 +151,7 @@ def _merge(known: dict[str, Material], lines: Iterable[str], name: str) -> dict[
     if "name" not in head or unknown or len(set(head)) < len(head):
         got = f"the column {unknown[0]!r}" if unknown else ", ".join(head) or "an empty file"
         raise ConfigError(
-            f"Expected a table of materials in {name} with the columns name and any of "
+            f"Expected a table of materials in {path} with the columns name and any of "
             f"{', '.join(allowed[1:])}, each once; got {got}. Correct the first "
             "row."
         )
@@ -175,7 +160,7 @@ def _merge(known: dict[str, Material], lines: Iterable[str], name: str) -> dict[
     for number, row in enumerate(rows[1:], start=2):
         if not any(cell.strip() for cell in row):
             continue
-        where = f"row {number} of {name}"
+        where = f"row {number} of {path}"
         if len(row) != len(head):
             raise ConfigError(
                 f"Expected {len(head)} cells in {where}; got {len(row)}. Put "

@@ -22,18 +22,14 @@ def onset(places):
     return Onset(0, 0, 0, 1, 0.1, 0.1, 0.01, np.array(places, float), weights)
 
 
-def test_load_at_failure_is_that_of_the_onset():
+@pytest.mark.parametrize(
+    ("places", "calibration", "std"), [([150.0], 0.01, 530), ([120.0, 180.0], 0.0, 600)]
+)
+def test_load_at_failure_is_that_of_the_onset_and_as_uncertain(places, calibration, std):
     load = np.where(TIME < 100, 36e3, 54e3 - 20 * (TIME - 100))
-    found = failure_load(test_of(load), STAGES, onset([150.0]), calibration=0.01)
-    assert found.load == pytest.approx(53e3)
-    assert found.std == pytest.approx(530)
+    found = failure_load(test_of(load), STAGES, onset(places), calibration=calibration)
+    assert (found.load, found.std) == pytest.approx((53e3, std))
     assert (found.survived, found.failed, found.stage) == (36e3, True, 2)
-
-
-def test_an_uncertain_onset_makes_the_load_uncertain():
-    load = np.where(TIME < 100, 36e3, 54e3 - 20 * (TIME - 100))
-    found = failure_load(test_of(load), STAGES, onset([120.0, 180.0]), calibration=0.0)
-    assert found.std == pytest.approx(600)
 
 
 def test_a_test_that_survives_is_censored_at_its_highest_load():

@@ -43,13 +43,10 @@ def test_running_in_drift_and_correlated_noise_are_no_galling():
     assert sum(search.onset is not None for search in searches) <= 1  # of 6, 0.3 expected
     assert np.mean([search.p_value for search in searches]) > 0.3
 
-
-def test_a_drift_of_the_whole_test_is_no_galling():
-    stages = [
-        StageFriction(one.time, one.friction + 0.08 * one.time / 3300)
-        for one in friction_of(rise=0.0, rng=np.random.default_rng(5), stages=4)
-    ]
-    assert find_onset(stages).onset is None
+    # and a drift of the whole test
+    stages = friction_of(rise=0.0, rng=np.random.default_rng(5), stages=4)
+    drifting = [StageFriction(one.time, one.friction + 0.08 * one.time / 3300) for one in stages]
+    assert find_onset(drifting).onset is None
 
 
 def test_a_rise_that_is_significant_but_small_is_not_called_galling():

@@ -43,20 +43,22 @@ def test_p_values_without_a_change_are_uniform():
     assert sum(chance < 0.05 for chance in chances) <= 4  # of 16
 
 
-def test_a_sensor_that_is_not_logged_shows_nothing():
-    assert check_other_sensors(test_of(2.0, 2.5, seed=1).drop_vars(["temperature"]), STAGE, ONSET)[
-        0
-    ].name == ("vibration")
-    signed = test_of(2.0, 2.5, seed=1) - 25
-    assert [one.name for one in check_other_sensors(signed, STAGE, ONSET)] == ["temperature"]
-
-
-def test_a_sensor_that_stands_still_shows_nothing():
-    """Rounding must not confirm galling."""
-    stuck = test_of(2.0, 2.5, seed=1)
-    stuck["temperature"][:] = 30.0
-    assert [one.name for one in check_other_sensors(stuck, STAGE, ONSET)] == ["vibration"]
+def test_sensors_that_show_nothing_are_left_out():
+    """Not logged, of either sign, or standing still, where rounding must not confirm galling."""
+    test = test_of(2.0, 2.5, seed=1)
+    stuck = test.assign(temperature=0 * test.temperature + 30.0)
+    for changed, kept in (
+        (test.drop_vars(["temperature"]), ["vibration"]),
+        (test - 25, ["temperature"]),
+        (stuck, ["vibration"]),
+    ):
+        assert [one.name for one in check_other_sensors(changed, STAGE, ONSET)] == kept
     assert unusable_sensors(stuck, [STAGE], ONSET) == {"temperature": "reads 30 throughout"}
+
+    # an interval as long as the stage, and an onset at its very end
+    wide = replace(ONSET, earliest=-1.0, latest=500.0)
+    late = replace(ONSET, time=397.0, earliest=396.0, latest=398.0)
+    assert check_other_sensors(test, STAGE, wide) == check_other_sensors(test, STAGE, late) == ()
 
 
 def test_a_sensor_that_sticks_in_the_stage_of_the_onset_or_has_no_level_is_named():
@@ -68,13 +70,3 @@ def test_a_sensor_that_sticks_in_the_stage_of_the_onset_or_has_no_level_is_named
     assert unusable["temperature"] == "reads 30 throughout stage 2"
     assert unusable["vibration"].startswith("is not positive")
     assert unusable_sensors(longer, stages, None) == {}
-
-
-def test_an_interval_as_long_as_the_stage_shows_nothing():
-    wide = replace(ONSET, earliest=-1.0, latest=500.0)
-    assert check_other_sensors(test_of(2.0, 2.5, seed=1), STAGE, wide) == ()
-
-
-def test_an_onset_at_the_very_end_shows_nothing():
-    late = Onset(397.0, 396.0, 398.0, 0, 0.1, 0.1, 0.01, np.array([397.0]), np.array([1.0]))
-    assert check_other_sensors(test_of(2.0, 2.5, seed=1), STAGE, late) == ()

@@ -10,16 +10,18 @@ from erlif.joint.endurance.posterior import locate_onset
 WHITE = Noise(1e-3, 0.0)
 
 
-def locate(friction, time):
-    record = Record.of(StageFriction(time, friction), 200.0)
-    return locate_onset(record, WHITE, UNKNOWN, 0.005, 3)
+TIME = np.arange(0.0, 200.0, 2.0)
+
+
+def locate(true, noise, time=TIME):
+    noisy = true + noise * np.random.default_rng(8).standard_normal(TIME.size)
+    record = Record.of(StageFriction(time, noisy), 200.0)
+    return locate_onset(record, WHITE, UNKNOWN, noise, 3)
 
 
 @pytest.fixture(scope="module")
 def onset():
-    time = np.arange(0.0, 200.0, 2.0)
-    friction = 0.15 + 0.005 * np.random.default_rng(8).standard_normal(100) + 0.06 * (time > 131)
-    return locate(friction, time)
+    return locate(0.15 + 0.06 * (TIME > 131), 0.005)
 
 
 def test_probabilities_add_up_and_the_interval_holds_95_per_cent(onset):
@@ -38,9 +40,8 @@ def test_a_clear_step_lies_between_its_samples(onset):
 
 
 def test_an_interval_that_reaches_into_a_gap_holds_all_of_it():
-    time = np.arange(0.0, 200.0, 2.0)
-    friction = 0.15 + 0.003 * np.random.default_rng(8).standard_normal(100) + 0.06 * (time > 131)
-    onset = locate(friction, np.where(time > 131, time + 500, time))
+    later = TIME > 131
+    onset = locate(0.15 + 0.06 * later, 0.003, np.where(later, TIME + 500, TIME))
     assert onset.earliest <= 130
     assert onset.latest >= 632
     assert onset.pause == (130, 632)
@@ -48,10 +49,6 @@ def test_an_interval_that_reaches_into_a_gap_holds_all_of_it():
 
 def test_the_friction_before_an_early_onset_is_that_at_its_end_of_the_running_in():
     """0.15 + 0.05 exp(-t / 30 s) at the onset; over the 30 s before it is 0.163 on average."""
-    time = np.arange(0.0, 200.0, 2.0)
-    true = 0.15 + 0.05 * np.exp(-time / 30)
-    noise = 0.001 * np.random.default_rng(8).standard_normal(100)
-    record = Record.of(StageFriction(time, true + noise + 0.06 * (time > 61)), 200.0)
-    onset = locate_onset(record, WHITE, UNKNOWN, 0.001, 0)
+    onset = locate(0.15 + 0.05 * np.exp(-TIME / 30) + 0.06 * (TIME > 61), 0.001)
     assert onset.earliest < 61 < onset.latest
     assert onset.friction_before == pytest.approx(0.15 + 0.05 * np.exp(-61 / 30), abs=0.0015)

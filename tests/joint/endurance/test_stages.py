@@ -25,14 +25,22 @@ def test_idle_runs_are_recognised_whatever_their_load(idle, span):
     assert loads == pytest.approx([36e3, 54e3, 72e3], rel=0.01)
 
 
-def test_a_first_run_without_load_is_idle_even_alone():
-    stages = find_stages(TIME[:300], load_of((100, 500.0), (500, 36e3)))
-    assert [stage.number for stage in stages] == [0, 1]
-
-
-def test_a_short_first_run_is_idle_whatever_its_load():
-    stages = find_stages(TIME[:330], load_of((60, 16e3), (600, 36e3)))
-    assert [stage.number for stage in stages] == [0, 1]
+@pytest.mark.parametrize(
+    ("steps", "idle_load", "numbers"),
+    [
+        ((), None, []),
+        (((100, 500.0), (500, 36e3)), None, [0, 1]),  # a first run without load
+        (((60, 16e3), (600, 36e3)), None, [0, 1]),  # a short one
+        (((200, 36e3), (200, 20e3), (200, 5e3)), None, [1, 0, 0]),
+        (((200, 36e3), (200, 20e3), (200, 5e3)), 6e3, [1, 2, 0]),
+    ],
+)
+def test_a_first_run_is_idle_without_load_or_short_and_a_given_idle_load_decides(
+    steps, idle_load, numbers
+):
+    load = load_of(*steps) if steps else np.array([])
+    stages = find_stages(TIME[: load.size], load, idle_load=idle_load)
+    assert [stage.number for stage in stages] == numbers
 
 
 def test_a_load_that_is_being_raised_is_no_stage():
@@ -41,23 +49,12 @@ def test_a_load_that_is_being_raised_is_no_stage():
     assert [stage.number for stage in stages] == [0, 1]
     assert stages[1].start >= 270
 
-
-def test_a_slow_rise_to_a_small_first_load_divides_idle_run_and_stage():
-    """Beside a highest load of 180 kN a change from 12 to 20 kN is small."""
-    rise = np.linspace(12e3, 20e3, 40)
-    load = np.concatenate(
-        [load_of((40, 12e3)), rise, load_of((400, 20e3), (40, 12e3), (400, 180e3))]
-    )
+    # beside a highest load of 180 kN a change from 12 to 20 kN is small
+    later = load_of((400, 20e3), (40, 12e3), (400, 180e3))
+    load = np.concatenate([load_of((40, 12e3)), np.linspace(12e3, 20e3, 40), later])
     stages = find_stages(TIME[: load.size], load)
     assert [stage.number for stage in stages] == [0, 1, 0, 2]
     assert stages[1].start >= 110
-
-
-def test_a_given_idle_load_decides():
-    load = load_of((200, 36e3), (200, 20e3), (200, 5e3))
-    assert [stage.number for stage in find_stages(TIME[:300], load)] == [1, 0, 0]
-    stages = find_stages(TIME[:300], load, idle_load=6e3)
-    assert [stage.number for stage in stages] == [1, 2, 0]
 
 
 def test_time_at_rest_is_cut_off():
@@ -67,24 +64,20 @@ def test_time_at_rest_is_cut_off():
     assert (stage.start, stage.end) == (102.0, 398.0)
 
 
-def test_no_sample_gives_no_stage():
-    assert find_stages(np.array([]), np.array([])) == ()
-
-
 def test_a_pause_of_the_log_divides_a_stage_into_parts_of_one_number():
-    load = load_of((40, 1e3), (300, 36e3), (40, 1e3), (300, 54e3))
-    time = TIME[: load.size] + np.where(TIME[: load.size] >= 100, 900.0, 0.0)
-    stages = find_stages(time, load)
+    def paused(*steps, at, by):
+        load = load_of(*steps)
+        time = TIME[: load.size] + np.where(TIME[: load.size] >= at, by, 0.0)
+        return find_stages(time, load)
+
+    stages = paused((40, 1e3), (300, 36e3), (40, 1e3), (300, 54e3), at=100, by=900.0)
     assert [(one.number, one.part) for one in stages] == [(0, 1), (1, 1), (1, 2), (0, 1), (2, 1)]
     assert (stages[1].end, stages[2].start) == (98, 1000)
     assert [one.number for one in join_stages(stages[1:3])] == [1]
 
-
-def test_a_short_part_before_a_pause_is_no_idle_run():
-    """A first run that is brief would be idle where another stage follows."""
-    load = load_of((60, 36e3), (600, 36e3))
-    time = TIME[: load.size] + np.where(TIME[: load.size] >= 60, 300.0, 0.0)
-    assert [(one.number, one.part) for one in find_stages(time, load)] == [(1, 1), (1, 2)]
+    # a first run that is brief would be idle where another stage follows
+    stages = paused((60, 36e3), (600, 36e3), at=60, by=300.0)
+    assert [(one.number, one.part) for one in stages] == [(1, 1), (1, 2)]
 
 
 THREE = ((40, 1e3), (300, 36e3), (40, 1e3), (300, 54e3), (40, 1e3), (300, 72e3))

@@ -10,31 +10,21 @@ from erlif.core.errors import EnduranceError
 from erlif.joint.friction import analyse_friction, describe_friction
 
 RADIUS, LOAD = 0.005, 400.0
+TIME = np.arange(0.0, 600.0, 0.1)
 
 
 def make_log(
-    rng,
-    *,
-    friction=0.12,
-    drift=0.0,
-    offset=0.04,
-    offset_drift=0.0,
-    noise=0.01,
-    slow=0.0,
-    correlation=30.0,
-    gain=1.0,
-    interval=0.1,
-    length=600.0,
+    rng, *, drift=0.0, offset=0.04, offset_drift=0.0, noise=0.01, slow=0.0, gain=1.0, interval=0.1
 ):
     """A reversal each 10 s, a ramp of 0.3 s at each, white noise, and friction that wanders."""
-    time = np.arange(0.0, length, interval)
+    time = np.arange(0.0, 600.0, interval)
     phase = (time % 20.0) / 10.0
     sense = np.clip(np.minimum(phase, 1 - phase) * 33, 0, 1) * (phase < 1)
     back = phase - 1
     sense -= np.clip(np.minimum(back, 1 - back) * 33, 0, 1) * (phase >= 1)
-    true = friction + drift * (time / time[-1] - 0.5)
+    true = 0.12 + drift * (time / time[-1] - 0.5)
     if slow > 0:
-        kept = np.exp(-interval / correlation)
+        kept = np.exp(-interval / 30.0)
         start = rng.normal()
         steps = np.sqrt(1 - kept**2) * rng.normal(size=time.size)
         true = true + slow * lfilter([1], [1, -kept], steps, zi=[kept * start])[0]
@@ -47,10 +37,17 @@ def make_log(
     )
 
 
+def analysed(log=None, seed=0, *, torque=None, speed=None, torque_std=0.0, **log_options):
+    """Friction of a log, by default one of `make_log`; a ratio of torques may replace its own."""
+    log = make_log(np.random.default_rng(seed), **log_options) if log is None else log
+    if torque is not None:
+        log = log.assign(torque=("time", np.asarray(torque) * LOAD * RADIUS))
+    given = {"speed": speed, "torque_std": torque_std}
+    return analyse_friction(log, shaft_radius=RADIUS, vector=True, **given)
+
+
 def test_friction_and_offset_are_found():
-    found = analyse_friction(
-        make_log(np.random.default_rng(0), noise=0.0), shaft_radius=RADIUS, vector=True, speed=0.01
-    )
+    found = analysed(noise=0.0, speed=0.01)
     npt.assert_allclose(found.pairs.friction, 0.12, rtol=1e-9)
     npt.assert_allclose(found.pairs.offset, 0.04, rtol=1e-9)
     npt.assert_allclose(found.pairs["load"], LOAD)
@@ -64,7 +61,7 @@ def test_intervals_cover_friction_that_wanders_over_several_pairs():
     size, inside = 30, []
     for _ in range(size):
         log = make_log(rng, slow=0.004, drift=0.01, gain=1 + 0.01 * rng.normal(), interval=1.0)
-        found = analyse_friction(log, shaft_radius=RADIUS, vector=True, torque_std=0.01)
+        found = analysed(log, torque_std=0.01)
         mean, trend = abs(found.friction - 0.12), abs(found.trend - 0.01 * 29 / 30)
         inside.append(
             [
@@ -80,62 +77,40 @@ def test_intervals_cover_friction_that_wanders_over_several_pairs():
 
 @pytest.mark.parametrize("change", [-0.04, 0.04])
 def test_an_offset_that_drifts_cancels(change):
-    log = make_log(np.random.default_rng(0), noise=0.0, offset_drift=change, drift=0.01)
-    found = analyse_friction(log, shaft_radius=RADIUS, vector=True)
+    found = analysed(noise=0.0, offset_drift=change, drift=0.01)
     npt.assert_allclose(found.friction, 0.12, rtol=1e-4)
     npt.assert_allclose(found.trend, 0.01 * 29 / 30, rtol=2e-3)
 
 
 def test_error_of_a_pair_is_that_of_its_noise():
-    found = analyse_friction(
-        make_log(np.random.default_rng(2), noise=0.02), shaft_radius=RADIUS, vector=True
-    )
+    found = analysed(seed=2, noise=0.02)
     npt.assert_allclose(found.pairs.friction_std.median(), 0.02 / np.sqrt(2 * 80), rtol=0.15)
     npt.assert_allclose(found.pairs.friction.std(), 0.02 / np.sqrt(2 * 80), rtol=0.4)
 
 
 def test_the_budget_adds_up():
-    found = analyse_friction(
-        make_log(np.random.default_rng(2)),
-        shaft_radius=RADIUS,
-        vector=True,
-        torque_std=0.01,
-        load_std=0.02,
-        radius_std=0.003,
-    )
+    stds = {"torque_std": 0.01, "load_std": 0.02, "radius_std": 0.003}
+    log = make_log(np.random.default_rng(2))
+    found = analyse_friction(log, shaft_radius=RADIUS, vector=True, **stds)
     assert list(found.budget) == ["scatter", "torque", "load", "shaft radius"]
     npt.assert_allclose(found.friction_std, np.linalg.norm(list(found.budget.values())))
     npt.assert_allclose(found.budget["load"], 0.02 * found.friction)
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"friction": 0.0, "noise": 0.0}, "reverses at least three times"),
-        ({"friction": 0.12, "gain": np.nan}, "reverses at least three times"),
-    ],
-)
-def test_a_log_without_reversals_is_refused(changes, message):
-    log = make_log(np.random.default_rng(0), **changes)
-    if changes["friction"] == 0.0:
-        log["torque"] = log["torque"] * 0 + 1.0
-    with pytest.raises(EnduranceError, match=message):
-        analyse_friction(log, shaft_radius=RADIUS)
+@pytest.mark.parametrize("torque", [1.0, np.nan])
+def test_a_log_without_reversals_is_refused(torque):
+    with pytest.raises(EnduranceError, match="reverses at least three times"):
+        analysed(torque=np.full(6000, torque))
 
 
 def test_a_torque_without_its_sign_is_pointed_out():
-    """The size of the torque, as some instruments log it: no difference between directions."""
+    """The size of the torque, as some instruments log it, or an offset above the friction."""
     log = make_log(np.random.default_rng(0), offset=0.0)
-    for torque, told in ((log.torque, False), (abs(log.torque), True)):
-        found = analyse_friction(log.assign(torque=torque), shaft_radius=RADIUS, vector=True)
-        assert any("torque with its sign" in line for line in describe_friction(found)) == told
-
-
-def test_an_offset_above_the_friction_is_pointed_out():
-    log = make_log(np.random.default_rng(0), offset=0.2)
-    found = analyse_friction(log, shaft_radius=RADIUS, vector=True)
-    npt.assert_allclose(found.friction, 0.12, rtol=0.01)
-    assert any("torque with its sign" in line for line in describe_friction(found))
+    above = make_log(np.random.default_rng(0), offset=0.2)
+    npt.assert_allclose(analysed(above).friction, 0.12, rtol=0.01)
+    for one, told in ((log, False), (log.assign(torque=abs(log.torque)), True), (above, True)):
+        lines = describe_friction(analysed(one))
+        assert any("torque with its sign" in line for line in lines) == told
 
 
 @pytest.mark.parametrize("kept", [0.0, 0.5])
@@ -146,10 +121,8 @@ def test_dwell_at_the_reversals_is_left_out(share, kept):
     time = np.arange(0.0, 600.0, 0.1)
     rests = time % 10.0 >= 10.0 * (1 - share)
     ratio = 0.12 * np.where(time % 20.0 < 10.0, 1, -1) * np.where(rests, kept, 1.0)
-    log = make_log(rng).assign(
-        torque=("time", (ratio + 0.02 + 0.01 * rng.normal(size=time.size)) * LOAD * RADIUS)
-    )
-    found = analyse_friction(log, shaft_radius=RADIUS, vector=True, speed=0.01)
+    noisy = ratio + 0.02 + 0.01 * rng.normal(size=time.size)
+    found = analysed(torque=noisy, speed=0.01)
     assert found.friction == pytest.approx(0.12, abs=4 * found.friction_std)
     assert found.friction_std < 0.001
     assert float(found.pairs.dwell.median()) == pytest.approx(20 * share, abs=0.3)
@@ -160,9 +133,7 @@ def test_dwell_at_the_reversals_is_left_out(share, kept):
 
 
 def test_a_torque_that_follows_a_smooth_speed_has_no_dwell():
-    log = make_log(np.random.default_rng(0))
-    wave = 0.12 * LOAD * RADIUS * np.sin(2 * np.pi * log.time / 20)
-    found = analyse_friction(log.assign(torque=wave), shaft_radius=RADIUS, vector=True)
+    found = analysed(torque=0.12 * np.sin(2 * np.pi * TIME / 20))
     assert float(found.pairs.dwell.max()) == 0
     # mean of a sine over the middle 80 % of half a period
     npt.assert_allclose(found.friction, 0.12 * np.cos(0.1 * np.pi) / (0.4 * np.pi), rtol=0.01)
@@ -170,19 +141,13 @@ def test_a_torque_that_follows_a_smooth_speed_has_no_dwell():
 
 def test_a_short_return_stroke_counts():
     """Fifty seconds forward and two back: 4 % of the log."""
-    log = make_log(np.random.default_rng(0))
-    sense = np.where(log.time % 52 < 50, 1, -1)
-    log["torque"] = ("time", (0.12 * sense + 0.02) * LOAD * RADIUS)
-    found = analyse_friction(log, shaft_radius=RADIUS, vector=True)
+    found = analysed(torque=0.12 * np.where(TIME % 52 < 50, 1, -1) + 0.02)
     npt.assert_allclose(found.friction, 0.12, rtol=1e-9)
     npt.assert_allclose(found.pairs.offset, 0.02, rtol=1e-9)
 
 
 def test_friction_that_falls_to_a_seventh_is_followed():
-    log = make_log(np.random.default_rng(0))
-    true = 0.2 * np.exp(-log.time / 300)
-    log["torque"] = true * xr.where(log.time % 20 < 10, 1, -1) * LOAD * RADIUS
-    found = analyse_friction(log, shaft_radius=RADIUS, vector=True)
+    found = analysed(torque=0.2 * np.exp(-TIME / 300) * np.where(TIME % 20 < 10, 1, -1))
     assert found.pairs.sizes["time"] == 30
     npt.assert_allclose(found.pairs.friction, 0.2 * np.exp(-found.pairs.time / 300), rtol=0.02)
 
@@ -191,17 +156,13 @@ def test_friction_that_falls_to_a_seventh_is_followed():
 @pytest.mark.parametrize("level", [0.0, 0.12])
 def test_noise_is_no_friction(kept, level):
     """White or correlated noise, about zero or about the torque of one direction."""
-    log = make_log(np.random.default_rng(0))
-    noise = lfilter([1], [1, -kept], np.random.default_rng(1).normal(size=log.sizes["time"]))
-    log["torque"] = ("time", (level + 0.01 * noise) * LOAD * RADIUS)
+    noise = lfilter([1], [1, -kept], np.random.default_rng(1).normal(size=TIME.size))
     with pytest.raises(EnduranceError, match="as noise does"):
-        analyse_friction(log, shaft_radius=RADIUS, vector=True)
+        analysed(torque=level + 0.01 * noise)
 
 
 def test_a_scatter_of_zero_is_stated():
-    log = make_log(np.random.default_rng(0), noise=0.0)
-    log["torque"] = 0.12 * xr.where(log.time % 20 < 10, 1, -1) * LOAD * RADIUS
-    lines = describe_friction(analyse_friction(log, shaft_radius=RADIUS, vector=True))
+    lines = describe_friction(analysed(torque=0.12 * np.where(TIME % 20 < 10, 1, -1)))
     assert any(line.startswith("  scatter: ") for line in lines)
     assert not any("not stated" in line and "scatter" in line for line in lines)
 

@@ -18,16 +18,14 @@ def path(tmp_path):
     return path
 
 
-def test_the_example_is_sound_and_complete(path):
-    designed = erlif.design(path)
-    assert designed.sound
-    assert not designed.assessment.doubtful
-    assert {step.key for step in designed.assessment.missing} == {"pressure_limit"}
-    assert designed.assessment.steps == example_design().assessment.steps
+def test_the_example_is_sound_and_complete_and_sized_gives_itself_again(path):
+    first = erlif.design(path)
+    assert first.sound
+    assert not first.assessment.doubtful
+    assert first.assessment.steps == example_design().assessment.steps
+    for assessment in (first.assessment, assess_joint(example_joint())):
+        assert {step.key for step in assessment.missing} == {"pressure_limit"}
 
-
-def test_the_sized_joint_gives_the_same_design_again():
-    first = example_design()
     again = design(DesignSettings.model_validate(tomllib.loads(first.settings)))
     assert again.chosen == ()
     for one, two in zip(first.assessment.steps, again.assessment.steps, strict=True):
@@ -55,8 +53,3 @@ def test_values_of_joint_toml_replace_those_of_the_table(path):
     path.write_text(text, encoding="utf-8")
     ring = design(path).joint.bushing
     assert (ring.name, ring.hardness_high) == ("CuAl10Ni5Fe4, changed", 150.0)
-
-
-def test_all_steps_of_the_joint_of_the_examples_but_those_that_need_a_test_are_computed():
-    missing = {step.key for step in assess_joint(example_joint()).missing}
-    assert missing == {"pressure_limit"}

@@ -10,17 +10,10 @@ from erlif.joint.sizing import JointState
 
 def gold(**changes):
     """Bronze of 110 GPa and 0.34 in steel, 70/80/160 mm, 60 um: -27.17294 um."""
-    return altered(
-        altered(
-            bushing={"youngs_modulus": 110e9, "poissons_ratio": 0.34},
-            housing={"youngs_modulus": 206e9, "poissons_ratio": 0.3},
-            pin_diameter=0.07,
-            wall=0.005,
-            housing_diameter=0.16,
-            play=100e-6,
-        ),
-        **changes,
-    )
+    rings = {"pin_diameter": 0.07, "wall": 0.005, "housing_diameter": 0.16, "play": 100e-6}
+    bronze = {"youngs_modulus": 110e9, "poissons_ratio": 0.34}
+    steel = {"youngs_modulus": 206e9, "poissons_ratio": 0.3}
+    return altered(altered(bushing=bronze, housing=steel, **rings), **changes)
 
 
 def test_the_press_fit_takes_its_share_of_the_play():
@@ -103,27 +96,20 @@ def test_a_bushing_that_yields_in_its_housing_is_reported():
         assert assessed(joint, interference=60e-6).step(key).valid
 
 
-def test_the_margin_vanishes_at_the_least_eye():
+def test_the_margin_vanishes_at_the_least_eye_and_a_load_that_none_carries_is_reported():
     """100 kN, bore 80 mm, width 40 mm, 300 MPa: 96.97623 mm."""
-    assessment = assessed(
-        housing={"yield_stress": 600e6},
-        wall=0.005,
-        pin_diameter=0.07,
-        bushing_width=0.04,
-        housing_diameter=96.97623e-3,
-    )
+    eye = {"wall": 0.005, "pin_diameter": 0.07, "bushing_width": 0.04}
+    assessment = assessed(housing={"yield_stress": 600e6}, **eye, housing_diameter=96.97623e-3)
     assert assessment.step("housing_eye").margin == pytest.approx(0, abs=1e-6)
 
-
-def test_a_load_that_no_eye_carries_and_an_eye_below_its_bore_are_reported():
     eye = assessed(force=3e6).step("housing_eye")
     assert eye.margin < 0
     assert eye.number("least outer diameter") == math.inf
-    assert eye.alternatives[0].endswith("the eye must be wider than 179.1 mm")
+    assert "wider than 179.1 mm" in eye.alternatives[0]
 
     small = assessed(housing_diameter=0.09)
     eye = small.step("housing_eye")
     assert eye.margin == -1.0
-    assert eye.alternatives[0] == "the bushing of 100 mm does not fit into a housing of 90 mm"
+    assert "the bushing of 100 mm does not fit" in eye.alternatives[0]
     assert "inf" not in "".join(eye.alternatives)
     assert small.step("press_fit").missing == "a housing larger than the bushing"

@@ -4,7 +4,6 @@ from erlif.joint.sizing.design import example_design
 
 
 def test_a_design_is_shown_in_a_line():
-    assert len(repr(example_design())) < 160
     assert "pin 31.5 mm, bushing 40 mm; all limits hold" in repr(example_design())
     assert repr(example_design().assessment).endswith("0 limits exceeded>")
 
