@@ -16,7 +16,7 @@ import numba
 import numpy as np
 
 from erlif.core.arrays import FAST, AnyArray, Array, FlagImage, Image
-from erlif.core.detector import QUANTISATION_VAR
+from erlif.core.detector import reading_var
 from erlif.core.flags import Flag
 from erlif.core.products import References
 
@@ -209,7 +209,7 @@ def _tabulate(reference: References, least_signal: float) -> CameraTables:
         least_above_dry = (least_signal / gain * per_flat).astype(np.float32)
         recorded = float(reference.background_recorded)
 
-    read_var = (float(reference.read_noise) / gain) ** 2 + QUANTISATION_VAR
+    read_var = reading_var(float(reference.read_noise), gain)
     noise = NoiseTables(
         per_flat.astype(np.float32),
         np.ascontiguousarray(dark_var, np.float32),

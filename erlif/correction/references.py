@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import AnyArray, Mask
-from erlif.core.detector import QUANTISATION_VAR
+from erlif.core.detector import QUANTISATION_VAR, reading_var
 from erlif.core.notes import Level, Note, note_writer
 from erlif.core.products import References
 from erlif.core.tables import read_table
@@ -206,7 +206,7 @@ def _characterise(
     transfer = _fit_transfer(measured, declared)
     gain = _find_gain(transfer, measured, declared, estimated)
     read_noise = _find_read_noise(measured, declared, estimated, gain)
-    page_var = (read_noise.value / gain.value) ** 2 + QUANTISATION_VAR
+    page_var = reading_var(read_noise.value, gain.value)
 
     # a single dark page does not determine its variance; it has the noise of a page
     of_mean = page_var if darks.pages == 1 else darks.mean_var
@@ -306,7 +306,7 @@ def _describe_background(measured: CameraMeasurement, dataset: xr.Dataset) -> xr
     mean, variance = (np.zeros(dataset.dark.shape, np.float32) for _ in range(2))
     if background is not None:
         gain = float(dataset.gain)
-        page_var = (float(dataset.read_noise) / gain) ** 2 + QUANTISATION_VAR
+        page_var = reading_var(float(dataset.read_noise), gain)
         mean = background.light.astype(np.float32)
         variance = (np.maximum(mean, 0) / gain + page_var).astype(np.float32) / background.pages
     return xr.Dataset(

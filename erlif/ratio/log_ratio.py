@@ -24,7 +24,7 @@ _at = np.uint64  # an index that cannot count from the end, as in `erlif.registr
 
 # logarithm of 1 + f, f from sqrt(1/2) - 1 to sqrt(2) - 1, after f - f^2/2 (Cephes library, logf);
 # the logarithm of 2 in two parts, so that whole multiples of the first are exact
-_LOG = tuple(
+_L0, _L1, _L2, _L3, _L4, _L5, _L6, _L7, _L8 = (
     np.float32(c)
     for c in (
         7.0376836292e-2,
@@ -38,7 +38,6 @@ _LOG = tuple(
         3.3333331174e-1,
     )
 )
-_L0, _L1, _L2, _L3, _L4, _L5, _L6, _L7, _L8 = _LOG
 _LN2_LOW, _LN2_HIGH = np.float32(-2.12194440e-4), np.float32(0.693359375)
 _ROOT_HALF_BITS = np.int32(np.float32(np.sqrt(0.5)).view(np.int32))
 _MANTISSA_BITS = np.int32(23)
