@@ -4,29 +4,14 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.pair import references_of
 
 from erlif.core.flags import Flag
-from erlif.core.products import Frames, References
+from erlif.core.products import Frames
 from erlif.correction import correct_frames
 
 SHAPE = (24, 30)
-IMAGE = ("camera", "y", "x")
-
-
-def make_references(shape=SHAPE, *, bad=(), **changes):
-    """Ideal references, with images or pairs of scalars replaced by name."""
-    values = {"dark": 64.0, "dark_var": 0.0, "flat": 1.0, "flat_var": 0.0}
-    values |= {"gain": (4.4, 4.4), "read_noise": (9.0, 9.0), "full_scale": (4095, 4095)} | changes
-    mask = np.zeros((2, *shape), bool)
-    for pixel in bad:
-        mask[(slice(None), *pixel)] = True
-    data = {"bad": (IMAGE, mask)}
-    for name, value in values.items():
-        if name in ("gain", "read_noise", "full_scale"):
-            data[name] = ("camera", list(value))
-        else:
-            data[name] = (IMAGE, np.broadcast_to(value, (2, *shape)).astype(np.float32))
-    return References(xr.Dataset(data, {"camera": [1, 2]}))
+DRY = {"background_var": 0.0, "background_recorded": (True, True)}
 
 
 def make_frames(*images):
@@ -45,7 +30,9 @@ def flat_frame(counts=1064, shape=SHAPE):
 
 def test_signal_is_light_above_dark_over_the_response():
     flat, dark = np.linspace(0.5, 1.5, 30), np.linspace(60.0, 90.0, 24)[:, None]
-    corrected = correct_frames(make_frames(flat_frame()), make_references(flat=flat, dark=dark))
+    corrected = correct_frames(
+        make_frames(flat_frame()), references_of(SHAPE, flat=flat, dark=dark)
+    )
     expected = (1064 - dark) / flat * np.ones(SHAPE)
     npt.assert_allclose(corrected.signal[0, 0], expected, rtol=1e-6)
     assert corrected.signal.attrs["units"] == "DN"
@@ -56,8 +43,8 @@ def test_signal_is_light_above_dark_over_the_response():
 def test_variances_are_those_of_each_camera_in_closed_form():
     """Shot noise, reading and rounding; the light has the derivatives -1/flat and -light/flat."""
     flat = np.linspace(0.5, 1.5, 30) * np.ones(SHAPE)
-    references = make_references(
-        flat=flat, dark_var=0.3, flat_var=1e-4, gain=(2.0, 8.0), read_noise=(0.0, 16.0)
+    references = references_of(
+        SHAPE, flat=flat, dark_var=0.3, flat_var=1e-4, gain=(2.0, 8.0), read_noise=(0.0, 16.0)
     )
     corrected = correct_frames(make_frames(flat_frame()), references)
     for n, new in enumerate((500 + 1 / 12, 125 + 4 + 1 / 12)):
@@ -84,7 +71,7 @@ def test_variances_are_those_of_each_camera_in_closed_form():
 @pytest.mark.parametrize("flat", [1.0, 0.5])
 def test_saturated_and_dim_pixels_are_flagged_by_their_counts(counts, least, flag, flat):
     """The electrons of the pixel decide on its noise, not the light that a better one would see."""
-    references = make_references(full_scale=(3300, 3300), flat=flat)
+    references = references_of(SHAPE, full_scale=(3300, 3300), flat=flat)
     corrected = correct_frames(make_frames(flat_frame(counts)), references, least_signal=least)
     assert (corrected["flags"] == flag).all()
 
@@ -99,7 +86,7 @@ def test_a_defect_is_filled_from_up_to_five_rings(reach):
     square = [(i, j) for i in range(12 - reach, 13 + reach) for j in range(15 - reach, 16 + reach)]
     for pixel in square:
         image[pixel] = 3000
-    references = make_references(SHAPE, bad=square)
+    references = references_of(SHAPE, bad=square)
     filled = correct_frames(make_frames(image), references).signal.values[0, 0]
     npt.assert_allclose(filled[12, 15], 2000 if reach < 5 else 2936)
     npt.assert_allclose(filled[12 - reach, 15], 2000)
@@ -114,7 +101,7 @@ def test_variance_matches_the_scatter_of_corrected_counts(simulated, check_cover
     electrons = np.linspace(200, 14000, SHAPE[1]) * camera.response
     flat = camera.response / camera.response.mean()
     frames = make_frames(*(camera.expose(electrons, rng) for _ in range(400)))
-    corrected = correct_frames(frames, make_references(flat=flat)).isel(camera=0)
+    corrected = correct_frames(frames, references_of(SHAPE, flat=flat)).isel(camera=0)
     truth = electrons / flat / camera.gain
     signal, variance = corrected.signal.values, corrected.signal_var.values
     # 720 pixels, 400 times each; the pulls are those of discrete counts, hence the wider bound
@@ -128,21 +115,9 @@ def test_variance_matches_the_scatter_of_corrected_counts(simulated, check_cover
 # light that is not film
 
 
-def with_background(references, light, variance=0.0, *, recorded=True):
-    image = {"dims": IMAGE, "coords": references.dark.coords}
-    full = np.broadcast_to(light, references.dark.shape).astype(np.float32)
-    return References(
-        references.assign(
-            background=xr.DataArray(full, **image),
-            background_var=xr.full_like(references.dark, variance),
-            background_recorded=("camera", [recorded] * 2),
-        )
-    )
-
-
 def test_background_is_scaled_by_the_pulse_energy_between_dark_and_flat():
     """light = (1064 - 64 - energy * 20)/0.8; a frame without energy has the mean one."""
-    references = with_background(make_references(flat=0.8), 20.0)
+    references = references_of(SHAPE, flat=0.8, background=20.0, **DRY)
     frames = make_frames(flat_frame(), flat_frame()).assign_coords(
         pulse_energy=("frame", [1.0, 1.5])
     )
@@ -163,9 +138,8 @@ def test_scatter_of_dark_and_dry_pages_is_the_fixed_variance(energy):
     rng, dark_var, page_var = np.random.default_rng(3), 4.0, 9.0
     dark = 64 + np.sqrt(dark_var) * rng.standard_normal((100, 120))
     page = 84 + np.sqrt(page_var) * rng.standard_normal(dark.shape)
-    references = with_background(
-        make_references(dark.shape, dark=dark, dark_var=dark_var), page - dark, page_var
-    )
+    images = {"dark": dark, "dark_var": dark_var, "background": page - dark}
+    references = references_of(dark.shape, **images, **{**DRY, "background_var": page_var})
     frames = make_frames(flat_frame(1064, dark.shape)).assign_coords(
         pulse_energy=("frame", [energy])
     )
@@ -176,6 +150,7 @@ def test_scatter_of_dark_and_dry_pages_is_the_fixed_variance(energy):
 
 
 def test_a_pixel_is_dim_by_the_light_of_its_film():
-    frames, references = make_frames(flat_frame(64 + 510)), make_references()
-    for known, flag in ((references, 0), (with_background(references, 500.0), Flag.DIM)):
+    frames = make_frames(flat_frame(64 + 510))
+    dry = references_of(SHAPE, background=500.0, **DRY)
+    for known, flag in ((references_of(SHAPE), 0), (dry, Flag.DIM)):
         assert (correct_frames(frames, known)["flags"] == flag).all()

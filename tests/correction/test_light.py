@@ -4,7 +4,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from scenes.pair import EPS, camera_noise, scene, variances
+from scenes.pair import EPS, camera_noise, references_of, scene, variances
 from scenes.plain import block_light, correct_frames
 
 from erlif.core.flags import Flag
@@ -15,8 +15,7 @@ from erlif.registration.normalise import binned
 
 def recording(shape, seed=5, dtype=np.uint16, full_scale=4095, dry=False):
     """Counts and references with bad, saturated and dim pixels, one of them at the corner."""
-    rng = np.random.default_rng(seed)
-    size = (2, *shape)
+    rng, dims, size = np.random.default_rng(seed), ("camera", "y", "x"), (2, *shape)
     images = {
         "dark": rng.uniform(full_scale / 64, full_scale / 60, size),
         "dark_var": rng.uniform(0.05, 0.1, size),
@@ -26,18 +25,13 @@ def recording(shape, seed=5, dtype=np.uint16, full_scale=4095, dry=False):
     bad = rng.uniform(size=size) < 0.02
     bad[:, 0, 0] = True
     scalars = {"gain": [4.4, 4.1], "read_noise": [9.0, 11.0], "full_scale": [full_scale] * 2}
-    dims = ("camera", "y", "x")
-    references = xr.Dataset(
-        {name: (dims, image.astype(np.float32)) for name, image in images.items()}
-        | {"bad": (dims, bad)}
-        | {name: ("camera", values) for name, values in scalars.items()}
-    )
-
     if dry:
-        for name, low in (("background", 10), ("background_var", 1)):
-            image = rng.uniform(low, 4 * low, size).astype(np.float32)
-            references[name] = dims, image
-        references["background_recorded"] = "camera", [True, False]
+        images |= {
+            "background": rng.uniform(10, 40, size),
+            "background_var": rng.uniform(1, 4, size),
+        }
+        scalars |= {"background_recorded": [True, False]}
+    references = references_of(shape, **images, **scalars).assign(bad=(dims, bad))
 
     counts = np.clip(rng.normal(full_scale / 2, full_scale / 4, size), 0, full_scale)
     counts[:, :, : shape[1] // 3] *= 0.05  # about the level of the dark

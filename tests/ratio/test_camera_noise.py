@@ -4,7 +4,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from scenes.pair import given_noise, map_with, ratio_images, unknown
+from scenes.pair import map_with, ratio_images, references_of, unknown
 from scenes.plain import subtract_ghost
 from scipy import ndimage
 
@@ -46,7 +46,7 @@ def views(
 
 def references(gain=(2.0, 2.0)):
     """Gains are an assumption where they are to be estimated."""
-    return given_noise(gain, (0.0, 0.0), shape=SHAPE)
+    return references_of(SHAPE, gain=gain, read_noise=(0.0, 0.0))
 
 
 def estimate(taken, what, known=None, frames=4, blur=None):

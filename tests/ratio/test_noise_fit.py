@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.pair import given_noise, unknown
+from scenes.pair import references_of, unknown
 
 from erlif.ratio.noise_fit import BLOCKS, NoiseCells, NoiseFit, fit_noise, weigh_gains
 
@@ -33,7 +33,7 @@ def cells(*, gain=GAIN, dark=(0.0, 0.0), pattern=0.0, constant=0.0, pixels=1e10)
 
 
 def fit(given, what, *, pattern=False, flat_var=0.0):
-    known = given_noise(GAIN, READ, shape=(3, 4), flat=0.5, flat_var=flat_var)
+    known = references_of((3, 4), gain=GAIN, read_noise=READ, flat=0.5, flat_var=flat_var)
     return fit_noise(given, known, what, one_gain=False, pattern=pattern)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes.pair import map_with
-from scenes.registration import Scene, drifting_frames, expose, smooth_map
+from scenes.registration import Scene, drifting_frames, expose, smooth_map, texture_sums
 
 from erlif.core.errors import RegistrationError
 from erlif.registration import check_map, estimate_drift, orient
@@ -199,10 +199,7 @@ def test_standard_deviation_of_a_translation_is_its_scatter():
     """Sums of cells with known gradient products, and scores drawn with an unequal noise."""
     rng = np.random.default_rng(8)
     cells = (20, 30)
-    sums = np.zeros((*cells, SUMS))
-    sums[..., GXX] = rng.uniform(1, 2, cells)
-    sums[..., GXY] = rng.uniform(-0.5, 0.8, cells)
-    sums[..., GYY] = rng.uniform(3, 4, cells)
+    sums = texture_sums(cells, rng)
     noise = rng.uniform(0.2, 3, cells)
     matrix = sums[..., [GXX, GXY, GXY, GYY]].sum((0, 1)).reshape(2, 2)
     found, shifts = [], []

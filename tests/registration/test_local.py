@@ -3,6 +3,7 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.registration import texture_sums
 from scipy import ndimage
 
 from erlif.registration.local import (
@@ -13,7 +14,7 @@ from erlif.registration.local import (
     to_pixels,
     window_std,
 )
-from erlif.registration.matching import BX, BY, GXX, GXY, GYY, SUMS, move_sums
+from erlif.registration.matching import BX, BY, GXX, GYY, SUMS, move_sums
 
 SHAPE = (30, 40)
 
@@ -119,9 +120,7 @@ def test_standard_deviation_of_windows_is_the_scatter_of_their_vectors(sigma):
     """One pass over scores of independent noise, three times larger in y."""
     rng = np.random.default_rng(5)
     shape = (60, 80)
-    sums = np.zeros((*shape, SUMS))
-    sums[..., GXX], sums[..., GYY] = rng.uniform(8, 12, shape), rng.uniform(18, 22, shape)
-    sums[..., GXY] = rng.uniform(-5, 5, shape)
+    sums = texture_sums(shape, rng)
     squares, variances = [], []
     for _ in range(6):
         sums[..., BX], sums[..., BY] = rng.normal(size=shape), 3 * rng.normal(size=shape)

@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.registration import Blobs, inverse
+from scenes.registration import Blobs, inverse, map_views, translation
 
 from erlif.core.errors import RegistrationError
-from erlif.registration import MapKind, RegistrationSettings
+from erlif.registration import MapKind
 from erlif.registration.matching import BX, GXX
-from erlif.registration.pairs import open_frames
 from erlif.registration.selection import Model, moved_to
 from erlif.registration.solution import (
     Solution,
@@ -20,12 +19,10 @@ from erlif.registration.solution import (
     fits_better,
     solve_local,
 )
-from erlif.registration.surface import affine_surface, equations, solve_surface
-from erlif.registration.views import Views, expected_rms
+from erlif.registration.surface import equations, solve_surface
+from erlif.registration.views import expected_rms
 
 SHAPE = (128, 160)
-BOX = (0.0, 160.0, 0.0, 128.0)
-SETTINGS = RegistrationSettings(threads=1)
 
 
 def even(value, shape=SHAPE):
@@ -34,10 +31,6 @@ def even(value, shape=SHAPE):
 
 def solution(dx=0.0, dy=0.0, std=0.01, kind=MapKind.LOCAL):
     return Solution(even(dx), even(dy), even(std), kind, "32 px")
-
-
-def translation(dx=0.0, dy=0.0):
-    return affine_surface(BOX, np.zeros((2, 2)), np.array([dx, dy]))
 
 
 def ripple(amplitude, wavelength):
@@ -54,8 +47,7 @@ def views_of(field, *, noise=5.0):
         1000 * (1 + 0.15 * blobs(*place)) + rng.normal(0, noise, SHAPE)
         for place in ((x, y), inverse(field, x, y))
     ]
-    frames = open_frames([(*frames, None, None)], SETTINGS)
-    return Views(frames, next(iter(frames.pick([0]))))
+    return map_views([(*frames, None, None)])
 
 
 def fitted(views, surface, model):

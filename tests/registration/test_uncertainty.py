@@ -3,8 +3,9 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.registration import texture_sums
 
-from erlif.registration.matching import BX, BY, GXX, GXY, GYY, SUMS
+from erlif.registration.matching import BX, BY
 from erlif.registration.selection import Model, moved_to
 from erlif.registration.surface import Cells, equations, solve_surface
 from erlif.registration.uncertainty import blocks_of, surface_covariance, surface_std
@@ -17,12 +18,8 @@ X, Y = np.linspace(10, 629, 9), np.linspace(10, 501, 7)
 
 def cells_with(scores, *, step=STEP, seed=5):
     """Cells of one texture at no displacement, with these scores (row, column, 2)."""
-    rng = np.random.default_rng(seed)
     shape = scores.shape[:2]
-    sums = np.zeros((*shape, SUMS))
-    sums[..., GXX] = rng.uniform(8, 12, shape)
-    sums[..., GYY] = rng.uniform(18, 22, shape)
-    sums[..., GXY] = rng.uniform(-5, 5, shape)
+    sums = texture_sums(shape, np.random.default_rng(seed))
     sums[..., [BX, BY]] = scores
     y, x = (np.arange(n) * step + (step - 1) / 2 for n in shape)
     flat = np.zeros(shape)

@@ -3,24 +3,14 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.registration import Blobs, Scene, smooth_map
+from scenes.registration import Blobs, Scene, map_views, smooth_map, translation
 
 from erlif.core.errors import RegistrationError
-from erlif.registration import RegistrationSettings
 from erlif.registration.matching import AA, BX, BY, EE, GXX, GXY, GYY, SUMS, WEIGHT, solve_shift
-from erlif.registration.pairs import open_frames
-from erlif.registration.surface import affine_surface
-from erlif.registration.views import Views, expected_rms, make_cells
+from erlif.registration.views import expected_rms, make_cells
 from erlif.registration.whitening import make_filter
 
 SHAPE = (128, 160)
-BOX = (0.0, 160.0, 0.0, 128.0)
-SETTINGS = RegistrationSettings(threads=1)
-
-
-def shifted(dx=0.0, dy=0.0):
-    """The surface of a translation."""
-    return affine_surface(BOX, np.zeros((2, 2)), np.array([dx, dy]))
 
 
 def sums_of(rows=8, cols=10):
@@ -37,11 +27,6 @@ def translated(*offsets, seed=2):
     return [(image, 1000 * (1 + 0.15 * field(x - dx, y - dy)), None, None) for dx, dy in offsets]
 
 
-def views_of(pairs, settings=SETTINGS):
-    frames = open_frames(pairs, settings)
-    return Views(frames, next(iter(frames.pick([0]))))
-
-
 # cells ------------------------------------------------------------------------------------------
 
 
@@ -49,7 +34,7 @@ def views_of(pairs, settings=SETTINGS):
 def test_cells_lie_at_the_middle_of_their_full_pixels_and_have_gradients_per_full_pixel(binning):
     """The first cell of 8 binned pixels covers the full pixels 0 to 8 binning - 1."""
     sums = sums_of()
-    cells = make_cells(sums, 8, shifted(), binning=binning)
+    cells = make_cells(sums, 8, translation(), binning=binning)
     npt.assert_allclose(cells.x[0], (8 * binning - 1) / 2)
     npt.assert_allclose(cells.y[0], (8 * binning - 1) / 2)
     npt.assert_allclose(np.diff(cells.x), 8 * binning)
@@ -65,10 +50,10 @@ def test_cells_lie_at_the_middle_of_their_full_pixels_and_have_gradients_per_ful
 def test_a_surface_needs_sixteen_cells():
     sums = sums_of()
     sums.reshape(-1, SUMS)[16:, WEIGHT] = 0
-    assert (make_cells(sums, 8, shifted()).weight > 0).sum() == 16
+    assert (make_cells(sums, 8, translation()).weight > 0).sum() == 16
     sums.reshape(-1, SUMS)[15, WEIGHT] = 0
     with pytest.raises(RegistrationError, match="needs 16 cells of 8 px, got 15"):
-        make_cells(sums, 8, shifted())
+        make_cells(sums, 8, translation())
 
 
 # expected differences ---------------------------------------------------------------------------
@@ -85,12 +70,12 @@ def test_the_expected_difference_is_the_rms_of_the_surroundings():
 
 
 def test_spectra_are_measured_on_the_unfiltered_textures():
-    views = views_of(translated((0.0, 0.0)))
-    seen = views.compare(shifted())
+    views = map_views(translated((0.0, 0.0)))
+    seen = views.compare(translation())
     assert seen.spectra.blocks > 4
-    npt.assert_array_equal(seen.sums, views.look(shifted()).sums)
+    npt.assert_array_equal(seen.sums, views.look(translation()).sums)
     views.filter_through(make_filter(seen.spectra))
-    filtered = views.look(shifted())
+    filtered = views.look(translation())
     # the derivative needs 2 px on each side, the filter 4, the interpolation 1 at the far side
     assert seen.sums[..., WEIGHT].sum() == (128 - 4) * (160 - 4)
     assert filtered.sums[..., WEIGHT].sum() == (128 - 13) * (160 - 13)
@@ -102,8 +87,8 @@ def test_spectra_are_measured_on_the_unfiltered_textures():
 def test_each_frame_is_read_at_its_own_drift_and_the_surface_takes_the_mean():
     """The surface fits the first frame to a few hundredths of a pixel, as the start does."""
     offsets = np.array([(1.0, 0.0), (-2.0, 1.5), (4.0, 0.5), (0.0, -1.0)])
-    views = views_of(translated(*offsets))
-    seen = views.look(shifted(0.95, 0.05))
+    views = map_views(translated(*offsets))
+    seen = views.look(translation(0.95, 0.05))
     npt.assert_allclose(views.drift, offsets - offsets.mean(0), atol=0.02)
     npt.assert_allclose(views.drift.mean(0), 0, atol=1e-12)
     dx, dy = seen.surface.evaluate(np.zeros(1), np.zeros(1))
@@ -113,10 +98,10 @@ def test_each_frame_is_read_at_its_own_drift_and_the_surface_takes_the_mean():
 def test_a_frame_without_common_texture_takes_no_part():
     good = translated((0.5, 0.0), (-0.5, 0.0))
     stranger = (good[0][0], translated((0.0, 0.0), seed=8)[0][1], None, None)
-    views = views_of([good[0], stranger, good[1]])
-    seen = views.look(shifted(0.5))
+    views = map_views([good[0], stranger, good[1]])
+    seen = views.look(translation(0.5))
     assert np.isnan(views.drift[1]).all()
-    alone = views_of(good).look(shifted(0.5))
+    alone = map_views(good).look(translation(0.5))
     npt.assert_allclose(seen.sums, alone.sums, rtol=1e-6, atol=1e-6)
 
 
@@ -134,8 +119,8 @@ def counted(pairs):
 
 def test_each_frame_is_read_once():
     pairs, read = counted(translated((0.0, 0.0), (0.5, 0.0), (0.0, 0.5)))
-    views = views_of(pairs)
-    seen = views.compare(shifted())
+    views = map_views(pairs)
+    seen = views.compare(translation())
     views.filter_through(make_filter(seen.spectra))
     for _ in range(3):
         seen = views.look(seen.surface)
@@ -144,26 +129,26 @@ def test_each_frame_is_read_once():
 
 def test_frames_too_large_to_be_kept_are_read_in_every_pass(monkeypatch):
     pairs, read = counted(translated((0.0, 0.0), (0.5, 0.0), (0.0, 0.5)))
-    whitening = make_filter(views_of(pairs).compare(shifted()).spectra)
-    kept = views_of(pairs)
+    whitening = make_filter(map_views(pairs).compare(translation()).spectra)
+    kept = map_views(pairs)
     monkeypatch.setattr("erlif.registration.views.MOST_KEPT", 0)
-    again = views_of(pairs)
+    again = map_views(pairs)
     for views in (kept, again):
-        views.compare(shifted())
+        views.compare(translation())
         views.filter_through(whitening)
 
-    before, after = ([views.look(shifted()).sums for _ in range(2)] for views in (kept, again))
+    before, after = ([views.look(translation()).sums for _ in range(2)] for views in (kept, again))
     npt.assert_allclose(after, before, rtol=1e-5, atol=1e-5)
     read.clear()
-    again.look(shifted())
+    again.look(translation())
     assert read == [1, 2]  # the frame of the start is kept in any case
 
 
 def test_cameras_of_different_size_are_filtered_on_their_own_grids():
     truth = Scene((192, 224), 5).photograph(smooth_map((192, 224), offset=(0.0, 0.0)))
     wide = np.ascontiguousarray(truth.moving[:, :200])
-    views = views_of([(truth.reference, wide, None, None)])
-    surface = affine_surface((0.0, 224.0, 0.0, 192.0), np.zeros((2, 2)), np.zeros(2))
+    views = map_views([(truth.reference, wide, None, None)])
+    surface = translation(shape=(192, 224))
     views.filter_through(make_filter(views.compare(surface).spectra))
     assert views.shape == (192, 224)
     assert views.shape_moving == (192, 200)

@@ -107,15 +107,20 @@ def aligned_frames(light, variance, displacement_std=0.0):
     return AlignedFrames(xr.Dataset({**variables, "flags": flags, "displacement_std": std}, coords))
 
 
-def given_noise(gain, read_noise, *, shape, flat=1.0, flat_var=0.0):
-    """References of cameras whose pixels are alike."""
-    images = {"flat": flat, "flat_var": flat_var, "bad": False}
-    variables = {
-        name: (("camera", "y", "x"), np.full((2, *shape), value)) for name, value in images.items()
-    }
-    scalars = {"gain": gain, "read_noise": read_noise}
-    numbers = {name: ("camera", np.array(values, float)) for name, values in scalars.items()}
-    return References(xr.Dataset({**variables, **numbers}))
+def references_of(shape, *, bad=(), **changes):
+    """References of ideal cameras, with images or pairs of numbers replaced by name."""
+    values = {"dark": 64.0, "dark_var": 0.0, "flat": 1.0, "flat_var": 0.0}
+    values |= {"gain": (4.4, 4.4), "read_noise": (9.0, 9.0), "full_scale": (4095, 4095)} | changes
+    dims, mask = ("camera", "y", "x"), np.zeros((2, *shape), bool)
+    for pixel in bad:
+        mask[(slice(None), *pixel)] = True
+    data = {"bad": (dims, mask)}
+    for name, value in values.items():
+        if name in ("gain", "read_noise", "full_scale", "background_recorded"):
+            data[name] = ("camera", np.array(value))
+        else:
+            data[name] = (dims, np.broadcast_to(value, (2, *shape)).astype(np.float32))
+    return References(xr.Dataset(data, {"camera": [1, 2]}))
 
 
 def unknown(gain=(False, False), read_noise=(False, False), response=(False, False)):

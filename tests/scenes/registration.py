@@ -14,6 +14,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from erlif.registration import RegistrationSettings, views
+from erlif.registration.matching import GXX, GXY, GYY, SUMS
+from erlif.registration.pairs import Pairs, open_frames
+from erlif.registration.surface import Surface, affine_surface
+
 Array = NDArray[Any]
 Field = Callable[[Array, Array], tuple[Array, Array]]
 
@@ -251,6 +256,28 @@ def vector_rms(camera_map: Any, views: Views, inside: Array | None = None) -> fl
         inside
     ]
     return float(np.sqrt(np.mean(error**2)))
+
+
+def translation(
+    dx: float = 0.0, dy: float = 0.0, *, shape: tuple[int, int] = (128, 160)
+) -> Surface:
+    """The surface of a translation over a frame."""
+    h, w = shape
+    return affine_surface((0.0, float(w), 0.0, float(h)), np.zeros((2, 2)), np.array([dx, dy]))
+
+
+def map_views(pairs: Pairs) -> views.Views:
+    """Frames from which a map is made, on one thread; the first one is that of the start."""
+    frames = open_frames(pairs, RegistrationSettings(threads=1))
+    return views.Views(frames, next(iter(frames.pick([0]))))
+
+
+def texture_sums(shape: tuple[int, int], rng: np.random.Generator) -> Array:
+    """Cell sums of random texture, with normal matrices and without scores."""
+    sums = np.zeros((*shape, SUMS))
+    sums[..., GXX], sums[..., GYY] = rng.uniform(8, 12, shape), rng.uniform(18, 22, shape)
+    sums[..., GXY] = rng.uniform(-5, 5, shape)
+    return sums
 
 
 def drifting_frames(

@@ -3,22 +3,14 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
-import xarray as xr
+from scenes.pair import map_with, references_of
 from scenes.registration import Scene, smooth_map
 
 from erlif.core.errors import RegistrationError
 from erlif.core.flags import Flag
-from erlif.core.products import References
 from erlif.correction.light import measure_light, tabulate
 from erlif.pipeline.passes.drift import PairDrift
-from erlif.registration import (
-    CameraMap,
-    MapKind,
-    RegistrationSettings,
-    estimate_drift,
-    is_steep,
-    orient,
-)
+from erlif.registration import estimate_drift, is_steep, orient
 
 SMALL, LARGE, ODD = (160, 192), (416, 448), (411, 433)
 
@@ -27,16 +19,7 @@ def known_map(shape, orientation="normal", offset=(0.0, 0.0)):
     """The map of `smooth_map`, too small by an offset that is left as drift."""
     y, x = np.indices(shape).astype(float)
     dx, dy = smooth_map(shape)(x, y)
-    return CameraMap(
-        (dx - offset[0]).astype(np.float32),
-        (dy - offset[1]).astype(np.float32),
-        np.zeros(shape, np.float32),
-        np.ones(shape, bool),
-        np.zeros(shape, bool),
-        1.0,
-        MapKind.SURFACE,
-        settings=RegistrationSettings(orientation=orientation, threads=1),
-    )
+    return map_with(dx - offset[0], dy - offset[1], shape, orientation=orientation, threads=1)
 
 
 def photograph(shape, seed=1, stranger=False):
@@ -47,15 +30,8 @@ def photograph(shape, seed=1, stranger=False):
 
 def to_light(counts):
     """Light of cameras without dark, flat and bad pixels that saturate at 4095."""
-    dims = ("camera", "y", "x")
-    images = {name: np.zeros(counts.shape) for name in ("dark", "dark_var", "flat_var")}
-    scalars = {"gain": 4.4, "read_noise": 9.0, "full_scale": 4095}
-    references = xr.Dataset(
-        {name: (dims, image) for name, image in images.items()}
-        | {"flat": (dims, np.ones(counts.shape)), "bad": (dims, np.zeros(counts.shape, bool))}
-        | {name: ("camera", [value] * 2) for name, value in scalars.items()}
-    )
-    return measure_light(counts, tabulate(References(references), least_signal=100.0))
+    references = references_of(counts.shape[1:], dark=0.0)
+    return measure_light(counts, tabulate(references, least_signal=100.0))
 
 
 def estimate(camera_map, light):
