@@ -13,7 +13,7 @@ import xarray as xr
 
 from erlif.calibration import Calibration, check_bands
 from erlif.core.arrays import Array, Mask
-from erlif.core.detector import reading_var
+from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.errors import ConfigError
 from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, ThicknessMaps
 from erlif.core.progress import ShowProgress, choose_progress
@@ -248,7 +248,7 @@ def _add_sources(
         references[name].values[:, None, None, None] for name in ("gain", "read_noise")
     )
     signal = corrected.signal.values.astype(float)
-    reading = reading_var(read_noise, gain)
+    reading = (read_noise / gain) ** 2 + QUANTISATION_VAR
     counts = signal * flat
     of_page = np.zeros_like(dark_var)
     if "background" in references:
