@@ -6,49 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from erlif.core.errors import ModelError
 from erlif.models.oil import (
-    THESIS_80W90,
     barus_viscosity,
     density_at_pressure,
     density_at_temperature,
     fit_vogel,
-    kinematic_viscosity,
     roelands_viscosity,
     vogel_viscosity,
-    walther_viscosity,
 )
-
-
-def test_the_gear_oil_of_the_thesis():  # Farzaneh (2002), eq. 2.4 and section 2.2.2
-    npt.assert_allclose(THESIS_80W90.density, 857.1, atol=0.05)
-    npt.assert_allclose(kinematic_viscosity(0.12, density=THESIS_80W90.density), 1.4e-4)
-
-
-@pytest.mark.parametrize(("at_100", "at_25"), [(13.5e-6, 360e-6), (16e-6, 327e-6)])
-def test_walther_at_room_temperature(at_100, at_25):  # 140 cSt taken as the value at 40 C
-    found = walther_viscosity(
-        298.15, viscosity_1=140e-6, temperature_1=313.15, viscosity_2=at_100, temperature_2=373.15
-    )
-    npt.assert_allclose(found, at_25, rtol=2e-3)
-
-
-@given(st.floats(5e-6, 1e-3), st.floats(1.5, 20.0), st.floats(275, 400))
-def test_walther_passes_its_points_and_falls_between(nu, ratio, temperature):
-    points = {
-        "viscosity_1": nu * ratio,
-        "temperature_1": 313.15,
-        "viscosity_2": nu,
-        "temperature_2": 373.15,
-    }
-    npt.assert_allclose(
-        walther_viscosity(np.array([313.15, 373.15]), **points), [nu * ratio, nu], rtol=1e-9
-    )
-    assert walther_viscosity(temperature, **points) > walther_viscosity(temperature + 1, **points)
-    # ASTM D341 in its own variables: W is linear in log T
-    T = np.array([300.0, 330.0, 363.0])
-    w = np.log10(np.log10(walther_viscosity(T, **points) * 1e6 + 0.7))
-    npt.assert_allclose(w[0] - w[1], w[1] - w[2], rtol=1e-6)
 
 
 @pytest.mark.filterwarnings("ignore::erlif.core.errors.UnitWarning")  # oils thicker than any
@@ -58,21 +23,6 @@ def test_vogel_constants_come_back_from_three_points(a, b, c):
     eta = a * np.exp(b / (T - c))  # Farzaneh (2002), eq. 2.5
     npt.assert_allclose(vogel_viscosity(T, a=a, b=b, c=c), eta)
     npt.assert_allclose(fit_vogel(T, viscosities=eta), (a, b, c), rtol=1e-6)
-
-
-def test_vogel_and_walther_agree_between_their_points():
-    T = np.array([298.15, 313.15, 373.15])
-    points = {
-        "viscosity_1": 140e-6,
-        "temperature_1": 313.15,
-        "viscosity_2": 14.7e-6,
-        "temperature_2": 373.15,
-    }
-    a, b, c = fit_vogel(T, viscosities=walther_viscosity(T, **points))
-    between = np.linspace(298.15, 373.15, 20)
-    npt.assert_allclose(
-        vogel_viscosity(between, a=a, b=b, c=c), walther_viscosity(between, **points), rtol=0.01
-    )
 
 
 def test_barus_exponents_of_the_thesis_joint():
@@ -106,46 +56,3 @@ def test_density_under_pressure_and_heat():
         density_at_temperature(323.15, density=860.0, reference_temperature=313.15, expansion=7e-4),
         860 * 0.993,
     )
-
-
-@pytest.mark.parametrize(
-    ("call", "named"),
-    [
-        (lambda: vogel_viscosity(150.0, a=1e-4, b=900.0, c=170.0), "temperature must be above"),
-        (
-            lambda: fit_vogel([300.0, 300.0, 310.0], viscosities=[1.0, 0.5, 0.3]),
-            "temperatures must differ",
-        ),
-        (lambda: fit_vogel([300.0, 310.0], viscosities=[1.0, 0.5]), "three each"),
-        (lambda: fit_vogel(300.0, viscosities=0.5), r"three each, got shapes \(\) and \(\)"),
-        (
-            lambda: fit_vogel([300.0, 310.0, np.nan], viscosities=[1.0, 0.5, 0.3]),
-            "must be a number",
-        ),
-        (lambda: fit_vogel([300.0, 310.0, 320.0], viscosities=[1, 0.5, 0]), "viscosities must be"),
-        (lambda: fit_vogel([300.0, 310.0, 320.0], viscosities=[1.0, 0.8, 0.2]), "Vogel curve"),
-        (
-            lambda: roelands_viscosity(1e8, viscosity=1e-5, pressure_viscosity=2e-8),
-            "viscosity must exceed",
-        ),
-        (
-            lambda: roelands_viscosity(-3e8, viscosity=1e-1, pressure_viscosity=2e-8),
-            "pressure must exceed",
-        ),
-        (
-            lambda: walther_viscosity(
-                300.0, viscosity_1=1e-6, temperature_1=313.0, viscosity_2=1e-5, temperature_2=373.0
-            ),
-            "viscosity_1",
-        ),
-        (
-            lambda: walther_viscosity(
-                300.0, viscosity_1=1e-4, temperature_1=313.0, viscosity_2=1e-5, temperature_2=313.0
-            ),
-            "must differ",
-        ),
-    ],
-)
-def test_bad_values_are_named(call, named):
-    with pytest.raises(ModelError, match=named):
-        call()

@@ -5,7 +5,6 @@ import numpy.testing as npt
 import pytest
 from scipy.integrate import quad
 
-from erlif.core.errors import ModelError
 from erlif.models.contact import winkler_contact
 from erlif.models.friction import STEADY_WEAR_TORQUE_RATIO, truncated_cosine_torque_ratio
 from erlif.models.running_in import run_in_bushing, thin_wall_torque_ratio
@@ -88,22 +87,3 @@ def test_thin_wall_is_the_integral_of_its_pressure(group):
     q = 1e5
     clearance = group * q * 1e-3 / (1e9 * 0.01)
     npt.assert_allclose(thin_wall_torque_ratio(q, clearance=clearance, **case), true, rtol=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"sliding_distance": [1.0, 0.5]}, "rising distances"),
-        ({"sliding_distance": []}, r"rising distances without NaN, got \[\] m"),
-        ({"sliding_distance": [1e5]}, "worn through"),
-        ({"cells": 100.5}, "whole number"),
-        ({"cells": 40}, "Choose more cells"),
-        ({"modulus": -1.0}, "modulus must be positive"),
-        ({"width": np.nan}, "width must be a number"),
-        ({"modulus": 1e5}, "presses the shaft through the wall"),
-    ],
-)
-@pytest.mark.filterwarnings("ignore::erlif.core.errors.UnitWarning")
-def test_a_bushing_that_cannot_be_is_refused(changes, message):
-    with pytest.raises(ModelError, match=message):
-        run_in_bushing(100.0, **{"sliding_distance": [0.0], **PTFE, **changes})

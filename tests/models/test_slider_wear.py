@@ -287,33 +287,6 @@ def test_general_joint_wears_on_both_sides_of_the_bushing():
     npt.assert_allclose(again.rubbing[0], turn.rubbing[-1])
 
 
-@pytest.mark.parametrize(
-    ("changed", "message"),
-    [
-        ({"cycles": 0}, "cycles must be positive"),
-        ({"cycles": np.inf}, "cycles must be finite"),
-        ({"steps_per_cycle": 72.5}, "steps_per_cycle must be a whole number"),
-        ({"extrapolation": np.nan}, "extrapolation must be a number"),
-        ({"bodies": SliderCrankBodies(**MASSES)}, "pin_radius must be positive"),
-        ({"cycles": 500_000, "extrapolation": 20_000}, "worn through"),
-        ({"simulated": xr.Dataset()}, "it lacks contact_angle"),
-        ({"settling": -1}, "settling must not be negative"),
-        ({"simulated": xr.Dataset(), "contact": ContactLaw(1e9)}, "exclude each other"),
-        (
-            {"simulated": constant_cycle(1.0, 0.1).assign(rubbing=("time", np.arange(73.0)))},
-            "impacts",
-        ),
-    ],
-)
-def test_what_cannot_be_worn_is_refused(changed, message):
-    with pytest.raises(ModelError, match=message):
-        first_test(**changed) if "simulated" not in changed else wear_slider_crank(
-            LINKAGE, **CASE, cycles=10, **changed
-        )
-    with pytest.raises(ModelError, match="width must be positive"):
-        WearingJoint(width=0.0, thickness=1e-3, modulus=1e9, specific_wear=1e-13)
-
-
 SOFT = replace(PTFE, pin_specific_wear=0.0)
 LOOSE = {
     "linkage": replace(LINKAGE, clearance=1e-4),

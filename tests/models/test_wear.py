@@ -2,12 +2,10 @@
 
 import numpy as np
 import numpy.testing as npt
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from erlif.core.errors import ModelError
 from erlif.models.mechanism import CrankRocker, SliderCrank
 from erlif.models.reaction import SliderCrankBodies
 from erlif.models.wear import (
@@ -39,12 +37,6 @@ def test_volumes_by_hand():  # Farzaneh (2002), eqs. 2.1 to 2.3
     npt.assert_allclose(abrasive_wear(1e3, asperity_slope=slope, **case), 4.7746483e-6, rtol=1e-7)
     shape = {"asperity_distribution": 2.0, "particle_size": 3.0, "failure_strain": 0.5}
     npt.assert_allclose(fatigue_wear(1e3, coefficient=0.1, **shape, **case), 6e-5)
-
-
-def test_slope_of_an_asperity_lies_below_a_right_angle():
-    for slope in (-0.1, 2.0):
-        with pytest.raises(ModelError, match=rf"^asperity_slope must lie .* got {slope:g} rad"):
-            abrasive_wear(1.0, sliding_distance=1.0, hardness=1e9, asperity_slope=slope)
 
 
 @given(
@@ -156,8 +148,3 @@ def test_extrapolation_converges_to_first_order():
     npt.assert_allclose(np.divide(errors[1:], errors[:-1]), 2, rtol=0.1)
     found = mukras_wear(cycles=1001, extrapolation=500)
     npt.assert_array_equal(found.cycles, [0, 500, 1000, 1001])
-
-
-def test_too_long_a_step_is_refused():
-    with pytest.raises(ModelError, match="extrapolation must be smaller"):
-        mukras_wear(cycles=10**7, extrapolation=10**6)

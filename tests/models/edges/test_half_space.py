@@ -4,7 +4,6 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
-from erlif.core.errors import ModelError
 from erlif.models.contact import hertz_ellipse, hertz_line
 from erlif.models.edges import lundberg_profile, solve_contact
 
@@ -117,29 +116,6 @@ def test_free_tilt_brings_the_load_to_its_place():
     arm = (moved.pressure * moved.z).sum() / moved.pressure.sum()
     npt.assert_allclose(arm, 1e-3, rtol=1e-6)
     assert float(axial[-8]) > 1.1 > 1.0 > float(axial[8])
-
-
-@pytest.mark.parametrize(
-    ("options", "part"),
-    [
-        ({"load": 1.0, "approach": 1.0}, "either a load or an approach"),
-        ({}, "either a load or an approach"),
-        ({"load": -1.0}, "load must be positive"),
-        ({"load": 1.0, "free_tilt": True, "load_position": (0.0, 9.0)}, "outside the grid"),
-    ],
-)
-def test_a_contact_that_is_not_defined_is_refused(options, part):
-    with pytest.raises(ModelError, match=part):
-        solve_contact(np.zeros((4, 4)), spacing=1e-3, contact_modulus=1e9, **options)
-
-
-def test_gaps_that_are_no_gaps_are_refused():
-    with pytest.raises(ModelError, match="not finite"):
-        solve_contact([0.0, np.nan], spacing=1e-3, contact_modulus=1e9, load=1.0)
-    with pytest.raises(ModelError, match="got the shape"):
-        solve_contact(np.zeros((2, 2, 2)), spacing=1e-3, contact_modulus=1e9, load=1.0)
-    with pytest.raises(ModelError, match="neither ends nor tilt"):
-        solve_contact(np.zeros(9), spacing=1e-3, contact_modulus=1e9, load=1.0, mirror=1.0)
 
 
 def test_deflection_is_that_of_tamaas():

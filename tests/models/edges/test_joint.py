@@ -174,20 +174,6 @@ def test_search_finds_the_undercut_that_solid_elements_find():
         search_undercut(SHORT, load=1e5, depths=[0.04], widths=[0.005], lips=[0.005], **COARSE)
 
 
-@pytest.mark.parametrize(
-    ("changes", "part"),
-    [
-        ({"bushing_radius": 0.03}, "pin_radius"),
-        ({"pin_length": 0.1}, "pin_length"),
-        ({"youngs_modulus": -1.0}, "youngs_modulus"),
-        ({"undercut": Undercut(0.02, 0.015, 0.01)}, "does not fit"),
-    ],
-)
-def test_joints_that_cannot_be_are_refused(changes, part):
-    with pytest.raises(ModelError, match=part):
-        replace(THESIS, **changes)
-
-
 def test_options_that_cannot_be_are_refused(straight):
     with pytest.raises(ModelError, match="even number"):
         solve_joint(straight, load=1.0, around=33)

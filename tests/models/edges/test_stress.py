@@ -2,10 +2,8 @@
 
 import numpy as np
 import numpy.testing as npt
-import pytest
 import xarray as xr
 
-from erlif.core.errors import ModelError
 from erlif.models.edges import subsurface_stress
 
 
@@ -65,8 +63,3 @@ def test_far_stress_is_that_of_boussinesq():
     known = flat > 0
     npt.assert_allclose(found.stress_xx.to_numpy()[known], (unit * xx)[known], atol=1e-5)
     npt.assert_allclose(found.stress_xz.to_numpy()[known], (unit * xz)[known], atol=1e-5)
-
-
-def test_plane_contacts_are_refused():
-    with pytest.raises(ModelError, match="over \\(x, z\\)"):
-        subsurface_stress(xr.Dataset({"pressure": ("x", [1.0, 2.0])}), depth=1.0)

@@ -60,17 +60,3 @@ def test_standard_ratings():
         choose_motor(1e7)
     with pytest.raises(ModelError, match="series must be hp or kW"):
         choose_motor(1e3, series="PS")
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"crank_speed": 0.0}, "crank_speed must be positive"),
-        ({"torque": -1.0}, "torque must not be negative"),
-        ({"efficiency": 1.2}, "efficiency must be at most 1"),
-        ({"points": 3}, "points must be 8 at least"),
-    ],
-)
-def test_what_has_no_meaning_is_refused(change, message):
-    with pytest.raises(ModelError, match=message):
-        drive_power(RIG, **({"crank_speed": SPEED, "torque": TORQUE} | change))

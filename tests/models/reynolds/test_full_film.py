@@ -2,9 +2,7 @@
 
 import numpy as np
 import numpy.testing as npt
-import pytest
 
-from erlif.core.errors import ModelError
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal, Motion, crank_motion, solve_journal
 from erlif.models.reynolds.full_film import FullFilm, follow_full_film
@@ -69,15 +67,3 @@ def test_lowest_pressure_is_that_of_the_film():
         film = 1 - solved.displacement_load.values[-1:] / JOINT.clearance
         bound = FullFilm.of(JOINT).lowest_pressure(film, np.array([[222.4, 0.0]]))[0]
         npt.assert_allclose(float(solved.pressure.min()), bound, rtol=0.01)
-
-
-def test_form_without_such_an_orbit_is_refused():
-    rough = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, roughness=1e-6)
-    with pytest.raises(ModelError, match="roughness"):
-        FullFilm.of(rough)
-
-
-def test_start_outside_the_clearance_is_refused():
-    motion = Motion(np.linspace(0.0, 1.0, 11), angle=np.zeros(11), load=222.4)
-    with pytest.raises(ModelError, match="outside the clearance"):
-        follow_full_film(JOINT, motion, start=np.array([[231e-6, 0.0]]))

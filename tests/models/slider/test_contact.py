@@ -6,7 +6,6 @@ import pytest
 import xarray as xr
 from scipy.integrate import quad
 
-from erlif.core.errors import ModelError
 from erlif.models.slider.contact import ContactLaw, RoundBore, WornBore
 
 LAW = ContactLaw(6.523e8)
@@ -85,20 +84,3 @@ def test_pin_rests_where_the_contact_carries_the_force(phi):
         angles = (np.cos(phi), np.sin(phi), 1.3)
         found = bore.press(*bore.rest(-80.0, 30.0, *angles), *angles)
         npt.assert_allclose((found.force * found.x, found.force * found.y), (-80.0, 30.0))
-
-
-@pytest.mark.parametrize(
-    ("clearance", "worn", "message"),
-    [
-        (0.0, profile(36), "clearance must be positive where the joint is worn"),
-        (GAP, profile(36).drop_vars("pin_depth"), "worn must be one profile"),
-        (GAP, profile(36).expand_dims(cycle=2), "isel"),
-        (GAP, profile(12), "24 cells or more"),
-        (GAP, profile(36).assign_coords(angle=np.arange(36.0)), "round the bushing once"),
-        (GAP, profile(36, depth=-1e-6), "numbers and not negative"),
-        (GAP, profile(36, depth=np.nan), "numbers and not negative"),
-    ],
-)
-def test_profiles_without_a_meaning_are_refused(clearance, worn, message):
-    with pytest.raises(ModelError, match=message):
-        WornBore(LAW, clearance, worn)
