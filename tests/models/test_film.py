@@ -12,7 +12,6 @@ from erlif.models.contact import conformal_radius, contact_modulus, hertz_line
 from erlif.models.film import (
     LUBRICATION_REGIMES,
     dowson_higginson_film,
-    film_parameter,
     hamrock_dowson_film,
     isoviscous_rigid_film,
     line_contact_film,
@@ -38,33 +37,20 @@ def thesis_case(load, **changes):
     return {**case, "load_per_length": load / LENGTH, **changes}
 
 
-@pytest.mark.parametrize(("load", "micrometre"), [(222.5e3, 0.7007), (444.8e3, 0.6404)])
-def test_eq_2_8_as_the_thesis_writes_it(load, micrometre):  # Farzaneh (2002), eq. 2.8
-    npt.assert_allclose(thesis_film(0.084, **thesis_case(load)) * 1e6, micrometre, rtol=1e-4)
-
-
-@pytest.mark.parametrize(("load", "micrometre"), [(222.5e3, 0.6863), (444.8e3, 0.6272)])
-def test_eq_2_8_in_the_standard_form(load, micrometre):  # Dowson and Higginson (1966)
-    npt.assert_allclose(
-        dowson_higginson_film(0.042, **thesis_case(load)) * 1e6, micrometre, rtol=1e-4
-    )
-
-
 @pytest.mark.parametrize(
-    ("form", "speed", "load", "alpha"),
+    ("form", "speed", "load", "micrometre", "alpha"),
     [
-        (thesis_film, 0.084, 222.5e3, 1.2345e-8),
-        (thesis_film, 0.084, 444.8e3, 1.4585e-8),
-        (dowson_higginson_film, 0.042, 222.5e3, 1.2830e-8),
-        (dowson_higginson_film, 0.042, 444.8e3, 1.5158e-8),
+        (thesis_film, 0.084, 222.5e3, 0.7007, 1.2345e-8),
+        (thesis_film, 0.084, 444.8e3, 0.6404, 1.4585e-8),
+        (dowson_higginson_film, 0.042, 222.5e3, 0.6863, 1.2830e-8),
+        (dowson_higginson_film, 0.042, 444.8e3, 0.6272, 1.5158e-8),
     ],
 )
-def test_the_printed_film_of_the_thesis_needs_these_alphas(
-    form, speed, load, alpha
-):  # 0.54 um, section 2.2.2
-    npt.assert_allclose(
-        form(speed, **thesis_case(load, pressure_viscosity=alpha)), 0.54e-6, rtol=1e-4
-    )
+def test_eq_2_8_as_printed_and_in_the_standard_form(form, speed, load, micrometre, alpha):
+    """Farzaneh (2002), eq. 2.8; Dowson and Higginson (1966); alphas of the printed 0.54 um."""
+    npt.assert_allclose(form(speed, **thesis_case(load)) * 1e6, micrometre, rtol=1e-4)
+    printed = form(speed, **thesis_case(load, pressure_viscosity=alpha))
+    npt.assert_allclose(printed, 0.54e-6, rtol=1e-4)
 
 
 # modulus, lbf, gE, gV, four films [um], regime; at half of 0.0842 m/s, computed apart from erlif
@@ -132,32 +118,18 @@ def test_notes_report_a_reversal_of_motion():
     assert any("No stroke given" in note for note in found.notes)
 
 
-def test_missing_load_gives_no_regime():
-    load = np.array([np.nan, 50 * LBF / LENGTH])
-    found = line_contact_film(
-        0.0421, **thesis_case(1.0, load_per_length=load, contact_modulus=ACRYLIC)
-    )
-    assert np.isnan(found.film[0])
-    assert list(found.regime) == ["", "isoviscous-rigid"]
-
-
 def test_regimes_broadcast_and_keep_coordinates():
-    load = xr.DataArray(
-        [50 * LBF / LENGTH, 1333 * LBF / LENGTH], dims="load", coords={"load": [50, 1333]}
-    )
-    found = line_contact_film(
-        0.0421, **thesis_case(1.0, load_per_length=load, contact_modulus=ACRYLIC)
-    )
+    load = [50 * LBF / LENGTH, 1333 * LBF / LENGTH, np.nan]
+    acrylic = thesis_case(1.0, contact_modulus=ACRYLIC)
+    loads = xr.DataArray(load, dims="load", coords={"load": [50, 1333, 0]})
+    found = line_contact_film(0.0421, **acrylic | {"load_per_length": loads})
     assert isinstance(found.film, xr.DataArray)
-    assert list(found.regime.sel(load=[1333, 50]).values) == [
-        "isoviscous-elastic",
-        "isoviscous-rigid",
-    ]
+    names = ["isoviscous-elastic", "isoviscous-rigid", ""]
+    assert list(found.regime.sel(load=[1333, 50, 0]).values) == names
+    assert np.isnan(found.film[2])
     speed = np.full((3, 1), 0.0421)
-    found = line_contact_film(
-        speed, **thesis_case(1.0, load_per_length=load.values, contact_modulus=ACRYLIC)
-    )
-    assert found.regime.shape == (3, 2)
+    found = line_contact_film(speed, **acrylic | {"load_per_length": np.array(load)})
+    assert found.regime.shape == (3, 3)
 
 
 scale = st.floats(0.1, 10.0)
@@ -236,17 +208,6 @@ def test_hamrock_dowson_warns_outside_its_fit(along, across, k):
     with pytest.warns(RangeWarning, match=rf"k = 1 to 8; k = {k}") as record:
         hamrock_dowson_film(1.0, **case)
     assert record[0].filename == __file__
-
-
-def test_film_parameter_of_the_thesis():  # Farzaneh (2002), eq. 2.7: 0.54 um, prints 1.52e-6
-    roughness = 0.2512e-6
-    npt.assert_allclose(
-        film_parameter(0.54e-6, roughness_a=roughness, roughness_b=roughness), 1.52, atol=5e-4
-    )
-    npt.assert_allclose(
-        film_parameter(0.54e-6, roughness_a=0.25e-6, roughness_b=0.25e-6), 1.527, atol=5e-4
-    )
-    assert lubrication_regimes(1.52) == ("partial",)
 
 
 @pytest.mark.parametrize(

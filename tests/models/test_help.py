@@ -3,42 +3,17 @@
 import ast
 import builtins
 import doctest
-import importlib
 import inspect
 import re
 import symtable
 from dataclasses import fields, is_dataclass
 
-from erlif import models
+from scenes.formulas import public_names
 
-NOT_THEORY = {"arguments", "sources"}
 NUMBER = re.compile(r"\b(float|array|Values)\b")
 # flags, other objects, and text in arrays
 NO_NUMBER = re.compile(r"\b(bool|Groove|FILM_REGIMES)\b")
 UNIT = re.compile(r"\[[^\[\]]+\]")
-
-
-def public_names():
-    """Functions, classes and their public methods, with a name for the report."""
-    for name in sorted(set(models.__all__) - NOT_THEORY):
-        module = getattr(models, name)
-        if not inspect.ismodule(module):
-            continue
-        own = (
-            key
-            for key, value in vars(module).items()
-            if getattr(value, "__module__", "") == module.__name__ and not key.startswith("_")
-        )
-        for key in getattr(importlib.import_module(module.__name__), "__all__", own):
-            value = getattr(module, key)
-            if inspect.isfunction(value) or inspect.isclass(value):
-                yield f"{name}.{key}", value
-            if inspect.isclass(value):
-                yield from (
-                    (f"{name}.{key}.{method}", member)
-                    for method, member in vars(value).items()
-                    if inspect.isfunction(member) and not method.startswith("_")
-                )
 
 
 PUBLIC = dict(public_names())

@@ -5,6 +5,7 @@ import numpy.testing as npt
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scenes.slider_crank import SPRUNG as BODIES
 
 from erlif.core.errors import ModelError, RangeWarning, UnitWarning
 from erlif.models.mechanism import CrankRocker, SliderCrank
@@ -16,12 +17,6 @@ from erlif.models.reaction import (
 )
 
 MUKRAS = SliderCrank(crank=0.0762, coupler=0.2032)
-BODIES = {
-    "rod_mass": 0.8175,
-    "rod_inertia": 5500e-6,
-    "slider_mass": 5.5487,
-    "spring_stiffness": 525.4,
-}
 TURN = np.linspace(0, 2 * np.pi, 721)
 IN_COMPRESSION = pytest.mark.filterwarnings("ignore::erlif.core.errors.RangeWarning")
 """Balances hold for a pin that pushes its rod as well."""

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.slider_crank import MASSES
 from scipy.integrate import quad
 
 from erlif.core.errors import ModelError
@@ -18,7 +19,6 @@ from erlif.models.slider_dynamics import ContactLaw, simulate_slider_crank
 from erlif.models.slider_wear import WearingJoint, bound_extrapolation, wear_slider_crank
 
 LINKAGE = SliderCrank(crank=0.0762, coupler=0.2032, clearance=10e-6)
-MASSES = {"rod_mass": 0.8175, "rod_inertia": 5500e-6, "slider_mass": 5.5487}
 BODIES = SliderCrankBodies(
     **MASSES, spring_stiffness=525.4, spring_preload=47.248, friction=0.15, pin_radius=9.525e-3
 )

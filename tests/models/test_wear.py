@@ -4,6 +4,7 @@ import numpy as np
 import numpy.testing as npt
 from hypothesis import given
 from hypothesis import strategies as st
+from scenes.slider_crank import SPRUNG
 from scipy.integrate import quad
 
 from erlif.models.mechanism import CrankRocker, SliderCrank
@@ -96,13 +97,7 @@ MUKRAS = SliderCrank(crank=0.0762, coupler=0.2032)
 
 
 def mukras_wear(*, preload=68.354, cycles=32_000, width=8.468e-3, **options):
-    bodies = SliderCrankBodies(
-        rod_mass=0.8175,
-        rod_inertia=5500e-6,
-        slider_mass=5.5487,
-        spring_stiffness=525.4,
-        spring_preload=preload,
-    )
+    bodies = SliderCrankBodies(**SPRUNG, spring_preload=preload)
     return coupled_wear(
         options.pop("linkage", MUKRAS),
         crank_speed=np.pi,

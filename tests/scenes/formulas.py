@@ -3,7 +3,9 @@
 A case is a dictionary of scalar arguments in SI units, well inside the range of the formula.
 """
 
-from collections.abc import Callable, Iterable
+import importlib
+import inspect
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import fields, is_dataclass
 from inspect import signature
 from typing import Any
@@ -13,9 +15,33 @@ import numpy.testing as npt
 import pytest
 import xarray as xr
 
+from erlif import models
 from erlif.core.errors import ModelError
 
 Case = dict[str, Any]
+
+
+def public_names() -> Iterator[tuple[str, Any]]:
+    """Functions, classes and their public methods, with a name for the report."""
+    for name in sorted(set(models.__all__) - {"arguments", "sources"}):
+        module = getattr(models, name)
+        if not inspect.ismodule(module):
+            continue
+        own = (
+            key
+            for key, value in vars(module).items()
+            if getattr(value, "__module__", "") == module.__name__ and not key.startswith("_")
+        )
+        for key in getattr(importlib.import_module(module.__name__), "__all__", own):
+            value = getattr(module, key)
+            if inspect.isfunction(value) or inspect.isclass(value):
+                yield f"{name}.{key}", value
+            if inspect.isclass(value):
+                yield from (
+                    (f"{name}.{key}.{method}", member)
+                    for method, member in vars(value).items()
+                    if inspect.isfunction(member) and not method.startswith("_")
+                )
 
 
 def evaluate(formula: Callable[..., Any], case: Case) -> list[Any]:

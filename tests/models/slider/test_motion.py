@@ -4,17 +4,11 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.slider_crank import BODIES, CRANK_INERTIA, PTFE, RUBBED, linkage, slowed
 from scipy.interpolate import CubicSpline
 
-from erlif.models.mechanism import SliderCrank
 from erlif.models.reaction import SliderCrankBodies, joint_reaction
 from erlif.models.slider_dynamics import ContactLaw, simulate_slider_crank
-
-MASSES = {"rod_mass": 0.8175, "rod_inertia": 5500e-6, "slider_mass": 5.5487}
-BODIES = MASSES | {"spring_stiffness": 525.4, "spring_preload": 68.354}
-RUBBED = SliderCrankBodies(**BODIES, friction=0.15, pin_radius=9.525e-3)
-CRANK_INERTIA = 204e-6 + 0.4045 * 0.0381**2  # Mukras et al. (2008), Table 1
-PTFE = ContactLaw(stiffness=6.523e8)  # eqs. 12 and 13 with the moduli of Table 2 in GPa
 
 ANGLE = (np.arange(72) - 36) * 2 * np.pi / 72
 PROFILES = xr.Dataset(
@@ -25,14 +19,6 @@ PROFILES = xr.Dataset(
     {"angle": ANGLE},
 )
 WORN = {"contact": PTFE, "worn": PROFILES}
-
-
-def linkage(clearance=0.0):
-    return SliderCrank(crank=0.0762, coupler=0.2032, clearance=clearance)
-
-
-def slowed(_time, angle):
-    return 2.0 + np.sin(angle)
 
 
 def wall_energy(found, worn):
