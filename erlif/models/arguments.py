@@ -176,6 +176,26 @@ def require_known(**arguments: Values) -> None:
             raise ModelError(f"{name} must be a number, got NaN.")
 
 
+def for_each(count: int, **argument: Values) -> Values:
+    """One value for each of several things, from a single one or as many.
+
+    Refuses another number of them, and NaN.
+
+    Examples
+    --------
+    >>> for_each(3, relative_std=0.01)
+    array([0.01, 0.01, 0.01])
+    """
+    ((name, value),) = argument.items()
+    values = np.asarray(value, float)
+    if values.shape not in ((), (count,)) or np.any(np.isnan(values)):
+        raise ModelError(
+            f"{name} must be one number, or one for each of {count} without NaN, got shape "
+            f"{values.shape}."
+        )
+    return np.broadcast_to(values, (count,))
+
+
 @dataclass(frozen=True)
 class _Scale:
     """Orders of magnitude that a quantity takes in machines, and the units it is often given in."""

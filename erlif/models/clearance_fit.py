@@ -11,7 +11,7 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
-from erlif.models.arguments import Values, formula, require_between, require_positive
+from erlif.models.arguments import Values, for_each, formula, require_between, require_positive
 from erlif.models.running_in import thin_wall_torque_ratio
 
 _RANGE = (4e5, 9e12)
@@ -151,8 +151,8 @@ def fit_clearances(
             "clearance must differ between bushings: equal ones do not separate friction and "
             "stiffness. Measure bushings of other clearances."
         )
-    torque_std = _spread("friction_std", friction_std, measured.size)
-    place_std = _spread("clearance_std", clearance_std, measured.size)
+    torque_std = for_each(measured.size, friction_std=friction_std)
+    place_std = for_each(measured.size, clearance_std=clearance_std)
     wall = {
         "load_per_length": load_per_length,
         "shaft_radius": shaft_radius,
@@ -225,14 +225,3 @@ def _fit_friction(
         friction = np.sum(shape * measured / variance, axis=1) / weight
     left = np.sum((measured - friction[:, None] * shape) ** 2 / variance, axis=1)
     return friction, weight**-0.5, left
-
-
-def _spread(name: str, std: Values, bushings: int) -> Array:
-    """A standard deviation for each bushing."""
-    given = np.asarray(std, float)
-    if given.shape not in ((), (bushings,)) or np.any(np.isnan(given)):
-        raise ModelError(
-            f"{name} must be one number, or one for each bushing without NaN, got shape "
-            f"{given.shape} for {bushings} bushings."
-        )
-    return np.broadcast_to(given, (bushings,))

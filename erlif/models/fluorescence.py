@@ -7,6 +7,8 @@ section 5.1, with reabsorption in both bands; Hidrovo and Hart (2001).
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from erlif.core.arrays import Array
@@ -38,7 +40,7 @@ def mean_transmission(depth: Values) -> Values:
     >>> mean_transmission([0.0, np.log(2), 1e3]).round(4)
     array([1.    , 0.7213, 0.001 ])
     """
-    return _transmission(_float64(depth))
+    return _evaluate(_mean_transmission, depth)
 
 
 @formula(depth="signed number")
@@ -57,10 +59,7 @@ def mean_transmission_log_slope(depth: Values) -> Values:
     >>> mean_transmission_log_slope(0.0), mean_transmission_log_slope(100.0)
     (-0.5, -0.01)
     """
-    x = _float64(depth)
-    if hasattr(x, "dims"):
-        return x.copy(data=_mean_transmission_log_slope(x.data))
-    return _mean_transmission_log_slope(x)
+    return _evaluate(_mean_transmission_log_slope, depth)
 
 
 @formula(thickness="signed number")
@@ -132,8 +131,8 @@ def log_band_ratio(
     t = _float64(thickness)
     return (
         np.log(ratio_at_zero)
-        + np.log(_transmission(attenuation_camera2 * t))
-        - np.log(_transmission(attenuation_camera1 * t))
+        + np.log(_evaluate(_mean_transmission, attenuation_camera2 * t))
+        - np.log(_evaluate(_mean_transmission, attenuation_camera1 * t))
     )
 
 
@@ -223,9 +222,10 @@ def _float64(value: Values) -> Values:
     return value.astype(float) if hasattr(value, "dims") else np.asarray(value, float)
 
 
-def _transmission(x: Values) -> Values:
-    """`mean_transmission` of numbers in double precision; a fit takes it thousands of times."""
-    return x.copy(data=_mean_transmission(x.data)) if hasattr(x, "dims") else _mean_transmission(x)
+def _evaluate(function: Callable[[Array], Array], x: Values) -> Values:
+    """A function of optical depths; a fit takes it thousands of times."""
+    x = _float64(x)
+    return x.copy(data=function(x.data)) if hasattr(x, "dims") else function(x)
 
 
 def _mean_transmission(x: Array) -> Array:

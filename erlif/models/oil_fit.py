@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from erlif.core.errors import ModelError
-from erlif.models.arguments import Values, formula, warn_of_units
+from erlif.models.arguments import Values, for_each, formula, warn_of_units
 from erlif.models.oil import VogelConstants
 
 _WALTHER_SHIFT = 0.7
@@ -266,15 +266,7 @@ def fit_viscosity(
     if np.any(np.isnan(T)) or np.any(np.isnan(viscosity)):
         raise ModelError("temperatures and viscosities must not be NaN. Leave those points out.")
 
-    spread = np.ones(T.shape)
-    if relative_std is not None:
-        given = np.asarray(relative_std, float)
-        if given.shape not in ((), T.shape) or np.any(np.isnan(given)):
-            raise ModelError(
-                "relative_std must be one number, or one for each viscosity without NaN, got "
-                f"shape {given.shape} for {T.size} viscosities."
-            )
-        spread = np.broadcast_to(given, T.shape)
+    spread = for_each(T.size, relative_std=1.0 if relative_std is None else relative_std)
     warn_of_units(_QUANTITY[law], viscosities=viscosities)
     fit = _fit_vogel if law == "vogel" else _fit_walther
     values, slopes, residuals = fit(T, viscosity, spread)

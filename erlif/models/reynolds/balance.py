@@ -90,10 +90,6 @@ class Medium:
         """Reduced pressure of a partly void cell. [Pa]"""
         return self.fluid.reduced(float(self.cavitation_pressure))
 
-    def pressure(self, reduced: Array) -> tuple[Array, Array | float]:
-        """Pressure relative to ambient, and its derivative by the reduced pressure."""
-        return self.fluid.pressure(reduced)
-
 
 @dataclass(frozen=True)
 class State:
@@ -313,7 +309,7 @@ class _Newton:
         """Film and flow at the present position and pressure."""
         medium, step = self.medium, self.step
         self.walls = displaced(step, self.position)
-        self.pressure, self.slope = medium.pressure(self.reduced)
+        self.pressure, self.slope = medium.fluid.pressure(self.reduced)
         if medium.foundation is not None:
             # a pressure below that of cavitation is about to be raised to it
             held = np.maximum(self.pressure, medium.cavitation_pressure)
@@ -380,7 +376,7 @@ class _Newton:
         if self.medium.foundation is not None:
             self.moved()
         else:
-            self.pressure, self.slope = self.medium.pressure(self.reduced)
+            self.pressure, self.slope = self.medium.fluid.pressure(self.reduced)
             self.flow()
         return True
 

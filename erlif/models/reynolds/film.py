@@ -8,7 +8,7 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.described import describe_by
 from erlif.core.errors import ModelError
-from erlif.models.arguments import Values, formula, warn_of_units
+from erlif.models.arguments import Values, for_each, formula, warn_of_units
 from erlif.models.reynolds.balance import (
     Medium,
     NoConvergenceError,
@@ -118,8 +118,8 @@ def solve_film(
     films = _checked_films(film, time)
     number = films.shape[0]
     times = np.zeros(1) if time is None else np.asarray(time, dtype=float)
-    speeds = _over_time("entrainment", entrainment, number)
-    loads = None if load is None else _over_time("load", load, number)
+    speeds = for_each(number, entrainment=entrainment)
+    loads = None if load is None else for_each(number, load=load)
     if cavitation_pressure > 0:
         raise ModelError(
             "cavitation_pressure is relative to ambient and at most 0, got "
@@ -179,14 +179,6 @@ def _checked_void(void_fraction: Values, film_rate: Array) -> Array:
             f"{void.shape}."
         )
     return void.reshape(film_rate.shape)
-
-
-def _over_time(name: str, value: Values, number: int) -> Array:
-    """One value for each film."""
-    values = np.asarray(value, dtype=float)
-    if values.ndim and values.shape != (number,):
-        raise ModelError(f"{name} must have one value for each of {number} films.")
-    return np.broadcast_to(values, (number,))
 
 
 def _grid(shape: tuple[int, ...], length: float, width: float | None, closed: bool) -> Grid:
@@ -280,7 +272,7 @@ def _dataset(course: _Course, states: list[State], *, with_time: bool, wide: boo
     medium, grid = course.medium, course.medium.grid
     rows: list[dict[str, Any]] = []
     for k, state in enumerate(states):
-        pressure = np.array(medium.pressure(state.reduced)[0])
+        pressure = np.array(medium.fluid.pressure(state.reduced)[0])
         (force,) = forces(medium, [course.unit], pressure)
         x = (np.arange(grid.along) + 0.5) * grid.dx
         moment = float(x @ pressure @ grid.area)

@@ -114,7 +114,7 @@ class Rotation:
     def force(self, state: State) -> Array:
         """Force of a film on the pin along both axes. [N]"""
         medium = self.bearing.medium
-        return forces(medium, self.axes, medium.pressure(state.reduced)[0])
+        return forces(medium, self.axes, medium.fluid.pressure(state.reduced)[0])
 
     def along_the_gap(self, load: float) -> tuple[State, Array]:
         """Displacement whose force is the load, with the supply at the largest gap."""
@@ -149,7 +149,7 @@ class Rotation:
 def _describe(case: Rotation, state: State, position: Array) -> "xr.Dataset":
     """The results with units."""
     journal, medium = case.bearing.journal, case.bearing.medium
-    pressure, _ = medium.pressure(state.reduced)
+    pressure, _ = medium.fluid.pressure(state.reduced)
     force = case.force(state)
     size = float(np.hypot(*position))
     if state.position.size == 0:

@@ -414,7 +414,7 @@ class Ride:
         table["oil_volume"][k] = medium.images * (state.content @ medium.grid.area).sum()
         if k == 0:
             return
-        pressure, _ = medium.pressure(state.reduced)
+        pressure, _ = medium.fluid.pressure(state.reduced)
         along, across = forces(medium, bearing.directions(self.halfway, 0.0), pressure)
         found = {
             "peak_pressure": pressure.max(),
@@ -498,7 +498,7 @@ class Ride:
     def picture(self) -> tuple[Array, Array, Array]:
         """Film, pressure and void fraction at places at rest in the image, whole length."""
         bearing, state = self.bearing, self.state
-        pressure, _ = bearing.medium.pressure(state.reduced)
+        pressure, _ = bearing.medium.fluid.pressure(state.reduced)
         fraction = np.clip(state.void / state.walls.centre, 0.0, 1.0)
         turned = self.turned(self.instant)
         shape = fraction.shape
@@ -530,7 +530,7 @@ def losses(medium: Medium, state: State, speed: float, radius: float) -> dict[st
     """
     grid, area = medium.grid, medium.images * medium.grid.area
     walls = state.middle or state.walls
-    pressure, _ = medium.pressure(state.reduced)
+    pressure, _ = medium.fluid.pressure(state.reduced)
     viscosity = medium.fluid.viscosity_at(pressure)
     filled = 1 - np.clip(state.void / state.walls.centre, 0.0, 1.0)
     shear = speed * float(((viscosity * filled / walls.centre) @ area).sum())
