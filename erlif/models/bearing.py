@@ -726,9 +726,5 @@ def press_fit_displacement(
     k_h = (housing_diameter**2 + fit_diameter**2) / (housing_diameter**2 - fit_diameter**2)
     k_b = (fit_diameter**2 + bore**2) / (fit_diameter**2 - bore**2)
     compliance = (k_h + poisson_housing) / youngs_housing + (k_b - poisson_bushing) / youngs_bushing
-    return (
-        -interference
-        * bore
-        * fit_diameter
-        / (youngs_bushing * (fit_diameter**2 - bore**2) * compliance)
-    )
+    stiffness = youngs_bushing * (fit_diameter**2 - bore**2) * compliance
+    return -interference * bore * fit_diameter / stiffness

@@ -160,7 +160,13 @@ def simulate_slider_crank(
     states, impact_speeds, touches = _integrate(model, start, times, crank_speed, tolerance)
 
     rows = [model.describe(*one) for one in zip(times, states, impact_speeds, strict=True)]
-    found = _dataset(times, {name: np.array([row[name] for row in rows]) for name in rows[0]})
+    found = describe(
+        {
+            name: ("time", np.array([row[name] for row in rows]), unit, text)
+            for name, (unit, text) in _VARIABLES.items()
+        },
+        {"time": ("time", times, "s", "time")},
+    )
     if contact is None and linkage.clearance > 0:
         pull = -found.force_x * np.cos(found.rod_angle) - found.force_y * np.sin(found.rod_angle)
         warn_of_compression(found.crank_angle.values, pull=pull.values)
@@ -242,10 +248,3 @@ def _end_of_contact(
 
 _touch.terminal, _touch.direction = True, 1.0  # type: ignore[attr-defined]
 _end_of_contact.terminal, _end_of_contact.direction = True, -1.0  # type: ignore[attr-defined]
-
-
-def _dataset(times: Array, columns: dict[str, Array]) -> xr.Dataset:
-    return describe(
-        {name: ("time", columns[name], unit, text) for name, (unit, text) in _VARIABLES.items()},
-        {"time": ("time", times, "s", "time")},
-    )

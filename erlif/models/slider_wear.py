@@ -184,6 +184,8 @@ def wear_slider_crank(
     >>> print(f"{worn.worn_volume[-1] * 2200 * 1e3:.2f} g")
     0.27 g
     """
+    import xarray as xr
+
     require_single(**vars(bodies))
     require_known(**vars(bodies))
     require_positive(pin_radius=bodies.pin_radius)
@@ -194,15 +196,22 @@ def wear_slider_crank(
         if simulated is not None:
             return _simulated_cycle(simulated)
         if contact is not None:
-            return _general_cycle(
+            known = worn if coupled else {name: 0 * depth for name, depth in worn.items()}
+            found = simulate_slider_crank(
                 linkage,
-                crank_speed,
-                bodies,
+                bodies=bodies,
+                crank_speed=crank_speed,
+                duration=(1 + settling) * 2 * np.pi / crank_speed,
                 contact=contact,
-                worn=worn if coupled else {name: 0 * depth for name, depth in worn.items()},
-                settling=settling,
-                steps=steps_per_cycle,
+                worn=xr.Dataset(
+                    {name: ("angle", depth) for name, depth in known.items()},
+                    {"angle": wall.angle},
+                ),
+                tolerance=_TOLERANCE,
+                samples=(1 + settling) * steps_per_cycle + 1,
             )
+            # the turn after those in which the joint settles
+            return _simulated_cycle(found.isel(time=slice(settling * steps_per_cycle, None)))
         longer = replace(linkage, clearance=clearance if coupled else linkage.clearance)
         return _reaction_cycle(longer, crank_speed, bodies, steps_per_cycle)
 
@@ -254,51 +263,17 @@ def _simulated_cycle(found: xr.Dataset) -> _Cycle:
     sliding = share * np.abs(found.slip_speed.values)
     normal = found.normal.values
     if "rubbing" in found:
-        sliding = sliding * _correct_path(
-            float(np.ptp(found.rubbing.values)), float(sliding @ normal)
-        )
+        # the friction path of the motion is kept
+        path, sampled = float(np.ptp(found.rubbing.values)), float(sliding @ normal)
+        if abs(sampled - path) > _COARSE * path:
+            raise ModelError(
+                "samples of a turn must resolve its impacts: force over sliding distance is "
+                f"{sampled:.3g} N m by the samples and {path:.3g} N m by integration. Increase "
+                "samples, or steps_per_cycle."
+            )
+        sliding = sliding * (path / sampled if sampled else 1.0)
     turned = (found.crank_angle - found.rod_angle).values
     return _Cycle(normal, found.contact_angle.values, turned, sliding)
-
-
-def _correct_path(integral: float, sampled: float) -> float:
-    """Factor on the sliding distances that keeps the friction path of the motion."""
-    if abs(sampled - integral) > _COARSE * integral:
-        raise ModelError(
-            "samples of a turn must resolve its impacts: force over sliding distance is "
-            f"{sampled:.3g} N m by the samples and {integral:.3g} N m by integration. Increase "
-            "samples, or steps_per_cycle."
-        )
-    return integral / sampled if sampled else 1.0
-
-
-def _general_cycle(
-    linkage: SliderCrank,
-    crank_speed: float,
-    bodies: SliderCrankBodies,
-    *,
-    contact: ContactLaw,
-    worn: dict[str, Array],
-    settling: int,
-    steps: int,
-) -> _Cycle:
-    """Cycle of the general joint with worn profiles, after the turns in which it settles."""
-    import xarray as xr
-
-    cells = worn["depth"].size
-    angle = (np.arange(cells) - cells // 2) * 2 * np.pi / cells
-    turns = 1 + settling
-    found = simulate_slider_crank(
-        linkage,
-        bodies=bodies,
-        crank_speed=crank_speed,
-        duration=turns * 2 * np.pi / crank_speed,
-        contact=contact,
-        worn=xr.Dataset({name: ("angle", depth) for name, depth in worn.items()}, {"angle": angle}),
-        tolerance=_TOLERANCE,
-        samples=turns * steps + 1,
-    )
-    return _simulated_cycle(found.isel(time=slice(settling * steps, None)))
 
 
 def _wear(

@@ -134,7 +134,10 @@ def published_numbers() -> tuple[PublishedNumber, ...]:
         PublishedNumber(
             **row
             | {
-                "within": float(row["within"] or _half_last_digit(row["printed"])),
+                # half a unit of the last digit of a decimal number
+                "within": float(
+                    row["within"] or 0.5 * 10.0 ** -len(row["printed"].partition(".")[2])
+                ),
                 "computed": float(MODELS[row["model"]]()),
             }
         )
@@ -207,11 +210,6 @@ def _table(name: str) -> list[dict[str, Any]]:
     return list(
         csv.DictReader((files("erlif.models") / name).read_text(encoding="utf-8").splitlines())
     )
-
-
-def _half_last_digit(printed: str) -> float:
-    """Half a unit of the last digit of a decimal number."""
-    return 0.5 * 10.0 ** -len(printed.partition(".")[2])
 
 
 def _film(pressure_viscosity: float) -> Values:

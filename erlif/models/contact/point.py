@@ -228,16 +228,8 @@ def thesis_ellipse(
     >>> print(f"{found.pressure / 1e6:.0f} MPa")
     1024 MPa
     """
-    axis_ratio = (radius / radius_across) ** (2 / 3)
-    return _ellipse(
-        load,
-        radius,
-        radius_across,
-        contact_modulus,
-        axis_ratio=axis_ratio,
-        F1=THESIS_F1,
-        F2=THESIS_F2,
-    )
+    found = {"axis_ratio": (radius / radius_across) ** (2 / 3), "F1": THESIS_F1, "F2": THESIS_F2}
+    return _ellipse(load, radius, radius_across, contact_modulus, **found)
 
 
 def _ellipse(

@@ -6,6 +6,7 @@ the bending of the pin, the free ends and the lip of an undercut are part of the
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -227,25 +228,11 @@ def prepare_joint(
     if whole:
         cells, places, lines = (_mirrored(each) for each in (cells, places, lines))
         spans = [(-span[1], -span[0]), span]
-    body = Section(
-        pin_radii,
-        places,
-        joint.pin_radius,
-        joint.pin_youngs_modulus,
-        joint.pin_poisson,
-        clamped=False,
-        symmetric=not whole,
-    )
-    ring = Section(
-        radii,
-        lines,
-        joint.bushing_radius,
-        joint.youngs_modulus,
-        joint.poisson,
-        clamped=True,
-        symmetric=not whole,
-        cut=cut,
-    )
+    section = partial(Section, symmetric=not whole)
+    pin_material = joint.pin_youngs_modulus, joint.pin_poisson
+    body = section(pin_radii, places, joint.pin_radius, *pin_material, clamped=False)
+    material = joint.youngs_modulus, joint.poisson
+    ring = section(radii, lines, joint.bushing_radius, *material, clamped=True, cut=cut)
     if pin is None:
         pin = compute_compliance(body, cells, harmonics=harmonics, load_spans=spans)
     bushing = compute_compliance(ring, cells, harmonics=harmonics)
