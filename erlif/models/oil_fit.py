@@ -71,11 +71,10 @@ class ViscosityFit:
     ----------
     law : str
         ``"vogel"`` or ``"walther"``.
-    constants : dict[str, float]
-        a [Pa s], b [K] and c [K] of `erlif.models.oil.vogel_viscosity`; or A [1] and B [1] of
-        log10 log10(nu + 0.7) = A - B log10 T, with nu in mm2/s and T in K.
-    std : dict[str, float]
-        Standard deviations of the constants, in the same units. [Pa s and K, or 1]
+    constants, std : dict[str, float]
+        a [Pa s], b [K] and c [K] of `erlif.models.oil.vogel_viscosity`, or A [1] and B [1] of
+        log10 log10(nu + 0.7) = A - B log10 T, with nu in mm2/s and T in K; and their standard
+        deviations.
     covariance : array of shape (k, k)
         Of ln a, b and c, or of A and B. [1 and K, or 1]
     scatter : float

@@ -121,9 +121,7 @@ def joint_reaction(
 
     >>> from erlif.models.mechanism import SliderCrank
     >>> from erlif.models.reaction import SliderCrankBodies
-    >>> bodies = SliderCrankBodies(
-    ...     rod_mass=0.8175, rod_inertia=5.5e-3, slider_mass=5.5487, spring_preload=68.354
-    ... )
+    >>> bodies = SliderCrankBodies(0.8175, 5.5e-3, 5.5487, spring_preload=68.354)
     >>> found = joint_reaction(
     ...     SliderCrank(crank=0.0762, coupler=0.2032),
     ...     crank_angle=0.0,
@@ -232,8 +230,6 @@ def coupler_force(linkage: CrankRocker, *, crank_angle: Values, rocker_torque: V
 
     Parameters
     ----------
-    linkage : CrankRocker
-        Lengths of the linkage. [m]
     rocker_torque : float or array
         Torque T on the rocker. [N m]
 

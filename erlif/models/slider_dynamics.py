@@ -132,9 +132,7 @@ def simulate_slider_crank(
 
     >>> from erlif.models.mechanism import SliderCrank
     >>> from erlif.models.reaction import SliderCrankBodies
-    >>> bodies = SliderCrankBodies(
-    ...     rod_mass=0.8175, rod_inertia=5.5e-3, slider_mass=5.5487, spring_stiffness=525.4
-    ... )
+    >>> bodies = SliderCrankBodies(0.8175, 5.5e-3, 5.5487, 525.4)
     >>> linkage = SliderCrank(crank=0.0762, coupler=0.2032)
     >>> turn = simulate_slider_crank(linkage, bodies=bodies, crank_speed=np.pi, duration=2.0)
     >>> print(f"{abs(turn.drive_work[-1]):.6f} J, {float(turn.force.max()):.1f} N")

@@ -111,10 +111,6 @@ def wear_slider_crank(
         Masses, spring, friction and the radius of the pin, single numbers.
     joint : WearingJoint
         Wall and wear rates.
-    cycles : int
-        Cycles to the end of the test.
-    extrapolation : int
-        Cycles for which one computed cycle stands, A_E of eq. 5.
     coupled : bool
         False keeps the joint unworn in the dynamics.
     simulated : xarray.Dataset, optional
@@ -126,8 +122,6 @@ def wear_slider_crank(
         `erlif.models.slider_dynamics.simulate_slider_crank` with the profiles worn so far.
     settling : int
         Turns of the general joint before the one whose forces wear it; the source has one.
-    steps_per_cycle : int
-        Crank angles of a computed cycle.
     cells : int
         Cells round bushing and pin.
 
@@ -165,14 +159,7 @@ def wear_slider_crank(
     >>> from erlif.models.mechanism import SliderCrank
     >>> from erlif.models.reaction import SliderCrankBodies
     >>> from erlif.models.slider_wear import WearingJoint
-    >>> bodies = SliderCrankBodies(
-    ...     rod_mass=0.8175,
-    ...     rod_inertia=5500e-6,
-    ...     slider_mass=5.5487,
-    ...     spring_stiffness=525.4,
-    ...     spring_preload=60.0,
-    ...     pin_radius=9.525e-3,
-    ... )
+    >>> bodies = SliderCrankBodies(0.8175, 5500e-6, 5.5487, 525.4, 60.0, pin_radius=9.525e-3)
     >>> worn = wear_slider_crank(
     ...     SliderCrank(crank=0.0762, coupler=0.2032, clearance=10e-6),
     ...     crank_speed=np.pi,

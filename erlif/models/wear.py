@@ -433,14 +433,8 @@ def coupled_wear(
         R2 and w. [m]
     specific_wear : float
         Specific wear rate k. [1/Pa]
-    cycles : int
-        Cycles to the end of the test.
-    extrapolation : int
-        Cycles for which one computed cycle stands, A_E of eq. 5.
     coupled : bool
         False keeps the joint unworn in the dynamics: the source's prediction from initial dynamics.
-    steps_per_cycle : int
-        Crank angles per computed cycle.
 
     Returns
     -------
@@ -466,13 +460,7 @@ def coupled_wear(
 
     >>> from erlif.models.mechanism import SliderCrank
     >>> from erlif.models.reaction import SliderCrankBodies
-    >>> bodies = SliderCrankBodies(
-    ...     rod_mass=0.8175,
-    ...     rod_inertia=5500e-6,
-    ...     slider_mass=5.5487,
-    ...     spring_stiffness=525.4,
-    ...     spring_preload=68.354,
-    ... )
+    >>> bodies = SliderCrankBodies(0.8175, 5500e-6, 5.5487, 525.4, 68.354)
     >>> worn = coupled_wear(
     ...     SliderCrank(crank=0.0762, coupler=0.2032),
     ...     crank_speed=np.pi,

@@ -156,7 +156,6 @@ DOORS = {
         ({"sliding_distance": [1.0, 0.5]}, "rising distances"),
         ({"sliding_distance": []}, r"rising distances without NaN, got \[\] m"),
         ({"sliding_distance": [1e5]}, "worn through"),
-        ({"cells": 100.5}, "whole number"),
         ({"cells": 40}, "Choose more cells"),
         ({"modulus": 1e5}, "presses the shaft through the wall"),
     ),
@@ -200,7 +199,6 @@ DOORS = {
         ({"crank": 0.1, "swing": 1.0}, "rocker and ground at least must be given, got crank"),
         ({"crank": 0.1, "ground": 1.0}, "two unknown lengths need a target"),
         (RIG | {"swing": 4.0}, "swing must be below half a turn"),
-        (RIG | {"swing": 0.4, "least_transmission_angle": NONE}, "must be a number"),
         (RIG | {"time_ratio": 0.9}, "time_ratio must be at least 1"),
         (RIG | {"largest_size": (0.0, 1.0)}, "largest_size must be positive"),
         (RIG | {"crank_speed": 1.0, "rocker_speed": 1.0, "speed_ratio": 1.0}, "two of the three"),
@@ -226,12 +224,9 @@ DOORS = {
     ),
     "wear of the slider-crank": (
         wear_crank,
-        ({"cycles": 0}, "cycles must be positive"),
-        ({"steps_per_cycle": 72.5}, "steps_per_cycle must be a whole number"),
         ({"bodies": replace(BODIES, pin_radius=0.0)}, "pin_radius must be positive"),
         ({"cycles": 500_000, "extrapolation": 20_000}, "worn through"),
         ({"simulated": xr.Dataset()}, "it lacks contact_angle"),
-        ({"settling": -1}, "settling must not be negative"),
         ({"simulated": CYCLE, "contact": ContactLaw(1e9)}, "exclude each other"),
         ({"simulated": CYCLE.assign(rubbing=("time", 9 * TURN))}, "impacts"),
         ({"simulated": 0 * CYCLE}, "carries no force"),
@@ -242,8 +237,6 @@ DOORS = {
     ),
     "motion of the slider-crank": (
         simulate,
-        ({"duration": 0.0}, "duration must be positive"),
-        ({"crank_speed": [1.0, 2.0]}, "crank_speed must be one number"),
         (
             {"contact": ContactLaw(1e9), "eccentricity": (NONE, 0.0)},
             "eccentricity must be two finite",
@@ -371,11 +364,8 @@ DOORS = {
     "thin clearance": (friction.thin_winkler_load, (([0.5, np.pi / 2],), "below pi/2")),
     "journal": (
         lambda **changes: replace(PIN, **changes),
-        ({"viscosity": NONE}, "viscosity must be a number"),
         ({"bushing_radius": 0.033}, "bushing_radius must exceed pin_radius"),
         ({"cavitation_pressure": 1e5}, "at most 0"),
-        ({"roughness": -1e-6}, "roughness must be positive"),
-        ({"length": [0.1, 0.2]}, "length must be one number"),
         ({"axial_shape": [0.0, 1e-6], "long": True}, "has no axial shape"),
         ({"axial_shape": [0.0]}, "two or more finite heights"),
     ),
@@ -465,7 +455,6 @@ DOORS = {
         lambda **changes: replace(BUSHING, **changes),
         ({"bushing_radius": 0.03}, "pin_radius"),
         ({"pin_length": 0.05}, "pin_length"),
-        ({"youngs_modulus": -1.0}, "youngs_modulus"),
     ),
     "undercut": (undercut, ((0.02, 0.015, 0.01), "does not fit")),
     "cells of a joint": (

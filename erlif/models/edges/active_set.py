@@ -21,10 +21,8 @@ class Contact:
 
     Attributes
     ----------
-    pressure : array
-        Pressure of the cells. [Pa]
-    deflection : array
-        Deflection of both bodies under it. [m]
+    pressure, deflection : array
+        Pressure of the cells [Pa], and deflection of both bodies under it [m].
     motion : array, (mode,)
         Amplitude of each rigid mode.
     iterations : int

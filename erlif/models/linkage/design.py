@@ -92,8 +92,6 @@ def measure_linkage(
 
     Parameters
     ----------
-    linkage : CrankRocker
-        The four lengths. [m]
     crank_speed : float, optional
         Speed of the crank, positive. [rad/s]
     rocker_speed : float, optional

@@ -79,8 +79,6 @@ def drive_power(
 
     Parameters
     ----------
-    linkage : CrankRocker
-        The four lengths. [m]
     torque : float
         Friction torque on the rocker, which opposes its motion. [N m]
     inertia : float

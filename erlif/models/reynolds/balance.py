@@ -99,18 +99,14 @@ class State:
     ----------
     position : Array
         Displacements of the body along its free directions, (free,). [m]
-    reduced : Array
-        Reduced pressure relative to ambient, (along, across). [Pa]
-    void : Array
-        Height of the void, (along, across). [m]
+    reduced, void, content : Array
+        Reduced pressure relative to ambient [Pa], height of the void, and height of the oil as the
+        flow conserves it: film less void [m]; all (along, across).
     full : Mask
         Cells without void.
-    content : Array
-        Height of the oil: film less void, as conserved by the flow. [m]
-    walls : Walls
-        The film.
-    middle : Walls or None
-        The film half a step earlier, through which the oil has flown; None without a step.
+    walls, middle : Walls
+        The film, and the film half a step earlier, through which the oil has flown; None without a
+        step.
     iterations : int
         Newton steps that it took.
     supply : float
