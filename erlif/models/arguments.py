@@ -179,7 +179,22 @@ def require_known(**arguments: Values) -> None:
 def for_each(count: int, **argument: Values) -> Values:
     """One value for each of several things, from a single one or as many.
 
-    Refuses another number of them, and NaN.
+    Parameters
+    ----------
+    count : int
+        Number of the things.
+    **argument : float or array, (count,)
+        One argument under the caller's name.
+
+    Returns
+    -------
+    array, (count,)
+        Its values.
+
+    Raises
+    ------
+    ModelError
+        Another number of values, or NaN.
 
     Examples
     --------

@@ -5,7 +5,7 @@ import numpy.testing as npt
 import pytest
 
 from erlif.models.oil import vogel_viscosity
-from erlif.models.oil_fit import fit_viscosity, sae_oil
+from erlif.models.oil_fit import fit_viscosity, iso_vg_viscosity, sae_oil
 
 T = np.array([283.15, 298.15, 313.15, 333.15, 353.15, 373.15, 393.15])
 LAW = {"a": 6e-5, "b": 950.0, "c": 178.0}
@@ -105,3 +105,7 @@ def test_engine_oil_is_the_printed_formula():
     """SAE 30: 0.0141 exp(1360 / (T + 95)) microreyn at 140 degrees Fahrenheit."""
     printed = 0.0141e-6 * 6894.757 * np.exp(1360.0 / 235.0)
     npt.assert_allclose(vogel_viscosity(333.15, **sae_oil(30)._asdict()), printed, rtol=1e-5)
+
+
+def test_grades_of_iso():
+    npt.assert_allclose(iso_vg_viscosity(46), (41.4e-6, 50.6e-6))
