@@ -85,9 +85,8 @@ def histogram_figure(survey: CountSurvey) -> Figure:
     """
     figure = style.new_figure()
     ax = figure.add_subplot()
-    for number, (histogram, (colour, *_)) in enumerate(
-        zip(survey.histograms, _LOOKS, strict=True), 1
-    ):
+    pairs = zip(survey.histograms, _LOOKS, strict=True)
+    for number, (histogram, (colour, *_)) in enumerate(pairs, 1):
         width = -(-histogram.size // _BARS)
         edges = np.arange(0, histogram.size + width, width)
         padded = np.zeros((edges.size - 1) * width)
@@ -122,15 +121,8 @@ def light_figure(survey: CountSurvey, darks: tuple[float, float]) -> Figure:
     sharpness = 100 * np.array([one.sharpness for one in survey.frames])
     for ax, values in ((upper, light), (lower, sharpness)):
         for n, (colour, marker, face) in enumerate(_LOOKS):
-            ax.plot(
-                numbers,
-                values[:, n],
-                color=colour,
-                marker=marker,
-                markerfacecolor=face,
-                linewidth=0.5,
-                label=f"{n + 1}",
-            )
+            look = {"marker": marker, "markerfacecolor": face, "label": f"{n + 1}"}
+            ax.plot(numbers, values[:, n], color=colour, linewidth=0.5, **look)
         ax.set_ylim(0, _ROOM * max(float(values.max()), 1e-9))
         ax.margins(x=0.02)
     upper.set_ylabel("median light [DN]")
@@ -164,9 +156,7 @@ def steps_figure(steps: Steps) -> Figure | None:
     axes = np.atleast_1d(np.asarray(figure.subplots(len(shown), 1, sharex=True)))
     for ax, (values, name, unit) in zip(axes, shown, strict=True):
         drawn: Array = values if name == "angle" else 1e3 * np.diff(values)
-        ax.plot(
-            np.arange(drawn.size), drawn, color=OUTWARD, marker="o", markersize=2, linewidth=0.5
-        )
+        ax.plot(np.arange(drawn.size), drawn, "o-", color=OUTWARD, markersize=2, linewidth=0.5)
         ax.set_ylabel(f"{name} [{unit}]")
         ax.ticklabel_format(axis="y", useOffset=False)
         if name == "time step":  # digits that a logger rounds are no scatter of its clock

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +16,8 @@ from erlif.core.arrays import Array
 from erlif.show.plots import style
 from erlif.show.plots.style import MUTED, ONE_COLUMN, OUTWARD, RETURN, AnyFigure, pt, styled
 
-_SHADE: dict[str, Any] = {
-    "facecolor": "#EDEDED",
-    "edgecolor": MUTED,
-    "linestyle": ":",
-    "zorder": 0,
-}
-"""Look of the calibrated range."""
+# of the calibrated range
+_SHADE: dict[str, Any] = {"facecolor": "#EDEDED", "edgecolor": MUTED, "linestyle": ":", "zorder": 0}
 
 _PANELS = (2.1, 1)  # heights of curve and residuals
 _ABOVE = 1.6  # lines of text above the curve
@@ -29,24 +25,18 @@ _GRID = 400  # points of a curve
 
 
 def _draw_points(
-    ax: Axes, x: Array, y: Array, std: Array | None, *, size: float, label: str | None = None
+    ax: Axes, x: Array, y: Array, std: Array | None, *, size: float = 1.8, label: str | None = None
 ) -> Line2D:
     """Draw points with bars of one standard deviation."""
-    bars = ax.errorbar(
-        x,
-        y,
-        std,
-        fmt="o",
-        markersize=pt(size),
-        color=OUTWARD,
-        ecolor=MUTED,
-        elinewidth=pt(0.5),
-        capsize=0,
-        label=label,
-        zorder=2,
-    )
-    line: Line2D = bars.lines[0]
+    points: dict[str, Any] = {"color": OUTWARD, "markersize": pt(size), "label": label}
+    bars: dict[str, Any] = {"ecolor": MUTED, "elinewidth": pt(0.5), "capsize": 0}
+    line: Line2D = ax.errorbar(x, y, std, fmt="o", zorder=2, **points, **bars).lines[0]
     return line
+
+
+def _draw_range(calibration: Calibration, shade: Callable[..., Artist], **look: Any) -> Artist:
+    """Shade the calibrated range across or along axes."""
+    return shade(*calibration.thickness_range, linewidth=pt(0.5), **_SHADE, **look)
 
 
 @styled
@@ -80,24 +70,16 @@ def fixture_profile(
     """
     ax = style.given_or_new(ax)
     if profile.position.ndim == 2:
-        scatter = ax.scatter(
-            profile.position[:, 0],
-            profile.position[:, 1],
-            c=profile.thickness,
-            cmap=style.colour_map("batlow"),
-            s=6,
-            linewidths=0,
-        )
+        look: dict[str, Any] = {"cmap": style.colour_map("batlow"), "s": 6, "linewidths": 0}
+        x, y = profile.position.T
+        scatter = ax.scatter(x, y, c=profile.thickness, **look)
         style.add_colour_bar(scatter, ax, "thickness by CMM [µm]", extend="neither")
         ax.set(xlabel="profile x [mm]", ylabel="profile y [mm]", aspect="equal")
         return [scatter]
 
     artists: list[Artist] = []
     if calibration is not None:
-        shade = ax.axhspan(
-            *calibration.thickness_range, linewidth=pt(0.5), **_SHADE, label="calibrated range"
-        )
-        artists.append(shade)
+        artists.append(_draw_range(calibration, ax.axhspan, label="calibrated range"))
     label = "CMM" if profile.uncertainty is None else "CMM, bars 1 s.d."
     points = _draw_points(
         ax, profile.position, profile.thickness, profile.uncertainty, size=1.6, label=label
@@ -151,30 +133,18 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
     # the band is symmetric in the logarithm of the ratio, in which the fit was made
     t = _grid(calibration)
     ratio, share = calibration.predict(t), _band(calibration, t)
-    ax.axvspan(*calibration.thickness_range, linewidth=pt(0.5), **_SHADE, label="calibrated range")
-    band = ax.fill_between(
-        t,
-        ratio * np.exp(-share),
-        ratio * np.exp(share),
-        color=RETURN,
-        alpha=0.35,
-        linewidth=0,
-    )
+    _draw_range(calibration, ax.axvspan, label="calibrated range")
+    low, high = ratio * np.exp(-share), ratio * np.exp(share)
+    band = style.draw_band(ax, t, low, high, RETURN, alpha=0.35)
     model = "reabsorption model" + ("" if calibration.departure is None else " and spline")
     (fit,) = ax.plot(t, ratio, color=RETURN, zorder=1.5, label=model)
     artists: list[Artist] = [fit, band]
 
     curve = calibration.curve
     if "curve_ratio" in curve:
-        points = _draw_points(
-            ax,
-            curve.curve_thickness.values,
-            curve.curve_ratio.values,
-            curve.curve_ratio_std.values,
-            size=1.8,
-            label="fixture, bars 1 s.d.",
-        )
-        artists.append(points)
+        names = ("curve_thickness", "curve_ratio", "curve_ratio_std")
+        columns = [curve[name].values for name in names]
+        artists.append(_draw_points(ax, *columns, label="fixture, bars 1 s.d."))
 
     one, two = calibration.bands
     ax.set(xlabel="thickness [µm]", ylabel=f"ratio {two:g} nm / {one:g} nm [1]")
@@ -184,27 +154,16 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
     style.frame_legend(ax, loc="lower right")
 
     # the parameters stand above the steep part of the curve
-    low, high = ax.get_ylim()
-    ax.set_ylim(low, high + style.room_for(ax, _ABOVE) * (high - low))
-    ax.annotate(
-        _parameters(calibration),
-        (0.04, 0.97),
-        xycoords="axes fraction",
-        ha="left",
-        va="top",
-        fontsize=pt(6.5),
-    )
+    style.make_room(ax, _ABOVE)
+    style.write_inside(ax, _parameters(calibration), (0.04, 0.97), ha="left", va="top")
     return artists
 
 
 def _parameters(calibration: Calibration) -> str:
     """Fitted parameters with their standard deviations, one a line."""
-    values, stds = calibration.parameters, calibration.standard_deviations
-    lines = [
-        f"K = {values[0]:.4f} ± {stds[0]:.4f}",
-        f"p = {values[1]:.4f} ± {stds[1]:.4f} µm⁻¹",
-        f"q = {values[2]:.4f} ± {stds[2]:.4f} µm⁻¹",
-    ]
+    names, units = "Kpq", ("", " µm⁻¹", " µm⁻¹")
+    found = zip(names, calibration.parameters, calibration.standard_deviations, units, strict=True)
+    lines = [f"{name} = {value:.4f} ± {std:.4f}{unit}" for name, value, std, unit in found]
     if np.isfinite(calibration.reduced_chi_square):
         lines.append(f"reduced χ² = {calibration.reduced_chi_square:.2f}")
     return "\n".join(lines)
@@ -235,36 +194,23 @@ def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list
     ax = style.given_or_new(ax)
     t = _grid(calibration)
     percent = 100 * _band(calibration, t)
-    ax.axvspan(*calibration.thickness_range, linewidth=pt(0.5), **_SHADE)
-    band = ax.fill_between(
-        t, -percent, percent, color=RETURN, alpha=0.35, linewidth=0, label="fit, 95 % band"
-    )
+    _draw_range(calibration, ax.axvspan)
+    band = style.draw_band(ax, t, -percent, percent, RETURN, alpha=0.35, label="fit, 95 % band")
     artists: list[Artist] = [ax.axhline(0, color=RETURN, linewidth=pt(0.8), zorder=1.5), band]
 
     # the departure is the logarithm of fit over model
     if calibration.departure is not None:
         alone = 100 * np.expm1(-calibration.departure.predict(t))
-        artists += ax.plot(
-            t,
-            alone,
-            color=MUTED,
-            linestyle="--",
-            linewidth=pt(0.8),
-            label="model alone",
-            zorder=1.5,
-        )
+        look: dict[str, Any] = {"label": "model alone", "zorder": 1.5}
+        artists += style.draw_line(ax, t, alone, MUTED, form="--", width=0.8, **look)
 
     curve = calibration.curve
     if "curve_ratio" in curve:
         fitted = curve.curve_ratio.values - curve.curve_residual.values
-        points = _draw_points(
-            ax,
-            curve.curve_thickness.values,
-            100 * curve.curve_residual.values / fitted,
-            100 * curve.curve_ratio_std.values / fitted,
-            size=1.8,
+        residual, std = (
+            100 * curve[name].values / fitted for name in ("curve_residual", "curve_ratio_std")
         )
-        artists.append(points)
+        artists.append(_draw_points(ax, curve.curve_thickness.values, residual, std))
     ax.set(xlabel="thickness [µm]", ylabel="residual [% of ratio]")
     ax.margins(x=0.01)
     style.legend_above(ax)

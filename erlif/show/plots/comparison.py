@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -15,6 +16,7 @@ from matplotlib.lines import Line2D
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
+from erlif.core.variables import FILM
 from erlif.show.plots import style
 from erlif.show.plots.maps import image_height, pixel_edges
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, TWO_COLUMNS, styled
@@ -79,18 +81,12 @@ def film_against_duty(
         value, duty = run[statistic].values, run.duty.values
         use = np.isfinite(value) & (value > 0) & (duty > 0)
         exponent = run.sel(statistic=statistic)
-        label = f"{name}{_power(float(exponent.exponent), float(exponent.exponent_std))}"
-        bars = ax.errorbar(
-            scale * duty[use],
-            value[use],
-            run[f"{statistic}_std"].values[use],
-            fmt=_MARKERS[k % len(_MARKERS)],
-            color=_COLOURS[k % len(_COLOURS)],
-            markerfacecolor="white" if k % 2 else _COLOURS[k % len(_COLOURS)],
-            elinewidth=0.7,
-            label=label,
-        )
-        artists.append(bars)
+        colour = _COLOURS[k % len(_COLOURS)]
+        look: dict[str, Any] = {"fmt": _MARKERS[k % len(_MARKERS)], "color": colour}
+        look |= {"markerfacecolor": "white" if k % 2 else colour, "elinewidth": 0.7}
+        look["label"] = f"{name}{_power(float(exponent.exponent), float(exponent.exponent_std))}"
+        error = run[f"{statistic}_std"].values
+        artists.append(ax.errorbar(scale * duty[use], value[use], error[use], **look))
 
     joint = comparison.sel(statistic=statistic)
     power, std = float(joint.joint_exponent), float(joint.joint_exponent_std)
@@ -107,18 +103,13 @@ def film_against_duty(
     for name in ("|rocker_speed|", "|sliding_speed|"):
         meaning = meaning.replace(name, "speed")
     ax.set_xlabel(f"{meaning} [{unit}]".replace("-1", "⁻¹"))
-    names = {"film_min": "minimum film thickness", "film_mean": "mean film thickness"}
-    ax.set_ylabel(f"{names[statistic]} [µm]")
+    ax.set_ylabel(f"{FILM[statistic].attrs['long_name']} [µm]")
     plain_ticks(ax)
     # runs first; matplotlib lists lines before points with bars
     handles, labels = ax.get_legend_handles_labels()
     order = sorted(range(len(labels)), key=lambda k: labels[k].startswith(("all runs", "theory")))
-    ax.legend(
-        [handles[k] for k in order],
-        [labels[k] for k in order],
-        loc="upper center",
-        bbox_to_anchor=(0.5, -0.2),
-    )
+    ordered = [handles[k] for k in order], [labels[k] for k in order]
+    ax.legend(*ordered, loc="upper center", bbox_to_anchor=(0.5, -0.2))
     return artists
 
 
@@ -141,15 +132,9 @@ def _draw_theory(ax: Axes, comparison: xr.Dataset, scale: float) -> list[Line2D]
     lines: list[Line2D] = []
     for k in range(comparison.sizes["run"]):
         run = comparison.isel(run=k)
-        lines += ax.plot(
-            scale * run.duty.values,
-            run.film_theory.values,
-            "x",
-            color=_COLOURS[k % len(_COLOURS)],
-            markersize=3.0,
-            label="theory, in the colour of the run" if k == 0 else "_theory",
-            zorder=1,
-        )
+        look: dict[str, Any] = {"color": _COLOURS[k % len(_COLOURS)], "markersize": 3.0}
+        look["label"] = "_theory" if k else "theory, in the colour of the run"
+        lines += ax.plot(scale * run.duty.values, run.film_theory.values, "x", zorder=1, **look)
     return lines
 
 
@@ -186,24 +171,17 @@ def difference_map_of_runs(comparison: xr.Dataset, *, ax: Axes | None = None) ->
     cells = comparison[["map_difference", "map_differs"]].rename(map_x="x", map_y="y")
     ax = style.given_or_new(ax, height=image_height(cells, _MAP_WIDTH * style.ONE_COLUMN) + _LABELS)
     values = cells.map_difference.values
-    image = style.draw_image(
-        ax,
-        values,
-        style.even_limits(values, within=99, least=_LEAST_LIMIT),
-        colours="vik",
-        bad=style.FLAGGED_DIFFERENCE,
-        extent=pixel_edges(cells),
-    )
+    limits = style.even_limits(values, within=99, least=_LEAST_LIMIT)
+    look: dict[str, Any] = {"colours": "vik", "bad": style.FLAGGED_DIFFERENCE}
+    image = style.draw_image(ax, values, limits, extent=pixel_edges(cells), **look)
     _outline(ax, cells)
     style.add_colour_bar(image, ax, "difference [µm]")
 
     # both runs are named by the order in which they are subtracted
     attrs = comparison.attrs
     ax.set(xlabel="x [mm]", ylabel="y [mm]")
-    ax.set_title(
-        f"{attrs['map_second_run']} less {attrs['map_first_run']}\n{attrs['map_first']}",
-        fontsize="medium",
-    )
+    runs = f"{attrs['map_second_run']} less {attrs['map_first_run']}"
+    ax.set_title(f"{runs}\n{attrs['map_first']}", fontsize="medium")
 
     # white is a value here, so that cells without one need a key of their own
     keys: list[Artist] = [
@@ -221,18 +199,16 @@ def _outline(ax: Axes, cells: xr.Dataset) -> None:
     differs = np.pad(cells.map_differs.values.astype(bool), 1)
     left, right, bottom, top = pixel_edges(cells)
     rows, columns = cells.map_differs.shape
+
+    # column and row of both ends of each edge, and a gap behind it
+    beside = np.argwhere(differs[1:-1, 1:] != differs[1:-1, :-1])
+    below = np.argwhere(differs[1:, 1:-1] != differs[:-1, 1:-1])
+    gap = [np.nan, np.nan]
+    ends = [end for row, column in beside for end in ([column, row], [column, row + 1], gap)]
+    ends += [end for row, column in below for end in ([column, row], [column + 1, row], gap)]
+    x, y = np.reshape(ends, (-1, 2)).T
     dx, dy = (right - left) / columns, (bottom - top) / rows
-    segments_x: list[float] = []
-    segments_y: list[float] = []
-    for row, column in np.argwhere(differs[1:-1, 1:] != differs[1:-1, :-1]):
-        x = left + column * dx
-        segments_x += [x, x, np.nan]
-        segments_y += [top + row * dy, top + (row + 1) * dy, np.nan]
-    for row, column in np.argwhere(differs[1:, 1:-1] != differs[:-1, 1:-1]):
-        y = top + row * dy
-        segments_x += [left + column * dx, left + (column + 1) * dx, np.nan]
-        segments_y += [y, y, np.nan]
-    ax.plot(segments_x, segments_y, color="black", linewidth=0.8)
+    ax.plot(left + x * dx, top + y * dy, color="black", linewidth=0.8)
 
 
 @styled
@@ -284,34 +260,22 @@ def control_chart_of(
 
     # centre and limits of the chart, which the values are judged by
     ax.axhline(centre, color=MUTED, linewidth=0.8, label="mean")
-    for k, sign in enumerate((-1, 1)):
-        ax.axhline(
-            centre + sign * limit,
-            color=MUTED,
-            linewidth=0.8,
-            linestyle=(0, (3, 1.5)),
-            label="_limit" if k else "limits, 3 std",
-        )
+    dashed: dict[str, Any] = {"color": MUTED, "linewidth": 0.8, "linestyle": (0, (3, 1.5))}
+    for sign, label in ((-1, "limits, 3 std"), (1, "_limit")):
+        ax.axhline(centre + sign * limit, label=label, **dashed)
 
     # a ring and not another colour of the point, for print in grey
     beyond = np.abs(value - centre) > limit
     if beyond.any():
-        artists += ax.plot(
-            place[beyond],
-            value[beyond],
-            "o",
-            color=RETURN,
-            markerfacecolor="none",
-            markersize=7,
-            label="beyond",
-        )
+        ring: dict[str, Any] = {"color": RETURN, "markerfacecolor": "none", "markersize": 7}
+        artists += ax.plot(place[beyond], value[beyond], "o", label="beyond", **ring)
 
     names = comparison.run.values if quantity == "patch" else comparison.calibration_date.values
     ax.set_xticks(place, [str(name) or "no date" for name in names], rotation=30, ha="right")
-    if quantity == "patch":
-        ax.set_ylabel("ratio on the reference patch [1]")
-    else:
-        ax.set_ylabel(f"ratio of a film of {float(comparison.calibration_film):.1f} µm [1]")
+    where = "on the reference patch"
+    if quantity != "patch":
+        where = f"of a film of {float(comparison.calibration_film):.1f} µm"
+    ax.set_ylabel(f"ratio {where} [1]")
     ax.margins(x=0.1)
     ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, columnspacing=1.2)
     return artists
@@ -337,16 +301,14 @@ def comparison_figure(comparison: xr.Dataset) -> Figure:
     >>> [ax.get_ylabel() for ax in comparison_figure(comparison).axes]
     ['minimum film thickness [µm]', 'difference [µm]']
     """
-    height = 0.55 * TWO_COLUMNS
-    if "duty" not in comparison:
-        figure = style.new_figure(height=height)
-        _draw_differences(figure.add_subplot(), comparison)
-        return figure
-    figure = style.new_figure(TWO_COLUMNS, height)
-    left, right = figure.subplots(1, 2)
-    film_against_duty(comparison, ax=left)
+    columns = 2 if "duty" in comparison else 1
+    figure = style.new_figure((style.ONE_COLUMN, TWO_COLUMNS)[columns - 1], 0.55 * TWO_COLUMNS)
+    *left, right = np.atleast_1d(figure.subplots(1, columns))
+    for ax in left:
+        film_against_duty(comparison, ax=ax)
     _draw_differences(right, comparison)
-    style.letter_panels(left, right)
+    if left:
+        style.letter_panels(*left, right)
     return figure
 
 
@@ -358,41 +320,23 @@ def _draw_differences(ax: Axes, comparison: xr.Dataset) -> None:
         (0.12, "film_mean", MEAN, "s", "mean film"),
     ):
         one = comparison.sel(statistic=name)
-        ax.errorbar(
-            place + shift,
-            one.difference.values,
-            style.COVERAGE * one.difference_std.values,
-            fmt=marker,
-            color=colour,
-            elinewidth=0.9,
-            label=f"{label}, 95 % bars",
-        )
+        value, reach = one.difference.values, style.COVERAGE * one.difference_std.values
+        look: dict[str, Any] = {"fmt": marker, "color": colour, "elinewidth": 0.9}
+        ax.errorbar(place + shift, value, reach, label=f"{label}, 95 % bars", **look)
         # which differences are significant depends on the number of all tests
         for k in np.flatnonzero(one.differs.values):
-            ax.annotate(
-                "*",
-                (place[k] + shift, one.difference.values[k]),
-                xytext=(4, 0),
-                textcoords="offset points",
-                color=colour,
-            )
+            style.write_beside(ax, "*", (place[k] + shift, value[k]), (4, 0), color=colour)
     ax.axhline(0, color=MUTED, linewidth=0.6)
 
     # pairs are named in the order of the difference, turned where they would overlap
-    names = [
-        f"{b}\nless {a}"
-        for a, b in zip(comparison["first"].values, comparison.second.values, strict=True)
-    ]
+    pairs = zip(comparison["first"].values, comparison.second.values, strict=True)
+    names = [f"{second}\nless {first}" for first, second in pairs]
     ax.set_xticks(place, names, rotation=30 if place.size > 2 else 0)
     ax.set_xlim(-0.6, place.size - 0.4)
     ax.set_ylabel("difference [µm]")
-    ax.legend(
-        loc="upper center",
-        bbox_to_anchor=(0.5, -0.2),
-        ncols=1,
-        title="* differs, corrected for the number of tests",
-        title_fontsize="small",
-    )
+    title = "* differs, corrected for the number of tests"
+    below: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.2)}
+    ax.legend(ncols=1, title=title, title_fontsize="small", **below)
 
 
 def write_comparison_figures(comparison: xr.Dataset, folder: Path) -> list[Path]:
@@ -425,11 +369,9 @@ def write_comparison_figures(comparison: xr.Dataset, folder: Path) -> list[Path]
     ...     [path.name for path in write_comparison_figures(comparison, Path(directory))]
     ['films.png', 'difference_map.png']
     """
-    figures = {"films": comparison_figure(comparison)}
+    figures: dict[str, style.AnyFigure] = {"films": comparison_figure(comparison)}
     image = difference_map_of_runs(comparison)
-    drawn = image.axes.get_figure(root=True)
-    assert drawn is not None
-    figures["difference_map"] = drawn
+    figures["difference_map"] = style.figure_of(image)
     for quantity in ("patch", "calibration"):
         if f"{quantity}_ratio" in comparison:
             figure = style.new_figure()

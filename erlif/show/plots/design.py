@@ -23,6 +23,10 @@ _NEAR = 2.5  # times the highest pressure up to which the allowed one is drawn
 _FLAT = math.radians(60.0)  # half contact angle beyond which a flat arc has no meaning
 _ALIKE = 0.9  # mean over largest load from which one point stands for both
 _DECADE = 10.0 ** (1 / 2)  # room on either side of the points of the pv diagram
+_OVER: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}  # of a legend
+_INVALID: dict[str, Any] = {"facecolor": "white", "edgecolor": OUTWARD, "hatch": "//////"}
+_POINT: dict[str, Any] = {"marker": "o", "linestyle": "", "color": OUTWARD}
+_LIMIT: dict[str, Any] = {"color": "black", "linewidth": 0.8}
 
 
 @styled
@@ -59,18 +63,11 @@ def design_margins(design: BearingDesign, *, ax: Axes | None = None) -> list[Art
         used = _used(step)
         colour = RETURN if not step.holds else OUTWARD if step.kind == "limit" else MUTED
         # a step outside of its validity is hatched
-        bars += ax.barh(
-            row,
-            min(used, _MOST),
-            height=0.7,
-            color=colour if step.valid else "white",
-            edgecolor=colour,
-            hatch=None if step.valid else "//////",
-            linewidth=0.6,
-        )
+        face = {"color": colour} if step.valid else {"color": "white", "hatch": _INVALID["hatch"]}
+        bars += ax.barh(row, min(used, _MOST), 0.7, edgecolor=colour, linewidth=0.6, **face)
         if used > _MOST:
             ax.text(_MOST, row, "▸", va="center", ha="left", color=colour, clip_on=False)
-    ax.axvline(1.0, color="black", linewidth=0.8)
+    ax.axvline(1.0, **_LIMIT)
     titles = [f"{step.title} ({step.basis})" if step.basis else step.title for step in steps]
     ax.set_yticks(range(len(steps)), titles)
     ax.set(xlim=(0, _MOST), ylim=(len(steps) - 0.4, -0.6))
@@ -79,16 +76,10 @@ def design_margins(design: BearingDesign, *, ax: Axes | None = None) -> list[Art
         (any(s.kind == "limit" for s in steps), {"color": OUTWARD}, "limit"),
         (any(s.kind != "limit" for s in steps), {"color": MUTED}, "recommendation"),
         (not all(s.holds for s in steps), {"color": RETURN}, "exceeded"),
-        (
-            not all(s.valid for s in steps),
-            {"facecolor": "white", "edgecolor": OUTWARD, "hatch": "//////"},
-            "equation not valid",
-        ),
+        (not all(s.valid for s in steps), _INVALID, "equation not valid"),
     ]
     handles = [Patch(label=name, **look) for wanted, look, name in shown if wanted]
-    ax.legend(
-        handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, columnspacing=1.0
-    )
+    ax.legend(handles=handles, ncols=4, columnspacing=1.0, **_OVER)
     return bars
 
 
@@ -194,9 +185,9 @@ def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
         ax.plot([strength] * 2, [up[0], 20.0], color=MUTED, label="eq. 5: yield / 2 to 0.02 m/s")
         ax.plot([across[0], strength], [20.0] * 2, color=MUTED)
     if ring.pressure is not None:
-        ax.axvline(ring.pressure / 1e6, color="black", linewidth=0.8, label="limits of the bushing")
+        ax.axvline(ring.pressure / 1e6, label="limits of the bushing", **_LIMIT)
     if ring.speed is not None:
-        ax.axhline(ring.speed * 1e3, color="black", linewidth=0.8)
+        ax.axhline(ring.speed * 1e3, **_LIMIT)
     if ring.pv is not None:
         # W/mm2 over MPa is m/s
         x = np.array(across)
@@ -205,19 +196,10 @@ def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
     # loads that are alike would hide each other
     alike = mean > _ALIKE * largest
     name = "largest and mean load" if alike else "largest load"
-    points: list[Artist] = list(
-        ax.plot(largest, speed, marker="o", linestyle="", color=OUTWARD, label=name)
-    )
+    points: list[Artist] = list(ax.plot(largest, speed, label=name, **_POINT))
     if not alike:
-        points += ax.plot(
-            mean,
-            speed,
-            marker="s",
-            linestyle="",
-            color=MEAN,
-            markerfacecolor="white",
-            label="mean load",
-        )
+        square = _POINT | {"marker": "s", "color": MEAN, "markerfacecolor": "white"}
+        points += ax.plot(mean, speed, label="mean load", **square)
     ax.set(xscale="log", yscale="log", xlim=across, ylim=up)
     for axis in (ax.xaxis, ax.yaxis):
         style.plain_log_axis(axis)
@@ -251,20 +233,15 @@ def design_temperature(design: BearingDesign, *, ax: Axes | None = None) -> list
     friction = np.array([0.0, max(FRICTION[1], 1.1 * joint.friction)])
     slope = (step.present - outside) / joint.friction if joint.friction > 0 else 0.0
     ax.axvspan(*FRICTION, color="#F2F2F2", zorder=-2, label="range of the guide")
-    lines: list[Artist] = list(
-        ax.plot(friction, outside + slope * friction, color=OUTWARD, label="surface")
-    )
-    lines += ax.plot(
-        joint.friction, step.present, marker="o", linestyle="", color=OUTWARD, label="this joint"
-    )
-    ax.axhline(limit, color="black", linewidth=0.8, label="limit")
+    surface = outside + slope * friction
+    lines: list[Artist] = [*ax.plot(friction, surface, color=OUTWARD, label="surface")]
+    lines += ax.plot(joint.friction, step.present, label="this joint", **_POINT)
+    ax.axhline(limit, label="limit", **_LIMIT)
     ax.axhline(outside, color=MUTED, linewidth=0.6, linestyle=":", label="outside")
-    low, high = sorted((outside, max(limit, outside + slope * friction[1])))
+    low, high = sorted((outside, max(limit, surface[1])))
     ax.set(xlim=friction, ylim=(low - 0.1 * (high - low), high + 0.1 * (high - low) + 1.0))
     # above the axes, where it covers neither the curve nor the shading
-    ax.legend(
-        loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, columnspacing=0.8, handlelength=1.5
-    )
+    ax.legend(ncols=3, columnspacing=0.8, handlelength=1.5, **_OVER)
     return lines
 
 
@@ -299,7 +276,7 @@ def design_wear(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist
     if math.isfinite(limit):
         reached = step.number("life to the largest wear")
         if limit < _NEAR * highest:
-            ax.axhline(limit, color="black", linewidth=0.8, label="largest wear")
+            ax.axhline(limit, label="largest wear", **_LIMIT)
             highest = max(highest, limit)
         elif math.isfinite(reached):
             hours = f"{float(f'{reached:.2g}'):.10g}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -19,11 +20,8 @@ _MEGA, _MILLI = 1e-6, 1e3
 
 _COLOURS = (RETURN, OUTWARD, MEAN, MINIMUM)
 
-_REST = 1e-3
-"""Share of the largest pressure below which a cell counts as free."""
-
-_LOW = 0.02
-"""Share of the largest stress below which the ends of a section are left out."""
+_REST = 1e-3  # of the largest pressure, below which a cell counts as free
+_LOW = 0.02  # of the largest stress, below which the ends of a section are left out
 
 
 @styled
@@ -56,19 +54,15 @@ def contact_pressure_map(found: xr.Dataset, *, ax: Axes | None = None) -> QuadMe
     across = "angle" if "angle" in found.dims else "x"
     pressure = found.pressure.transpose(across, "z").values * _MEGA
     place = np.degrees(found[across].values) if across == "angle" else found.x.values * _MILLI
-    mesh = ax.pcolormesh(
-        _axial_lines(found) * _MILLI,
-        _lines(place),
-        np.where(pressure > 0, pressure, np.nan),
-        cmap=style.colour_map("lajolla"),
-        vmin=0.0,
-    )
+    lines, shown = _axial_lines(found) * _MILLI, np.where(pressure > 0, pressure, np.nan)
+    colours = style.colour_map("lajolla")
+    mesh = ax.pcolormesh(lines, _lines(place), shown, cmap=colours, vmin=0.0)
     touching = place[(pressure > _REST * pressure.max()).any(axis=1)]
-    reach = 1.3 * np.abs(touching).max() if touching.size else np.abs(place).max()
-    ax.set_ylim(-min(reach, np.abs(place).max()), min(reach, np.abs(place).max()))
+    reach = 1.3 * np.abs(touching).max() if touching.size else np.inf
+    reach = min(reach, np.abs(place).max())
+    ax.set_ylim(-reach, reach)
     (loaded,) = np.nonzero((pressure > 0).any(axis=0))
     if loaded.size:
-        lines = _axial_lines(found) * _MILLI
         first, last = lines[loaded[0]], lines[loaded[-1] + 1]
         margin = 0.1 * (last - first)
         ax.set_xlim(max(first - margin, lines[0]), min(last + margin, lines[-1]))
@@ -115,16 +109,9 @@ def axial_pressure(
     for k, (label, found) in enumerate(contacts.items()):
         across = "angle" if "angle" in found.dims else "x"
         line = found.pressure.max(across).values * _MEGA
-        artists.append(
-            ax.stairs(
-                line,
-                _axial_lines(found) * _MILLI,
-                baseline=None,
-                color=_COLOURS[k % len(_COLOURS)],
-                linewidth=pt(1.0),
-                label=label,
-            )
-        )
+        look: dict[str, Any] = {"color": _COLOURS[k % len(_COLOURS)], "linewidth": pt(1.0)}
+        sides = _axial_lines(found) * _MILLI
+        artists.append(ax.stairs(line, sides, baseline=None, label=label, **look))
     if hertz is not None:
         level = ax.axhline(hertz * _MEGA, color=MUTED, linestyle="--", label="Hertz's line contact")
         artists.append(level)
@@ -179,10 +166,8 @@ def stress_section(stress: xr.Dataset, *, ax: Axes | None = None) -> PolyCollect
         values = cut.values.ravel() * _MEGA
 
     corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) / 2
-    boxes = (
-        np.stack([place, height], axis=-1)[:, None]
-        + corners * np.stack([width, depth], axis=-1)[:, None]
-    )
+    middle, size = (np.stack(pair, axis=-1)[:, None] for pair in ((place, height), (width, depth)))
+    boxes = middle + corners * size
     colours = style.colour_map("batlow")
     patches = PolyCollection(list(boxes), cmap=colours, edgecolors="face", linewidths=pt(0.1))
     patches.set_array(values)
@@ -190,17 +175,12 @@ def stress_section(stress: xr.Dataset, *, ax: Axes | None = None) -> PolyCollect
     ax.add_collection(patches)
 
     top = float(stress.peak_r if section else stress.peak_depth) * _MILLI
-    ax.plot(
-        [float(stress.peak_z) * _MILLI], [top], marker="x", color="white", linestyle="none",
-        markeredgewidth=pt(1.2), markersize=pt(5.0), clip_on=False,
-    )  # fmt: skip
+    cross: dict[str, Any] = {"form": "x", "markeredgewidth": pt(1.2), "size": 5.0, "clip_on": False}
+    style.draw_line(ax, float(stress.peak_z) * _MILLI, top, "white", **cross)
     stressed = boxes[values > _LOW * values.max()]
-    ax.set(
-        xlabel="axial place z [mm]",
-        ylabel="radius r [mm]" if section else "depth [mm]",
-        xlim=(stressed[..., 0].min(), stressed[..., 0].max()),
-        ylim=(boxes[..., 1].max(), boxes[..., 1].min()),
-    )
+    ax.set(xlim=(stressed[..., 0].min(), stressed[..., 0].max()))
+    ax.set(ylim=(boxes[..., 1].max(), boxes[..., 1].min()))
+    ax.set(xlabel="axial place z [mm]", ylabel="radius r [mm]" if section else "depth [mm]")
     style.add_colour_bar(patches, ax, "von Mises [MPa]", extend="neither")
     return patches
 
@@ -239,21 +219,15 @@ def undercut_pressure(found: xr.Dataset, *, ax: Axes | None = None) -> list[Line
     colours = style.colour_map("batlow")(np.linspace(0.05, 0.8, found.sizes["depth"]))
     lines: list[Line2D] = []
     for colour, (depth, line) in zip(colours, chosen.groupby("depth"), strict=True):
-        lines += ax.plot(
-            found.lip.values * _MILLI,
-            line.values.ravel() * _MEGA,
-            color=colour,
-            marker="o",
-            markersize=pt(2.5),
-            label=f"{float(depth) * _MILLI:g}",
-        )
+        lip, mean = found.lip.values * _MILLI, line.values.ravel() * _MEGA
+        look: dict[str, Any] = {"form": "o-", "size": 2.5, "label": f"{float(depth) * _MILLI:g}"}
+        lines += style.draw_line(ax, lip, mean, colour, **look)
     best = chosen.sel(depth=float(found.best_depth), lip=float(found.best_lip))
-    lines += ax.plot(
-        [float(found.best_lip) * _MILLI], [float(best) * _MEGA], marker="o", linestyle="none",
-        markersize=pt(7.0), markerfacecolor="none", markeredgecolor=MINIMUM,
-    )  # fmt: skip
-    mean = float(found.patch_pressure.attrs["patch"]) * _MILLI
-    ax.set(xlabel="lip D3 [mm]", ylabel=f"largest mean over {mean:g} mm [MPa]")
+    look = {"form": "o", "size": 7.0, "markerfacecolor": "none"}
+    place = float(found.best_lip) * _MILLI, float(best) * _MEGA
+    lines += style.draw_line(ax, *place, MINIMUM, **look)
+    patch = float(found.patch_pressure.attrs["patch"]) * _MILLI
+    ax.set(xlabel="lip D3 [mm]", ylabel=f"largest mean over {patch:g} mm [MPa]")
     style.legend_above(ax, title="depth D1 [mm]", ncols=3, handles=lines[:-1])
     return lines
 

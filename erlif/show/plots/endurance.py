@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib import rcParams
@@ -55,18 +56,14 @@ def load_profile(result: EnduranceResult, *, ax: Axes | None = None) -> list[Art
     'load [kN]'
     """
     ax = style.given_or_new(ax)
-    artists = _draw(result, result.test["load"].values / 1e3, ax, "load [kN]")
+    load = result.test["load"].values / 1e3
+    artists = _draw(result, load, ax, "load [kN]")
     for stage in result.loaded:
         middle = 0.5 * (stage.start + stage.end) / _MINUTE
-        ax.annotate(
-            str(stage.number),
-            (middle, stage.load / 1e3),
-            xytext=(0, pt(2)),
-            textcoords="offset points",
-            ha="center",
-        )
+        above = (middle, stage.load / 1e3)
+        style.write_beside(ax, str(stage.number), above, (0, pt(2)), ha="center")
     ax.margins(y=0.15)
-    if np.nanmin(result.test["load"].values) > -_NOTHING * np.nanmax(result.test["load"].values):
+    if np.nanmin(load) > -_NOTHING * np.nanmax(load):
         ax.set_ylim(bottom=0.0)
     return artists
 
@@ -88,7 +85,7 @@ def friction_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> li
     >>> line.axes.get_ylabel()
     'friction coefficient'
     """
-    return _draw(result, _in_stages(result, "friction"), ax, "friction coefficient")
+    return quantity_over_test(result, "friction", ax=ax)
 
 
 @styled
@@ -117,14 +114,22 @@ def quantity_over_test(
     """
     if name == "load":
         return load_profile(result, ax=ax)
+    # friction without a load has no meaning
+    within = name == "friction"
+    values = _in_stages(result, name) if within else result.test[name].values
+    return _draw(result, values, ax, _label(result, name))
+
+
+def _label(result: EnduranceResult, name: str) -> str:
+    """Label of the axis of a quantity."""
     if name == "friction":
-        return friction_over_test(result, ax=ax)
+        return "friction coefficient"
     unit = _UNITS.get(name) or result.test[name].attrs.get("units", "1")
-    label = name if unit == "1" else f"{name} [{unit}]"
-    return _draw(result, result.test[name].values, ax, label)
+    return name if unit == "1" else f"{name} [{unit}]"
 
 
 _UNITS = {"torque": "N m", "temperature": "°C"}
+_PAUSE = "in a pause of the log"
 
 _PANELS = ("load", "torque", "friction", "temperature", "vibration")
 """Panels of the figure of all that a test has logged."""
@@ -194,33 +199,26 @@ def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) 
             "endurance_figure in its place."
         )
     figure = style.given_figure(figure, height=_ROW * 2.4, text=0.4)
-    when = "in a pause of the log" if onset.pause else f"at {onset.time:.1f} s"
-    figure.suptitle(f"{result.name}: galling {when}")
+    figure.suptitle(f"{result.name}: galling {_PAUSE if onset.pause else f'at {onset.time:.1f} s'}")
     stage = result.whole[onset.stage]
     time = result.test["time"].values[stage.samples]
     near = time > onset.earliest - _BEFORE
     panels = style.rows_or_columns(figure, 2, sharex=True)
-    for ax, name, label in (
-        (panels[0], "torque", "torque [N m]"),
-        (panels[1], "friction", "friction coefficient"),
-    ):
+    for ax, name in zip(panels, ("torque", "friction"), strict=True):
         values = result.test[name].values[stage.samples]
-        ax.plot(time[near], values[near], ".-", color=OUTWARD, linewidth=pt(0.6), markersize=pt(2))
+        style.draw_line(ax, time[near], values[near], OUTWARD, form=".-", width=0.6, size=2)
         ax.axvspan(onset.earliest, onset.latest, color=RETURN, alpha=0.25, linewidth=0)
         ax.axvline(onset.time, color=RETURN, linewidth=pt(0.8))
-        ax.set_ylabel(label)
+        ax.set_ylabel(_label(result, name))
         ax.ticklabel_format(useOffset=False)
 
     # level before and after, as they are printed
     after = onset.friction_before + onset.rise
-    for level, span in (
-        (onset.friction_before, (time[near][0], onset.earliest)),
-        (after, (onset.latest, time[-1])),
-    ):
-        panels[1].plot(span, (level, level), color="black", linewidth=pt(0.8), linestyle="--")
-    panels[0].set_title(
-        f"95 %: {onset.earliest:.1f} to {onset.latest:.1f} s", loc="right", color=RETURN
-    )
+    spans = (time[near][0], onset.earliest), (onset.latest, time[-1])
+    for level, span in zip((onset.friction_before, after), spans, strict=True):
+        style.draw_line(panels[1], span, (level, level), "black", form="--", width=0.8)
+    interval = f"95 %: {onset.earliest:.1f} to {onset.latest:.1f} s"
+    panels[0].set_title(interval, loc="right", color=RETURN)
     panels[1].set(xlabel="time [s]", xlim=(time[near][0], time[-1]))
     return figure
 
@@ -361,11 +359,8 @@ def _keys(result: EnduranceResult) -> list[Artist]:
     keys: list[Artist] = [style.swatch(_LOADS, "stage under load")]
     onset = result.onset
     if onset is not None:
-        when = (
-            "in a pause of the log"
-            if onset.pause
-            else f"at {onset.time / _MINUTE:.2f} min = {onset.time:.1f} s"
-        )
+        minutes = f"at {onset.time / _MINUTE:.2f} min = {onset.time:.1f} s"
+        when = _PAUSE if onset.pause else minutes
         keys.append(Line2D([], [], color=RETURN, label=f"galling {when}, with its 95 % interval"))
     return keys
 
@@ -382,8 +377,7 @@ def _draw(result: EnduranceResult, values: Array, ax: Axes | None, label: str) -
     """A line over the time of the test, the stages shaded, the onset marked."""
     ax = style.given_or_new(ax)
     time = result.test["time"].values / _MINUTE
-    artists: list[Artist] = []
-    artists += ax.plot(time, values, color=OUTWARD, linewidth=pt(0.7))
+    artists: list[Artist] = list(style.draw_line(ax, time, values, OUTWARD, width=0.7))
     for stage in result.loaded:
         ax.axvspan(stage.start / _MINUTE, stage.end / _MINUTE, color=_LOADS, linewidth=0, zorder=0)
     if result.onset is not None:
@@ -435,15 +429,11 @@ def loads_of_designs(
     """
     ax = style.given_or_new(ax)
     artists: list[Artist] = []
-    ticks, labels, row = [], [], 0
-    for name, runs, colour in (
-        (compared.first, first, OUTWARD),
-        (compared.second, second, RETURN),
-    ):
+    ticks, row = [], 0
+    for runs, colour in ((first, OUTWARD), (second, RETURN)):
         rows = row + np.arange(len(runs))
         row += len(runs) + 1
         ticks.append(float(rows.mean()))
-        labels.append(name)
 
         # what a bearing carries lies between the load survived and the load at failure
         loads = np.array([run.load for run in runs]) / 1e3
@@ -451,25 +441,14 @@ def loads_of_designs(
         lowest = np.array([run.survived for run in runs]) / 1e3
         known = failed & (lowest > 0)
         ax.hlines(rows[known], lowest[known], loads[known], color=colour, linewidth=pt(0.8))
-        artists += ax.plot(loads[failed], rows[failed], "o", color=colour, markersize=pt(3))
-        for load, at in zip(loads[~failed], rows[~failed], strict=True):
-            ax.annotate(
-                "",
-                (load, at),
-                xytext=(pt(16), 0),
-                textcoords="offset points",
-                arrowprops={"arrowstyle": "<-", "color": colour, "linewidth": pt(0.8)},
-            )
-        artists += ax.plot(
-            loads[~failed],
-            rows[~failed],
-            "o",
-            color=colour,
-            markerfacecolor="white",
-            markersize=pt(3),
-        )
+        arrow = {"arrowstyle": "<-", "color": colour, "linewidth": pt(0.8)}
+        for place in zip(loads[~failed], rows[~failed], strict=True):
+            style.write_beside(ax, "", place, (pt(16), 0), arrowprops=arrow)
+        for which, face in ((failed, colour), (~failed, "white")):
+            look: dict[str, Any] = {"form": "o", "size": 3, "markerfacecolor": face}
+            artists += style.draw_line(ax, loads[which], rows[which], colour, **look)
     ax.set(xlabel="load [kN]", ylim=(row - 1.2, -0.8))
-    ax.set_yticks(ticks, labels)
+    ax.set_yticks(ticks, [compared.first, compared.second])
     ax.ticklabel_format(axis="x", useOffset=False)
     ax.margins(x=0.15)
     marks = [
@@ -541,13 +520,12 @@ def table_of_designs(compared: DesignComparison) -> list[list[str]]:
             (compared.first, compared.second), compared.runs, compared.failures, strict=True
         )
     ]
-    if np.isfinite(compared.ratio):
-        rows += [
-            ["ratio of the loads", f"{compared.ratio:.2f}"],
-            ["95 % interval", f"{compared.low:.2f} to {compared.high:.2f} ({compared.model})"],
-        ]
-    else:
-        rows.append(["ratio of the loads", "needs a failure of each design"])
+    known = np.isfinite(compared.ratio)
+    ratio = f"{compared.ratio:.2f}" if known else "needs a failure of each design"
+    rows.append(["ratio of the loads", ratio])
+    if known:
+        interval = f"{compared.low:.2f} to {compared.high:.2f} ({compared.model})"
+        rows.append(["95 % interval", interval])
     return [*rows, ["log-rank test", f"p = {compared.log_rank:.2g}"]]
 
 

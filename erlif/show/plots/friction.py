@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -47,30 +48,16 @@ def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -
     pairs = series.pairs
     known = "sliding_distance" in pairs
     x = pairs["sliding_distance"].values if known else pairs["time"].values / _MINUTE
-    drawn = ax.errorbar(
-        x,
-        pairs["friction"].values,
-        pairs["friction_std"].values,
-        fmt="o",
-        markersize=pt(2.5),
-        linewidth=pt(0.7),
-        color=OUTWARD,
-        label="pair of stretches",
-    )
+    value, std = pairs["friction"].values, pairs["friction_std"].values
+    look: dict[str, Any] = {"color": OUTWARD, "markersize": pt(2.5), "linewidth": pt(0.7)}
+    drawn = ax.errorbar(x, value, std, fmt="o", label="pair of stretches", **look)
 
-    ax.axhspan(
-        series.friction - series.friction_std,
-        series.friction + series.friction_std,
-        color=RETURN,
-        alpha=0.25,
-        linewidth=0,
-    )
-    mean = ax.axhline(series.friction, color=RETURN, linewidth=pt(0.8), label="mean ± 1 std")
+    middle, half = series.friction, series.friction_std
+    ax.axhspan(middle - half, middle + half, color=RETURN, alpha=0.25, linewidth=0)
+    mean = ax.axhline(middle, color=RETURN, linewidth=pt(0.8), label="mean ± 1 std")
 
-    ax.set(
-        xlabel="sliding distance [m]" if known else "time [min]",
-        ylabel="apparent friction coefficient",
-    )
+    ax.set_xlabel("sliding distance [m]" if known else "time [min]")
+    ax.set_ylabel("apparent friction coefficient")
     ax.margins(y=0.1)
     style.legend_above(ax)
     return [drawn[0], mean]

@@ -159,7 +159,7 @@ def _draw_joint_speed(
     ax: Axes, film: xr.Dataset, angle: Array, place: Array, speed: Array
 ) -> list[Artist]:
     """Draw the speed of the links at `place`, and of the triggers at `angle`, with both units."""
-    curve = ax.plot(place, speed, color=MUTED, linewidth=pt(0.9), zorder=2)
+    curve = style.draw_line(ax, place, speed, MUTED, width=0.9, zorder=2)
     points = draw_strokes(ax, film, angle, film.rocker_speed.values, zorder=3)
     _draw_zero(ax, speed)
     ax.set_ylabel("joint speed [rad/s]")
@@ -193,14 +193,9 @@ def _draw_sliding_speed(ax: Axes, film: xr.Dataset, *, against_position: bool) -
     if against_position and isinstance(slider, SinusoidalSettings):
         # the speed of a sine over its position is an ellipse
         top, end = 1e3 * math.pi * slider.frequency * slider.stroke, 1e3 * slider.stroke / 2
-        artists += ax.plot(
-            end * np.sin(_CYCLE),
-            top * np.cos(_CYCLE),
-            color=MUTED,
-            linewidth=pt(0.9),
-            label="kinematics of the slider",
-            zorder=2,
-        )
+        ellipse = end * np.sin(_CYCLE), top * np.cos(_CYCLE)
+        look: dict[str, Any] = {"label": "kinematics of the slider", "zorder": 2}
+        artists += style.draw_line(ax, *ellipse, MUTED, width=0.9, **look)
         x, label = film.position.values, "position from mid-stroke [mm]"
     else:
         x, label, whole_turn = choose_abscissa(film)
@@ -281,10 +276,9 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     for film_of, half, (colour, dashes, label) in zip(value, reach, _LOOKS, strict=True):
         for n, part in enumerate(in_order(film, along.values)):
             x, low, high = along.values[part], (film_of - half)[part], (film_of + half)[part]
-            artists.append(ax.fill_between(x, low, high, color=colour, alpha=0.3, linewidth=0))
-            own = label if n == 0 else None  # one key for all stretches
-            look = {"color": colour, "linestyle": dashes, "linewidth": pt(0.9), "label": own}
-            artists += ax.plot(x, film_of[part], **look)
+            artists.append(style.draw_band(ax, x, low, high, colour))
+            look = {"form": dashes, "width": 0.9, "label": label if n == 0 else None}  # one key
+            artists += style.draw_line(ax, x, film_of[part], colour, **look)
         draw_strokes(ax, film, along.values, film_of, colour=colour, markersize=pt(_MARKER))
 
     label_abscissa(ax, along)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -101,34 +102,21 @@ def linkage_positions(
     middle = places[:, 1:3].mean(axis=1)
     paths = ((places[:, 1], MUTED, None), (places[:, 2], MUTED, None))
     for path, colour, name in (*paths, (middle, MEAN, "path of the coupler's middle")):
-        ax.plot(*path.T, color=colour, linewidth=pt(0.9), linestyle=":", zorder=1, label=name)
+        x, y = path.T
+        style.draw_line(ax, x, y, colour, form=":", width=0.9, zorder=1, label=name)
 
     # the limits: folded and stretched
     ends = 1e3 * pin_places(linkage, np.array(linkage.dead_points()))
-    looks = ((ends[0], RETURN, "smallest"), (ends[1], OUTWARD, "largest"))
-    for links, colour, name in looks:
-        ax.plot(
-            *links.T,
-            "--",
-            color=colour,
-            linewidth=pt(0.9),
-            zorder=2,
-            label=f"{name} rocker angle {_rocker_degrees(links):.2f}°",
-        )
-    left, right, bottom, top = (1e3 * side for side in swept_box(linkage.links, design.link_width))
-    what = (
-        f"space of links {1e3 * design.link_width:.4g} mm wide"
-        if design.link_width
-        else "space of the joint centres"
-    )
-    ax.plot(
-        [left, right, right, left, left],
-        [bottom, bottom, top, top, bottom],
-        color=MUTED,
-        linewidth=pt(0.6),
-        zorder=0,
-        label=what,
-    )
+    for links, colour, name in zip(ends, (RETURN, OUTWARD), ("smallest", "largest"), strict=True):
+        x, y = links.T
+        label = f"{name} rocker angle {_rocker_degrees(links):.2f}°"
+        style.draw_line(ax, x, y, colour, form="--", width=0.9, zorder=2, label=label)
+
+    wide = f"links {1e3 * design.link_width:.4g} mm wide"
+    label = f"space of {wide if design.link_width else 'the joint centres'}"
+    box = 1e3 * np.array(swept_box(linkage.links, design.link_width))
+    x, y = box[[0, 1, 1, 0, 0]], box[[2, 2, 3, 3, 2]]
+    style.draw_line(ax, x, y, MUTED, width=0.6, zorder=0, label=label)
     pivots = places[0, [0, 3]]
     ax.plot(*pivots.T, "^", color=MUTED, markersize=pt(8), zorder=3)
     (drawn,) = ax.plot([], [], "o-", color=MINIMUM, linewidth=pt(1.8), zorder=4)
@@ -176,13 +164,8 @@ def transmission_over_crank(design: LinkageDesign, *, ax: Axes | None = None) ->
     # below the minimum and above the maximum the curve is elsewhere
     least, greatest = np.degrees(design.transmission)
     for crank, value, side, place in ((0, least, -1, "top"), (180, greatest, 1, "bottom")):
-        ax.annotate(
-            f"{value:.1f}°",
-            (crank, value),
-            xytext=(pt(4), side * pt(4)),
-            textcoords="offset points",
-            verticalalignment=place,
-        )
+        beside = pt(4), side * pt(4)
+        style.write_beside(ax, f"{value:.1f}°", (crank, value), beside, verticalalignment=place)
     low, high = min(degrees.min(), 60.0) - 15, max(degrees.max(), 120.0) + 15
     for edges in ((0.0, _GOOD), (180.0 - _GOOD, 180.0)):
         ax.axhspan(*edges, color="#F2F2F2", zorder=-1)
@@ -210,11 +193,8 @@ def rocker_over_crank(design: LinkageDesign, *, ax: Axes | None = None) -> list[
     ax = style.given_or_new(ax)
     known = np.isfinite(design.crank_speed)
     rate = np.asarray(design.linkage.rocker_speed(_TURN, crank_speed=1.0))
-    line = ax.plot(
-        np.degrees(_TURN),
-        rate * (design.crank_speed * 30 / np.pi if known else 1.0),
-        color=MINIMUM,
-    )
+    speed = rate * (design.crank_speed * 30 / np.pi if known else 1.0)
+    line = ax.plot(np.degrees(_TURN), speed, color=MINIMUM)
     ax.axhline(0.0, color=MUTED, linewidth=pt(0.6), linestyle=":")
     _over_a_turn(ax, "rocker speed [rpm]" if known else "rocker speed / crank speed")
     return list(line)
@@ -253,11 +233,10 @@ def linkage_view(design: LinkageDesign, *, figure: AnyFigure | None = None) -> L
     rocker_over_crank(design, ax=panels["s"])
     transmission_over_crank(design, ax=panels["t"])
     style.letter_panels(*(panels[name] for name in "pst"))
-    marks = tuple(
-        panels[panel].axvline(0.0, color=RETURN, linewidth=pt(0.9), zorder=3) for panel in "st"
-    )
+    look: dict[str, Any] = {"color": RETURN, "linewidth": pt(0.9), "zorder": 3}
+    marks = [panels[panel].axvline(0.0, **look) for panel in "st"]
     figure.suptitle(_name(design))
-    moving = replace(view, marks=marks)
+    moving = replace(view, marks=tuple(marks))
     moving.show(_rising(design.linkage))
     return moving
 
@@ -282,12 +261,10 @@ def linkage_figure(design: LinkageDesign, *, figure: AnyFigure | None = None) ->
 
 def _name(design: LinkageDesign) -> str:
     """Lengths, swing and time ratio of a design in one line."""
-    lengths = ", ".join(
-        f"{name} {1e3 * length:.1f}" for name, length in vars(design.linkage).items()
-    )
-    return (
-        f"{lengths} mm; swing {np.degrees(design.swing):.2f}°, time ratio {design.time_ratio:.3f}"
-    )
+    links = vars(design.linkage).items()
+    lengths = ", ".join(f"{name} {1e3 * length:.1f}" for name, length in links)
+    swing = f"swing {np.degrees(design.swing):.2f}°"
+    return f"{lengths} mm; {swing}, time ratio {design.time_ratio:.3f}"
 
 
 def linkage_movie(

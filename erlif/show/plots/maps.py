@@ -164,14 +164,8 @@ def _draw_flags(ax: Axes, flags: FlagImage, film: xr.Dataset) -> list[Artist]:
     """Draw flagged pixels over the map; returns the keys of the flags that occur."""
     shown = first_flag(flags)
     palette = ListedColormap(["none", *style.FLAG_COLOURS.values()])
-    ax.imshow(
-        shown,
-        cmap=palette,
-        vmin=-0.5,
-        vmax=len(style.FLAG_COLOURS) + 0.5,
-        extent=pixel_edges(film),
-        interpolation="none",
-    )
+    ends: dict[str, Any] = {"vmin": -0.5, "vmax": len(style.FLAG_COLOURS) + 0.5}
+    ax.imshow(shown, cmap=palette, extent=pixel_edges(film), interpolation="none", **ends)
     return [
         style.swatch(colour, f"{flag_title(flag)}, {describe_share(share)}")
         for n, (flag, colour) in enumerate(style.FLAG_COLOURS.items(), 1)
@@ -181,14 +175,12 @@ def _draw_flags(ax: Axes, flags: FlagImage, film: xr.Dataset) -> list[Artist]:
 
 def _outline_region(ax: Axes, film: xr.Dataset) -> Line2D:
     """Outline the region of interest, black on white to be visible on every colour."""
-    region = region_of(film)
-    x = [region.x[0], region.x[1], region.x[1], region.x[0], region.x[0]]
-    y = [region.y[0], region.y[0], region.y[1], region.y[1], region.y[0]]
+    (left, right), (top, bottom) = region_of(film).x, region_of(film).y
+    corners = [left, right, right, left, left], [top, top, bottom, bottom, top]
     look: dict[str, Any] = {"linewidth": 1.1, "scalex": False, "scaley": False}
-    ax.plot(x, y, color="white", **look)
-    (dashes,) = ax.plot(
-        x, y, color="black", linestyle=(0, (4, 3)), label="region of interest", **look
-    )
+    style.draw_line(ax, *corners, "white", **look)
+    look |= {"form": (0, (4, 3)), "label": "region of interest"}
+    (dashes,) = style.draw_line(ax, *corners, "black", **look)
     return dashes
 
 
@@ -226,23 +218,14 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
     gap = rigid_gap(profile, film)
     if gap is not None:
         # wide and pale below the profile, which follows it closely
-        artists += ax.plot(
-            x,
-            gap.thickness(x),
-            color=RETURN,
-            linewidth=pt(2.5),
-            alpha=0.5,
-            zorder=1.2,
-            label="rigid gap",
-        )
+        look: dict[str, Any] = {"width": 2.5, "alpha": 0.5, "zorder": 1.2, "label": "rigid gap"}
+        artists += style.draw_line(ax, x, gap.thickness(x), RETURN, **look)
         text = (
             f"curvature {gap.curvature:.4f} ± {gap.curvature_std:.4f},\n"
             f"of the rigid gap {gap.rigid_curvature:.4f} µm/mm²;\n"
             f"its minimum {gap.minimum:.2f} µm"
         )
-        ax.annotate(
-            text, (0.5, 0.03), xycoords="axes fraction", ha="center", va="bottom", fontsize=pt(6.5)
-        )
+        style.write_inside(ax, text, (0.5, 0.03), ha="center", va="bottom")
 
     # the limits leave room for the text; the rigid gap may leave them beside the measured profile
     if np.isfinite(h).any():
@@ -300,10 +283,8 @@ def _draw_profile(ax: Axes, film: xr.Dataset, profile: xr.Dataset, base: Array) 
     x, h = profile.position.values, profile.thickness.values - base
     random = style.COVERAGE * profile.thickness_std.values
     shared = style.COVERAGE * profile.thickness_std_shared.values
-    (line,) = ax.plot(x, h, color=OUTWARD, linewidth=pt(0.7), label="measured")
-    band = ax.fill_between(
-        x, h - random, h + random, color=OUTWARD, alpha=0.3, linewidth=0, label="random, 95 %"
-    )
+    (line,) = style.draw_line(ax, x, h, OUTWARD, width=0.7, label="measured")
+    band = style.draw_band(ax, x, h - random, h + random, OUTWARD, label="random, 95 %")
 
     # about a difference, the shared error lies about zero
     look: dict[str, Any] = {"color": "black", "linewidth": 0.6, "linestyle": (0, (2, 1.5))}
@@ -350,10 +331,10 @@ def thickness_figure(
     figure = style.given_figure(
         figure, TWO_COLUMNS, height + _AROUND, text=_AROUND, film=film, more=more
     )
-    if settings_of(film).joint is None:
-        panels = figure.subplot_mosaic("mp", width_ratios=(1.25, 1))
-    else:
-        panels = figure.subplot_mosaic("mp;mr", width_ratios=(1.25, 1), height_ratios=(2.2, 1))
+    grid: dict[str, Any] = {"mosaic": "mp"}
+    if settings_of(film).joint is not None:
+        grid = {"mosaic": "mp;mr", "height_ratios": (2.2, 1)}
+    panels = figure.subplot_mosaic(width_ratios=(1.25, 1), **grid)
     thickness_map(film, trigger=trigger, ax=panels["m"])
     sliding_profile(film, trigger=trigger, ax=panels["p"])
 
@@ -364,14 +345,11 @@ def thickness_figure(
         panels["p"].tick_params(labelbottom=False)
 
     # one legend below all panels, so that map and profiles end at one height
-    handles: list[Artist] = []
-    below_map, above_profile = panels["m"].get_legend(), panels["p"].get_legend()
-    if below_map is not None:
-        handles += [each for each in below_map.legend_handles if each is not None]
-        below_map.remove()
-    if above_profile is not None:
-        handles += panels["p"].get_legend_handles_labels()[0]
-        above_profile.remove()
+    below_map = panels["m"].get_legend()
+    handles = [each for each in below_map.legend_handles if each is not None]
+    handles += panels["p"].get_legend_handles_labels()[0]
+    for panel in "mp":
+        panels[panel].get_legend().remove()
     style.legend_of_figure(figure, handles)
 
     panels["m"].set_title("")
@@ -430,22 +408,14 @@ def map_sheet_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> An
         for ax in grid.ravel()[members.size :]:
             ax.set_axis_off()
 
-    figure.colorbar(
-        image,
-        ax=panels[:, -1].tolist(),  # beside all panels, the layout would measure it once for each
-        # one row of maps is lower than the label is long
-        label="film thickness [µm]" + ("; " if sum(rows) > 1 else "\n") + "grey: flagged",
-        extend="both",
-        aspect=40,
-        shrink=0.9,
-        pad=0.01 * columns,  # of the width of a column
-    )
-    quantity = _small_title(film, 0)[0]
-    figure.supxlabel(
-        f"{quantity} above each map; each map "
-        f"{right - left:.1f} mm × {bottom - top:.1f} mm, x to the right, y down",
-        fontsize=pt(6.5),
-    )
+    # one row of maps is lower than the label is long
+    label = "film thickness [µm]" + ("; " if sum(rows) > 1 else "\n") + "grey: flagged"
+    # beside all panels, the layout would measure it once for each; pad in widths of a column
+    place: dict[str, Any] = {"ax": panels[:, -1].tolist(), "pad": 0.01 * columns}
+    figure.colorbar(image, label=label, extend="both", aspect=40, shrink=0.9, **place)
+    size = f"{right - left:.1f} mm × {bottom - top:.1f} mm, x to the right, y down"
+    foot = f"{_small_title(film, 0)[0]} above each map; each map {size}"
+    figure.supxlabel(foot, fontsize=pt(6.5))
     shown = "" if chosen.size == film.sizes["trigger"] else f"{chosen.size} of "
     name_film(figure, film, f"{shown}{film.sizes['trigger']} triggers")
     return figure
@@ -495,13 +465,9 @@ def _draw_small_map(ax: Axes, film: xr.Dataset, trigger: int, limits: Limits) ->
     one = film.isel(trigger=trigger)
     every = max(1, film.sizes["x"] // _SHEET_PIXELS)
     values = one.thickness.values[::every, ::every]
-    image = ax.imshow(
-        values,
-        cmap=style.colour_map("batlow", bad=style.FLAGGED),
-        vmin=limits[0],
-        vmax=limits[1],
-        extent=pixel_edges(film),
-    )
+    colours = style.colour_map("batlow", bad=style.FLAGGED)
+    ends: dict[str, Any] = {"vmin": limits[0], "vmax": limits[1]}
+    image = ax.imshow(values, cmap=colours, extent=pixel_edges(film), **ends)
     if not np.isfinite(values).any():
         ax.text(0.5, 0.5, "no valid\npixel", transform=ax.transAxes, ha="center", va="center")
     ax.set_title(_small_title(film, trigger)[1], fontsize=pt(6), pad=pt(1.5))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -196,15 +197,11 @@ def draw_mechanism(
     ax.plot(*moving.T, color=MUTED, linewidth=pt(0.6), linestyle=":", zorder=1)
     ax.plot(*path.fixed.T, "^", color=MUTED, markersize=pt(8), zorder=2)
     (links,) = ax.plot([], [], "o-", color=MINIMUM, linewidth=pt(1.6), zorder=3)
-    arrow = ax.quiver(
-        [0.0], [0.0], [0.0], [0.0], angles="xy", scale_units="xy", scale=1, width=0.012, zorder=4
-    )
-    middle, room = (low + high) / 2, (0.5 + _MARGIN) * size
-    ax.set(
-        xlim=(middle[0] - room, middle[0] + room),
-        ylim=(low[1] - _MARGIN * size, high[1] + _MARGIN * size),
-        aspect="equal",
-    )
+    in_data: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1}
+    arrow = ax.quiver([0.0], [0.0], [0.0], [0.0], width=0.012, zorder=4, **in_data)
+    middle, room = (low[0] + high[0]) / 2, (0.5 + _MARGIN) * size
+    ax.set(xlim=(middle - room, middle + room), aspect="equal")
+    ax.set(ylim=(low[1] - _MARGIN * size, high[1] + _MARGIN * size))
     ax.set_axis_off()
     view = MechanismView(film, links, arrow, top, size)
     view.show(trigger)

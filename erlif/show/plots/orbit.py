@@ -33,12 +33,7 @@ _ROOM, _LEAST_SPAN = 0.15, 0.1  # on either side of the values, of their range; 
 _MARKER = 2.2  # point
 _DASHES = (0, (3, 1.5))
 _RANDOM: dict[str, Any] = {"facecolor": MEAN, "edgecolor": "none", "alpha": 0.5, "zorder": 2}
-_WHOLE: dict[str, Any] = {
-    "fill": False,
-    "edgecolor": MINIMUM,
-    "linestyle": _DASHES,
-    "zorder": 4,
-}
+_WHOLE: dict[str, Any] = {"fill": False, "edgecolor": MINIMUM, "linestyle": _DASHES, "zorder": 4}
 
 
 def has_position(film: xr.Dataset) -> bool:
@@ -135,12 +130,8 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     last = int(np.flatnonzero(known)[-1])
     parts = [(k, film.pin_position_cov_random, _RANDOM) for k in np.flatnonzero(known)]
     for k, covariance, look in [*parts, (last, film.pin_position_cov, _WHOLE)]:
-        turn = np.array(
-            [
-                np.degrees([-side[k], load[k]]) / distance[k] ** 2,
-                np.array([-load[k], -side[k]]) / distance[k],
-            ]
-        )
+        to_angle = np.degrees([-side[k], load[k]]) / distance[k] ** 2
+        turn = np.array([to_angle, np.array([-load[k], -side[k]]) / distance[k]])
         turned = turn @ covariance.values[k, :2, :2] @ turn.T
         artists.append(ax.add_patch(_ellipse(angle[k], closest[k], turned, **look)))
 
@@ -186,14 +177,9 @@ def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
 
     stretches = in_order(film, abscissa.values)
     expected = film.film_curvature_expected.values
-    artists += ax.plot(
-        broken(stretches, abscissa.values),
-        broken(stretches, expected),
-        color=MINIMUM,
-        linestyle=_DASHES,
-        label="circles of the radii; bars: 95 %",
-        zorder=1.5,
-    )
+    x, y = broken(stretches, abscissa.values), broken(stretches, expected)
+    look = {"form": _DASHES, "label": "circles of the radii; bars: 95 %", "zorder": 1.5}
+    artists += style.draw_line(ax, x, y, MINIMUM, **look)
     label_abscissa(ax, abscissa)
     ax.set_ylabel("curvature [µm/mm²]")
     style.legend_above(ax, ncols=2)

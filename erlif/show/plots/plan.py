@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -12,13 +12,13 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from erlif.core.units import count_of
 from erlif.io.settings import PlanSettings
 from erlif.show.plots import style
 from erlif.show.plots.style import MEAN, MUTED, OUTWARD, RETURN, TWO_COLUMNS, styled
 
 _CALIBRATED: dict[str, Any] = {"facecolor": "#F2F2F2", "edgecolor": "none", "zorder": -2}
 _MEASURABLE: dict[str, Any] = {"facecolor": "#DCE9F2", "edgecolor": "none", "zorder": -1}
-"""Looks of the two ranges."""
 
 _WORST = 2.0  # of the film: largest standard deviation that is drawn
 _TALL = 0.74  # height by width of the figure
@@ -71,16 +71,12 @@ def plan_ratio(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """
     ax = style.given_or_new(ax)
     _draw_ranges(plan, ax, label=True)
-    lines: list[Artist] = [
-        *ax.plot(plan.thickness, plan.ratio, color=OUTWARD, label="as planned"),
-        *ax.plot(
-            plan.thickness,
-            plan.optimum_ratio,
-            color=RETURN,
-            linestyle="--",
-            label="best concentrations",
-        ),
-    ]
+    lines: list[Artist] = []
+    for curve, colour, form, label in (
+        (plan.ratio, OUTWARD, "-", "as planned"),
+        (plan.optimum_ratio, RETURN, "--", "best concentrations"),
+    ):
+        lines += style.draw_line(ax, plan.thickness, curve, colour, form=form, label=label)
     values = np.concatenate([plan.ratio.values, plan.optimum_ratio.values])
     low, high = float(values.min()), float(values.max())
     ax.set(ylabel="ratio camera 2 / camera 1", ylim=(low - 0.05 * (high - low), None))
@@ -119,24 +115,23 @@ def plan_precision(
     _draw_ranges(plan, ax)
     scale = 100 / plan.thickness if relative else xr.ones_like(plan.thickness)
     frames, average = int(plan.attrs["frames"]), int(plan.attrs["average"])
-    several = frames > 1 or average > 1
     pixels = "1 pixel" if average == 1 else f"{average} × {average} pixels"
     curves = [(plan.thickness_std, OUTWARD, "-", "1 pixel, 1 frame")]
-    if several:
-        name = f"{pixels}, {frames} frame{'s' if frames > 1 else ''}"
+    name, best = f"{pixels}, {count_of(frames, 'frame')}", plan.optimum_thickness_std
+    if frames > 1 or average > 1:
         curves.append((plan.thickness_std_frames, MEAN, "-", name))
-        curves.append((plan.optimum_thickness_std_frames, RETURN, "--", f"{name}, best conc."))
-    else:
-        name = "1 pixel, 1 frame, best conc."
-        curves.append((plan.optimum_thickness_std, RETURN, "--", name))
+        best = plan.optimum_thickness_std_frames
+    curves.append((best, RETURN, "--", f"{name}, best conc."))
 
     lines: list[Artist] = []
+    drawn: list[xr.DataArray] = []
     for std, colour, dashes, name in curves:
         shown = std * scale
         lines += ax.plot(plan.thickness, shown, color=colour, linestyle=dashes, label=name)
-    low = min(float((std * scale).min()) for std, *_ in curves)
+        drawn.append(shown)
     inside = plan.thickness <= float(plan.film_range[1]) * 1.2
-    high = max(float((std * scale).where(inside).max()) for std, *_ in curves)
+    low = min(float(shown.min()) for shown in drawn)
+    high = max(float(shown.where(inside).max()) for shown in drawn)
     # an error of several times the film is no measurement
     high = min(high, 100 * _WORST if relative else _WORST * float(plan.film_range[1]))
     if relative:
@@ -174,9 +169,8 @@ def plan_signal(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     lines: list[Artist] = []
     for number, colour, dashes in ((1, OUTWARD, "-"), (2, RETURN, "--")):
         signal = plan.signal.sel(camera=number) / 1e3
-        lines += ax.plot(
-            plan.thickness, signal, color=colour, linestyle=dashes, label=f"camera {number}"
-        )
+        label = f"camera {number}"
+        lines += style.draw_line(ax, plan.thickness, signal, colour, form=dashes, label=label)
     full = sorted(set(plan.full_scale.values))
     for number, value in enumerate(full):
         name = "full scale" if number == 0 else None
@@ -205,12 +199,12 @@ def plan_figure(plan: xr.Dataset) -> Figure:
     4
     """
     figure = style.new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS)
-    (a, b), (c, d) = figure.subplots(2, 2)
-    plan_ratio(plan, ax=a)
-    plan_precision(plan, ax=b)
-    plan_precision(plan, relative=True, ax=c)
-    plan_signal(plan, ax=d)
-    style.letter_panels(a, b, c, d)
+    panels = figure.subplots(2, 2).ravel()
+    relative: Any = partial(plan_precision, relative=True)
+    drawings = (plan_ratio, plan_precision, relative, plan_signal)
+    for ax, draw in zip(panels, drawings, strict=True):
+        draw(plan, ax=ax)
+    style.letter_panels(*panels)
     about = "; invented spectra" if plan.attrs["synthetic"] else ""
     one, two = plan.concentration.values
     first, last = plan.film_range.values

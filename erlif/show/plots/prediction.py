@@ -36,6 +36,8 @@ _WITHIN = 99.5  # percentile of the differences at the ends of their colour scal
 _LEAST_REACH = 0.01  # um; equal maps still need a scale
 _LINES = (2.0, 5.0)  # of text below and above the films
 _LEAST_SPAN = 0.02  # of the film; a smaller range is noise
+_MINIMA = ("film_min", "film_predicted_min")
+_PREDICTED: dict[str, Any] = {"colour": OUTWARD, "width": 1.0, "zorder": 2}
 
 
 def has_prediction(film: xr.Dataset) -> bool:
@@ -80,7 +82,7 @@ def film_and_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     stretches = in_order(film, angle)
     x, y = broken(stretches, angle), broken(stretches, film.film_predicted_min.values)
     held = str(film.film_theory.attrs["regime"]).removeprefix("transient Reynolds, ")
-    artists += ax.plot(x, y, color=OUTWARD, linewidth=pt(1.0), label=f"predicted, {held}", zorder=2)
+    artists += style.draw_line(ax, x, y, label=f"predicted, {held}", **_PREDICTED)
 
     limit_to_turn(ax)
     _finish(ax, label)
@@ -125,14 +127,8 @@ def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes | None = Non
     artists = _draw_measured(ax, film, mean)
     order = np.argsort(turns, kind="stable")
     stretches = np.split(order, np.flatnonzero(find_gaps(turns[order])) + 1)
-    artists += ax.plot(
-        broken(stretches, turns),
-        broken(stretches, frames.film_predicted_min.values),
-        color=OUTWARD,
-        linewidth=pt(1.0),
-        label="predicted",
-        zorder=2,
-    )
+    x, y = (broken(stretches, each) for each in (turns, frames.film_predicted_min.values))
+    artists += style.draw_line(ax, x, y, label="predicted", **_PREDICTED)
     _finish(ax, "turns of the crank [1]")
     return artists
 
@@ -185,13 +181,10 @@ def prediction_figure(
     film_over_run(film, frames, ax=right)
     if "rocker_speed" in film:
         speed = film.rocker_speed.values
-        values = [
-            speed_correlation(film[name].values, speed)
-            for name in ("film_min", "film_predicted_min")
-        ]
-        measured, predicted = (style.signed(one) if np.isfinite(one) else "none" for one in values)
+        found = (speed_correlation(film[name].values, speed) for name in _MINIMA)
+        measured, predicted = (style.signed(one) if np.isfinite(one) else "none" for one in found)
         text = f"correlation with |speed|: measured {measured}, predicted {predicted}"
-        left.annotate(text, (0.02, 0.02), xycoords="axes fraction", fontsize=pt(6.5))
+        style.write_inside(left, text, (0.02, 0.02))
     style.letter_panels(left, right)
     return figure
 
@@ -267,27 +260,24 @@ def prediction_map_figure(
         figure, TWO_COLUMNS, height + _AROUND, text=_AROUND, film=film, more=more
     )
     panels = figure.subplots(1, 3, sharey=True)
-    images = [
-        joint_image(ax, film, values, limits, colours=name, bad=style.FLAGGED_DIFFERENCE)
-        for ax, values, name, limits in zip(
-            panels,
-            (measured, predicted, difference),
-            ("batlow", "batlow", "vik"),
-            ((low, high), (low, high), reach),
-            strict=True,
-        )
-    ]
-    style.add_colour_bar(images[1], panels[1], "film, (a, b) [µm]")
-    style.add_colour_bar(images[2], panels[2], "difference [µm]")
+    shown = (
+        (measured, "batlow", (low, high), "measured"),
+        (predicted, "batlow", (low, high), "predicted"),
+        (difference, "vik", reach, "measured − predicted"),
+    )
+    images = []
+    for ax, (values, colours, limits, title) in zip(panels, shown, strict=True):
+        look = {"colours": colours, "bad": style.FLAGGED_DIFFERENCE}
+        images.append(joint_image(ax, film, values, limits, **look))
+        ax.set_title(title)
+    for k, label in ((1, "film, (a, b) [µm]"), (2, "difference [µm]")):
+        style.add_colour_bar(images[k], panels[k], label)
     keys = [style.swatch("white", "(c) no difference")]
     if not np.isfinite(measured).all():
         keys.append(style.swatch(style.FLAGGED_DIFFERENCE, "not valid"))
     style.legend_of_figure(figure, keys)
     if reason := reason_empty(film.flags.isel(trigger=trigger).values):
         style.state_empty(panels[0], reason.replace(": ", "\n").replace(", ", "\n"))
-    titles = ("measured", "predicted", "measured − predicted")
-    for ax, title in zip(panels, titles, strict=True):
-        ax.set_title(title)
     style.letter_panels(*panels)
     for ax in panels[1:]:
         ax.set_ylabel("")

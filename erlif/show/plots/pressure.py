@@ -23,6 +23,11 @@ _THIRD = 0.3  # of two columns, for each of three panels
 _AROUND = 1.05  # inch above and below the map
 _LEAST_HEIGHT = 2.2  # inch
 _MARGIN = 0.05  # of the range of the loads
+_PEAK = {"x": "peak_place", "y": "peak_pressure"}
+
+# legend above the letter of the panel, where it covers no point
+_ABOVE: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.09)}
+_ABOVE |= {"columnspacing": 0.8, "handletextpad": 0.3, "borderaxespad": 0.2}
 
 
 @styled
@@ -55,12 +60,10 @@ def pressure_map(found: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> 
     """
     check_trigger(found, trigger)
     ax = style.given_or_new(ax, found)
-    image = ax.imshow(
-        found.pressure.isel(trigger=trigger).values,
-        cmap=style.colour_map("batlow", bad=style.FLAGGED),
-        extent=pixel_edges(found),
-        interpolation="nearest",
-    )
+    colours = style.colour_map("batlow", bad=style.FLAGGED)
+    look: dict[str, Any] = {"cmap": colours, "extent": pixel_edges(found)}
+    values = found.pressure.isel(trigger=trigger).values
+    image = ax.imshow(values, interpolation="nearest", **look)
     # nodes lie on the first and last pixel: their outer halves are beyond the image
     x, y = found.x.values, found.y.values
     ax.set(xlim=(x[0], x[-1]), ylim=(y[-1], y[0]))
@@ -101,24 +104,17 @@ def pressure_profile(
     one = found.isel(trigger=trigger)
     place, value = one.place.values, one.pressure_profile.values
     reach = COVERAGE * one.pressure_profile_std.values
-    band = ax.fill_between(
-        place, value - reach, value + reach, color=MEAN, alpha=0.3, linewidth=0, label="95 %"
-    )
-    (line,) = ax.plot(place, value, color=MEAN, linewidth=pt(1.2), label="pressure")
-    peak = ax.errorbar(
-        np.atleast_1d(one.peak_place.values),
-        np.atleast_1d(one.peak_pressure.values),
-        xerr=COVERAGE * one.peak_place_std.values,
-        yerr=COVERAGE * one.peak_pressure_std.values,
-        color="black",
-        linewidth=pt(0.8),
-        marker="o",
-        markersize=pt(2.5),
-        label="peak",
-        clip_on=False,  # a peak at the edge of the image is drawn whole
-    )
+    band = style.draw_band(ax, place, value - reach, value + reach, MEAN, label="95 %")
+    (line,) = style.draw_line(ax, place, value, MEAN, width=1.2, label="pressure")
+
+    # a peak at the edge of the image is drawn whole
+    look: dict[str, Any] = {"color": "black", "marker": "o", "label": "peak", "clip_on": False}
+    look |= {"linewidth": pt(0.8), "markersize": pt(2.5)}
+    at, height = (np.atleast_1d(one[name].values) for name in _PEAK.values())
+    look |= {f"{axis}err": COVERAGE * one[f"{name}_std"].values for axis, name in _PEAK.items()}
+    peak = ax.errorbar(at, height, **look)
     ax.set(xlim=(place[0], place[-1]), xlabel="sliding direction [mm]", ylabel="pressure [kPa]")
-    _add_legend_above(ax, 3)
+    ax.legend(ncols=3, **_ABOVE)
     return [band, line, peak]
 
 
@@ -152,21 +148,8 @@ def load_balance(found: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     drawn = np.concatenate([load - std, load + std, found["load"].values, [0.0]])
     low, high = np.nanmin(drawn), np.nanmax(drawn)
     ax.set_ylim(low - _MARGIN * (high - low) * (low < 0), high + _MARGIN * (high - low))
-    _add_legend_above(ax, len(artists), title="bars: one standard deviation")
+    ax.legend(ncols=len(artists), title="bars: one standard deviation", **_ABOVE)
     return artists
-
-
-def _add_legend_above(ax: Axes, columns: int, **options: Any) -> None:
-    """Add a legend above the letter of the panel, where it covers no point."""
-    ax.legend(
-        loc="lower center",
-        bbox_to_anchor=(0.5, 1.09),
-        ncols=columns,
-        columnspacing=0.8,
-        handletextpad=0.3,
-        borderaxespad=0.2,
-        **options,
-    )
 
 
 def best_trigger(found: xr.Dataset) -> int:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
@@ -71,13 +73,8 @@ def _outline_masks(ax: Axes, registration: xr.Dataset) -> None:
     keys = []
     for name, (colour, label) in _EDGES.items():
         if name in registration and 0 < registration[name].values.mean() < 1:
-            ax.contour(
-                registration[name].values.astype(float),
-                levels=[0.5],
-                colors=colour,
-                linewidths=pt(0.7),
-                linestyles="--",
-            )
+            mask = registration[name].values.astype(float)
+            ax.contour(mask, levels=[0.5], colors=colour, linewidths=pt(0.7), linestyles="--")
             keys.append(Line2D([], [], color=colour, linestyle="--", label=label))
     if keys:
         ax.legend(handles=keys, loc="lower left", frameon=True, framealpha=1.0, edgecolor="none")
@@ -115,23 +112,16 @@ def drift_of_frames(frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artis
         drift = frames[f"drift_{name}"].values
         # without any drift, nanstd would warn
         spread = float(np.nanstd(drift)) if np.isfinite(drift).any() else np.nan
-        artists += ax.plot(
-            broken(stretches, number),
-            broken(stretches, drift),
-            color=colour,
-            marker=marker,
-            markerfacecolor=face,
-            linewidth=pt(0.5),
-            markersize=pt(2.4),
-            label=f"along {name}, rms {spread:.2f} px",
-        )
+        look: dict[str, Any] = {"marker": marker, "markerfacecolor": face, "width": 0.5}
+        look |= {"size": 2.4, "label": f"along {name}, rms {spread:.2f} px"}
+        x, y = broken(stretches, number), broken(stretches, drift)
+        artists += style.draw_line(ax, x, y, colour, **look)
 
     ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set(xlabel="number of the frame pair [1]", ylabel="drift of camera 2 [px]")
     ax.margins(x=0.01)
-    low, high = ax.get_ylim()
-    ax.set_ylim(low, high + style.room_for(ax, 2.0) * (high - low))
+    style.make_room(ax, 2.0)
     ax.legend(loc="upper right", ncols=2)
     return artists
 
@@ -169,11 +159,11 @@ def registration_figure(
     """
     height, width = registration.displacement_x.shape
     tall = _WIDE * TWO_COLUMNS * height / width
-    height_of_all = tall + _DRIFT + _AROUND
-    figure = style.given_figure(figure, TWO_COLUMNS, height_of_all, text=_AROUND, film=film)
+    whole = tall + _DRIFT + _AROUND
+    figure = style.given_figure(figure, TWO_COLUMNS, whole, text=_AROUND, film=film)
     panels = figure.subplot_mosaic("xy;dd", height_ratios=(tall, _DRIFT))
-    displacement_map(registration, component="x", ax=panels["x"])
-    displacement_map(registration, component="y", ax=panels["y"])
+    for component in "xy":
+        displacement_map(registration, component=component, ax=panels[component])
     drift_of_frames(frames, ax=panels["d"])
 
     quality = float(registration.attrs["registration_quality"])

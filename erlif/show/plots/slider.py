@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import cycle
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -11,13 +13,12 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from erlif.show.plots import style
-from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, pt, styled
+from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, styled
 
-_COLOURS = (MINIMUM, OUTWARD, RETURN, MEAN, MUTED)
 _DASHES = ("-", "--", "-.", ":", (0, (5, 1)))
+_LOOKS = tuple(zip((MINIMUM, OUTWARD, RETURN, MEAN, MUTED), _DASHES, strict=True))
 
-_PROFILES = 4
-"""Profiles in a figure of wear, evenly over the cycles and with the last."""
+_PROFILES = 4  # in a figure of wear, evenly over the cycles and with the last
 
 
 @styled
@@ -44,17 +45,10 @@ def joint_force(simulations: Mapping[str, xr.Dataset], *, ax: Axes | None = None
     'joint force [N]'
     """
     ax = style.given_or_new(ax)
-    lines = []
-    for k, (name, found) in enumerate(simulations.items()):
-        (line,) = ax.plot(
-            np.degrees(found.crank_angle.values),
-            found.force.values,
-            color=_COLOURS[k % len(_COLOURS)],
-            linestyle=_DASHES[k % len(_DASHES)],
-            linewidth=pt(0.9),
-            label=name,
-        )
-        lines.append(line)
+    lines: list[Line2D] = []
+    for (name, found), (colour, dashes) in zip(simulations.items(), cycle(_LOOKS), strict=False):
+        degrees, force = np.degrees(found.crank_angle.values), found.force.values
+        lines += style.draw_line(ax, degrees, force, colour, form=dashes, width=0.9, label=name)
     ax.set(xlabel="crank angle [°]", ylabel="joint force [N]")
     ax.set_ylim(bottom=0)
     ax.margins(x=0)
@@ -94,31 +88,18 @@ def joint_wear(worn: xr.Dataset, *, ax: Axes | None = None) -> list[Line2D]:
     # the state before the first cycle is no wear
     last = worn.sizes["cycle"] - 1
     chosen = sorted({round(last * k / _PROFILES) for k in range(1, _PROFILES + 1)} - {0})
-    lines = []
-    for k, at in enumerate(chosen):
-        (line,) = ax.plot(
-            degrees,
-            1e3 * worn.depth.values[at],
-            color=OUTWARD,
-            alpha=0.35 + 0.65 * (k + 1) / len(chosen),
-            linestyle=_DASHES[(len(chosen) - 1 - k) % len(_DASHES)],
-            linewidth=pt(0.9),
-            label=f"{int(worn.cycle[at]):,} cycles",
-        )
-        lines.append(line)
+    lines: list[Line2D] = []
+    for k, at in enumerate(chosen, 1):
+        look: dict[str, Any] = {"form": _DASHES[len(chosen) - k], "width": 0.9}
+        look |= {"alpha": 0.35 + 0.65 * k / len(chosen), "label": f"{int(worn.cycle[at]):,} cycles"}
+        lines += style.draw_line(ax, degrees, 1e3 * worn.depth.values[at], OUTWARD, **look)
 
     # a pin that does not wear has no line
     if np.any(worn.pin_depth.values[-1] > 0):
-        (line,) = ax.plot(
-            degrees, 1e3 * worn.pin_depth.values[-1], color=RETURN, linewidth=pt(0.9), label="pin"
-        )
-        lines.append(line)
-    ax.set(
-        xlim=(-180, 180),
-        xticks=range(-180, 181, 90),
-        xlabel="place on the bushing, 0 in tension [°]",
-        ylabel="worn depth [mm]",
-    )
+        depth = 1e3 * worn.pin_depth.values[-1]
+        lines += style.draw_line(ax, degrees, depth, RETURN, width=0.9, label="pin")
+    ax.set(xlim=(-180, 180), xticks=range(-180, 181, 90))
+    ax.set(xlabel="place on the bushing, 0 in tension [°]", ylabel="worn depth [mm]")
     ax.set_ylim(bottom=0)
     style.legend_above(ax, ncols=2)
     return lines
@@ -166,18 +147,11 @@ def extrapolation_error(
         limit = float(found[f"{name}_limit"] if fine is None else fine[name])
         error = 100 * np.abs(found[name].values - limit) / abs(limit)
         bound = 100 * found[f"{name}_bound"].values / abs(limit)
-        drawn += ax.plot(
-            factors,
-            error,
-            mark,
-            color=colour,
-            markersize=pt(size),
-            markerfacecolor="none" if dash == "--" else colour,
-            label=f"{label}: error",
-        )
-        drawn += ax.plot(
-            factors, bound, dash, color=colour, linewidth=pt(0.9), label=f"{label}: bound"
-        )
+        look: dict[str, Any] = {"size": size, "label": f"{label}: error"}
+        look["markerfacecolor"] = "none" if dash == "--" else colour
+        drawn += style.draw_line(ax, factors, error, colour, form=mark, **look)
+        look = {"width": 0.9, "label": f"{label}: bound"}
+        drawn += style.draw_line(ax, factors, bound, colour, form=dash, **look)
 
     ax.set(xscale="log", yscale="log", xlabel="extrapolation factor [cycles]", ylabel="error [%]")
     ax.set_xticks(factors, [f"{factor:g}" for factor in factors])

@@ -32,6 +32,7 @@ from matplotlib.gridspec import SubplotSpec
 from matplotlib.image import AxesImage
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.legend import Legend
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter
 from matplotlib.transforms import Bbox, ScaledTranslation
@@ -322,6 +323,56 @@ def draw_image(
     return image
 
 
+def draw_line(
+    ax: Axes,
+    x: npt.ArrayLike,
+    y: npt.ArrayLike,
+    colour: str,
+    *,
+    form: Any = None,
+    width: float | None = None,
+    size: float | None = None,
+    **look: Any,
+) -> list[Line2D]:
+    """Draw a line or points of one colour.
+
+    `form` is a form of matplotlib, as ``"--"`` or ``"o"``, or dashes; `width` and `size` of the
+    markers are in points beside text of 7 points; `look` as for `matplotlib.axes.Axes.plot`.
+    """
+    lengths = {"linewidth": width, "markersize": size}
+    look |= {name: pt(length) for name, length in lengths.items() if length is not None}
+    if isinstance(form, str):
+        return ax.plot(x, y, form, color=colour, **look)
+    return ax.plot(x, y, linestyle=form, color=colour, **look)
+
+
+def draw_band(
+    ax: Axes,
+    x: Array,
+    low: Array,
+    high: Array,
+    colour: str,
+    *,
+    label: str | None = None,
+    **look: Any,
+) -> Artist:
+    """Fill the band between two curves, pale and without an edge."""
+    look = {"alpha": 0.3, "linewidth": 0} | look
+    return ax.fill_between(x, low, high, color=colour, label=label, **look)
+
+
+def write_inside(ax: Axes, text: str, place: tuple[float, float], **options: Any) -> None:
+    """Write a small text in axes, at a place relative to them."""
+    ax.annotate(text, place, xycoords="axes fraction", fontsize=pt(6.5), **options)
+
+
+def write_beside(
+    ax: Axes, text: str, point: tuple[float, float], offset: tuple[float, float], **options: Any
+) -> None:
+    """Write a text beside a point of the data, at a distance in points."""
+    ax.annotate(text, point, xytext=offset, textcoords="offset points", **options)
+
+
 def close_frame(ax: Axes) -> None:
     """Draw all four sides of the frame, because the edge of an image is data."""
     for side in ("top", "right"):
@@ -527,6 +578,12 @@ def room_for(ax: Axes, lines: float) -> float:
     height = _LAID_OUT * 72 * ax.get_window_extent().height / figure_of(ax).dpi
     text = lines * pt(_LINE)
     return float(text / max(height - text, text))
+
+
+def make_room(ax: Axes, lines: float) -> None:
+    """Raise the upper end of an axis by lines of text above what is drawn."""
+    low, high = ax.get_ylim()
+    ax.set_ylim(low, high + room_for(ax, lines) * (high - low))
 
 
 def state_empty(ax: Axes, text: str) -> None:

@@ -115,14 +115,11 @@ def _draw_points(ax: Axes, film: xr.Dataset, name: str, colour: str) -> list[Art
     x, fitted = _MILLI * speed_over_load(film), _used_in_fit(film)
     value, std = film[name].values, film[f"{name}_std"].values
     drawable = np.isfinite(value) & (value > 0)  # the scale is logarithmic
-    look: dict[str, Any] = {"elinewidth": pt(0.7)}
-    return [
-        artist
-        for used, paint in ((fitted, colour), (~fitted, MUTED))
-        for artist in draw_strokes(
-            ax, film, x, value, std, which=used & drawable, colour=paint, **look
-        )
-    ]
+    artists: list[Artist] = []
+    for used, paint in ((fitted, colour), (~fitted, MUTED)):
+        look: dict[str, Any] = {"which": used & drawable, "colour": paint, "elinewidth": pt(0.7)}
+        artists += draw_strokes(ax, film, x, value, std, **look)
+    return artists
 
 
 def _draw_power(ax: Axes, film: xr.Dataset, name: str, label: str, **look: Any) -> list[Line2D]:
@@ -190,29 +187,13 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     ax.set(xscale="log", yscale="log")
     x = _MILLI * speed_over_load(film)
     value = film.film_min.values
-    artists = draw_strokes(
-        ax,
-        film,
-        x,
-        value,
-        film.film_min_std.values,
-        which=value > 0,
-        colour=MINIMUM,
-        label="measured minimum",
-        elinewidth=pt(0.7),
-    )
+    look: dict[str, Any] = {"colour": MINIMUM, "label": "measured minimum", "elinewidth": pt(0.7)}
+    artists = draw_strokes(ax, film, x, value, film.film_min_std.values, which=value > 0, **look)
     if "film_predicted_min" in film:
-        artists += ax.plot(
-            x,
-            film.film_predicted_min.values,
-            "D",
-            color=MEAN,
-            markerfacecolor="none",
-            markersize=pt(_AROUND_POINTS),
-            markeredgewidth=pt(0.5),
-            label="transient film over the cycle",
-            zorder=1.5,  # the points within stay visible
-        )
+        # the points within stay visible
+        look = {"label": "transient film over the cycle", "zorder": 1.5, "size": _AROUND_POINTS}
+        look |= {"markerfacecolor": "none", "markeredgewidth": pt(0.5)}
+        artists += style.draw_line(ax, x, film.film_predicted_min.values, MEAN, form="D", **look)
 
     # steady theory depends on speed and load alone, so that its points in order make a curve
     order = np.argsort(x)
@@ -227,9 +208,8 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
         curve = film[name].values[order]
         beyond = _describe_beyond(curve, low, high)
         lines += 1 if beyond else 0
-        artists += ax.plot(
-            x[order], curve, color=colour, linestyle=dashes, label="\n".join([label, *beyond])
-        )
+        label = "\n".join([label, *beyond])
+        artists += style.draw_line(ax, x[order], curve, colour, form=dashes, label=label)
 
     ax.set(xlabel=_LABELS[_speed_name(film)], ylabel="film thickness [µm]")
     ax.set_ylim(low, high * (high / low) ** style.room_for(ax, lines))
@@ -275,9 +255,8 @@ def plain_ticks(ax: Axes) -> None:
         steps = every if decades < 0.7 else (1.0, 2.0, 3.0, 5.0) if decades < 1.5 else (1.0,)
         axis.set_major_locator(LogLocator(base=10, subs=steps, numticks=20))
         axis.set_major_formatter("{x:g}")
-        axis.set_minor_locator(
-            LogLocator(base=10, subs=tuple(map(float, range(1, 10))), numticks=20)
-        )
+        every_digit = tuple(map(float, range(1, 10)))
+        axis.set_minor_locator(LogLocator(base=10, subs=every_digit, numticks=20))
         axis.set_minor_formatter(NullFormatter())
 
 
