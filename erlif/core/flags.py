@@ -33,6 +33,11 @@ class Flag(IntFlag):
     NO_FILM = 128
     """Bubble or bare wall: the fluorescence of both bands is missing."""
 
+    @property
+    def title(self) -> str:
+        """Its name in words."""
+        return str(self.name).lower().replace("_", " ")
+
 
 def count_flags(flags: FlagImage) -> list[int]:
     """Count the valid pixels, then those of each flag.

@@ -8,16 +8,16 @@ import xarray as xr
 
 from erlif.core.errors import ErlifError
 
-_TITLE_PARTS = 2
-"""Coordinates in a title."""
+_TITLE_PARTS = 2  # coordinates in a title
 
 
 class MapAccessor:
-    """What `array.erlif` offers; `array` has the dims y and x.
+    """What `array.erlif` offers.
 
     Parameters
     ----------
     array : xarray.DataArray
+        A map, with the dims y and x.
 
     Examples
     --------

@@ -8,26 +8,13 @@ import xarray as xr
 from erlif.calibration import Calibration, calibration_of
 from erlif.core.errors import ConfigError, ErlifError
 from erlif.core.products import RatioImages, ThicknessMaps
+from erlif.core.tables import read_table
 from erlif.io.files import settings_of, takes
 from erlif.trend import FilmStatistics, Region, find_region, summarise_film
 
 Interval = tuple[float, float]
 
-_COLUMNS = {
-    "film_mean": ("um", "mean film thickness"),
-    "film_mean_std": ("um", "standard deviation of the mean film thickness"),
-    "film_mean_std_random": ("um", "its part that is new at every trigger"),
-    "film_mean_std_shared": ("um", "its part that all triggers share"),
-    "film_min": ("um", "minimum film thickness"),
-    "film_min_std": ("um", "standard deviation of the minimum film thickness"),
-    "film_min_std_random": ("um", "its part that is new at every trigger"),
-    "film_min_std_shared": ("um", "its part that all triggers share"),
-    "film_min_x": ("px", "column of the minimum film thickness"),
-    "film_min_y": ("px", "row of the minimum film thickness"),
-    "pixels": ("1", "valid pixels"),
-    "share_valid": ("1", "share of valid pixels"),
-}
-"""Unit and title of each number of a region."""
+_COLUMNS = read_table("erlif.show.notebook", "region.toml")
 
 
 @takes(film="film")
@@ -84,26 +71,21 @@ def summarise_region(
         row["share_valid"] = row["pixels"] / one.flags.size
         found.append(row)
 
-    described = xr.Dataset(
-        {
-            name: ("trigger", [row[name] for row in found], {"units": unit, "long_name": title})
-            for name, (unit, title) in _COLUMNS.items()
-        },
-        film.film_mean.coords,
-    )
+    columns = {
+        name: ("trigger", [row[name] for row in found], attrs) for name, attrs in _COLUMNS.items()
+    }
     low_x, *_, high_x = film.x.values[region.columns]
     low_y, *_, high_y = film.y.values[region.rows]
     bounds = f"x {low_x:.2f} to {high_x:.2f} mm, y {low_y:.2f} to {high_y:.2f} mm"
-    return described.assign_attrs(title=f"film thickness over {bounds}")
+    title = f"film thickness over {bounds}"
+    return xr.Dataset(columns, film.film_mean.coords, {"title": title})
 
 
 def _find_region(film: xr.Dataset, x: Interval | None, y: Interval | None) -> Region:
-    bounds = tuple(
-        (float(film[name][0]), float(film[name][-1])) if given is None else given
-        for name, given in (("x", x), ("y", y))
-    )
+    across, down = film.x.values, film.y.values
+    roi = x or (float(across[0]), float(across[-1])), y or (float(down[0]), float(down[-1]))
     try:
-        return find_region(film.x.values, film.y.values, roi=(bounds[0], bounds[1]))
+        return find_region(across, down, roi=roi)
     except ConfigError as error:
         raise ErlifError(
             f"Expected a region of at least 32 x 32 pixels within x 0 to {float(film.x[-1]):.2f} "
@@ -126,29 +108,14 @@ def _summarise(maps: xr.Dataset, calibration: Calibration, *, along_x: bool) -> 
     displaced = np.square(slope) * np.maximum(
         np.square(both) - np.square(calibration.thickness_std(film)), 0.0
     )
-    dims = ("y", "x")
-    ratios = xr.Dataset(
-        {
-            "log_ratio": (dims, calibration.predict_log(film)),
-            "log_ratio_var": (dims, own),
-            "log_ratio_var_shared": (dims, displaced),
-            "flags": (dims, maps.flags.values),
-        }
-    )
-    of_maps = xr.Dataset(
-        {
-            "log_ratio_near": (dims, np.where(valid, ratios.log_ratio.values, np.nan)),
-            "flags": (dims, maps.flags.values),
-        }
-    )
+    log_ratio = calibration.predict_log(film)
+    images = {"log_ratio": log_ratio, "log_ratio_near": np.where(valid, log_ratio, np.nan)}
+    images |= {"log_ratio_var": own, "log_ratio_var_shared": displaced, "flags": maps.flags.values}
+    # ratio and map in one dataset: the statistics take from each what it has
+    combined = xr.Dataset({name: (("y", "x"), image) for name, image in images.items()})
+    pair = RatioImages(combined), ThicknessMaps(combined)
     whole = Region(slice(0, valid.shape[0]), slice(0, valid.shape[1]))
-    return summarise_film(
-        RatioImages(ratios),
-        ThicknessMaps(of_maps),
-        calibration,
-        region=whole,
-        sliding_along_x=along_x,
-    )
+    return summarise_film(*pair, calibration, region=whole, sliding_along_x=along_x)
 
 
 def _tabulate(one: FilmStatistics) -> dict[str, float]:

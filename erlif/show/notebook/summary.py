@@ -2,34 +2,31 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 import xarray as xr
 
 from erlif.core.errors import ErlifError
 from erlif.core.html import captioned, card, colour_picture, findings_list, picture_tag, rows_table
 from erlif.core.notes import Level, split_notes
+from erlif.core.units import count_of
 from erlif.io.files import describe_trigger, flag_shares, settings_of
 
-_PICTURES = 4
-"""Maps that are shown."""
-
-_WITHIN = (0.5, 99.5)
-"""Percentiles of the valid pixels at the ends of the colours."""
-
-_SIDE = 160
-"""Width of a picture. [px]"""
+_PICTURES = 4  # maps that are shown
+_WITHIN = (0.5, 99.5)  # percentiles of the valid pixels at the ends of the colours
+_SIDE = 160  # px, width of a picture
+_QUANTITIES = {
+    "load": ("load", "N", 1),
+    "crank angle": ("crank_angle", "°", 1),
+    "encoder angle": ("encoder_angle", "°", 1),
+    "sliding speed": ("sliding_speed", "m/s", 3),
+    "oil temperature": ("temperature", "°C", 1),
+}
 
 
 def describe_in_text(film: xr.Dataset) -> str:
     """Describe a film in some lines.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-
-    Returns
-    -------
-    str
 
     Examples
     --------
@@ -48,11 +45,6 @@ def describe_in_text(film: xr.Dataset) -> str:
 def describe_in_html(film: xr.Dataset) -> str:
     """Describe a film as `describe_in_text` with some of its maps; text of files is escaped.
 
-    Returns
-    -------
-    str
-        HTML.
-
     Examples
     --------
     >>> from erlif.show.plots import example_film
@@ -61,13 +53,8 @@ def describe_in_html(film: xr.Dataset) -> str:
     """
     if not _is_film(film):
         return card("no film", "", rows_table([("", _describe_foreign(film))]))
-    return card(
-        _name(film),
-        _size(film),
-        rows_table(_rows(film)),
-        _maps(film),
-        findings_list(_findings(film)),
-    )
+    shown = rows_table(_rows(film)), _maps(film), findings_list(_findings(film))
+    return card(_name(film), _size(film), *shown)
 
 
 def _is_film(film: xr.Dataset) -> bool:
@@ -90,9 +77,8 @@ def _name(film: xr.Dataset) -> str:
 
 
 def _size(film: xr.Dataset) -> str:
-    count = film.film_min.size
-    rows, columns = film.sizes["y"], film.sizes["x"]
-    return f"{count} trigger{'s' * (count != 1)} of {columns} x {rows} pixels"
+    size = f"{film.sizes['x']} x {film.sizes['y']} pixels"
+    return f"{count_of(film.film_min.size, 'trigger')} of {size}"
 
 
 def _rows(film: xr.Dataset) -> list[tuple[str, str]]:
@@ -103,30 +89,15 @@ def _rows(film: xr.Dataset) -> list[tuple[str, str]]:
     ]
     # of one trigger, taken from a film, the maps are at hand
     pixels = film.sizes["y"] * film.sizes["x"]
-    if "trigger" in film.thickness.dims:
-        valid = float(flag_shares(film)[:, 0].mean())
-    else:
-        valid = float((film.flags == 0).sum()) / pixels
+    whole = "trigger" in film.thickness.dims
+    valid = flag_shares(film)[:, 0].mean() if whole else float((film.flags == 0).sum()) / pixels
     rows.append(("valid pixels", f"{valid:.1%}"))
 
-    quantities = (
-        ("load", "load", "N", 1),
-        ("crank angle", "crank_angle", "°", 1),
-        ("encoder angle", "encoder_angle", "°", 1),
-        ("sliding speed", "sliding_speed", "m/s", 3),
-        ("oil temperature", "temperature", "°C", 1),
-    )
-    rows += [
-        (title, _range(film, name, unit, digits))
-        for title, name, unit, digits in quantities
-        if name in film
-    ]
-    try:
+    shown = ((title, how) for title, how in _QUANTITIES.items() if how[0] in film)
+    rows += [(title, _range(film, *how)) for title, how in shown]
+    with suppress(ErlifError):
         oil = settings_of(film).oil
-    except ErlifError:
-        oil = None
-    if oil is not None and oil.name:
-        rows.append(("oil", oil.name))
+        rows += [("oil", oil.name)] if oil is not None and oil.name else []
     if "film_theory" in film:
         rows.append(("theory", str(film.film_theory.attrs.get("regime", ""))))
     return rows

@@ -3,8 +3,12 @@
 A function that draws one panel takes ``ax``, and makes a figure of one journal column without it.
 Functions whose names end in ``_figure`` combine panels; they take ``figure``, an empty figure or
 subfigure to draw in, and make a new one without it. ``film`` is a film as `erlif.process` returns
-it, and ``trigger`` the number of one of its triggers, counted from 0. matplotlib is used through
-its objects alone: no function opens a window or changes a setting of the caller.
+it, and ``trigger`` the number of one of its triggers, counted from 0; `ErlifError` is raised where
+the film has no such trigger. matplotlib is used through its objects alone: no function opens a
+window or changes a setting of the caller.
+
+A function whose name begins with ``write_`` or ends in ``_movie`` takes the path of the file or
+folder. It returns what it has written, and raises `OutputError` where it cannot be written.
 """
 
 import lazy_loader

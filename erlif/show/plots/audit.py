@@ -23,17 +23,7 @@ _BARS = 256  # of a histogram at most
 
 @styled
 def pair_figure(picture: Picture) -> Figure:
-    """Draw the light of both cameras on the pixels of camera 1.
-
-    Parameters
-    ----------
-    picture : Picture
-
-    Returns
-    -------
-    Figure
-        Two columns wide.
-    """
+    """Draw the light of both cameras on the pixels of camera 1."""
     rows, columns = picture.light[0].shape
     figure = style.new_figure(TWO_COLUMNS, 0.38 * TWO_COLUMNS * rows / columns + _AROUND)
     panels = figure.subplots(1, 2)
@@ -48,17 +38,7 @@ def pair_figure(picture: Picture) -> Figure:
 
 @styled
 def difference_figure(picture: Picture) -> Figure:
-    """Draw what remains between the cameras once they are aligned and the film is taken out.
-
-    Parameters
-    ----------
-    picture : Picture
-
-    Returns
-    -------
-    Figure
-        One column wide.
-    """
+    """Draw what remains between the cameras once they are aligned and the film is taken out."""
     rows, columns = picture.difference.shape
     figure = style.new_figure(ONE_COLUMN, 0.76 * ONE_COLUMN * rows / columns + _AROUND)
     ax = figure.add_subplot()
@@ -72,17 +52,7 @@ def difference_figure(picture: Picture) -> Figure:
 
 @styled
 def histogram_figure(survey: CountSurvey) -> Figure:
-    """Draw the number of pixels by count of both cameras.
-
-    Parameters
-    ----------
-    survey : CountSurvey
-
-    Returns
-    -------
-    Figure
-        One column wide.
-    """
+    """Draw the number of pixels by count of both cameras."""
     figure = style.new_figure()
     ax = figure.add_subplot()
     pairs = zip(survey.histograms, _LOOKS, strict=True)
@@ -101,19 +71,7 @@ def histogram_figure(survey: CountSurvey) -> Figure:
 
 @styled
 def light_figure(survey: CountSurvey, darks: tuple[float, float]) -> Figure:
-    """Draw light and fine structure of the frames that were read.
-
-    Parameters
-    ----------
-    survey : CountSurvey
-    darks : (float, float)
-        Dark level of camera 1 and camera 2. [DN]
-
-    Returns
-    -------
-    Figure
-        One column wide.
-    """
+    """Draw light and fine structure of the frames that were read."""
     figure = style.new_figure(height=1.0 * ONE_COLUMN)
     upper, lower = figure.subplots(2, 1, sharex=True)
     numbers = [one.frame for one in survey.frames]
@@ -134,20 +92,11 @@ def light_figure(survey: CountSurvey, darks: tuple[float, float]) -> Figure:
 
 @styled
 def steps_figure(steps: Steps) -> Figure | None:
-    """Draw angle and time of the log, and their steps.
-
-    Parameters
-    ----------
-    steps : Steps
-
-    Returns
-    -------
-    Figure or None
-        One column wide; None where the log has neither.
-    """
+    """Draw angle and time of the log, and their steps."""
+    logged = ((steps.angle, "angle", "deg"), (steps.time, "time step", "ms"))
     shown = [
         (values, name, unit)
-        for values, name, unit in ((steps.angle, "angle", "deg"), (steps.time, "time step", "ms"))
+        for values, name, unit in logged
         if values is not None and values.size > 1
     ]
     if not shown:

@@ -45,8 +45,6 @@ def fixture_profile(
 ) -> list[Artist]:
     """Draw the profile of a fixture by the coordinate measuring machine (CMM).
 
-    Arguments that are not listed are those of `erlif.plots`.
-
     Parameters
     ----------
     profile : Profile
@@ -108,8 +106,6 @@ def _band(calibration: Calibration, thickness: Array) -> Array:
 @styled
 def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None) -> list[Artist]:
     """Draw ratio against thickness: the points of the fixture and the fit with its 95 % band.
-
-    Arguments that are not listed are those of `erlif.plots`.
 
     Parameters
     ----------
@@ -226,7 +222,7 @@ def calibration_figure(calibration: Calibration, *, figure: AnyFigure | None = N
     Returns
     -------
     Figure
-        One column wide.
+        Curve above residuals; one column of a journal wide.
 
     Examples
     --------
@@ -258,12 +254,7 @@ def write_calibration_figure(calibration: Calibration, path: str | Path) -> Path
     Returns
     -------
     Path
-        `path`.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be written.
+        The one that was given, as a `Path`.
 
     Examples
     --------

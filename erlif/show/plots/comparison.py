@@ -217,6 +217,8 @@ def control_chart_of(
 ) -> list[Artist | Container]:
     """Draw a control chart: values with their bars, centre and limits.
 
+    `ErlifError` is raised where the comparison has none.
+
     Arguments that are not listed are those of `film_against_duty`.
 
     Parameters
@@ -229,11 +231,6 @@ def control_chart_of(
     -------
     list of Artist or Container
         Points, then those beyond the limits, where there are any.
-
-    Raises
-    ------
-    ErlifError
-        If the comparison has no such chart.
 
     Examples
     --------
@@ -283,9 +280,7 @@ def control_chart_of(
 
 @styled
 def comparison_figure(comparison: xr.Dataset) -> Figure:
-    """Draw film against duty parameter and the differences of all pairs.
-
-    Arguments as in `film_against_duty`.
+    """Draw film against duty parameter and the differences of all pairs, as `film_against_duty`.
 
     Returns
     -------
@@ -352,11 +347,7 @@ def write_comparison_figures(comparison: xr.Dataset, folder: Path) -> list[Path]
     Returns
     -------
     list of Path
-
-    Raises
-    ------
-    OutputError
-        If one cannot be written.
+        The files in the order in which they were drawn.
 
     Examples
     --------

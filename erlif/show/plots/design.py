@@ -33,12 +33,10 @@ _LIMIT: dict[str, Any] = {"color": "black", "linewidth": 0.8}
 def design_margins(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
     """Draw how much of each limit and recommendation is used.
 
-    Arguments that are not listed are those of `erlif.plots`.
-
     Parameters
     ----------
     design : BearingDesign
-        From `erlif.design`.
+        Joint, dimensions and steps, as `erlif.design` returns them.
 
     Returns
     -------
@@ -209,7 +207,9 @@ def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
 
 @styled
 def design_temperature(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw the temperature of the surface against friction. Arguments as in `design_margins`.
+    """Draw the temperature of the surface against friction.
+
+    Arguments as in `design_margins`.
 
     Returns
     -------

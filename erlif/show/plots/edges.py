@@ -28,8 +28,6 @@ _LOW = 0.02  # of the largest stress, below which the ends of a section are left
 def contact_pressure_map(found: xr.Dataset, *, ax: Axes | None = None) -> QuadMesh:
     """Draw the pressure of a contact over its surface.
 
-    Arguments that are not listed are those of `erlif.plots`.
-
     Parameters
     ----------
     found : xarray.Dataset
@@ -78,8 +76,6 @@ def axial_pressure(
 ) -> list[StepPatch | Line2D]:
     """Draw the largest pressure round or across the contact along the axis, from cell to cell.
 
-    Arguments that are not listed are those of `erlif.plots`.
-
     Parameters
     ----------
     contacts : mapping of str to xarray.Dataset
@@ -124,8 +120,6 @@ def axial_pressure(
 @styled
 def stress_section(stress: xr.Dataset, *, ax: Axes | None = None) -> PolyCollection:
     """Draw the von Mises stress in the plane of the load.
-
-    Arguments that are not listed are those of `erlif.plots`.
 
     Parameters
     ----------
@@ -188,8 +182,6 @@ def stress_section(stress: xr.Dataset, *, ax: Axes | None = None) -> PolyCollect
 @styled
 def undercut_pressure(found: xr.Dataset, *, ax: Axes | None = None) -> list[Line2D]:
     """Draw the pressure against the thickness of the lip, for each depth of the undercut.
-
-    Arguments that are not listed are those of `erlif.plots`.
 
     Parameters
     ----------

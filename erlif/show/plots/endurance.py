@@ -37,8 +37,6 @@ DESIGNS = "designs.png"
 def load_profile(result: EnduranceResult, *, ax: Axes | None = None) -> list[Artist]:
     """Draw the load over time with the numbers of the stages. Farzaneh (2002), fig. 4-2.
 
-    Arguments that are not listed are those of `erlif.plots`.
-
     Parameters
     ----------
     result : EnduranceResult
@@ -47,6 +45,7 @@ def load_profile(result: EnduranceResult, *, ax: Axes | None = None) -> list[Art
     Returns
     -------
     list of Artist
+        The line of the load; then, where the test has failed, the mark of the onset.
 
     Examples
     --------
@@ -77,6 +76,7 @@ def friction_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> li
     Returns
     -------
     list of Artist
+        The same for friction, which is known within the stages only.
 
     Examples
     --------
@@ -104,6 +104,7 @@ def quantity_over_test(
     Returns
     -------
     list of Artist
+        Line and onset, as those of the load, which has the numbers of the stages in addition.
 
     Examples
     --------
@@ -144,7 +145,7 @@ def endurance_figure(result: EnduranceResult, *, figure: AnyFigure | None = None
     Returns
     -------
     Figure
-        Two columns wide.
+        As many panels as there are columns, below each other; two columns wide.
 
     Examples
     --------
@@ -179,7 +180,7 @@ def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) 
     Returns
     -------
     Figure
-        One column wide, two panels.
+        One column wide: torque above friction.
 
     Raises
     ------
@@ -239,6 +240,7 @@ def name_figures(result: EnduranceResult, *, overview: str = "") -> list[str]:
     Returns
     -------
     list of str
+        As many as there are figures, the overview first.
 
     Examples
     --------
@@ -301,11 +303,6 @@ def write_endurance_figures(
     list of Path
         All that the test has logged (figs. 4-3 and 4-10), the load (4-2), friction (4-4, 4-6 and
         4-7) and temperature (4-5, 4-8 and 4-9), and torque and friction around the onset (4-11).
-
-    Raises
-    ------
-    OutputError
-        If they cannot be written.
 
     Examples
     --------
@@ -403,8 +400,6 @@ def loads_of_designs(
 ) -> list[Artist]:
     """Draw the loads at failure of the runs of two designs.
 
-    Arguments that are not listed are those of `erlif.plots`.
-
     Parameters
     ----------
     compared : DesignComparison
@@ -474,7 +469,7 @@ def designs_figure(
     Returns
     -------
     Figure
-        One column wide.
+        The runs, and below them the table; one column wide.
 
     Examples
     --------
@@ -546,12 +541,7 @@ def write_designs_figure(
     Returns
     -------
     Path
-        ``designs.png`` in the folder.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be written.
+        ``designs.png`` in that folder.
 
     Examples
     --------

@@ -153,12 +153,7 @@ def write_example(path: str | Path) -> Path:
     Returns
     -------
     Path
-        `path`.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be written.
+        That of the film.
 
     Examples
     --------

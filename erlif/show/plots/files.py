@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -26,15 +27,15 @@ from erlif.io.files import (
 )
 from erlif.io.settings import read_fixture_settings, read_run_settings
 from erlif.pipeline import restore_images
+from erlif.show.plots import style as looks
 from erlif.show.plots.calibration import calibration_figure, fixture_profile
 from erlif.show.plots.frames import band_images_figure, ratio_image
 from erlif.show.plots.kinematics import cycle_figure, speed_against_angle
 from erlif.show.plots.maps import MAP_WIDTH, image_height, map_sheet_figure, thickness_figure
-from erlif.show.plots.naming import name_film
 from erlif.show.plots.orbit import has_position, pin_figure
 from erlif.show.plots.prediction import has_prediction, prediction_figure, prediction_map_figure
 from erlif.show.plots.registration import registration_figure
-from erlif.show.plots.style import ONE_COLUMN, AnyFigure, in_style, new_figure, save_figure, styled
+from erlif.show.plots.style import ONE_COLUMN, AnyFigure, given_figure, new_figure, styled
 from erlif.show.plots.trend import speed_figure, speed_over_load
 from erlif.show.plots.triggers import has_varying_speed
 
@@ -151,12 +152,8 @@ class FigureSource:
     def images(self) -> xr.Dataset:
         """Images behind the map of the trigger; raises ErlifError."""
         assert self.run_dir is not None
-        return restore_images(
-            self.film_path,
-            self.run_dir,
-            trigger=self.trigger,
-            allow_outside=self.allow_outside,
-        )
+        options: dict[str, Any] = {"trigger": self.trigger, "allow_outside": self.allow_outside}
+        return restore_images(self.film_path, self.run_dir, **options)
 
     @cached_property
     def calibration(self) -> Calibration:
@@ -200,10 +197,9 @@ class FigureSource:
 
 
 @styled
-def _draw_speed(source: FigureSource) -> Figure:
-    figure = new_figure()
+def _draw_speed(source: FigureSource) -> AnyFigure:
+    figure = given_figure(None, film=source.film)
     speed_against_angle(source.film, ax=figure.add_subplot())
-    name_film(figure, source.film)
     return figure
 
 
@@ -219,13 +215,11 @@ def _draw_fixture(source: FigureSource) -> Figure:
 
 
 @styled
-def _draw_ratio(source: FigureSource) -> Figure:
+def _draw_ratio(source: FigureSource) -> AnyFigure:
     height = image_height(source.film, MAP_WIDTH * ONE_COLUMN) + _LABELS
-    figure = new_figure(ONE_COLUMN, height, text=_LABELS)
-    name_film(figure, source.film)
-    ax = figure.add_subplot()
-    ratio_image(source.images, source.film, ax=ax)
-    ax.set_title(describe_trigger(source.film, source.trigger))
+    figure = given_figure(None, ONE_COLUMN, height, text=_LABELS, film=source.film)
+    image = ratio_image(source.images, source.film, ax=figure.add_subplot())
+    image.axes.set_title(describe_trigger(source.film, source.trigger))
     return figure
 
 
@@ -449,7 +443,7 @@ def write_figures(
     report = choose_progress(progress)
     out_dir = Path(out_dir)
     written: list[Path] = []
-    with reading_film(film_path), open_film(film_path) as film, in_style(style):
+    with reading_film(film_path), open_film(film_path) as film, looks.in_style(style):
         source = find_source(Path(film_path), film, trigger, run_dir, fixture_dir)
         source = replace(source, allow_outside=allow_outside)
         wanted = [name for name in DRAWN if only is None or name in only]
@@ -480,7 +474,7 @@ def write_figures(
             report("figures", n, len(names))
             figure = DRAWN[name](source)
             paths = [out_dir / f"{name}.{kind}" for kind in formats]
-            written += [save_figure(figure, path, dpi=dpi) for path in paths]
+            written += [looks.save_figure(figure, path, dpi=dpi) for path in paths]
         report("figures", len(names), len(names))
     return written
 

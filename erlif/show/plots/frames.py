@@ -12,9 +12,8 @@ from matplotlib.image import AxesImage
 
 from erlif.io.files import describe_trigger, settings_of
 from erlif.show.plots import style
-from erlif.show.plots.maps import MAP_WIDTH, image_height, joint_image
-from erlif.show.plots.naming import reason_empty
-from erlif.show.plots.style import ONE_COLUMN, TWO_COLUMNS, AnyFigure, styled
+from erlif.show.plots.maps import figure_of_maps, joint_image, map_axes, state_reason
+from erlif.show.plots.style import AnyFigure, styled
 
 _WIDE = 0.37  # of two columns, for one of two images beside their colour bars
 _AROUND = 0.62  # inch above and below them, for title and labels
@@ -31,8 +30,6 @@ def band_images(
     limits: tuple[float, float] | None = None,
 ) -> AxesImage:
     """Draw the corrected image of one camera.
-
-    Arguments that are not listed are those of `erlif.plots`.
 
     Parameters
     ----------
@@ -59,8 +56,7 @@ def band_images(
     >>> image.axes.get_title()
     'camera 1, 580 nm'
     """
-    height = image_height(film, MAP_WIDTH * ONE_COLUMN)
-    ax = style.given_or_new(ax, film, height=height + _LABELS, text=_LABELS)
+    ax = map_axes(ax, film, _LABELS)
 
     # bubbles and the dark edge of camera 2 would take most of the scale, so valid pixels set it
     light = images.light.sel(camera=camera).values
@@ -90,7 +86,7 @@ def band_images_figure(
     Returns
     -------
     Figure
-        Two columns wide.
+        Camera 1 at the left, camera 2 at the right, over two columns.
 
     Examples
     --------
@@ -101,15 +97,12 @@ def band_images_figure(
     >>> title[0], title[-1]
     ('example', 'frame pair 1')
     """
-    height = image_height(film, _WIDE * TWO_COLUMNS)
     more = f"{describe_trigger(film, trigger)}, {_describe_frames(images)}"
-    figure = style.given_figure(
-        figure, TWO_COLUMNS, height + _AROUND, text=_AROUND, film=film, more=more
-    )
+    figure = figure_of_maps(figure, film, width=_WIDE, around=_AROUND, more=more)
     left, right = figure.subplots(1, 2, sharey=True)
     limits = style.colour_limits(images.light.values[:, images.flags.values == 0])
-    band_images(images, film, camera=1, ax=left, limits=limits)
-    band_images(images, film, camera=2, ax=right, limits=limits)
+    for camera, ax in enumerate((left, right), 1):
+        band_images(images, film, camera=camera, ax=ax, limits=limits)
 
     # both images have one axis along y
     right.set_ylabel("")
@@ -142,14 +135,12 @@ def ratio_image(images: xr.Dataset, film: xr.Dataset, *, ax: Axes | None = None)
     >>> image.axes.child_axes[0].get_ylabel().split()[0]
     'ratio'
     """
-    height = image_height(film, MAP_WIDTH * ONE_COLUMN)
-    ax = style.given_or_new(ax, film, height=height + _LABELS, text=_LABELS)
+    ax = map_axes(ax, film, _LABELS)
     valid = images.flags.values == 0
     ratio = np.where(valid, np.exp(images.log_ratio.values), np.nan)
     settings = settings_of(film)
     label = f"ratio {settings.camera2.band:g} nm / {settings.camera1.band:g} nm [1]\ngrey: flagged"
     image = joint_image(ax, film, ratio, style.colour_limits(ratio))
     style.add_colour_bar(image, ax, label)
-    if reason := reason_empty(images.flags.values):
-        style.state_empty(ax, reason.replace(": ", "\n").replace(", ", "\n"))
+    state_reason(ax, images.flags.values)
     return image

@@ -21,16 +21,17 @@ def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -
     """Draw the apparent coefficient of each pair of stretches with its mean. Colbert et al. fig. 8.
 
     Bars are one standard deviation of the scatter of a pair, the band one of the mean from all
-    causes. Arguments that are not listed are those of `erlif.plots`.
+    causes.
 
     Parameters
     ----------
     series : ReversalSeries
-        From `erlif.joint.friction.analyse_friction`.
+        The pairs of stretches that `erlif.joint.friction.analyse_friction` found.
 
     Returns
     -------
     list of Artist
+        Points of the pairs of stretches, then their mean.
 
     Examples
     --------
@@ -66,21 +67,12 @@ def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -
 def write_reversal_figure(series: ReversalSeries, output: Path) -> Path:
     """Write the figure of a torque log.
 
-    Arguments that are not listed are those of `friction_over_reversals`.
-
-    Parameters
-    ----------
-    output : Path
+    `output` is the file; arguments that are not listed are those of `friction_over_reversals`.
 
     Returns
     -------
     Path
-        `output`.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be written.
+        That of the figure, which is PNG, PDF or SVG by its suffix.
 
     Examples
     --------

@@ -39,7 +39,6 @@ _LOOKS: tuple[tuple[str, Any, str], ...] = (
     (MEAN, (0, (3, 1.5)), "mean of the region"),
     (MINIMUM, "-", "minimum"),
 )
-"""Colour, dashes and label of the statistics."""
 
 _MARKER = 2.4  # point
 _LEGEND = 3.2  # lines of text above the films
@@ -75,37 +74,25 @@ def linkage_cycle(film: xr.Dataset) -> LinkageCycle:
         )
     mechanism, omega = build_linkage(links), links.crank_speed
     if isinstance(mechanism, SliderCrank):
-        angle = mechanism.coupler_angle(_CYCLE)
-        speed = mechanism.joint_speed(_CYCLE, crank_speed=omega)
+        angle_of, speed_of = mechanism.coupler_angle, mechanism.joint_speed
     else:
-        angle = mechanism.rocker_angle(_CYCLE)
-        speed = mechanism.rocker_speed(_CYCLE, crank_speed=omega)
+        angle_of, speed_of = mechanism.rocker_angle, mechanism.rocker_speed
+    speed = speed_of(_CYCLE, crank_speed=omega)
 
     sign = -1.0 if film.encoder_angle.attrs.get("direction") == "falling" else 1.0
     if encoder.mounted_on == "crank":
         reading = sign * np.degrees(_CYCLE - (encoder.zero or 0.0)) % 360
     else:
-        if encoder.mounted_on == "coupler":
-            angle = mechanism.coupler_angle(_CYCLE)
-        reading = sign * np.degrees(angle - _zero(encoder.zero, film, mechanism.limits()))
+        on_coupler = encoder.mounted_on == "coupler"
+        angle = (mechanism.coupler_angle if on_coupler else angle_of)(_CYCLE)
+        found = film.encoder_angle.attrs.get("zero")
+        zero = np.radians(found) if encoder.zero is None else encoder.zero
+        reading = sign * np.degrees(angle - zero)
 
         # an encoder that starts again at 0 was counted on, by whole turns
         away = float(film.encoder_angle.mean()) - (reading.min() + reading.max()) / 2
         reading = reading + 360 * np.round(away / 360)
     return LinkageCycle(np.degrees(_CYCLE), np.asarray(reading), np.asarray(speed))
-
-
-def _zero(given: float | None, film: xr.Dataset, limits: tuple[float, float]) -> float:
-    """Link angle at reading 0. [rad]
-
-    Films of earlier versions do not hold it; the readings are then centred between dead points.
-    """
-    if given is not None:
-        return given
-    if "zero" in film.encoder_angle.attrs:
-        return float(np.radians(film.encoder_angle.attrs["zero"]))
-    reading = np.radians(film.encoder_angle.values)
-    return sum(limits) / 2 - float(reading.min() + reading.max()) / 2
 
 
 def _times(factor: float) -> Callable[[npt.ArrayLike], Array]:
@@ -224,11 +211,6 @@ def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist
     list of Artist
         The curve of the linkage, then the triggers of the outward and of the return stroke.
 
-    Raises
-    ------
-    ConfigError
-        If the film has no speed.
-
     Examples
     --------
     >>> from erlif.show.plots import example_film
@@ -309,7 +291,7 @@ def cycle_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFig
     Returns
     -------
     Figure
-        One column wide.
+        The film above the speed, one column wide.
 
     Examples
     --------

@@ -38,9 +38,9 @@ class LinkageView:
     Attributes
     ----------
     linkage : CrankRocker
-        The linkage.
+        The four lengths.
     links : Line2D
-        Links and joints.
+        Links and joints, as one line with four markers.
     marks : tuple of Line2D
         Lines at the crank angle in the panels over a turn.
     """
@@ -74,8 +74,6 @@ def linkage_positions(
     design: LinkageDesign, *, crank_angle: float | None = None, ax: Axes | None = None
 ) -> LinkageView:
     """Draw a crank-rocker with both limits, the paths of its pins and of the coupler.
-
-    Arguments that are not listed are those of `erlif.plots`.
 
     Parameters
     ----------
@@ -293,7 +291,7 @@ def linkage_movie(
     Returns
     -------
     Path
-        `path`.
+        The GIF.
 
     Raises
     ------
@@ -352,12 +350,7 @@ def write_linkage(design: LinkageDesign, path: str | Path, *, overwrite: bool = 
     Returns
     -------
     Path
-        `path`.
-
-    Raises
-    ------
-    OutputError
-        If the file exists or cannot be written.
+        The figure, or the GIF of one turn of the crank.
 
     Examples
     --------

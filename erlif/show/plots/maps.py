@@ -66,6 +66,36 @@ def image_height(film: xr.Dataset, width: float) -> float:
     return width * (bottom - top) / (right - left)
 
 
+def map_axes(ax: Axes | None, film: xr.Dataset, around: float) -> Axes:
+    """Take the given axes, or those of a new figure for one map, with `around` it in inches."""
+    height = image_height(film, MAP_WIDTH * ONE_COLUMN)
+    return style.given_or_new(ax, film, height=height + around, text=around)
+
+
+def figure_of_maps(
+    figure: AnyFigure | None,
+    film: xr.Dataset,
+    *,
+    more: str,
+    width: float,
+    around: float,
+    least: float = 0.0,
+) -> AnyFigure:
+    """Take the given figure, or a new one of two columns whose maps have part of its width.
+
+    `around` the maps and the `least` height are in inches.
+    """
+    height = max(image_height(film, width * TWO_COLUMNS) + around, least)
+    return style.given_figure(figure, TWO_COLUMNS, height, text=around, film=film, more=more)
+
+
+def state_reason(ax: Axes, flags: FlagImage, *, narrow: bool = True) -> None:
+    """Write in a map without a valid pixel which flags take them, each on a line if `narrow`."""
+    if reason := reason_empty(flags):
+        lines = reason.replace(": ", "\n")
+        style.state_empty(ax, lines.replace(", ", "\n") if narrow else lines)
+
+
 def label_position(ax: Axes, film: xr.Dataset) -> None:
     """Label the axes of an image of the joint."""
     x, y = axis_labels(film)
@@ -92,8 +122,6 @@ def thickness_map(
 ) -> AxesImage:
     """Draw the map of film thickness at one trigger; flagged pixels have the colour of their flag.
 
-    Arguments that are not listed are those of `erlif.plots`.
-
     Parameters
     ----------
     limits : (float, float), optional
@@ -106,11 +134,6 @@ def thickness_map(
     AxesImage
         Film thickness [um], NaN where flagged.
 
-    Raises
-    ------
-    ErlifError
-        If there is no such trigger.
-
     Examples
     --------
     >>> from erlif.show.plots import example_film
@@ -119,16 +142,14 @@ def thickness_map(
     ((2.0, 8.0), 'x (sliding) [mm]')
     """
     check_trigger(film, trigger)
-    height = image_height(film, MAP_WIDTH * ONE_COLUMN)
-    ax = style.given_or_new(ax, film, height=height + _LABELS, text=_LABELS)
+    ax = map_axes(ax, film, _LABELS)
     limits = limits or common_limits(film, [trigger])
     image = joint_image(ax, film, film.thickness.isel(trigger=trigger).values, limits, bad=None)
 
     flags = film.flags.isel(trigger=trigger).values
     handles = _draw_flags(ax, flags, film)
     bar = style.add_colour_bar(image, ax, "film thickness [µm]")
-    if reason := reason_empty(flags):
-        style.state_empty(ax, reason.replace(": ", "\n"))
+    state_reason(ax, flags, narrow=False)
 
     if region:
         handles.append(_outline_region(ax, film))
@@ -149,11 +170,6 @@ def first_flag(flags: FlagImage) -> FlagImage:
     return shown
 
 
-def flag_title(flag: Flag) -> str:
-    """Write the name of a flag as plain text."""
-    return str(flag.name).lower().replace("_", " ")
-
-
 def flag_swatch(flag: Flag) -> str:
     """Write the colour of a flag as a web page does."""
     red, green, blue, _ = (round(255 * part) for part in to_rgba(style.FLAG_COLOURS[flag]))
@@ -167,7 +183,7 @@ def _draw_flags(ax: Axes, flags: FlagImage, film: xr.Dataset) -> list[Artist]:
     ends: dict[str, Any] = {"vmin": -0.5, "vmax": len(style.FLAG_COLOURS) + 0.5}
     ax.imshow(shown, cmap=palette, extent=pixel_edges(film), interpolation="none", **ends)
     return [
-        style.swatch(colour, f"{flag_title(flag)}, {describe_share(share)}")
+        style.swatch(colour, f"{flag.title}, {describe_share(share)}")
         for n, (flag, colour) in enumerate(style.FLAG_COLOURS.items(), 1)
         if (share := float((shown == n).mean())) > 0
     ]
@@ -197,11 +213,6 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
     list of Artist
         Profile, random band, upper and lower limit of the shared error; the rigid gap where it
         could be fitted.
-
-    Raises
-    ------
-    ErlifError
-        If there is no such trigger.
 
     Examples
     --------
@@ -249,11 +260,6 @@ def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) 
     -------
     list of Artist
         Difference, random band, upper and lower limit of the shared error, line at zero.
-
-    Raises
-    ------
-    ErlifError
-        If there is no such trigger.
 
     Examples
     --------
@@ -311,12 +317,7 @@ def thickness_figure(
     Returns
     -------
     Figure
-        Two columns wide.
-
-    Raises
-    ------
-    ErlifError
-        If there is no such trigger.
+        Map, profile and, below it, the difference; two columns wide.
 
     Examples
     --------
@@ -326,11 +327,8 @@ def thickness_figure(
     ['y (axial) [mm]', 'film thickness [µm]', 'measured −\\nrigid gap [µm]']
     """
     check_trigger(film, trigger)
-    height = image_height(film, _WIDE * TWO_COLUMNS)
     more = describe_trigger(film, trigger)
-    figure = style.given_figure(
-        figure, TWO_COLUMNS, height + _AROUND, text=_AROUND, film=film, more=more
-    )
+    figure = figure_of_maps(figure, film, width=_WIDE, around=_AROUND, more=more)
     grid: dict[str, Any] = {"mosaic": "mp"}
     if settings_of(film).joint is not None:
         grid = {"mosaic": "mp;mr", "height_ratios": (2.2, 1)}
@@ -367,7 +365,7 @@ def map_sheet_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> An
     Returns
     -------
     Figure
-        Two columns wide.
+        As many rows as the strokes take, over the width of two columns.
 
     Examples
     --------

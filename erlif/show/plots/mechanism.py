@@ -76,8 +76,6 @@ def pin_places(linkage: CrankRocker, crank_angle: Array) -> Array:
 def place_joints(film: xr.Dataset, angle: Array) -> Joints | None:
     """Find the joints of the mechanism of a film.
 
-    Arguments that are not listed are those of `erlif.plots`.
-
     Parameters
     ----------
     angle : array, (angle,)
@@ -125,9 +123,9 @@ class MechanismView:
     Attributes
     ----------
     film : Dataset
-        The film.
+        The film whose triggers are shown.
     links : Line2D
-        Links and joints.
+        Lines between the joints, which are markers.
     arrow : Quiver
         Direction of motion of the moving joint.
     top : float

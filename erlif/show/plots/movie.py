@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -23,24 +23,11 @@ from erlif.core.arrays import AnyArray
 from erlif.core.errors import OutputError
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.io.files import describe_trigger, open_film, refuse_existing, replacing
+from erlif.show.plots import style as looks
 from erlif.show.plots.kinematics import film_over_cycle
-from erlif.show.plots.maps import common_limits, image_height, joint_image, sheet_groups
+from erlif.show.plots.maps import common_limits, figure_of_maps, joint_image, sheet_groups
 from erlif.show.plots.mechanism import MechanismView, draw_mechanism
-from erlif.show.plots.style import (
-    MEAN,
-    MUTED,
-    OUTWARD,
-    RETURN,
-    TWO_COLUMNS,
-    AnyFigure,
-    add_colour_bar,
-    colour_map,
-    fix_layout,
-    given_figure,
-    in_style,
-    pt,
-    styled,
-)
+from erlif.show.plots.style import MEAN, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
 from erlif.show.plots.triggers import choose_abscissa
 
 MOST_FRAMES = 60
@@ -62,11 +49,11 @@ class CycleView:
     Attributes
     ----------
     film : Dataset
-        The film.
+        The film, whose maps are read one by one.
     figure : Figure
         The frame.
     image : AxesImage
-        The map.
+        The map at the current trigger, thinned.
     marker : Line2D
         Line at the current angle.
     mechanism : MechanismView or None
@@ -106,11 +93,6 @@ def order_of_cycle(film: xr.Dataset) -> list[int]:
 
     Arguments as in `erlif.plots`.
 
-    Returns
-    -------
-    list of int
-        `MOST_FRAMES` at most.
-
     Examples
     --------
     >>> from erlif.show.plots import example_film
@@ -138,10 +120,10 @@ def cycle_view(film: xr.Dataset, *, trigger: int, figure: AnyFigure | None = Non
     >>> view.image.axes.get_title()[:11]
     'trigger 2, '
     """
-    height = max(image_height(film, _MAP * TWO_COLUMNS) + _AROUND, _LEAST)
     chosen, total = order_of_cycle(film), film.sizes["trigger"]
     more = "" if len(chosen) == total else f"{len(chosen)} of {total} triggers"
-    figure = given_figure(figure, TWO_COLUMNS, height, text=_AROUND, film=film, more=more)
+    sizes = {"width": _MAP, "around": _AROUND, "least": _LEAST}
+    figure = figure_of_maps(figure, film, more=more, **sizes)
     panels = figure.subplot_mosaic("am;af", width_ratios=(1.2, 1), height_ratios=(1, 1.3))
     mechanism = draw_mechanism(film, trigger=trigger, ax=panels["m"])
     if mechanism is None:
@@ -150,7 +132,7 @@ def cycle_view(film: xr.Dataset, *, trigger: int, figure: AnyFigure | None = Non
     limits = common_limits(film, chosen[:: max(1, len(chosen) // 12)])
     ax = panels["a"]
     image = joint_image(ax, film, thin_map(film, trigger), limits)
-    add_colour_bar(image, ax, "film thickness [µm]\ngrey: flagged")
+    looks.add_colour_bar(image, ax, "film thickness [µm]\ngrey: flagged")
 
     film_over_cycle(film, ax=panels["f"])
     marker = panels["f"].axvline(0.0, color=RETURN, linewidth=pt(1.2), zorder=4)
@@ -192,20 +174,20 @@ def cycle_movie(
     Returns
     -------
     Path
-        `path`.
+        The movie, complete.
 
     Raises
     ------
     OutputError
-        If the file exists or cannot be written, its suffix or the speed is another one, or ffmpeg
-        is missing.
+        If the file exists, its suffix or the speed is another one, or ffmpeg is missing.
 
     Examples
     --------
     >>> from tempfile import TemporaryDirectory
     >>> from erlif.show.plots import example_film
+    >>> film = example_film().isel(trigger=[0, 1])
     >>> with TemporaryDirectory() as directory:
-    ...     movie = cycle_movie(example_film().isel(trigger=[0, 1]), f"{directory}/cycle.gif")
+    ...     movie = cycle_movie(film, f"{directory}/cycle.gif")
     ...     movie.read_bytes()[:6]
     b'GIF89a'
     """
@@ -213,7 +195,7 @@ def cycle_movie(
     check_movie(path, frames_per_second, (".gif", ".mp4"))
     refuse_existing(path, overwrite=overwrite)
     opened = nullcontext(film) if isinstance(film, xr.Dataset) else open_film(film)
-    with opened as shown, in_style(style):
+    with opened as shown, looks.in_style(style):
         chosen = order_of_cycle(shown)
         view = cycle_view(shown, trigger=chosen[0])
         pictures = draw_pictures(view.figure, view.show, chosen, progress)
@@ -260,7 +242,7 @@ def draw_pictures(
 ) -> list[Image.Image]:
     """Draw a figure at each place that `show` moves it to, with one layout."""
     report = choose_progress(progress)
-    canvas = FigureCanvasAgg(fix_layout(figure))
+    canvas = FigureCanvasAgg(looks.fix_layout(figure))
     canvas.figure.set_dpi(_WIDTH / canvas.figure.get_figwidth())
     pictures = []
     for n, place in enumerate(places):
@@ -277,7 +259,7 @@ def draw_pictures(
 
 def _palette() -> bytes:
     """Colours of a GIF: those of the maps, greys, and lines on white."""
-    batlow = colour_map("batlow")(np.linspace(0, 1, _COLOURS))[:, :3]
+    batlow = looks.colour_map("batlow")(np.linspace(0, 1, _COLOURS))[:, :3]
     fades = np.linspace(0, 1, _FADES)[:, None]
     names = ("black", MEAN, RETURN, OUTWARD, MUTED)
     lines = [np.array(to_rgb(name)) * fades + (1 - fades) for name in names]
@@ -291,15 +273,8 @@ def _encode_gif(frames: list[Image.Image], speed: float) -> bytes:
     mapped = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
 
     content = io.BytesIO()
-    mapped[0].save(
-        content,
-        format="GIF",
-        save_all=True,
-        append_images=mapped[1:],
-        duration=round(1000 / speed),
-        loop=0,
-        comment=b"erlif",
-    )
+    options: dict[str, Any] = {"duration": round(1000 / speed), "loop": 0, "comment": b"erlif"}
+    mapped[0].save(content, format="GIF", save_all=True, append_images=mapped[1:], **options)
     return content.getvalue()
 
 

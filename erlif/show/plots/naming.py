@@ -18,15 +18,6 @@ _EVEN = 0.01  # relative range of a load that is written as one number
 def run_line(film: xr.Dataset) -> str:
     """Write run, load and oil of a film in one line; nothing for what is not known.
 
-    Parameters
-    ----------
-    film : xarray.Dataset
-        As `erlif.process` returns it, or a dataset with its settings.
-
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> from erlif.show.plots import example_film
@@ -74,16 +65,6 @@ def name_film(figure: Figure | SubFigure, film: xr.Dataset, more: str = "") -> N
 def reason_empty(flags: FlagImage) -> str:
     """State which flags take the pixels of a map without a valid one, largest share first.
 
-    Parameters
-    ----------
-    flags : array of uint8, (y, x)
-        Flags of the map, or of several.
-
-    Returns
-    -------
-    str
-        Empty where a pixel is valid.
-
     Examples
     --------
     >>> reason_empty(np.full((4, 5), Flag.DIM, np.uint8))
@@ -114,7 +95,5 @@ def describe_shares(shares: Array) -> str:
     """
     named = sorted(zip(shares[1:], Flag, strict=True), key=lambda pair: -pair[0])
     return ", ".join(
-        f"{100 * share:.0f} % {str(flag.name).lower().replace('_', ' ')}"
-        for share, flag in named[:_MOST]
-        if share > 0
+        f"{100 * share:.0f} % {flag.title}" for share, flag in named[:_MOST] if share > 0
     )

@@ -25,8 +25,8 @@ from erlif.show.plots.triggers import (
     stroke_looks,
 )
 
+# std; radii of an ellipse that covers 95 % of a normal distribution in two dimensions
 _RADII = math.sqrt(-2 * math.log(0.05))
-"""Radii of an ellipse that covers 95 % of a normal distribution in two dimensions. [std]"""
 
 _TALL = 1.7  # height by width of three panels
 _ROOM, _LEAST_SPAN = 0.15, 0.1  # on either side of the values, of their range; its least [um]
@@ -67,10 +67,8 @@ def pin_orbit(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     >>> len(outward.get_xdata()) + len(back.get_xdata()), len(ellipses)
     (6, 6)
     """
-    _require_position(film)
+    load, side, known = _displacements(film)
     ax = style.given_or_new(ax, film)
-    load, side = film.pin_displacement.values.T
-    known = np.isfinite(load) & np.isfinite(side)
     clearance = float(film.pin_displacement.attrs["clearance"])
 
     # the wall, over the width of the orbit
@@ -102,11 +100,6 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     list of Artist
         The points of each stroke, the ellipses of the triggers, then the dashed one.
 
-    Raises
-    ------
-    ConfigError
-        As for `pin_orbit`.
-
     Examples
     --------
     The film of this example is thinnest at the load line:
@@ -116,10 +109,8 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     >>> outward.get_xdata()
     array([0., 0., 0.])
     """
-    _require_position(film)
+    load, side, known = _displacements(film)
     ax = style.given_or_new(ax, film)
-    load, side = film.pin_displacement.values.T
-    known = np.isfinite(load) & np.isfinite(side)
     distance = np.hypot(load, side)
     angle = np.degrees(np.arctan2(side, load))
     closest = float(film.pin_displacement.attrs["clearance"]) - distance
@@ -128,7 +119,7 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
 
     # the errors of both displacements, turned to angle and film
     last = int(np.flatnonzero(known)[-1])
-    parts = [(k, film.pin_position_cov_random, _RANDOM) for k in np.flatnonzero(known)]
+    parts = [(int(k), film.pin_position_cov_random, _RANDOM) for k in np.flatnonzero(known)]
     for k, covariance, look in [*parts, (last, film.pin_position_cov, _WHOLE)]:
         to_angle = np.degrees([-side[k], load[k]]) / distance[k] ** 2
         turn = np.array([to_angle, np.array([-load[k], -side[k]]) / distance[k]])
@@ -146,25 +137,17 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
 
 @styled
 def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw the curvature of the gap along sliding beside that of the radii.
-
-    Arguments as in `pin_orbit`.
+    """Draw the curvature of the gap along sliding beside that of the radii, as `pin_orbit`.
 
     Returns
     -------
     list of Artist
         The points of each stroke with bars of 95 %, then the curvature of circles.
 
-    Raises
-    ------
-    ConfigError
-        As for `pin_orbit`.
-
     Examples
     --------
     >>> from erlif.show.plots import example_film
-    >>> *points, circles = gap_curvature(example_film())
-    >>> circles.get_label()
+    >>> gap_curvature(example_film())[-1].get_label()
     'circles of the radii; bars: 95 %'
     """
     _require_position(film)
@@ -195,12 +178,7 @@ def pin_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigur
     Returns
     -------
     Figure
-        One journal column wide.
-
-    Raises
-    ------
-    ConfigError
-        If the film holds no position of the pin at two triggers or more.
+        Three panels below each other, in one column of a journal.
 
     Examples
     --------
@@ -232,6 +210,13 @@ def _require_position(film: xr.Dataset) -> None:
             "Expected a film with the position of the pin at two triggers or more; this one has "
             "none. Give [joint] in run.toml and process the run again."
         )
+
+
+def _displacements(film: xr.Dataset) -> tuple[Array, Array, Mask]:
+    """Displacement towards the load and sideways, and where both are known. [um]"""
+    _require_position(film)
+    load, side = film.pin_displacement.values.T
+    return load, side, np.isfinite(load) & np.isfinite(side)
 
 
 def _draw_points(ax: Axes, film: xr.Dataset, x: Array, y: Array, known: Mask) -> list[Artist]:

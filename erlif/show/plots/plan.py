@@ -51,12 +51,10 @@ def _finish(plan: xr.Dataset, ax: Axes) -> None:
 def plan_ratio(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw the expected ratio against thickness, with the ranges shaded.
 
-    Arguments that are not listed are those of `erlif.plots`.
-
     Parameters
     ----------
     plan : xarray.Dataset
-        From `erlif.plan`.
+        Curves, ranges and optimum, as `erlif.plan` returns them.
 
     Returns
     -------
@@ -149,9 +147,7 @@ def plan_precision(
 
 @styled
 def plan_signal(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw the mean signal of both cameras against thickness, with their full scale.
-
-    Arguments as in `plan_ratio`.
+    """Draw the mean signal of both cameras against thickness and full scale, as `plan_ratio`.
 
     Returns
     -------
@@ -160,8 +156,7 @@ def plan_signal(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
 
     Examples
     --------
-    >>> lines = plan_signal(example_plan_results())
-    >>> [line.get_label() for line in lines]
+    >>> [line.get_label() for line in plan_signal(example_plan_results())]
     ['camera 1', 'camera 2']
     """
     ax = style.given_or_new(ax)
@@ -184,14 +179,12 @@ def plan_signal(plan: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
 
 @styled
 def plan_figure(plan: xr.Dataset) -> Figure:
-    """Combine ratio, standard deviation, relative error and signal of a planned rig.
-
-    Arguments as in `plan_ratio`.
+    """Combine ratio, standard deviation, relative error and signal of a rig, as `plan_ratio`.
 
     Returns
     -------
     Figure
-        Two journal columns wide. Dotted vertical lines are the ends of the wanted range.
+        Four panels. Dotted vertical lines are the ends of the wanted range.
 
     Examples
     --------
@@ -219,6 +212,7 @@ def example_plan_results() -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
+        A copy, which may be changed.
 
     Examples
     --------

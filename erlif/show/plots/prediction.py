@@ -16,8 +16,7 @@ from erlif.pipeline.physics.predict import spread_over_image
 from erlif.pipeline.physics.prediction import film_along_sliding, places_along_sliding
 from erlif.prediction import speed_correlation
 from erlif.show.plots import style
-from erlif.show.plots.maps import common_limits, image_height, joint_image
-from erlif.show.plots.naming import reason_empty
+from erlif.show.plots.maps import common_limits, figure_of_maps, joint_image, state_reason
 from erlif.show.plots.style import MINIMUM, OUTWARD, TWO_COLUMNS, AnyFigure, pt, styled
 from erlif.show.plots.triggers import (
     broken,
@@ -49,7 +48,7 @@ def has_prediction(film: xr.Dataset) -> bool:
 def film_and_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw measured and predicted minimum film against crank angle.
 
-    Arguments that are not listed are those of `erlif.plots`.
+    `ConfigError` is raised where the film has no prediction.
 
     Parameters
     ----------
@@ -60,11 +59,6 @@ def film_and_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     -------
     list of Artist
         Measured points of both strokes, with bars of one standard deviation; the prediction.
-
-    Raises
-    ------
-    ConfigError
-        If the film has no prediction.
 
     Examples
     --------
@@ -105,11 +99,6 @@ def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes | None = Non
     list of Artist
         Measured points of both strokes, each at the mean turn of its frames; the prediction of
         every frame.
-
-    Raises
-    ------
-    ConfigError
-        If the film has no prediction.
 
     Examples
     --------
@@ -161,12 +150,7 @@ def prediction_figure(
     Returns
     -------
     Figure
-        Two columns wide.
-
-    Raises
-    ------
-    ConfigError
-        If the film has no prediction.
+        Two panels beside each other, two columns wide.
 
     Examples
     --------
@@ -199,13 +183,6 @@ def predicted_map(film: xr.Dataset, *, trigger: int) -> Image:
     array of float32, (y, x)
         [um]
 
-    Raises
-    ------
-    ConfigError
-        If the film has no prediction.
-    ErlifError
-        If there is no such trigger.
-
     Examples
     --------
     The thinnest film of this trigger:
@@ -233,12 +210,7 @@ def prediction_map_figure(
     Returns
     -------
     Figure
-        Two columns wide.
-
-    Raises
-    ------
-    ConfigError, ErlifError
-        As for `predicted_map`.
+        Three maps, two columns wide.
 
     Examples
     --------
@@ -255,10 +227,8 @@ def prediction_map_figure(
     difference = measured - predicted
     reach = style.even_limits(difference, within=_WITHIN, least=_LEAST_REACH)
 
-    height, more = image_height(film, _THIRD * TWO_COLUMNS), describe_trigger(film, trigger)
-    figure = style.given_figure(
-        figure, TWO_COLUMNS, height + _AROUND, text=_AROUND, film=film, more=more
-    )
+    more = describe_trigger(film, trigger)
+    figure = figure_of_maps(figure, film, width=_THIRD, around=_AROUND, more=more)
     panels = figure.subplots(1, 3, sharey=True)
     shown = (
         (measured, "batlow", (low, high), "measured"),
@@ -276,8 +246,7 @@ def prediction_map_figure(
     if not np.isfinite(measured).all():
         keys.append(style.swatch(style.FLAGGED_DIFFERENCE, "not valid"))
     style.legend_of_figure(figure, keys)
-    if reason := reason_empty(film.flags.isel(trigger=trigger).values):
-        style.state_empty(panels[0], reason.replace(": ", "\n").replace(", ", "\n"))
+    state_reason(panels[0], film.flags.isel(trigger=trigger).values)
     style.letter_panels(*panels)
     for ax in panels[1:]:
         ax.set_ylabel("")

@@ -15,8 +15,8 @@ from matplotlib.image import AxesImage
 from erlif.core.errors import ConfigError
 from erlif.io.files import check_trigger, describe_trigger
 from erlif.show.plots import style
-from erlif.show.plots.maps import image_height, label_position, pixel_edges
-from erlif.show.plots.style import COVERAGE, MEAN, MUTED, TWO_COLUMNS, AnyFigure, pt, styled
+from erlif.show.plots.maps import figure_of_maps, label_position, pixel_edges
+from erlif.show.plots.style import COVERAGE, MEAN, MUTED, AnyFigure, pt, styled
 from erlif.show.plots.triggers import broken, choose_abscissa, draw_strokes, in_order
 
 _THIRD = 0.3  # of two columns, for each of three panels
@@ -34,22 +34,15 @@ _ABOVE |= {"columnspacing": 0.8, "handletextpad": 0.3, "borderaxespad": 0.2}
 def pressure_map(found: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> AxesImage:
     """Draw the pressure over the image at one trigger.
 
-    Arguments that are not listed are those of `erlif.plots`.
-
     Parameters
     ----------
     found : xarray.Dataset
-        As `erlif.pressure_from_film` returns it.
+        From `erlif.pressure_from_film`.
 
     Returns
     -------
     AxesImage
         Grey where the pressure is not known.
-
-    Raises
-    ------
-    ErlifError
-        If there is no such trigger.
 
     Examples
     --------
@@ -86,11 +79,6 @@ def pressure_profile(
     -------
     list of Artist or Container
         The band, the profile, and the peak with bars of 1.96 standard deviations.
-
-    Raises
-    ------
-    ErlifError
-        If there is no such trigger.
 
     Examples
     --------
@@ -132,8 +120,7 @@ def load_balance(found: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     Examples
     --------
     >>> from erlif.show.plots import example_pressure
-    >>> *points, logged = load_balance(example_pressure())
-    >>> logged.get_label()
+    >>> load_balance(example_pressure())[-1].get_label()
     'logged'
     """
     ax = style.given_or_new(ax, found)
@@ -158,6 +145,7 @@ def best_trigger(found: xr.Dataset) -> int:
     Returns
     -------
     int
+        Its number, counted from 0.
 
     Raises
     ------
@@ -196,7 +184,7 @@ def pressure_figure(
     Returns
     -------
     Figure
-        Two columns wide, three panels.
+        Three panels over two columns: map, profile, loads.
 
     Raises
     ------
@@ -211,9 +199,9 @@ def pressure_figure(
     3
     """
     chosen = best_trigger(found) if trigger is None else trigger
-    height = max(image_height(found, _THIRD * TWO_COLUMNS) + _AROUND, _LEAST_HEIGHT)
+    sizes = {"width": _THIRD, "around": _AROUND, "least": _LEAST_HEIGHT}
     more = describe_trigger(found, chosen)
-    figure = style.given_figure(figure, TWO_COLUMNS, height, text=_AROUND, film=found, more=more)
+    figure = figure_of_maps(figure, found, more=more, **sizes)
     panels = figure.subplots(1, 3)
     pressure_map(found, trigger=chosen, ax=panels[0])
     pressure_profile(found, trigger=chosen, ax=panels[1])
@@ -235,7 +223,7 @@ def write_pressure_figure(found: xr.Dataset, path: Path) -> Path:
     Returns
     -------
     Path
-        `path`.
+        That of the figure, as it was given.
 
     Raises
     ------

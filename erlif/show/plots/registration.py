@@ -32,8 +32,6 @@ def displacement_map(
 ) -> AxesImage:
     """Draw one component of the displacement of camera 2 against camera 1, less its mean.
 
-    Arguments that are not listed are those of `erlif.plots`.
-
     Parameters
     ----------
     registration : xarray.Dataset
@@ -83,8 +81,6 @@ def _outline_masks(ax: Axes, registration: xr.Dataset) -> None:
 @styled
 def drift_of_frames(frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw the drift of camera 2 in each frame.
-
-    Arguments that are not listed are those of `erlif.plots`.
 
     Parameters
     ----------
@@ -136,8 +132,6 @@ def registration_figure(
 ) -> AnyFigure:
     """Draw both components of the displacement, and the drift of each frame below.
 
-    Arguments that are not listed are those of `erlif.plots`.
-
     Parameters
     ----------
     registration, frames : xarray.Dataset
@@ -148,7 +142,7 @@ def registration_figure(
     Returns
     -------
     Figure
-        Two columns wide.
+        Two maps above one panel over both columns.
 
     Examples
     --------

@@ -61,8 +61,6 @@ def joint_wear(worn: xr.Dataset, *, ax: Axes | None = None) -> list[Line2D]:
     """Draw the worn depth round the bushing after several numbers of cycles, and that of the pin.
 
     Mukras et al. (2008), figures 13b and 14b.
-    Arguments that are not listed are those of `erlif.plots`.
-
     Parameters
     ----------
     worn : xarray.Dataset
@@ -110,8 +108,6 @@ def extrapolation_error(
     found: xr.Dataset, *, fine: xr.Dataset | None = None, ax: Axes | None = None
 ) -> list[Artist]:
     """Draw the error of worn volume and depth over the extrapolation factor, with its bound.
-
-    Arguments that are not listed are those of `erlif.plots`.
 
     Parameters
     ----------

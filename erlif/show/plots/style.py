@@ -76,30 +76,24 @@ STACK = 1.15
 COVERAGE = 1.96
 """Standard deviations on either side of a 95 % band."""
 
-_TEXT = 7.0
-"""Size of text that the lengths below belong to. [point]"""
+_TEXT = 7.0  # point; size of text that the lengths below belong to
 
-_LENGTHS = _read_sheet("lengths")
-"""Lengths in points beside text of 7 points; they follow the size of the text."""
+# lengths in points beside such text, which follow its size, and the rest of the look
+_LENGTHS, _PLAIN = _read_sheet("lengths"), _read_sheet("look")
 
-_PLAIN = _read_sheet("look")
-"""The rest of the look: font, frames, resolution."""
-
-# no layout engine but that of the figure, and a fixed salt: the same figure gives the same file
-_FIXED: dict[str, Any] = {
-    "svg.hashsalt": "erlif",
-    "figure.autolayout": False,
-    "figure.constrained_layout.use": False,
-}
-"""Settings that no style changes."""
+# what no style changes: no layout engine but that of the figure, and a fixed salt, so that the same
+# figure gives the same file
+_FIXED: dict[str, Any] = {"svg.hashsalt": "erlif", "figure.autolayout": False}
+_FIXED["figure.constrained_layout.use"] = False
 
 STYLES = ("paper", "slides")
 """Style sheets of erlif; matplotlib finds them as ``erlif.show.plots.paper`` and so on."""
 
+_NO_DATES = dict.fromkeys(("CreationDate", "ModDate", "Producer"))
 _METADATA: dict[str, Mapping[str, Any]] = {
     "png": {"Software": "erlif"},
-    "pdf": {"CreationDate": None, "ModDate": None, "Producer": None, "Creator": "erlif"},
-    "svg": {"Date": None, "Creator": "erlif"},
+    "pdf": {"Creator": "erlif", **_NO_DATES},
+    "svg": {"Creator": "erlif", "Date": None},
 }
 
 _WITHIN = (0.5, 99.5)  # percentiles of the values at the ends of a colour scale
@@ -108,11 +102,11 @@ _BROKEN = 0.6  # part of a long label that its first line takes
 _ACROSS = 0.92  # width of laid out axes over the one before
 _TITLE = 0.95  # part of its place that a title may take
 _NARROWEST = 0.3  # part of its place that an image keeps beside colour bar and legend
-_LETTER, _BESIDE, _SHORTEST = 3.9, 0.3, 12
-"""Width of a letter [point], room at both ends of a colour bar [inch], letters of a short label."""
+_LETTER, _BESIDE = 3.9, 0.3  # width of a letter [point], room at both ends of a colour bar [inch]
+_SHORTEST = 12  # letters of a short label
 
-_LINE, _LAID_OUT = 9.0, 0.85
-"""Height of a line of text [point], and of laid out axes over the one before."""
+_LINE, _LAID_OUT = 9.0, 0.85  # height of a line [point], and of laid out axes over the one before
+_KEYS: dict[str, Any] = {"handlelength": 1.8, "handleheight": 1.0, "columnspacing": 1.2}
 
 # level 6, the default, takes half as long again for 2 % smaller files
 _PNG_COMPRESSION = 4
@@ -292,13 +286,11 @@ def rows_or_columns(
     figure: Figure | SubFigure, count: int, *, sharex: bool = False, ratios: Sequence[float] = ()
 ) -> list[Axes]:
     """Make panels one below the other, or side by side on a page."""
-    if is_page():
-        panels = figure.subplots(1, count, squeeze=False)
-    else:
-        panels = figure.subplots(
-            count, 1, squeeze=False, sharex=sharex, height_ratios=ratios or None
-        )
-    return list(panels.ravel())
+    rows, columns = (1, count) if is_page() else (count, 1)
+    shared: dict[str, Any] = {"sharex": sharex, "height_ratios": ratios or None}
+    return list(
+        figure.subplots(rows, columns, squeeze=False, **({} if is_page() else shared)).ravel()
+    )
 
 
 def draw_image(
@@ -311,14 +303,9 @@ def draw_image(
     extent: tuple[float, float, float, float] | None = None,
 ) -> AxesImage:
     """Draw an image as it was measured, without interpolation; `bad` is the colour of NaN."""
-    image = ax.imshow(
-        values,
-        cmap=colour_map(colours, bad=bad),
-        vmin=limits[0],
-        vmax=limits[1],
-        extent=extent,
-        interpolation="none",
-    )
+    look: dict[str, Any] = {"cmap": colour_map(colours, bad=bad), "extent": extent}
+    look |= dict(zip(("vmin", "vmax"), limits, strict=True))
+    image = ax.imshow(values, interpolation="none", **look)
     close_frame(ax)
     return image
 
@@ -439,32 +426,16 @@ def legend_below(ax: Axes, handles: Sequence[Artist]) -> None:
     labels = ax.xaxis.get_tightbbox()
     below = 0.0 if labels is None else (ax.bbox.y0 - labels.y0) / figure.dpi
     down = ScaledTranslation(0.0, -below, figure.dpi_scale_trans)
-    _fit_columns(
-        ax,
-        _place_of(ax),
-        handles=handles,
-        loc="upper center",
-        bbox_to_anchor=(0.5, 0.0),
-        bbox_transform=ax.transAxes + down,
-        ncols=2,
-        handlelength=1.8,
-        handleheight=1.0,
-        columnspacing=1.2,
-        labelspacing=0.35,
-    )
+    place = {"bbox_to_anchor": (0.5, 0.0), "bbox_transform": ax.transAxes + down}
+    options = _KEYS | place | {"loc": "upper center", "labelspacing": 0.35}
+    _fit_columns(ax, _place_of(ax), handles=handles, ncols=2, **options)
 
 
 def legend_of_figure(figure: AnyFigure, handles: Sequence[Artist]) -> None:
     """Add one legend below all panels, in as many columns as the figure is wide."""
     for columns in range(len(handles), 0, -1):
-        legend = figure.legend(
-            handles=handles,
-            loc="outside lower center",
-            ncols=columns,
-            handlelength=1.8,
-            handleheight=1.0,
-            columnspacing=1.2,
-        )
+        place: dict[str, Any] = {"loc": "outside lower center", "ncols": columns}
+        legend = figure.legend(handles=handles, **place, **_KEYS)
         if columns == 1 or legend.get_window_extent().width <= _TITLE * figure.bbox.width:
             return
         legend.remove()
@@ -575,9 +546,13 @@ def wrap_title(ax: Axes) -> None:
 
 def room_for(ax: Axes, lines: float) -> float:
     """Height of lines of text over the rest of the height of axes, before the layout is known."""
-    height = _LAID_OUT * 72 * ax.get_window_extent().height / figure_of(ax).dpi
-    text = lines * pt(_LINE)
+    height, text = _LAID_OUT * _height_of(ax), lines * pt(_LINE)
     return float(text / max(height - text, text))
+
+
+def _height_of(ax: Axes) -> float:
+    """Height of axes. [point]"""
+    return 72 * ax.get_window_extent().height / figure_of(ax).dpi
 
 
 def make_room(ax: Axes, lines: float) -> None:
@@ -588,16 +563,9 @@ def make_room(ax: Axes, lines: float) -> None:
 
 def state_empty(ax: Axes, text: str) -> None:
     """Write in the middle of empty axes why they are empty."""
-    ax.text(
-        0.5,
-        0.5,
-        text,
-        transform=ax.transAxes,
-        ha="center",
-        va="center",
-        zorder=6,
-        bbox={"facecolor": "white", "edgecolor": MUTED, "linewidth": pt(0.5)},
-    )
+    box = {"facecolor": "white", "edgecolor": MUTED, "linewidth": pt(0.5)}
+    middle: dict[str, Any] = {"transform": ax.transAxes, "ha": "center", "va": "center"}
+    ax.text(0.5, 0.5, text, zorder=6, bbox=box, **middle)
 
 
 def is_visible(ax: Axes, width: Array, line: float) -> bool:
@@ -606,8 +574,7 @@ def is_visible(ax: Axes, width: Array, line: float) -> bool:
     if known.size == 0:
         return False
     low, high = ax.get_ylim()
-    height = 72 * ax.get_window_extent().height / figure_of(ax).dpi
-    return bool(np.median(known) / abs(high - low) * height > line)
+    return bool(np.median(known) / abs(high - low) * _height_of(ax) > line)
 
 
 def signed(value: float, digits: int = 2) -> str:
@@ -665,12 +632,7 @@ def save_figure(figure: AnyFigure, path: Path, *, dpi: float | None = None) -> P
     Returns
     -------
     Path
-        `path`.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be written; an existing file is then unchanged.
+        `path`, so that calls can be nested.
 
     Examples
     --------

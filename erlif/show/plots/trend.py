@@ -19,11 +19,11 @@ from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, AnyFig
 from erlif.show.plots.triggers import draw_strokes, state_no_film
 from erlif.trend import SLOWEST
 
+# labels of the axis by the speed: that of the joint in a linkage, else the sliding speed
 _LABELS = {
     "rocker_speed": "speed over load, |ω|/F [10⁻³ rad s⁻¹ N⁻¹]",
     "sliding_speed": "sliding speed over load, v/F [10⁻³ m s⁻¹ N⁻¹]",
 }
-"""Labels of the axis by the speed: that of the joint in a linkage, else the sliding speed."""
 
 _TALL = 0.4  # height by width
 _MILLI = 1e3  # speed over load is drawn in thousandths
@@ -56,8 +56,6 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
     """Draw mean and minimum film thickness against speed over load, with the fitted powers.
 
     Bars are one standard deviation, random and shared. Triggers too slow for the fit are grey.
-    Arguments that are not listed are those of `erlif.plots`.
-
     Parameters
     ----------
     ax : Axes, optional
@@ -130,34 +128,21 @@ def _draw_power(ax: Axes, film: xr.Dataset, name: str, label: str, **look: Any) 
         return [Line2D([], [], linestyle="none", marker="o", color=look["color"], label=label)]
 
     # a power is drawn over the triggers it was fitted to, not beyond them
-    x = speed_over_load(film)[_used_in_fit(film)]
-    ends = np.geomspace(x.min(), x.max(), 50)
+    used = speed_over_load(film)[_used_in_fit(film)]
+    ends = np.geomspace(used.min(), used.max(), 50)
     error = f" ± {std:.3f}" if np.isfinite(std) else ""
     label = f"{label}, n = {power:.3f}{error}".replace("-", "−")
-    return ax.plot(
-        _MILLI * ends,
-        np.exp(scale) * ends**power,
-        linewidth=pt(0.8),
-        label=label,
-        zorder=1.5,
-        **look,
-    )
+    look |= {"linewidth": pt(0.8), "label": label, "zorder": 1.5}
+    return ax.plot(_MILLI * ends, np.exp(scale) * ends**power, **look)
 
 
 def _stroke_keys(film: xr.Dataset) -> list[Line2D]:
     """Keys of the markers of the strokes, in the colour of neither statistic."""
     if "stroke" not in film:
         return []
+    muted = {"linestyle": "none", "color": MUTED}
     return [
-        Line2D(
-            [],
-            [],
-            linestyle="none",
-            marker=str(look["marker"]),
-            color=MUTED,
-            markerfacecolor=MUTED if sign > 0 else "white",
-            label=str(look["label"]),
-        )
+        Line2D([], [], **look | muted | {"markerfacecolor": MUTED if sign > 0 else "white"})
         for sign, look in style.STROKES.items()
         if (film.stroke.values == sign).any()
     ]

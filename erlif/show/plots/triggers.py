@@ -16,19 +16,12 @@ from erlif.io.files import flag_shares, motion_of
 from erlif.show.plots.naming import describe_shares
 from erlif.show.plots.style import OUTWARD, STROKES, is_page, state_empty
 
-_STEADY = 0.01
-"""Relative range of a speed below which it is not drawn: that of a steady disc and its log."""
+_STEADY = 0.01  # relative range of a speed that is not drawn: that of a steady disc and its log
+_GAP = 1.75  # step over the longer of its neighbours; a trigger left out doubles it
+_LEAST_SPAN, _ROOM = 0.02, 0.05  # of the film: least range of an axis; room at its ends
 
-_GAP = 1.75
-"""Step over the longer of its neighbours above which it is a gap; a trigger left out doubles it."""
-
-_LEAST_SPAN, _ROOM = (
-    0.02,
-    0.05,
-)  # of the film: least range of an axis; room at its ends, of its range
-
+# where there are no strokes
 _ONE_WAY = {"label": "trigger", "color": OUTWARD, "marker": "o", "markerfacecolor": OUTWARD}
-"""Look of the triggers where there are no strokes."""
 
 
 class Abscissa(NamedTuple):
@@ -55,10 +48,6 @@ def choose_abscissa(film: xr.Dataset) -> Abscissa:
     A disc that has turned several times is drawn against time, where that is known.
     Arguments as in `erlif.plots`.
 
-    Returns
-    -------
-    Abscissa
-
     Examples
     --------
     >>> from erlif.show.plots import example_film
@@ -74,10 +63,9 @@ def choose_abscissa(film: xr.Dataset) -> Abscissa:
             what = {"rotation": "disc", "sinusoidal": "drive"}.get(motion, "crank")
             return Abscissa(angle, f"{what} angle [°]", True)
 
-    if "time" in film and np.ptp(film.time.values) > 0:
-        return Abscissa(film.time.values, "time [s]", False)
-    if "encoder_angle" in film and np.ptp(film.encoder_angle.values) > 0:
-        return Abscissa(film.encoder_angle.values, "encoder angle [°]", False)
+    for name, label in (("time", "time [s]"), ("encoder_angle", "encoder angle [°]")):
+        if name in film and np.ptp(film[name].values) > 0:
+            return Abscissa(film[name].values, label, False)
     return Abscissa(np.arange(film.sizes["trigger"], dtype=float), "trigger", False)
 
 
@@ -134,16 +122,6 @@ def film_limits(values: Array) -> tuple[float, float]:
 
 def stroke_looks(film: xr.Dataset) -> list[tuple[Mask, dict[str, Any]]]:
     """Triggers of each stroke with the look of their markers; all alike where there is no stroke.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-        With stroke (trigger) where the motion has strokes.
-
-    Returns
-    -------
-    list of (mask, dict)
-        Mask (trigger,), and label, colour and marker.
 
     Examples
     --------
@@ -244,15 +222,6 @@ def in_order(film: xr.Dataset, x: Array) -> list[npt.NDArray[np.intp]]:
 
 def find_gaps(x: Array) -> Mask:
     """Find the steps of rising values that are much longer than the steps beside them.
-
-    Parameters
-    ----------
-    x : array, (n,)
-        Rising.
-
-    Returns
-    -------
-    array of bool, (n - 1,)
 
     Examples
     --------

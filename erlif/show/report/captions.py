@@ -42,17 +42,6 @@ CAPTIONS = {
 def caption_of(name: str, film: xr.Dataset) -> Caption:
     """Choose the caption of a figure by the motion and by what the film holds.
 
-    Parameters
-    ----------
-    name : str
-        Name of the figure, as in `erlif.show.plots.files.DRAWN`.
-    film : xarray.Dataset
-        As `erlif.process` returns it.
-
-    Returns
-    -------
-    Caption
-
     Examples
     --------
     >>> from erlif.show.plots import example_film

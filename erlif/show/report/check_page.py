@@ -12,25 +12,10 @@ from matplotlib.figure import Figure
 from erlif.core.notes import Level, Note
 from erlif.core.units import count_of
 from erlif.core.version import __version__
-from erlif.io.files import refuse_existing
 from erlif.review.audit import Audit
-from erlif.show.plots.audit import (
-    difference_figure,
-    histogram_figure,
-    light_figure,
-    pair_figure,
-    steps_figure,
-)
+from erlif.show.plots import audit as pictures
+from erlif.show.report import layout
 from erlif.show.report.captions import CAPTIONS
-from erlif.show.report.layout import (
-    Table,
-    arrange_figures,
-    compose_page,
-    embed_figure,
-    print_units,
-    render,
-    save_page,
-)
 
 _TITLES = {Level.ERROR: "Errors", Level.WARNING: "Warnings", Level.NOTE: "Found"}
 
@@ -48,6 +33,7 @@ def write_check_page(audit: Audit, out_path: str | Path, *, overwrite: bool = Fa
     Returns
     -------
     Path
+        That of the page.
 
     Examples
     --------
@@ -58,21 +44,19 @@ def write_check_page(audit: Audit, out_path: str | Path, *, overwrite: bool = Fa
     >>> page[:15], "there is no such directory" in page
     ('<!DOCTYPE html>', True)
     """
-    out_path = Path(out_path)
-    refuse_existing(out_path, overwrite=overwrite)
-    return save_page(_make_page(audit), out_path)
+    return layout.write_page(lambda: _make_page(audit), out_path, overwrite=overwrite)
 
 
 def _make_page(audit: Audit) -> str:
     sections = [("findings", "Findings", _findings(audit))]
     if audit.pairs:
         sections.append(("pairs", "Pairs", _pair_table(audit)))
-    figures = arrange_figures(
-        embed_figure(name, figure, CAPTIONS[name]) for name, figure in _figures(audit)
+    figures = layout.arrange_figures(
+        layout.embed_figure(name, figure, CAPTIONS[name]) for name, figure in _figures(audit)
     )
     if figures:
         sections.append(("figures", "Figures", figures))
-    return compose_page(
+    return layout.compose_page(
         sections,
         name=audit.name or audit.directory.name or str(audit.directory),
         subject="check",
@@ -87,8 +71,12 @@ def _findings(audit: Audit) -> Markup:
     tables = []
     for level, title in _TITLES.items():
         notes = [note for note in audit.notes if note.level is level and not _is_pair(note)]
-        tables.append(Table([(note.subject, print_units(note.text)) for note in notes], (), title))
-    return render(
+        tables.append(
+            layout.Table(
+                [(note.subject, layout.print_units(note.text)) for note in notes], (), title
+            )
+        )
+    return layout.render(
         "findings.html",
         verdict=f"{count_of(errors, 'error')}, {count_of(warnings, 'warning')}.",
         findings=[one for one in tables if one.rows],
@@ -101,30 +89,26 @@ def _is_pair(note: Note) -> bool:
 
 def _pair_table(audit: Audit) -> Markup:
     """The first, the last and all odd pairs."""
-    rows = [
-        [
-            str(row.pair),
-            row.camera1,
-            row.camera2,
-            "" if row.row is None else str(row.row),
-            "" if row.angle is None else f"{row.angle:.2f}",
-            "" if row.time is None else f"{row.time:.6g}",
-        ]
-        for row in audit.pairs
-    ]
+    rows = []
+    for one in audit.pairs:
+        logged = (one.row, "d"), (one.angle, ".2f"), (one.time, ".6g")
+        cells = ("" if value is None else format(value, form) for value, form in logged)
+        rows.append((str(one.pair), one.camera1, one.camera2, *cells))
     head = ("pair", "camera 1", "camera 2", "log frame", "angle [deg]", "time [s]")
-    return render("pairs.html", pairs=Table(rows, head, "First, last and odd pairs", (0, 3, 4, 5)))
+    return layout.render(
+        "pairs.html", pairs=layout.Table(rows, head, "First, last and odd pairs", (0, 3, 4, 5))
+    )
 
 
 def _figures(audit: Audit) -> Iterator[tuple[str, Figure]]:
     """Name and figure of each picture that the audit allows."""
     # an audit that ends early has no later pictures
     if audit.cameras is not None:
-        yield "pair", pair_figure(audit.cameras.picture)
-        yield "difference", difference_figure(audit.cameras.picture)
+        yield "pair", pictures.pair_figure(audit.cameras.picture)
+        yield "difference", pictures.difference_figure(audit.cameras.picture)
     if audit.survey is not None:
-        yield "counts", histogram_figure(audit.survey)
-        yield "light", light_figure(audit.survey, audit.darks)
-    figure = None if audit.steps is None else steps_figure(audit.steps)
+        yield "counts", pictures.histogram_figure(audit.survey)
+        yield "light", pictures.light_figure(audit.survey, audit.darks)
+    figure = None if audit.steps is None else pictures.steps_figure(audit.steps)
     if figure is not None:
         yield "steps", figure

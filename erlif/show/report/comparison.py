@@ -56,9 +56,7 @@ def _columns(found: xr.Dataset) -> dict[str, list[str]]:
     # it is known for each pair and stands in the row of each statistic
     same = np.broadcast_to(pairs.same_calibration, pairs.differs.shape)
     return {
-        "first": pairs["first"].values.tolist(),
-        "second": pairs["second"].values.tolist(),
-        "statistic": pairs["statistic"].values.tolist(),
+        **{name: pairs[name].values.tolist() for name in ("first", "second", "statistic")},
         "difference [um]": numbers("difference", ".4f"),
         "std [um]": numbers("difference_std", ".4f"),
         "probability": numbers("probability", ".3g"),
@@ -75,12 +73,8 @@ def _page(columns: dict[str, list[str]]) -> str:
         for name in ("probability", "probability corrected")
     }
     rows = list(zip(*shown.values(), strict=True))
-    table = render_part(
-        "macros.html",
-        "scrolling",
-        one=Table(rows, tuple(shown), numbers=range(3, len(shown))),
-        label="Table of the pairs",
-    )
+    pairs = Table(rows, tuple(shown), numbers=range(3, len(shown)))
+    table = render_part("macros.html", "scrolling", one=pairs, label="Table of the pairs")
     said = "Differences are the second run less the first; std is one standard deviation."
     return compose_page(
         [("pairs", "Pairs", Markup("<p>{}</p>").format(said) + table)],

@@ -8,17 +8,7 @@ from typing import NamedTuple
 
 from erlif.core.units import count_of
 from erlif.joint.sizing import ROUNDING, BearingDesign, Material, Step
-from erlif.show.report.layout import print_columns, render_text
-
-_NAMES = {
-    "pin_diameter": "pin diameter",
-    "bushing_width": "bushing width",
-    "wall": "bushing wall",
-    "seat_width": "seat width",
-    "housing_diameter": "housing diameter",
-    "play": "play before pressing",
-}
-"""Dimensions as a reader names them."""
+from erlif.show.report.layout import TABLES, print_columns, render_text
 
 _ASSUMED = ": assumption"  # as the table of materials writes it
 _SMALL = 0.01
@@ -93,11 +83,8 @@ def verdict(design: BearingDesign) -> Verdict:
     governing = f"{weakest.title} ({weakest.equation}) with a margin of {margin(weakest.margin)}"
     failed = count_of(len(assessment.failed), "limit")
     verb = "is" if len(assessment.failed) == 1 else "are"
-    head = (
-        f"All limits hold; the weakest is: {governing}."
-        if assessment.sound
-        else f"{failed} {verb} exceeded; the worst is: {governing}."
-    )
+    exceeding = f"{failed} {verb} exceeded; the worst is"
+    head = f"{'All limits hold; the weakest is' if assessment.sound else exceeding}: {governing}."
     # what to change follows the governing limit, one line for each limit
     exceeded = [] if assessment.sound else assessment.failed
     sentences = []
@@ -178,7 +165,7 @@ def within(step: Step) -> str:
 def dimensions(design: BearingDesign) -> list[tuple[str, str, str]]:
     """Name of each dimension, its value with unit, and whether it was chosen or given."""
     rows = []
-    for name, title in _NAMES.items():
+    for name, title in TABLES["dimensions"].items():
         value = float(getattr(design.joint, name))
         digits = 5 if value >= 1e-3 else 3
         text = f"{value * 1e6:.4g} um" if name == "play" else f"{value * 1e3:.{digits}g} mm"
@@ -225,15 +212,10 @@ def list_materials(materials: Mapping[str, Material]) -> str:
     head = ("yield MPa", "hardness HB", "E GPa", "degC", "p MPa", "pv W/mm2", " source")
     rows: list[tuple[str, ...]] = [("material", "use", *head)]
     for one in materials.values():
+        strength = scaled(one.yield_stress, 1e6), hardness_range(one) or "-"
         limits = (one.temperature, 1), (one.pressure, 1e6), (one.pv, 1e6)
-        rows.append(
-            (
-                *(one.name, one.use, scaled(one.yield_stress, 1e6), hardness_range(one) or "-"),
-                scaled(one.youngs_modulus, 1e9),
-                *(scaled(value, unit) for value, unit in limits),
-                f" {one.source}",
-            )
-        )
+        numbers = (scaled(value, unit) for value, unit in ((one.youngs_modulus, 1e9), *limits))
+        rows.append((one.name, one.use, *strength, *numbers, f" {one.source}"))
     width = max(26, *(len(name) for name in materials))
     return print_columns(rows, f"<{width} <10 >9 >12 >6 >5 >6 >8 <0")
 

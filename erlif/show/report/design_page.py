@@ -11,35 +11,11 @@ from markupsafe import Markup
 
 from erlif.core.version import __version__
 from erlif.io.conversion import table_csv
-from erlif.io.files import refuse_existing
 from erlif.joint.sizing import BearingDesign, Step
 from erlif.show.plots.design import design_figure, design_margins_figure
+from erlif.show.report import design as words
+from erlif.show.report import layout
 from erlif.show.report.captions import CAPTIONS
-from erlif.show.report.design import (
-    dimension_title,
-    dimensions,
-    hardness_range,
-    margin,
-    name_materials,
-    outcome,
-    plain,
-    present,
-    scaled,
-    verdict,
-    within,
-)
-from erlif.show.report.layout import (
-    PageFigure,
-    Table,
-    arrange_figures,
-    compose_page,
-    download_link,
-    embed_figure,
-    file_name,
-    print_units,
-    render_part,
-    save_page,
-)
 
 _MOST_ROWS = 12  # numbers in the table of sensitivities
 
@@ -59,6 +35,7 @@ def write_design_page(
     Returns
     -------
     Path
+        The page, which needs no other file.
 
     Examples
     --------
@@ -69,9 +46,7 @@ def write_design_page(
     >>> page[:15], "All limits hold" in page
     ('<!DOCTYPE html>', True)
     """
-    out_path = Path(out_path)
-    refuse_existing(out_path, overwrite=overwrite)
-    return save_page(make_design_page(design), out_path)
+    return layout.write_page(lambda: make_design_page(design), out_path, overwrite=overwrite)
 
 
 def make_design_page(design: BearingDesign) -> str:
@@ -84,6 +59,7 @@ def make_design_page(design: BearingDesign) -> str:
     Returns
     -------
     str
+        All of it; `write_design_page` writes it.
 
     Examples
     --------
@@ -95,14 +71,14 @@ def make_design_page(design: BearingDesign) -> str:
     sections = [
         ("result", "Result", _result(design)),
         ("steps", "Steps", _step_table(design)),
-        ("figures", "Figures", arrange_figures(_figures(design))),
+        ("figures", "Figures", layout.arrange_figures(_figures(design))),
         ("alternatives", "Reasons and alternatives", _reasons(design)),
         ("sensitivity", "Sensitivity of the weakest margin", _sensitivity(design)),
         ("bushings", "Other bushings", _substitutes(design)),
         ("materials", "Materials and their sources", _materials(design)),
         ("joint", "The joint as a file", _settings(design)),
     ]
-    return compose_page(
+    return layout.compose_page(
         [section for section in sections if section[2]],
         name=design.name,
         subject="design",
@@ -111,7 +87,7 @@ def make_design_page(design: BearingDesign) -> str:
 
 
 def _result(design: BearingDesign) -> Markup:
-    found, joint = verdict(design), design.joint
+    found, joint = words.verdict(design), design.joint
     given = [("Largest load", f"{joint.force / 1e3:.4g} kN")]
     if joint.mean_force is not None:
         given.append(("Mean load in motion", f"{joint.mean_force / 1e3:.4g} kN"))
@@ -120,60 +96,54 @@ def _result(design: BearingDesign) -> Markup:
         swing = f"± {math.degrees(joint.half_swing):.3g}° every {joint.period:.4g} s"
         given.append(("Swing", swing))
     if joint.life is not None:
-        given.append(("Life in motion", f"{plain(joint.life / 3600)} h"))
-    given += [(part.capitalize(), name) for part, name in name_materials(design).items()]
+        given.append(("Life in motion", f"{words.plain(joint.life / 3600)} h"))
+    given += [(part.capitalize(), name) for part, name in words.name_materials(design).items()]
 
     # signs of print stand on the page; the terminal keeps plain ones
-    sizes = [(title, _signs(value), source) for title, value, source in dimensions(design)]
-    return render_part(
+    sizes = [(title, _signs(value), source) for title, value, source in words.dimensions(design)]
+    texts = {"exceeded": found.exceeded, "sentences": found.sentences, "notes": design.notes}
+    return layout.render_part(
         "design.html",
         "result",
         verdict=_signs(found.head),
-        exceeded=[_signs(line) for line in found.exceeded],
-        sentences=[_signs(line) for line in found.sentences],
-        notes=[_signs(line) for line in design.notes],
-        sizes=Table(sizes, caption=dimension_title(design), numbers=[1]),
-        given=Table(given, caption="Load, motion and materials"),
+        **{name: [_signs(line) for line in lines] for name, lines in texts.items()},
+        sizes=layout.Table(sizes, caption=words.dimension_title(design), numbers=[1]),
+        given=layout.Table(given, caption="Load, motion and materials"),
     )
 
 
 def _step_table(design: BearingDesign) -> Markup:
     link = Markup('<a href="#step-{}">{}</a>')
-    rows = [
-        (step.title, "", "not computed", "", "", step.equation, f"give {step.missing}")
-        if step.missing
-        else (
-            link.format(step.key, step.title),
-            _signs(margin(step.margin)),
-            _state(step),
-            _signs(present(step)),
-            _signs(within(step)),
-            step.equation,
-            step.quantity,
-        )
-        for step in design.assessment.steps
-    ]
+    rows: list[tuple[str, ...]] = []
+    for step in design.assessment.steps:
+        if step.missing:
+            need = f"give {step.missing}"
+            rows.append((step.title, "", "not computed", "", "", step.equation, need))
+            continue
+        name, margin = link.format(step.key, step.title), _signs(words.margin(step.margin))
+        values = _signs(words.present(step)), _signs(words.within(step))
+        rows.append((name, margin, _state(step), *values, step.equation, step.quantity))
     # a narrow window shows the first columns, which matter most
     head = ("Step", "Margin", "State", "Present", "Allowed", "Source", "Quantity")
     file = _steps_csv(design.assessment.steps)
-    return render_part(
+    return layout.render_part(
         "design.html",
         "steps",
         bases=[(step.title, step.basis) for step in design.assessment.steps if step.basis],
-        link=download_link(file, name=file_name(design.name, "steps.csv")),
-        rows=Table(rows, head, numbers=(1, 3, 4)),
+        link=layout.download_link(file, name=layout.file_name(design.name, "steps.csv")),
+        rows=layout.Table(rows, head, numbers=(1, 3, 4)),
     )
 
 
 def _signs(text: str) -> Markup:
     """A text with the signs of print for minus, times, micro and degrees."""
-    printed = re.sub(r"^x (?=\d)", "× ", print_units(text))
+    printed = re.sub(r"^x (?=\d)", "× ", layout.print_units(text))
     return Markup(re.sub(r"(?<![\w.])-(?=\d)", "−", printed))
 
 
 def _state(step: Step) -> str:
     """The outcome; what needs attention is bold."""
-    text = outcome(step)
+    text = words.outcome(step)
     usual = step.holds and (step.valid or step.kind != "limit")
     return text if usual else Markup("<strong>{}</strong>").format(text)
 
@@ -181,30 +151,28 @@ def _state(step: Step) -> str:
 def _steps_csv(steps: Sequence[Step]) -> str:
     """The steps for other programs; a limit that is none is empty."""
 
-    def texts(*fields: str) -> dict[str, list[object]]:
-        return {field: [getattr(step, field) for step in steps] for field in fields}
+    def texts(**fields: str) -> dict[str, list[object]]:
+        return {title: [getattr(step, name) for step in steps] for title, name in fields.items()}
 
     def numbers(values: Iterable[float]) -> list[object]:
         return [value if math.isfinite(value) else None for value in values]
 
     columns: dict[str, list[object]] = {
-        "step": [step.key for step in steps],
-        "title": [step.title for step in steps],
-        "source": [step.equation for step in steps],
-        **texts("kind", "quantity", "unit"),
+        **texts(step="key", title="title", source="equation"),
+        **texts(kind="kind", quantity="quantity", unit="unit"),
         "present": numbers(step.present for step in steps),
         "least": numbers(step.allowed[0] for step in steps),
         "most": numbers(step.allowed[1] for step in steps),
         "margin": numbers(step.margin for step in steps),
         "valid": [str(step.valid).lower() for step in steps],
-        **texts("state", "validity", "missing"),
+        **texts(state="state", validity="validity", missing="missing"),
     }
     return table_csv(columns, digits=9)
 
 
-def _figures(design: BearingDesign) -> list[PageFigure]:
+def _figures(design: BearingDesign) -> list[layout.PageFigure]:
     drawn = {"margins": design_margins_figure(design), "joint": design_figure(design)}
-    return [embed_figure(name, figure, CAPTIONS[name]) for name, figure in drawn.items()]
+    return [layout.embed_figure(name, figure, CAPTIONS[name]) for name, figure in drawn.items()]
 
 
 def _reasons(design: BearingDesign) -> Markup:
@@ -220,14 +188,18 @@ def _reasons(design: BearingDesign) -> Markup:
         if step.alternatives:
             rows.append(("Alternatives", _signs("; ".join(step.alternatives))))
         limited = not math.isnan(step.margin)
-        ending = f"{margin(step.margin)}, {outcome(step)}" if limited else outcome(step)
+        ending = (
+            f"{words.margin(step.margin)}, {words.outcome(step)}"
+            if limited
+            else words.outcome(step)
+        )
         title = Markup("{} ({}): {}").format(step.title, step.equation, _signs(ending))
-        steps.append((title, step.key, not step.holds, step.reason, Table(rows)))
-    return render_part("design.html", "reasons", steps=steps)
+        steps.append((title, step.key, not step.holds, step.reason, layout.Table(rows)))
+    return layout.render_part("design.html", "reasons", steps=steps)
 
 
 def _number(name: str, value: float, unit: str) -> str:
-    text = "unlimited" if math.isinf(value) else plain(value)
+    text = "unlimited" if math.isinf(value) else words.plain(value)
     return f"{name} {text}" if unit == "1" or math.isinf(value) else f"{name} {text} {unit}"
 
 
@@ -235,17 +207,15 @@ def _sensitivity(design: BearingDesign) -> Markup:
     weakest, found = design.assessment.weakest, design.sensitivities
     if weakest is None or not found:
         return Markup()
-    rows = [
-        (one.name, f"+{one.by}", _signs(f"{100 * one.change:+.2g} points"))
-        for one in found[:_MOST_ROWS]
-    ]
-    return render_part(
+    shown = found[:_MOST_ROWS]
+    rows = [(one.name, f"+{one.by}", _signs(f"{100 * one.change:+.2g} points")) for one in shown]
+    return layout.render_part(
         "design.html",
         "sensitivity",
         title=weakest.title,
         equation=weakest.equation,
-        margin=_signs(margin(weakest.margin)),
-        rows=Table(rows, ("Number", "Change", "Margin, per cent"), numbers=(1, 2)),
+        margin=_signs(words.margin(weakest.margin)),
+        rows=layout.Table(rows, ("Number", "Change", "Margin, per cent"), numbers=(1, 2)),
     )
 
 
@@ -254,7 +224,7 @@ def _substitutes(design: BearingDesign) -> Markup:
     for one in design.substitutes:
         weakest = one.weakest
         governing = "" if weakest is None else f"{weakest.title} ({weakest.equation})"
-        value = "" if weakest is None else margin(weakest.margin)
+        value = "" if weakest is None else words.margin(weakest.margin)
         difference = one.assessment.step("hardness_difference")
         hint = "" if difference.missing or difference.holds else "less than 100 HB below the pin"
         without = ", ".join(step.title for step in one.unknown)
@@ -264,13 +234,7 @@ def _substitutes(design: BearingDesign) -> Markup:
     if not rows:
         return Markup()
     head = ("Bushing", "Margin", "Weakest limit of the sliding surface", "Hardness", "Not known")
-    return render_part("design.html", "bushings", rows=Table(rows, head, numbers=[1]))
-
-
-_MATERIAL_HEAD = (
-    *("Part", "Material", "Yield [MPa]", "Hardness [HB]"),
-    *("E [GPa]", "λ [W/(m K)]", "α [10⁻⁶/K]"),
-)
+    return layout.render_part("design.html", "bushings", rows=layout.Table(rows, head, numbers=[1]))
 
 
 def _materials(design: BearingDesign) -> Markup:
@@ -279,27 +243,21 @@ def _materials(design: BearingDesign) -> Markup:
     parts["Housing"] = joint.housing
     if joint.lock is not None:
         parts["Lock plate"] = joint.lock.plate
-    rows = [
-        (
-            part,
-            one.name,
-            scaled(one.yield_stress, 1e6, ""),
-            hardness_range(one),
-            scaled(one.youngs_modulus, 1e9, ""),
-            scaled(one.conductivity, 1, ""),
-            scaled(one.expansion, 1e-6, ""),
-        )
-        for part, one in parts.items()
-    ]
+    rows = []
+    for part, one in parts.items():
+        strength = words.scaled(one.yield_stress, 1e6, ""), words.hardness_range(one)
+        others = (one.youngs_modulus, 1e9), (one.conductivity, 1), (one.expansion, 1e-6)
+        numbers = (words.scaled(value, unit, "") for value, unit in others)
+        rows.append((part, one.name, *strength, *numbers))
     # one material may serve several parts
     sources = {one.name: one.source for one in parts.values()}
-    table = Table(rows, _MATERIAL_HEAD, numbers=(2, 3, 4, 5, 6))
-    return render_part("design.html", "materials", rows=table, sources=sources.items())
+    table = layout.Table(rows, layout.TABLES["columns"]["materials"], numbers=range(2, 7))
+    return layout.render_part("design.html", "materials", rows=table, sources=sources.items())
 
 
 def _settings(design: BearingDesign) -> Markup:
     """The joint with all its dimensions, to be saved and designed again."""
-    name = file_name(design.name, "joint.toml")
+    name = layout.file_name(design.name, "joint.toml")
     media = "application/toml"
-    link = download_link(design.settings, name=name, label="Save as TOML", media=media)
-    return render_part("design.html", "joint", link=link, settings=design.settings)
+    link = layout.download_link(design.settings, name=name, label="Save as TOML", media=media)
+    return layout.render_part("design.html", "joint", link=link, settings=design.settings)

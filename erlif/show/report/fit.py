@@ -5,15 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from erlif.prediction import Comparison, Estimate
-
-_SHOWN = {
-    "viscosity": ("viscosity", 1.0, "Pa s"),
-    "squeeze_time": ("squeeze constant over load, K/W", 1.0, "s"),
-    "temperature": ("temperature of the oil, by its law", 1.0, "degC"),
-    "start_film": ("film at the first frame", 1e6, "um"),
-    "load_line": ("load line, from the middle of the image", 1e3, "mm"),
-}
-"""Estimates of the summary: title, factor and unit."""
+from erlif.show.report.layout import TABLES
 
 _DESCRIBED = 5.0
 """Residuals over the stated errors up to which a scaled standard deviation is one of the fit; above
@@ -22,15 +14,6 @@ it the model is wrong, and the scatter about it is not an error of its parameter
 
 def summarise_comparison(found: Comparison) -> str:
     """Describe a comparison: the verdict, the models in their order, and the best fit.
-
-    Parameters
-    ----------
-    found : Comparison
-
-    Returns
-    -------
-    str
-        Several lines.
 
     Examples
     --------
@@ -50,10 +33,10 @@ def summarise_comparison(found: Comparison) -> str:
         described = found.fit.inflation <= _DESCRIBED
         doubt = "" if described else "; no errors, as the model does not describe the positions"
         lines.append(f"  fitted: pin {found.fit.sideways} sideways{doubt}")
-        for name, (title, factor, unit) in _SHOWN.items():
+        for name, shown in TABLES["fitted"].items():
             if name in found.fit.estimates:
-                value = _value(found.fit.estimates[name], factor, described)
-                lines.append(f"    {title}: {value} {unit}")
+                value = _value(found.fit.estimates[name], shown.get("factor", 1.0), described)
+                lines.append(f"    {shown['title']}: {value} {shown['unit']}")
         lines += [f"  {note}" for note in found.fit.notes]
     return "\n".join(lines)
 

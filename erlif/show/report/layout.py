@@ -6,7 +6,7 @@ import base64
 import functools
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import resources
 from itertools import groupby
 from pathlib import Path
@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup, escape
 
-from erlif.io.files import replacing
+from erlif.core.tables import read_table
+from erlif.io.files import refuse_existing, replacing
 
 if TYPE_CHECKING:
     from erlif.show.plots.style import AnyFigure
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
 _MEDIA = {"svg": "image/svg+xml", "png": "image/png"}
 _LARGE = 400_000  # bytes of a drawing that is kept as an image of pixels
 _LONGEST = 80  # characters of the name of a run in the name of a file
+
+TABLES = read_table("erlif.show.report", "tables.toml")
+"""What tables name: titles, columns and their order."""
 
 
 class Table(NamedTuple):
@@ -168,17 +172,16 @@ def compose_page(
     -------
     str
     """
-    return str(
-        render(
-            "page.html",
-            sections=sections,
-            name=name,
-            subject=subject,
-            subtitle=subtitle,
-            style=read_resource("page.css"),
-            after=after,
-        )
-    )
+    heading = {"name": name, "subject": subject, "subtitle": subtitle}
+    style = read_resource("page.css")
+    return str(render("page.html", sections=sections, style=style, after=after, **heading))
+
+
+def write_page(make: Callable[[], str], out_path: str | Path, *, overwrite: bool) -> Path:
+    """Make a page and write it; an existing one is refused before it is made."""
+    path = Path(out_path)
+    refuse_existing(path, overwrite=overwrite)
+    return save_page(make(), path)
 
 
 def save_page(text: str, out_path: Path) -> Path:

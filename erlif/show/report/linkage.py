@@ -5,12 +5,7 @@ from __future__ import annotations
 import math
 
 from erlif.models.linkage import LinkageDesign, Synthesis, link_sensitivity
-
-_HEAD = (
-    *("crank", "coupler", "rocker", "ground", "crank speed", "swing", "ratio", "time ratio"),
-    *("slower", "transmission", "space"),
-)
-_UNITS = ("mm", "mm", "mm", "mm", "rpm", "deg", "", "", "stroke", "deg", "mm")
+from erlif.show.report.layout import TABLES, print_columns
 
 
 def summarise_linkages(found: Synthesis) -> str:
@@ -36,33 +31,28 @@ def summarise_linkages(found: Synthesis) -> str:
     """
     # without a solution the nearest linkage stands in the table
     designs = found.designs or (() if found.nearest is None else (found.nearest,))
-    rows = [_HEAD, _UNITS, *(_cells(design) for design in designs)]
-    # columns are as wide as their widest cell
+    heads = (TABLES["columns"][name] for name in ("linkages", "units_of_linkages"))
+    rows = [*heads, *(_cells(design) for design in designs)]
+
+    # columns are as wide as their widest cell, with two spaces between them
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    table = [
-        "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True))
-        for row in rows
-    ]
+    forms = " ".join(f">{width + (n > 0)}" for n, width in enumerate(widths))
+    table = [print_columns(rows, forms)]
     blocks = [[found.statement], table, _broken(found.designs), _tolerances(designs[0])]
     return "\n\n".join("\n".join(block) for block in blocks if block)
 
 
 def _cells(design: LinkageDesign) -> tuple[str, ...]:
     """One row of the table."""
-    low, high = (math.degrees(angle) for angle in design.transmission)
+    lengths = (f"{1e3 * length:.3f}" for length in vars(design.linkage).values())
     speed = design.crank_speed
-    ratio = f"{design.time_ratio:.4f}"
-    return (
-        *(f"{1e3 * length:.3f}" for length in vars(design.linkage).values()),
-        "-" if math.isnan(speed) else f"{speed * 30 / math.pi:.2f}",
-        f"{math.degrees(design.swing):.3f}",
-        f"{design.speed_ratio:.5f}",
-        ratio,
-        # a family's optimum is found to 1e-5: no stroke is slower by less than is printed
-        "neither" if float(ratio) == 1 else design.slower_stroke,
-        f"{low:.1f} to {high:.1f}",
-        " x ".join(f"{1e3 * side:.0f}" for side in design.space),
-    )
+    turns = "-" if math.isnan(speed) else f"{speed * 30 / math.pi:.2f}"
+    swing, ratio = f"{math.degrees(design.swing):.3f}", f"{design.time_ratio:.4f}"
+    # a family's optimum is found to 1e-5: no stroke is slower by less than is printed
+    slower = "neither" if float(ratio) == 1 else design.slower_stroke
+    transmission = " to ".join(f"{math.degrees(angle):.1f}" for angle in design.transmission)
+    space = " x ".join(f"{1e3 * side:.0f}" for side in design.space)
+    return *lengths, turns, swing, f"{design.speed_ratio:.5f}", ratio, slower, transmission, space
 
 
 def _broken(designs: tuple[LinkageDesign, ...]) -> list[str]:

@@ -28,25 +28,9 @@ from erlif.io.files import (
 from erlif.show.plots.files import DRAWN, FigureSource, find_source, reason_missing
 from erlif.show.plots.prediction import has_prediction, predicted_map
 from erlif.show.plots.style import in_style
+from erlif.show.report import layout, tables
 from erlif.show.report.captions import caption_of
-from erlif.show.report.layout import (
-    Table,
-    arrange_figures,
-    compose_page,
-    embed_figure,
-    read_resource,
-    render,
-    save_page,
-)
 from erlif.show.report.maps import embed_map
-from erlif.show.report.tables import (
-    calibration_table,
-    flag_table,
-    registration_table,
-    results_table,
-    theory_sentences,
-    trigger_section,
-)
 from erlif.show.report.thinning import KeptMaps, choose_maps
 from erlif.show.report.viewer import viewer_data, viewer_section
 
@@ -133,7 +117,7 @@ def write_report(
         source = find_source(Path(film_path), film, opening, run_dir, fixture_dir)
         source = replace(source, allow_outside=allow_outside)
         text = _make_page(source, chosen, max_size, report)
-    return save_page(text, out_path)
+    return layout.save_page(text, out_path)
 
 
 def check_size(max_size: float) -> None:
@@ -163,7 +147,7 @@ def _make_page(source: FigureSource, triggers: range, max_size: float, progress:
     shares = flag_shares(film)
     summary = _summary_section(source, shares)
     figures = figures_section(source, progress, room=_FIGURES * limit)
-    table = trigger_section(film, shares[:, 0], most=_TABLE * limit)
+    table = tables.trigger_section(film, shares[:, 0], most=_TABLE * limit)
     provenance = provenance_section(film)
 
     # what is left belongs to the maps; their size is measured, and fewer are kept if it is large
@@ -194,15 +178,15 @@ def _make_page(source: FigureSource, triggers: range, max_size: float, progress:
     ]
     # nothing of the time or the place of the report enters: the same film gives the same page
     version = str(film.attrs.get("erlif_version", __version__))
-    scripts = render(
+    scripts = layout.render(
         "scripts.html",
         data=Markup(viewer_data(film, kept.coding, triggers=kept.triggers)),
         maps=embedded,
         # one drawing of maps; within the page nothing is exported
-        drawing=read_resource("page/draw.js", of="erlif.show.view").replace("export ", ""),
-        script=read_resource("viewer.js"),
+        drawing=layout.read_resource("page/draw.js", of="erlif.show.view").replace("export ", ""),
+        script=layout.read_resource("viewer.js"),
     )
-    return compose_page(
+    return layout.compose_page(
         sections,
         name=settings_of(film).name,
         subject="oil-film thickness",
@@ -226,13 +210,15 @@ def _embedded_maps(film: xr.Dataset, kept: KeptMaps, progress: Progress) -> Mark
 def _summary_section(source: FigureSource, shares: Array) -> Markup:
     """Write the tables of the summary, and the notes."""
     film = source.film
-    return render(
+    return layout.render(
         "summary.html",
-        results=results_table(film, shares),
-        **theory_sentences(film),
-        calibration=calibration_table(source),
-        registration=registration_table(source.group("registration"), source.group("frames")),
-        flags=flag_table(shares[:, 1:].mean(axis=0)),
+        results=tables.results_table(film, shares),
+        **tables.theory_sentences(film),
+        calibration=tables.calibration_table(source),
+        registration=tables.registration_table(
+            source.group("registration"), source.group("frames")
+        ),
+        flags=tables.flag_table(shares[:, 1:].mean(axis=0)),
         notes=dict.fromkeys(split_notes(str(film.attrs.get("notes", "")))),
     )
 
@@ -249,10 +235,6 @@ def figures_section(
         Called before each figure.
     room : float
         Bytes that all figures may take; the largest are left out until the others fit.
-
-    Returns
-    -------
-    Markup
     """
     parts, missing = [], []
     for done, (name, draw) in enumerate(DRAWN.items()):
@@ -266,7 +248,7 @@ def figures_section(
             trigger = describe_trigger(source.film, source.trigger).capitalize()
             caption = replace(caption, text=f"{trigger}. {caption.text}")
         with in_style(None):
-            parts.append(embed_figure(name, draw(source), caption))
+            parts.append(layout.embed_figure(name, draw(source), caption))
     progress("figures", len(DRAWN), len(DRAWN))
 
     reason = Markup(
@@ -277,7 +259,7 @@ def figures_section(
         largest = max(parts, key=lambda one: len(one.source))
         parts.remove(largest)
         missing.append((largest.title, reason))
-    return arrange_figures(parts, missing)
+    return layout.arrange_figures(parts, missing)
 
 
 def provenance_section(film: xr.Dataset) -> Markup:
@@ -287,12 +269,13 @@ def provenance_section(film: xr.Dataset) -> Markup:
         "Inputs of the run": json.loads(str(film.attrs.get("input_hashes", "{}"))),
         "Inputs of the calibration": calibration.get("input_hashes", {}),
     }
-    tables = {
-        title: Table(list(hashes.items()), ("File", "SHA-256")) for title, hashes in inputs.items()
+    found = {
+        title: layout.Table(list(hashes.items()), ("File", "SHA-256"))
+        for title, hashes in inputs.items()
     }
-    return render(
+    return layout.render(
         "provenance.html",
         history=film.attrs.get("history", ""),
         settings=film.attrs["settings"],
-        inputs=tables.items(),
+        inputs=found.items(),
     )

@@ -14,7 +14,7 @@ from erlif.core.units import count_of
 from erlif.io.conversion import table_csv
 from erlif.io.files import replacing
 from erlif.io.settings import PlanSettings, to_toml
-from erlif.show.report.layout import print_columns, render_text
+from erlif.show.report.layout import TABLES, print_columns, render_text
 
 WRITTEN = ("plan.png", "plan.pdf", "films.csv", "tolerances.csv", "plan.toml", "optimum.toml")
 """Files of a plan's directory."""
@@ -104,8 +104,8 @@ def _percent(share: float, sign: str = "", most: str = "more than 1000%") -> str
 
 def _film_table(plan: xr.Dataset) -> str:
     frames, average = int(plan.attrs["frames"]), int(plan.attrs["average"])
-    averaged = count_of(frames, "frame") + (f", {average} px" if average > 1 else "")
-    head = ("film um", "ratio", "electrons 1", "electrons 2", "std um", "of film", averaged)
+    how = count_of(frames, "frame") + (f", {average} px" if average > 1 else "")
+    head = ("film um", "ratio", "electrons 1", "electrons 2", "std um", "of film", how)
     first, last = plan.film_range.values
     rows = plan.interp(thickness=np.geomspace(first, last, _ROWS))
     # frames are whole numbers, which are not interpolated
@@ -115,19 +115,13 @@ def _film_table(plan: xr.Dataset) -> str:
     for k, film in enumerate(rows.thickness.values.tolist()):
         one = rows.isel(thickness=k)
         stds = [float(one.thickness_std), float(one.thickness_std_frames)]
-        std, std_averaged = (f"{std:.3g}" if std < _MEANINGLESS * film else "-" for std in stds)
-        needed = [float(near.frames_needed[k]), float(near.optimum_frames_needed[k])]
-        lines.append(
-            (
-                f"{film:.3g}",
-                f"{float(one.ratio):.4f}",
-                *(f"{signal:.0f}" for signal in one.signal.values),
-                std,
-                _percent(stds[0] / film, most="> 1000%"),
-                std_averaged,
-                *(f"{count:.0f}" if math.isfinite(count) else "never" for count in needed),
-            )
-        )
+        std, averaged = (f"{std:.3g}" if std < _MEANINGLESS * film else "-" for std in stds)
+        share = _percent(stds[0] / film, most="> 1000%")
+        signals = (f"{signal:.0f}" for signal in one.signal.values)
+        counts = (float(near.frames_needed[k]), float(near.optimum_frames_needed[k]))
+        needed = (f"{count:.0f}" if math.isfinite(count) else "never" for count in counts)
+        ratio = f"{float(one.ratio):.4f}"
+        lines.append((f"{film:.3g}", ratio, *signals, std, share, averaged, *needed))
     return print_columns(lines, ">8 >7 >11 >11 >8 >8 >14 >13 >10")
 
 
@@ -137,51 +131,31 @@ def _tolerance_table(plan: xr.Dataset) -> str:
         row = plan.isel(tolerance=k)
         ends = float(row.tolerance_thinnest), float(row.tolerance_thickest)
         thinnest, thickest = (f"{end:+.2f}" if math.isfinite(end) else "-" for end in ends)
-        lines.append(
-            (
-                str(row.tolerance.item()),
-                str(row.tolerance_size.item()),
-                _percent(float(row.tolerance_std), "+", most="> 1000%"),
-                thinnest,
-                thickest,
-                _percent(float(row.tolerance_film), most="> 1000%"),
-            )
-        )
+        std = _percent(float(row.tolerance_std), "+", most="> 1000%")
+        film = _percent(float(row.tolerance_film), most="> 1000%")
+        named = str(row.tolerance.item()), str(row.tolerance_size.item())
+        lines.append((*named, std, thinnest, thickest, film))
     return print_columns(lines, "<24 >6 >7 >9 >9 >7")
 
 
 def table_of_films(plan: xr.Dataset) -> str:
     """Write the curves of a plan as CSV: one line for each thickness, units in the header."""
-    columns = {
-        "thickness_um": plan.thickness,
-        "ratio": plan.ratio,
-        "log_ratio_slope_per_um": plan.log_ratio_slope,
-        "signal_camera1_electron": plan.signal[0],
-        "signal_camera2_electron": plan.signal[1],
-        "std_um": plan.thickness_std,
-        "std_frames_um": plan.thickness_std_frames,
-        "frames_needed": plan.frames_needed,
-        "optimum_ratio": plan.optimum_ratio,
-        "optimum_std_um": plan.optimum_thickness_std,
-        "optimum_std_frames_um": plan.optimum_thickness_std_frames,
-        "optimum_frames_needed": plan.optimum_frames_needed,
-    }
-    values = {name: column.values for name, column in columns.items()}
-    return table_csv(values, digits=6, missing="nan")
+    return _write_columns(plan, "films", digits=6)
 
 
 def table_of_tolerances(plan: xr.Dataset) -> str:
     """Write the tolerances of a plan as CSV: one line for each, the largest effect first."""
-    columns = {
-        "tolerance": plan.tolerance,
-        "size": plan.tolerance_size,
-        "std_change": plan.tolerance_std,
-        "thinnest_change_um": plan.tolerance_thinnest,
-        "thickest_change_um": plan.tolerance_thickest,
-        "film_error": plan.tolerance_film,
-    }
-    values = {name: column.values for name, column in columns.items()}
-    return table_csv(values, digits=4, missing="nan")
+    return _write_columns(plan, "tolerances", digits=4)
+
+
+def _write_columns(plan: xr.Dataset, table: str, *, digits: int) -> str:
+    """Variables of a plan as CSV, by the table that names their columns."""
+    columns = {}
+    for title, variable in TABLES[table].items():
+        name, _, camera = variable.partition(" ")
+        found = plan[name].sel(camera=int(camera)) if camera else plan[name]
+        columns[title] = found.values
+    return table_csv(columns, digits=digits, missing="nan")
 
 
 def check_plan_output(output: Path, *, overwrite: bool, source: Path | None = None) -> None:

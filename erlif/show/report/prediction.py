@@ -14,18 +14,7 @@ from erlif.show.report.layout import print_rows
 
 
 def describe_correlations(film: xr.Dataset) -> str:
-    """Correlation of the minimum film with the size of the speed over the triggers.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-        A film or a prediction, on dim trigger.
-
-    Returns
-    -------
-    str
-        Measured and predicted; empty without a speed or a prediction.
-    """
+    """Correlation of the minimum film with the size of the speed over the triggers."""
     if "film_predicted_min" not in film or "rocker_speed" not in film:
         return ""
     speed = film["rocker_speed"].values
@@ -47,18 +36,7 @@ def describe_difference(film: xr.Dataset) -> str:
 
 
 def carrying_sentences(film: xr.Dataset) -> list[str]:
-    """What is assumed to carry the film, how far the measured film agrees, and how to test it.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-        A film with its settings.
-
-    Returns
-    -------
-    list of str
-        Sentences; none without a prediction.
-    """
+    """What is assumed to carry the film, how far the measured film agrees, and how to test it."""
     if "film_predicted_min" not in film:
         return []
     options = settings_of(film).prediction
@@ -110,12 +88,12 @@ def summarise_prediction(prediction: xr.Dataset) -> str:
     Parameters
     ----------
     prediction : xarray.Dataset
-        As `erlif.predict` returns it.
+        From `erlif.predict`, with the measured film where there is one.
 
     Returns
     -------
     str
-        Several lines.
+        A first line with model and triggers, then a title and its text on each line.
 
     Examples
     --------

@@ -31,28 +31,14 @@ from erlif.review.comparison import compare
 from erlif.show.plots.comparison import comparison_figure
 from erlif.show.plots.maps import common_limits, thickness_map
 from erlif.show.plots.style import in_style
+from erlif.show.report import layout
 from erlif.show.report.captions import CAPTIONS, Caption
-from erlif.show.report.layout import (
-    PageFigure,
-    Table,
-    arrange_figures,
-    compose_page,
-    download_link,
-    embed_figure,
-    render,
-    save_page,
-)
 from erlif.show.report.page import MAX_SIZE, check_size
 from erlif.show.report.tables import with_error, with_span
 
 _PER_MB = 1e6  # bytes
 _FRAME = 40_000  # bytes of style and headings
 _MOST_COMPARED = 12  # runs whose pairs a figure still shows
-_HEAD = (
-    *("Run", "Load [N]", "Oil", "Speed [mm/s]", "Thinnest film of the run [µm]"),
-    *("Mean film at the fastest trigger [µm]", "Power of speed over load"),
-    *("Valid pixels", "Triggers", "Warnings"),
-)
 
 
 def write_runs_report(
@@ -80,6 +66,7 @@ def write_runs_report(
     Returns
     -------
     Path
+        `out_path`, as of `write_report`.
 
     Examples
     --------
@@ -112,28 +99,25 @@ def write_runs_report(
         cells[0] = values["run"] = label
 
     columns = {name: [values[name] for values in numbers] for name in numbers[0]}
-    table = render(
+    table = layout.render(
         "runs.html",
-        runs=Table(rows, _HEAD, numbers=[1, 3, 4, 5, 6, 7, 8, 9]),
-        link=download_link(table_csv(columns, digits=9, missing="NaN"), name="runs.csv"),
+        runs=layout.Table(rows, layout.TABLES["columns"]["runs"], numbers=(1, *range(3, 10))),
+        link=layout.download_link(table_csv(columns, digits=9, missing="NaN"), name="runs.csv"),
     )
     compared = _compare_runs(paths)
     room = max_size * _PER_MB - _FRAME - len((table + compared).encode())
     # maps take the room that table and figure leave
     ends = (min(low for low, _ in limits), max(high for _, high in limits))
     maps = _map_section(paths, labels, ends, room, report)
-    text = compose_page(
-        [
-            ("runs", "Runs", table),
-            ("compared", "Comparison", compared),
-            ("maps", "Maps at the fastest trigger", maps),
-        ],
+    sections = [("runs", "Runs", table), ("compared", "Comparison", compared)]
+    text = layout.compose_page(
+        [*sections, ("maps", "Maps at the fastest trigger", maps)],
         name=f"{len(paths)} runs",
         subject="oil-film thickness",
         subtitle=f"Oil-film thickness from two-camera fluorescence, erlif {__version__}; "
         "± is one standard deviation, random and shared",
     )
-    return save_page(text, out_path)
+    return layout.save_page(text, out_path)
 
 
 def _describe_run(film: xr.Dataset) -> tuple[list[str], dict[str, Any]]:
@@ -157,23 +141,18 @@ def _describe_run(film: xr.Dataset) -> tuple[list[str], dict[str, Any]]:
         pair = float(film[name][trigger]), float(film[f"{name}_std"][trigger])
         values |= {f"{name} [um]": pair[0], f"{name}_std [um]": pair[1]}
         shown.append(with_error(*pair))
-    power, std = (
-        float(film[name]) if name in film else math.nan
-        for name in ("speed_exponent", "speed_exponent_std")
-    )
-    values |= {"speed_exponent [1]": power, "speed_exponent_std [1]": std}
+    names = ("speed_exponent", "speed_exponent_std")
+    power, std = (float(film[name]) if name in film else math.nan for name in names)
+    values |= {f"{name} [1]": value for name, value in zip(names, (power, std), strict=True)}
 
     valid, triggers = float(flag_shares(film)[:, 0].mean()), film.sizes["trigger"]
     notes = set(split_notes(str(film.attrs.get("notes", ""))))
     warnings = sum(level is Level.WARNING for level, _ in notes)
     values |= {"valid share [1]": valid, "triggers": triggers, "warnings": warnings}
     unbroken = Markup('<span style="white-space:nowrap">{}</span>').format(oil)
-    cells = [
-        *(settings.name, with_span(load), unbroken, with_span(speed)),
-        *(*shown, with_error(power, std)),
-        *(f"{100 * valid:.1f} %", f"{triggers}", f"{warnings}"),
-    ]
-    return cells, values
+    motion = with_span(load), unbroken, with_span(speed)
+    counts = f"{100 * valid:.1f} %", f"{triggers}", f"{warnings}"
+    return [settings.name, *motion, *shown, with_error(power, std), *counts], values
 
 
 def _compare_runs(paths: list[Path]) -> Markup:
@@ -189,7 +168,9 @@ def _compare_runs(paths: list[Path]) -> Markup:
         return Markup("<p>The runs are not compared: {}</p>").format(error)
     with in_style(None):
         figure = comparison_figure(found)
-        return arrange_figures([embed_figure("compared", figure, CAPTIONS["compared"])])
+        return layout.arrange_figures(
+            [layout.embed_figure("compared", figure, CAPTIONS["compared"])]
+        )
 
 
 def _map_section(
@@ -200,7 +181,7 @@ def _map_section(
     progress: Progress,
 ) -> Markup:
     """Maps of the runs on one colour scale, as many as there is room for."""
-    parts: list[PageFigure] = []
+    parts: list[layout.PageFigure] = []
     for done, path in enumerate(paths):
         with reading_film(path), open_film(path) as film:
             part = _draw_map(film, labels[done], done, limits)
@@ -213,17 +194,19 @@ def _map_section(
                 "makes a page of one run.</p>"
             )
             progress("maps", len(paths), len(paths))
-            return note + arrange_figures(parts)
+            return note + layout.arrange_figures(parts)
         parts.append(part)
         progress("maps", done + 1, len(paths))
-    return arrange_figures(parts)
+    return layout.arrange_figures(parts)
 
 
-def _draw_map(film: xr.Dataset, label: str, number: int, limits: tuple[float, float]) -> PageFigure:
+def _draw_map(
+    film: xr.Dataset, label: str, number: int, limits: tuple[float, float]
+) -> layout.PageFigure:
     """The map of a run at its fastest trigger."""
     trigger = fastest_trigger(film)
     text = f"{describe_trigger(film, trigger).capitalize()}."
     with in_style(None):
         image = thickness_map(film, trigger=trigger, limits=limits)
         caption = Caption(label, text, "png", 110)
-        return embed_figure(f"run-{number + 1}", image.axes.figure, caption)
+        return layout.embed_figure(f"run-{number + 1}", image.axes.figure, caption)

@@ -11,7 +11,7 @@ from erlif.core.flags import Flag, describe_share
 from erlif.core.notes import rank_notes
 from erlif.core.units import count_of
 from erlif.io.files import flag_shares, takes
-from erlif.show.report.layout import print_rows
+from erlif.show.report.layout import TABLES, print_rows
 from erlif.show.report.prediction import describe_correlations, describe_difference
 
 _CALIBRATION_TITLE = 34  # columns of the titles of a calibration
@@ -31,7 +31,7 @@ def summarise(film: xr.Dataset) -> str:
     Returns
     -------
     str
-        Several lines.
+        The size of the film, then one title a line with its text; long texts take several lines.
 
     Examples
     --------
@@ -54,25 +54,10 @@ def summarise(film: xr.Dataset) -> str:
 
 
 def describe_film(film: xr.Dataset, shares: Array) -> dict[str, str]:
-    """Describe a film row by row, for the terminal and for the report.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-    shares : array, (trigger, 1 + flag)
-        As `erlif.io.files.flag_shares` returns them. [1]
-
-    Returns
-    -------
-    dict of str to str
-        Text by title, as far as the film has it; further lines of a text behind line ends.
-    """
+    """Describe a film row by row, for the terminal and for the report."""
     valid, *flagged = shares.mean(axis=0)
-    occurring = [
-        f"{str(flag.name).lower()} {describe_share(float(share), '%')}"
-        for flag, share in zip(Flag, flagged, strict=True)
-        if share
-    ]
+    shown = ((flag, float(share)) for flag, share in zip(Flag, flagged, strict=True) if share)
+    occurring = [f"{str(flag.name).lower()} {describe_share(share, '%')}" for flag, share in shown]
     # the order is that of reading: films, what limits them, what they follow, and remarks
     rows = {
         "minimum film thickness": _describe_statistic(film, "film_min"),
@@ -129,16 +114,13 @@ def _describe_pin(film: xr.Dataset) -> str:
     if "pin_displacement" not in film or not np.isfinite(film.pin_displacement.values).any():
         return ""
     std = np.sqrt(np.diagonal(film.pin_position_cov.values, axis1=1, axis2=2))
-    texts = [
+    ways = zip(
+        film.pin_displacement.values.T, std[:, :2].T, ("towards the load", "sideways"), strict=True
+    )
+    return ", ".join(
         f"{np.nanmin(place):.2f} to {np.nanmax(place):.2f} ± {np.nanmax(error):.2f} um {where}"
-        for place, error, where in zip(
-            film.pin_displacement.values.T,
-            std[:, :2].T,
-            ("towards the load", "sideways"),
-            strict=True,
-        )
-    ]
-    return ", ".join(texts)
+        for place, error, where in ways
+    )
 
 
 def _describe_statistic(film: xr.Dataset, variable: str) -> str:
@@ -213,7 +195,7 @@ def describe_calibration(calibration: Calibration) -> str:
     Returns
     -------
     str
-        Several lines.
+        Fixture and points; parameters, range and errors; the notes, each on its line.
 
     Examples
     --------
@@ -224,11 +206,7 @@ def describe_calibration(calibration: Calibration) -> str:
       p, attenuation camera 1 [1/um]    0.39000 ± 0.00200
     """
     points = calibration.curve.sizes["bin"]
-    names = (
-        "K, ratio of a vanishing film",
-        "p, attenuation camera 1 [1/um]",
-        "q, attenuation camera 2 [1/um]",
-    )
+    names = TABLES["summary"]["calibration"]
     stds = calibration.standard_deviations
     rows = {
         name: f"{value:.5f} ± {std:.5f}"

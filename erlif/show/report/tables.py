@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -14,22 +14,10 @@ from erlif.core.flags import Flag, describe_share
 from erlif.io.conversion import table_csv, trigger_columns
 from erlif.io.files import motion_of, settings_of
 from erlif.show.plots.files import FigureSource
-from erlif.show.plots.maps import flag_swatch, flag_title
-from erlif.show.report.layout import Table, download_link, file_name, print_units, render
+from erlif.show.plots.maps import flag_swatch
+from erlif.show.report.layout import TABLES, Table, download_link, file_name, print_units, render
 from erlif.show.report.prediction import carrying_sentences
 from erlif.show.report.summary import describe_film
-
-_REASONS = {
-    Flag.SATURATED: "a camera read full scale",
-    Flag.DIM: "too little light above the dark level for a ratio",
-    Flag.BAD_PIXEL: "hot, dead or noisy pixel of a camera",
-    Flag.OUTSIDE_OVERLAP: "seen by one camera only",
-    Flag.BELOW_RANGE: "film too thin for the calibration, or for a single pixel in this light",
-    Flag.ABOVE_RANGE: "film too thick for the calibration, or for a single pixel in this light",
-    Flag.POOR_REGISTRATION: "registration of the cameras not accurate enough",
-    Flag.NO_FILM: "bubble or bare wall: both bands are without fluorescence",
-}
-"""Meaning of each flag for the reader of the report."""
 
 _UNKNOWN = "not known"
 
@@ -59,17 +47,6 @@ def with_digits(value: float, digits: int) -> str:
     return f"{value:.{digits}f}".replace("-", "−") if math.isfinite(value) else _UNKNOWN
 
 
-_SUMMARISED = (
-    "minimum film thickness",
-    "mean film thickness",
-    "displacement of the pin",
-    "valid pixels",
-    "power of speed over load",
-    "correlation with |speed|",
-)
-"""Rows of the summary of a film that stand among the results; the report has tables of the rest."""
-
-
 def results_table(film: xr.Dataset, shares: Array) -> Table:
     """Make the table of the results; `shares` as `erlif.io.files.flag_shares` returns them."""
     # the same words as on the terminal, with the signs of print
@@ -79,7 +56,7 @@ def results_table(film: xr.Dataset, shares: Array) -> Table:
         ("Image", f"{film.sizes['x']} × {film.sizes['y']} pixels"),
         *(
             (title.capitalize(), print_units(found[title].replace(" -", " −")))
-            for title in _SUMMARISED
+            for title in TABLES["summary"]["results"]
             if title in found
         ),
         *_theory_rows(film),
@@ -130,16 +107,17 @@ def _theory_rows(film: xr.Dataset) -> list[tuple[str, str]]:
 def calibration_table(source: FigureSource) -> Table:
     """Make the table of the calibration."""
     calibration = source.calibration
-    values, stds = calibration.parameters.tolist(), calibration.standard_deviations.tolist()
+    found = zip(calibration.parameters, calibration.standard_deviations, strict=True)
+    k, p, q = ((float(value), float(std)) for value, std in found)
     low, high = calibration.thickness_range
     one, two = calibration.bands
     date = f", {calibration.date}" if calibration.date else ""
     rows = [
         ("Fixture", calibration.fixture + date),
         ("Ratio", f"{two:g} nm over {one:g} nm (camera 2 over camera 1)"),
-        ("Ratio of a vanishing film, K", with_error(values[0], stds[0])),
-        ("Attenuation of camera 1, p", with_error(values[1], stds[1], "µm⁻¹")),
-        ("Attenuation of camera 2, q", with_error(values[2], stds[2], "µm⁻¹")),
+        ("Ratio of a vanishing film, K", with_error(*k)),
+        ("Attenuation of camera 1, p", with_error(*p, "µm⁻¹")),
+        ("Attenuation of camera 2, q", with_error(*q, "µm⁻¹")),
         ("Calibrated range", f"{low:.2f} to {high:.2f} µm"),
     ]
     if math.isfinite(calibration.reduced_chi_square):
@@ -174,80 +152,39 @@ def registration_table(registration: xr.Dataset, frames: xr.Dataset) -> Table:
 def flag_table(shares: Array) -> Table:
     """Make the table of the flags that occur; `shares` in the order of `Flag`."""
     swatch = Markup('<span class="swatch" style="background:{}"></span>{}')
-    rows = [
-        (
-            swatch.format(flag_swatch(flag), flag_title(flag)),
-            _REASONS[flag],
-            describe_share(float(share)),
-        )
-        for flag, share in zip(Flag, shares, strict=True)
-        if share > 0
-    ]
+    rows = []
+    for flag, share in zip(Flag, shares, strict=True):
+        if share > 0:
+            name = swatch.format(flag_swatch(flag), flag.title)
+            rows.append((name, TABLES["flags"][flag.name], describe_share(float(share))))
     caption = "Flagged pixels (one pixel may have several flags)"
     return Table(rows, ("Flag", "Reason", "Share"), caption, numbers=[2])
 
 
-_Cells = Callable[[xr.Dataset, str], list[str]]
+def _write_cells(film: xr.Dataset, name: str, column: dict[str, Any]) -> list[str]:
+    """Cells of a variable of the triggers, in the form of its column."""
+    values = film[name].values.tolist()
+    match column.get("form"):
+        case "stroke":
+            return ["outward" if sign > 0 else "return" for sign in values]
+        case "error":
+            return list(map(with_error, values, film[f"{name}_std"].values.tolist()))
+        case "place":
+            places = zip(values, film.film_min_y.values, strict=True)
+            return [f"{x:.0f}, {y:.0f}" if math.isfinite(x) else "–" for x, y in places]
+        case "significant":
+            return [with_digits(value, _decimals(value)) for value in values]
+    return [with_digits(column.get("scale", 1.0) * value, column["digits"]) for value in values]
 
 
-def _fixed(digits: int, scale: float = 1.0) -> _Cells:
-    """Cells of a fixed number of digits."""
-    return lambda film, name: [
-        with_digits(scale * value, digits) for value in film[name].values.tolist()
-    ]
+def _decimals(value: float) -> int:
+    """Digits behind the point of three significant ones, without an exponent."""
+    size = abs(value)
+    before = math.floor(math.log10(size)) if math.isfinite(size) and size > 0 else 0
+    return max(2 - before, 0)
 
-
-def _significant(film: xr.Dataset, name: str) -> list[str]:
-    """Cells of three significant digits, without an exponent."""
-    cells = []
-    for value in film[name].values.tolist():
-        size = abs(value)
-        before = math.floor(math.log10(size)) if math.isfinite(size) and size > 0 else 0
-        cells.append(with_digits(value, max(2 - before, 0)))
-    return cells
-
-
-def _film_cells(film: xr.Dataset, name: str) -> list[str]:
-    """Cells of a film statistic with its standard deviation."""
-    pairs = zip(film[name].values, film[f"{name}_std"].values, strict=True)
-    return [with_error(value, std) for value, std in pairs]
-
-
-def _places(film: xr.Dataset, name: str) -> list[str]:
-    """Cells of the place of the minimum film thickness."""
-    places = zip(film[name].values, film.film_min_y.values, strict=True)
-    return [f"{x:.0f}, {y:.0f}" if math.isfinite(x) else "–" for x, y in places]
-
-
-def _strokes(film: xr.Dataset, name: str) -> list[str]:
-    """Cells of the stroke."""
-    return ["outward" if sign > 0 else "return" for sign in film[name].values]
-
-
-_COLUMNS: dict[str, tuple[str, _Cells]] = {
-    "Stroke": ("stroke", _strokes),
-    "Time [s]": ("time", _fixed(3)),
-    "Encoder [°]": ("encoder_angle", _fixed(2)),
-    "Crank [°]": ("crank_angle", _fixed(2)),
-    "Position [mm]": ("position", _fixed(3)),
-    "Speed [rad/s]": ("rocker_speed", _fixed(3)),
-    "Sliding [mm/s]": ("sliding_speed", _fixed(1, 1e3)),
-    "Load [N]": ("load", _fixed(1)),
-    "Oil [°C]": ("temperature", _fixed(2)),
-    "Frame pairs": ("frames_used", _fixed(0)),
-    "Mean film thickness [µm]": ("film_mean", _film_cells),
-    "Minimum film thickness [µm]": ("film_min", _film_cells),
-    "at column, row [px]": ("film_min_x", _places),
-    "Theory [µm]": ("film_theory", _significant),
-    "2.65 formula [µm]": ("film_hamrock_dowson", _significant),
-    "Λ": ("film_parameter", _fixed(1)),
-}
-"""Columns of the table of the triggers, each where the film has its variable."""
 
 _ROWS = 500  # triggers of the table at most
-
-_ANGLES = {"rotation": "Disc [°]", "sinusoidal": "Drive [°]"}
-"""Title of the column of the crank angle by the kind of motion."""
 
 
 def trigger_section(film: xr.Dataset, valid: Array, *, most: float = float("inf")) -> Markup:
@@ -271,10 +208,10 @@ def trigger_section(film: xr.Dataset, valid: Array, *, most: float = float("inf"
     chosen = film.drop_dims(["y", "x"], errors="ignore").isel(trigger=slice(None, None, every))
 
     columns = {"Trigger": [f"{k}" for k in range(0, count, every)]}
-    for title, (name, write) in _COLUMNS.items():
+    for name, column in TABLES["triggers"].items():
         if name in film:
-            title = _ANGLES.get(motion_of(film), title) if name == "crank_angle" else title
-            columns[title] = write(chosen, name)
+            title = column.get(motion_of(film), column["title"])  # that of an angle by its motion
+            columns[title] = _write_cells(chosen, name, column)
     columns["Valid pixels"] = [f"{100 * share:.1f} %" for share in valid[::every]]
     numbers = [n for n, title in enumerate(columns) if title != "Stroke"]
 

@@ -61,10 +61,6 @@ def choose_maps(
     triggers : sequence of int
         The triggers to choose from, rising.
 
-    Returns
-    -------
-    KeptMaps
-
     Examples
     --------
     >>> from erlif.show.plots import example_film
@@ -96,20 +92,6 @@ def choose_maps(
 
 def spread_evenly(triggers: Sequence[int], count: int, kept: int) -> tuple[int, ...]:
     """Choose triggers evenly, `kept` among them.
-
-    Parameters
-    ----------
-    triggers : sequence of int
-        Rising.
-    count : int
-        How many, at most.
-    kept : int
-        One that is chosen in any case.
-
-    Returns
-    -------
-    tuple of int
-        Rising.
 
     Examples
     --------

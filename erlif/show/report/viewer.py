@@ -11,11 +11,12 @@ import xarray as xr
 from markupsafe import Markup
 
 from erlif.core.arrays import Array
+from erlif.core.flags import Flag
 from erlif.io.files import describe_trigger, region_of
-from erlif.show.plots.maps import axis_labels, common_limits, flag_swatch, flag_title
+from erlif.show.plots.maps import axis_labels, common_limits, flag_swatch
 from erlif.show.plots.prediction import has_prediction, predicted_map
 from erlif.show.plots.style import FLAG_COLOURS
-from erlif.show.report.layout import render
+from erlif.show.report.layout import TABLES, render
 from erlif.show.report.maps import MapCoding, describe_coding
 from erlif.show.view.layers import palette
 
@@ -24,13 +25,7 @@ _WITHIN = 98.0  # percent of the pixels of a sample whose values have colours of
 _LEAST_REACH = 1e-3  # um, of a colour scale
 _OF_PREDICTION = ("predicted", "difference")
 
-LAYERS = {
-    "thickness": "film thickness",
-    "std": "standard deviation, random",
-    "std_shared": "standard deviation, shared",
-    "predicted": "predicted film",
-    "difference": "measured − predicted",
-}
+LAYERS: dict[str, str] = TABLES["layers"]
 """Maps of the viewer by the names of viewer.js, with their titles."""
 
 
@@ -55,18 +50,11 @@ def viewer_section(
         The one that is shown first.
     limit : float, optional
         Largest size of the page, as it is stated where something was thinned. [MB]
-
-    Returns
-    -------
-    Markup
     """
     count = film.sizes["trigger"]
     kept = range(count) if triggers is None else triggers
-    layers = {
-        name: title
-        for name, title in LAYERS.items()
-        if name not in _OF_PREDICTION or has_prediction(film)
-    }
+    hidden = () if has_prediction(film) else _OF_PREDICTION
+    layers = {name: title for name, title in LAYERS.items() if name not in hidden}
 
     # what the page does not hold
     held = [f"the maps of {len(kept)} of {count} triggers"] if len(kept) < count else []
@@ -81,7 +69,7 @@ def viewer_section(
         last=len(kept) - 1,
         opening=list(kept).index(opening),
         layers=layers,
-        flags=[(flag_swatch(flag), flag_title(flag)) for flag in FLAG_COLOURS],
+        flags=[(flag_swatch(flag), flag.title) for flag in FLAG_COLOURS],
     )
 
 
@@ -109,14 +97,7 @@ def viewer_data(
         "limits": _layer_limits(film, kept),
         "layers": LAYERS,
         "palettes": {"even": palette("batlow"), "signed": palette("vik")},
-        "flags": [
-            {
-                "bit": int(flag),
-                "name": flag_title(flag),
-                "rgb": [int(flag_swatch(flag)[n : n + 2], 16) for n in (1, 3, 5)],
-            }
-            for flag in FLAG_COLOURS
-        ],
+        "flags": [_describe_flag(flag) for flag in FLAG_COLOURS],
         "numbers": list(kept),
         "triggers": [describe_trigger(numbers, k).capitalize() for k in kept],
     }
@@ -124,6 +105,12 @@ def viewer_data(
     # "</script>" in a name must not end the element
     text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))
     return text.replace("<", "\\u003c")
+
+
+def _describe_flag(flag: Flag) -> dict[str, Any]:
+    """Bit, name and colour of a flag."""
+    rgb = [int(flag_swatch(flag)[n : n + 2], 16) for n in (1, 3, 5)]
+    return {"bit": int(flag), "name": flag.title, "rgb": rgb}
 
 
 def _layer_limits(film: xr.Dataset, kept: Sequence[int]) -> dict[str, list[float]]:

@@ -6,22 +6,11 @@ import hmac
 import secrets
 from dataclasses import dataclass, field
 
-_NAMES = ("127.0.0.1", "localhost")
-"""Names of this machine under which the viewer is reached."""
+from erlif.core.tables import read_table
 
-HEADERS = {
-    # nothing is loaded from another place, and no other page shows this one in a frame
-    "Content-Security-Policy": (
-        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
-        "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
-    ),
-    "Referrer-Policy": "same-origin",  # the token stands in the address
-    "X-Content-Type-Options": "nosniff",
-    "Cross-Origin-Resource-Policy": "same-origin",
-    "Cross-Origin-Opener-Policy": "same-origin",
-    "Cache-Control": "no-store",
-    "Server": "erlif",
-}
+_NAMES = ("127.0.0.1", "localhost")  # of this machine, under which the viewer is reached
+
+HEADERS: dict[str, str] = read_table("erlif.show.view", "page.toml")["headers"]
 """Headers of everything that is sent."""
 
 
@@ -32,9 +21,9 @@ class AccessRule:
     Attributes
     ----------
     port : int
-        Port of the viewer.
+        Port at which the viewer listens.
     token : str
-        First part of every path.
+        Secret that every path of the page begins with.
 
     Examples
     --------

@@ -8,32 +8,10 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
+from erlif.core.tables import read_table
 
-_AXES = {
-    "encoder_angle": "encoder angle [°]",
-    "crank_angle": "crank angle [°]",
-    "time": "time [s]",
-    "position": "position [mm]",
-    "rocker_speed": "rocker speed [rad/s]",
-    "sliding_speed": "sliding speed [m/s]",
-    "load": "load [N]",
-    "temperature": "temperature [°C]",
-    "trigger": "trigger",
-}
-"""Quantities that the film is drawn against, in the order of the page."""
-
-_FILMS = {
-    "film_mean": "mean",
-    "film_min": "minimum",
-    "film_theory": "theory, minimum",
-    "film_hamrock_dowson": "Hamrock-Dowson, minimum",
-    "film_predicted_min": "transient theory, minimum",
-    "film_predicted_mean": "transient theory, mean",
-}
-"""Film thicknesses of a trigger. [um]"""
-
-_DIGITS = 6
-"""Significant digits of the numbers that are sent."""
+_TABLES = read_table("erlif.show.view", "page.toml")
+_DIGITS = 6  # significant ones of the numbers that are sent
 
 
 def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
@@ -57,8 +35,10 @@ def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
     >>> list(cycle["axes"])[:3], cycle["columns"]["trigger"]
     (['encoder_angle', 'crank_angle', 'rocker_speed'], [0, 1, 2, 3, 4, 5])
     """
-    axes = {name: title for name, title in _AXES.items() if name in film}
-    films = {name: title for name, title in _FILMS.items() if name in film}
+    axes, films = (
+        {name: title for name, title in table.items() if name in film}
+        for table in (_TABLES["axes"], _TABLES["films"])
+    )
     stds = [f"{name}_std" for name in films if f"{name}_std" in film]
     # numbers of triggers count from 0, whatever the film was cut from
     count = film.sizes["trigger"]
@@ -70,7 +50,7 @@ def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
         film.film_theory.values, film.film_predicted_min.values, equal_nan=True
     ):
         del films["film_theory"]
-    axes.setdefault("trigger", _AXES["trigger"])
+    axes.setdefault("trigger", _TABLES["axes"]["trigger"])
     stroke = np.sign(film.stroke.values) if "stroke" in film else np.zeros(count)
     return {
         "axes": axes,

@@ -29,12 +29,10 @@ from erlif.show.view.layers import LAYERS
 KEPT = 96 * 2**20
 """Size of the maps that stay in memory. [byte]"""
 
-_IMAGES = ("log_ratio", "camera1", "camera2")
-"""Layers that `erlif.pipeline.restore_images` computes."""
+_IMAGES = ("log_ratio", "camera1", "camera2")  # layers of `erlif.pipeline.restore_images`
 
-
+# variables that `erlif.io.files.describe_trigger` uses
 _DESCRIBING = ("encoder_angle", "time", "stroke", "rocker_speed", "sliding_speed")
-"""Variables that `erlif.io.files.describe_trigger` uses."""
 
 
 class FilmReader:
@@ -167,10 +165,9 @@ class FilmReader:
                 from erlif.pipeline import restore_images
 
                 images = restore_images(self.path, self.run_dir, trigger=trigger)
-                light = images.light.values.astype(np.float32)
-                self._keep(("log_ratio", trigger), images.log_ratio.values.astype(np.float32))
-                self._keep(("camera1", trigger), light[0])
-                self._keep(("camera2", trigger), light[1])
+                computed = images.log_ratio.values, *images.light.values
+                for name, values in zip(_IMAGES, computed, strict=True):
+                    self._keep((name, trigger), values.astype(np.float32))
                 found = self._find((layer, trigger))
         flags = self._read(("flags", trigger))
         if layer != "log_ratio":
@@ -251,9 +248,8 @@ def open_films(paths: Sequence[Path], run_dirs: Sequence[Path] = ()) -> list[Fil
         for reader in readers:
             reader.close()
         raise
-    for reader, label in zip(
-        readers, label_films([one.name for one in readers], paths), strict=True
-    ):
+    labels = label_films([one.name for one in readers], paths)
+    for reader, label in zip(readers, labels, strict=True):
         reader.name = label
     return readers
 

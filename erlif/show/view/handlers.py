@@ -13,21 +13,13 @@ import tornado.web
 from tornado.httputil import HTTPServerRequest
 
 from erlif.core.errors import ErlifError
+from erlif.core.tables import read_table
 from erlif.show.view import queries
 from erlif.show.view.access import HEADERS, AccessRule
 from erlif.show.view.films import FilmReader
 
-PAGE = {
-    "": ("index.html", "text/html; charset=utf-8"),
-    "view.css": ("view.css", "text/css; charset=utf-8"),
-    "view.js": ("view.js", "text/javascript; charset=utf-8"),
-    "draw.js": ("draw.js", "text/javascript; charset=utf-8"),
-    "map.js": ("map.js", "text/javascript; charset=utf-8"),
-    "charts.js": ("charts.js", "text/javascript; charset=utf-8"),
-    "uPlot.css": ("uPlot.min.css", "text/css; charset=utf-8"),
-    "uPlot.js": ("uPlot.iife.min.js", "text/javascript; charset=utf-8"),
-}
-"""Files of the page by their names in its address."""
+PAGE: dict[str, list[str]] = read_table("erlif.show.view", "page.toml")["files"]
+"""Files of the page by their names in its address, with their kinds."""
 
 Found = Mapping[str, Any] | bytes | queries.Export
 
@@ -63,6 +55,15 @@ class _Guarded(tornado.web.RequestHandler):
             self.set_status(403)
             self.finish(f"Refused: {refusal}. Open the address that erlif view has printed.")
 
+    def send(self, content: str | bytes, kind: str) -> None:
+        """Send text or bytes of a kind."""
+        self.set_header("Content-Type", kind)
+        self.finish(content)
+
+    async def run(self, function: Callable[..., Any], *values: Any) -> Any:
+        """Call a function in a thread of the executor."""
+        return await asyncio.get_running_loop().run_in_executor(self.executor, function, *values)
+
     def write_error(self, status_code: int, **details: Any) -> None:
         """An expected failure as a sentence; others without details of this machine."""
         error = (details.get("exc_info") or (None, None))[1]
@@ -81,8 +82,8 @@ class _PageFile(_Guarded):
         if name not in PAGE:
             raise tornado.web.HTTPError(404)
         file, kind = PAGE[name]
-        self.set_header("Content-Type", kind)
-        self.finish(files("erlif.show.view").joinpath("page", file).read_bytes())
+        content = files("erlif.show.view").joinpath("page", file).read_bytes()
+        self.send(content, f"text/{kind}; charset=utf-8")
 
 
 class _Reading(_Guarded):
@@ -92,29 +93,21 @@ class _Reading(_Guarded):
         values = {key: self.get_query_argument(key) for key in self.request.query_arguments}
         request = queries.Request(self.films, values)
         # reading maps would block the other requests of the page
-        found = await asyncio.get_running_loop().run_in_executor(
-            self.executor, READING[name], request
-        )
+        found = await self.run(READING[name], request)
         if isinstance(found, queries.Export):
-            self.set_header("Content-Type", "application/octet-stream")
             self.set_header("Content-Disposition", f'attachment; filename="{found.name}"')
-            self.finish(found.content)
-        elif isinstance(found, bytes):
-            self.set_header("Content-Type", "application/octet-stream")
-            self.finish(found)
+            found = found.content
+        if isinstance(found, bytes):
+            self.send(found, "application/octet-stream")
         else:
-            self.set_header("Content-Type", "application/json")
-            self.finish(json.dumps(found, separators=(",", ":")))
+            self.send(json.dumps(found, separators=(",", ":")), "application/json")
 
 
 class _Settings(_Guarded):
     """The region of interest in run.toml: shown first, and written when it is confirmed."""
 
     async def post(self) -> None:
-        found = await asyncio.get_running_loop().run_in_executor(
-            self.executor, queries.change_region, self.films, self.request.body
-        )
-        self.finish(found)
+        self.finish(await self.run(queries.change_region, self.films, self.request.body))
 
 
 class _Missing(_Guarded):
@@ -123,8 +116,7 @@ class _Missing(_Guarded):
     def get(self) -> None:
         raise tornado.web.HTTPError(404)
 
-    def post(self) -> None:
-        raise tornado.web.HTTPError(404)
+    post = get
 
 
 def make_application(

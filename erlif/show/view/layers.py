@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import cmap
 import numpy as np
 
-_COLOURS = 256
-"""Colours of a palette."""
+from erlif.core.tables import read_table
+
+_COLOURS = 256  # of a palette
 
 
 @dataclass(frozen=True)
@@ -36,40 +37,17 @@ class Layer:
     stored: bool = True
 
 
-LAYERS = {
-    layer.name: layer
-    for layer in (
-        Layer("thickness", "film thickness", "µm", "batlow"),
-        Layer("thickness_std", "standard deviation, random", "µm", "lapaz"),
-        Layer("thickness_std_shared", "standard deviation, shared", "µm", "lapaz"),
-        Layer("log_ratio", "logarithm of the ratio", "1", "batlow", stored=False),
-        Layer("camera1", "light of camera 1", "DN", "gray", stored=False),
-        Layer("camera2", "light of camera 2", "DN", "gray", stored=False),
-    )
-}
+_TABLES = read_table("erlif.show.view", "page.toml")
+
+LAYERS = {name: Layer(name, **row) for name, row in _TABLES["layers"].items()}
 """Layers by their names, in the order of the page."""
 
-DIFFERENCE = Layer("difference", "difference, second − first", "µm", "vik")
-"""Second map of film thickness less the first."""
-
-SIGNIFICANCE = Layer(
-    "significance", "second − first over its random standard deviation", "1", "vik"
-)
-"""The same in standard deviations of single pixels."""
+DIFFERENCE, SIGNIFICANCE = (Layer(name, **row) for name, row in _TABLES["differences"].items())
+"""Second map of film thickness less the first, in um and in standard deviations of a pixel."""
 
 
 def palette(name: str) -> str:
     """Colours of a colour map in six hexadecimal digits each.
-
-    Parameters
-    ----------
-    name : str
-        A colour map that the package cmap knows.
-
-    Returns
-    -------
-    str
-        256 colours from the lowest value to the highest.
 
     Examples
     --------

@@ -9,8 +9,7 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, FlagImage, Image
 
-_SLACK = 0.2
-"""Pixels of the map by which a point may be larger than a pixel of the screen."""
+_SLACK = 0.2  # pixels of the map by which a point may be larger than a pixel of the screen
 
 
 @dataclass(frozen=True)
@@ -20,13 +19,13 @@ class Window:
     Attributes
     ----------
     left : int
-        First column.
+        Number of the first column, from 0.
     top : int
-        First row.
+        That of the first row.
     right : int
-        Column behind the last.
+        Column behind the last one of the window.
     bottom : int
-        Row behind the last.
+        The same for rows.
     """
 
     left: int

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from erlif.core.arrays import Array, FlagImage, Image
 from erlif.core.errors import ErlifError
 
-_LONGEST = 100_000
-"""Points of a profile. [px]"""
-
-_WIDEST = 500
-"""Width of a line. [px]"""
+_LONGEST, _WIDEST = 100_000, 500  # pixels along a profile, and across its line
 
 Line = tuple[float, float, float, float]
 """x and y of the first and the last point. [mm]"""
@@ -73,16 +71,13 @@ def line_profile(
             f"{line} mm and {width} px. Draw a shorter one."
         )
 
+    # the nearest pixels, each with its own value; NaN beyond the map
+    options: dict[str, Any] = {"order": 0, "mode": "constant", "cval": np.nan}
+    options |= {"linewidth": width, "reduce_func": None}
+
     def along(image: Image) -> Array:
         found = profile_line(  # type: ignore[no-untyped-call]
-            np.asarray(image, float),
-            start,
-            end,
-            linewidth=width,
-            order=0,
-            mode="constant",
-            cval=np.nan,
-            reduce_func=None,
+            np.asarray(image, float), start, end, **options
         )
         return np.asarray(found).reshape(found.shape[0], -1)
 
@@ -143,10 +138,7 @@ def select_region(x: Array, y: Array, region: Rectangle) -> tuple[slice, slice]:
 
 
 def region_statistics(
-    values: Image,
-    flags: FlagImage,
-    std: Image,
-    std_shared: Image,
+    values: Image, flags: FlagImage, std: Image, std_shared: Image
 ) -> dict[str, float]:
     """Compute count, mean, range and standard deviations of the pixels of a region.
 

@@ -29,14 +29,9 @@ from erlif.show.view.measures import (
 )
 from erlif.show.view.run_settings import propose_region, write_region
 
-_WITHIN = (0.5, 99.5)
-"""Percentiles of the valid pixels at the ends of a colour scale."""
-
-_LEAST_REACH = 1e-3
-"""Half of the colour scale of a difference, at least: equal maps have one colour. [um]"""
-
-_EVERY = 7
-"""A colour scale needs no more than every seventh pixel."""
+_WITHIN = (0.5, 99.5)  # percentiles of the valid pixels at the ends of a colour scale
+_LEAST_REACH = 1e-3  # um, half of the colour scale of equal maps
+_EVERY = 7  # a colour scale needs no more than every seventh pixel
 
 T = TypeVar("T")
 
@@ -106,16 +101,6 @@ def _split(text: str, count: int) -> list[float]:
 def list_films(request: Request) -> dict[str, Any]:
     """Describe the films, the layers and the flags.
 
-    Parameters
-    ----------
-    request : Request
-        Needs no values.
-
-    Returns
-    -------
-    dict
-        What the page needs before its first map.
-
     Examples
     --------
     >>> list(list_films(Request([], {})))
@@ -126,7 +111,7 @@ def list_films(request: Request) -> dict[str, Any]:
         "films": [_describe_film(reader) for reader in request.films],
         "layers": [vars(layer) for layer in layers],
         "flags": [
-            {"bit": int(flag), "name": _flag_name(flag), "colour": colour}
+            {"bit": int(flag), "name": flag.title, "colour": colour}
             for flag, colour in FLAG_COLOURS.items()
         ],
         "palettes": {layer.palette: palette(layer.palette) for layer in layers},
@@ -280,14 +265,8 @@ def join_parts(about: Mapping[str, Any], values: Image, flags: FlagImage) -> byt
     """
     text = json.dumps(about, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
-    return b"".join(
-        (
-            struct.pack("<I", len(text)),
-            text,
-            np.ascontiguousarray(values, "<f4").tobytes(),
-            np.ascontiguousarray(flags, np.uint8).tobytes(),
-        )
-    )
+    parts = np.ascontiguousarray(values, "<f4"), np.ascontiguousarray(flags, np.uint8)
+    return b"".join([struct.pack("<I", len(text)), text, *(part.tobytes() for part in parts)])
 
 
 def colour_limits(
@@ -362,14 +341,10 @@ def send_profile(request: Request) -> dict[str, Any]:
 def _find_profile(request: Request) -> dict[str, Array]:
     chosen = _read_chosen(request)
     x0, y0, x1, y1 = request.numbers("line", 4)
-    return line_profile(
-        np.where(chosen.flags == 0, chosen.values, np.nan),
-        chosen.std(request),
-        (x0, y0, x1, y1),
-        x=chosen.reader.axis("x"),
-        y=chosen.reader.axis("y"),
-        width=request.whole("width"),
-    )
+    values = np.where(chosen.flags == 0, chosen.values, np.nan)
+    axes = {name: chosen.reader.axis(name) for name in ("x", "y")}
+    width = request.whole("width")
+    return line_profile(values, chosen.std(request), (x0, y0, x1, y1), width=width, **axes)
 
 
 def send_region(request: Request) -> dict[str, Any]:
@@ -424,7 +399,7 @@ def send_pixel(request: Request) -> dict[str, str]:
     place = f"x = {x:.3f} mm, y = {y:.3f} mm (column {column}, row {row})"
     flags = int(chosen.flags[row, column])
     if flags:
-        names = ", ".join(_flag_name(flag) for flag in FLAG_COLOURS if flags & flag)
+        names = ", ".join(flag.title for flag in FLAG_COLOURS if flags & flag)
         return {"text": f"{place}: flagged, {names}"}
     unit = "" if chosen.layer.unit == "1" else f" {chosen.layer.unit}"
     text = f"{place}: {chosen.values[row, column]:.4g}{unit}"
@@ -436,10 +411,6 @@ def send_pixel(request: Request) -> dict[str, str]:
     return {"text": text}
 
 
-def _flag_name(flag: Flag) -> str:
-    return str(flag.name).lower().replace("_", " ")
-
-
 @dataclass(frozen=True)
 class Export:
     """A file for the user.
@@ -447,9 +418,9 @@ class Export:
     Attributes
     ----------
     name : str
-        Name of the file.
+        What it is saved as.
     content : bytes
-        Its content.
+        All of it.
     """
 
     name: str
@@ -475,69 +446,64 @@ def export(request: Request) -> Export:
     ErlifError
         If there is no such export.
     """
-    # what has no picture has no TIFF
-    writers = {
-        ("map", "csv"): _export_map,
-        ("map", "tiff"): _export_map,
-        ("profile", "csv"): _export_profile,
-        ("region", "csv"): _export_region,
-        ("cycle", "csv"): _export_cycle,
-    }
-    wanted = request.text("what"), request.text("kind")
-    if wanted not in writers:
-        raise ErlifError(f"Expected an export that exists; got {wanted}. Reload the page.")
-    return writers[wanted](request)
+    what, kind = request.text("what"), request.text("kind")
+    if what == "map" and kind in ("csv", "tiff"):
+        return _export_map(request, kind)
+    if what not in _COLUMNS or kind != "csv":
+        raise ErlifError(f"Expected an export that exists; got {what, kind}. Reload the page.")
+    return _name_file(request, what, "csv", table_csv(_COLUMNS[what](request)).encode())
 
 
-def _file_name(request: Request, what: str, suffix: str) -> str:
-    """Name of a file without characters that a system refuses."""
+def _name_file(request: Request, what: str, suffix: str, content: bytes) -> Export:
+    """A file whose name has no characters that a system refuses."""
     run = "".join(c if c.isascii() and c.isalnum() else "_" for c in request.film().name)
-    return f"{run[:40]}_{what}.{suffix}"
+    return Export(f"{run[:40]}_{what}.{suffix}", content)
 
 
-def _export_map(request: Request) -> Export:
-    chosen, kind = _read_chosen(request), request.text("kind")
+def _export_map(request: Request, kind: str) -> Export:
+    chosen = _read_chosen(request)
     left, top, right, bottom = request.numbers("window", 4)
     window = Window.within(chosen.reader.shape, (left, top, right, bottom))
     film, layer = chosen.reader.film, chosen.layer
     values, flags = window.cut(chosen.values), window.cut(chosen.flags)
-    x = film.x.values[window.left : window.right]
-    y = film.y.values[window.top : window.bottom]
-    unit = layer.unit.replace("µ", "u")
-    name = _file_name(request, f"{layer.name}_{request.whole('trigger')}", kind)
+    place = {
+        "x": film.x.values[window.left : window.right],
+        "y": film.y.values[window.top : window.bottom],
+    }
+    unit, what = layer.unit.replace("µ", "u"), f"{layer.name}_{request.whole('trigger')}"
     if kind == "csv":
         heading = layer.name if unit == "1" else f"{layer.name}_{unit}"
-        return Export(name, map_csv(values, flags, x=x, y=y, name=heading))
+        return _name_file(request, what, kind, map_csv(values, flags, name=heading, **place))
     title = f"{request.film().name}, {layer.title}, {chosen.text}"
-    return Export(name, map_tiff(values, flags, x=x, y=y, title=title, unit=unit))
+    content = map_tiff(values, flags, title=title, unit=unit, **place)
+    return _name_file(request, what, kind, content)
 
 
-def _export_profile(request: Request) -> Export:
+def _tabulate_profile(request: Request) -> dict[str, Any]:
     found = _find_profile(request)
-    return _export_table(request, "profile", {"position_mm": found.pop("position"), **found})
+    return {"position_mm": found.pop("position"), **found}
 
 
-def _export_region(request: Request) -> Export:
+def _tabulate_region(request: Request) -> dict[str, Any]:
     chosen, found = _find_region(request)
+    unit = chosen.layer.unit.replace("µ", "u")
+    row = {"trigger": request.whole("trigger"), "layer": chosen.layer.name, "unit": unit}
     names = ("x_low_mm", "x_high_mm", "y_low_mm", "y_high_mm")
-    columns: dict[str, list[object]] = {
-        "trigger": [request.whole("trigger")],
-        "layer": [chosen.layer.name],
-        "unit": [chosen.layer.unit.replace("µ", "u")],
-    }
-    region = request.numbers("region", 4)
-    columns |= {name: [value] for name, value in zip(names, region, strict=True)}
-    columns |= {name: [value] for name, value in found.items()}
-    return _export_table(request, "region", columns)
+    row |= dict(zip(names, request.numbers("region", 4), strict=True)) | found
+    return {name: [value] for name, value in row.items()}
 
 
-def _export_cycle(request: Request) -> Export:
+def _tabulate_cycle(request: Request) -> dict[str, Any]:
     cycle = send_cycle(request)
-    return _export_table(request, "cycle", {"stroke": cycle["stroke"], **cycle["columns"]})
+    return {"stroke": cycle["stroke"], **cycle["columns"]}
 
 
-def _export_table(request: Request, what: str, columns: Mapping[str, Any]) -> Export:
-    return Export(_file_name(request, what, "csv"), table_csv(columns).encode())
+# what has no picture is exported as a table
+_COLUMNS: dict[str, Callable[[Request], dict[str, Any]]] = {
+    "profile": _tabulate_profile,
+    "region": _tabulate_region,
+    "cycle": _tabulate_cycle,
+}
 
 
 def change_region(films: Sequence[FilmReader], body: bytes) -> dict[str, str]:

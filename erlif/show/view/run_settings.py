@@ -13,11 +13,8 @@ from erlif.core.errors import ConfigError, reason_of
 from erlif.io.files import replacing
 from erlif.show.view.measures import Rectangle
 
-_LARGEST = 2**20
-"""Size of a run.toml. [byte]"""
-
-_DIGITS = 3
-"""Decimals of a position in mm."""
+_LARGEST = 2**20  # bytes of a run.toml
+_DIGITS = 3  # decimals of a position in mm
 
 
 @dataclass(frozen=True)
@@ -64,9 +61,9 @@ def propose_region(run_dir: Path | None, region: Rectangle) -> RegionChange:
     Examples
     --------
     >>> from tempfile import TemporaryDirectory
+    >>> before = "[thickness]  # maps\\nroi = { x = [1, 2], y = [3, 4] }\\n"
     >>> with TemporaryDirectory() as folder:
-    ...     file = Path(folder, "run.toml")
-    ...     _ = file.write_text("[thickness]  # maps\\nroi = { x = [1, 2], y = [3, 4] }\\n")
+    ...     _ = Path(folder, "run.toml").write_text(before)
     ...     change = propose_region(Path(folder), (1.5, 9.0, 2.0, 8.25))
     >>> print(change.content.decode(), end="")
     [thickness]  # maps
@@ -84,14 +81,9 @@ def propose_region(run_dir: Path | None, region: Rectangle) -> RegionChange:
         )
     before = path.read_bytes()
     after = _set_region(path, before, [round(value, _DIGITS) for value in region])
-    lines = difflib.unified_diff(
-        before.decode().splitlines(),
-        after.decode().splitlines(),
-        "run.toml as it is",
-        "run.toml with the region",
-        lineterm="",
-        n=1,
-    )
+    texts = before.decode().splitlines(), after.decode().splitlines()
+    names = "run.toml as it is", "run.toml with the region"
+    lines = difflib.unified_diff(*texts, *names, lineterm="", n=1)
     return RegionChange(path, hashlib.sha256(before).hexdigest(), after, "\n".join(lines))
 
 

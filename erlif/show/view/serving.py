@@ -13,8 +13,7 @@ from erlif.core.errors import ErlifError, reason_of
 from erlif.show.view.access import AccessRule
 from erlif.show.view.films import FilmReader, open_films
 
-_THREADS = 2
-"""Threads that read: a map is on its way while a profile is computed."""
+_THREADS = 2  # that read: a map is on its way while a profile is computed
 
 
 def require_library() -> None:
