@@ -8,7 +8,6 @@ from erlif.review.audit.cameras import Picture
 from erlif.review.audit.counts import CountSurvey, FrameCounts
 from erlif.review.audit.log import Steps
 from erlif.show.plots.audit import (
-    difference_figure,
     histogram_figure,
     light_figure,
     pair_figure,
@@ -39,12 +38,6 @@ def test_both_cameras_are_shown(picture):
     npt.assert_array_equal(left.images[0].get_array(), picture.light[0])
     npt.assert_array_equal(right.images[0].get_array(), picture.light[1])
     assert right.get_title() == "camera 2, pair 7"
-
-
-def test_a_picture_without_valid_pixels_is_drawn():
-    empty = np.full((6, 8), np.nan, np.float32)
-    assert difference_figure(Picture(0, (empty, empty), empty)).axes
-    assert pair_figure(Picture(0, (empty, empty), empty)).axes
 
 
 def test_bars_hold_all_pixels(survey):

@@ -14,7 +14,6 @@ from erlif.show.plots import (
     example_calibration,
     example_film,
     film_against_duty,
-    write_comparison_figures,
 )
 
 
@@ -23,11 +22,6 @@ def found():
     film = example_film()
     thicker = film.assign(film_min=film.film_min + 0.5, thickness=film.thickness + np.float32(0.5))
     return erlif.compare([film, thicker])
-
-
-def test_a_film_in_place_of_a_comparison_is_refused():
-    with pytest.raises(ErlifError, match=r"a comparison of runs as comparison=, got a film\."):
-        comparison_figure(example_film())
 
 
 def test_points_are_film_and_duty_parameter(found):
@@ -68,11 +62,3 @@ def test_what_is_not_in_the_comparison_is_refused(found):
     with pytest.raises(ErlifError, match="speed and load"):
         film_against_duty(found.drop_vars("duty"))
     assert len(comparison_figure(found.drop_vars("duty")).axes) == 1
-
-
-def test_the_same_comparison_gives_the_same_files(found, tmp_path):
-    once, twice = (
-        [path.read_bytes() for path in write_comparison_figures(found, tmp_path / name)]
-        for name in ("a", "b")
-    )
-    assert once == twice

@@ -54,14 +54,6 @@ def test_loads_that_are_alike_are_one_point():
     assert point.get_label() == "largest and mean load"
 
 
-def test_the_wear_reaches_its_value_at_the_end_of_the_life():
-    (line,) = design_wear(example_design())
-    hours, depth = line.get_data()
-    assert np.interp(5000, hours, depth) == pytest.approx(
-        example_design().assessment.step("wear").present
-    )
-
-
 @pytest.mark.parametrize("play", ["-200 um", "0 um", "3 mm"])
 def test_interference_and_large_play_are_drawn(play):
     lines = design_pressure(changed(('# play = "160 um"', f'play = "{play}"')))

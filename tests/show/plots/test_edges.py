@@ -60,19 +60,16 @@ def search():
     )
 
 
-def test_the_map_has_the_cells_of_the_joint(joint):
+def test_maps_have_the_cells_of_joint_and_half_spaces(joint, ball):
+    mesh = plots.contact_pressure_map(ball)
+    npt.assert_allclose(mesh.get_coordinates()[0, [0, -1], 0], [-1.2, 1.2])
+    assert mesh.axes.get_ylabel() == "across x [mm]"
     mesh = plots.contact_pressure_map(joint)
     corners = mesh.get_coordinates()
     npt.assert_allclose(corners[0, :, 0], [0, 4, 6, 7])  # mm
     npt.assert_allclose(np.nanmax(mesh.get_array()), 90.0)  # MPa
     assert mesh.axes.get_ylim()[1] < 90  # the free part is left out
     npt.assert_allclose(mesh.axes.get_xlim()[1], 7.0)
-
-
-def test_the_map_of_half_spaces_is_in_millimetres(ball):
-    mesh = plots.contact_pressure_map(ball)
-    npt.assert_allclose(mesh.get_coordinates()[0, [0, -1], 0], [-1.2, 1.2])
-    assert mesh.axes.get_ylabel() == "across x [mm]"
 
 
 def test_profiles_are_the_largest_pressures(joint, ball):

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes import film as scene
 
 from erlif.core.flags import Flag
-from erlif.io.files import open_film
 from erlif.show import plots
 from erlif.trend import average_across_sliding, rigid_gap
 
@@ -17,11 +17,8 @@ def film():
     return plots.example_film()
 
 
-def test_speed_is_the_derivative_of_the_angle():
+def test_speed_is_the_derivative_of_the_angle(film):
     """Kinematics of the crank-rocker by the scene of the tests, which shares no code with erlif."""
-    from scenes import film as scene
-
-    film = plots.example_film()
     npt.assert_allclose(film.rocker_speed, scene.rocker_speed(film.crank_angle.values), rtol=1e-5)
     angle = scene.rocker_angle(film.crank_angle.values) - 47.4095
     npt.assert_allclose(film.encoder_angle, angle, atol=1e-6)
@@ -49,18 +46,3 @@ def test_scatter_is_that_of_the_error_bars(film):
 def test_thickness_is_missing_exactly_where_a_flag_is_set(film):
     npt.assert_array_equal(np.isnan(film.thickness), film.flags != 0)
     assert set(np.unique(film.flags)) == {0, Flag.OUTSIDE_OVERLAP, Flag.NO_FILM}
-
-
-def test_written_film_reads_back(film, tmp_path):
-    path = plots.write_example(tmp_path / "film.nc")
-    with open_film(path) as found:
-        npt.assert_array_equal(found.thickness, film.thickness)
-    with open_film(path, group="frames") as frames:
-        npt.assert_array_equal(frames.drift_x, plots.example_frames().drift_x)
-
-
-def test_points_of_the_calibration_lie_on_its_curve():
-    calibration = plots.example_calibration()
-    t = calibration.curve.curve_thickness.values
-    expected = 0.66 * (0.39 / 0.245) * np.expm1(-0.245 * t) / np.expm1(-0.39 * t)
-    npt.assert_allclose(calibration.curve.curve_ratio, expected)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import shutil
+from dataclasses import replace
 
 import matplotlib
 import numpy as np
@@ -153,12 +154,6 @@ def test_missing_figures_have_reasons(alone, film_path, fixture_dir):
     assert plots.missing_figures(alone, **given) == {}
 
 
-def test_damaged_profile_is_the_reason_of_its_figure(film_path, film, fixture_dir):
-    (fixture_dir / "profile.csv").write_text("nothing of use\n")
-    source = source_of(film_path, film, fixture_dir=fixture_dir)
-    assert "profile.csv" in reason_missing("fixture_profile", source)
-
-
 def test_frames_of_another_run_are_the_reason_of_their_figures(film_path, film, tmp_path):
     scene.make_run(tmp_path / "other")
     for camera in (1, 2):
@@ -191,37 +186,29 @@ def test_fixture_is_found_where_the_settings_name_its_calibration(with_settings,
     assert plots.find_fixture(named, run, tmp_path) == tmp_path
 
 
-def test_calibration_with_points_is_taken_if_it_is_that_of_the_film(
-    film_path, film, fixture_dir, calibration
+def test_points_of_the_calibration_are_drawn_if_it_is_that_of_the_film(
+    film_path, film, fixture_dir, calibration, caplog
 ):
-    save_calibration(calibration, fixture_dir / "calibration.nc")
-    found = source_of(film_path, film, fixture_dir=fixture_dir).calibration
-    npt.assert_array_equal(found.curve.curve_ratio, calibration.curve.curve_ratio)
+    """Not where the fixture was calibrated again after the film, or the file is damaged."""
+    path = fixture_dir / "calibration.nc"
 
+    def found():
+        return source_of(film_path, film, fixture_dir=fixture_dir).calibration
 
-def test_points_of_another_calibration_are_not_drawn(film_path, film, fixture_dir, caplog):
-    """The fixture was calibrated again after the film was made."""
-    other = plots.example_calibration()
-    changed = type(other)(**{**vars(other), "ratio_at_zero": 0.7})
-    save_calibration(changed, fixture_dir / "calibration.nc")
+    save_calibration(calibration, path)
+    npt.assert_array_equal(found().curve.curve_ratio, calibration.curve.curve_ratio)
+    path.unlink()
+    save_calibration(replace(calibration, ratio_at_zero=0.7), path)
     with caplog.at_level(logging.WARNING, logger="erlif"):
-        found = source_of(film_path, film, fixture_dir=fixture_dir).calibration
-    assert "curve_ratio" not in found.curve
-    assert "not the calibration that the film was made with" in caplog.text
+        assert "curve_ratio" not in found().curve
+        assert "not the calibration that the film was made with" in caplog.text
+        path.write_bytes(b"no calibration")
+        npt.assert_allclose(found().parameters, [scene.K, scene.P, scene.Q])
 
-
-def test_damaged_calibration_is_passed_over(film_path, film, fixture_dir, caplog):
-    (fixture_dir / "calibration.nc").write_bytes(b"no calibration")
-    with caplog.at_level(logging.WARNING, logger="erlif"):
-        found = source_of(film_path, film, fixture_dir=fixture_dir).calibration
-    npt.assert_allclose(found.parameters, [scene.K, scene.P, scene.Q])
-    assert "calibration.nc" in caplog.text
-
-
-def test_trigger_that_the_film_lacks_is_refused(film_path, tmp_path):
-    with pytest.raises(ErlifError, match="from 0 to 5"):
-        plots.write_figures(film_path, tmp_path / "figures", trigger=6)
-    assert not (tmp_path / "figures").exists()
+    # a damaged profile is the reason of its figure
+    (fixture_dir / "profile.csv").write_text("nothing of use\n")
+    source = source_of(film_path, film, fixture_dir=fixture_dir)
+    assert "profile.csv" in reason_missing("fixture_profile", source)
 
 
 def test_existing_figures_are_kept_without_overwrite(film_path, tmp_path):
@@ -232,53 +219,31 @@ def test_existing_figures_are_kept_without_overwrite(film_path, tmp_path):
     assert (tmp_path / "calibration.svg").read_text() == "mine"
 
 
-def test_film_without_its_run_is_drawn_from_zarr(tmp_path, monkeypatch):
-    """A film in zarr has the figures of one in netCDF."""
-    film = plots.example_film().drop_vars(["axis", "parameter", "film_regime"])  # fixed text
-    path = tmp_path / "film.zarr"
-    film.to_zarr(path, consolidated=False, zarr_format=3)
-    few(monkeypatch, "speed_against_angle", "map_sheet")
-    written = plots.write_figures(path, tmp_path / "figures", formats=("png",))
-    assert [path.stem for path in written] == ["speed_against_angle", "map_sheet"]
-
-
 def test_chosen_figures_are_written_in_their_style_and_resolution(film_path, tmp_path):
-    """85 mm at 100 pixels an inch, and 16:9 at 60."""
-    seen = []
-    paths = plots.write_figures(
-        film_path,
-        tmp_path / "paper",
-        only=["calibration"],
-        formats=["png"],
-        style="paper",
-        dpi=100,
-        progress=lambda *step: seen.append(step),
-    )
-    assert [path.name for path in paths] == ["calibration.png"]
-    assert seen == [("figures", 0, 1), ("figures", 1, 1)]
-    assert int.from_bytes(paths[0].read_bytes()[16:20], "big") == int(85 / 25.4 * 100)
-    (slide,) = plots.write_figures(
-        film_path, tmp_path, only=["film_over_cycle"], formats=["png"], style="slides", dpi=60
-    )
-    size = slide.read_bytes()[16:24]
-    assert [int.from_bytes(size[:4], "big"), int.from_bytes(size[4:], "big")] == [799, 450]
+    """85 mm at 100 pixels an inch, 16:9 at 60, and a sheet of the user of 4 inches at 50."""
+    sheet = tmp_path / "mine.mplstyle"
+    sheet.write_text("figure.figsize: 4.0, 3.0\nfont.size: 9\n")
+    for style, name, dpi, width in (
+        ("paper", "calibration", 100, int(85 / 25.4 * 100)),
+        ("slides", "film_over_cycle", 60, 799),
+        (sheet, "speed_against_angle", 50, 200),
+    ):
+        seen = []
+        options = {"only": [name], "formats": ["png"], "style": style, "dpi": dpi}
+        (path,) = plots.write_figures(
+            film_path, tmp_path, progress=lambda *step, seen=seen: seen.append(step), **options
+        )
+        assert path.name == f"{name}.png"
+        assert seen == [("figures", 0, 1), ("figures", 1, 1)]
+        assert int.from_bytes(path.read_bytes()[16:20], "big") == width
 
 
 def test_files_do_not_depend_on_settings_of_the_caller(film_path, tmp_path):
-    options = {"only": ["film_over_cycle"], "formats": ["svg", "pdf"]}
+    options = {"only": ["calibration"], "formats": ["svg", "pdf"]}
     plain = plots.write_figures(film_path, tmp_path / "a", **options)
     with matplotlib.rc_context({"font.size": 13, "lines.linewidth": 4, "svg.hashsalt": "mine"}):
         other = plots.write_figures(film_path, tmp_path / "b", **options)
     assert [path.read_bytes() for path in plain] == [path.read_bytes() for path in other]
-
-
-def test_style_sheet_of_the_user_is_taken(film_path, tmp_path):
-    sheet = tmp_path / "mine.mplstyle"
-    sheet.write_text("figure.figsize: 4.0, 3.0\nfont.size: 9\n")
-    (path,) = plots.write_figures(
-        film_path, tmp_path, only=["speed_against_angle"], formats=["png"], style=sheet, dpi=50
-    )
-    assert int.from_bytes(path.read_bytes()[16:20], "big") == 200
 
 
 @pytest.mark.parametrize(
@@ -288,9 +253,10 @@ def test_style_sheet_of_the_user_is_taken(film_path, tmp_path):
         ({"only": ["fixture_profile"]}, "CMM profile"),
         ({"style": "nonsense"}, "paper, slides"),
         ({"dpi": 3}, "20 to 2400"),
+        ({"trigger": 6}, "from 0 to 5"),
     ],
 )
 def test_unknown_choice_is_refused_with_what_there_is(film_path, tmp_path, options, message):
-    with pytest.raises(OutputError, match=message):
+    with pytest.raises(ErlifError, match=message):
         plots.write_figures(film_path, tmp_path / "figures", **options)
     assert not (tmp_path / "figures").exists()

@@ -59,20 +59,14 @@ def test_a_movie_is_one_turn(design, tmp_path):
     with Image.open(path) as movie:
         assert movie.n_frames == 2
         assert movie.info["loop"] == 0
-    with pytest.raises(OutputError, match="exists"):
-        plots.linkage_movie(design, path)
-    with pytest.raises(OutputError, match=r"a name in \.gif"):
-        plots.linkage_movie(design, tmp_path / "turn.mp4")
-    with pytest.raises(OutputError, match="2 positions at least"):
-        plots.linkage_movie(design, tmp_path / "one.gif", positions=1)
+    for write, name, options, message in (
+        (plots.write_linkage, "turn.gif", {}, "exists"),
+        (plots.linkage_movie, "turn.mp4", {}, r"a name in \.gif"),
+        (plots.linkage_movie, "one.gif", {"positions": 1}, "2 positions at least"),
+    ):
+        with pytest.raises(OutputError, match=message):
+            write(design, tmp_path / name, **options)
     assert [path.name for path in tmp_path.iterdir()] == ["turn.gif"]
-
-
-def test_the_suffix_chooses_figure_or_movie(design, tmp_path):
-    path = plots.write_linkage(design, tmp_path / "linkage.svg")
-    assert path.read_bytes()[:5] == b"<?xml"
-    with pytest.raises(OutputError, match="exists"):
-        plots.write_linkage(design, path)
 
 
 @picture

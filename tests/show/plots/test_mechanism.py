@@ -2,7 +2,6 @@
 
 import numpy as np
 import numpy.testing as npt
-import pytest
 from scenes import film as scene
 from scenes.motion import DISC, film_of, slider_film, static_film
 
@@ -27,11 +26,12 @@ def test_rocker_has_the_angle_of_the_scene(film):
     npt.assert_allclose(angle, scene.INNER_ANGLE + film.encoder_angle.values[2], atol=0.01)
 
 
-@pytest.mark.parametrize("trigger", range(scene.TRIGGERS))
-def test_arrow_points_where_the_joint_moves(film, trigger):
+def test_arrow_points_where_the_joint_moves(film):
     """A rising rocker angle takes the rocker pin away from the crank."""
-    view = draw_mechanism(film, trigger=trigger)
-    assert np.sign(view.arrow.U[0]) == np.sign(scene.rocker_speed(scene.CRANK)[trigger])
+    view = draw_mechanism(film, trigger=0)
+    for trigger, speed in enumerate(scene.rocker_speed(scene.CRANK)):
+        view.show(trigger)
+        assert np.sign(view.arrow.U[0]) == np.sign(speed)
 
 
 def test_slider_and_disc_are_drawn_simply_and_a_film_at_rest_not():

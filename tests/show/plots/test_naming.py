@@ -1,7 +1,6 @@
 """Run, load and oil above a figure, and the reason of an empty map."""
 
 import numpy as np
-import pytest
 from matplotlib.figure import Figure
 
 from erlif.core.flags import Flag
@@ -13,11 +12,9 @@ def test_figure_names_run_load_and_oil(film, with_settings):
     assert run_line(film) == "a film <known> & small, 222 N, 0.12 Pa s"
     named = with_settings(('name = ""\nviscosity', 'name = "80W-90"\nviscosity'))
     assert run_line(named).endswith(", 80W-90")
-
-
-def test_load_that_varies_is_a_range(film):
     varying = film.assign(load=("trigger", np.linspace(100.0, 250.0, film.sizes["trigger"])))
     assert "100 to 250 N" in run_line(varying)
+    assert plots.film_over_cycle(film)[0].get_figure().get_suptitle() == run_line(film)
 
 
 def test_what_is_absent_is_left_out(film):
@@ -35,11 +32,6 @@ def test_long_name_is_shortened_and_a_dollar_sign_is_text(with_settings):
     assert "…, 222 N" in line
     figure = plots.cycle_figure(with_settings(("a film <known> & small", "a $^$")))
     figure.draw_without_rendering()
-
-
-@pytest.mark.parametrize("draw", [plots.film_over_cycle, plots.speed_over_cycle])
-def test_panel_of_its_own_is_named(film, draw):
-    assert draw(film)[0].get_figure().get_suptitle() == run_line(film)
 
 
 def test_reason_gives_the_largest_shares():

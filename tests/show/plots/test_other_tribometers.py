@@ -6,7 +6,7 @@ import pytest
 from scenes.motion import DISC, THEORY, film_of, slider_film, static_film
 
 from erlif.core.errors import ConfigError
-from erlif.io.files import fastest_trigger, motion_of
+from erlif.io.files import motion_of
 from erlif.show import plots
 from erlif.show.plots.files import DRAWN, FigureSource, reason_missing
 from erlif.show.report.captions import caption_of
@@ -45,19 +45,14 @@ def test_film_at_rest_is_drawn_against_the_trigger_alone():
     with pytest.raises(ConfigError, match="no linkage"):
         plots.kinematics.linkage_cycle(static_film())
 
-
-def test_map_at_rest_has_no_sliding_direction_and_no_rigid_gap():
+    # there is no sliding direction and no rigid gap; triggers are named by number or time
     figure = plots.thickness_figure(static_film(), trigger=0)
     named = [pair for pair in labels(figure) if pair[0]]
     assert named == [("x [mm]", "y [mm]"), ("x [mm]", "film thickness [µm]")]
-
-
-def test_sheet_of_maps_names_what_stands_above_them():
-    titles = [ax.get_title() for ax in plots.map_sheet_figure(static_film()).axes]
-    assert titles[:6] == ["0", "1", "2", "3", "4", "5"]
     timed = static_film().assign(time=("trigger", 0.25 * np.arange(6)))
-    titles = [ax.get_title() for ax in plots.map_sheet_figure(timed).axes]
-    assert titles[:3] == ["0 s", "0.25 s", "0.5 s"]
+    for film, first in ((static_film(), ["0", "1", "2"]), (timed, ["0 s", "0.25 s", "0.5 s"])):
+        titles = [ax.get_title() for ax in plots.map_sheet_figure(film).axes]
+        assert titles[:3] == first
 
 
 def test_film_without_theory_has_one_panel_against_sliding_speed():
@@ -68,41 +63,20 @@ def test_film_without_theory_has_one_panel_against_sliding_speed():
     npt.assert_allclose(plots.trend.speed_over_load(slider_film()), x)
 
 
-def test_example_trigger_is_the_fastest_or_the_first():
-    assert fastest_trigger(static_film()) == 0
-    film = film_of(DISC, without=["rocker_speed", "stroke"], sliding_speed=[1, 2, 5, 3, 2, 1.0])
-    assert fastest_trigger(film) == 2
-
-
-@pytest.mark.parametrize(
-    ("film", "missing"),
-    [
-        (slider_film(), {}),
-        (
-            static_film(),
-            {
-                "speed_against_angle": "the film has no speed",
-                "film_against_speed": "the film has no speed and no load",
-            },
-        ),
-        (
-            film_of(
-                DISC, without=["rocker_speed", "stroke", *THEORY], sliding_speed=np.full(6, 0.25)
-            ),
-            {
-                "speed_against_angle": "the sliding speed is the same at all triggers to 1 %, "
-                "250 mm/s",
-                "film_against_speed": "speed over load varies by less than 10%",
-            },
-        ),
-    ],
-    ids=["slider", "static", "steady disc"],
-)
-def test_figures_that_would_be_empty_are_left_out_with_the_reason(film, missing, tmp_path):
-    source = FigureSource(tmp_path / "film.nc", film, 0, None, None)
-    of_motion = ("speed_against_angle", "film_against_speed", "film_over_cycle", "map_sheet")
-    found = {name: reason_missing(name, source) for name in of_motion}
-    assert {name: reason for name, reason in found.items() if reason} == missing
+def test_figures_that_would_be_empty_are_left_out_with_the_reason(tmp_path):
+    without = ["rocker_speed", "stroke", *THEORY]
+    steady = film_of(DISC, without=without, sliding_speed=np.full(6, 0.25))
+    for film, speed, trend in (
+        (slider_film(), None, None),
+        (static_film(), "no speed", "no speed and no load"),
+        (steady, "the same at all triggers to 1 %, 250 mm/s", "varies by less than 10%"),
+    ):
+        source = FigureSource(tmp_path / "film.nc", film, 0, None, None)
+        names = ("speed_against_angle", "film_against_speed", "film_over_cycle", "map_sheet")
+        found = [reason_missing(name, source) for name in names]
+        assert found[2:] == [None, None]
+        for reason, words in zip(found, (speed, trend), strict=False):
+            assert reason is None if words is None else words in reason
 
 
 def test_captions_describe_the_panels_that_there_are():

@@ -81,10 +81,3 @@ def test_a_film_without_a_prediction_is_refused():
             draw()
     with pytest.raises(ErlifError, match="a trigger from 0 to 5"):
         prediction_map_figure(FILM, trigger=6)
-
-
-def test_a_correlation_that_is_not_known_is_a_word():
-    film = FILM.assign(film_min=FILM.film_min * np.nan)
-    text = prediction_figure(film, FRAMES).axes[0].texts[0].get_text()
-    assert "measured none, predicted" in text
-    assert "nan" not in text

@@ -23,12 +23,7 @@ def worn():
 
 def test_profiles_of_wear_end_with_the_last_cycle_and_the_pin(worn):
     *bushing, pin = plots.joint_wear(worn)
-    assert [line.get_label() for line in bushing] == [
-        "2,000 cycles",
-        "4,000 cycles",
-        "6,000 cycles",
-        "8,000 cycles",
-    ]
+    assert [line.get_label() for line in bushing] == [f"{n},000 cycles" for n in (2, 4, 6, 8)]
     npt.assert_allclose(max(bushing[-1].get_ydata()), 0.8)  # mm
     npt.assert_allclose(max(pin.get_ydata()), 0.08)
     npt.assert_allclose(bushing[-1].get_xdata()[12], 0.0, atol=1e-9)

@@ -7,22 +7,13 @@ import sys
 
 import matplotlib
 import matplotlib.style
-import numpy as np
 import numpy.testing as npt
 import pytest
 from fontTools import subset
 from matplotlib.figure import Figure
 
-from erlif.core.errors import OutputError
 from erlif.show import plots
-from erlif.show.plots.style import (
-    add_colour_bar,
-    colour_map,
-    figure_bytes,
-    letter,
-    new_figure,
-    room_for,
-)
+from erlif.show.plots.style import figure_bytes, letter, new_figure
 
 
 def test_file_does_not_change_with_the_time(calibration, monkeypatch):
@@ -32,14 +23,6 @@ def test_file_does_not_change_with_the_time(calibration, monkeypatch):
     early = figure_bytes(figure, kind="pdf")
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1000000000")
     assert figure_bytes(figure, kind="pdf") == early
-
-
-def test_previous_figure_is_kept_where_writing_fails(calibration, tmp_path):
-    target = tmp_path / "missing" / "figure.png"
-    target.parent.write_text("a file where the directory should be")
-    with pytest.raises((OutputError, OSError)):
-        plots.write_calibration_figure(calibration, target)
-    assert target.parent.read_text() == "a file where the directory should be"
 
 
 def test_fonts_are_embedded_where_fonttools_has_no_list_of_dropped_tables(monkeypatch):
@@ -81,27 +64,6 @@ def test_drawing_and_viewer_are_loaded_only_when_needed_and_open_no_window():
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
-def test_thicker_film_is_brighter():
-    """Lightness of batlow rises throughout (Crameri 2018), which print in grey preserves."""
-    red, green, blue, _ = colour_map("batlow")(np.linspace(0, 1, 64)).T
-    luminance = 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2
-    lightness = 116 * np.cbrt(luminance) - 16
-    assert (np.diff(lightness) > 0).all()
-    assert np.ptp(lightness) > 60
-
-
-def test_colour_bar_has_the_height_of_the_image():
-    ax = new_figure().add_subplot()
-    image = ax.imshow(np.arange(6.0).reshape(2, 3))
-    add_colour_bar(image, ax, "counts [DN]", extend="neither")
-    ax.get_figure().draw_without_rendering()
-    (bar,) = ax.child_axes
-    own, beside = ax.get_window_extent(), bar.get_window_extent()
-    npt.assert_allclose([beside.y0, beside.y1], [own.y0, own.y1], atol=0.6)
-    assert beside.x0 > own.x1
-    assert bar.get_ylabel() == "counts [DN]"
-
-
 def test_letter_of_a_panel_is_bold_beside_a_long_title_as_well():
     """Signs of mathematics in the title stay text."""
     for title, place in (
@@ -137,8 +99,3 @@ def test_figure_of_several_panels_shows_itself_and_fits_into_another(film):
     assert plots.pin_figure(film, figure=right) is right
     assert figure_bytes(right, kind="png", dpi=50)[:4] == b"\x89PNG"
     assert len(whole.axes) == 5
-
-
-@pytest.mark.parametrize(("lines", "room"), [(0.0, 0.0), (1000.0, 1.0)])
-def test_room_for_text_is_bounded(lines, room):
-    assert room_for(new_figure().add_subplot(), lines) == room

@@ -35,10 +35,3 @@ def test_terms_are_rows_in_nanometres(budget):
         "| calibration | 4.0 | - | shared |",
         "| **total** | **5.0** | **30** |  |",
     ]
-
-
-def test_one_frame_pair_is_in_the_singular(budget):
-    single = budget.assign_attrs(frames=1)
-    assert render_budget(single).startswith(
-        "Standard deviations in nm: wedge, trigger 2, 1 frame pair."
-    )

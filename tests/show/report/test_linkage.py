@@ -32,9 +32,3 @@ def test_the_nearest_linkage_and_unknown_speeds():
     assert row[:5] == ["190.000", "440.000", "260.000", "510.000", "-"]
     # it folds flat, where the swing has no derivative
     assert "Change of the swing" not in text
-
-
-def test_equal_strokes_have_no_slower_one():
-    text = summarise_linkages(synthesise_crank_rocker(swing=np.radians(60), rocker=0.2, ground=0.4))
-    row = text.splitlines()[4].split()
-    assert row[7:9] == ["1.0000", "neither"]

@@ -15,8 +15,6 @@ from erlif.show.plots.files import find_source
 from erlif.show.report import page as pages
 from erlif.show.report import write_report
 
-DRAWN_FEW = ("speed_against_angle", "fixture_profile", "thickness_map")  # those of `text`
-
 
 def test_page_is_well_formed(page):
     assert page.open == []
@@ -24,9 +22,10 @@ def test_page_is_well_formed(page):
     names = [attrs["id"] for _, attrs in page.elements if "id" in attrs]
     assert len(names) == len(set(names))
     assert page.all("html")[0]["lang"] == "en"
+    assert page.texts["h1"] == "a film <known> & small"
+    assert "<known>" not in page.source.split("<script")[0]
 
-
-def test_links_lead_to_sections_of_the_page(page):
+    # links lead to sections of the page
     sections = {attrs["id"] for attrs in page.all("section")}
     links = [link["href"] for link in page.all("a") if "download" not in link]
     assert {link.removeprefix("#") for link in links} == sections
@@ -43,22 +42,21 @@ def test_page_loads_nothing(text, page):
     assert not re.search(r"fetch\(|XMLHttpRequest|import\(|url\(|@import", text)
 
 
-def test_names_are_shown_as_written_and_not_as_markup(text, page):
-    """The run is called "a film <known> & small"."""
-    assert page.texts["h1"] == "a film <known> & small"
-    assert page.texts["title"].startswith("a film <known> & small")
-    assert "<known>" not in text.split("<script")[0]
-
-
 def test_name_cannot_end_the_script_that_holds_the_data(film_path, tmp_path, read_page, film):
     """Settings in the page are escaped even where they look like the end of an element."""
-    hostile = film.assign_attrs(history="</script><script>alert(1)</script>")
+    empty = scene.without_valid_pixels(film)
+    hostile = empty.assign_attrs(history="</script><script>alert(1)</script>")
     target = copy_with(film_path, hostile, tmp_path)
     page = read_page(write_report(target, tmp_path / "page.html").read_text(encoding="utf-8"))
     assert page.open == []
     assert "alert(1)" in page.texts["provenance"]
     plain = [attrs for attrs in page.all("script") if attrs.get("type") == "module"]
     assert len(plain) == 1  # the viewer
+
+    # this film has no valid pixel
+    assert "not known" in page.texts["summary"]
+    assert "100.00 %" in page.texts["summary"]
+    assert "nan" not in page.texts["summary"] + page.texts["triggers"]
 
 
 @pytest.fixture(autouse=True)
@@ -85,62 +83,30 @@ def test_page_is_described_by_its_summary(page):
     assert "gain < measured" in summary  # a note
     assert "3.75 %" in summary  # 3 of 80 columns outside the overlap
     assert "erlif 0.1.0" in page.texts["header"]
+    assert "Profile of the calibration fixture: it needs the CMM profile" in page.texts["figures"]
+    by_name = dict(zip((a["id"] for a in page.all("figure")), page.all("img"), strict=True))
+    assert "Trigger 1, " in by_name["figure-thickness_map"]["alt"]
+    assert "Trigger" not in by_name["figure-speed_against_angle"]["alt"]
 
 
-def test_film_without_valid_pixels_is_reported_as_such(film_path, film, tmp_path, read_page):
-    target = copy_with(film_path, scene.without_valid_pixels(film), tmp_path)
-    page = read_page(write_report(target, tmp_path / "report.html").read_text(encoding="utf-8"))
-    assert "not known" in page.texts["summary"]
-    assert "100.00 %" in page.texts["summary"]
-    assert "nan" not in page.texts["summary"] + page.texts["triggers"]
-
-
-@pytest.fixture(scope="module")
-def plain(film_path, tmp_path_factory):
-    """The page without figures."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(pages, "DRAWN", {})
-        path = write_report(film_path, tmp_path_factory.mktemp("plain") / "a.html")
-    return path.read_bytes()
-
-
-def test_same_film_gives_the_same_page_wherever_it_lies(film_path, tmp_path, plain):
-    shutil.copytree(film_path.parent, tmp_path / "elsewhere")
-    page = write_report(tmp_path / "elsewhere" / "film.nc", tmp_path / "b.html")
-    assert page.read_bytes() == plain
-
-
-def test_existing_page_is_kept_without_overwrite(film_path, tmp_path, plain):
+def test_page_is_replaced_on_request_alone_and_the_same_wherever_the_film_lies(film_path, tmp_path):
     target = tmp_path / "report.html"
     earlier = '<!DOCTYPE html><meta name="generator" content="erlif">mine'
     target.write_text(earlier)
-    with pytest.raises(OutputError, match="--overwrite"):
-        write_report(film_path, target)
-    assert target.read_text() == earlier
-    write_report(film_path, target, overwrite=True)
-    assert target.read_bytes() == plain
-
-    # a page may be written again over itself
-    write_report(film_path, target, overwrite=True)
-    assert target.read_bytes() == plain
-
-
-def test_missing_film_is_refused_and_nothing_is_written(tmp_path):
+    for film, message in ((film_path, "--overwrite"), (tmp_path / "none.nc", "--overwrite")):
+        with pytest.raises(OutputError, match=message):
+            write_report(film, target)
     with pytest.raises(OutputError, match="does not exist"):
-        write_report(tmp_path / "film.nc", tmp_path / "report.html")
-    assert not (tmp_path / "report.html").exists()
+        write_report(tmp_path / "none.nc", tmp_path / "other.html")
+    assert [path.name for path in tmp_path.iterdir()] == ["report.html"]
+    assert target.read_text() == earlier
 
-
-def test_figures_of_one_trigger_name_it(page):
-    by_name = dict(
-        zip((a["id"] for a in page.all("figure")), (a["alt"] for a in page.all("img")), strict=True)
+    shutil.copytree(film_path.parent, tmp_path / "elsewhere")
+    once, twice = (
+        write_report(path, target, overwrite=True).read_bytes()
+        for path in (film_path, tmp_path / "elsewhere" / "film.nc")
     )
-    assert "Trigger 1, " in by_name["figure-thickness_map"]
-    assert "Trigger" not in by_name["figure-speed_against_angle"]
-
-
-def test_figure_that_is_left_out_has_a_reason(page):
-    assert "Profile of the calibration fixture: it needs the CMM profile" in page.texts["figures"]
+    assert once == twice
 
 
 def test_inputs_of_the_calibration_are_listed_apart(film):

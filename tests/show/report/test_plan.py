@@ -62,6 +62,17 @@ def test_a_plan_beyond_its_range_is_reported():
     assert "the dyes saturate at about 1.1 mJ/cm2" in text
     assert re.search(r"They need \d\d\.\d% of the pulse energy, or a camera would saturate", text)
 
+    # where nothing can be measured
+    thick = (
+        ('thickest = "10 um"', 'thickest = "10 mm"'),
+        ('thickest = "18 um"', 'thickest = "20 mm"'),
+    )
+    text = summarise_plan(planned_with(*thick, ('"0.024 mol/L"', '"0.003 mol/L"')))
+    assert "nan" not in text
+    assert "not optically thick" in text
+    assert "No concentrations give a film over the whole wanted range" in text
+    assert "Best concentrations" not in text
+
 
 def test_frames_are_given_for_the_best_concentrations_too(planned):
     """The best concentrations need fewer frames over the whole range, film by film as computed."""
@@ -75,42 +86,16 @@ def test_frames_are_given_for_the_best_concentrations_too(planned):
     npt.assert_allclose(best, known, atol=1)
     assert max(best) < max(int(row.split()[-2]) for row in rows)
     table = list(csv.DictReader(io.StringIO(table_of_films(planned))))
-    npt.assert_allclose(
-        [float(row["optimum_frames_needed"]) for row in table], planned.optimum_frames_needed
-    )
-
-
-def test_weak_reabsorption_behind_wide_filters():
-    """Light of a thick film: 11,000 and 11,500 electrons, whatever dyes and filters."""
-    wide = planned_with(
-        ('"0.024 mol/L"', '"0.003 mol/L"'), ('# bandwidth = "10 nm"', 'bandwidth = "60 nm"')
-    )
-    npt.assert_allclose(wide.ratio_thick, 11500 / 11000, rtol=1e-6)
-    text = summarise_plan(wide)
-    assert "to 1.05 (very thick film)" in text
-    assert "not optically thick" in text
-
-
-def test_what_is_not_known_is_a_dash_and_no_optimum_is_offered():
-    text = summarise_plan(
-        planned_with(
-            ('thickest = "10 um"', 'thickest = "10 mm"'),
-            ('thickest = "18 um"', 'thickest = "20 mm"'),
-        )
-    )
-    assert "nan" not in text
-    assert "No concentrations give a film over the whole wanted range" in text
-    assert "Best concentrations" not in text
-
-
-def test_tables_hold_the_numbers_of_the_plan(planned):
-    rows = list(csv.DictReader(io.StringIO(table_of_films(planned))))
-    npt.assert_allclose([float(row["std_um"]) for row in rows], planned.thickness_std, rtol=1e-5)
-    rows = list(csv.DictReader(io.StringIO(table_of_tolerances(planned))))
-    assert [row["tolerance"] for row in rows] == list(planned.tolerance.values)
-    npt.assert_allclose(
-        [float(row["film_error"]) for row in rows], planned.tolerance_film, rtol=1e-3
-    )
+    for column, values in (
+        ("optimum_frames_needed", planned.optimum_frames_needed),
+        ("std_um", planned.thickness_std),
+        ("signal_camera2_electron", planned.signal.sel(camera=2)),
+    ):
+        npt.assert_allclose([float(row[column]) for row in table], values, rtol=1e-5)
+    table = list(csv.DictReader(io.StringIO(table_of_tolerances(planned))))
+    assert [row["tolerance"] for row in table] == list(planned.tolerance.values)
+    errors = [float(row["film_error"]) for row in table]
+    npt.assert_allclose(errors, planned.tolerance_film, rtol=1e-3)
 
 
 def test_files_are_complete_and_read_back(planned, tmp_path, monkeypatch):
@@ -136,20 +121,18 @@ def test_files_are_complete_and_read_back(planned, tmp_path, monkeypatch):
     assert not list(tmp_path.glob(".*"))
 
 
-def test_a_directory_of_something_else_is_never_replaced(tmp_path):
+def test_nothing_else_is_ever_replaced(planned, tmp_path):
     (tmp_path / "notes.txt").write_text("mine")
-    with pytest.raises(OutputError, match=r"holds notes\.txt"):
-        check_plan_output(tmp_path, overwrite=True)
-    with pytest.raises(OutputError, match=r"notes\.txt"):
-        check_plan_output(tmp_path / "notes.txt", overwrite=True)
-
-
-def test_the_plan_itself_is_never_replaced(planned, tmp_path):
-    source = tmp_path / "plan.toml"
+    source = tmp_path / "plan" / "plan.toml"
+    source.parent.mkdir()
     source.write_text("# my remarks")
-    with pytest.raises(OutputError, match=r"other than that of plan\.toml"):
-        check_plan_output(tmp_path, overwrite=True, source=source)
-    with pytest.raises(OutputError, match="name of a directory"):
-        check_plan_output(Path(), overwrite=True)
+    for output, message in (
+        (tmp_path, r"holds notes\.txt|holds plan"),
+        (tmp_path / "notes.txt", r"notes\.txt"),
+        (source.parent, r"other than that of plan\.toml"),
+        (Path(), "name of a directory"),
+    ):
+        with pytest.raises(OutputError, match=message):
+            check_plan_output(output, overwrite=True, source=source)
     with pytest.raises(OutputError, match="name of a directory"):
         write_plan(planned, Path(), overwrite=True)

@@ -71,43 +71,31 @@ def test_table_has_the_numbers_of_the_films(runs, film):
     assert "0.600 ± 0.010" in runs.texts["runs"]
 
 
-def test_each_run_has_a_map_and_all_a_figure(runs):
-    names = [attrs["id"] for attrs in runs.all("figure")]
-    assert names == ["figure-compared", "figure-run-1", "figure-run-2"]
-
-
 def test_names_of_runs_stay_text_and_nothing_is_loaded(source, runs):
     assert runs.open == []
     assert runs.all("script") == []
+    names = [attrs["id"] for attrs in runs.all("figure")]
+    assert names == ["figure-compared", "figure-run-1", "figure-run-2"]
     assert HOSTILE in runs.texts["runs"]
     assert not re.search(r"https?://|url\(|@import", re.sub(r"data:[^\"]*", "", source))
     assert all(attrs["src"].startswith("data:image/") for attrs in runs.all("img"))
 
 
-def test_maps_without_room_are_left_out_and_counted(
-    film_path, second_path, tmp_path, monkeypatch, read_page
-):
-    monkeypatch.setattr("erlif.show.report.runs._MOST_COMPARED", 1)
-    monkeypatch.setattr("erlif.show.report.runs._FRAME", 500_000)
-    path = write_runs_report([film_path, second_path], tmp_path / "a.html", max_size=0.5)
-    page = read_page(path.read_text(encoding="utf-8"))
-    assert "Maps of the last 2 of 2 runs are left out" in page.texts["maps"]
-    assert "--max-size" in page.texts["maps"]
-    assert "at most 1 runs" in page.texts["compared"]
+def test_what_is_left_out_has_a_reason(film_path, second_path, tmp_path, monkeypatch, read_page):
+    """Maps without room, and runs that are too many or cannot be compared."""
 
-
-def test_films_that_cannot_be_compared_stand_in_the_table(
-    film_path, second_path, tmp_path, monkeypatch, read_page
-):
     def refuse(films):
         raise ErlifError("Expected <one> mechanism. Compare others.")
 
-    monkeypatch.setattr("erlif.show.report.runs.compare", refuse)
     monkeypatch.setattr("erlif.show.report.runs._FRAME", 500_000)
-    path = write_runs_report([film_path, second_path], tmp_path / "a.html", max_size=0.5)
-    page = read_page(path.read_text(encoding="utf-8"))
-    assert "not compared: Expected <one> mechanism." in page.texts["compared"]
-    assert len(rows_of(page)) == 2
+    monkeypatch.setattr("erlif.show.report.runs.compare", refuse)
+    for most, words in ((12, "not compared: Expected <one> mechanism."), (1, "at most 1 runs")):
+        monkeypatch.setattr("erlif.show.report.runs._MOST_COMPARED", most)
+        path = write_runs_report([film_path, second_path], tmp_path / f"{most}.html", max_size=0.5)
+        page = read_page(path.read_text(encoding="utf-8"))
+        assert words in page.texts["compared"]
+        assert "Maps of the last 2 of 2 runs are left out" in page.texts["maps"]
+        assert len(rows_of(page)) == 2
 
 
 def test_bad_input_is_refused_and_nothing_is_written(film_path, tmp_path):
@@ -115,11 +103,7 @@ def test_bad_input_is_refused_and_nothing_is_written(film_path, tmp_path):
         write_runs_report([film_path, tmp_path / "none.nc"], tmp_path / "a.html")
     with pytest.raises(ErlifError, match=r"0\.5 MB"):
         write_runs_report([film_path, film_path], tmp_path / "a.html", max_size=0.1)
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_film_that_is_named_twice_is_refused(film_path, tmp_path):
     again = film_path.parent / ".." / film_path.parent.name / film_path.name
     with pytest.raises(ErlifError, match=f"{film_path.name} is named 2 times"):
-        write_runs_report([film_path, again], tmp_path / "runs.html")
-    assert not (tmp_path / "runs.html").exists()
+        write_runs_report([film_path, again], tmp_path / "a.html")
+    assert list(tmp_path.iterdir()) == []

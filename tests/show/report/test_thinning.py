@@ -71,24 +71,14 @@ def test_chosen_triggers_are_those_of_the_page(long_film, tmp_path, without_figu
     assert "the maps of 4 of 300 triggers" in page.texts["viewer"]
 
 
-@pytest.mark.parametrize("chosen", [(5, 300), (9, 3), (-1, 4)])
-def test_triggers_that_the_film_lacks_are_refused(film_path, tmp_path, chosen):
-    with pytest.raises(ErlifError, match=r"Expected triggers from 0 to 5.*--triggers"):
-        write_report(film_path, tmp_path / "a.html", triggers=chosen)
+def test_triggers_that_the_film_lacks_and_sizes_without_room_are_refused(film_path, tmp_path):
+    triggers, size = r"Expected triggers from 0 to 5.*--triggers", r"0.5 MB or more.*--max-size"
+    options = [({"triggers": chosen}, triggers) for chosen in ((5, 300), (9, 3), (-1, 4))]
+    options += [({"max_size": given}, size) for given in (-3.0, float("nan"), 0.4)]
+    for option, message in options:
+        with pytest.raises(ErlifError, match=message):
+            write_report(film_path, tmp_path / "a.html", **option)
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("size", [0.0, -3.0, float("nan"), 0.4])
-def test_size_without_room_for_a_page_is_refused(film_path, tmp_path, size):
-    with pytest.raises(ErlifError, match=r"0.5 MB or more.*--max-size"):
-        write_report(film_path, tmp_path / "a.html", max_size=size)
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_everything_is_kept_where_it_fits(film):
-    kept = choose_maps(film, room=1e6, thickest=THICKEST, opening=2, triggers=range(6))
-    assert kept.triggers == tuple(range(6))
-    assert kept.coding == MapCoding(1, 1e-3)
 
 
 def test_steps_grow_before_pixels_are_left_out(film):
@@ -97,20 +87,17 @@ def test_steps_grow_before_pixels_are_left_out(film):
     assert (len(kept.triggers), kept.coding.stride) == (6, 1)
     # a twentieth of the standard deviation of a pixel leaves its error the same to 0.01 %
     assert 1e-3 < kept.coding.step <= 0.05 * float(film.thickness_std[2].max())
+    few = choose_maps(film, room=5e3, thickest=THICKEST, opening=2, triggers=range(6))
+    assert 2 in few.triggers
+    assert len(few.triggers) < 6
 
 
-def test_triggers_are_left_out_where_pixels_are_few(film):
-    kept = choose_maps(film, room=5e3, thickest=THICKEST, opening=2, triggers=range(6))
-    assert 2 in kept.triggers
-    assert len(kept.triggers) < 6
-
-
-@pytest.mark.parametrize("count", [1, 2, 3, 7, 50, 99])
-def test_evenly_chosen_triggers_are_as_many_as_allowed(count):
-    chosen = spread_evenly(range(1000), count, kept=333)
-    assert 333 in chosen
-    assert len(chosen) in (count - 1, count) or count == 1
-    assert list(chosen) == sorted(set(chosen))
+def test_evenly_chosen_triggers_are_as_many_as_allowed():
+    for count in (1, 2, 3, 7, 50, 99):
+        chosen = spread_evenly(range(1000), count, kept=333)
+        assert 333 in chosen
+        assert len(chosen) in (count - 1, count) or count == 1
+        assert list(chosen) == sorted(set(chosen))
 
 
 def test_large_figures_are_left_out_with_a_reason(film_path, tmp_path, monkeypatch, read_page):

@@ -5,7 +5,7 @@ import json
 import numpy as np
 
 from erlif.show.plots import example_film
-from erlif.show.view.cycle import describe_cycle, to_list
+from erlif.show.view.cycle import describe_cycle
 
 
 def test_the_numbers_are_those_of_the_film():
@@ -23,10 +23,6 @@ def test_a_film_at_rest_has_the_number_of_its_triggers():
     assert cycle["axes"] == {"trigger": "trigger"}
     assert cycle["columns"]["trigger"] == [0, 1, 2, 3, 4, 5]
     assert cycle["stroke"] == [0] * 6
-
-
-def test_unknown_numbers_are_none():
-    assert to_list(np.array([1.0, np.nan, np.inf])) == [1.0, None, None]
 
 
 def test_a_theory_that_is_the_transient_prediction_is_drawn_once():

@@ -6,7 +6,6 @@ import numpy as np
 import numpy.testing as npt
 import tifffile
 
-from erlif.io.conversion import table_csv
 from erlif.show.view.exports import map_csv, map_tiff
 
 X, Y = 0.06 * np.arange(20), 1.0 + 0.06 * np.arange(10)
@@ -33,7 +32,3 @@ def test_a_map_as_text_holds_every_pixel():
     assert np.isnan(table[3 * 20 + 4, 2])
     npt.assert_allclose(table[:, 0].reshape(10, 20), np.broadcast_to(X, (10, 20)), rtol=1e-6)
     npt.assert_allclose(table[:, 1].reshape(10, 20), np.broadcast_to(Y[:, None], (10, 20)))
-
-
-def test_a_text_with_a_comma_stays_one_column():
-    assert table_csv({"layer": ["thickness, mean"], "n": [3]}) == 'layer,n\n"thickness, mean",3\n'

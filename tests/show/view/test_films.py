@@ -30,12 +30,6 @@ def test_few_maps_stay_in_memory(reader, monkeypatch):
     assert {trigger for _, trigger in reader._kept} == {1, 2, 3, 4, 5}
 
 
-def test_images_need_the_run(reader):
-    assert not reader.has_images
-    with pytest.raises(FrameError, match="--run-dir"):
-        reader.read("log_ratio", 0)
-
-
 def test_images_are_those_behind_the_map(film, small_rig):
     (found,) = open_films([film], [small_rig.run])
     ratio, flags = found.read("log_ratio", 1)
@@ -46,17 +40,16 @@ def test_images_are_those_behind_the_map(film, small_rig):
     assert 10 < np.nanmedian(light) < 4096
 
 
-@pytest.mark.parametrize(("layer", "trigger"), [("thickness", 6), ("thickness", -1), ("load", 0)])
-def test_what_a_film_lacks_is_refused(reader, layer, trigger):
-    with pytest.raises(ErlifError, match="Choose one of them"):
-        reader.read(layer, trigger)
-
-
-def test_a_directory_without_a_run_is_refused(example_path, tmp_path):
+def test_what_a_film_lacks_is_refused(reader, example_path, tmp_path):
+    for layer, trigger in (("thickness", 6), ("thickness", -1), ("load", 0)):
+        with pytest.raises(ErlifError, match="Choose one of them"):
+            reader.read(layer, trigger)
+    assert not reader.has_images
     with pytest.raises(FrameError, match="--run-dir"):
-        open_films([example_path], [tmp_path])
-    with pytest.raises(ErlifError, match="at most one --run-dir"):
-        open_films([example_path], [tmp_path, tmp_path])
+        reader.read("log_ratio", 0)
+    for run_dirs, message in (([tmp_path], "--run-dir"), ([tmp_path] * 2, "at most one --run-dir")):
+        with pytest.raises(ErlifError, match=message):
+            open_films([example_path], run_dirs)
 
 
 def test_films_of_two_grids_have_no_difference(reader, film):

@@ -6,7 +6,6 @@ import socket
 
 import pytest
 
-from erlif.show.plots.example import example_film
 from erlif.show.view import handlers
 from erlif.show.view.access import HEADERS
 from erlif.show.view.handlers import PAGE
@@ -35,19 +34,14 @@ def send(access):
     return request
 
 
-@pytest.mark.parametrize("name", PAGE)
-def test_the_page_comes_with_headers_that_keep_it_here(send, name):
-    status, headers, body = send(name)
-    assert status == 200
-    assert body
-    assert HEADERS.items() <= headers.items()
-    assert "Access-Control-Allow-Origin" not in headers
-
-
-def test_the_page_names_no_other_place(send):
-    for name in ("", "view.css", "view.js", "draw.js", "map.js", "charts.js"):
-        text = send(name)[2].decode()
-        assert "//" not in text.replace("// ", "")
+def test_the_page_comes_with_headers_that_keep_it_here_and_names_no_other_place(send):
+    for name in PAGE:
+        status, headers, body = send(name)
+        assert status == 200
+        assert body
+        assert HEADERS.items() <= headers.items()
+        assert "Access-Control-Allow-Origin" not in headers
+        assert name.startswith("uPlot") or b"//" not in body.replace(b"// ", b"")
 
 
 def test_a_wrong_token_is_refused(send, access):
@@ -62,10 +56,9 @@ def test_a_wrong_token_is_refused(send, access):
     "headers",
     [
         {"Host": "evil.example"},
-        {"Host": "evil.example:80"},
         {"Origin": "https://evil.example"},
-        {"Origin": "null"},
         {"Sec-Fetch-Site": "cross-site"},
+        {"Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Version": "13"},
     ],
 )
 def test_another_page_is_refused_even_with_the_token(send, headers):
@@ -75,39 +68,15 @@ def test_another_page_is_refused_even_with_the_token(send, headers):
         assert b"example film" not in body
 
 
-@pytest.mark.parametrize("origin", ["https://evil.example", "http://127.0.0.1:1", None])
-def test_a_websocket_is_refused(send, origin):
-    headers = {
-        "Upgrade": "websocket",
-        "Connection": "Upgrade",
-        "Sec-WebSocket-Version": "13",
-        "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==",
-    }
-    if origin:
-        headers["Origin"] = origin
-    for path in ("", "films", "ws"):
-        assert send(path, headers=headers)[0] == 403
-
-
-@pytest.mark.parametrize(
-    "path",
-    [
-        "../films.py",
-        "..%2fhandlers.py",
-        "%2e%2e/%2e%2e/pyproject.toml",
-        "index.html",
-        "page/index.html",
-        "/etc/passwd",
-        "%2fetc%2fpasswd",
-        "view.js/",
-        "uPlot.LICENSE",
-    ],
-)
-def test_no_other_file_is_served(send, path):
-    status, _, body = send(path)
-    assert status in (403, 404)
-    assert b"import" not in body
-    assert b"root:" not in body
+def test_no_other_file_is_served(send):
+    for path in (
+        *("../films.py", "..%2fhandlers.py", "%2e%2e/%2e%2e/pyproject.toml", "index.html"),
+        *("page/index.html", "/etc/passwd", "%2fetc%2fpasswd", "view.js/", "uPlot.LICENSE"),
+    ):
+        status, _, body = send(path)
+        assert status in (403, 404)
+        assert b"import" not in body
+        assert b"root:" not in body
 
 
 def test_bad_values_are_refused_in_a_sentence(send):
@@ -147,12 +116,3 @@ def test_the_viewer_listens_on_the_loopback_alone(access):
         pytest.skip("this machine has no network address")
     with pytest.raises(OSError, match=r"."):
         socket.create_connection((address, access.port), 2)
-
-
-def test_films_are_described(send):
-    found = json.loads(send("films")[2])
-    (film,) = found["films"]
-    assert film["name"] == "example"
-    assert (film["width"], film["height"]) == (64, 24)
-    assert film["triggers"] == example_film().sizes["trigger"]
-    assert [flag["bit"] for flag in found["flags"]].count(128) == 1

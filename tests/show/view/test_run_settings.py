@@ -48,14 +48,9 @@ def test_the_region_changes_and_all_else_stays(tmp_path, form):
     for line in (line for line in lines if b"15]" not in line and b"13]" not in line):
         assert line in left
         left = left[left.index(line) + len(line) :]
-
-
-def test_a_comment_behind_the_region_stays(tmp_path):
-    path = write(tmp_path, FORMS["inline"])
-    change = propose_region(tmp_path, REGION)
-    write_region(change, before=change.before)
-    assert b"y = [2.0, 8.123] }  # mm\n" in path.read_bytes()
-    assert [line[0] for line in change.lines.splitlines() if line[1:4] == "roi"] == ["-", "+"]
+    if form == "inline":  # the comment behind the region
+        assert b"y = [2.0, 8.123] }  # mm\n" in path.read_bytes()
+        assert [line[0] for line in change.lines.splitlines() if line[1:4] == "roi"] == ["-", "+"]
 
 
 def test_a_file_that_has_changed_meanwhile_is_left_alone(tmp_path):
@@ -80,16 +75,13 @@ def test_links_and_permissions_stay(tmp_path):
     assert os.stat(path).st_mode & 0o777 == 0o640
 
 
-@pytest.mark.parametrize("text", ["[thickness\n", "thickness = 3\n", "[thickness]\nroi = 5\n"])
-def test_a_file_that_cannot_be_changed_is_refused(tmp_path, text):
-    path = write(tmp_path, text)
-    with pytest.raises(ConfigError, match="by hand"):
-        propose_region(tmp_path, REGION)
-    assert path.read_text() == text
-
-
-def test_without_run_toml_nothing_is_written(tmp_path):
+def test_a_file_that_cannot_be_changed_is_refused(tmp_path):
     for place in (tmp_path, None):
         with pytest.raises(ConfigError, match="Start erlif view with --run-dir"):
             propose_region(place, REGION)
     assert not list(tmp_path.iterdir())
+    for text in ("[thickness\n", "thickness = 3\n", "[thickness]\nroi = 5\n"):
+        path = write(tmp_path, text)
+        with pytest.raises(ConfigError, match="by hand"):
+            propose_region(tmp_path, REGION)
+        assert path.read_text() == text
