@@ -2,6 +2,7 @@
 
 import ast
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -84,8 +85,12 @@ def names_a_step(message: str) -> bool:
 
 
 def messages() -> list[tuple[str, str]]:
-    """Place and text of all errors that are made in the program."""
-    found = []
+    """Place and text of all errors that are made in the program, and of tables of refusals."""
+    found = [
+        (f"{path.name} [{name}]", entry["text"])
+        for path in sorted(Path(erlif.__file__).parent.rglob("refusals.toml"))
+        for name, entry in tomllib.loads(path.read_text(encoding="utf-8")).items()
+    ]
     for path in SOURCES:
         place = "erlif/" + path.relative_to(Path(erlif.__file__).parent).as_posix()
         if place.startswith(tuple(COMPLETED)):

@@ -6,7 +6,7 @@ from typing import Any
 
 import xarray as xr
 
-from erlif.core.errors import ErlifError
+from erlif.show.refusals import refusal
 
 _TITLE_PARTS = 2  # coordinates in a title
 
@@ -52,10 +52,7 @@ class MapAccessor:
             If the array is no map.
         """
         if set(self._array.dims) != {"y", "x"}:
-            raise ErlifError(
-                f"Expected a map on the dims y and x, got {tuple(self._array.dims)}. Choose one "
-                "first, such as film.thickness.isel(trigger=3)."
-            )
+            raise refusal("no_map", dims=tuple(self._array.dims))
         from erlif.show.plots.style import colour_map  # matplotlib is loaded for a figure alone
 
         # what the user gives takes precedence

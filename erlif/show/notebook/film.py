@@ -7,11 +7,11 @@ from typing import Any
 
 import xarray as xr
 
-from erlif.core.errors import ErlifError
 from erlif.core.flags import Flag
 from erlif.io.files import check_trigger, open_film
 from erlif.show.notebook.region import Interval, summarise_region
-from erlif.show.notebook.summary import describe_in_html, describe_in_text
+from erlif.show.notebook.summary import describe_in_html, describe_in_text, list_variables
+from erlif.show.refusals import refusal
 
 
 class FilmAccessor:
@@ -58,11 +58,7 @@ class FilmAccessor:
             return found
         source = self._film.encoding.get("source", "")
         if not source or not Path(source).exists():
-            raise ErlifError(
-                f"Expected a film that was opened from its file, which holds the group {group}; "
-                "this dataset names none. Open it with erlif.open_film, or name the file: "
-                f'erlif.open_film("film.nc", group="{group}").'
-            )
+            raise refusal("no_groups", group=group)
         return open_film(source, group=group)
 
     def mask(self, *names: str) -> xr.DataArray:
@@ -90,10 +86,7 @@ class FilmAccessor:
         known = {str(flag.name).lower(): flag for flag in Flag}
         unknown = [name for name in names if name not in known]
         if unknown:
-            raise ErlifError(
-                f"Expected names of flags, {', '.join(known)}; got {', '.join(unknown)}. "
-                "Choose among them."
-            )
+            raise refusal("no_such_flag", known=", ".join(known), unknown=", ".join(unknown))
         # one comparison for all flags
         bits = Flag(0)
         for name in names or known:
@@ -142,10 +135,7 @@ class FilmAccessor:
         one = self._film[variable]
         if "trigger" in one.dims:
             if trigger is None:
-                raise ErlifError(
-                    f"Expected one map, got those of {one.sizes['trigger']} triggers. "
-                    "Give trigger=, a number from 0."
-                )
+                raise refusal("many_maps", triggers=one.sizes["trigger"])
             check_trigger(self._film, trigger)
             one = one.isel(trigger=trigger)
         return one.erlif.plot(**style)
@@ -153,8 +143,5 @@ class FilmAccessor:
     def _require(self, *names: str) -> None:
         missing = [name for name in names if name not in self._film]
         if missing:
-            present = ", ".join(str(name) for name in list(self._film.variables)[:8]) or "nothing"
-            raise ErlifError(
-                f"Expected a film with {', '.join(missing)}; the dataset holds {present}. "
-                "Open a film with erlif.open_film, or make one with erlif.process."
-            )
+            present = list_variables(self._film)
+            raise refusal("no_film", missing=", ".join(missing), present=present)

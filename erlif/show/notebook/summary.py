@@ -62,11 +62,13 @@ def _is_film(film: xr.Dataset) -> bool:
 
 
 def _describe_foreign(dataset: xr.Dataset) -> str:
-    present = ", ".join(str(name) for name in list(dataset.variables)[:8]) or "nothing"
-    return (
-        f"no film: the dataset holds {present}. Open a film with erlif.open_film, or make one "
-        "with erlif.process."
-    )
+    way = "Open a film with erlif.open_film, or make one with erlif.process."
+    return f"no film: the dataset holds {list_variables(dataset)}. {way}"
+
+
+def list_variables(dataset: xr.Dataset) -> str:
+    """The first variables of a dataset."""
+    return ", ".join(str(name) for name in list(dataset.variables)[:8]) or "nothing"
 
 
 def _name(film: xr.Dataset) -> str:

@@ -14,17 +14,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from erlif.calibration import Calibration, calibration_of, open_calibration, read_profile
-from erlif.core.errors import ConfigError, ErlifError, OutputError
+from erlif.core.errors import ConfigError, ErlifError
 from erlif.core.progress import ShowProgress, choose_progress
-from erlif.io.files import (
-    check_trigger,
-    describe_trigger,
-    fastest_trigger,
-    open_film,
-    reading_film,
-    refuse_existing,
-    settings_of,
-)
+from erlif.io import files as stored
 from erlif.io.settings import read_fixture_settings, read_run_settings
 from erlif.pipeline import restore_images
 from erlif.show.plots import style as looks
@@ -38,6 +30,7 @@ from erlif.show.plots.registration import registration_figure
 from erlif.show.plots.style import ONE_COLUMN, AnyFigure, given_figure, new_figure, styled
 from erlif.show.plots.trend import speed_figure, speed_over_load
 from erlif.show.plots.triggers import has_varying_speed
+from erlif.show.refusals import refusal
 
 logger = logging.getLogger(__name__)
 
@@ -81,7 +74,7 @@ def find_run(film_path: Path, film: xr.Dataset, given: Path | None = None) -> Pa
     # another run.toml can lie beside a film that was moved; the name of the run decides
     beside = film_path.parent
     try:
-        return beside if read_run_settings(beside).name == settings_of(film).name else None
+        return beside if read_run_settings(beside).name == stored.settings_of(film).name else None
     except ConfigError:
         return None
 
@@ -114,7 +107,7 @@ def find_fixture(film: xr.Dataset, run_dir: Path | None, given: Path | None = No
     """
     if given is not None:
         return given
-    named = settings_of(film).calibration
+    named = stored.settings_of(film).calibration
     if named is None or run_dir is None:
         return None
     directory = (run_dir / named).parent
@@ -178,7 +171,7 @@ class FigureSource:
 
     def _calibration_files(self) -> list[Path]:
         """Where the calibration can lie: as run.toml names it, and beside the fixture."""
-        named = settings_of(self.film).calibration
+        named = stored.settings_of(self.film).calibration
         files = [self.run_dir / named] if self.run_dir is not None and named is not None else []
         if self.fixture_dir is not None:
             files.append(self.fixture_dir / "calibration.nc")
@@ -191,7 +184,7 @@ class FigureSource:
     def group(self, name: str) -> xr.Dataset:
         """Read a group of the film into memory, once."""
         if name not in self._groups:
-            with open_film(self.film_path, group=name) as group:
+            with stored.open_film(self.film_path, group=name) as group:
                 self._groups[name] = group.load()
         return self._groups[name]
 
@@ -219,7 +212,7 @@ def _draw_ratio(source: FigureSource) -> AnyFigure:
     height = image_height(source.film, MAP_WIDTH * ONE_COLUMN) + _LABELS
     figure = given_figure(None, ONE_COLUMN, height, text=_LABELS, film=source.film)
     image = ratio_image(source.images, source.film, ax=figure.add_subplot())
-    image.axes.set_title(describe_trigger(source.film, source.trigger))
+    image.axes.set_title(stored.describe_trigger(source.film, source.trigger))
     return figure
 
 
@@ -340,7 +333,7 @@ def missing_figures(
     ...     list(missing_figures(write_example(f"{directory}/film.nc")))
     ['fixture_profile', 'processed_images', 'ratio_image']
     """
-    with open_film(film_path) as film:
+    with stored.open_film(film_path) as film:
         source = find_source(Path(film_path), film, None, run_dir, fixture_dir)
         reasons = {name: reason_missing(name, source) for name in DRAWN}
     return {name: reason for name, reason in reasons.items() if reason is not None}
@@ -355,8 +348,8 @@ def find_source(
 ) -> FigureSource:
     """Find the directories a film was made from; raises ErlifError if it has no such trigger."""
     if trigger is None:
-        trigger = fastest_trigger(film)
-    check_trigger(film, trigger)
+        trigger = stored.fastest_trigger(film)
+    stored.check_trigger(film, trigger)
     run = find_run(film_path, film, None if run_dir is None else Path(run_dir))
     fixture = find_fixture(film, run, None if fixture_dir is None else Path(fixture_dir))
     return FigureSource(film_path, film, trigger, run, fixture)
@@ -436,14 +429,12 @@ def write_figures(
     _refuse_unknown("figures as", formats, _KINDS)
     _refuse_unknown("names of figures among", only or (), DRAWN)
     if dpi is not None and not _DPI[0] <= dpi <= _DPI[1]:
-        raise OutputError(
-            f"Expected a resolution from {_DPI[0]} to {_DPI[1]} dpi; got {dpi:g}. Choose one."
-        )
+        raise refusal("resolution", least=_DPI[0], most=_DPI[1], dpi=dpi)
 
     report = choose_progress(progress)
     out_dir = Path(out_dir)
     written: list[Path] = []
-    with reading_film(film_path), open_film(film_path) as film, looks.in_style(style):
+    with stored.reading_film(film_path), stored.open_film(film_path) as film, looks.in_style(style):
         source = find_source(Path(film_path), film, trigger, run_dir, fixture_dir)
         source = replace(source, allow_outside=allow_outside)
         wanted = [name for name in DRAWN if only is None or name in only]
@@ -451,10 +442,7 @@ def write_figures(
         names = [name for name, reason in reasons.items() if reason is None]
         if only is not None and len(names) < len(wanted):
             missing = next(name for name in wanted if name not in names)
-            raise OutputError(
-                f"Expected a film that has the figure {missing}: {reasons[missing]}. Name others, "
-                "or none, to write what there is."
-            )
+            raise refusal("no_such_figure", missing=missing, reason=reasons[missing])
 
         # a film that lacks a part is refused before the first figure is written
         if "registration" in names:
@@ -465,7 +453,7 @@ def write_figures(
         # an existing file is found before the first figure is written, not after the ninth
         for name in names:
             for kind in formats:
-                refuse_existing(out_dir / f"{name}.{kind}", overwrite=overwrite)
+                stored.refuse_existing(out_dir / f"{name}.{kind}", overwrite=overwrite)
         for name, reason in reasons.items():
             if reason is not None:
                 logger.warning("figure %s left out: %s", name, reason)
@@ -482,6 +470,5 @@ def write_figures(
 def _refuse_unknown(what: str, names: Collection[str], known: Collection[str]) -> None:
     unknown = [name for name in names if name not in known]
     if unknown:
-        raise OutputError(
-            f"Expected {what} {', '.join(known)}; got {', '.join(unknown)}. Choose from these."
-        )
+        texts = {"known": ", ".join(known), "unknown": ", ".join(unknown)}
+        raise refusal("unknown_choice", what=what, **texts)

@@ -14,23 +14,13 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from erlif.core.arrays import Array
-from erlif.core.errors import ConfigError
 from erlif.io.files import settings_of
 from erlif.io.settings import SinusoidalSettings
 from erlif.models.mechanism import SliderCrank
 from erlif.pipeline.physics.joint import build_linkage
-from erlif.show.plots import style
+from erlif.show.plots import style, triggers
 from erlif.show.plots.style import COVERAGE, MEAN, MINIMUM, MUTED, ONE_COLUMN, AnyFigure, pt, styled
-from erlif.show.plots.triggers import (
-    choose_abscissa,
-    draw_strokes,
-    film_limits,
-    has_varying_speed,
-    in_order,
-    label_abscissa,
-    limit_to_turn,
-    state_no_film,
-)
+from erlif.show.refusals import refusal
 
 _CYCLE = np.linspace(0.0, 2 * math.pi, 721)  # crank angle every half degree [rad]
 _PANELS = (1.35, 1)  # heights of film and speed
@@ -68,10 +58,7 @@ def linkage_cycle(film: xr.Dataset) -> LinkageCycle:
     settings = settings_of(film)
     links, encoder = settings.linkage, settings.encoder
     if links is None or encoder is None:
-        raise ConfigError(
-            "Expected the film of a crank-rocker or a slider-crank; its settings have no linkage. "
-            "Use film_over_cycle."
-        )
+        raise refusal("no_linkage")
     mechanism, omega = build_linkage(links), links.crank_speed
     if isinstance(mechanism, SliderCrank):
         angle_of, speed_of = mechanism.coupler_angle, mechanism.joint_speed
@@ -147,8 +134,9 @@ def _draw_joint_speed(
 ) -> list[Artist]:
     """Draw the speed of the links at `place`, and of the triggers at `angle`, with both units."""
     curve = style.draw_line(ax, place, speed, MUTED, width=0.9, zorder=2)
-    points = draw_strokes(ax, film, angle, film.rocker_speed.values, zorder=3)
-    _draw_zero(ax, speed)
+    points = triggers.draw_strokes(ax, film, angle, film.rocker_speed.values, zorder=3)
+    if speed.min() < 0:  # the line between both directions, where there are two
+        ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
     ax.set_ylabel("joint speed [rad/s]")
 
     # the sliding speed is that of the surface of the pin, whose radius must be known
@@ -161,19 +149,10 @@ def _draw_joint_speed(
     return [*curve, *points]
 
 
-def _draw_zero(ax: Axes, speed: Array) -> None:
-    """Draw the line between both directions where there are two."""
-    if speed.min() < 0:
-        ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
-
-
 def _draw_sliding_speed(ax: Axes, film: xr.Dataset, *, against_position: bool) -> list[Artist]:
     """Draw the sliding speed, with the sign of the stroke, where there is no linkage."""
     if "sliding_speed" not in film:
-        raise ConfigError(
-            "Expected a film with a speed; this one has none. Add [mechanism] to run.toml, or a "
-            "column of the sliding speed to the log, and process the run again."
-        )
+        raise refusal("no_speed")
     speed = 1e3 * film.sliding_speed.values * (film.stroke.values if "stroke" in film else 1)
     slider = settings_of(film).mechanism
     artists: list[Artist] = []
@@ -185,13 +164,14 @@ def _draw_sliding_speed(ax: Axes, film: xr.Dataset, *, against_position: bool) -
         artists += style.draw_line(ax, *ellipse, MUTED, width=0.9, **look)
         x, label = film.position.values, "position from mid-stroke [mm]"
     else:
-        x, label, whole_turn = choose_abscissa(film)
+        x, label, whole_turn = triggers.choose_abscissa(film)
         if whole_turn:
-            limit_to_turn(ax)
+            triggers.limit_to_turn(ax)
 
-    artists += draw_strokes(ax, film, x, speed, zorder=3)
-    _draw_zero(ax, speed)
-    if not speed.min() < 0:
+    artists += triggers.draw_strokes(ax, film, x, speed, zorder=3)
+    if speed.min() < 0:
+        ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
+    else:
         ax.set_ylim(0, 1.1 * speed.max())  # whole markers
     ax.set(xlabel=label, ylabel="sliding speed [mm/s]")
     if against_position and "stroke" in film:
@@ -224,7 +204,7 @@ def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist
     cycle = linkage_cycle(film)
     angle = film.crank_angle.values
     artists = _draw_joint_speed(ax, film, angle, cycle.crank_angle, cycle.speed)
-    limit_to_turn(ax)
+    triggers.limit_to_turn(ax)
     ax.set_xlabel("crank angle [°]")
     return artists
 
@@ -251,27 +231,28 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     ('mean of the region', 'film thickness [µm]')
     """
     ax = style.given_or_new(ax, film)
-    along = choose_abscissa(film)
+    along = triggers.choose_abscissa(film)
     value = np.array([film[name].values for name in _STATISTICS])
     reach = COVERAGE * np.array([film[f"{name}_std"].values for name in _STATISTICS])
     artists: list[Artist] = []
     for film_of, half, (colour, dashes, label) in zip(value, reach, _LOOKS, strict=True):
-        for n, part in enumerate(in_order(film, along.values)):
+        for n, part in enumerate(triggers.in_order(film, along.values)):
             x, low, high = along.values[part], (film_of - half)[part], (film_of + half)[part]
             artists.append(style.draw_band(ax, x, low, high, colour))
             look = {"form": dashes, "width": 0.9, "label": label if n == 0 else None}  # one key
             artists += style.draw_line(ax, x, film_of[part], colour, **look)
-        draw_strokes(ax, film, along.values, film_of, colour=colour, markersize=pt(_MARKER))
+        points: dict[str, Any] = {"colour": colour, "markersize": pt(_MARKER)}
+        triggers.draw_strokes(ax, film, along.values, film_of, **points)
 
-    label_abscissa(ax, along)
+    triggers.label_abscissa(ax, along)
     ax.set_ylabel("film thickness [µm]")
 
     # the legend has room above all curves, because the thinnest films are at the dead points, close
     # to the lower edge
-    low, high = film_limits(np.concatenate([value - reach, value + reach]))
+    low, high = triggers.film_limits(np.concatenate([value - reach, value + reach]))
     ax.set_ylim(low, high + style.room_for(ax, _LEGEND) * (high - low))
     if not np.isfinite(value).any():
-        state_no_film(ax, film)
+        triggers.state_no_film(ax, film)
         return artists
 
     # a band hidden by the markers is not announced as one
@@ -300,7 +281,7 @@ def cycle_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFig
     >>> [ax.get_ylabel() for ax in figure.axes]
     ['film thickness [µm]', 'joint speed [rad/s]']
     """
-    if not has_varying_speed(film):
+    if not triggers.has_varying_speed(film):
         figure = style.given_figure(figure, film=film)
         film_over_cycle(film, ax=figure.add_subplot())
         return figure

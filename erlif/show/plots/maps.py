@@ -11,11 +11,11 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap, to_rgba
+from matplotlib.colors import ListedColormap
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 
-from erlif.core.arrays import Array, FlagImage, Mask
+from erlif.core.arrays import AnyArray, Array, FlagImage, Mask
 from erlif.core.flags import Flag, describe_share
 from erlif.io.files import axis_labels as axis_labels
 from erlif.io.files import check_trigger, describe_trigger, region_of, settings_of
@@ -33,7 +33,7 @@ _EVERY = 3  # the limits need no more than every third pixel along each axis
 _LEAST_SPAN = 1e-3  # um; a map of even thickness still needs a colour scale
 _SHEET_COLUMNS = (7, 10)  # fewest and most maps in a row of a sheet
 _SHEET_MOST = 60  # maps on one sheet; with more triggers, evenly chosen ones are shown
-_SHEET_PIXELS = 240  # along x of a map on a sheet, about what 300 dpi resolve
+_PIXELS = 240  # along x of a small map, about what 300 dpi and the frame of a movie resolve
 _WIDE = 0.43  # of two columns, for a map beside its profile
 _AROUND = 1.05  # inch above and below it, for title, labels and legend
 _LABELS = 0.75  # inch above and below a single map
@@ -50,6 +50,12 @@ def common_limits(film: xr.Dataset, triggers: Iterable[int] | None = None) -> Li
     samples = [film.thickness.isel(trigger=k).values[::_EVERY, ::_EVERY].ravel() for k in chosen]
     low, high = style.colour_limits(np.concatenate(samples))
     return low, max(high, low + _LEAST_SPAN)
+
+
+def thin_map(film: xr.Dataset, trigger: int) -> AnyArray:
+    """Map of one trigger, thinned to what a sheet or a movie has room for. [um]"""
+    every = max(1, film.sizes["x"] // _PIXELS)
+    return np.asarray(film.thickness.isel(trigger=trigger).values[::every, ::every])
 
 
 def pixel_edges(film: xr.Dataset) -> tuple[float, float, float, float]:
@@ -171,9 +177,8 @@ def first_flag(flags: FlagImage) -> FlagImage:
 
 
 def flag_swatch(flag: Flag) -> str:
-    """Write the colour of a flag as a web page does."""
-    red, green, blue, _ = (round(255 * part) for part in to_rgba(style.FLAG_COLOURS[flag]))
-    return f"#{red:02x}{green:02x}{blue:02x}"
+    """Colour of a flag as web pages write it."""
+    return style.FLAG_COLOURS[flag].lower()
 
 
 def _draw_flags(ax: Axes, flags: FlagImage, film: xr.Dataset) -> list[Artist]:
@@ -460,9 +465,7 @@ def best_columns(sizes: list[int]) -> int:
 
 def _draw_small_map(ax: Axes, film: xr.Dataset, trigger: int, limits: Limits) -> AxesImage:
     """Draw one map of a sheet, thinned to the resolution of print."""
-    one = film.isel(trigger=trigger)
-    every = max(1, film.sizes["x"] // _SHEET_PIXELS)
-    values = one.thickness.values[::every, ::every]
+    values = thin_map(film, trigger)
     colours = style.colour_map("batlow", bad=style.FLAGGED)
     ends: dict[str, Any] = {"vmin": limits[0], "vmax": limits[1]}
     image = ax.imshow(values, cmap=colours, extent=pixel_edges(film), **ends)

@@ -19,22 +19,21 @@ from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from PIL import Image
 
-from erlif.core.arrays import AnyArray
-from erlif.core.errors import OutputError
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.io.files import describe_trigger, open_film, refuse_existing, replacing
+from erlif.show.plots import maps
 from erlif.show.plots import style as looks
 from erlif.show.plots.kinematics import film_over_cycle
-from erlif.show.plots.maps import common_limits, figure_of_maps, joint_image, sheet_groups
+from erlif.show.plots.maps import joint_image, sheet_groups, thin_map
 from erlif.show.plots.mechanism import MechanismView, draw_mechanism
 from erlif.show.plots.style import MEAN, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
 from erlif.show.plots.triggers import choose_abscissa
+from erlif.show.refusals import refusal
 
 MOST_FRAMES = 60
 """Frames of a movie at most; of more triggers, evenly chosen ones are shown."""
 
 _WIDTH = 960  # pixels of a frame
-_PIXELS = 240  # along x of a map, about what the frame has room for
 _MAP = 0.46  # width of the map in the figure
 _AROUND = 1.0  # inch above and below the map
 _LEAST = 2.6  # inch, height of a frame
@@ -82,12 +81,6 @@ class CycleView:
             self.mechanism.show(trigger)
 
 
-def thin_map(film: xr.Dataset, trigger: int) -> AnyArray:
-    """Map of one trigger, thinned to what a frame has room for. [um]"""
-    every = max(1, film.sizes["x"] // _PIXELS)
-    return np.asarray(film.thickness.isel(trigger=trigger).values[::every, ::every])
-
-
 def order_of_cycle(film: xr.Dataset) -> list[int]:
     """Triggers of a movie in the order of the cycle, outward stroke first.
 
@@ -123,13 +116,13 @@ def cycle_view(film: xr.Dataset, *, trigger: int, figure: AnyFigure | None = Non
     chosen, total = order_of_cycle(film), film.sizes["trigger"]
     more = "" if len(chosen) == total else f"{len(chosen)} of {total} triggers"
     sizes = {"width": _MAP, "around": _AROUND, "least": _LEAST}
-    figure = figure_of_maps(figure, film, more=more, **sizes)
+    figure = maps.figure_of_maps(figure, film, more=more, **sizes)
     panels = figure.subplot_mosaic("am;af", width_ratios=(1.2, 1), height_ratios=(1, 1.3))
     mechanism = draw_mechanism(film, trigger=trigger, ax=panels["m"])
     if mechanism is None:
         panels["m"].remove()
 
-    limits = common_limits(film, chosen[:: max(1, len(chosen) // 12)])
+    limits = maps.common_limits(film, chosen[:: max(1, len(chosen) // 12)])
     ax = panels["a"]
     image = joint_image(ax, film, thin_map(film, trigger), limits)
     looks.add_colour_bar(image, ax, "film thickness [µm]\ngrey: flagged")
@@ -205,20 +198,11 @@ def cycle_movie(
 def check_movie(path: Path, speed: float, suffixes: Sequence[str]) -> None:
     """Refuse a movie of another format or speed, and MP4 without the program that encodes it."""
     if path.suffix not in suffixes:
-        raise OutputError(
-            f"Expected a name in {' or '.join(suffixes)} for the movie; got {path.name}. "
-            "Name it so."
-        )
+        raise refusal("movie_format", known=" or ".join(suffixes), name=path.name)
     if not _SPEED[0] <= speed <= _SPEED[1]:
-        raise OutputError(
-            f"Expected a movie of {_SPEED[0]:g} to {_SPEED[1]:g} frames per second; got "
-            f"{speed:g}. Choose a speed between them."
-        )
+        raise refusal("movie_speed", least=_SPEED[0], most=_SPEED[1], speed=speed)
     if path.suffix == ".mp4" and shutil.which("ffmpeg") is None:
-        raise OutputError(
-            "Expected the program ffmpeg for a movie in MP4; it is not installed. Install it, or "
-            "write a GIF with a name that ends in .gif."
-        )
+        raise refusal("no_ffmpeg")
 
 
 def write_pictures(frames: list[Image.Image], path: Path, speed: float) -> Path:
@@ -290,8 +274,5 @@ def _encode_mp4(frames: list[Image.Image], speed: float) -> bytes:
     done = subprocess.run([*command, "-f", "mp4", "-"], input=pixels, capture_output=True)
     if done.returncode != 0 or not done.stdout:
         reason = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no reason"]
-        raise OutputError(
-            f"Expected ffmpeg to encode the movie; it gave: {reason[0]}. Install an ffmpeg with "
-            "libx264, or write a GIF with a name that ends in .gif."
-        )
+        raise refusal("ffmpeg_failed", reason=reason[0])
     return done.stdout

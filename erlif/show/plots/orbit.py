@@ -13,17 +13,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Ellipse
 
 from erlif.core.arrays import Array, Mask
-from erlif.core.errors import ConfigError
-from erlif.show.plots import style
+from erlif.show.plots import style, triggers
 from erlif.show.plots.style import COVERAGE, MEAN, MINIMUM, MUTED, ONE_COLUMN, AnyFigure, pt, styled
-from erlif.show.plots.triggers import (
-    broken,
-    choose_abscissa,
-    draw_strokes,
-    in_order,
-    label_abscissa,
-    stroke_looks,
-)
+from erlif.show.refusals import refusal
 
 # std; radii of an ellipse that covers 95 % of a normal distribution in two dimensions
 _RADII = math.sqrt(-2 * math.log(0.05))
@@ -152,18 +144,18 @@ def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """
     _require_position(film)
     ax = style.given_or_new(ax, film)
-    abscissa = choose_abscissa(film)
+    abscissa = triggers.choose_abscissa(film)
     curvature, std = film.film_curvature.values, film.film_curvature_std.values
     # fifty bars stand side by side
     look: dict[str, Any] = {"elinewidth": pt(0.5), "capsize": 0, "markersize": pt(_MARKER)}
-    artists = draw_strokes(ax, film, abscissa.values, curvature, COVERAGE * std, **look)
+    artists = triggers.draw_strokes(ax, film, abscissa.values, curvature, COVERAGE * std, **look)
 
-    stretches = in_order(film, abscissa.values)
+    stretches = triggers.in_order(film, abscissa.values)
     expected = film.film_curvature_expected.values
-    x, y = broken(stretches, abscissa.values), broken(stretches, expected)
+    x, y = triggers.broken(stretches, abscissa.values), triggers.broken(stretches, expected)
     look = {"form": _DASHES, "label": "circles of the radii; bars: 95 %", "zorder": 1.5}
     artists += style.draw_line(ax, x, y, MINIMUM, **look)
-    label_abscissa(ax, abscissa)
+    triggers.label_abscissa(ax, abscissa)
     ax.set_ylabel("curvature [µm/mm²]")
     style.legend_above(ax, ncols=2)
     return artists
@@ -193,7 +185,7 @@ def pin_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigur
     style.letter_panels(*panels)
 
     # the strokes look alike in all panels
-    strokes = {str(look["label"]) for _, look in stroke_looks(film)}
+    strokes = {str(look["label"]) for _, look in triggers.stroke_looks(film)}
     for ax in panels[1:]:
         legend = ax.get_legend()
         assert legend is not None
@@ -206,10 +198,7 @@ def pin_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigur
 
 def _require_position(film: xr.Dataset) -> None:
     if not has_position(film):
-        raise ConfigError(
-            "Expected a film with the position of the pin at two triggers or more; this one has "
-            "none. Give [joint] in run.toml and process the run again."
-        )
+        raise refusal("no_position")
 
 
 def _displacements(film: xr.Dataset) -> tuple[Array, Array, Mask]:
@@ -221,7 +210,7 @@ def _displacements(film: xr.Dataset) -> tuple[Array, Array, Mask]:
 
 def _draw_points(ax: Axes, film: xr.Dataset, x: Array, y: Array, known: Mask) -> list[Artist]:
     """Draw the triggers, small enough to lie side by side."""
-    return draw_strokes(ax, film, x, y, which=known, markersize=pt(_MARKER), zorder=3)
+    return triggers.draw_strokes(ax, film, x, y, which=known, markersize=pt(_MARKER), zorder=3)
 
 
 def _around(values: Array) -> tuple[float, float]:

@@ -10,22 +10,14 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from erlif.core.arrays import Array, Image
-from erlif.core.errors import ConfigError
 from erlif.io.files import check_trigger, describe_trigger, settings_of
 from erlif.pipeline.physics.predict import spread_over_image
 from erlif.pipeline.physics.prediction import film_along_sliding, places_along_sliding
 from erlif.prediction import speed_correlation
-from erlif.show.plots import style
+from erlif.show.plots import style, triggers
 from erlif.show.plots.maps import common_limits, figure_of_maps, joint_image, state_reason
 from erlif.show.plots.style import MINIMUM, OUTWARD, TWO_COLUMNS, AnyFigure, pt, styled
-from erlif.show.plots.triggers import (
-    broken,
-    choose_abscissa,
-    draw_strokes,
-    find_gaps,
-    in_order,
-    limit_to_turn,
-)
+from erlif.show.refusals import refusal
 from erlif.trend import find_region
 
 _TALL = 0.36  # height by width of the two panels over cycle and run
@@ -69,16 +61,16 @@ def film_and_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     """
     _require_prediction(film)
     ax = style.given_or_new(ax, film)
-    angle, label, _ = choose_abscissa(film)
+    angle, label, _ = triggers.choose_abscissa(film)
     artists = _draw_measured(ax, film, angle)
 
     # no line crosses a dead point, nor leads back from the end of a turn to its start
-    stretches = in_order(film, angle)
-    x, y = broken(stretches, angle), broken(stretches, film.film_predicted_min.values)
+    stretches = triggers.in_order(film, angle)
+    x, y = (triggers.broken(stretches, each) for each in (angle, film.film_predicted_min.values))
     held = str(film.film_theory.attrs["regime"]).removeprefix("transient Reynolds, ")
     artists += style.draw_line(ax, x, y, label=f"predicted, {held}", **_PREDICTED)
 
-    limit_to_turn(ax)
+    triggers.limit_to_turn(ax)
     _finish(ax, label)
     return artists
 
@@ -115,8 +107,8 @@ def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes | None = Non
     mean = np.bincount(trigger, turns, minlength=number)[:number] / count
     artists = _draw_measured(ax, film, mean)
     order = np.argsort(turns, kind="stable")
-    stretches = np.split(order, np.flatnonzero(find_gaps(turns[order])) + 1)
-    x, y = (broken(stretches, each) for each in (turns, frames.film_predicted_min.values))
+    stretches = np.split(order, np.flatnonzero(triggers.find_gaps(turns[order])) + 1)
+    x, y = (triggers.broken(stretches, each) for each in (turns, frames.film_predicted_min.values))
     artists += style.draw_line(ax, x, y, label="predicted", **_PREDICTED)
     _finish(ax, "turns of the crank [1]")
     return artists
@@ -126,7 +118,7 @@ def _draw_measured(ax: Axes, film: xr.Dataset, x: Array) -> list[Artist]:
     """Draw the measured minima with their standard deviations, by stroke."""
     value, std = film.film_min.values, film.film_min_std.values
     look: dict[str, Any] = {"elinewidth": pt(0.7), "zorder": 3}
-    return draw_strokes(ax, film, x, value, std, colour=MINIMUM, label="measured", **look)
+    return triggers.draw_strokes(ax, film, x, value, std, colour=MINIMUM, label="measured", **look)
 
 
 def _finish(ax: Axes, label: str) -> None:
@@ -255,7 +247,4 @@ def prediction_map_figure(
 
 def _require_prediction(film: xr.Dataset) -> None:
     if not has_prediction(film):
-        raise ConfigError(
-            "Expected a film with a prediction; this one has none. Give [mechanism] of kind "
-            '"crank-rocker", [joint] and [oil] in run.toml and process the run again.'
-        )
+        raise refusal("no_prediction")

@@ -17,11 +17,11 @@ from erlif.show.plots.style import MUTED, OUTWARD, RETURN, TWO_COLUMNS, AnyFigur
 from erlif.show.plots.triggers import broken
 
 _LEAST_REACH = 1e-3  # px; a constant displacement still needs a colour scale
+# masks whose edges are drawn, with colour and label
 _EDGES = {
     "overlap": ("black", "edge of the overlap"),
     "poor": ("#E4002B", "edge of poor registration"),
 }
-"""Masks whose edges are drawn, with colour and label."""
 _WIDE = 0.36  # of two columns, for one of two images beside their colour bars
 _DRIFT, _AROUND = 1.5, 0.95  # inch for the drift, and for titles and labels
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from erlif.core.units import count_of
+
 
 def render_budget(budget: xr.Dataset) -> str:
     """Write a budget as a table in Markdown, in nanometres.
@@ -42,10 +44,10 @@ def render_budget(budget: xr.Dataset) -> str:
     | **total** | **12** |  |
     """
     titles = [str(title) for title in budget.quantity.values]
-    count = int(budget.attrs["frames"])
+    count = count_of(int(budget.attrs["frames"]), "frame pair")
+    place = f"{budget.attrs['run']}, trigger {budget.attrs['trigger']}, {count}"
     lines = [
-        f"Standard deviations in nm: {budget.attrs['run']}, trigger {budget.attrs['trigger']}, "
-        f"{count} frame {'pair' if count == 1 else 'pairs'}.",
+        f"Standard deviations in nm: {place}.",
         "",
         f"| term | {' | '.join(titles)} | kind |",
         f"|---|{'---:|' * len(titles)}---|",

@@ -54,12 +54,7 @@ def caption_of(name: str, film: xr.Dataset) -> Caption:
         comment = str(film["film_regime_map"].attrs.get("comment", ""))
         return replace(caption, text=f"{caption.text} {_explain_steady(film, comment)}".rstrip())
     if name == "thickness_map" and settings.joint is None:
-        text = caption.text.replace(
-            ", with the gap of rigid bodies h = h_min + x²/2R fitted to it. (c) Difference of the "
-            "two.",
-            ".",
-        )
-        return replace(caption, text=text)
+        return CAPTIONS["thickness_map_without_joint"]
     if name == "film_against_speed" and "film_theory" not in film:
         text = caption.text.replace("(a) ", "").partition(" (b)")[0]
         return replace(caption, text=text)
@@ -70,10 +65,9 @@ def caption_of(name: str, film: xr.Dataset) -> Caption:
 
     # without a linkage there may be neither strokes nor a speed
     if name == "speed_against_angle":
-        strokes = "filled circles where the position rises, open squares where it falls."
-        points = f" The points are the triggers: {strokes}" if "stroke" in film else ""
-        text = f"Speed of the moving surface against the one at rest.{points}"
-        return replace(caption, title="Sliding speed", text=text)
+        sliding = CAPTIONS["sliding_speed"]
+        text = sliding.text if "stroke" in film else sliding.text.partition(" The points")[0]
+        return replace(sliding, text=text)
     if name == "film_over_cycle":
         dotted = " Dotted: the slider turns back." if "position" in film else ""
         if has_varying_speed(film):

@@ -9,7 +9,7 @@ from pathlib import Path
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Level
 from erlif.core.units import count_of
 from erlif.core.version import __version__
 from erlif.review.audit import Audit
@@ -68,23 +68,17 @@ def _findings(audit: Audit) -> Markup:
     """Verdict, then errors, warnings and notes; the pairs have a table of their own."""
     counted = Counter(note.level for note in audit.notes)
     errors, warnings = counted[Level.ERROR], counted[Level.WARNING]
+    pairs = [note for note in audit.notes if (note.level, note.subject) == (Level.NOTE, "pairs")]
     tables = []
     for level, title in _TITLES.items():
-        notes = [note for note in audit.notes if note.level is level and not _is_pair(note)]
-        tables.append(
-            layout.Table(
-                [(note.subject, layout.print_units(note.text)) for note in notes], (), title
-            )
-        )
+        notes = [note for note in audit.notes if note.level is level and note not in pairs]
+        rows = [(note.subject, layout.print_units(note.text)) for note in notes]
+        tables.append(layout.Table(rows, (), title))
     return layout.render(
         "findings.html",
         verdict=f"{count_of(errors, 'error')}, {count_of(warnings, 'warning')}.",
         findings=[one for one in tables if one.rows],
     )
-
-
-def _is_pair(note: Note) -> bool:
-    return note.level is Level.NOTE and note.subject == "pairs"
 
 
 def _pair_table(audit: Audit) -> Markup:

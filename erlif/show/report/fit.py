@@ -7,9 +7,9 @@ import numpy as np
 from erlif.prediction import Comparison, Estimate
 from erlif.show.report.layout import TABLES
 
+# residuals over the stated errors up to which a scaled standard deviation is one of the fit; above
+# it the model is wrong, and the scatter about it is not an error of its parameters
 _DESCRIBED = 5.0
-"""Residuals over the stated errors up to which a scaled standard deviation is one of the fit; above
-it the model is wrong, and the scatter about it is not an error of its parameters."""
 
 
 def summarise_comparison(found: Comparison) -> str:

@@ -5,29 +5,21 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import xarray as xr
 from markupsafe import Markup
 
 from erlif.calibration import calibration_of
 from erlif.core.arrays import Array
-from erlif.core.errors import ErlifError
 from erlif.core.notes import split_notes
 from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.core.version import __version__
-from erlif.io.files import (
-    describe_trigger,
-    fastest_trigger,
-    flag_shares,
-    open_film,
-    reading_film,
-    refuse_existing,
-    settings_of,
-    takes,
-)
+from erlif.io import files
 from erlif.show.plots.files import DRAWN, FigureSource, find_source, reason_missing
 from erlif.show.plots.prediction import has_prediction, predicted_map
 from erlif.show.plots.style import in_style
+from erlif.show.refusals import refusal
 from erlif.show.report import layout, tables
 from erlif.show.report.captions import caption_of
 from erlif.show.report.maps import embed_map
@@ -46,7 +38,7 @@ _LESS = 0.97  # of the room that was exceeded, in another attempt
 _OF_ONE_TRIGGER = ("processed_images", "ratio_image", "thickness_map", "prediction_map")
 
 
-@takes(film_path="film file", out_path="path")
+@files.takes(film_path="film file", out_path="path")
 def write_report(
     film_path: str | Path,
     out_path: str | Path,
@@ -110,10 +102,10 @@ def write_report(
     report = choose_progress(progress)
     check_size(max_size)
     out_path = Path(out_path)
-    refuse_existing(out_path, overwrite=overwrite)
-    with reading_film(film_path), open_film(film_path) as film:
+    files.refuse_existing(out_path, overwrite=overwrite)
+    with files.reading_film(film_path), files.open_film(film_path) as film:
         chosen = _check_range(film, triggers)
-        opening = chosen[fastest_trigger(film.isel(trigger=slice(chosen[0], chosen[-1] + 1)))]
+        opening = chosen[files.fastest_trigger(film.isel(trigger=slice(chosen[0], chosen[-1] + 1)))]
         source = find_source(Path(film_path), film, opening, run_dir, fixture_dir)
         source = replace(source, allow_outside=allow_outside)
         text = _make_page(source, chosen, max_size, report)
@@ -123,10 +115,7 @@ def write_report(
 def check_size(max_size: float) -> None:
     """Refuse a size that is too small for a page, in MB."""
     if not max_size >= _LEAST_SIZE:
-        raise ErlifError(
-            f"Expected a page of {_LEAST_SIZE:g} MB or more; got {max_size:g} MB. Give a larger "
-            "size with --max-size."
-        )
+        raise refusal("page_size", least=_LEAST_SIZE, max_size=max_size)
 
 
 def _check_range(film: xr.Dataset, triggers: tuple[int, int] | None) -> range:
@@ -134,17 +123,14 @@ def _check_range(film: xr.Dataset, triggers: tuple[int, int] | None) -> range:
     count = film.sizes["trigger"]
     first, last = (0, count - 1) if triggers is None else triggers
     if not 0 <= first <= last < count:
-        raise ErlifError(
-            f"Expected triggers from 0 to {count - 1}, the first before the last; got {first}-"
-            f"{last}. Choose them with --triggers."
-        )
+        raise refusal("no_triggers", most=count - 1, first=first, last=last)
     return range(first, last + 1)
 
 
 def _make_page(source: FigureSource, triggers: range, max_size: float, progress: Progress) -> str:
     """Compose the sections, the embedded maps, the style and the script."""
     film, limit = source.film, _PER_MB * max_size
-    shares = flag_shares(film)
+    shares = files.flag_shares(film)
     summary = _summary_section(source, shares)
     figures = figures_section(source, progress, room=_FIGURES * limit)
     table = tables.trigger_section(film, shares[:, 0], most=_TABLE * limit)
@@ -153,22 +139,16 @@ def _make_page(source: FigureSource, triggers: range, max_size: float, progress:
     # what is left belongs to the maps; their size is measured, and fewer are kept if it is large
     others = sum(len(text.encode()) for text in (summary, figures, table, provenance))
     room = allowed = limit - others - _FRAME
+    thickest, opening = calibration_of(film).thickness_range[1], source.trigger
     while True:
-        kept = choose_maps(
-            film,
-            room=room,
-            thickest=calibration_of(film).thickness_range[1],
-            opening=source.trigger,
-            triggers=triggers,
-        )
+        kept = choose_maps(film, room=room, thickest=thickest, opening=opening, triggers=triggers)
         embedded = _embedded_maps(film, kept, progress)
         if len(embedded) <= allowed or len(kept.triggers) == 1:
             break
         room *= _LESS * allowed / len(embedded)
 
-    viewer = viewer_section(
-        film, kept.coding, triggers=kept.triggers, opening=source.trigger, limit=max_size
-    )
+    shown: dict[str, Any] = {"triggers": kept.triggers, "opening": opening, "limit": max_size}
+    viewer = viewer_section(film, kept.coding, **shown)
     sections = [
         ("summary", "Summary", summary),
         ("viewer", "Film maps", viewer),
@@ -188,7 +168,7 @@ def _make_page(source: FigureSource, triggers: range, max_size: float, progress:
     )
     return layout.compose_page(
         sections,
-        name=settings_of(film).name,
+        name=files.settings_of(film).name,
         subject="oil-film thickness",
         subtitle=f"Oil-film thickness from two-camera fluorescence, erlif {version}",
         after=scripts,
@@ -245,7 +225,7 @@ def figures_section(
             missing.append((caption.title, reason))
             continue
         if name in _OF_ONE_TRIGGER:
-            trigger = describe_trigger(source.film, source.trigger).capitalize()
+            trigger = files.describe_trigger(source.film, source.trigger).capitalize()
             caption = replace(caption, text=f"{trigger}. {caption.text}")
         with in_style(None):
             parts.append(layout.embed_figure(name, draw(source), caption))

@@ -10,7 +10,7 @@ from erlif.core.notes import join_notes
 from erlif.io.files import settings_of
 from erlif.pipeline.physics.prediction import describe_sideways, note_difference
 from erlif.prediction import speed_correlation
-from erlif.show.report.layout import print_rows
+from erlif.show.report.layout import TABLES, print_rows
 
 
 def describe_correlations(film: xr.Dataset) -> str:
@@ -42,7 +42,7 @@ def carrying_sentences(film: xr.Dataset) -> list[str]:
     options = settings_of(film).prediction
     lines = [
         f"Assumed: {describe_sideways(options)} ([prediction]).",
-        _carried_by(options.sideways),
+        TABLES["carried"].get(str(options.sideways), TABLES["carried"]["held"]),
     ]
     off = _differences(film)
     if off.size:
@@ -53,24 +53,6 @@ def carrying_sentences(film: xr.Dataset) -> list[str]:
         "fits the viscosity."
     )
     return lines
-
-
-def _carried_by(sideways: str | float) -> str:
-    """The physics of a film that starts and stops, by the freedom of the pin."""
-    if sideways == "free":
-        return (
-            "A free pin swings with half the bushing, so that no oil is carried into the gap: "
-            "squeeze carries the film, and the pin sinks from turn to turn."
-        )
-    if sideways == "guided":
-        return (
-            "A guided pin stays on the load line: cavities form in the widening part of the gap, "
-            "so that the wedge carries, and the film repeats from turn to turn."
-        )
-    return (
-        "The film lies between that of a free pin, which squeeze carries and which sinks, and that "
-        "of a guided one, in which cavities let the wedge carry."
-    )
 
 
 def _differences(film: xr.Dataset) -> Array:

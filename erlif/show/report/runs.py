@@ -15,18 +15,8 @@ from erlif.core.errors import ErlifError
 from erlif.core.notes import Level, split_notes
 from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.version import __version__
+from erlif.io import files
 from erlif.io.conversion import table_csv
-from erlif.io.files import (
-    describe_trigger,
-    fastest_trigger,
-    flag_shares,
-    label_films,
-    open_film,
-    reading_film,
-    refuse_existing,
-    refuse_repeated,
-    settings_of,
-)
 from erlif.review.comparison import compare
 from erlif.show.plots.comparison import comparison_figure
 from erlif.show.plots.maps import common_limits, thickness_map
@@ -81,20 +71,20 @@ def write_runs_report(
     report = choose_progress(progress)
     check_size(max_size)
     out_path = Path(out_path)
-    refuse_existing(out_path, overwrite=overwrite)
+    files.refuse_existing(out_path, overwrite=overwrite)
     # the numbers of all runs come first: one colour scale for all maps needs their limits
     paths = [Path(path) for path in film_paths]
-    refuse_repeated(paths)
+    files.refuse_repeated(paths)
     rows, numbers, limits = [], [], []
     for done, path in enumerate(paths):
-        with reading_film(path), open_film(path) as film:
+        with files.reading_film(path), files.open_film(path) as film:
             cells, values = _describe_run(film)
-            limits.append(common_limits(film, [fastest_trigger(film)]))
+            limits.append(common_limits(film, [files.fastest_trigger(film)]))
         rows.append(cells)
         numbers.append(values)
         report("films", done + 1, len(paths))
 
-    labels = label_films([values["run"] for values in numbers], paths)
+    labels = files.label_films([values["run"] for values in numbers], paths)
     for cells, values, label in zip(rows, numbers, labels, strict=True):
         cells[0] = values["run"] = label
 
@@ -122,7 +112,7 @@ def write_runs_report(
 
 def _describe_run(film: xr.Dataset) -> tuple[list[str], dict[str, Any]]:
     """Cells of the table, and the same numbers with more digits."""
-    settings, fastest = settings_of(film), fastest_trigger(film)
+    settings, fastest = files.settings_of(film), files.fastest_trigger(film)
     oil = "" if settings.oil is None else settings.oil.name or ""
     unknown = np.array([np.nan])
     load = film["load"].values if "load" in film else unknown
@@ -145,7 +135,7 @@ def _describe_run(film: xr.Dataset) -> tuple[list[str], dict[str, Any]]:
     power, std = (float(film[name]) if name in film else math.nan for name in names)
     values |= {f"{name} [1]": value for name, value in zip(names, (power, std), strict=True)}
 
-    valid, triggers = float(flag_shares(film)[:, 0].mean()), film.sizes["trigger"]
+    valid, triggers = float(files.flag_shares(film)[:, 0].mean()), film.sizes["trigger"]
     notes = set(split_notes(str(film.attrs.get("notes", ""))))
     warnings = sum(level is Level.WARNING for level, _ in notes)
     values |= {"valid share [1]": valid, "triggers": triggers, "warnings": warnings}
@@ -183,7 +173,7 @@ def _map_section(
     """Maps of the runs on one colour scale, as many as there is room for."""
     parts: list[layout.PageFigure] = []
     for done, path in enumerate(paths):
-        with reading_film(path), open_film(path) as film:
+        with files.reading_film(path), files.open_film(path) as film:
             part = _draw_map(film, labels[done], done, limits)
         room -= len((part.source + part.text).encode())
         if room < 0:
@@ -204,8 +194,8 @@ def _draw_map(
     film: xr.Dataset, label: str, number: int, limits: tuple[float, float]
 ) -> layout.PageFigure:
     """The map of a run at its fastest trigger."""
-    trigger = fastest_trigger(film)
-    text = f"{describe_trigger(film, trigger).capitalize()}."
+    trigger = files.fastest_trigger(film)
+    text = f"{files.describe_trigger(film, trigger).capitalize()}."
     with in_style(None):
         image = thickness_map(film, trigger=trigger, limits=limits)
         caption = Caption(label, text, "png", 110)

@@ -114,13 +114,12 @@ def _describe_pin(film: xr.Dataset) -> str:
     if "pin_displacement" not in film or not np.isfinite(film.pin_displacement.values).any():
         return ""
     std = np.sqrt(np.diagonal(film.pin_position_cov.values, axis1=1, axis2=2))
-    ways = zip(
-        film.pin_displacement.values.T, std[:, :2].T, ("towards the load", "sideways"), strict=True
-    )
-    return ", ".join(
-        f"{np.nanmin(place):.2f} to {np.nanmax(place):.2f} ± {np.nanmax(error):.2f} um {where}"
-        for place, error, where in ways
-    )
+    texts = []
+    for k, where in enumerate(("towards the load", "sideways")):
+        place, error = film.pin_displacement.values[:, k], np.nanmax(std[:, k])
+        low, high = np.nanmin(place), np.nanmax(place)
+        texts.append(f"{low:.2f} to {high:.2f} ± {error:.2f} um {where}")
+    return ", ".join(texts)
 
 
 def _describe_statistic(film: xr.Dataset, variable: str) -> str:

@@ -12,18 +12,9 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import AnyArray, FlagImage, Image
-from erlif.core.errors import ErlifError, FrameError
-from erlif.io.files import (
-    check_trigger,
-    describe_trigger,
-    label_films,
-    motion_of,
-    open_film,
-    reading_film,
-    region_of,
-    settings_of,
-)
+from erlif.io import files
 from erlif.io.settings import RegionOfInterest
+from erlif.show.refusals import refusal
 from erlif.show.view.layers import LAYERS
 
 KEPT = 96 * 2**20
@@ -66,12 +57,12 @@ class FilmReader:
     def __init__(self, path: Path, run_dir: Path | None = None) -> None:
         self.path = path
         """File of the film."""
-        self.film: xr.Dataset = open_film(path)
+        self.film: xr.Dataset = files.open_film(path)
         """The film; its maps are not in memory."""
-        settings = settings_of(self.film)
+        settings = files.settings_of(self.film)
         self.name = settings.name
         """Name of the run, as the settings state it; `open_films` adds what distinguishes films."""
-        self.region: RegionOfInterest = region_of(self.film)
+        self.region: RegionOfInterest = files.region_of(self.film)
         """Region of interest that the film was made with."""
         self.run_dir = _find_run(path, run_dir)
         """Run directory; None where it is not known."""
@@ -104,9 +95,9 @@ class FilmReader:
 
     def describe(self, trigger: int) -> str:
         """Describe a trigger in one line with its crank angle, as far as they are known."""
-        check_trigger(self.film, trigger)
-        text = describe_trigger(self._numbers, trigger)
-        if "crank_angle" in self._numbers and motion_of(self.film) != "rotation":
+        files.check_trigger(self.film, trigger)
+        text = files.describe_trigger(self._numbers, trigger)
+        if "crank_angle" in self._numbers and files.motion_of(self.film) != "rotation":
             text += f", crank at {float(self._numbers.crank_angle[trigger]):.1f}°"
         return text
 
@@ -131,13 +122,11 @@ class FilmReader:
         ErlifError
             If there is no such layer or trigger, or if the run cannot be read.
         """
-        check_trigger(self.film, trigger)
+        files.check_trigger(self.film, trigger)
         if layer in _IMAGES:
             return self._restore(layer, trigger)
         if layer not in LAYERS:
-            raise ErlifError(
-                f"Expected a layer of {', '.join(LAYERS)}; got {layer!a}. Choose one of them."
-            )
+            raise refusal("no_layer", known=", ".join(LAYERS), layer=layer)
         flags = self._read(("flags", trigger))
         return self._read((layer, trigger)), flags
 
@@ -146,7 +135,7 @@ class FilmReader:
         found = self._find(key)
         if found is None:
             name, trigger = key
-            with reading_film(self.path):
+            with files.reading_film(self.path):
                 found = self.film[name].isel(trigger=trigger).values
             self._keep(key, found)
         return found
@@ -154,10 +143,7 @@ class FilmReader:
     def _restore(self, layer: str, trigger: int) -> tuple[Image, FlagImage]:
         """A layer that is computed from the frames."""
         if self.run_dir is None:
-            raise FrameError(
-                f"Expected the run of {self.path.name} to compute its images; there is no run.toml "
-                "beside it. Name its directory with --run-dir."
-            )
+            raise refusal("no_run", name=self.path.name)
         # one computation at a time: a second request for the same trigger finds it finished
         with self._computing:
             found = self._find((layer, trigger))
@@ -200,10 +186,7 @@ def _find_run(path: Path, run_dir: Path | None) -> Path | None:
         beside = path.resolve().parent
         return beside if (beside / "run.toml").is_file() else None
     if not (run_dir / "run.toml").is_file():
-        raise FrameError(
-            f"Expected a run directory with a run.toml; {run_dir} has none. Name the directory "
-            "that the film was made from with --run-dir."
-        )
+        raise refusal("no_run_toml", run_dir=run_dir)
     return run_dir
 
 
@@ -234,10 +217,7 @@ def open_films(paths: Sequence[Path], run_dirs: Sequence[Path] = ()) -> list[Fil
     erlif.core.errors.OutputError: Expected a film file; no such film.nc does not exist. ...
     """
     if len(run_dirs) > len(paths):
-        raise ErlifError(
-            f"Expected at most one --run-dir for each film; got {len(run_dirs)} for {len(paths)} "
-            "films. Name them in the order of the films."
-        )
+        raise refusal("many_run_dirs", given=len(run_dirs), films=len(paths))
     # films that are open are closed again where a later one cannot be opened
     readers: list[FilmReader] = []
     known: list[Path | None] = [*run_dirs, *[None] * (len(paths) - len(run_dirs))]
@@ -248,7 +228,7 @@ def open_films(paths: Sequence[Path], run_dirs: Sequence[Path] = ()) -> list[Fil
         for reader in readers:
             reader.close()
         raise
-    labels = label_films([one.name for one in readers], paths)
+    labels = files.label_films([one.name for one in readers], paths)
     for reader, label in zip(readers, labels, strict=True):
         reader.name = label
     return readers
@@ -272,11 +252,11 @@ def check_one_grid(one: FilmReader, other: FilmReader) -> None:
         return (*reader.shape, *reader.axis("x"), *reader.axis("y"))
 
     if not (one.shape == other.shape and np.allclose(grid(one), grid(other), rtol=1e-6)):
-        rows, columns = one.shape
-        other_rows, other_columns = other.shape
-        raise ErlifError(
-            "Expected two films on one grid for a difference; "
-            f"{one.name} has {columns} x {rows} px at {one.axis('x')[1]:.5g} mm, {other.name} "
-            f"{other_columns} x {other_rows} px at {other.axis('x')[1]:.5g} mm. Choose two of one "
-            "camera and region."
-        )
+        first, second = (f"{each.name}, {_describe_grid(each)}" for each in (one, other))
+        raise refusal("two_grids", first=first, second=second)
+
+
+def _describe_grid(reader: FilmReader) -> str:
+    """Size and pitch of the pixels of a film."""
+    rows, columns = reader.shape
+    return f"{columns} x {rows} px at {reader.axis('x')[1]:.5g} mm"

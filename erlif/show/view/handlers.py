@@ -146,12 +146,9 @@ def make_application(
     """
     shared = {"access": access, "films": films, "executor": executor}
     token = r"/[^/]*/"
+    paths = {f"({'|'.join(READING)})": _Reading, "settings": _Settings, r"([^/]*)": _PageFile}
     return tornado.web.Application(
-        [
-            (token + f"({'|'.join(READING)})", _Reading, shared),
-            (token + "settings", _Settings, shared),
-            (token + r"([^/]*)", _PageFile, shared),
-        ],
+        [(token + path, handler, shared) for path, handler in paths.items()],
         default_handler_class=_Missing,
         default_handler_args=shared,
         compress_response=False,

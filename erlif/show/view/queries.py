@@ -15,18 +15,13 @@ from erlif.core.errors import ErlifError
 from erlif.core.flags import FLAG_COLOURS, Flag, count_flags
 from erlif.io.conversion import table_csv
 from erlif.io.files import axis_labels, fastest_trigger
+from erlif.show.refusals import refusal
+from erlif.show.view import measures
 from erlif.show.view.cycle import describe_cycle, to_list
 from erlif.show.view.exports import map_csv, map_tiff
 from erlif.show.view.films import FilmReader, check_one_grid
 from erlif.show.view.layers import DIFFERENCE, LAYERS, SIGNIFICANCE, Layer, palette
 from erlif.show.view.levels import Window, choose_step, reduce_map
-from erlif.show.view.measures import (
-    line_profile,
-    region_statistics,
-    select_region,
-    significance,
-    subtract_maps,
-)
 from erlif.show.view.run_settings import propose_region, write_region
 
 _WITHIN = (0.5, 99.5)  # percentiles of the valid pixels at the ends of a colour scale
@@ -64,9 +59,7 @@ class Request:
         """The film of this number."""
         number = self.whole(name)
         if not 0 <= number < len(self.films):
-            raise ErlifError(
-                f"Expected a film from 0 to {len(self.films) - 1}; got {number}. Reload the page."
-            )
+            raise refusal("no_film_of_number", most=len(self.films) - 1, number=number)
         return self.films[number]
 
     def whole(self, name: str) -> int:
@@ -86,9 +79,7 @@ class Request:
         try:
             return convert(text)
         except ValueError:
-            raise ErlifError(
-                f"Expected {expected} as {name}; got {text[:80]!a}. Reload the page."
-            ) from None
+            raise refusal("bad_value", expected=expected, name=name, text=text[:80]) from None
 
 
 def _split(text: str, count: int) -> list[float]:
@@ -120,7 +111,6 @@ def list_films(request: Request) -> dict[str, Any]:
 
 def _describe_film(reader: FilmReader) -> dict[str, Any]:
     rows, columns = reader.shape
-    labels = axis_labels(reader.film)
     return {
         "name": reader.name,
         "file": reader.path.name,
@@ -130,7 +120,7 @@ def _describe_film(reader: FilmReader) -> dict[str, Any]:
         "height": rows,
         "x": reader.axis("x"),
         "y": reader.axis("y"),
-        "labels": labels,
+        "labels": axis_labels(reader.film),
         "region": [*reader.region.x, *reader.region.y],
         "images": reader.has_images,
     }
@@ -196,7 +186,7 @@ def _read_chosen(request: Request) -> _Chosen:
         text = f"{other} − {text}"
         if name == DIFFERENCE.name:
             return _Chosen(reader, DIFFERENCE, values, flags, text)
-        return _Chosen(reader, SIGNIFICANCE, significance(values, std), flags, text)
+        return _Chosen(reader, SIGNIFICANCE, measures.significance(values, std), flags, text)
     values, flags = reader.read(name, trigger)
     return _Chosen(reader, LAYERS[name], values, flags, text)
 
@@ -209,7 +199,7 @@ def _subtract(request: Request) -> tuple[Image, Image, FlagImage]:
     for reader, trigger in zip(readers, ("trigger", "trigger2"), strict=True):
         values, flags = reader.read("thickness", request.whole(trigger))
         maps.append((values, reader.read("thickness_std", request.whole(trigger))[0], flags))
-    return subtract_maps(maps[0], maps[1])
+    return measures.subtract_maps(maps[0], maps[1])
 
 
 def _pack(request: Request, layer: Layer, values: Image, flags: FlagImage, *, text: str) -> bytes:
@@ -344,7 +334,7 @@ def _find_profile(request: Request) -> dict[str, Array]:
     values = np.where(chosen.flags == 0, chosen.values, np.nan)
     axes = {name: chosen.reader.axis(name) for name in ("x", "y")}
     width = request.whole("width")
-    return line_profile(values, chosen.std(request), (x0, y0, x1, y1), width=width, **axes)
+    return measures.line_profile(values, chosen.std(request), (x0, y0, x1, y1), width=width, **axes)
 
 
 def send_region(request: Request) -> dict[str, Any]:
@@ -369,9 +359,9 @@ def _find_region(request: Request) -> tuple[_Chosen, dict[str, float]]:
     chosen = _read_chosen(request)
     x0, x1, y0, y1 = request.numbers("region", 4)
     film = chosen.reader.film
-    part = select_region(film.x.values, film.y.values, (x0, x1, y0, y1))
+    part = measures.select_region(film.x.values, film.y.values, (x0, x1, y0, y1))
     std, shared = chosen.std(request)[part], chosen.std_shared(request)[part]
-    found = region_statistics(chosen.values[part], chosen.flags[part], std, shared)
+    found = measures.region_statistics(chosen.values[part], chosen.flags[part], std, shared)
     return chosen, found
 
 

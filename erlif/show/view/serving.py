@@ -9,7 +9,8 @@ from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
 from pathlib import Path
 
-from erlif.core.errors import ErlifError, reason_of
+from erlif.core.errors import reason_of
+from erlif.show.refusals import refusal
 from erlif.show.view.access import AccessRule
 from erlif.show.view.films import FilmReader, open_films
 
@@ -30,10 +31,7 @@ def require_library() -> None:
     """
     missing = [name for name in ("tornado", "tomlkit") if find_spec(name) is None]
     if missing:
-        raise ErlifError(
-            f"Expected the packages of the viewer; {' and '.join(missing)} is not installed. "
-            'Install it with: pip install "erlif[view]"'
-        )
+        raise refusal("no_packages", missing=" and ".join(missing))
 
 
 def serve_films(
@@ -86,10 +84,7 @@ async def _serve(films: Sequence[FilmReader], port: int, ready: Callable[[str], 
     try:
         listening = socket.create_server(("127.0.0.1", port))
     except OSError as error:
-        raise ErlifError(
-            f"Expected port {port} of this machine to be free ({reason_of(error)}). Choose another "
-            "one with --port, or leave it out."
-        ) from error
+        raise refusal("port_in_use", port=port, reason=reason_of(error)) from error
     # the port is known once the socket is open, and the address names it
     listening.setblocking(False)
     access = AccessRule(int(listening.getsockname()[1]))
