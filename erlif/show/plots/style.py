@@ -691,13 +691,9 @@ def _without_text_layout() -> Iterator[None]:
     """Embed fonts without the tables for setting new text."""
     from fontTools.subset import Options  # type: ignore[import-untyped]
 
-    # matplotlib takes fontTools' defaults and has no setting for them; without this list
-    # fontTools embeds all tables, which takes longer
-    dropped = getattr(Options, "_drop_tables_default", None)
-    if dropped is None:
-        yield
-        return
-
+    # matplotlib takes fontTools' defaults and has no setting for them; a version that does not know
+    # this list embeds all tables, which takes longer
+    dropped = getattr(Options, "_drop_tables_default", [])
     Options._drop_tables_default = [*dropped, *_TEXT_LAYOUT]
     try:
         yield

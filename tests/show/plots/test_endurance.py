@@ -1,7 +1,5 @@
 """Figures of endurance tests."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scenes.pictures import picture, without_texts
@@ -15,7 +13,6 @@ from erlif.show.plots import (
     failure_figure,
     friction_over_test,
     name_overviews,
-    quantity_over_test,
     write_endurance_figures,
 )
 from erlif.show.plots.example import example_test
@@ -45,17 +42,6 @@ def test_no_overview_has_the_name_of_another_figure():
     overviews = name_overviews(names)
     assert len({*overviews.values(), *panels, "designs.png"}) == 4 + len(panels) + 1
     assert overviews["run"] == "run.png"
-
-
-def test_axes_of_large_torques_have_no_offset():
-    """Torques that differ little were labelled by their difference from 1e3."""
-    result = example_test()
-    test = result.test.copy(deep=True)
-    test["torque"][:] = 1234.0 + 0.01 * np.arange(test.sizes["time"])
-    ax = quantity_over_test(replace(result, test=test), "torque")[0].axes
-    ax.figure.canvas.draw()
-    assert ax.yaxis.get_offset_text().get_text() == ""
-    assert ax.yaxis.get_ticklabels()[1].get_text().startswith("1")
 
 
 def test_friction_is_drawn_a_second_time_without_the_jump(tmp_path, monkeypatch):

@@ -7,7 +7,6 @@ import numpy.testing as npt
 import pytest
 from scenes import film as scene
 
-from erlif.core.flags import Flag
 from erlif.show import plots
 from erlif.trend import average_across_sliding, rigid_gap
 
@@ -41,8 +40,3 @@ def test_scatter_is_that_of_the_error_bars(film):
     pull = pull[np.isfinite(pull)]
     assert 0.95 < pull.std() < 1.05
     assert abs(pull.mean()) < 0.05
-
-
-def test_thickness_is_missing_exactly_where_a_flag_is_set(film):
-    npt.assert_array_equal(np.isnan(film.thickness), film.flags != 0)
-    assert set(np.unique(film.flags)) == {0, Flag.OUTSIDE_OVERLAP, Flag.NO_FILM}

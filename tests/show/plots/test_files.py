@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 import shutil
 from dataclasses import replace
 
@@ -20,6 +21,7 @@ from erlif.show import plots
 from erlif.show.plots import files as plot_files
 from erlif.show.plots.files import DRAWN, find_source, reason_missing
 from erlif.show.plots.style import figure_bytes
+from erlif.show.report.captions import CAPTIONS
 
 NEED_A_DIRECTORY = {"fixture_profile", "processed_images", "ratio_image"}
 
@@ -115,6 +117,16 @@ def test_all_axes_name_their_units(all_drawn):
         strokes = {"outward", "return"} if name == "map_sheet" else set()
         assert set(labels) - strokes
         assert all("[" in label and "]" in label for label in set(labels) - strokes), labels
+
+
+def test_captions_name_the_panels_that_are_drawn(all_drawn):
+    figures, _ = all_drawn
+    for name, figure in figures.items():
+        titles = " ".join(ax.get_title(loc="left") for ax in figure.axes)
+        drawn = set(re.findall(r"\(([a-d])\)", titles.replace(r"$\mathbf{", "").replace("}$", "")))
+        groups = re.findall(r"\(([a-d](?:, [a-d])*)\)", CAPTIONS[name].text)
+        named = {letter for group in groups for letter in group.split(", ")}
+        assert named in (set(), drawn), name
 
 
 def test_no_label_is_cut_off(all_drawn):

@@ -104,18 +104,6 @@ def test_sheet_of_a_cycle_that_begins_within_a_stroke_starts_with_the_stroke(fil
     assert [ax.get_title() for ax in figure.axes if ax.images] == names
 
 
-def test_label_longer_than_its_colour_bar_is_broken(film):
-    """A strip of an image, eight times as wide as high."""
-    image = plots.thickness_map(film.isel(y=slice(0, 8)), trigger=1)
-    figure = image.axes.get_figure()
-    figure.draw_without_rendering()
-    (bar,) = image.axes.child_axes
-    assert "\n" in bar.get_ylabel()
-    box = bar.yaxis.label.get_window_extent()
-    assert box.y0 > 0
-    assert box.y1 < figure.bbox.height
-
-
 def test_large_maps_of_a_sheet_are_thinned_to_what_print_resolves(film):
     """Every second pixel of 480 columns; the place of the image stays that of the film."""
     wide = film.isel(x=np.resize(np.arange(scene.COLUMNS), 480), y=slice(0, 6))

@@ -9,7 +9,6 @@ import matplotlib
 import matplotlib.style
 import numpy.testing as npt
 import pytest
-from fontTools import subset
 from matplotlib.figure import Figure
 
 from erlif.show import plots
@@ -23,26 +22,6 @@ def test_file_does_not_change_with_the_time(calibration, monkeypatch):
     early = figure_bytes(figure, kind="pdf")
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1000000000")
     assert figure_bytes(figure, kind="pdf") == early
-
-
-def test_fonts_are_embedded_where_fonttools_has_no_list_of_dropped_tables(monkeypatch):
-    """fontTools does not document the list, so that another version may lack it."""
-    figure = new_figure()
-    figure.add_subplot().set_xlabel("angle [°]")
-    small = figure_bytes(figure, kind="pdf")
-
-    # such a fontTools has its list elsewhere
-    listed, make = subset.Options._drop_tables_default, subset.Options.__init__
-    monkeypatch.delattr(subset.Options, "_drop_tables_default")
-
-    def make_options(self, **kwargs):
-        self._drop_tables_default = listed
-        make(self, **kwargs)
-
-    monkeypatch.setattr(subset.Options, "__init__", make_options)
-    large = figure_bytes(figure, kind="pdf")
-    assert large[:4] == b"%PDF"
-    assert len(large) > len(small)
 
 
 def test_settings_of_the_caller_are_left_alone(film):

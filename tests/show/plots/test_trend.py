@@ -82,19 +82,6 @@ def test_axis_holds_the_film_with_its_bars_and_theory_that_is_near(changed, fact
     assert ("beyond" in theory.get_label()) == (factor > 3)
 
 
-@pytest.mark.parametrize(("decades", "fewest"), [(0.3, 3), (1.2, 3), (4.0, 4)])
-def test_axis_of_any_length_has_ticks_to_read(changed, decades, fewest):
-    """Ticks follow the range: every digit over part of a decade, decades over many."""
-    factor = np.geomspace(1, 10**decades, scene.TRIGGERS)
-    for name in ("film_min", "film_mean"):
-        changed[name] = changed[name].copy(data=factor)
-    ax = plots.film_against_speed(changed)[0].axes
-    ax.get_figure().draw_without_rendering()
-    low, high = ax.get_ylim()
-    inside = [tick for tick in ax.get_yticks() if low <= tick <= high]
-    assert fewest <= len(inside) <= 12
-
-
 def test_the_speed_of_the_exponent_is_drawn(film):
     """A film of a linkage whose log has the speed."""
     logged = film.copy()

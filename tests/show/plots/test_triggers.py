@@ -10,7 +10,6 @@ from erlif.show.plots.triggers import (
     find_gaps,
     has_varying_speed,
     in_order,
-    stroke_looks,
 )
 
 
@@ -48,11 +47,6 @@ def test_a_steady_speed_is_recognised():
         film = film_of(DISC, without=["rocker_speed"], sliding_speed=np.asarray(speed))
         assert has_varying_speed(film) is varies
         assert not has_varying_speed(film.drop_vars("sliding_speed"))
-
-
-def test_a_stroke_without_a_trigger_has_no_marker():
-    film = film_of(DISC).assign(stroke=("trigger", np.ones(6)))
-    assert [look["label"] for _, look in stroke_looks(film)] == ["outward"]
 
 
 @pytest.mark.parametrize("left_out", [5, 12, 20])

@@ -1,6 +1,5 @@
 """The frame of a page."""
 
-import pytest
 from markupsafe import Markup
 
 from erlif.show.plots.style import new_figure
@@ -47,23 +46,21 @@ def test_a_figure_is_part_of_the_page(read_page):
     assert image["alt"] == "Title. <text>"
 
 
-@pytest.mark.parametrize(
-    ("widths", "expected"),
-    [
+def test_no_row_of_figures_is_half_empty(read_page):
+    for widths, expected in (
         ("11", ["one", "one"]),
         ("1", ["one lone"]),
         ("2111", ["two", "one", "one", "one lone"]),
         ("121", ["one lone", "two", "one lone"]),
-    ],
-)
-def test_no_row_of_figures_is_half_empty(read_page, widths, expected):
-    figures = [PageFigure(f"{n}", "data:", "", "", width == "2") for n, width in enumerate(widths)]
-    page = read_page(arrange_figures(figures))
-    assert page.open == []
-    assert [attrs["class"] for attrs in page.all("figure")] == expected
-    assert [attrs["id"] for attrs in page.all("figure")] == [
-        f"figure-{n}" for n in range(len(widths))
-    ]
+    ):
+        wide = [width == "2" for width in widths]
+        figures = [PageFigure(f"{n}", "data:", "", "", each) for n, each in enumerate(wide)]
+        page = read_page(arrange_figures(figures))
+        assert page.open == []
+        assert [attrs["class"] for attrs in page.all("figure")] == expected
+        assert [attrs["id"] for attrs in page.all("figure")] == [
+            f"figure-{n}" for n in range(len(wide))
+        ]
 
 
 def test_cells_links_and_names_of_files_stay_text(read_page):

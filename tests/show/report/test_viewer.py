@@ -11,7 +11,6 @@ import numpy.testing as npt
 import pytest
 from scenes import film as scene
 
-from erlif.core.flags import Flag
 from erlif.show.plots.maps import common_limits
 from erlif.show.report.maps import MapCoding
 from erlif.show.report.viewer import viewer_data, viewer_section
@@ -35,12 +34,6 @@ def test_axes_and_scales_are_those_of_the_film(data, film):
     assert data["limits"]["std_shared"] == [0.0, 0.02]
     assert data["limits"]["std"][0] == 0.0
     assert "<" not in viewer_data(film, EVERY)
-
-
-def test_all_flags_have_name_bit_and_colour(data):
-    assert {flag["bit"] for flag in data["flags"]} == {int(flag) for flag in Flag}
-    assert all(len(flag["rgb"]) == 3 for flag in data["flags"])
-    assert "outside overlap" in {flag["name"] for flag in data["flags"]}
 
 
 def test_viewer_opens_at_the_trigger_of_the_figures(page, film):

@@ -413,24 +413,3 @@ def test_a_phone_in_the_dark(visit, address):
     for content, room, right in page.evaluate(cut):
         assert content <= room + 1
         assert right <= 390
-
-
-def test_a_wrong_token_and_a_foreign_page_see_nothing(chromium, address):
-    with chromium.new_context() as context:
-        page = context.new_page()
-        token = address.rstrip("/").rpartition("/")[2]
-        assert page.goto(address.replace(token, "guess")).status == 403
-        page.goto("about:blank")
-        found = page.evaluate(
-            """async (address) => {
-              const read = await fetch(address + "films").then(() => "read", () => "refused");
-              const socket = await new Promise((done) => {
-                const one = new WebSocket(address.replace("http", "ws"));
-                one.onopen = () => done("open");
-                one.onerror = () => done("refused");
-              });
-              return [read, socket];
-            }""",
-            address,
-        )
-        assert found == ["refused", "refused"]
