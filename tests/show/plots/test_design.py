@@ -54,10 +54,10 @@ def test_loads_that_are_alike_are_one_point():
     assert point.get_label() == "largest and mean load"
 
 
-@pytest.mark.parametrize("play", ["-200 um", "0 um", "3 mm"])
-def test_interference_and_large_play_are_drawn(play):
-    lines = design_pressure(changed(('# play = "160 um"', f'play = "{play}"')))
-    assert all(np.isfinite(line.get_ydata()).all() for line in lines)
+def test_interference_and_large_play_are_drawn():
+    for play in ("-200 um", "0 um", "3 mm"):
+        lines = design_pressure(changed(('# play = "160 um"', f'play = "{play}"')))
+        assert all(np.isfinite(line.get_ydata()).all() for line in lines)
 
 
 def test_what_is_not_known_is_stated():

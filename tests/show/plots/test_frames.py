@@ -19,18 +19,15 @@ def images(film_path):
     return restore_images(film_path, film_path.parent, trigger=TRIGGER)
 
 
-@pytest.mark.parametrize(("camera", "band"), [(1, "580 nm"), (2, "610 nm")])
-def test_band_image_shows_the_light_of_its_camera(images, film, camera, band):
-    image = plots.band_images(images, film, camera=camera)
-    npt.assert_array_equal(image.get_array(), images.light.values[camera - 1])
-    ax = image.axes
-    assert ax.get_title() == f"camera {camera}, {band}"
-    assert [bar.get_ylabel() for bar in ax.child_axes] == ["corrected light [DN]"]
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("x (sliding) [mm]", "y (axial) [mm]")
-
-
-def test_colour_scale_is_that_of_the_valid_pixels(images, film):
+def test_band_image_shows_the_light_of_its_camera(images, film):
     """A lamp in a flagged pixel does not darken the rest of the image."""
+    for camera, band in ((1, "580 nm"), (2, "610 nm")):
+        image = plots.band_images(images, film, camera=camera)
+        npt.assert_array_equal(image.get_array(), images.light.values[camera - 1])
+        ax = image.axes
+        assert ax.get_title() == f"camera {camera}, {band}"
+        assert [bar.get_ylabel() for bar in ax.child_axes] == ["corrected light [DN]"]
+        assert (ax.get_xlabel(), ax.get_ylabel()) == ("x (sliding) [mm]", "y (axial) [mm]")
     bright = images.copy(deep=True)
     bright.light.values[0, 30, 30] = 1e6
     bright.flags.values[30, 30] = Flag.SATURATED

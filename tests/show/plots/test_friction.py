@@ -26,11 +26,7 @@ def test_points_lie_at_the_pairs_and_the_line_at_their_mean(log):
     npt.assert_allclose(points.get_ydata(), [0.15] * 4 + [0.1525] * 4, rtol=1e-9)
     npt.assert_allclose(mean.get_ydata(), 0.15125, rtol=1e-9)
     npt.assert_allclose(points.get_xdata(), np.arange(5, 80, 10) / 60, atol=0.002)
-
-
-def test_a_known_speed_gives_the_sliding_distance(log):
-    series = analyse_friction(log, shaft_radius=0.01, speed=0.1)
-    points, _ = friction_over_reversals(series)
+    points, _ = friction_over_reversals(analyse_friction(log, shaft_radius=0.01, speed=0.1))
     assert points.axes.get_xlabel() == "sliding distance [m]"
     npt.assert_allclose(points.get_xdata(), np.arange(0.5, 8, 1), atol=0.01)
 

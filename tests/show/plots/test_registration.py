@@ -11,29 +11,28 @@ from erlif.io.files import open_film
 from erlif.show import plots
 
 
-@pytest.fixture
-def registration(film_path):
-    with open_film(film_path, group="registration") as group:
-        return group.load()
+def group_of(name):
+    @pytest.fixture(name=name)
+    def group(film_path):
+        with open_film(film_path, group=name) as found:
+            return found.load()
+
+    return group
 
 
-@pytest.fixture
-def frames(film_path):
-    with open_film(film_path, group="frames") as group:
-        return group.load()
+registration, frames = group_of("registration"), group_of("frames")
 
 
-@pytest.mark.parametrize(("component", "shift"), [("x", 3.0), ("y", -2.5)])
-def test_displacement_is_drawn_less_its_mean(registration, component, shift):
-    name = f"displacement_{component}"
+def test_displacement_is_drawn_less_its_mean(registration):
     slope = 0.01 * (np.arange(scene.COLUMNS) - 39.5)
-    registration[name] = registration[name] + shift + slope
-    image = plots.displacement_map(registration, component=component)
-    npt.assert_allclose(image.get_array(), np.broadcast_to(slope, (64, 80)), atol=1e-6)
-    sign = "+3.00" if shift > 0 else "−2.50"
-    assert image.axes.get_title() == f"mean Δ{component} = {sign} px"
-    (bar,) = image.axes.child_axes
-    assert bar.get_ylabel() == f"Δ{component} less its mean [px]"
+    for component, shift, sign in (("x", 3.0, "+3.00"), ("y", -2.5, "−2.50")):
+        name = f"displacement_{component}"
+        registration[name] = registration[name] + shift + slope
+        image = plots.displacement_map(registration, component=component)
+        npt.assert_allclose(image.get_array(), np.broadcast_to(slope, (64, 80)), atol=1e-6)
+        assert image.axes.get_title() == f"mean Δ{component} = {sign} px"
+        (bar,) = image.axes.child_axes
+        assert bar.get_ylabel() == f"Δ{component} less its mean [px]"
 
 
 def test_edge_of_the_overlap_is_outlined(registration):

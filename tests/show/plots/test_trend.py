@@ -58,14 +58,6 @@ def test_triggers_too_slow_for_the_fit_are_grey(changed):
     assert artists[-1].get_xdata().min() > x.max()
 
 
-def test_power_that_was_not_fitted_is_not_drawn(changed):
-    changed["speed_exponent"] = changed.speed_exponent * np.nan
-    changed["speed_exponent_mean"] = changed.speed_exponent_mean * np.nan
-    ax = plots.film_against_speed(changed)[0].axes
-    # mean and minimum keep their colours in the legend, without a power
-    assert labels_of(ax) == ["mean", "minimum", "outward", "return"]
-
-
 @pytest.mark.parametrize("factor", [0.5, 2.5, 20.0])
 def test_axis_holds_the_film_with_its_bars_and_theory_that_is_near(changed, factor):
     """Theory twenty times as thick would press measurement and prediction into a line."""

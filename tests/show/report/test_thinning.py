@@ -64,13 +64,6 @@ def test_kept_maps_are_those_of_their_triggers(small, long_film, read_page):
         npt.assert_allclose(found.thickness, kept, atol=0.51 * coding.step)
 
 
-def test_chosen_triggers_are_those_of_the_page(long_film, tmp_path, without_figures, read_page):
-    path = write_report(long_film, tmp_path / "some.html", triggers=(100, 103))
-    page = read_page(path.read_text(encoding="utf-8"))
-    assert json.loads(page.texts["film-data"])["numbers"] == [100, 101, 102, 103]
-    assert "the maps of 4 of 300 triggers" in page.texts["viewer"]
-
-
 def test_triggers_that_the_film_lacks_and_sizes_without_room_are_refused(film_path, tmp_path):
     triggers, size = r"Expected triggers from 0 to 5.*--triggers", r"0.5 MB or more.*--max-size"
     options = [({"triggers": chosen}, triggers) for chosen in ((5, 300), (9, 3), (-1, 4))]
