@@ -283,11 +283,10 @@ def rows_or_columns(
     figure: Figure | SubFigure, count: int, *, sharex: bool = False, ratios: Sequence[float] = ()
 ) -> list[Axes]:
     """Make panels one below the other, or side by side on a page."""
-    rows, columns = (1, count) if is_page() else (count, 1)
-    shared: dict[str, Any] = {"sharex": sharex, "height_ratios": ratios or None}
-    return list(
-        figure.subplots(rows, columns, squeeze=False, **({} if is_page() else shared)).ravel()
-    )
+    if is_page():
+        return list(figure.subplots(1, count, squeeze=False).ravel())
+    grid = figure.subplots(count, 1, squeeze=False, sharex=sharex, height_ratios=ratios or None)
+    return list(grid.ravel())
 
 
 def draw_image(
