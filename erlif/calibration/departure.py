@@ -223,12 +223,8 @@ def fit_departure(points: Points, fit: Fit, freedom: Freedom, inner_knots: int) 
 
     Parameters
     ----------
-    points : Points
-        CMM points and the ratio there.
-    fit : Fit
-        The reabsorption model fitted to them.
-    freedom : Freedom
-        Changes of the pose that are free.
+    points, fit, freedom
+        As for `choose_departure`.
     inner_knots : int
         Number of places where pieces of the spline meet.
 

@@ -88,7 +88,7 @@ def check_calibration(calibration: Calibration) -> None:
     Raises
     ------
     ValueError
-        With the bare reason, the first one found.
+        With the bare reason of the first fault.
 
     Examples
     --------

@@ -51,15 +51,12 @@ def save_calibration(
     ----------
     calibration : Calibration
         Result of `fit_calibration`.
-    output : path
-        File to write.
-    overwrite : bool
-        Replace an existing file.
+    output, overwrite
+        The file, as for `erlif.export`.
 
     Returns
     -------
     Path
-        `output`.
 
     Raises
     ------
@@ -105,6 +102,7 @@ def open_calibration(path: str | Path) -> Calibration:
     Returns
     -------
     Calibration
+        With its notes and its camera map.
 
     Raises
     ------

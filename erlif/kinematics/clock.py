@@ -35,9 +35,9 @@ class ClockOffset:
     Attributes
     ----------
     value : float
-        [s]
+        The offset. [s]
     std : float
-        Standard deviation. [s]
+        Its standard deviation. [s]
     explained : float
         Share of the variance of the light that the motion explains.
     half_cycle : bool

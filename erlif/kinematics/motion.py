@@ -139,10 +139,8 @@ def locate_slider(
     slider : Sinusoid
     zero : float, optional
         Angle of the drive at reading 0, or at time 0; default: 0 for a logged angle. [rad]
-    triggers_per_cycle : int, optional
-        Triggers in one cycle. Default: each frame is a trigger.
-    bins : int, optional
-        Parts of a cycle, each of which is one trigger.
+    triggers_per_cycle, bins
+        As for `locate_rotation`, of a cycle of the drive.
 
     Returns
     -------

@@ -38,12 +38,12 @@ class PinView:
 
     Attributes
     ----------
-    pin_radius : float
-        Radius of the pin. [m]
-    bushing_radius : float
-        Radius of the bore. [m]
     pitch : float
         Size of a pixel in the object plane. [mm]
+    pin_radius : float
+        That of the pin. [m]
+    bushing_radius : float
+        That of the bore. [m]
     load_line : float
         Position along sliding at which the load presses, from the first pixel. [mm]
     axial_origin : float

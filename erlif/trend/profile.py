@@ -42,9 +42,8 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
     Parameters
     ----------
     film : xarray.Dataset
-        As `erlif.process` returns it.
     trigger : int
-        Counted from 0.
+        Of the film, counted from 0.
 
     Returns
     -------

@@ -102,7 +102,7 @@ def summarise_film(
     Raises
     ------
     ErlifError
-        If a variable is missing.
+        If `ratios` lacks a variable.
 
     Examples
     --------

@@ -105,7 +105,7 @@ def read_run(film: xr.Dataset) -> RunRecord:
     Parameters
     ----------
     film : xarray.Dataset
-        As `erlif.open_film` returns it.
+        With settings and calibration among its attributes.
 
     Returns
     -------
