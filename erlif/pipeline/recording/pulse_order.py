@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Sequence
-from importlib.resources import files
-from typing import Any
 
 import numpy as np
 
 from erlif.core.errors import FrameError
 from erlif.core.notes import Level, Note, list_some
+from erlif.core.tables import read_table
 from erlif.io.ingest import FramePairs, read_pair
 from erlif.pipeline.engines.results import FrameResult
 from erlif.ratio import PulseFault, PulseSample, find_pulse_faults
 
-_TEXTS: dict[str, Any] = tomllib.loads(
-    (files("erlif.pipeline.recording") / "pulse_order.toml").read_text(encoding="utf-8")
-)
+_TEXTS = read_table("erlif.pipeline.recording", "pulse_order.toml")
 
 _LAST = 12
 """Pairs at the end of a recording by which a disorder of the first ones is confirmed."""
