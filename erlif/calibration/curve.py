@@ -296,10 +296,7 @@ class Calibration:
                 pose=pose,
             )
         except (KeyError, AttributeError) as error:
-            raise CalibrationError(
-                f"Expected a calibration as erlif calibrate writes it; {error} is missing from "
-                "this file. Make one with: erlif calibrate FIXTURE_DIR"
-            ) from error
+            raise foreign_file(f"{error} is missing from this file") from error
 
 
 @dataclass(frozen=True)
@@ -358,6 +355,14 @@ class InverseTable:
     def look_up(self, log_ratio: Array) -> Array:
         """Thickness by linear interpolation, that of the ends beyond them. [um]"""
         return np.interp(log_ratio, self.log_ratio, self.thickness)
+
+
+def foreign_file(reason: str) -> CalibrationError:
+    """The error of a file that holds no calibration, with what to do."""
+    return CalibrationError(
+        f"Expected a calibration as erlif calibrate writes it; {reason}. Make one with: erlif "
+        "calibrate FIXTURE_DIR"
+    )
 
 
 _SAME_BAND = 1.0  # nm: filters of the same name differ by less

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from erlif.calibration.curve import Calibration
+from erlif.calibration.curve import Calibration, foreign_file
 from erlif.calibration.departure import Departure
 from erlif.calibration.soundness import check_calibration, check_displacements, check_file
 from erlif.core.errors import (
@@ -137,10 +137,8 @@ Make one with: erlif calibrate FIXTURE_DIR
     except ErlifError:
         raise
     except Exception as error:  # damaged bytes make HDF5 raise errors of any kind
-        raise CalibrationError(
-            f"Expected a calibration as erlif calibrate writes it; {path} is damaged or something "
-            f"else ({reason_of(error)}). Make one with: erlif calibrate FIXTURE_DIR"
-        ) from error
+        reason = f"{path} is damaged or something else ({reason_of(error)})"
+        raise foreign_file(reason) from error
 
 
 def _read(path: Path) -> Calibration:
@@ -236,10 +234,7 @@ def calibration_of(film: xr.Dataset) -> Calibration:
 erlif process writes it; there is none. Make the film again with: erlif process RUN_DIR
     """
     if "calibration" not in film.attrs:
-        raise OutputError(
-            "Expected the calibration among the attributes of the film, as erlif process writes "
-            "it; there is none. Make the film again with: erlif process RUN_DIR"
-        )
+        raise _no_record("there is none")
     try:
         calibration = _read_record(json.loads(str(film.attrs["calibration"])), settings_of(film))
         check_calibration(calibration)
@@ -247,12 +242,15 @@ erlif process writes it; there is none. Make the film again with: erlif process 
         raise
     except Exception as error:  # a damaged record has values of any type
         reason = f"it has no {error}" if isinstance(error, KeyError) else str(error).rstrip(".")
-        raise OutputError(
-            "Expected the calibration among the attributes of the film, as erlif process writes "
-            f"it; the one there cannot be used: {reason}. Make the film again with erlif process "
-            "RUN_DIR"
-        ) from error
+        raise _no_record(f"the one there cannot be used: {reason}") from error
     return calibration
+
+
+def _no_record(reason: str) -> OutputError:
+    return OutputError(
+        "Expected the calibration among the attributes of the film, as erlif process writes it; "
+        f"{reason}. Make the film again with: erlif process RUN_DIR"
+    )
 
 
 def _read_record(kept: dict[str, Any], settings: RunSettings) -> Calibration:
