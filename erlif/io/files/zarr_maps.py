@@ -13,13 +13,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from erlif.core.arrays import AnyArray
-from erlif.io.files.compression import (
-    BLOSC_CODEC,
-    BLOSC_LEVEL,
-    MapVariable,
-    checksum,
-    encode_zarr,
-)
+from erlif.io.files.compression import BLOSC_CODEC, BLOSC_LEVEL, MapVariable, checksum, encode_zarr
 from erlif.io.files.coordinates import name_coordinates
 from erlif.io.files.records import Record, read_record, write_record
 from erlif.io.files.replacement import remove, write_error

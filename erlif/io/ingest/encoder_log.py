@@ -13,12 +13,7 @@ from erlif.core.notes import Level, Note
 from erlif.core.products import EncoderLog
 from erlif.io.ingest.images import Page, is_one_file
 from erlif.io.ingest.logs.checks import check_frame_numbers, check_values
-from erlif.io.ingest.logs.columns import (
-    ColumnChoice,
-    convert_columns,
-    find_columns,
-    missing_column,
-)
+from erlif.io.ingest.logs.columns import ColumnChoice, convert_columns, find_columns, missing_column
 from erlif.io.ingest.logs.resample import FEWEST_SAMPLES, ContinuousLog, unwrap_angle
 from erlif.io.ingest.logs.table import LogTable
 from erlif.io.ingest.logs.text import read_log_table

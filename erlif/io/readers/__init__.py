@@ -1,6 +1,5 @@
 """Readers of the files that cameras write."""
 
-from erlif.io.readers.base import Format, FrameFile, FrameKind
-from erlif.io.readers.registry import borrow_frames, open_frames
+import lazy_loader
 
-__all__ = ["Format", "FrameFile", "FrameKind", "borrow_frames", "open_frames"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -11,13 +11,7 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, Mask
 from erlif.core.errors import FrameError, reason_of
-from erlif.core.hdf5 import (
-    SIGNATURE,
-    chunk_count,
-    filters_of,
-    find_chunks,
-    open_hdf5,
-)
+from erlif.core.hdf5 import SIGNATURE, chunk_count, filters_of, find_chunks, open_hdf5
 from erlif.io.readers.base import SECONDS, Format, FrameFile, FrameKind, check_claim
 
 _DENSEST = 1100

@@ -14,13 +14,7 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Counts, Mask
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import (
-    MOST_FRAMES,
-    TRUNCATED,
-    FrameFile,
-    FrameKind,
-    check_claim,
-)
+from erlif.io.readers.base import MOST_FRAMES, TRUNCATED, FrameFile, FrameKind, check_claim
 from erlif.io.readers.source import Source
 from erlif.io.readers.unpack import Packing, unpack
 

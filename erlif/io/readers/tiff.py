@@ -17,14 +17,7 @@ import tifffile
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError, reason_of
-from erlif.io.readers.base import (
-    MOST_FRAMES,
-    TRUNCATED,
-    Format,
-    FrameFile,
-    FrameKind,
-    check_claim,
-)
+from erlif.io.readers.base import MOST_FRAMES, TRUNCATED, Format, FrameFile, FrameKind, check_claim
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 from erlif.io.readers.tiff_metadata import read_description

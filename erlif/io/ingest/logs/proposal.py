@@ -11,12 +11,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.errors import EncoderError
-from erlif.io.ingest.logs.columns import (
-    CONTRACT,
-    ColumnChoice,
-    convert_column,
-    find_columns,
-)
+from erlif.io.ingest.logs.columns import CONTRACT, ColumnChoice, convert_column, find_columns
 from erlif.io.ingest.logs.table import LogColumn, LogTable
 from erlif.io.ingest.logs.text import read_log_table
 
