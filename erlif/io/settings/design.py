@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from collections.abc import Iterator
+from typing import Annotated, Literal
 
 from annotated_types import Ge, Le
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from erlif.io.settings.tables import FileName, Settings, Text, quantity
 
@@ -44,14 +45,12 @@ class LoadOfJoint(Settings):
     mean_force: Force | None = None
     safety: float = Field(ge=1, le=100)
 
-    @model_validator(mode="after")
-    def _mean_is_not_larger(self) -> Self:
+    def faults(self) -> Iterator[str]:
         if self.mean_force is not None and self.mean_force > self.force:
-            raise ValueError(
+            yield (
                 f"expected a mean_force up to the largest load, {self.force:g} N; got "
                 f"{self.mean_force:g} N"
             )
-        return self
 
 
 class MotionOfJoint(Settings):
@@ -177,11 +176,9 @@ class DesignSettings(Settings):
         """Name of the joint."""
         return self.joint.name
 
-    @model_validator(mode="after")
-    def _hole_is_smaller_than_the_pin(self) -> Self:
+    def faults(self) -> Iterator[str]:
         if self.pin.diameter is not None and self.pin.hole >= self.pin.diameter:
-            raise ValueError(
+            yield (
                 f"expected a hole smaller than the pin, {self.pin.diameter * 1e3:g} mm; got "
                 f"{self.pin.hole * 1e3:g} mm"
             )
-        return self

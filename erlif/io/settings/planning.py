@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from collections.abc import Iterator
+from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Le
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from erlif.io.settings.tables import (
     Counts,
@@ -57,27 +58,22 @@ class DyeSettings(Settings):
     emission: FileName | None = None
     coefficients: CoefficientSettings | None = None
 
-    @model_validator(mode="after")
-    def _one_source(self) -> Self:
+    def faults(self) -> Iterator[str]:
         files = (self.absorption is not None, self.emission is not None)
         if files[0] != files[1]:
-            raise ValueError("give absorption and emission together, as two CSV files")
+            yield "give absorption and emission together, as two CSV files"
         if (self.spectra is not None) + files[0] + (self.coefficients is not None) != 1:
-            raise ValueError(
+            yield (
                 "give the dye once: as spectra (an invented pair), as absorption and emission (two "
                 "CSV files), or as coefficients"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _dissolves(self) -> Self:
         if self.concentration > LARGEST_CONCENTRATION:
-            raise ValueError(
+            yield (
                 f"expected a concentration of at most {LARGEST_CONCENTRATION:g} mol/L, beyond "
                 f"which no dye dissolves in oil; got {self.concentration:g} mol/L. Is it "
                 f"{self.concentration:g} mmol/L?"
             )
-        return self
 
 
 class LaserSettings(Settings):
@@ -109,30 +105,23 @@ class CameraOfPlan(Settings):
     thick_film: Electrons | None = None
     efficiency: float | None = Field(None, gt=0, le=1)
 
-    @model_validator(mode="after")
-    def _light_is_known(self) -> Self:
+    def faults(self) -> Iterator[str]:
         if (self.thick_film is None) == (self.efficiency is None):
-            raise ValueError(
-                'give either thick_film = "11000 electron" (measured) or efficiency = 0.3'
-            )
-        return self
+            yield ('give either thick_film = "11000 electron" (measured) or efficiency = 0.3')
 
-    @model_validator(mode="after")
-    def _sees_light(self) -> Self:
         counts = (1 << self.bit_depth) - 1 - self.offset
         if counts <= 0:
-            raise ValueError(
+            yield (
                 f"expected an offset below full scale, {(1 << self.bit_depth) - 1} DN; got "
                 f"{self.offset:g} DN"
             )
         largest = min(self.full_well or float("inf"), counts * self.gain)
         if largest <= 10 * self.read_noise:
-            raise ValueError(
+            yield (
                 "expected a full well of at least ten times the read noise, "
                 f"{10 * self.read_noise:g} electron; got {largest:g} electron. Correct full_well, "
                 "read_noise or gain"
             )
-        return self
 
 
 class FilmOfPlan(Settings):
@@ -144,14 +133,12 @@ class FilmOfPlan(Settings):
     frames: int = Field(1, ge=1)
     average: int = Field(1, ge=1, le=500)
 
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
+    def faults(self) -> Iterator[str]:
         if not self.thinnest < self.thickest:
-            raise ValueError(
+            yield (
                 "expected thinnest below thickest; got "
                 f"{self.thinnest * 1e6:g} um and {self.thickest * 1e6:g} um. Exchange them"
             )
-        return self
 
 
 class FixtureOfPlan(Settings):
@@ -220,42 +207,27 @@ class PlanSettings(Settings):
         thinnest = self.fixture.thinnest or self.film.thinnest / 20
         return float(thinnest), float(self.fixture.thickest or 1.5 * self.film.thickest)
 
-    @model_validator(mode="after")
-    def _light_follows(self) -> Self:
-        if self.camera1.thick_film is not None and self.camera2.thick_film is not None:
-            return self
-        missing = [
-            name
-            for name, value in (
-                ("[optics]", self.optics),
-                ("[laser] beam_diameter", self.laser.beam_diameter),
-            )
-            if value is None
-        ]
-        if missing:
-            raise ValueError(
+    def faults(self) -> Iterator[str]:
+        measured = self.camera1.thick_film is not None and self.camera2.thick_film is not None
+        parts = {"[optics]": self.optics, "[laser] beam_diameter": self.laser.beam_diameter}
+        missing = [name for name, value in parts.items() if value is None]
+        if missing and not measured:
+            yield (
                 f"light follows from efficiency only together with {' and '.join(missing)}: add "
                 "them, or give thick_film of both cameras"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _fixture_covers_the_film(self) -> Self:
         low, high = self.covered
         if not low <= self.film.thinnest < self.film.thickest <= high:
-            raise ValueError(
+            yield (
                 f"expected a fixture that covers the films from {self.film.thinnest * 1e6:g} to "
                 f"{self.film.thickest * 1e6:g} um; [fixture] covers {low * 1e6:g} to "
                 f"{high * 1e6:g} um"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _light_is_beyond_the_laser(self) -> Self:
         for number, camera in ((1, self.camera1), (2, self.camera2)):
             if camera.band - camera.bandwidth / 2 <= self.laser.wavelength:
-                raise ValueError(
+                yield (
                     f"expected filters above the laser, {self.laser.wavelength:g} nm; that of "
                     f"camera {number} transmits from {camera.band - camera.bandwidth / 2:g} nm"
                 )
-        return self

@@ -7,6 +7,7 @@ with it (`Quantity`), so that settings are stored as the user wrote them.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Self
 
@@ -19,7 +20,6 @@ from pydantic import (
     PlainSerializer,
     WithJsonSchema,
     WrapValidator,
-    field_validator,
     model_validator,
 )
 
@@ -85,6 +85,10 @@ PressureViscosity = Annotated[
     float, *quantity("pressure-viscosity coefficient", "20 1/GPa", "1/Pa", Ge(0))
 ]
 Wavelength = Annotated[float, *quantity("wavelength", "580 nm", "nm", Gt(0))]
+# wavelengths that cameras and filters cover: a band in um in place of nm is no light
+Band = Annotated[float, *quantity("wavelength", "580 nm", "nm", Ge(200), Le(2000))]
+# pixels in the object plane, from those of a microscope to an image of metres
+PixelPitch = Annotated[float, *quantity("length", "60 um", "m", Ge(50e-9), Le(5e-3))]
 Counts = Annotated[float, *quantity("counts", "64 DN", "DN", Ge(0))]
 Gain = Annotated[float, *quantity("gain", "4.4 electron/DN", "electron/DN", Gt(0))]
 Electrons = Annotated[float, *quantity("electrons", "9 electron", "electron", Gt(0))]
@@ -135,12 +139,6 @@ CavitationPressure = Annotated[
     float, *quantity("pressure below ambient", "-100 kPa", "Pa", Ge(-101325), Le(0))
 ]
 
-PITCHES = (50e-9, 5e-3)
-"""Pixels in the object plane: from those of a microscope to an image of metres. [m]"""
-
-BANDS = (200.0, 2000.0)
-"""Wavelengths that cameras and filters cover. [nm]"""
-
 Interval = Annotated[tuple[float, float], Form("interval [low, high] in mm", [4, 15])]
 
 NO_CONTROL_CHARACTERS = r"^[^\x00-\x1f\x7f]*$"
@@ -163,6 +161,17 @@ class Settings(BaseModel):
     # a misspelt key must not pass unnoticed, and NaN must not reach the physics
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
+    def faults(self) -> Iterator[str]:
+        """What is wrong between the keys of the table, each a complete message."""
+        yield from ()
+
+    @model_validator(mode="after")
+    def _has_no_fault(self) -> Self:
+        fault = next(self.faults(), None)
+        if fault is not None:
+            raise ValueError(fault)
+        return self
+
 
 FilePart = Literal[
     "left",
@@ -183,17 +192,7 @@ class CameraSettings(Settings):
     """One camera: its files, its filter and its noise."""
 
     files: FileName
-    band: Wavelength
-
-    @field_validator("band")
-    @classmethod
-    def _is_light(cls, band: float) -> float:
-        """A band in um in place of nm is no light that a camera records."""
-        low, high = BANDS
-        if not low <= band <= high:
-            raise ValueError(f"expected {low:g} to {high:g} nm; got {band:g} nm")
-        return band
-
+    band: Band
     bit_depth: int = Field(12, ge=8, le=16)
     alignment: Literal["right", "left"] = "right"
     part: FilePart | None = None
@@ -213,8 +212,7 @@ class CameraSettings(Settings):
         """The largest count the camera can give [DN]."""
         return (1 << self.bit_depth) - 1
 
-    @model_validator(mode="after")
-    def _references_differ_from_frames(self) -> Self:
+    def faults(self) -> Iterator[str]:
         # one HDF5 file may hold all; the same dataset for two purposes is a slip
         for key, file, dataset in (
             ("dark", self.dark, self.dark_dataset),
@@ -222,40 +220,21 @@ class CameraSettings(Settings):
             ("background", self.background, self.background_dataset),
         ):
             if file == self.files and (dataset or self.dataset) == self.dataset:
-                raise ValueError(
+                yield (
                     f"{key} and files name the same frames; correct {key}, or give {key}_dataset "
                     "where one HDF5 file holds both"
                 )
-        return self
 
-    @model_validator(mode="after")
-    def _dark_or_offset(self) -> Self:
         if self.dark is not None and self.offset is not None:
-            raise ValueError("give either dark (a file) or offset (a level), not both")
+            yield "give either dark (a file) or offset (a level), not both"
         if self.dark is None and self.offset is None:
-            raise ValueError(
-                'give the dark frames as dark = "file.tif", or a level as offset = "64 DN"'
-            )
-        return self
+            yield ('give the dark frames as dark = "file.tif", or a level as offset = "64 DN"')
 
 
 class OpticsSettings(Settings):
     """Scale and direction of the image of camera 1 in the object plane."""
 
-    pixel_pitch: Length
-
-    @field_validator("pixel_pitch")
-    @classmethod
-    def _is_of_a_camera(cls, pitch: float) -> float:
-        """A pitch in mm in place of um makes an image of metres."""
-        low, high = PITCHES
-        if not low <= pitch <= high:
-            raise ValueError(
-                f"expected a pixel of {low * 1e9:g} nm to {high * 1e3:g} mm in the object plane; "
-                f"got {pitch * 1e6:g} um"
-            )
-        return pitch
-
+    pixel_pitch: PixelPitch
     x_axis: Literal["sliding", "axial"] = "sliding"
 
 
@@ -305,24 +284,19 @@ class EncoderSettings(Settings):
     frame_rate: Frequency | None = None
     start: Start | None = None
 
-    @model_validator(mode="after")
-    def _one_grouping(self) -> Self:
+    def faults(self) -> Iterator[str]:
         if self.bins is not None and self.triggers_per_cycle is not None:
-            raise ValueError("give either bins or triggers_per_cycle")
-        return self
+            yield "give either bins or triggers_per_cycle"
 
-    @model_validator(mode="after")
-    def _one_source_of_times(self) -> Self:
         if self.pulse is not None and (self.frame_rate is not None or self.start is not None):
-            raise ValueError(
+            yield (
                 "give the times of the frames either as pulse (a column) or as frame_rate and start"
             )
         if self.frame_rate is not None and self.start is None:
-            raise ValueError(
+            yield (
                 'frame_rate needs the time of the first frame: add start = "0.25 s", or start = '
                 '"fit"'
             )
-        return self
 
 
 class CrankRockerSettings(Settings):
@@ -382,14 +356,12 @@ class JointSettings(Settings):
     pin: MaterialSettings
     bushing: MaterialSettings
 
-    @model_validator(mode="after")
-    def _pin_fits(self) -> Self:
+    def faults(self) -> Iterator[str]:
         if self.pin_radius >= self.bushing_radius:
-            raise ValueError(
+            yield (
                 "pin_radius must be smaller than bushing_radius for the pin to turn; got "
                 f"{self.pin_radius * 1e3:g} mm in {self.bushing_radius * 1e3:g} mm"
             )
-        return self
 
 
 class VogelSettings(Settings):
@@ -409,11 +381,9 @@ class OilSettings(Settings):
     viscosity_std: Viscosity | None = None
     pressure_viscosity: PressureViscosity
 
-    @model_validator(mode="after")
-    def _one_viscosity(self) -> Self:
+    def faults(self) -> Iterator[str]:
         if (self.viscosity is None) == (self.vogel is None):
-            raise ValueError('give either viscosity = "0.12 Pa s" or a vogel law { a, b, c }')
-        return self
+            yield 'give either viscosity = "0.12 Pa s" or a vogel law { a, b, c }'
 
 
 class RegistrationOptions(Settings):
@@ -435,14 +405,10 @@ class RegionOfInterest(Settings):
     x: Interval
     y: Interval
 
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
+    def faults(self) -> Iterator[str]:
         for name, (low, high) in (("x", self.x), ("y", self.y)):
             if not low < high:
-                raise ValueError(
-                    f"{name} must be [low, high] in mm with low < high; got [{low:g}, {high:g}]"
-                )
-        return self
+                yield (f"{name} must be [low, high] in mm with low < high; got [{low:g}, {high:g}]")
 
 
 class ThicknessOptions(Settings):
@@ -468,11 +434,9 @@ class ReferenceSettings(Settings):
     thickness: Length | None = None
     uncertainty: Length | None = None
 
-    @model_validator(mode="after")
-    def _whole(self) -> Self:
+    def faults(self) -> Iterator[str]:
         if (self.region is None) != (self.thickness is None):
-            raise ValueError("give region and thickness of the reference patch together")
-        return self
+            yield "give region and thickness of the reference patch together"
 
 
 class PredictionOptions(Settings):
@@ -531,31 +495,23 @@ class RunSettings(Settings):
             return self.mechanism
         return None
 
-    @model_validator(mode="after")
-    def _linkage_has_an_encoder(self) -> Self:
+    def faults(self) -> Iterator[str]:
         if self.linkage is not None and (self.encoder is None or self.encoder.file is None):
-            raise ValueError(
+            yield (
                 f'[mechanism] of kind "{self.linkage.kind}" needs the log of its encoder: add '
                 'file = "encoder.csv" to [encoder], or leave [mechanism] out; the film then has no '
                 "speed"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _bins_have_a_cycle(self) -> Self:
         if self.mechanism is None and self.encoder is not None and self.encoder.bins is not None:
-            raise ValueError(
+            yield (
                 "bins in [encoder] are parts of the cycle of a mechanism: add [mechanism], or "
                 "remove bins"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _one_load(self) -> Self:
         here = getattr(self.mechanism, "load", None)
         if here is not None and self.joint is not None and self.joint.load is not None:
-            raise ValueError("give the load once, in [mechanism] or in [joint]")
-        return self
+            yield "give the load once, in [mechanism] or in [joint]"
 
     @property
     def load(self) -> float | None:
