@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,7 +13,7 @@ import numpy.typing as npt
 from numpy.polynomial import legendre
 
 from erlif.core.arrays import Array
-from erlif.core.bounded import read_bounded
+from erlif.core.bounded import read_rows
 from erlif.core.errors import CalibrationError
 from erlif.core.notes import Note, note_writer
 
@@ -189,17 +187,15 @@ class _Table(NamedTuple):
 def _read_table(path: Path) -> _Table:
     """Numbers of the CSV file under one of the four headers."""
     try:
-        text = read_bounded(path, largest=LARGEST_FILE).decode("utf-8-sig")
-        lines = io.StringIO(text, newline="")
-        table = [row for row in csv.reader(lines) if any(cell.strip() for cell in row)]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        table = [row for _, row in read_rows(path, largest=LARGEST_FILE)]
+    except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
         raise CalibrationError(
             f"Expected the profile {path.name} as a CSV file; it cannot be read: {reason}. Save "
             "the profile as CSV in UTF-8, or correct its name in fixture.toml."
         ) from error
 
-    header = [cell.strip() for cell in table[0]] if table else []
+    header = table[0] if table else []
     required = ["x_mm", "y_mm", "thickness_um"] if "y_mm" in header else ["x_mm", "thickness_um"]
     if header not in (required, [*required, "uncertainty_um"]):
         raise CalibrationError(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import errno
+import io
 import os
 import stat
 from pathlib import Path
@@ -67,35 +68,42 @@ def read_bounded(path: Path, *, largest: int) -> bytes:
     return content
 
 
-def read_rows(path: Path, *, largest: int) -> list[list[str]]:
-    """Read the cells of a CSV file, row by row.
+def read_rows(path: Path, *, largest: int) -> list[tuple[int, list[str]]]:
+    """Read the rows of a CSV file in UTF-8.
 
     Parameters
     ----------
-    path, largest
-        As for `read_bounded`.
+    path : Path
+    largest : int
+        Size above which the file is not read. [byte]
 
     Returns
     -------
-    list of list of str
+    list of (int, list of str)
+        Number of each row that is not empty, counted from 1, and its cells without blanks around
+        them.
 
     Raises
     ------
     OSError
         As `read_bounded`.
     ValueError
-        If the file is no text in UTF-8 or no CSV.
+        If the file is no text, or no CSV.
 
     Examples
     --------
     >>> import tempfile
-    >>> path = Path(tempfile.mkdtemp(), "table.csv")
-    >>> _ = path.write_text("name,value\\na,1\\n")
+    >>> path = Path(tempfile.mkdtemp(), "profile.csv")
+    >>> _ = path.write_text("x_mm, thickness_um\\n\\n0,1.5\\n")
     >>> read_rows(path, largest=100)
-    [['name', 'value'], ['a', '1']]
+    [(1, ['x_mm', 'thickness_um']), (3, ['0', '1.5'])]
     """
+    # "utf-8-sig" also reads the byte order mark that spreadsheets write
     text = read_bounded(path, largest=largest).decode("utf-8-sig")
+    if "\0" in text:
+        raise ValueError("it holds a null byte")
     try:
-        return list(csv.reader(text.splitlines()))
+        rows = [[cell.strip() for cell in row] for row in csv.reader(io.StringIO(text, newline=""))]
     except csv.Error as error:
         raise ValueError(str(error)) from error
+    return [(number, row) for number, row in enumerate(rows, 1) if any(row)]

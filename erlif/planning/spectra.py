@@ -116,7 +116,7 @@ def read_spectrum(path: Path, what: str) -> Spectrum:
     30000.0
     """
     try:
-        rows = read_rows(path, largest=_LARGEST_FILE)
+        rows = [row for _, row in read_rows(path, largest=_LARGEST_FILE) if row[0][:1] != "#"]
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "it is not text"
         raise ConfigError(
@@ -124,8 +124,7 @@ def read_spectrum(path: Path, what: str) -> Spectrum:
             "its name in plan.toml."
         ) from error
     name = f"{what} in {path.name}"
-    rows = [row for row in rows if row and not row[0].startswith("#")]
-    if not rows or [cell.strip() for cell in rows[0]] != ["wavelength_nm", "value"]:
+    if not rows or rows[0] != ["wavelength_nm", "value"]:
         raise ConfigError(
             f"Expected the header wavelength_nm,value for the {name}; got "
             f"{','.join(rows[0])[:60] if rows else 'an empty file'!r}. Add the header."

@@ -39,7 +39,7 @@ def installed(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path / "site")
     registry._foreign_formats.cache_clear()
     yield
-    registry.close_frames()
+    registry._keep.cache_clear()
     registry._foreign_formats.cache_clear()
     sys.modules.pop("my_reader", None)
 

@@ -12,7 +12,13 @@ import xarray as xr
 from erlif.core.arrays import AnyArray
 from erlif.core.progress import Progress
 from erlif.core.version import __version__
-from erlif.io.conversion.contents import MAPS, attributes_of, describe_units, small_variables
+from erlif.io.conversion.contents import (
+    MAPS,
+    attributes_of,
+    describe_units,
+    maps_of_triggers,
+    small_variables,
+)
 
 _LEVEL = 1  # of compression; the maps are rounded, and higher levels take three times as long
 
@@ -37,7 +43,6 @@ def write_archive(
     small = small_variables(film, triggers)
     small["units"] = np.array(json.dumps(describe_units(film), sort_keys=True))
     small["attributes"] = np.array(json.dumps(attributes_of(film), sort_keys=True))
-    total = len(MAPS) * len(triggers)
 
     # numpy writes whole arrays only; the parts of the archive are those of numpy.savez, whose
     # date is fixed, so that the same film gives the same bytes
@@ -46,7 +51,7 @@ def write_archive(
         for name, values in small.items():
             with archive.open(f"{name}.npy", "w") as part:
                 np.lib.format.write_array(part, _plain(values), allow_pickle=False)
-        for n, name in enumerate(MAPS):
+        for name in MAPS:
             variable = film[name]
             shape = (len(triggers), *variable.shape[1:])
             with archive.open(f"{name}.npy", "w", force_zip64=True) as part:
@@ -56,9 +61,8 @@ def write_archive(
                     "shape": shape,
                 }
                 np.lib.format.write_array_header_1_0(part, header)
-                for k, trigger in enumerate(triggers):
-                    part.write(variable.isel(trigger=trigger).values.tobytes())
-                    progress("maps", n * len(triggers) + k + 1, total)
+                for image in maps_of_triggers(film, name, triggers, progress):
+                    part.write(image.tobytes())
 
 
 def _plain(values: AnyArray) -> AnyArray:

@@ -12,6 +12,7 @@ import xarray as xr
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import ErlifError
+from erlif.core.progress import Progress
 from erlif.core.variables import FILM
 from erlif.io.files import check_trigger, takes
 
@@ -138,6 +139,30 @@ def maps_of(film: xr.Dataset, trigger: int) -> Iterator[tuple[str, AnyArray]]:
     """
     for name in MAPS:
         yield name, film[name].isel(trigger=trigger).values
+
+
+def maps_of_triggers(
+    film: xr.Dataset, name: str, triggers: list[int], progress: Progress
+) -> Iterator[AnyArray]:
+    """Read the maps of one variable, one after the other.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+    name : str
+        One of `MAPS`.
+    triggers : list of int
+    progress : Progress
+        Called after each map has been used.
+
+    Yields
+    ------
+    array (y, x)
+    """
+    done = MAPS.index(name) * len(triggers)
+    for k, trigger in enumerate(triggers, 1):
+        yield film[name].isel(trigger=trigger).values
+        progress("maps", done + k, len(MAPS) * len(triggers))
 
 
 def choose_trigger(

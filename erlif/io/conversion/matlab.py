@@ -9,9 +9,10 @@ from __future__ import annotations
 import re
 import struct
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -19,7 +20,13 @@ import xarray as xr
 from erlif.core.arrays import AnyArray
 from erlif.core.progress import Progress
 from erlif.core.version import __version__
-from erlif.io.conversion.contents import MAPS, attributes_of, describe_units, small_variables
+from erlif.io.conversion.contents import (
+    MAPS,
+    attributes_of,
+    describe_units,
+    maps_of_triggers,
+    small_variables,
+)
 
 LARGEST = 2**31 - 2**10
 """Largest variable of version 5, less room for its header. [byte]"""
@@ -32,6 +39,24 @@ _CLASSES = {"float32": (7, _SINGLE, "single"), "uint8": (9, _UINT8, "uint8")}
 
 _USER_BLOCK = 512  # bytes before the HDF5 part of version 7.3
 _LONGEST_NAME = 63
+
+
+_Arrays = Mapping[str, AnyArray]
+_Structs = Mapping[str, Mapping[str, str]]
+_Images = Callable[[str], Iterator[AnyArray]]
+
+
+class _Maps(NamedTuple):
+    """The maps of a variable that are written."""
+
+    variable: xr.DataArray
+    count: int
+
+    @property
+    def size(self) -> int:
+        """[byte]"""
+        _, rows, columns = self.variable.shape
+        return int(self.variable.dtype.itemsize * rows * columns * self.count)
 
 
 def write_matlab(
@@ -53,10 +78,10 @@ def write_matlab(
         name: {_name(key): text for key, text in entries.items()}
         for name, entries in structs.items()
     }
-    pixels = film.sizes["y"] * film.sizes["x"]
-    size = max(film[name].dtype.itemsize for name in MAPS) * pixels * len(triggers)
-    write = _write_5 if size <= largest else _write_73
-    write(film, output, triggers=triggers, small=small, texts=texts, progress=progress)
+    maps = {name: _Maps(film[name], len(triggers)) for name in MAPS}
+    images = partial(maps_of_triggers, film, triggers=triggers, progress=progress)
+    write = _write_5 if max(one.size for one in maps.values()) <= largest else _write_73
+    write(output, small, texts, maps, images)
 
 
 def _name(name: str) -> str:
@@ -78,13 +103,7 @@ def _for_matlab(values: AnyArray) -> AnyArray:
 
 
 def _write_5(
-    film: xr.Dataset,
-    output: Path,
-    *,
-    triggers: list[int],
-    small: Mapping[str, AnyArray],
-    texts: Mapping[str, Mapping[str, str]],
-    progress: Progress,
+    output: Path, small: _Arrays, texts: _Structs, maps: dict[str, _Maps], images: _Images
 ) -> None:
     """Version 5: scipy writes what is small, the maps follow as elements of their own."""
     import scipy.io
@@ -95,40 +114,35 @@ def _write_5(
     )
     with output.open("r+b") as file:
         file.seek(0, 2)
-        for n, name in enumerate(MAPS):
-            _append_map(file, film[name], triggers, progress, done=n * len(triggers))
+        for name, one in maps.items():
+            _append_map(file, name, one, images(name))
 
         # scipy writes the time of day into the header
         file.seek(0)
         file.write(_header_text("5.0"))
 
 
-def _append_map(
-    file: BinaryIO, variable: xr.DataArray, triggers: list[int], progress: Progress, *, done: int
-) -> None:
+def _append_map(file: BinaryIO, name: str, maps: _Maps, images: Iterator[AnyArray]) -> None:
     """Append one compressed element with the maps of a variable."""
-    kind, stored, _ = _CLASSES[str(variable.dtype)]
-    rows, columns = variable.shape[1:]
-    size = variable.dtype.itemsize * rows * columns * len(triggers)
-    name = str(variable.name).encode()
+    kind, stored, _ = _CLASSES[str(maps.variable.dtype)]
+    rows, columns = maps.variable.shape[1:]
+    letters = name.encode()
     inner = (
         struct.pack("<IIII", _UINT32, 8, kind, 0)
-        + struct.pack("<IIiiii", _INT32, 12, rows, columns, len(triggers), 0)
-        + struct.pack("<II", _INT8, len(name))
-        + _padded(name)
-        + struct.pack("<II", stored, size)
+        + struct.pack("<IIiiii", _INT32, 12, rows, columns, maps.count, 0)
+        + struct.pack("<II", _INT8, len(letters))
+        + _padded(letters)
+        + struct.pack("<II", stored, maps.size)
     )
-    fill = -size % 8
+    fill = -maps.size % 8
     packer = zlib.compressobj(level=1)
 
     # the length of the compressed element is known at its end
     start = file.tell()
     file.write(struct.pack("<II", _COMPRESSED, 0))
-    file.write(packer.compress(struct.pack("<II", _MATRIX, len(inner) + size + fill) + inner))
-    for k, trigger in enumerate(triggers):
-        image = variable.isel(trigger=trigger).values
+    file.write(packer.compress(struct.pack("<II", _MATRIX, len(inner) + maps.size + fill) + inner))
+    for image in images:
         file.write(packer.compress(image.astype(image.dtype.newbyteorder("<")).tobytes("F")))
-        progress("maps", done + k + 1, len(MAPS) * len(triggers))
     file.write(packer.compress(bytes(fill)) + packer.flush())
     end = file.tell()
     file.seek(start)
@@ -147,13 +161,7 @@ def _header_text(version: str) -> bytes:
 
 
 def _write_73(
-    film: xr.Dataset,
-    output: Path,
-    *,
-    triggers: list[int],
-    small: Mapping[str, AnyArray],
-    texts: Mapping[str, Mapping[str, str]],
-    progress: Progress,
+    output: Path, small: _Arrays, texts: _Structs, maps: dict[str, _Maps], images: _Images
 ) -> None:
     """Version 7.3: HDF5 behind a header, dimensions in the reverse order."""
     import h5py
@@ -169,22 +177,20 @@ def _write_73(
             group = _mark(file.create_group(name), "struct")
             for key, text in entries.items():
                 _put_text(group, key, text)
-        for n, name in enumerate(MAPS):
-            variable = film[name]
-            rows, columns = variable.shape[1:]
+        for name, one in maps.items():
+            rows, columns = one.variable.shape[1:]
             data = file.create_dataset(
                 name,
-                (len(triggers), columns, rows),
-                variable.dtype,
+                (one.count, columns, rows),
+                one.variable.dtype,
                 chunks=(1, columns, rows),
                 compression="gzip",
                 compression_opts=1,
                 shuffle=True,
             )
-            _mark(data, _CLASSES[str(variable.dtype)][2])
-            for k, trigger in enumerate(triggers):
-                data[k] = variable.isel(trigger=trigger).values.T
-                progress("maps", n * len(triggers) + k + 1, len(MAPS) * len(triggers))
+            _mark(data, _CLASSES[str(one.variable.dtype)][2])
+            for k, image in enumerate(images(name)):
+                data[k] = image.T
 
     with output.open("r+b") as raw:
         raw.write(_header_text("7.3") + bytes(8) + b"\x00\x02IM")

@@ -10,6 +10,7 @@ import base64
 import struct
 import zlib
 from pathlib import Path
+from xml.sax.saxutils import escape
 
 import numpy as np
 import xarray as xr
@@ -26,6 +27,7 @@ _HEAD = (
     'byte_order="LittleEndian" header_type="UInt64" compressor="vtkZLibDataCompressor">\n'
 )
 _TAIL = "</VTKFile>\n"
+_QUOTES = {'"': "&quot;"}  # a name stands between them
 
 
 def write_series(
@@ -98,13 +100,6 @@ def _data(name: str, values: AnyArray, *, field: bool = False) -> str:
     count = f' NumberOfTuples="{len(values)}"' if field else ""
     kind = _TYPES[str(values.dtype)]
     return (
-        f'        <DataArray type="{kind}" Name="{_escaped(name)}"{components}{count} '
+        f'        <DataArray type="{kind}" Name="{escape(name, _QUOTES)}"{components}{count} '
         f'format="binary">{text}</DataArray>\n'
     )
-
-
-def _escaped(text: str) -> str:
-    """Text within the quotation marks of an attribute."""
-    for sign, name in (("&", "amp"), ("<", "lt"), (">", "gt"), ('"', "quot")):
-        text = text.replace(sign, f"&{name};")
-    return text

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 import difflib
-import io
 from dataclasses import dataclass
 from pathlib import Path
 
-from erlif.core.bounded import read_bounded
+from erlif.core.bounded import read_rows
 from erlif.core.errors import ConfigError
 
 _COLUMNS = ("run_dir", "calibration", "output")
@@ -66,8 +64,15 @@ def read_run_table(path: Path) -> list[RunEntry]:
     >>> one.run_dir.name, one.output.name, two.output
     ('monday', 'monday.zarr', None)
     """
-    rows = _read_rows(path)
-    header = [cell.strip() for cell in rows[0][1]] if rows else []
+    try:
+        rows = read_rows(path, largest=_LARGEST)
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise ConfigError(
+            f"Expected a table of runs in {path}; it cannot be read: {reason}. Name a CSV file in "
+            "UTF-8 with a column run_dir, or the run directories themselves."
+        ) from error
+    header = rows[0][1] if rows else []
     _check_header(header, path)
     if len(rows) == 1:
         raise ConfigError(
@@ -82,7 +87,7 @@ def read_run_table(path: Path) -> list[RunEntry]:
                 f"Expected {len(header)} cells in row {number} of {path}, as in the header; got "
                 f"{len(row)}. Put a path that holds a comma into double quotes."
             )
-        cells = {name: cell.strip() for name, cell in zip(header, row, strict=True)}
+        cells = dict(zip(header, row, strict=True))
         if not cells["run_dir"]:
             raise ConfigError(
                 f"Expected a run_dir in row {number} of {path}; the cell is empty. Name a run "
@@ -91,32 +96,6 @@ def read_run_table(path: Path) -> list[RunEntry]:
         found = {name: path.parent / cell for name, cell in cells.items() if cell}
         entries.append(RunEntry(**found))
     return entries
-
-
-def _read_rows(path: Path) -> list[tuple[int, list[str]]]:
-    """Row numbers and cells; empty rows are left out."""
-    try:
-        # "utf-8-sig" also reads the byte order mark that spreadsheets write
-        text = read_bounded(path, largest=_LARGEST).decode("utf-8-sig")
-        rows = enumerate(csv.reader(io.StringIO(text, newline="")), 1)
-        found = [(n, row) for n, row in rows if any(cell.strip() for cell in row)]
-    except OSError as error:
-        raise ConfigError(
-            f"Expected a table of runs in {path}; it cannot be read: {error.strerror}. Name a CSV "
-            "file with a column run_dir, or the run directories themselves."
-        ) from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise ConfigError(
-            f"Expected {path} to be a CSV text file; it is not: {error}. Save the table as CSV in "
-            "UTF-8."
-        ) from error
-
-    # Python 3.11 reads a null byte as any other character; no path may hold one
-    if any("\0" in cell for _, row in found for cell in row):
-        raise ConfigError(
-            f"Expected {path} to be a CSV text file; it holds a null byte. Save it as CSV in UTF-8."
-        )
-    return found
 
 
 def _check_header(header: list[str], path: Path) -> None:

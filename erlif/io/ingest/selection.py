@@ -113,13 +113,8 @@ def select_counts(camera: CameraSettings, purpose: Purpose = "frames") -> Select
     >>> select_counts(camera, "flat")
     Selection(part='', dataset='/flat', shift=4)
     """
-    dataset = camera.dataset or ""
-    if purpose == "dark":
-        dataset = camera.dark_dataset or dataset
-    elif purpose == "flat":
-        dataset = camera.flat_dataset or dataset
-    elif purpose == "background":
-        dataset = camera.background_dataset or dataset
+    own = None if purpose == "frames" else getattr(camera, f"{purpose}_dataset")
+    dataset = own or camera.dataset or ""
     shift = 16 - camera.bit_depth if camera.alignment == "left" else 0
     return Selection(camera.part or "", dataset, shift)
 

@@ -7,9 +7,7 @@ from its folder ("left/"), else from the text before the frame number ("left_000
 
 from __future__ import annotations
 
-import csv
 import glob
-import io
 import os
 import re
 from collections import Counter, defaultdict
@@ -20,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from erlif.core.bounded import read_bounded
+from erlif.core.bounded import read_rows
 from erlif.core.errors import FrameError
 from erlif.io.ingest.images import Page, match_files, natural_key, read_headers, read_page
 from erlif.io.ingest.logs.proposal import LOG_SUFFIXES
@@ -298,14 +296,10 @@ def _is_image(path: Path) -> bool:
 def _read_table(path: Path) -> TextTable | None:
     """Header and length of a CSV file; None where it is none."""
     try:
-        text = read_bounded(path, largest=LARGEST_TABLE).decode("utf-8-sig")
-        lines = csv.reader(io.StringIO(text, newline=""))
-        rows = [row for row in lines if any(cell.strip() for cell in row)]
-    except (OSError, UnicodeDecodeError, csv.Error):
+        rows = read_rows(path, largest=LARGEST_TABLE)
+    except (OSError, ValueError):
         return None
-    if not rows:
-        return None
-    return TextTable(path, tuple(cell.strip() for cell in rows[0]), len(rows) - 1)
+    return TextTable(path, tuple(rows[0][1]), len(rows) - 1) if rows else None
 
 
 # names

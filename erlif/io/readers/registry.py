@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import os
 import stat
-import threading
-from collections import OrderedDict
+import weakref
 from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
-from functools import cache
+from contextlib import contextmanager, suppress
+from functools import cache, lru_cache
 from importlib import metadata
 from pathlib import Path
 
@@ -30,23 +28,8 @@ from erlif.io.readers.princeton import PRINCETON
 from erlif.io.readers.tiff import TIFF
 
 FORMATS: tuple[Format, ...] = (
-    TIFF,
-    PHOTRON,
-    PHANTOM,
-    NORPIX,
-    GENICAM,
-    IM7,
-    SET,
-    PCO,
-    PRINCETON,
-    PNG,
-    BMP,
-    PGM,
-    NPY,
-    FITS,
-    HDF5,
-    AVI,
-    LOSSY,
+    *(TIFF, PHOTRON, PHANTOM, NORPIX, GENICAM, IM7, SET, PCO, PRINCETON),
+    *(PNG, BMP, PGM, NPY, FITS, HDF5, AVI, LOSSY),
 )
 """The formats of erlif, in the order in which a file is compared with them."""
 
@@ -127,19 +110,15 @@ def find_format(path: Path, head: bytes) -> Format:
     for entry in FORMATS:
         if entry.fits(path, head):
             return entry
-    faults: list[str] = []
-    for name, loaded in _foreign_formats():
-        if isinstance(loaded, Format):
-            if _recognised(loaded, path, head):
-                return loaded
-        else:
-            faults.append(f" The reader {name} cannot be loaded ({loaded}).")
+    foreign, faults = _foreign_formats()
+    for entry in foreign:
+        with suppress(Exception):  # a fault of another package is none of the file
+            if entry.fits(path, head):
+                return entry
 
     # a damaged start hides the format from all, the suffix still names it
-    suffix = path.suffix.lower()
-    foreign = [entry for _, entry in _foreign_formats() if isinstance(entry, Format)]
     for entry in (*FORMATS, *foreign):
-        if suffix in entry.suffixes:
+        if path.suffix.lower() in entry.suffixes:
             return entry
     known = ", ".join(entry.name for entry in (*FORMATS, *foreign) if entry is not LOSSY)
     raise FrameError(
@@ -178,87 +157,30 @@ def borrow_frames(path: Path, *, dataset: str = "") -> Iterator[FrameFile]:
     ...     file.read(3).shape
     (64, 80)
     """
-    entry = _kept.take(path, dataset)
     try:
-        yield entry.file
-    finally:
-        _kept.give_back(entry)
+        found = path.stat()
+    except OSError as error:
+        raise FrameError(f"the file cannot be read: {error.strerror or error}") from error
+    # size, time of change and place on the disk: a copy that takes the name of a file may have its
+    # size and time
+    kept = _keep(path, dataset, found.st_size, found.st_mtime_ns, found.st_ino)
+    yield kept.file
 
 
-def close_frames() -> None:
-    """Close the files that were kept open for the next frame."""
-    _kept.clear()
+class _Kept:
+    """An open file in one of its states, closed when the last block that uses it has dropped it."""
+
+    def __init__(self, path: Path, dataset: str, *stamp: int) -> None:
+        self.file = open_frames(path, dataset=dataset)
+        weakref.finalize(self, self.file.close)
 
 
-_Key = tuple[str, str, int, int, int]
-"""Path and dataset, and size, time of change and place on the disk: a copy that takes the name of a
-file may have its size and time."""
-
-
-@dataclass
-class _Entry:
-    """An open file and the number of blocks that use it."""
-
-    file: FrameFile
-    users: int = 0
-    kept: bool = True
-
-
-class _KeptFiles:
-    """The open files of this process; the one unused for longest is closed first."""
-
-    def __init__(self, most: int) -> None:
-        self.most = most
-        self.forget()
-
-    def forget(self) -> None:
-        """Start anew, without closing: a forked process shares the files of its parent."""
-        self.lock = threading.Lock()
-        self.entries: OrderedDict[_Key, _Entry] = OrderedDict()
-
-    def take(self, path: Path, dataset: str) -> _Entry:
-        """Open a file or find it open."""
-        try:
-            found = path.stat()
-        except OSError as error:
-            raise FrameError(f"the file cannot be read: {error.strerror or error}") from error
-        key = (str(path), dataset, found.st_size, found.st_mtime_ns, found.st_ino)
-
-        # two threads that open the same file at once: the second waits and finds it open
-        with self.lock:
-            entry = self.entries.pop(key, None)
-            if entry is None:
-                entry = _Entry(open_frames(path, dataset=dataset))
-            self.entries[key] = entry
-            entry.users += 1
-            while len(self.entries) > self.most:
-                _, oldest = self.entries.popitem(last=False)
-                self._drop(oldest)
-        return entry
-
-    def give_back(self, entry: _Entry) -> None:
-        """Close a file that was dropped while it was in use."""
-        with self.lock:
-            entry.users -= 1
-            if not entry.users and not entry.kept:
-                entry.file.close()
-
-    def clear(self) -> None:
-        """Close all files that are not in use; the others follow after their use."""
-        with self.lock:
-            while self.entries:
-                self._drop(self.entries.popitem()[1])
-
-    def _drop(self, entry: _Entry) -> None:
-        entry.kept = False
-        if not entry.users:
-            entry.file.close()
-
-
-_kept = _KeptFiles(_MOST_OPEN)
+_keep = lru_cache(maxsize=_MOST_OPEN)(_Kept)
+"""The files of this process that stay open; the one unused for longest is dropped first."""
 
 if hasattr(os, "register_at_fork"):  # not on Windows, where no process is forked
-    os.register_at_fork(after_in_child=_kept.forget)
+    # a forked process shares the places in the files of its parent
+    os.register_at_fork(after_in_child=_keep.cache_clear)
 
 
 def _read_head(path: Path) -> bytes:
@@ -300,24 +222,18 @@ def _missing(found: Format, package: str) -> str:
     )
 
 
-def _recognised(entry: Format, path: Path, head: bytes) -> bool:
-    """Whether the format of another package fits; a fault of that package is none of the file."""
-    try:
-        return entry.fits(path, head)
-    except Exception:
-        return False
-
-
 @cache
-def _foreign_formats() -> tuple[tuple[str, Format | str], ...]:
-    """Formats of other packages by the names of their entry points, or why they cannot be used."""
-    found: list[tuple[str, Format | str]] = []
+def _foreign_formats() -> tuple[list[Format], list[str]]:
+    """Formats of other packages by the names of their entry points, and why some are not used."""
+    formats, faults = [], []
     for point in sorted(metadata.entry_points(group=ENTRY_POINTS), key=lambda point: point.name):
         try:
             loaded = point.load()
         except Exception as error:  # the code of another package may raise anything
-            found.append((point.name, f"{type(error).__name__}: {error}"))
-            continue
-        valid = isinstance(loaded, Format)
-        found.append((point.name, loaded if valid else "it is no erlif.readers.Format"))
-    return tuple(found)
+            loaded = f"{type(error).__name__}: {error}"
+        if isinstance(loaded, Format):
+            formats.append(loaded)
+        else:
+            reason = loaded if isinstance(loaded, str) else "it is no erlif.readers.Format"
+            faults.append(f" The reader {point.name} cannot be loaded ({reason}).")
+    return formats, faults

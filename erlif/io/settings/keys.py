@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
-import annotated_types
 from pydantic.fields import FieldInfo
 
 from erlif.core.tables import read_table
@@ -20,6 +19,9 @@ from erlif.io.settings.tables import Form, Settings
 from erlif.io.settings.toml import toml_value
 
 _PLAIN_FORMS: dict[Any, str] = {bool: "true or false", int: "integer", float: "number", str: "text"}
+
+_BOUNDS = {"gt": "above", "ge": "from", "lt": "below", "le": "up to"}
+"""Bounds in words, by the name that the package annotated_types gives them."""
 
 
 @dataclass(frozen=True)
@@ -255,17 +257,12 @@ def _unwrap(field: FieldInfo) -> tuple[Any, list[Any]]:
 
 def _describe_bounds(metadata: list[Any]) -> str:
     """Bounds of a number in words."""
-    words = []
-    for item in metadata:
-        if isinstance(item, annotated_types.Gt):
-            words.append(f"above {item.gt:g}")
-        elif isinstance(item, annotated_types.Ge):
-            words.append(f"from {item.ge:g}")
-        elif isinstance(item, annotated_types.Lt):
-            words.append(f"below {item.lt:g}")
-        elif isinstance(item, annotated_types.Le):
-            words.append(f"up to {item.le:g}")
-    return " ".join(words)
+    return " ".join(
+        f"{words} {getattr(item, bound):g}"
+        for item in metadata
+        for bound, words in _BOUNDS.items()
+        if hasattr(item, bound)
+    )
 
 
 def _first_paragraph(kind: type[Settings]) -> str:

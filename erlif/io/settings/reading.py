@@ -7,7 +7,7 @@ import re
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
@@ -18,15 +18,7 @@ from erlif.io.settings.design import DesignSettings
 from erlif.io.settings.endurance import EnduranceSettings
 from erlif.io.settings.keys import Key, keys_of, tables_in
 from erlif.io.settings.planning import PlanSettings
-from erlif.io.settings.tables import (
-    CrankRockerSettings,
-    FixtureSettings,
-    RotationSettings,
-    RunSettings,
-    Settings,
-    SinusoidalSettings,
-    SliderCrankSettings,
-)
+from erlif.io.settings.tables import FixtureSettings, MechanismSettings, RunSettings, Settings
 
 _Settings = TypeVar("_Settings", bound="Settings")
 
@@ -40,10 +32,7 @@ _GAP = re.compile(r"\?\?( .*)?")
 """What `erlif init` writes for a value it does not know: "??", or "?? um" with the unit."""
 
 _KINDS: dict[str, type[Settings]] = {
-    "crank-rocker": CrankRockerSettings,
-    "slider-crank": SliderCrankSettings,
-    "rotation": RotationSettings,
-    "sinusoidal": SinusoidalSettings,
+    get_args(kind.model_fields["kind"].annotation)[0]: kind for kind in tables_in(MechanismSettings)
 }
 """Forms of [mechanism]; pydantic puts the kind into the location of a fault."""
 
@@ -214,15 +203,14 @@ def _check(path: Path, raw: dict[str, Any], kind: type[_Settings]) -> _Settings:
             return settings
         faults = []  # a gap in a text or a file name
 
+    lines = [f"  {_explain(fault, kind)}" for fault in faults]
     if not gaps:
-        listed = "\n".join(f"  {_explain(fault, kind)}" for fault in faults)
+        listed = "\n".join(lines)
         raise ConfigError(f"Expected settings as documented in {path}; correct these:\n{listed}")
 
-    lines = [f"  {_explain_gap(gap, kind)}" for gap in gaps]
-    if faults:
-        lines += ["and correct these:", *(f"  {_explain(fault, kind)}" for fault in faults)]
+    head = ["and correct these:"] if faults else []
+    listed = "\n".join([*(f"  {_explain_gap(gap, kind)}" for gap in gaps), *head, *lines])
     gap_count = "1 gap is" if len(gaps) == 1 else f"{len(gaps)} gaps are"
-    listed = "\n".join(lines)
     raise ConfigError(
         f"Expected a value for every key of {path}; {gap_count} left. Replace each ??:\n{listed}"
     )

@@ -145,7 +145,7 @@ def _merge(known: dict[str, Material], path: Path) -> dict[str, Material]:
             f"{getattr(error, 'strerror', None) or error}. Name a CSV file, text in UTF-8, beside "
             "joint.toml with `materials`."
         ) from error
-    head = [cell.strip() for cell in rows[0]] if rows else []
+    head = rows[0][1] if rows else []
     allowed = ["name", "use", *_columns(), "source"]
     unknown = [cell for cell in head if cell not in allowed]
     if "name" not in head or unknown or len(set(head)) < len(head):
@@ -157,16 +157,14 @@ def _merge(known: dict[str, Material], path: Path) -> dict[str, Material]:
         )
 
     merged = dict(known)
-    for number, row in enumerate(rows[1:], start=2):
-        if not any(cell.strip() for cell in row):
-            continue
+    for number, row in rows[1:]:
         where = f"row {number} of {path}"
         if len(row) != len(head):
             raise ConfigError(
                 f"Expected {len(head)} cells in {where}; got {len(row)}. Put "
                 "text that holds a comma in quotes."
             )
-        cells = {key: cell.strip() for key, cell in zip(head, row, strict=True)}
+        cells = dict(zip(head, row, strict=True))
         material = _read_row(cells, merged, where)
         merged[material.name] = material
     return merged

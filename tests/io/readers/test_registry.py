@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import re
 import sys
@@ -59,7 +60,7 @@ def foreign(monkeypatch):
         registry._foreign_formats.cache_clear()
 
     yield install
-    registry.close_frames()
+    registry._keep.cache_clear()
     registry._foreign_formats.cache_clear()
 
 
@@ -172,7 +173,7 @@ def test_a_file_stays_open_for_the_next_frame(tmp_path, foreign):
     with borrow_frames(tmp_path / "a.flat") as one, borrow_frames(tmp_path / "a.flat") as two:
         assert one is two
     assert not one.closed
-    registry.close_frames()
+    registry._keep.cache_clear()
     assert one.closed
 
 
@@ -188,7 +189,7 @@ def test_a_file_that_has_changed_is_opened_again(tmp_path, foreign):
 
 def test_few_files_are_open_at_once(tmp_path, foreign, monkeypatch):
     foreign(flat=FLAT)
-    monkeypatch.setattr(registry._kept, "most", 2)
+    monkeypatch.setattr(registry, "_keep", functools.lru_cache(2)(registry._Kept))
     files = []
     for n in range(5):
         (tmp_path / f"{n}.flat").write_bytes(bytes([*b"FLAT", n]))
@@ -201,7 +202,7 @@ def test_a_file_in_use_is_closed_after_its_use(tmp_path, foreign):
     foreign(flat=FLAT)
     (tmp_path / "a.flat").write_bytes(b"FLAT\x01")
     with borrow_frames(tmp_path / "a.flat") as file:
-        registry.close_frames()
+        registry._keep.cache_clear()
         assert not file.closed
         assert file.read(0)[0, 0] == 1
     assert file.closed
@@ -209,7 +210,7 @@ def test_a_file_in_use_is_closed_after_its_use(tmp_path, foreign):
 
 def test_threads_share_the_open_files(tmp_path, foreign, monkeypatch):
     foreign(flat=FLAT)
-    monkeypatch.setattr(registry._kept, "most", 2)
+    monkeypatch.setattr(registry, "_keep", functools.lru_cache(2)(registry._Kept))
     paths = []
     for n in range(6):
         paths.append(tmp_path / f"{n}.flat")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import logging
+import io
 import math
 import stat
 from collections.abc import Iterator, Mapping
@@ -180,40 +180,25 @@ def _read_tdms(path: Path) -> _Found:
     """Channels; a waveform without a channel of times gets one from its properties."""
     try:
         from nptdms import TdmsFile
+        from nptdms.log import log_manager
     except ImportError as error:
         raise EncoderError(
             f"Expected the package npTDMS, which reads {path.name}; it is not installed. Install "
             'it with: pip install "erlif[logs]"'
         ) from error
 
-    # the package logs a truncated or damaged file as a warning and reads what is left
-    faults = _Faults()
-    modules = [name for name in logging.root.manager.loggerDict if name.startswith("nptdms")]
-    loggers = [logging.getLogger(name) for name in modules]
-    kept = [logger.handlers for logger in loggers]
+    # the package logs a truncated or damaged file as a warning and reads what is left; it leaves a
+    # file open that it refuses
+    text = io.StringIO()
+    usual = log_manager.console_handler.setStream(text)
     try:
-        for logger in loggers:
-            logger.handlers, logger.propagate = [faults], False
-        # the package leaves a file open that it refuses
         with path.open("rb") as raw, TdmsFile.open(raw) as file:
             found = list(_list_channels(file, path))
     finally:
-        for logger, handlers in zip(loggers, kept, strict=True):
-            logger.handlers = handlers
-    if faults.messages:
-        raise ValueError(faults.messages[0])
+        log_manager.console_handler.setStream(usual)
+    if text.getvalue():
+        raise ValueError(text.getvalue().strip())
     yield from found
-
-
-class _Faults(logging.Handler):
-    """What a package logs about a file."""
-
-    def __init__(self) -> None:
-        super().__init__(logging.WARNING)
-        self.messages: list[str] = []
-
-    def emit(self, record: logging.LogRecord) -> None:
-        self.messages.append(record.getMessage()[:200])
 
 
 def _list_channels(file: Any, path: Path) -> _Found:
