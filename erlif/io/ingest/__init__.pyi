@@ -15,9 +15,8 @@ from .hashes import (
     sign_inputs,
     stamp_inputs,
 )
-from .images import Page, depth_warning, natural_key
+from .images import Page, depth_warning, natural_key, read_reference_pages
 from .recording import Fixture, FoundStart, Run, open_fixture, open_run
-from .reference_pages import read_reference_pages
 from .run_table import RunEntry, read_run_table
 from .selection import Selection, select_counts
 

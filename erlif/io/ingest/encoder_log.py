@@ -73,8 +73,7 @@ def read_encoder_log(
     """
     choice = choice or ColumnChoice()
     table = read_log_table(path, choice.wanted)
-    found, _ = find_columns(table, choice)
-    if "frame" not in found:
+    if "frame" not in find_columns(table, choice)[0]:
         missing_column("frame", table)
     return _by_frame(table, choice, needs_angle=needs_angle)[0]
 

@@ -152,13 +152,10 @@ def read_frames(pairs: FramePairs, frames: Sequence[int], *, digests: bool = Fal
 
     Examples
     --------
-    >>> import tempfile, tifffile
-    >>> directory = Path(tempfile.mkdtemp())
-    >>> tifffile.imwrite(directory / "one.tif", np.full((2, 3), 7, np.uint16))
-    >>> page = Page(directory / "one.tif", 0)
-    >>> pairs = FramePairs(directory, ((page,), (page,)), (2, 3), (12, 12))
-    >>> read_frames(pairs, [0]).counts.sizes["y"]
-    2
+    >>> from erlif.io.ingest import open_run
+    >>> run = open_run(Path("data_samples/straight_bushing"))
+    >>> read_frames(run.pairs, [0, 4]).counts.dims
+    ('camera', 'frame', 'y', 'x')
     """
     counts = np.empty((2, len(frames), *pairs.shape), np.uint16)
     hashes = np.zeros((2, len(frames)), "U64")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -33,75 +34,51 @@ def open_avi(path: Path) -> FrameFile:
     The file has a warning. As `Format.open`: FrameError if it is damaged, compressed or in
     colours.
     """
+    form, frames, interval, in_video = b"", list[tuple[int, int]](), 0.0, False
     with Source(path) as source:
-        film = _Film(source)
-        film.walk(0, source.size, 0)
-        if film.format is None:
+        for count, (name, place, size, end) in enumerate(_chunks(source, 0, source.size)):
+            if name == b"strh":
+                if size < 32:
+                    raise FrameError("the file is damaged: the header of a stream is too short")
+                kind, scale, rate = struct.unpack("<4s16xII", source.read(place, 28))
+                in_video = kind == b"vids"
+                interval = scale / rate if in_video and rate else interval
+            elif name == b"strf" and in_video and not form:
+                form = source.read(place, min(size, 4096, end - place))
+            elif name[2:] in (b"db", b"dc") and name[:2].isdigit():
+                frames.append((place, size))
+
+            # a file of empty chunks, such as one of zeros, takes eight bytes for each
+            if count >= _MOST_CHUNKS + _CHUNKS_PER_FRAME * len(frames):
+                raise FrameError("the file is damaged: hardly any of its chunks is a frame")
+            if len(frames) > MOST_FRAMES:
+                break
+        if not form:
             raise FrameError("the file is damaged: no stream of images is described")
-        layout = bitmap_layout(film.format)
+        layout = bitmap_layout(form)
         check_claim(1, layout.kind, source.size)
 
     # an empty chunk repeats the frame before it
-    places = [place for place, size in film.frames if size >= layout.size]
-    if len(places) < len(film.frames):
-        lost = len(film.frames) - len(places)
-        raise FrameError(f"{lost} of its {len(film.frames)} frames are empty: the camera lost them")
-    interval = film.interval if film.interval > 0 else None
-    file = RawFrames(path, layout, np.array(places, np.int64), bits=8, interval=interval)
+    places = [place for place, size in frames if size >= layout.size]
+    if len(places) < len(frames):
+        lost = len(frames) - len(places)
+        raise FrameError(f"{lost} of its {len(frames)} frames are empty: the camera lost them")
+    file = RawFrames(path, layout, np.array(places, np.int64), bits=8, interval=interval or None)
     file.warning = _WARNING
     return file
 
 
-class _Film:
-    """What the chunks of a film state.
-
-    Attributes
-    ----------
-    format : bytes | None
-        The header of the images with its palette.
-    frames : list[tuple[int, int]]
-        Place and size of each frame. [byte]
-    interval : float
-        Time from frame to frame; 0 where it is not known. [s]
-    """
-
-    def __init__(self, source: Source) -> None:
-        self.source = source
-        self.format: bytes | None = None
-        self.frames: list[tuple[int, int]] = []
-        self.interval = 0.0
-        self._in_video = False
-        self._chunks = 0
-
-    def walk(self, place: int, end: int, depth: int) -> None:
-        """Go through the chunks between two places. [byte]"""
-        while place + 8 <= end and len(self.frames) <= MOST_FRAMES:
-            name, size = struct.unpack("<4sI", self.source.read(place, 8))
-            inside = place + 8
-            if name in _LISTS and depth < _DEEPEST:
-                self.walk(inside + 4, min(inside + size, end), depth + 1)
-            elif name == b"strh":
-                self._read_stream(inside, size)
-            elif name == b"strf" and self._in_video and self.format is None:
-                self.format = self.source.read(inside, min(size, 4096, end - inside))
-            elif name[2:] in (b"db", b"dc") and name[:2].isdigit():
-                self.frames.append((inside, size))
-            self._count_chunk()
-            place = inside + size + size % 2  # chunks begin at even places
-
-    def _count_chunk(self) -> None:
-        """Refuse a file of empty chunks, such as one of zeros: each takes eight bytes."""
-        self._chunks += 1
-        if self._chunks > _MOST_CHUNKS + _CHUNKS_PER_FRAME * len(self.frames):
-            raise FrameError("the file is damaged: hardly any of its chunks is a frame")
-
-    def _read_stream(self, place: int, size: int) -> None:
-        if size < 32:
-            raise FrameError("the file is damaged: the header of a stream is too short")
-        kind, scale, rate = struct.unpack("<4s16xII", self.source.read(place, 28))
-        self._in_video = kind == b"vids"
-        if self._in_video and rate:
-            self.interval = scale / rate
+def _chunks(
+    source: Source, place: int, end: int, depth: int = 0
+) -> Iterator[tuple[bytes, int, int, int]]:
+    """Name, place, size and limit of the chunks between two places, and of those in lists."""
+    while place + 8 <= end:
+        name, size = struct.unpack("<4sI", source.read(place, 8))
+        inside = place + 8
+        yield name, inside, size, end
+        if name in _LISTS and depth < _DEEPEST:
+            yield from _chunks(source, inside + 4, min(inside + size, end), depth + 1)
+        place = inside + size + size % 2  # chunks begin at even places
 
 
 AVI = Format(

@@ -161,7 +161,7 @@ def colour_camera(what: str = "recording") -> FrameError:
     )
 
 
-def read_header(source: Source, name: str, start: int = 0) -> Any:
+def read_header(source: Source, name: str, start: int = 0, *, size: int | None = None) -> Any:
     """Read the numbers of a header that lie at fixed places.
 
     Parameters
@@ -171,23 +171,25 @@ def read_header(source: Source, name: str, start: int = 0) -> Any:
         Name of the layout in headers.toml.
     start : int
         Where the header begins. [byte]
+    size : int, optional
+        Its size, where that differs between versions. [byte]
 
     Returns
     -------
     object
-        With an attribute for each field.
+        With an attribute for each field, 0 for one beyond `size`.
 
     Raises
     ------
     FrameError
         With the bare reason, if the file ends before.
     """
-    return SimpleNamespace(
-        **{
-            field: struct.unpack(code, source.read(start + place, struct.calcsize(code)))[0]
-            for field, (code, place) in LAYOUTS[name].items()
-        }
-    )
+    found: dict[str, Any] = {}
+    for field, (code, place) in LAYOUTS[name].items():
+        length = struct.calcsize(code)
+        there = size is None or place + length <= size
+        found[field] = struct.unpack(code, source.read(start + place, length))[0] if there else 0
+    return SimpleNamespace(**found)
 
 
 def check_claim(frames: int, kind: FrameKind, size: int, *, packing: float = 1.0) -> None:

@@ -13,7 +13,6 @@ pycine, biHeight = 1080) is upright only then.
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -33,9 +32,6 @@ _COMPRESSIONS = {1: "JPEG-compressed", 2: "from a colour sensor"}
 
 _PACKED_10, _PACKED_12 = 256, 1024
 """Values of biCompression for packed counts."""
-
-# places in the SETUP structure, whose length depends on the version of the camera's program
-_RATE_16, _MARK, _LENGTH, _RATE, _DEPTH, _DECIMATION = 0, 140, 142, 768, 896, 1556
 
 _TIMES = 1002
 """Type of the tagged block with a time for each image."""
@@ -97,16 +93,6 @@ class PhantomFrames(RawFrames):
         return place + int(note)
 
 
-@dataclass(frozen=True)
-class _Setup:
-    """What is needed of the SETUP structure."""
-
-    rate: int
-    step: int
-    depth: int
-    end: int
-
-
 def open_phantom(path: Path) -> FrameFile:
     """Open a CINE file.
 
@@ -127,35 +113,22 @@ def open_phantom(path: Path) -> FrameFile:
 
         bitmap = read_header(source, "bitmap", header.bitmap)
         layout = _find_layout(bitmap)
-        setup = _read_setup(source, header.setup)
-        times = _read_times(source, setup.end, header)
+        setup = read_header(source, "setup", header.setup)
+        if setup.mark != b"ST":
+            raise FrameError("the header is damaged: it has no block of settings")
+        later = read_header(source, "setup_later", header.setup, size=setup.length)
+        times = _read_times(source, header.setup + setup.length, header)
         places = np.frombuffer(source.read(header.offsets, 8 * header.images), "<i8")
 
     # counts of 8 bits may come from a camera of more
-    bits = 12 if layout.packing is not None else min(setup.depth, bitmap.bits) or None
-    interval = frame_interval(setup.rate, step=setup.step) if times is None else None
+    bits = 12 if layout.packing is not None else min(later.depth, bitmap.bits) or None
+    interval = frame_interval(later.rate or setup.rate, step=max(later.decimation, 1))
     file = PhantomFrames(
         path, layout, places, before=2 * _NUMBER.size, bits=bits, interval=interval
     )
-    if times is not None:
+    if times is not None:  # the stamps of the camera go before its rate
         file.times = times
     return file
-
-
-def _read_setup(source: Source, start: int) -> _Setup:
-    """Rate, depth and end of the SETUP structure; zero for what an old version lacks."""
-    mark, length = struct.unpack("<2sH", source.read(start + _MARK, 4))
-    if mark != b"ST":
-        raise FrameError("the header is damaged: it has no block of settings")
-    (rate,) = struct.unpack("<H", source.read(start + _RATE_16, 2))
-
-    def number(place: int) -> int:
-        if length < place + 4:
-            return 0
-        return int(struct.unpack("<I", source.read(start + place, 4))[0])
-
-    rate = number(_RATE) or rate
-    return _Setup(rate, max(number(_DECIMATION), 1), number(_DEPTH), start + length)
 
 
 def _read_times(source: Source, start: int, header: Any) -> Array | None:

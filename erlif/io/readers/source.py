@@ -1,10 +1,11 @@
-"""Positioned reads of a file, from several threads at once."""
+"""Positioned reads of a file, from several threads at once, and small text files beside it."""
 
 from __future__ import annotations
 
 import os
 import stat
 import threading
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Self
 
@@ -12,6 +13,9 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError
+
+_LONGEST = 4 * 2**20
+"""Size of a text file above which it is no header of frames. [byte]"""
 
 
 class Source:
@@ -125,3 +129,61 @@ class Source:
         with self._lock:
             self._file.seek(offset)
             return self._file.readinto(buffer) or 0
+
+
+def find_beside(path: Path, suffixes: Sequence[str]) -> Path | None:
+    """A file of the same name and another ending in the same folder.
+
+    Parameters
+    ----------
+    path : Path
+    suffixes : sequence of str
+        Endings in lower case, the preferred first; files in upper case are found too.
+
+    Returns
+    -------
+    Path or None
+        None where there is no such file.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> (folder / "run1.CIH").touch()
+    >>> find_beside(folder / "run1.mraw", (".cihx", ".cih")).name
+    'run1.CIH'
+    """
+    for suffix in suffixes:
+        for ending in (suffix, suffix.upper(), suffix.capitalize()):
+            # with_suffix would take "run 1.5" for a name with the ending ".5"
+            beside = path.with_name(path.name.removesuffix(path.suffix) + ending)
+            if beside.exists():
+                return beside
+    return None
+
+
+def read_text(path: Path) -> str:
+    """Text of a header, whose comments may be in any code page.
+
+    Parameters
+    ----------
+    path : Path
+        A file of at most 4 MiB.
+
+    Returns
+    -------
+    str
+        Bytes outside ASCII stand as single characters; keys and numbers are ASCII.
+
+    Raises
+    ------
+    FrameError
+        With the bare reason, if the file cannot be read or is too large for a header.
+    """
+    with Source(path) as source:
+        if source.size > _LONGEST:
+            raise FrameError(
+                f"{path.name} has {source.size} bytes, too many for a header. Put the header that "
+                "was saved with the frames in its place."
+            )
+        return source.read(0, source.size).decode("latin-1")

@@ -68,19 +68,11 @@ def read_run_settings(run_dir: Path) -> RunSettings:
 def read_fixture_settings(fixture_dir: Path) -> FixtureSettings:
     """Read and check ``fixture.toml`` of a fixture directory.
 
-    Parameters
-    ----------
-    fixture_dir : Path
-        Directory of the fixture.
+    Errors as for `read_run_settings`; `fixture_dir` is the directory of the fixture.
 
     Returns
     -------
     FixtureSettings
-
-    Raises
-    ------
-    ConfigError
-        As for `read_run_settings`.
 
     Examples
     --------
@@ -97,19 +89,11 @@ def read_fixture_settings(fixture_dir: Path) -> FixtureSettings:
 def read_plan_settings(path: Path) -> PlanSettings:
     """Read and check a plan, the input of `erlif.plan`.
 
-    Parameters
-    ----------
-    path : Path
-        The file, plan.toml.
+    Errors as for `read_run_settings`; `path` is the file, plan.toml.
 
     Returns
     -------
     PlanSettings
-
-    Raises
-    ------
-    ConfigError
-        As for `read_run_settings`.
 
     Examples
     --------
@@ -125,19 +109,11 @@ def read_plan_settings(path: Path) -> PlanSettings:
 def read_design_settings(path: Path) -> DesignSettings:
     """Read and check a joint, the input of `erlif.design`.
 
-    Parameters
-    ----------
-    path : Path
-        The file, joint.toml.
+    Errors as for `read_run_settings`; `path` is the file, joint.toml.
 
     Returns
     -------
     DesignSettings
-
-    Raises
-    ------
-    ConfigError
-        As for `read_run_settings`.
 
     Examples
     --------
@@ -153,19 +129,11 @@ def read_design_settings(path: Path) -> DesignSettings:
 def read_endurance_settings(path: Path) -> EnduranceSettings:
     """Read and check the settings of endurance tests.
 
-    Parameters
-    ----------
-    path : Path
-        The file, endurance.toml.
+    Errors as for `read_run_settings`; `path` is the file, endurance.toml.
 
     Returns
     -------
     EnduranceSettings
-
-    Raises
-    ------
-    ConfigError
-        As for `read_run_settings`.
 
     Examples
     --------
@@ -296,7 +264,7 @@ def _explain(fault: ErrorDetails, kind: type[Settings]) -> str:
         case "extra_forbidden":
             return f"{where}: unknown key; {_suggest(key, kind, fault['loc'][:-1])}"
         case "missing":
-            is_table = bool(tables_in(_annotation(kind, fault["loc"])))
+            is_table = _find_key(location, kind) is None
             if is_table and len(location) == 1:
                 return f"[{key}]: missing table"
             return f"{where}: missing {'table' if is_table else 'key'}"
@@ -331,15 +299,6 @@ def _suggest(key: str, kind: type[Settings], location: tuple[int | str, ...]) ->
     known = [name for table in _tables_at(kind, location) for name in table.model_fields]
     near = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
     return f"did you mean {near[0]!r}?" if near else f"known here: {', '.join(known)}"
-
-
-def _annotation(kind: type[Settings], location: tuple[int | str, ...]) -> Any:
-    """Type of the key at `location`."""
-    key = str(location[-1])
-    for table in _tables_at(kind, location[:-1]):
-        if key in table.model_fields:
-            return table.model_fields[key].annotation
-    return None
 
 
 def _tables_at(kind: type[Settings], location: tuple[int | str, ...]) -> list[type[Settings]]:

@@ -12,8 +12,7 @@ import xarray as xr
 
 from erlif.core.arrays import Array
 from erlif.core.errors import EnduranceError
-from erlif.io.ingest.logs.bad_rows import leave_out_bad_rows
-from erlif.io.ingest.logs.checks import check_temperature, check_time
+from erlif.io.ingest.logs.checks import check_temperature, check_time, leave_out_bad_rows
 from erlif.io.ingest.logs.clock_times import with_clocks
 from erlif.io.ingest.logs.columns import (
     choose_column,

@@ -17,7 +17,7 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError
 from erlif.core.variables import FILM
-from erlif.io.ingest.logs.bad_rows import refuse_bad_rows
+from erlif.io.ingest.logs.checks import refuse_bad_rows
 from erlif.io.ingest.logs.table import LogColumn, LogTable, name_patterns, split_unit
 from erlif.io.ingest.logs.units import CLOCK, UNITS, Scale, find_scale
 
