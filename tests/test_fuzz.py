@@ -15,10 +15,10 @@ from erlif.core.errors import ErlifError
 SLOW = ("figures", "report", "budget")
 """What is made by hand: one film takes seconds."""
 
-TRIES = {".toml": 150, ".csv": 150, ".nc": 20}
+TRIES = {".toml": 60, ".csv": 60, ".nc": 10}
 """Damaged files by their suffix."""
 
-TRIES_OF_LOGS = 60
+TRIES_OF_LOGS = 25
 """Damaged binary logs of each kind."""
 
 

@@ -7,7 +7,7 @@ import struct
 import h5py
 import numpy as np
 
-from damages.bench import Damage
+from damages.bench import TEXTS, Damage
 
 INTO = "process run"
 
@@ -251,24 +251,11 @@ OUTPUTS = [
         "is a file",
     ),
     _state(
-        "output: report over a film",
-        _nothing,
-        "report films/film.nc -o films/film.nc",
-        ".html",
-    ),
-    _state(
         "output: somebody's page in the place of the report",
         lambda b: b.write(b.directory / "films/report.html", "<p>mine</p>"),
         "report films/film.nc --overwrite",
         "does not replace",
     ),
-    _state(
-        "output: below a file",
-        _nothing,
-        "process run -o run/run.toml/film.nc",
-        "run.toml",
-    ),
-    _state("output: calibration exists", _nothing, "calibrate fixture", "--overwrite"),
     _state(
         "output: somebody's file in the place of the calibration",
         lambda b: b.write(b.calibration, "mine"),
@@ -277,94 +264,13 @@ OUTPUTS = [
     ),
 ]
 
-NOWHERE = "/proc/1"
-"""Folder in which nobody may write, root included."""
-
-OUTPUTS += [
-    _state(f"output: no place to write, {name}", _nothing, f"{command} -o {NOWHERE}/{file}", *words)
-    for name, command, file, words in [
-        ("film", "process run", "film.nc", ("film.nc could not be written", "another place")),
-        ("zarr", "process run", "film.zarr", ("film.zarr could not be written", "another place")),
-        ("calibration", "calibrate fixture", "a.nc", ("a.nc could not be written", "place")),
-        ("figures", "figures films/film.nc", "figures", ("could not be written", "another place")),
-        ("report", "report films/film.nc", "a.html", ("a.html could not be written", "place")),
-    ]
-]
-OUTPUTS += [
-    _state(
-        "output: no place to write, rig",
-        _nothing,
-        f"simulate {NOWHERE}/rig --size 96x80",
-        "could not be written",
-        "Choose another directory",
-    ),
-]
-
-
-def _simulate(options, *words):
-    return _state(f"usage: simulate {options}", _nothing, f"simulate out {options}", *words)
-
-
 USAGE = [
-    _simulate("--size 9x9", "width", "got 9"),
-    _simulate("--pictures 0", "pictures", "got 0"),
-    _simulate("--pulses-per-cycle nan", "pulses_per_cycle", "got nan"),
-    _simulate("--bleaching 2 2", "bleaching"),
-    _simulate("--mechanism planetary", "planetary"),
-    _state("usage: simulate in the place of a film", _nothing, "simulate films/film.nc", "film.nc"),
-    _state("usage: simulate over the run", _nothing, "simulate .", "--overwrite"),
-    _state("usage: page of check with another suffix", _nothing, "check run --html a.txt", ".html"),
+    *(_state(name, _nothing, *row) for name, row in TEXTS["usage"].items()),
     _state(
         "usage: page of check over a report",
         lambda b: b.write(b.directory / "a.html", "<p>mine</p>"),
         "check run --html a.html",
         "--overwrite",
-    ),
-    _state("usage: no such directory", _nothing, "process nowhere", "nowhere", "directory"),
-    _state("usage: a file as directory", _nothing, "process run/encoder.csv", "directory"),
-    _state("usage: fixture processed", _nothing, "process fixture", "fixture.toml"),
-    _state("usage: run calibrated", _nothing, "calibrate run", "run.toml"),
-    _state("usage: run.toml itself", _nothing, "process run/run.toml", "Name the directory"),
-    _state("usage: other suffix", _nothing, "process run -o film.txt", ".nc or .zarr"),
-    _state(
-        "usage: other suffix of a calibration",
-        _nothing,
-        "calibrate fixture -o a.csv",
-        "Expected a name in .nc",
-    ),
-    _state("usage: figures of a run", _nothing, "figures run", "is a directory"),
-    _state("usage: figures of settings", _nothing, "figures run/run.toml", "erlif process"),
-    _state(
-        "usage: figures of a calibration",
-        _nothing,
-        "figures fixture/calibration.nc",
-        "which erlif.open_calibration opens",
-    ),
-    _state("usage: report of nothing", _nothing, "report nothing.nc", "does not exist"),
-    _state("usage: report of a frame", _nothing, "report run/camera1/frame_0001.tif", "process"),
-    _state(
-        "usage: calibration is not there",
-        _nothing,
-        "process run --calibration cal.nc",
-        "does not exist",
-    ),
-    _state(
-        "usage: calibration is a profile",
-        _nothing,
-        "process run --calibration fixture/profile.csv",
-        "erlif calibrate",
-    ),
-    _state("usage: no workers", _nothing, "process run --workers 0", "--workers"),
-    _state("usage: workers as text", _nothing, "process run --workers many", "--workers"),
-    _state("usage: unknown option", _nothing, "process run --quick", "--quick"),
-    _state("usage: unknown command", _nothing, "proces run", "proces"),
-    _state("usage: nothing to process", _nothing, "process", "RUN_DIR"),
-    _state("usage: scheduler of nonsense", _nothing, "process run --scheduler nine", "local:N"),
-    _state(
-        "usage: scheduler file is not there",
-        _nothing,
-        "process run --scheduler dask.json",
-        "scheduler file",
     ),
     _state(
         "usage: scheduler file of nonsense",
@@ -377,16 +283,6 @@ USAGE = [
         lambda b: os.mkfifo(b.directory / "dask.json"),
         "process run --scheduler dask.json",
         "it is a pipe",
-    ),
-    _state("budget: trigger 9999", _nothing, "budget run --trigger 9999", "--trigger"),
-    _state("budget: negative trigger", _nothing, "budget run --trigger -1", "--trigger"),
-    _state("init: no such directory", _nothing, "init nowhere", "Name the folder"),
-    _state("init: run.toml exists", _nothing, "init run", "--overwrite"),
-    _state(
-        "calibrate: against a film",
-        _nothing,
-        "calibrate fixture --overwrite --against run",
-        "is a directory",
     ),
 ]
 
@@ -401,20 +297,8 @@ def _table(name, content, *words):
 
 
 TABLES = [
-    _table("empty", "", "run_dir"),
-    _table("header alone", "run_dir\n", "Write one row"),
-    _table("other header", "folder\nrun\n", "folder"),
-    _table("header misspelt", "run_dir,outptu\nrun,a.nc\n", "did you mean 'output'?"),
-    _table("column twice", "run_dir,run_dir\nrun,run\n", "2 times"),
-    _table("too many cells", "run_dir\nrun,run\n", "row 2"),
-    _table("no run in a row", "run_dir,output\n,a.nc\n", "row 2"),
-    _table("byte of zero", "run_dir\nru\0n\n", "null byte"),
+    *(_table(name, *row) for name, row in TEXTS["runs"].items()),
     _table("binary", bytes(range(128, 256)), "UTF-8"),
-    _table("same output twice", "run_dir,output\nrun,a.nc\nfixture,a.nc\n", "both have"),
-    _table("same run twice", "run_dir\nrun\nrun\n", "run"),
-    _table("output of another format", "run_dir,output\nrun,a.csv\n", ".nc or .zarr"),
-    _table("run that is not there", "run_dir\nnowhere\n", "1 of 1 runs failed"),
-    _state("table of runs: nothing", _nothing, "batch nothing.csv", "nothing.csv"),
     _state(
         "table of runs: pipe",
         lambda b: os.mkfifo(b.directory / "runs.csv"),

@@ -35,22 +35,6 @@ def test_a_table_of_a_map_is_replaced_as_well(film_path, tmp_path):
     assert output.read_text().count("\n") == 24 * 64 + 1
 
 
-@pytest.mark.parametrize(
-    ("name", "content"),
-    [
-        ("film.csv", b"frame,angle_deg\r\n0,1\r\n"),
-        ("film.mat", b"MATLAB 5.0 MAT-file, Platform: GLNXA64"),
-        ("film.tif", b"II*\x00 somebody's image"),
-        ("film.npz", b"PK\x03\x04 somebody's archive"),
-    ],
-)
-def test_a_file_of_another_program_is_never_replaced(name, content, film_path, tmp_path):
-    (tmp_path / name).write_bytes(content)
-    with pytest.raises(OutputError, match="something else"):
-        export(film_path, tmp_path / name, overwrite=True)
-    assert (tmp_path / name).read_bytes() == content
-
-
 def test_a_folder_with_other_files_is_never_replaced(film_path, tmp_path):
     output = tmp_path / "film_vtk"
     export(film_path, output, to="vtk", trigger=1)

@@ -68,22 +68,3 @@ def test_any_name_of_a_column_stays_text(film, tmp_path):
     root = ET.parse(tmp_path / "film" / "film_001.vts").getroot()
     names = [each.attrib["Name"] for each in root.findall(".//FieldData/DataArray")]
     assert 'a < b & "c" µ' in names
-
-
-def test_vtk_reads_the_grid(film, series):
-    core = pytest.importorskip("vtkmodules.vtkIOXML", reason="VTK is not installed")
-    to_numpy = pytest.importorskip("vtkmodules.util.numpy_support").vtk_to_numpy
-    reader = core.vtkXMLStructuredGridReader()
-    reader.SetFileName(str(series / "film_005.vts"))
-    reader.Update()
-    grid = reader.GetOutput()
-    assert grid.GetExtent() == (0, 63, 0, 23, 0, 0)
-    points = to_numpy(grid.GetPoints().GetData())
-    npt.assert_allclose(np.hypot(points[:, 0], points[:, 2]), 33.36, rtol=1e-6)
-    data = grid.GetPointData()
-    assert data.GetScalars().GetName() == "thickness [um]"
-    for name in ("thickness", "thickness_std", "thickness_std_shared", "flags"):
-        label = name if name == "flags" else f"{name} [um]"
-        npt.assert_array_equal(to_numpy(data.GetArray(label)), film[name].values[5].ravel())
-    load = grid.GetFieldData().GetArray("load [N]")
-    assert load.GetValue(0) == pytest.approx(222.411, abs=1e-3)

@@ -7,9 +7,8 @@ import pytest
 import xarray as xr
 
 import erlif
-from erlif.core.errors import ErlifError, OutputError
+from erlif.core.errors import OutputError
 from erlif.io.files import (
-    check_trigger,
     fastest_trigger,
     flag_shares,
     has_identity,
@@ -52,17 +51,6 @@ def test_without_a_region_the_whole_image_is_taken(opened):
     region = region_of(without)
     assert region.x == (0, float(opened.x[-1]))
     assert region.y == (0, float(opened.y[-1]))
-
-
-@pytest.mark.parametrize("trigger", [-1, 6])
-def test_a_trigger_beyond_the_film_is_refused_with_the_range(opened, trigger):
-    check_trigger(opened, 5)
-    with pytest.raises(ErlifError, match=f"0 to 5.* got {trigger}"):
-        check_trigger(opened, trigger)
-
-
-def test_the_fastest_trigger_is_one_of_the_outward_stroke():
-    assert fastest_trigger(triggers([1.0, 2.0, -3.0], [1, 1, -1])) == 1
 
 
 def test_without_an_outward_stroke_the_fastest_of_all_is_taken():

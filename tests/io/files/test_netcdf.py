@@ -1,8 +1,5 @@
 """netCDF files opened for reading, and text that Octave reads."""
 
-import subprocess
-import sys
-
 import h5py
 import numpy as np
 import pytest
@@ -102,17 +99,6 @@ def test_groups_are_added_to_a_file(tmp_path):
     with open_netcdf(path) as root, open_netcdf(path, group="frames") as frames:
         assert (float(root["load"][0]), float(root["speed"][0]), root.title) == (220.0, 0.5, "a")
         assert frames.file.values.tolist() == ["ä"]
-
-
-def test_writing_loads_no_scheduler(tmp_path):
-    code = (
-        "import sys, xarray as xr\n"
-        "from pathlib import Path\n"
-        "from erlif.io.files.netcdf import write_netcdf\n"
-        "write_netcdf(xr.Dataset({'load': 220.0}), Path(sys.argv[1]))\n"
-        "assert 'distributed' not in sys.modules\n"
-    )
-    subprocess.run([sys.executable, "-c", code, str(tmp_path / "load.nc")], check=True)
 
 
 @pytest.mark.filterwarnings("error")

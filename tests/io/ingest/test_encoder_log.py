@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.io import savemat
 
 from erlif.core.errors import EncoderError
 from erlif.io.ingest import Page
@@ -32,26 +31,6 @@ def read_by_frame(path):
 
 
 # what is read
-
-
-def test_known_columns_get_their_names_and_units(write_log):
-    header = "frame,time_s,angle_deg,load_N,temperature_C\n"
-    log = read_by_frame(write_log(header + "7,0.5,1.5,200,25\n8,0.6,2.5,210,26\n"))
-    assert {str(name): log[name].attrs.get("units") for name in log} == {
-        "number": None,
-        "time": "s",
-        "angle": "degree",
-        "load": "N",
-        "temperature": "degree_Celsius",
-    }
-    values = {str(name): log[name].values.tolist() for name in log}
-    assert values == {
-        "number": [7, 8],
-        "time": [0.5, 0.6],
-        "angle": [1.5, 2.5],
-        "load": [200, 210],
-        "temperature": [25, 26],
-    }
 
 
 def test_further_columns_keep_their_names(write_log):
@@ -158,21 +137,25 @@ def logged(*numbers):
 
 
 @pytest.mark.parametrize(
-    ("rows", "frames", "first"),
+    ("rows", "frames", "words"),
     [
-        ([0, 1, 2, 3], [0, 1, 3], 2),  # the names carry the numbers of the log: the gap is found
-        ([5, 6, 7], [6, 7], 5),
-        ([0, 1, 2, 3], [0, 1, 2], 3),
-        ([0, 1, 2, 3], [10, 11], 2),  # they do not: the surplus stands at the end
-        ([0, 1, 2, 3], [1, 2, 10], 3),
+        # the names carry the numbers of the log: the gap is found
+        ([0, 1, 2, 3], [0, 1, 3], "frame 2 of log.csv is the first without a file"),
+        ([5, 6, 7], [6, 7], "frame 5 of"),
+        ([0, 1, 2, 3], [0, 1, 2], "frame 3 of"),
+        # they do not: the surplus stands at the end
+        ([0, 1, 2, 3], [10, 11], "frame 2 of log.csv is the first without a file; the names"),
+        ([0, 1, 2, 3], [1, 2, 10], "frame 3 of"),
+        # the files count from 1, the rows from 0: the gap of the names is the missing frame
+        ([0, 1, 2, 3, 4], [1, 2, 4, 5], "frame 2 of"),
+        ([0, 1, 2, 3, 4], [7, 20, 33, 46], "if no frame was missed earlier"),
     ],
 )
-def test_the_first_row_without_a_frame_is_named(rows, frames, first):
+def test_the_first_row_without_a_frame_is_named(rows, frames, words):
     with pytest.raises(EncoderError) as refused:
         check_rows(logged(*rows), pages(*frames), "log.csv")
-    message = str(refused.value)
-    assert f"log.csv has {len(rows)} rows, the cameras have {len(frames)} frames each" in message
-    assert f"frame {first} of log.csv is the first without a file" in message
+    assert f"{len(rows)} rows, the cameras have {len(frames)} frames" in str(refused.value)
+    assert words in str(refused.value)
 
 
 def test_the_first_frame_without_a_row_is_named():
@@ -216,23 +199,3 @@ def test_a_log_in_time_needs_time_and_angle(write_log):
         write_log("F,time_s\n1,2\n3,4\n4,5\n5,6\n"), ColumnChoice(), frames=5, needs_angle=False
     ).log
     assert "angle" not in log.samples
-
-
-def test_binary_logs_are_read_like_text(tmp_path):
-    savemat(tmp_path / "log.mat", {"frame": [0, 1], "angle_deg": [5.0, 6.0]})
-    assert read_by_frame(tmp_path / "log.mat").angle.values.tolist() == [5, 6]
-
-
-@pytest.mark.parametrize(
-    ("names", "words"),
-    [
-        # the files count from 1, the rows from 0: the gap of the names is the missing frame
-        ([1, 2, 4, 5], "frame 2 of log.csv is the first without a file"),
-        ([11, 12, 13, 14], "frame 4 of log.csv is the first without a file; the names"),
-        ([7, 20, 33, 46], "if no frame was missed earlier"),
-    ],
-)
-def test_an_inner_frame_without_a_file_is_found_by_the_names(names, words):
-    with pytest.raises(EncoderError) as refused:
-        check_rows(logged(0, 1, 2, 3, 4), pages(*names), "log.csv")
-    assert words in str(refused.value)

@@ -83,14 +83,6 @@ def test_files_are_hashed_as_they_are_read_where_asked(run):
         assert frames[f"digest_camera{camera}"].values.tolist() == expected
 
 
-def test_a_file_of_many_frames_is_not_hashed_with_each(run, save_pages):
-    save_pages(run.directory / "all1.tiff", run.counts[0])
-    run.edit("run.toml", ('"camera1/*.tif"', '"all1.tiff"'))
-    frames = read_frames(open_run(run.directory).pairs, [5], digests=True)
-    assert frames.digest_camera1.values.tolist() == [""]
-    assert len(str(frames.digest_camera2.values[0])) == 64
-
-
 def test_counts_beyond_the_bit_depth_are_refused_in_every_frame(run):
     odd = run.counts[1, 3].copy()
     odd[10, 20] = 4096

@@ -4,9 +4,7 @@ import hashlib
 import os
 from dataclasses import replace
 
-import numpy as np
 import pytest
-import tifffile
 
 from erlif.io.ingest import (
     InputChangedError,
@@ -44,21 +42,6 @@ def test_a_fixture_has_its_profile_among_the_inputs(fixture):
 
 
 CHANGED = ["run.toml", "camera1/*.tif", "camera2_dark.tif"]
-
-
-@pytest.mark.parametrize("name", CHANGED)
-def test_a_changed_input_changes_its_own_hash_and_no_other(run, name):
-    before = hash_inputs(open_run(run.directory))
-    path = run.frames(int(name[6]))[5] if "*" in name else run.directory / name
-    if path.suffix == ".tif":
-        pages = np.atleast_3d(tifffile.imread(path))
-        pages.flat[0] -= 1
-        pages = pages if pages.shape[-1] > 1 else pages[..., 0]
-        tifffile.imwrite(path, pages, photometric="minisblack")
-    else:
-        path.write_text(path.read_text() + "\n")
-    after = hash_inputs(open_run(run.directory))
-    assert [key for key in before if before[key] != after[key]] == [name]
 
 
 def test_names_are_relative_and_as_short_as_possible(run):
@@ -136,18 +119,6 @@ def test_a_frame_of_the_same_size_written_a_nanosecond_later_changes_the_sign(ru
     path = run.frames(2)[3]
     stamp = path.stat()
     os.utime(path, ns=(stamp.st_atime_ns, stamp.st_mtime_ns + 1))
-    assert sign(run.directory) != before
-
-
-def test_frames_that_change_places_change_the_sign(run):
-    before = sign(run.directory)
-    first, second = run.frames(1)[:2]
-    third = first.with_name("third")
-    first.rename(third)
-    second.rename(first)
-    third.rename(second)
-    times = [path.stat().st_mtime_ns for path in (first, second)]
-    assert times[0] != times[1]
     assert sign(run.directory) != before
 
 

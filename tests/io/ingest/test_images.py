@@ -4,18 +4,18 @@ import hashlib
 import os
 import tracemalloc
 from dataclasses import replace
-from pathlib import Path, PurePath
+from pathlib import Path
 
 import numpy as np
 import pytest
 import tifffile
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenes.camera_files import random_frames, write_mraw
+from scenes.camera_files import write_mraw
 
 from erlif.core.errors import FrameError
 from erlif.core.notes import Level
-from erlif.io.ingest import Page, depth_warning, natural_key
+from erlif.io.ingest import Page, depth_warning, natural_key, read_reference_pages
 from erlif.io.ingest.images import (
     UNREADABLE,
     check_depth,
@@ -49,12 +49,6 @@ def test_bytes_of_a_name_that_are_not_utf_8_are_replaced():
 def test_natural_order_is_that_of_the_numbers(numbers):
     names = sorted((Path(f"a{number}b.tif") for number in numbers), key=natural_key)
     assert names == [Path(f"a{number}b.tif") for number in sorted(numbers)]
-
-
-@given(st.lists(st.text(min_size=1, max_size=6), max_size=4))
-@settings(deadline=None, database=None, max_examples=40)
-def test_any_names_can_be_ordered(names):
-    sorted((PurePath(name) for name in [*names, "²", "x²3", "٣"]), key=natural_key)
 
 
 # files
@@ -108,19 +102,6 @@ def test_a_damaged_file_keeps_its_place_as_one_unreadable_page(
     assert found.kinds[1] == UNREADABLE
 
 
-def test_the_last_byte_of_a_page_must_be_there(tmp_path, save_pages):
-    """tifffile writes the pixels last: one byte less is a truncated page."""
-    path = tmp_path / "a.tif"
-    save_pages(path, [GREY])
-    with tifffile.TiffFile(path) as file:
-        end = file.pages[0].dataoffsets[0] + file.pages[0].databytecounts[0]
-    whole = path.read_bytes()
-    path.write_bytes(whole[:end])
-    assert find_pages(tmp_path, "a.tif", "camera1").faults == {}
-    path.write_bytes(whole[: end - 1])
-    assert find_pages(tmp_path, "a.tif", "camera1").faults == {0: "the file is truncated"}
-
-
 def test_a_black_frame_under_deflate_is_not_damaged(tmp_path):
     """Deflate reaches 1032 bytes a byte at most (RFC 1951): 516 pixels of 16 bits."""
     black = np.zeros((1024, 1024), np.uint16)
@@ -150,29 +131,6 @@ def test_another_shape_or_type_is_refused_with_both(tmp_path, save_pages, image,
         read_page(page, tmp_path, (64, 80))
     assert "counts of 80 x 64 pixels" in str(refused.value)
     assert f"{os.path.join('camera1', 'a.tif')}[1]; it is {found}" in str(refused.value)
-
-
-def test_data_that_cannot_be_decoded_are_refused_with_the_way_out(tmp_path):
-    path = tmp_path / "a.tif"
-    tifffile.imwrite(path, GREY, compression="zlib")
-    with tifffile.TiffFile(path) as file:
-        start = file.pages[0].dataoffsets[0]
-    content = bytearray(path.read_bytes())
-    content[start : start + 40] = b"\xff" * 40
-    path.write_bytes(content)
-    assert find_pages(tmp_path, "a.tif", "camera1").faults == {}
-    with pytest.raises(FrameError, match=r"a\.tif; it cannot be decoded: .*--skip-bad-frames"):
-        read_page(Page(path, 0), tmp_path, (64, 80))
-
-
-def test_corrected_values_are_refused_with_the_first_of_them(tmp_path):
-    image = GREY.astype(np.float32)
-    image[3, 7] = -0.25
-    tifffile.imwrite(tmp_path / "a.tif", image)
-    with pytest.raises(
-        FrameError, match=r"a\.tif; its float32 .*: -0.25 in row 3, column 7\. Save"
-    ):
-        read_page(Page(tmp_path / "a.tif", 0), tmp_path, (64, 80))
 
 
 def test_left_aligned_counts_are_shifted(tmp_path):
@@ -243,17 +201,6 @@ def test_a_run_within_a_sixteenth_of_full_scale_is_reported(bit_depth, highest, 
     assert f"bit_depth = {fits} would fit" in note.text
 
 
-@pytest.mark.parametrize("header", ["cih", "cihx"])
-def test_counts_and_the_header_beside_them_are_one_recording(tmp_path, header):
-    frames = random_frames(np.random.default_rng(1))
-    write_mraw(tmp_path / "cam.mraw", frames, header=header)
-    found = find_pages(tmp_path, "cam.*", "frames")
-    assert len(found.pages) == 3
-    assert not found.faults
-    assert found.bits == 12
-    assert len(found.companions) == 1
-
-
 def test_a_recording_of_two_files_keeps_its_times(tmp_path):
     write_mraw(tmp_path / "m.mraw", np.zeros((3, 64, 80), np.uint16), rate=2000)
     for pattern in ("m.mraw", "m.*"):
@@ -276,3 +223,50 @@ def test_a_file_longer_than_its_frame_is_not_taken_into_memory(tmp_path):
     tracemalloc.stop()
     assert peak < 10_000_000
     np.testing.assert_array_equal(content.counts, image)
+
+
+# darks and flats
+
+PAGES = np.random.default_rng(7).integers(40, 90, (5, 64, 80), dtype=np.uint16)
+
+
+def read_darks(directory, pattern="dark.tif", *, bit_depth=12, shape=(64, 80)):
+    return read_reference_pages(
+        directory, pattern, what="camera2 dark", bit_depth=bit_depth, shape=shape
+    )
+
+
+def test_pages_come_in_the_order_of_the_file(tmp_path, save_pages):
+    save_pages(tmp_path / "dark.tif", PAGES)
+    np.testing.assert_array_equal(np.stack(list(read_darks(tmp_path))), PAGES)
+
+
+def test_a_page_is_read_when_it_is_asked_for(tmp_path, save_pages):
+    """A recording larger than the memory can be read: the second page may still be changed."""
+    save_pages(tmp_path / "dark_1.tif", PAGES[:1])
+    save_pages(tmp_path / "dark_2.tif", PAGES[1:2])
+    pages = read_darks(tmp_path, "dark_*.tif")
+    next(pages)
+    save_pages(tmp_path / "dark_2.tif", PAGES[2:3])
+    np.testing.assert_array_equal(next(pages), PAGES[2])
+
+
+def test_a_damaged_page_is_named_before_any_page_is_read(tmp_path, save_pages):
+    save_pages(tmp_path / "dark_1.tif", PAGES)
+    (tmp_path / "dark_2.tif").write_bytes(b"")
+    with pytest.raises(
+        FrameError, match=r"readable camera2 dark pages; dark_2\.tif: the file is empty"
+    ):
+        next(read_darks(tmp_path, "dark_*.tif"))
+
+
+def test_every_page_must_fit_the_bit_depth(tmp_path, save_pages):
+    pages = PAGES.copy()
+    pages[3, 0, 0] = 4096
+    save_pages(tmp_path / "dark.tif", pages)
+    found = read_darks(tmp_path)
+    for _ in range(3):
+        next(found)
+    with pytest.raises(FrameError, match=r"dark\.tif\[3\] reaches 4096: bit_depth = 13 fits"):
+        next(found)
+    assert len(list(read_darks(tmp_path, bit_depth=13))) == 5

@@ -3,15 +3,12 @@
 import numpy as np
 import pytest
 import tifffile
-from scenes.camera_files import write_genicam
 
 from erlif.core.errors import FrameError
-from erlif.io.ingest import Page, format_notes, read_frames
-from erlif.io.ingest.images import find_pages
+from erlif.io.ingest import Page, read_frames
 from erlif.io.ingest.pairing import frame_numbers, pair_cameras
 from erlif.io.ingest.recording import number_frames
 from erlif.io.ingest.selection import Selection
-from erlif.io.readers import Format, FrameFile, FrameKind, registry
 
 SHAPE = (64, 80)
 GREY = np.random.default_rng(6).integers(0, 1000, SHAPE, dtype=np.uint16)
@@ -101,21 +98,11 @@ def test_the_first_frame_without_a_partner_is_named_by_its_number(record):
     assert "unmatched one is camera1/f_2.tif" in message
 
 
-def test_without_common_numbers_the_first_surplus_position_is_named(record):
-    assert "unmatched one is camera1/f_3.tif" in refusal(record(range(5), [70, 80, 90]))
-
-
 def test_equal_counts_with_different_gaps_are_out_of_step(record):
     """Both lost one frame, and not the same: from there on the pulses would not agree."""
     message = refusal(record([0, 1, 2, 4, 5, 6], [0, 1, 2, 3, 4, 6]))
     assert "camera1 has 6, camera2 has 6" in message
     assert "unmatched one is camera1/f_5.tif" in message
-
-
-def test_both_cameras_with_the_same_files_are_refused(record):
-    directory = record(range(3), range(3))
-    message = refusal(directory, patterns=("camera1/*", "camera1/*"))
-    assert "both [camera1] and [camera2] name f_0.tif" in message
 
 
 # kinds
@@ -205,49 +192,6 @@ def test_a_truncated_multi_page_file_loses_its_last_pairs_only(tmp_path, save_pa
     assert all("the file is truncated" in reason for reason in pairs.skipped.values())
 
 
-class Stamped(FrameFile):
-    """Two frames with time stamps and a file beside them, as high-speed cameras write them."""
-
-    kinds = (FrameKind((64, 80), "uint8"),) * 2
-
-    def __init__(self, path):
-        self.times = np.array([0.0, float(path.read_bytes()[5:])])
-        self.companions = [path.with_suffix(".raw")]
-        self.warning = f"it is {path.stem}"
-
-    def read(self, index):
-        return np.full((64, 80), index, np.uint8)
-
-
-@pytest.fixture
-def stamped(tmp_path, monkeypatch):
-    """A folder in which each camera has one file of two frames."""
-    entry = Format("stamped", (".st",), lambda path, head: head[:5] == b"STAMP", Stamped)
-    monkeypatch.setattr(registry, "FORMATS", (*registry.FORMATS, entry))
-    for name, step in (("one", "0.25"), ("two", "0.5")):
-        (tmp_path / f"{name}.st").write_text(f"STAMP{step}")
-        (tmp_path / f"{name}.raw").write_bytes(b"counts")
-    return tmp_path
-
-
-def test_times_of_the_header_are_those_of_camera_1(stamped):
-    pairs = pair_cameras(stamped, ("one.st", "two.st"), bit_depths=(8, 8))
-    assert list(pairs.times) == [0.0, 0.25]
-    assert pairs.companions == ((stamped / "one.raw",), (stamped / "two.raw",))
-    assert [str(note) for note in format_notes(pairs)] == [
-        "camera1: it is one",
-        "camera2: it is two",
-    ]
-
-
-@pytest.mark.parametrize("times", ["nan", "0.5"], ids=["not a number", "two files"])
-def test_times_that_do_not_belong_to_all_frames_are_left_out(stamped, times):
-    (stamped / "one.st").write_text(f"STAMP{times}")
-    (stamped / "one2.st").write_text("STAMP1")
-    found = find_pages(stamped, "one.st" if times == "nan" else "one*.st", "camera1")
-    assert found.times is None
-
-
 # two cameras in one file
 
 PARTS = [("left", "right"), ("top", "bottom"), ("odd", "even")]
@@ -291,16 +235,6 @@ def test_the_same_files_without_parts_that_exclude_one_another_are_refused(tmp_p
     assert 'part = "left" and part = "right"' in message
 
 
-def test_alternating_pages_without_a_partner_are_refused(tmp_path):
-    tifffile.imwrite(tmp_path / "both.tif", np.stack([GREY] * 5), photometric="minisblack")
-    message = refusal(
-        tmp_path,
-        patterns=("both.tif", "both.tif"),
-        selections=(Selection("odd"), Selection("even")),
-    )
-    assert "camera1 has 3, camera2 has 2. The first unmatched one is both.tif" in message
-
-
 @pytest.mark.parametrize("cut", ["camera1", "camera2"])
 def test_times_of_a_cut_recording_are_those_of_the_other_camera(tmp_path, cut):
     """Fewer times than frames had ended in a traceback."""
@@ -313,15 +247,6 @@ def test_times_of_a_cut_recording_are_those_of_the_other_camera(tmp_path, cut):
     pairs = pair(tmp_path, patterns=("camera1.raw", "camera2.raw"), skip_bad_frames=True)
     assert sorted(pairs.skipped) == [3, 4]
     np.testing.assert_allclose(number_frames(pairs).time, np.arange(5) / 100)
-
-
-def test_bits_of_the_headers_come_with_the_pairs(tmp_path):
-    for name, kind in (("camera1", "Mono10"), ("camera2", "Mono16")):
-        write_genicam(tmp_path / f"{name}.raw", np.stack([GREY] * 2), kind)
-    pairs = pair(tmp_path, patterns=("camera1.raw", "camera2.raw"))
-    assert pairs.stated_bits == (10, 16)
-    (note,) = format_notes(pairs)
-    assert "the headers of the files state 10 bits" in note.text
 
 
 def test_frames_of_recordings_in_one_file_each_are_not_dropped_by_empty_files(tmp_path, save_pages):

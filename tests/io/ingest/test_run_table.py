@@ -2,7 +2,6 @@
 
 import pytest
 
-from erlif.core.errors import ConfigError
 from erlif.io.ingest import RunEntry, read_run_table
 
 
@@ -34,32 +33,3 @@ def test_an_empty_cell_stands_for_the_default(table, tmp_path):
 def test_tables_of_a_spreadsheet_are_read(table, text):
     found = read_run_table(table(text, "utf-8-sig"))
     assert [entry.run_dir.name for entry in found] == ["monday", "tuesday"]
-
-
-@pytest.mark.parametrize(
-    ("text", "reason"),
-    [
-        ("", "run_dir is missing"),
-        ("monday\ntuesday\n", "got 'monday'"),
-        ("calibration\na.nc\n", "run_dir is missing"),
-        ("run_dir,calibratoin\nmonday,a.nc\n", "did you mean 'calibration'"),
-        ("run_dir,run_dir\nmonday,tuesday\n", "comes 2 times"),
-        ("run_dir\n", "header alone"),
-        ("run_dir,output\nmonday\n", "2 cells in row 2"),
-        ("run_dir,output\n,film.nc\n", "run_dir in row 2"),
-        ("run_dir\nmo\x00nday\n", "CSV text"),
-    ],
-)
-def test_other_tables_are_refused_with_the_reason(table, text, reason):
-    with pytest.raises(ConfigError, match=reason):
-        read_run_table(table(text))
-
-
-def test_text_in_another_encoding_is_refused(table):
-    with pytest.raises(ConfigError, match="UTF-8"):
-        read_run_table(table("run_dir\nmätzli\n", "latin-1"))
-
-
-def test_a_missing_table_is_refused(tmp_path):
-    with pytest.raises(ConfigError, match="No such file"):
-        read_run_table(tmp_path / "runs.csv")

@@ -9,7 +9,6 @@ from scenes.camera_files import (
     random_frames,
     write_cine,
     write_genicam,
-    write_im7,
     write_mraw,
     write_seq,
 )
@@ -120,13 +119,6 @@ def test_darks_of_left_and_right_are_found_in_their_own_folder(tmp_path):
     ]
 
 
-def test_a_dark_of_neither_camera_is_listed(tmp_path):
-    photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"), "dark.tif")
-    survey = survey_directory(tmp_path)
-    assert survey.unassigned == (tmp_path / "dark.tif",)
-    assert survey.cameras[0].darks is None
-
-
 def test_a_photograph_of_the_scale_is_not_a_frame(tmp_path):
     photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"), "scale.tif")
     survey = survey_directory(tmp_path)
@@ -177,11 +169,6 @@ def test_tables_are_listed_with_header_and_rows(tmp_path):
     assert (table.path.name, table.header, table.rows) == ("log.csv", ("frame", "angle_deg"), 2)
 
 
-def test_a_missing_directory_is_refused(tmp_path):
-    with pytest.raises(FrameError, match="nowhere is not a directory"):
-        survey_directory(tmp_path / "nowhere")
-
-
 def test_too_many_files_are_refused(tmp_path, monkeypatch):
     monkeypatch.setattr("erlif.io.ingest.survey.MOST_FILES", 3)
     photograph(tmp_path, *numbered("cam1/{}.tif", 4))
@@ -196,14 +183,6 @@ def test_hidden_files_links_and_files_too_deep_are_not_searched(tmp_path):
     survey = survey_directory(tmp_path)
     assert survey.unassigned == ()
     assert [camera.frames.pages for camera in survey.cameras] == [3, 3]
-
-
-def test_a_table_larger_than_any_log_is_not_read(tmp_path, monkeypatch):
-    (tmp_path / "log.csv").write_text("frame,angle_deg\n0,1\n")
-    monkeypatch.setattr("erlif.io.ingest.survey.LARGEST_TABLE", 18)
-    assert survey_directory(tmp_path).tables == ()
-    monkeypatch.setattr("erlif.io.ingest.survey.LARGEST_TABLE", 20)
-    assert len(survey_directory(tmp_path).tables) == 1
 
 
 def test_a_camera_whose_files_are_all_damaged_has_no_counts(tmp_path):
@@ -249,16 +228,6 @@ def test_counts_above_the_depth_of_the_header_overrule_it(tmp_path):
     (camera,) = survey_directory(tmp_path).cameras
     assert camera.counts.bit_depth == 14
     assert not camera.counts.stated
-
-
-def test_images_of_davis_are_found_one_by_one(tmp_path):
-    for camera in (1, 2):
-        for number in range(3):
-            path = tmp_path / f"cam{camera}" / f"B{number:05}.im7"
-            path.parent.mkdir(exist_ok=True)
-            write_im7(path, random_frames(np.random.default_rng(number), frames=1))
-    patterns = [camera.frames.pattern for camera in survey_directory(tmp_path).cameras]
-    assert patterns == ["cam1/*.im7", "cam2/*.im7"]
 
 
 def test_parts_of_one_file_stand_in_the_order_of_their_pages(tmp_path):

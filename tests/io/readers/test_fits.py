@@ -7,25 +7,7 @@ import pytest
 from scenes.camera_files import fits_header, fits_image, padded, unsigned
 from scenes.reading import read, refusal
 
-from erlif.io.readers import FrameKind, open_frames
-
 COUNTS = np.random.default_rng(5).integers(0, 65536, (3, 64, 80), dtype=np.uint16)
-
-
-def test_unsigned_counts_are_those_with_their_zero_moved(tmp_path):
-    content = fits_image(16, 80, 64, 3, BZERO=32768, BSCALE=1) + unsigned(COUNTS)
-    found = read(tmp_path / "a.dat", content)
-    assert found.dtype == np.uint16
-    np.testing.assert_array_equal(found, COUNTS)
-
-
-@pytest.mark.parametrize(
-    ("bitpix", "dtype"), [(8, ">u1"), (16, ">i2"), (32, ">i4"), (64, ">i8"), (-32, ">f4")]
-)
-def test_values_of_each_type_are_read(tmp_path, bitpix, dtype):
-    values = (COUNTS[0] >> 9).astype(dtype)
-    content = fits_image(bitpix, 80, 64) + padded(values.tobytes())
-    np.testing.assert_array_equal(read(tmp_path / "a.fits", content), values[None])
 
 
 @pytest.mark.parametrize(("order", "step"), [("TOP-DOWN", 1), ("BOTTOM-UP", -1)])
@@ -79,15 +61,6 @@ def test_scaled_values_are_refused(tmp_path, cards, reason):
 )
 def test_damaged_and_other_headers_are_refused(tmp_path, content, reason):
     assert reason in refusal(tmp_path / "a.fits", content)
-
-
-def test_frames_behind_the_end_of_the_file_are_truncated(tmp_path):
-    content = fits_image(16, 80, 64, 3, BZERO=32768) + unsigned(COUNTS)
-    (tmp_path / "a.fits").write_bytes(content[: 2880 + 2 * COUNTS[0].nbytes + 5])
-    file = open_frames(tmp_path / "a.fits")
-    assert file.kinds[0] == FrameKind((64, 80), "uint16")
-    assert [kind.dtype for kind in file.kinds] == ["uint16", "uint16", "truncated"]
-    file.close()
 
 
 @pytest.mark.parametrize("dtype", ["u1", "u2", "i2", "u4", "f4", "f8"])

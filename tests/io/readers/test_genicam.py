@@ -12,34 +12,6 @@ from erlif.io.readers import open_frames
 from erlif.io.readers.genicam import open_raw
 
 
-@pytest.mark.parametrize(
-    ("pixel_format", "bits"),
-    [
-        ("Mono8", 8),
-        ("Mono10", 10),
-        ("Mono12", 12),
-        ("Mono14", 14),
-        ("Mono16", 16),
-        ("Mono10p", 10),
-        ("Mono12p", 12),
-        ("Mono10Packed", 10),
-        ("Mono12Packed", 12),
-        ("Mono10pmsb", 10),
-        ("Mono12pmsb", 12),
-    ],
-)
-@pytest.mark.parametrize("sidecar", ["toml", "json"])
-def test_known_counts(tmp_path, pixel_format, bits, sidecar):
-    frames = random_frames(np.random.default_rng(bits), bits=bits)
-    path = write_genicam(tmp_path / "a.raw", frames, pixel_format, sidecar=sidecar)
-    file = open_frames(path)
-    npt.assert_array_equal([file.read(k) for k in range(3)], frames)
-    assert file.bits == bits
-    assert file.times is None
-    assert [companion.name for companion in file.companions] == [f"a.{sidecar}"]
-    file.close()
-
-
 def test_a_header_of_the_recorder_is_skipped_and_the_rate_gives_times(tmp_path):
     frames = random_frames(np.random.default_rng(1))
     path = write_genicam(

@@ -10,7 +10,6 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
-from damages.products import empty_heap
 from scenes.reading import read, refusal
 
 from erlif.core.errors import FrameError
@@ -116,20 +115,6 @@ def test_times_of_xarray_keep_their_nanoseconds(tmp_path):
     file.close()
 
 
-def test_a_damaged_heap_is_refused(path, monkeypatch):
-    """The library of HDF5 can go round in it for ever."""
-    monkeypatch.setattr("erlif.core.guarded.LONGEST", 1.0)
-    with h5py.File(path, "w") as file:
-        file["counts"], file["time"] = COUNTS, np.arange(4.0)
-        file["time"].attrs["units"] = "s"
-    opened = open_frames(path)
-    np.testing.assert_allclose(opened.times, np.arange(4.0))
-    opened.close()
-
-    path.write_bytes(empty_heap(path.read_bytes()))
-    assert "too much time" in refusal(path)
-
-
 # what is refused
 
 
@@ -199,19 +184,6 @@ def test_a_missing_filter_is_named_with_its_package(path, monkeypatch, installed
     monkeypatch.setattr("erlif.io.readers.hdf5.filters_of", lambda data: [32001])
     monkeypatch.setattr("importlib.import_module", load)
     assert advice in refusal(path)
-
-
-def test_a_damaged_file_is_refused(path):
-    with h5py.File(path, "w") as file:
-        file.create_dataset("counts", data=COUNTS, chunks=(1, 64, 80), compression="gzip")
-    content = path.read_bytes()
-    path.write_bytes(content[:3000])
-    assert "damaged or not HDF5" in refusal(path)
-    with h5py.File(path.with_name("b.h5"), "w") as file:
-        file["counts"] = COUNTS
-    place = content.index(b"\x78\x5e") if b"\x78\x5e" in content else content.index(b"\x78\x01")
-    path.write_bytes(content[: place + 100] + b"\xff" * 50 + content[place + 150 :])
-    assert "damaged" in refusal(path)
 
 
 @pytest.mark.parametrize("name", ["Blosc", "Bitshuffle", "Zstd"])

@@ -15,30 +15,6 @@ from erlif.io.readers import open_frames
 from erlif.io.readers.lavision import open_im7, open_set
 
 
-@pytest.mark.parametrize("packing", [0, 1, 2, 3])
-@pytest.mark.parametrize("columns", [8, 9, 11, 3])
-@pytest.mark.parametrize("count", [1, 2, 4])
-def test_known_counts_of_all_cameras(tmp_path, packing, columns, count):
-    frames = random_frames(np.random.default_rng(columns), frames=count, columns=columns)
-    file = open_frames(write_im7(tmp_path / "a.im7", frames, packing=packing))
-    npt.assert_array_equal([file.read(k) for k in range(count)], frames)
-    assert str(file.kinds[0]) == f"{columns} x 6 uint16"
-    assert file.channels == (range(1, count + 1) if count > 1 else None)
-    assert file.bits == (12 if packing == 3 else None)
-    assert file.read(count - 1).flags.writeable
-    file.close()
-
-
-@pytest.mark.parametrize(("buffer", "packing"), [(-2, 0), (-3, 0), (-3, 2)])
-def test_bytes_and_floating_point(tmp_path, buffer, packing):
-    frames = random_frames(np.random.default_rng(1), bits=8)
-    frames = frames if buffer == -2 else frames.astype(np.float32) / 3
-    file = open_im7(write_im7(tmp_path / "a.im7", frames, packing=packing, buffer=buffer))
-    npt.assert_array_equal([file.read(k) for k in range(3)], frames)
-    assert file.read(0).dtype.name == file.kinds[0].dtype
-    file.close()
-
-
 def test_a_set_is_its_images_in_the_order_of_their_numbers(tmp_path):
     frames = random_frames(np.random.default_rng(1), frames=6)
     folder = tmp_path / "run 1.5"

@@ -23,33 +23,6 @@ def opened(request):
     return open_path
 
 
-@pytest.mark.parametrize("version", [3, 4, 5])
-@pytest.mark.parametrize("align", [1, 512, 8192])
-@pytest.mark.parametrize(("bits", "significant"), [(8, 8), (16, 10), (16, 12), (16, 16)])
-def test_known_counts(tmp_path, opened, version, align, bits, significant):
-    frames = random_frames(np.random.default_rng(align), bits=significant)
-    file = opened(
-        write_seq(
-            tmp_path / "a.seq",
-            frames,
-            version=version,
-            bits=bits,
-            significant=significant,
-            align=align,
-        )
-    )
-    npt.assert_array_equal([file.read(k) for k in range(3)], frames)
-    assert file.bits == significant
-
-
-@pytest.mark.parametrize(("image_format", "shift"), [(112, 4), (114, 4)])
-def test_counts_at_the_high_end_leave_the_depth_open(tmp_path, opened, image_format, shift):
-    frames = random_frames(np.random.default_rng(1)) << shift
-    file = opened(write_seq(tmp_path / "a.seq", frames, image_format=image_format))
-    npt.assert_array_equal(file.read(2), frames[2])
-    assert file.bits is None
-
-
 def test_time_stamps_to_the_microsecond(tmp_path, opened):
     frames = random_frames(np.random.default_rng(1))
     times = 1_435_776_080 + np.array([0.999_5, 1.000_123, 2.5])
@@ -68,12 +41,6 @@ def test_stamps_that_were_not_set_give_way_to_the_rate(tmp_path, opened):
     for number, rate in enumerate((0.0, -1.0, 5e-324, float("nan"), float("inf"))):
         path = write_seq(tmp_path / f"{number}.seq", frames, rate=rate)
         assert opened(path).times is None
-
-
-def test_padded_rows(tmp_path, opened):
-    frames = random_frames(np.random.default_rng(1), columns=7)
-    file = opened(write_seq(tmp_path / "a.seq", frames, row_padding=2))
-    npt.assert_array_equal(file.read(1), frames[1])
 
 
 def test_a_recording_in_a_loop_begins_with_its_oldest_frame(tmp_path, opened):

@@ -27,19 +27,6 @@ def read_all(path):
         file.close()
 
 
-@pytest.mark.parametrize("sign", [1, -1])
-@pytest.mark.parametrize(
-    ("stored", "depth"), [("8", 8), ("16", 10), ("16", 14), ("16", 16), ("packed 12", 12)]
-)
-def test_known_counts_the_right_way_up(tmp_path, stored, depth, sign):
-    frames = random_frames(np.random.default_rng(depth), bits=depth)
-    path = write_cine(tmp_path / "a.cine", frames, stored=stored, depth=depth, height_sign=sign)
-    found, bits, _ = read_all(path)
-    npt.assert_array_equal(found, frames)
-    assert found.dtype == frames.dtype
-    assert bits == depth
-
-
 def test_ten_bits_are_expanded_to_twelve_by_the_table_of_the_camera(tmp_path):
     values = np.arange(1024).reshape(1, 32, 32)
     found, bits, _ = read_all(write_cine(tmp_path / "a.cine", values, stored="packed 10"))
@@ -70,19 +57,6 @@ def test_time_stamps_of_the_camera_go_before_the_rate(tmp_path):
     stopped = np.full(3, START)
     _, _, found = read_all(write_cine(tmp_path / "c.cine", frames, times=stopped, rate=500))
     npt.assert_allclose(found, [0, 0.002, 0.004])
-
-
-def test_rows_that_end_at_multiples_of_four_bytes(tmp_path):
-    frames = random_frames(np.random.default_rng(1), columns=9, bits=8)
-    for padded in (True, False):
-        path = write_cine(tmp_path / "a.cine", frames, stored="8", depth=8, padded_rows=padded)
-        npt.assert_array_equal(read_all(path)[0], frames)
-
-
-def test_annotations_are_skipped(tmp_path):
-    frames = random_frames(np.random.default_rng(1))
-    path = write_cine(tmp_path / "a.cine", frames, note=b"remarks of 21 letters")
-    npt.assert_array_equal(read_all(path)[0], frames)
 
 
 def test_frames_beyond_four_gigabytes(tmp_path):

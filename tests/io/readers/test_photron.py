@@ -3,47 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.testing as npt
 import pytest
 from scenes.camera_files import random_frames, write_mraw
 
 from erlif.core.errors import FrameError
 from erlif.io.readers import open_frames
 from erlif.io.readers.photron import open_photron, read_photron_header
-
-
-@pytest.mark.parametrize("header", ["cihx", "cih"])
-@pytest.mark.parametrize(("stored", "bits"), [(8, 8), (12, 12), (16, 12)])
-def test_known_counts_by_either_file(tmp_path, header, stored, bits):
-    frames = random_frames(np.random.default_rng(stored), bits=bits)
-    path = write_mraw(tmp_path / "cam1.mraw", frames, stored=stored, header=header)
-    for name, other in ((path, f".{header}"), (path.with_suffix(f".{header}"), ".mraw")):
-        file = open_frames(name)
-        npt.assert_array_equal([file.read(k) for k in range(3)], frames)
-        assert str(file.kinds[0]) == f"8 x 6 uint{8 if stored == 8 else 16}"
-        assert file.bits == bits
-        assert [companion.name for companion in file.companions] == [f"cam1{other}"]
-        npt.assert_allclose(file.times, [0, 1 / 2000, 2 / 2000])
-        file.close()
-
-
-def test_times_of_a_recording_saved_in_steps(tmp_path):
-    frames = random_frames(np.random.default_rng(1))
-    for header in ("cihx", "cih"):
-        path = write_mraw(
-            tmp_path / f"{header}.mraw", frames, rate="50000", step=2500, header=header
-        )
-        file = open_photron(path)
-        npt.assert_allclose(file.times, [0, 0.05, 0.1])
-        file.close()
-
-
-def test_counts_at_the_high_end_leave_the_depth_open(tmp_path):
-    frames = random_frames(np.random.default_rng(1)) << 4
-    file = open_photron(write_mraw(tmp_path / "a.mraw", frames, side="Higher"))
-    npt.assert_array_equal(file.read(1), frames[1])
-    assert file.bits is None
-    file.close()
 
 
 def test_upper_case_names_belong_together(tmp_path):

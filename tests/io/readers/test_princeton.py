@@ -8,30 +8,7 @@ import pytest
 from scenes.camera_files import random_frames, write_spe2, write_spe3
 
 from erlif.core.errors import FrameError
-from erlif.io.readers import open_frames
 from erlif.io.readers.princeton import open_princeton
-
-
-@pytest.mark.parametrize(
-    ("kind", "dtype"),
-    [(0, "f4"), (1, "i4"), (2, "i2"), (3, "u2"), (5, "f8"), (6, "u1"), (8, "u4")],
-)
-def test_known_counts_of_winview(tmp_path, kind, dtype):
-    frames = random_frames(np.random.default_rng(kind), bits=8).astype(dtype)
-    file = open_frames(write_spe2(tmp_path / "a.spe", frames, kind=kind, resolution=14))
-    npt.assert_array_equal([file.read(k) for k in range(3)], frames)
-    assert file.read(0).dtype == dtype
-    assert file.bits == (14 if dtype in ("u2", "i2") else None)
-    file.close()
-
-
-@pytest.mark.parametrize("stamp", [0, 8, 24])
-def test_known_counts_of_lightfield(tmp_path, stamp):
-    frames = random_frames(np.random.default_rng(stamp))
-    file = open_frames(write_spe3(tmp_path / "a.spe", frames, stamp=stamp))
-    npt.assert_array_equal([file.read(k) for k in range(3)], frames)
-    file.close()
-
 
 STAMP = '<TimeStamp event="Exposure{}" type="Int64" bitDepth="64" resolution="2208037" />'
 NUMBER = '<FrameTrackingNumber type="Int64" bitDepth="64" />'

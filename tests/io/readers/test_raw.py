@@ -7,12 +7,11 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.camera_files import pack_counts, random_frames
+from scenes.camera_files import random_frames
 
 from erlif.core.errors import FrameError
 from erlif.io.readers.base import TRUNCATED, FrameKind
-from erlif.io.readers.raw import FrameLayout, RawFrames, count_frames, frame_interval
-from erlif.io.readers.unpack import Packing
+from erlif.io.readers.raw import FrameLayout, RawFrames, frame_interval
 
 
 @pytest.fixture
@@ -64,14 +63,6 @@ def test_rows_with_gaps_and_from_the_bottom(opened, frames):
     assert file.read(2).flags.c_contiguous
 
 
-def test_packed_counts_with_a_table(opened):
-    counts = random_frames(np.random.default_rng(5), frames=1, bits=10)[0]
-    table = np.arange(1024, dtype=np.uint16) * 3
-    layout = FrameLayout(counts.shape, "<u2", packing=Packing.HIGH_10, table=table)
-    file = opened(pack_counts(counts, "HIGH_10"), layout, [0])
-    npt.assert_array_equal(file.read(0), 3 * counts)
-
-
 def test_frames_behind_the_end_are_truncated_and_the_others_read(opened, frames):
     layout = FrameLayout((7, 9), "<u2")
     file = opened(frames.tobytes()[:-1], layout, range(0, 630, 126))
@@ -79,24 +70,6 @@ def test_frames_behind_the_end_are_truncated_and_the_others_read(opened, frames)
     npt.assert_array_equal(file.read(3), frames[3])
     with pytest.raises(FrameError, match="truncated"):
         file.read(4)
-
-
-def test_places_outside_the_file_are_truncated_one_by_one(opened, frames):
-    places = np.array([126, -1, 2**62, 0, 630 - 125], np.int64)
-    file = opened(frames.tobytes(), FrameLayout((7, 9), "<u2"), places)
-    assert [kind == TRUNCATED for kind in file.kinds] == [False, True, True, False, True]
-    npt.assert_array_equal(file.read(0), frames[1])
-
-
-def test_a_header_before_each_frame_counts(opened, frames):
-    layout = FrameLayout((7, 9), "<u2")
-    file = opened(frames.tobytes(), layout, range(0, 630, 126), before=8)
-    assert list(file.kinds) == [layout.kind] * 4 + [TRUNCATED]
-
-
-def test_times_are_multiples_of_the_interval(opened, frames):
-    file = opened(frames.tobytes(), FrameLayout((7, 9), "<u2"), range(0, 630, 126), interval=0.25)
-    npt.assert_array_equal(file.times, [0, 0.25, 0.5, 0.75, 1])
 
 
 @pytest.mark.parametrize(
@@ -115,16 +88,6 @@ def test_a_lying_header_is_refused_without_memory(opened, frames, shape, count, 
         opened(frames.tobytes(), FrameLayout(shape, "<u2"), range(0, 126 * count, 126))
 
 
-def test_an_incomplete_last_frame_is_counted():
-    sizes = [0, 100, 101, 149, 150, 151]
-    assert [count_frames(size, start=100, step=50) for size in sizes] == [0, 0, 1, 1, 1, 2]
-
-
 @pytest.mark.parametrize("rate", [0.0, -1.0, 1e-320, 10**400, float("inf"), float("nan")])
 def test_a_rate_that_no_camera_has_gives_no_times(rate):
     assert frame_interval(rate) is None
-
-
-def test_frames_left_out_lengthen_the_interval():
-    assert frame_interval(50_000, step=2500) == 0.05
-    assert frame_interval(50_000, step=0) is None

@@ -83,12 +83,6 @@ def test_an_unknown_file_is_refused_with_the_known_formats(tmp_path):
         open_frames(tmp_path / "a.dat")
 
 
-def test_an_empty_file_is_refused(tmp_path):
-    (tmp_path / "a.tif").touch()
-    with pytest.raises(FrameError, match="empty"):
-        open_frames(tmp_path / "a.tif")
-
-
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes on this system")
 def test_a_pipe_is_not_opened(tmp_path):
     os.mkfifo(tmp_path / "a.tif")
@@ -175,16 +169,6 @@ def test_a_file_stays_open_for_the_next_frame(tmp_path, foreign):
     assert not one.closed
     registry._keep.cache_clear()
     assert one.closed
-
-
-def test_a_file_that_has_changed_is_opened_again(tmp_path, foreign):
-    foreign(flat=FLAT)
-    path = tmp_path / "a.flat"
-    for level in (3, 4):
-        path.write_bytes(bytes([*b"FLAT", level]))
-        os.utime(path, ns=(level, level))
-        with borrow_frames(path) as file:
-            assert file.read(0)[0, 0] == level
 
 
 def test_few_files_are_open_at_once(tmp_path, foreign, monkeypatch):

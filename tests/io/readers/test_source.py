@@ -6,11 +6,10 @@ import os
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-import numpy.testing as npt
 import pytest
 
 from erlif.core.errors import FrameError
-from erlif.io.readers.source import Source
+from erlif.io.readers.source import Source, find_beside, read_text
 
 
 @pytest.fixture(params=["positioned", "as on Windows"])
@@ -31,12 +30,6 @@ def test_threads_read_their_own_places(ramp):
     places = np.random.default_rng(1).integers(0, 60_000, 400).tolist()
     with ThreadPoolExecutor(8) as pool:
         assert list(pool.map(word, places)) == places
-
-
-def test_an_array_is_filled_in_place(ramp):
-    counts = np.zeros((4, 5), "<u2")
-    ramp.fill(counts, 100)
-    npt.assert_array_equal(counts, np.arange(50, 70).reshape(4, 5))
 
 
 @pytest.mark.parametrize(("offset", "count"), [(119_999, 2), (-1, 2), (0, 10**18), (10**18, 1)])
@@ -61,6 +54,27 @@ def test_a_pipe_is_refused_and_not_waited_for(tmp_path):
         Source(tmp_path / "frames.mraw")
 
 
-def test_a_missing_file_is_named(tmp_path):
-    with pytest.raises(FrameError, match=r"frames\.mraw cannot be read: No such file"):
-        Source(tmp_path / "frames.mraw")
+def test_the_first_ending_is_preferred(tmp_path):
+    for name in ("run 1.5.cih", "run 1.5.cihx", "run 1.cihx"):
+        (tmp_path / name).touch()
+    assert find_beside(tmp_path / "run 1.5.mraw", (".cihx", ".cih")).name == "run 1.5.cihx"
+    assert find_beside(tmp_path / "run 2.mraw", (".cihx", ".cih")) is None
+
+
+def test_a_name_with_a_dot_and_no_ending_is_kept_whole(tmp_path):
+    (tmp_path / "run1.toml").touch()
+    assert find_beside(tmp_path / "run1.raw", (".toml",)).name == "run1.toml"
+
+
+def test_comments_of_another_code_page_do_not_hide_the_entries(tmp_path):
+    path = tmp_path / "a.cih"
+    path.write_bytes(b"Comment : \x83\xff\nTotal Frame : 3\n")
+    assert "Total Frame : 3" in read_text(path)
+
+
+def test_a_huge_header_is_refused_before_it_is_read(tmp_path):
+    path = tmp_path / "a.cih"
+    with path.open("wb") as file:
+        file.truncate(10**10)
+    with pytest.raises(FrameError, match=r"a\.cih has 10000000000 bytes, too many for a header"):
+        read_text(path)

@@ -4,34 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import tifffile
 
 from erlif.core.errors import FrameError
 from erlif.io.readers.tiff_metadata import Description, read_description
 
 
-def described(path, shape, **options) -> bytes:
-    """Description of the first page of a file that tifffile writes."""
-    tifffile.imwrite(path, np.zeros(shape, np.uint16), **options)
-    with tifffile.TiffFile(path) as file:
-        return file.pages[0].description.encode()
-
-
 def read(text: bytes, pages: int, name: str = "a.tif") -> Description:
     return read_description(text, name=name, pages=pages)
-
-
-def test_channels_of_imagej_follow_each_other_fastest(tmp_path):
-    text = described(
-        tmp_path / "a.tif",
-        (3, 2, 8, 8),
-        imagej=True,
-        metadata={"axes": "TCYX", "finterval": 0.25},
-    )
-    found = read(text, 6)
-    assert found.frames == 6
-    assert found.channels == [1, 2, 1, 2, 1, 2]
-    np.testing.assert_allclose(found.times, [0, 0, 0.25, 0.25, 0.5, 0.5])
 
 
 @pytest.mark.parametrize(
@@ -54,27 +33,6 @@ def test_times_of_imagej_need_frames_and_a_unit(lines, times):
 def test_a_billion_images_are_refused():
     with pytest.raises(FrameError, match="claims 1000000000 images"):
         read(b"ImageJ=1\nimages=1000000000\n", 1)
-
-
-@pytest.mark.parametrize(
-    ("axes", "shape", "channels"),
-    [("TCYX", (3, 2, 8, 8), [1, 2, 1, 2, 1, 2]), ("CTYX", (2, 3, 8, 8), [1, 1, 1, 2, 2, 2])],
-)
-def test_channels_of_ome_follow_the_order_of_the_file(tmp_path, axes, shape, channels):
-    text = described(tmp_path / "a.tif", shape, ome=True, metadata={"axes": axes})
-    assert read(text, 6).channels == channels
-    assert read(text, 6).times is None
-
-
-def test_times_of_ome_are_those_of_each_plane(tmp_path):
-    delays = [0.5, 0.5, 0.75, 0.75, 1.5, 1.5]
-    text = described(
-        tmp_path / "a.tif",
-        (3, 2, 8, 8),
-        ome=True,
-        metadata={"axes": "TCYX", "Plane": {"DeltaT": delays}},
-    )
-    np.testing.assert_allclose(read(text, 6).times, np.subtract(delays, 0.5))
 
 
 OME = """<?xml version="1.0"?><OME xmlns="http://www.openmicroscopy.org/Schemas/OME/2016-06">

@@ -45,11 +45,3 @@ def test_tables_of_the_manuals():
         1023,
         0,
     ]
-
-
-def test_values_that_were_compressed_are_expanded_by_their_table():
-    values = np.random.default_rng(3).integers(0, 1024, 101)
-    table = np.random.default_rng(4).integers(0, 4096, 1024).astype(np.uint16)
-    packed = np.frombuffer(pack_counts(values, "HIGH_10"), np.uint8)
-    found = unpack(packed, 101, Packing.HIGH_10, table=table)
-    npt.assert_array_equal(found, table[values])

@@ -3,7 +3,6 @@
 import tomllib
 
 import pytest
-from pydantic import ValidationError
 
 from erlif.core.errors import ConfigError
 from erlif.io.settings import DesignSettings, read_design_settings
@@ -94,16 +93,3 @@ def test_bad_values_are_named(tmp_path, old, new, named):
     with pytest.raises(ConfigError) as raised:
         read(tmp_path, text)
     assert named in str(raised.value)
-
-
-def test_a_missing_file_is_named(tmp_path):
-    with pytest.raises(ConfigError, match="Make one with: erlif design --example"):
-        read_design_settings(tmp_path / "none.toml")
-    with pytest.raises(ConfigError, match="it is a directory"):
-        read_design_settings(tmp_path)
-
-
-def test_settings_are_frozen():
-    settings = DesignSettings.model_validate(tomllib.loads(SMALL.replace("10 tonne_force", "1 kN")))
-    with pytest.raises(ValidationError):
-        settings.load = None

@@ -44,8 +44,3 @@ def test_what_cannot_be_used_is_named(tmp_path, old, new, message):
     path.write_text(TEXT.replace(old, new), encoding="utf-8")
     with pytest.raises(ConfigError, match=message):
         read_endurance_settings(path)
-
-
-def test_a_file_that_is_missing_is_named(tmp_path):
-    with pytest.raises(ConfigError, match="no such file"):
-        read_endurance_settings(tmp_path / "endurance.toml")

@@ -80,10 +80,3 @@ def test_a_slip_has_one_clear_message(edited, changes, expected):
     message = str(raised.value)
     assert expected in message
     assert len(message.splitlines()) <= 3
-
-
-def test_what_is_no_plan_is_refused_with_the_command_that_makes_one(tmp_path):
-    with pytest.raises(ConfigError, match="erlif plan --example"):
-        read_plan_settings(tmp_path / "plan.toml")
-    with pytest.raises(ConfigError, match="it is a directory"):
-        read_plan_settings(tmp_path)

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from erlif.core.errors import EncoderError
-from erlif.io.ingest.logs.columns import ColumnChoice, convert_columns, find_columns, missing_column
+from erlif.io.ingest.logs.columns import ColumnChoice, convert_columns, find_columns
 from erlif.io.ingest.logs.table import LogColumn, LogTable, split_unit
-from erlif.io.ingest.logs.text import read_text_table
 
 
 def table(*names, rows=(2, 3), **texts):
@@ -101,29 +100,7 @@ def test_a_chosen_column_that_is_not_there_is_refused_with_the_nearest():
     assert "there are 2" in refusal(table("a [V]", "a [N]"), angle="a")
 
 
-def test_a_text_among_numbers_is_refused_with_row_and_column():
-    message = refusal(table("a", "angle_deg", rows=(5, 9), angle_deg={1: "1,5"}))
-    assert "row 9, column angle_deg (1; got '1,5')" in message
-    assert "write decimal points" in message
-
-
 def test_columns_of_a_logger_with_unusable_names_are_left_out_with_a_remark():
     log, remarks = found(table("Encoder [deg]", "thickness", "a/b", "c", "c"))
     assert set(log) == {"angle"}
     assert "left out because of their names: 'thickness', 'a/b', 'c'" in remarks[-1]
-
-
-def test_a_missing_column_is_named():
-    with pytest.raises(
-        EncoderError, match=r"Expected a column for the angle in log.csv; its columns"
-    ):
-        missing_column("angle", table("a", "b"))
-
-
-def test_a_documented_column_that_comes_twice_is_refused(tmp_path):
-    """The second of two encoders was taken without a word."""
-    path = tmp_path / "log.csv"
-    path.write_text("time_s,angle_deg,angle_deg\n0,1,2\n1,2,4\n2,3,6\n")
-    table = read_text_table(path, ["angle_deg"])
-    with pytest.raises(EncoderError, match="angle_deg comes 2 times"):
-        find_columns(table, ColumnChoice())

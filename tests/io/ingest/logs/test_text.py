@@ -1,7 +1,5 @@
 """Text files as loggers write them, and what is no table."""
 
-import os
-import time
 import tracemalloc
 
 import numpy as np
@@ -99,20 +97,6 @@ def test_bytes_of_zero_are_no_text(tmp_path, content):
 def test_a_line_without_end_is_refused(tmp_path):
     with pytest.raises(EncoderError, match="a line has more than"):
         read(tmp_path, b"angle,b\n" + b"1" * (2**20 + 5))
-
-
-def test_a_pipe_is_refused_within_a_second(tmp_path):
-    os.mkfifo(tmp_path / "log.csv")
-    start = time.monotonic()
-    with pytest.raises(EncoderError, match="it is a pipe, not a regular file"):
-        read_text_table(tmp_path / "log.csv", ("angle",))
-    assert time.monotonic() - start < 1
-
-
-def test_a_link_to_an_endless_device_is_refused(tmp_path):
-    (tmp_path / "log.csv").symlink_to("/dev/zero")
-    with pytest.raises(EncoderError, match="it is a device, not a regular file"):
-        read_text_table(tmp_path / "log.csv", ("angle",))
 
 
 def test_a_file_of_words_alone_is_refused(tmp_path, monkeypatch):
