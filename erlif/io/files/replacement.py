@@ -12,35 +12,10 @@ from pathlib import Path
 
 from erlif.core.errors import OutputError
 from erlif.core.hdf5 import open_hdf5
+from erlif.core.tables import read_table
 
 MARK = b"erlif"
 """Name of the program, which figures and pages hold among their first or last bytes."""
-
-STARTS = {
-    ".png": (b"\x89PNG\r\n\x1a\n",),
-    ".pdf": (b"%PDF",),
-    ".svg": (b"<?xml ve",),
-    ".gif": (b"GIF89a",),
-    ".mp4": tuple(bytes([0, 0, 0, size]) + b"ftyp" for size in range(16, 48, 4)),
-    ".html": (b"<!DOCTYP", b"<!doctyp"),
-    ".mat": (b"MATLAB 5.0 MAT-file, written by erlif", b"MATLAB 7.3 MAT-file, written by erlif"),
-    ".npz": (b"PK\x03\x04",),
-    ".pvd": (b"<?xml ve",),
-    ".tif": (b"II*\x00",),
-    ".tiff": (b"II*\x00",),
-}
-"""First bytes of figures, pages and exported films by their suffix."""
-
-UNMARKED = {
-    ".csv": (
-        b"trigger,frames_used [1],",
-        b"x [mm],y [mm],thickness [um],",
-        b"first,second,statistic,",
-        b"test,stages,failed,",
-        b"time [s],friction [1],friction_std [1],",
-    )
-}
-"""First bytes of files that are read without the mark: headings of tables."""
 
 _SERIES = (".pvd", ".vts")
 """Suffixes of the files of an exported series of grids."""
@@ -107,10 +82,16 @@ def _is_own(output: Path, holds: str) -> bool:
         first = file.read(_MARKED)
         file.seek(max(output.stat().st_size - _MARKED, 0))
         last = file.read()
-    if first.startswith(UNMARKED.get(output.suffix, ())):
+    if first.startswith(_starts("unmarked", output.suffix)):
         return True
-    starts = STARTS.get(output.suffix, ())
-    return first.startswith(starts) and (MARK in first or MARK in last)
+    marked = MARK in first or MARK in last
+    return marked and first.startswith(_starts("marked", output.suffix))
+
+
+def _starts(kind: str, suffix: str) -> tuple[bytes, ...]:
+    """First bytes of the files of erlif with this suffix."""
+    texts = read_table("erlif.io.files", "outputs.toml")[kind].get(suffix, ())
+    return tuple(text.encode("latin-1") for text in texts)
 
 
 def _is_own_netcdf(output: Path, holds: str) -> bool:

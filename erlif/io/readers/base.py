@@ -136,15 +136,7 @@ class Format:
         return self.recognise(path, head)
 
 
-SECONDS = {
-    **dict.fromkeys(("d", "day", "days"), 86400.0),
-    **dict.fromkeys(("h", "hour", "hours"), 3600.0),
-    **dict.fromkeys(("min", "minute", "minutes"), 60.0),
-    **dict.fromkeys(("s", "sec", "second", "seconds"), 1.0),
-    **dict.fromkeys(("ms", "millisecond", "milliseconds"), 1e-3),
-    **dict.fromkeys(("us", "µs", "μs", "microsecond", "microseconds"), 1e-6),
-    **dict.fromkeys(("ns", "nanosecond", "nanoseconds"), 1e-9),
-}
+SECONDS: dict[str, float] = {name: size for size, names in LAYOUTS["seconds"] for name in names}
 """Units of times, as cameras, xarray, OME and ImageJ write them. [s]"""
 
 

@@ -173,18 +173,8 @@ class Settings(BaseModel):
         return self
 
 
-FilePart = Literal[
-    "left",
-    "right",
-    "top",
-    "bottom",
-    "odd",
-    "even",
-    "channel 1",
-    "channel 2",
-    "channel 3",
-    "channel 4",
-]
+_Channel = Literal["channel 1", "channel 2", "channel 3", "channel 4"]
+FilePart = Literal["left", "right", "top", "bottom", "odd", "even", _Channel]
 """Parts of a file that may belong to one of two cameras."""
 
 

@@ -18,29 +18,15 @@ from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError
 from erlif.core.variables import FILM
 from erlif.io.ingest.logs.checks import refuse_bad_rows
-from erlif.io.ingest.logs.table import LogColumn, LogTable, name_patterns, split_unit
+from erlif.io.ingest.logs.table import NAMES, LogColumn, LogTable, name_patterns, split_unit
 from erlif.io.ingest.logs.units import CLOCK, UNITS, Scale, find_scale
 
-CONTRACT = {
-    "frame": ("frame", "1"),
-    "angle_deg": ("angle", "deg"),
-    "time_s": ("time", "s"),
-    "load_N": ("load", "N"),
-    "temperature_C": ("temperature", "degC"),
-    "speed_m_s": ("speed", "m/s"),
+CONTRACT: dict[str, tuple[str, str]] = {
+    name: (quantity, unit) for name, (quantity, unit) in NAMES["documented"].items()
 }
 """Quantity and unit of the columns that erlif itself documents."""
 
-MEANINGS = {
-    "frame": "number of the frame",
-    "time": "time",
-    "angle": "encoder angle",
-    "load": "load",
-    "temperature": "oil temperature",
-    "speed": "speed as logged",
-    "pulse_energy": "pulse energy as logged",
-    "pulse": "trigger of the cameras",
-}
+MEANINGS: dict[str, str] = NAMES["meanings"]
 """Everything that a column can hold."""
 
 _OBVIOUS = name_patterns("encoder")
