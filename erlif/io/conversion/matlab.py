@@ -50,13 +50,13 @@ class _Maps(NamedTuple):
     """The maps of a variable that are written."""
 
     variable: xr.DataArray
-    count: int
+    number: int
 
     @property
     def size(self) -> int:
         """[byte]"""
         _, rows, columns = self.variable.shape
-        return int(self.variable.dtype.itemsize * rows * columns * self.count)
+        return int(self.variable.dtype.itemsize * rows * columns * self.number)
 
 
 def write_matlab(
@@ -129,7 +129,7 @@ def _append_map(file: BinaryIO, name: str, maps: _Maps, images: Iterator[AnyArra
     letters = name.encode()
     inner = (
         struct.pack("<IIII", _UINT32, 8, kind, 0)
-        + struct.pack("<IIiiii", _INT32, 12, rows, columns, maps.count, 0)
+        + struct.pack("<IIiiii", _INT32, 12, rows, columns, maps.number, 0)
         + struct.pack("<II", _INT8, len(letters))
         + _padded(letters)
         + struct.pack("<II", stored, maps.size)
@@ -181,7 +181,7 @@ def _write_73(
             rows, columns = one.variable.shape[1:]
             data = file.create_dataset(
                 name,
-                (one.count, columns, rows),
+                (one.number, columns, rows),
                 one.variable.dtype,
                 chunks=(1, columns, rows),
                 compression="gzip",
