@@ -47,10 +47,6 @@ def set_coordinates(dataset: xr.Dataset) -> xr.Dataset:
 def name_coordinates(dataset: xr.Dataset) -> str:
     """Names of the coordinates of the triggers, as the CF attribute `coordinates` lists them.
 
-    Parameters
-    ----------
-    dataset : Dataset
-
     Returns
     -------
     str

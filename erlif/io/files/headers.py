@@ -34,10 +34,6 @@ _CODECS = frozenset({"bytes", "blosc", "zstd", "gzip", "crc32c", "vlen-utf8", "t
 def check_netcdf(path: Path) -> None:
     """Refuse a netCDF film by its header.
 
-    Parameters
-    ----------
-    path : Path
-
     Raises
     ------
     ValueError

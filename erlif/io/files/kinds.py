@@ -46,10 +46,6 @@ KINDS = {name: Kind(**keys) for name, keys in read_table("erlif.io.files", "kind
 def kind_of(value: Any) -> str:
     """Recognise a product.
 
-    Parameters
-    ----------
-    value : object
-
     Returns
     -------
     str

@@ -126,10 +126,6 @@ def check_film(film: xr.Dataset) -> None:
 def check_frames(frames: xr.Dataset) -> None:
     """Refuse the group frames of a film; as `check_film`.
 
-    Parameters
-    ----------
-    frames : xarray.Dataset
-
     Raises
     ------
     ValueError
@@ -141,10 +137,6 @@ def check_frames(frames: xr.Dataset) -> None:
 
 def check_registration(registration: xr.Dataset) -> None:
     """Refuse the group registration of a film; as `check_film`.
-
-    Parameters
-    ----------
-    registration : xarray.Dataset
 
     Raises
     ------

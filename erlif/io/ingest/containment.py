@@ -22,10 +22,6 @@ _WITH_COMPANIONS = frozenset({".mraw", ".cih", ".cihx", ".raw", ".set"})
 def named_files(settings: RunSettings | FixtureSettings) -> list[str]:
     """Names and patterns of the input files in the settings; a calibration is a result.
 
-    Parameters
-    ----------
-    settings : RunSettings or FixtureSettings
-
     Returns
     -------
     list of str

@@ -199,9 +199,7 @@ def skipped_notes(pairs: FramePairs) -> list[Note]:
 def format_notes(pairs: FramePairs) -> list[Note]:
     """Warnings of formats in which counts are doubtful, and of headers with fewer bits.
 
-    Parameters
-    ----------
-    pairs : FramePairs
+    Argument as in `skipped_notes`.
 
     Returns
     -------

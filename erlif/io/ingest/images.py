@@ -433,19 +433,7 @@ def read_reference_pages(
 ) -> Iterator[Counts]:
     """Read the pages of a dark or flat recording.
 
-    Parameters
-    ----------
-    directory : Path
-    pattern : str
-        File name or glob, relative to `directory`.
-    what : str
-        Name of the pages in messages, such as "camera1 dark".
-    bit_depth : int
-        Bits per pixel of the camera.
-    shape : (rows, columns)
-        Shape of the frames they belong to. [px]
-    selection : Selection
-        Part of the files that belongs to the camera.
+    Arguments as in `find_pages`, and bits per pixel and shape [px] of the frames they belong to.
 
     Yields
     ------

@@ -156,10 +156,6 @@ def open_run(
 def choose_columns(encoder: EncoderSettings) -> ColumnChoice:
     """Columns and units of the log, as the settings choose them.
 
-    Parameters
-    ----------
-    encoder : EncoderSettings
-
     Returns
     -------
     ColumnChoice
@@ -226,10 +222,6 @@ def _open_log(
 
 def number_frames(pairs: FramePairs) -> EncoderLog:
     """Make what stands in place of a log: numbers of the frames, and times of the camera files.
-
-    Parameters
-    ----------
-    pairs : FramePairs
 
     Returns
     -------

@@ -132,10 +132,6 @@ class Hdf5Frames(FrameFile):
 def list_datasets(path: Path) -> list[str]:
     """Paths of the arrays of an HDF5 file that may hold frames.
 
-    Parameters
-    ----------
-    path : Path
-
     Returns
     -------
     list of str

@@ -52,10 +52,6 @@ class PhotronHeader:
 def read_photron_header(text: str) -> PhotronHeader:
     """Interpret the text of a CIH or CIHX file.
 
-    Parameters
-    ----------
-    text : str
-
     Returns
     -------
     PhotronHeader

@@ -210,18 +210,7 @@ class RawFrames(FrameFile):
         return np.frombuffer(b"".join(parts), dtype), np.array(held)
 
     def find_counts(self, index: int) -> int:
-        """Where the counts of a frame begin; formats with a header before each frame differ.
-
-        Parameters
-        ----------
-        index : int
-            Position in the file, counted from 0.
-
-        Returns
-        -------
-        int
-            [byte]
-        """
+        """Where the counts of a frame begin [byte]; formats with a header before each differ."""
         return int(self.offsets[index])
 
     def close(self) -> None:

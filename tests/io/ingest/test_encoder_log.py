@@ -59,7 +59,6 @@ def by_frame(*numbers):
 REFUSED = [
     ("", "it has 0 row(s)"),
     ("frame,angle_deg\n", "it has 1 row(s)"),
-    ("\n\n", "it has 0 row(s)"),
     *(
         (
             f"{HEADER}0,1,200\n\n1,{value},200\n",
@@ -70,24 +69,17 @@ REFUSED = [
             *(("1_000", "'1_000'"), ("1;5", "'1;5'"), ("0x10", "'0x10'")),
         ]
     ),
-    (f"{HEADER}0,1,200\n1,2,\n", "row 3, column load_N"),
     (f"{HEADER}0,1,200\n1,2,0\n", "positive load in row 3, column load_N of encoder.csv; got 0 N"),
-    (
-        f"{HEADER}0,1,200\n1,2,-5\n",
-        "positive load in row 3, column load_N of encoder.csv; got -5 N",
-    ),
     (by_frame(0, 1, 1, 2), "row 4, column frame, repeats frame 1 of row 3"),
     (by_frame(0, 1, 3), "Expected frame 2 in row 4, column frame of encoder.csv; got 3"),
     (by_frame(5, 4), "Expected frame 6 in row 3, column frame of encoder.csv; got 4"),
     (by_frame(0, 1.5), "whole number in row 3, column frame of encoder.csv; got 1.5"),
     (by_frame(2**53 + 2), "whole number in row 2"),
-    (by_frame("x"), "row 2, column frame"),
     ("frame,other,load_N\n0,1,200\n", "column for the angle in encoder.csv; its columns are"),
     (
         "frame,angle_deg\n0,1.5\n1,2,5\n",
         "values in row 3 of encoder.csv, as in its header; it has 3. A decimal comma",
     ),
-    (f"{HEADER}0,1,200\n1,2\n", "Expected 3 values in row 3"),
     ("frame,angle_deg,frame\n0,1,0\n", "each column of encoder.csv once; frame comes 2 times"),
     *(
         (f"frame,angle_deg,{name}\n0,1,2\n", f"column 3 is {name!r}, {reason}. Rename it.")
@@ -99,7 +91,6 @@ REFUSED = [
         ]
     ),
     (b"\xff\xfef\x00", "encoder.csv"),
-    (b"\x00\x00", "encoder.csv"),
     (b"frame,angle_deg\n0,\x00\n", "encoder.csv"),
     (b'frame,"angle_deg\n', "encoder.csv"),
 ]

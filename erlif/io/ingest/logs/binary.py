@@ -36,10 +36,6 @@ _Found = Iterator[tuple[str, str, AnyArray]]
 def is_binary_log(path: Path) -> bool:
     """Whether a file is one of the binary formats of logs, by its first bytes.
 
-    Parameters
-    ----------
-    path : Path
-
     Returns
     -------
     bool
@@ -58,10 +54,6 @@ def read_binary_table(path: Path) -> LogTable:
 
     A column is a channel of a TDMS file, a vector or the column of a matrix in a MATLAB or HDF5
     file, by its path. Of columns that differ in length the longest are taken.
-
-    Parameters
-    ----------
-    path : Path
 
     Returns
     -------

@@ -112,19 +112,7 @@ def check_temperature(temperature: Array, name: str, table: LogTable) -> None:
 def check_frame_numbers(number: Sequence[int], name: str, table: LogTable) -> None:
     """Refuse frame numbers that are repeated or missing.
 
-    Parameters
-    ----------
-    number : sequence of int
-        One for each row.
-    name : str
-        Name of the column.
-    table : LogTable
-        For messages.
-
-    Raises
-    ------
-    EncoderError
-        Names the first row that departs.
+    Arguments and errors as in `check_time`, with a number for each row.
     """
     # a repeated number is reported as such, before the gap that it leaves behind
     seen: dict[int, int] = {}

@@ -67,10 +67,6 @@ def read_clock(texts: Iterable[str]) -> Array:
 def with_clocks(table: LogTable) -> LogTable:
     """Replace columns of clock times by seconds, of the unit `CLOCK`.
 
-    Parameters
-    ----------
-    table : LogTable
-
     Returns
     -------
     LogTable

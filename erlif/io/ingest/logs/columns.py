@@ -203,10 +203,6 @@ def require_scale(unit: str, quantity: str, kind: str, column: LogColumn, table:
 def plain_name(name: str) -> str:
     """Reduce the name of a column to lower case, without its unit, words apart.
 
-    Parameters
-    ----------
-    name : str
-
     Returns
     -------
     str
@@ -224,16 +220,7 @@ def plain_name(name: str) -> str:
 
 
 def unit_suffix(name: str) -> str:
-    """Find the unit behind the last underscore of a name.
-
-    Parameters
-    ----------
-    name : str
-
-    Returns
-    -------
-    str
-        Empty where there is none.
+    """Find the unit behind the last underscore of a name; empty where there is none.
 
     Examples
     --------

@@ -97,10 +97,6 @@ def find_scale(quantity: str, unit: str) -> Scale | None:
 def is_unit(text: str) -> bool:
     """Whether a text is the unit of some quantity.
 
-    Parameters
-    ----------
-    text : str
-
     Returns
     -------
     bool
