@@ -9,6 +9,7 @@ import click
 
 from erlif.commands.options import ALLOW_OUTSIDE, CALIBRATION, PATH
 from erlif.commands.progress import working
+from erlif.core.speed.imports import large_imports
 
 
 @click.command()
@@ -32,8 +33,9 @@ def budget(run_dir: Path, films: tuple[float, ...], **options: Any) -> None:
     Example:
       erlif budget data_samples/straight_bushing --trigger 12
     """
-    from erlif.review.budget import budget as make_budget
-    from erlif.show.report import render_budget
+    with large_imports():
+        from erlif.review.budget import budget as make_budget
+        from erlif.show.report import render_budget
 
     # an empty option means the usual films
     with working() as progress:

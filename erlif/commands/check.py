@@ -11,6 +11,7 @@ from erlif.commands.ending import BAD_INPUT, DEFECT
 from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_suffix
 from erlif.commands.progress import working
 from erlif.core.notes import Level
+from erlif.core.speed.imports import large_imports
 
 
 @click.command()
@@ -38,8 +39,9 @@ def check(
       erlif check data_samples/straight_bushing
       erlif check data_samples/straight_bushing --html check.html
     """
-    from erlif.io.files import refuse_existing
-    from erlif.review.audit import audit
+    with large_imports():
+        from erlif.io.files import refuse_existing
+        from erlif.review.audit import audit
 
     if page is not None:
         expect_suffix(page, ".html", option="--html")

@@ -10,6 +10,7 @@ import click
 from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, choose_one, several
 from erlif.commands.progress import working
 from erlif.core.errors import OutputError
+from erlif.core.speed.imports import large_imports
 
 
 @click.command()
@@ -55,7 +56,8 @@ def figures(
       erlif figures data_samples/straight_bushing/film.nc --only thickness_map --angle 90 \\
           --format svg --style paper -o paper
     """
-    from erlif.show.plots import write_figures
+    with large_imports():
+        from erlif.show.plots import write_figures
 
     output = output or film.parent / "figures"
     if output.is_file():

@@ -9,6 +9,7 @@ import click
 
 from erlif.commands.options import PATH
 from erlif.core.errors import ConfigError
+from erlif.core.speed.imports import large_imports
 
 KINDS = ("crank-rocker", "slider-crank", "rotation", "sinusoidal", "static")
 """Those of `erlif.review.init`, which takes long to load."""
@@ -45,8 +46,9 @@ def init(directory: Path, fixture: bool, kind: str | None, overwrite: bool) -> N
       erlif init rehearsal/fixture --fixture --overwrite
       erlif check rehearsal/run
     """
-    from erlif.io.settings import read_fixture_settings, read_run_settings
-    from erlif.review.init import init as write_settings
+    with large_imports():
+        from erlif.io.settings import read_fixture_settings, read_run_settings
+        from erlif.review.init import init as write_settings
 
     if fixture and kind is not None:
         raise ConfigError(

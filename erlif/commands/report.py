@@ -10,6 +10,7 @@ import click
 from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_suffix
 from erlif.commands.progress import working
 from erlif.core.errors import ErlifError
+from erlif.core.speed.imports import large_imports
 
 
 def first_and_last(
@@ -62,7 +63,8 @@ def report(
       erlif report film.nc --triggers 100-149 -o some.html
       erlif report run_*/film.nc -o runs.html
     """
-    from erlif.show.report import write_report, write_runs_report
+    with large_imports():
+        from erlif.show.report import write_report, write_runs_report
 
     several = len(films) > 1
     output = output or (Path("report.html") if several else films[0].parent / "report.html")

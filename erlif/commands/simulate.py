@@ -15,6 +15,7 @@ from click.core import ParameterSource
 
 from erlif.commands.options import PATH, Command, together
 from erlif.commands.progress import show_progress
+from erlif.core.speed.imports import large_imports
 from erlif.core.tables import read_table
 from erlif.rig.settings import CHOICES, SIDEWAYS, RigSettings
 
@@ -136,7 +137,8 @@ def simulate(
       erlif calibrate rehearsal/fixture
       erlif process rehearsal/run
     """
-    from erlif.rig import simulate as photograph
+    with large_imports():
+        from erlif.rig import simulate as photograph
 
     rig = _rig_of_options(size, film, options)
     if planned is not None:

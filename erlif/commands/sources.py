@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import click
 
+from erlif.core.speed.imports import large_imports
+
 
 @click.command()
 def sources() -> None:
@@ -13,6 +15,7 @@ def sources() -> None:
     Example:
       erlif sources > docs/sources.md
     """
-    from erlif.models.sources import render_sources
+    with large_imports():
+        from erlif.models.sources import render_sources
 
     click.echo(render_sources(), nl=False)

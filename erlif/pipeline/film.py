@@ -75,9 +75,10 @@ MAPS = [
 
 def group_frames(cycle: xr.Dataset, pairs: FramePairs) -> list[list[int]]:
     """Usable frame pairs of each trigger; `cycle` as `locate_frames` returns it."""
-    frames: list[list[int]] = [[] for _ in range(int(cycle.trigger.max()) + 1)]
+    trigger = cycle.trigger.values
+    frames: list[list[int]] = [[] for _ in range(int(trigger.max()) + 1)]
     for k in pairs.usable:
-        frames[int(cycle.trigger[k])].append(k)
+        frames[trigger[k]].append(k)
     return frames
 
 
@@ -170,7 +171,7 @@ def describe_triggers(run: Run, cycle: xr.Dataset) -> xr.Dataset:
         film[name] = ("trigger", values, column.attrs)
 
     if "stroke" in cycle:
-        stroke = np.array([cycle.stroke.values[frames[0]] for frames in every])
+        stroke = cycle.stroke.values[[frames[0] for frames in every]]
         film["stroke"] = ("trigger", stroke, cycle.stroke.attrs)
     if "crank_angle" in cycle:
         angle = np.radians(cycle.crank_angle.values)
@@ -181,8 +182,8 @@ def describe_triggers(run: Run, cycle: xr.Dataset) -> xr.Dataset:
     # frames that are averaged over cycles have no common time
     apart = all(len(frames) == 1 for frames in every)
     if "time" in run.log and (apart or not cycle.cycle.any()):
-        time = np.array([float(run.log.time.values[frames].mean()) for frames in every])
-        film["time"] = FILM["time"].fill(time)
+        read = run.log.time.values
+        film["time"] = FILM["time"].fill(np.array([read[frames].mean() for frames in every]))
 
     # what would fail at the end fails here
     predict_theory(run.settings, film)

@@ -119,8 +119,11 @@ class TiffFrames(FrameFile):
     def _page(self, index: int) -> tifffile.TiffPage:
         """Read a directory; a list of all pages would take gigabytes for a long recording."""
         assert self._file is not None
-        self._file.filehandle.seek(self._places[index])
-        page = tifffile.TiffPage(self._file, index=index)
+        if index == 0:
+            page = self._file.pages.first  # read when the file was opened
+        else:
+            self._file.filehandle.seek(self._places[index])
+            page = tifffile.TiffPage(self._file, index=index)
         if page.compression in (_NONE, _PACKBITS):
             page.predictor = 1  # libtiff writes and reads it so
         return page
