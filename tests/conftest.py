@@ -21,6 +21,9 @@ import erlif
 from erlif.commands.main import main
 from erlif.rig import RigSettings, simulate
 
+FULL = bool(os.environ.get("ERLIF_FULL"))
+"""Whether kills and simulated cases are as many as for a release (CONTRIBUTING.md)."""
+
 SMALL = RigSettings(
     width=128, height=96, spacing=8.0, fixture_frames=3, dark_pages=4, flat_pages=3, bubbles=0
 )

@@ -1,12 +1,16 @@
 """Commands that are ended by a signal, and commands whose standard streams are closed."""
 
 import os
-import shutil
 import signal
 import subprocess
 import sys
 
 import pytest
+from scenes.processes import (
+    end_command,
+    lose_the_reader_of_messages,
+    signal_at_the_third_trigger,
+)
 
 from erlif.commands.ending import EndedBySignal, signals_interrupt
 
@@ -15,46 +19,18 @@ ERLIF = (sys.executable, "-m", "erlif")
 SIGNALS = pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 
 
-@pytest.fixture(scope="module")
-def signalled(small_rig, tmp_path_factory):
-    """`erlif process` in a process that receives a signal at its third trigger; gives its run."""
-    lab = type(small_rig)(tmp_path_factory.mktemp("signalled"))
-    for name in ("run", "fixture"):
-        shutil.copytree(small_rig.directory / name, lab.directory / name)
-    script = f"""
-import os
-from erlif.io.files import netcdf_maps as store
-calls = 0
-write = store.write_record
-def write_and_receive(*arguments):
-    global calls
-    calls += 1
-    if calls == 3:
-        os.kill(os.getpid(), {int(signal.SIGTERM)})
-    return write(*arguments)
-store.write_record = write_and_receive
-from erlif.commands.main import main
-main({["process", str(lab.run), "--workers", "1"]!r})
-"""
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+def test_a_signal_ends_with_one_message_and_the_film_is_resumed(lab, film, command, tmp_path):
+    status, message = end_command(
+        tmp_path / "log", "process", lab.run, "--workers", 1, before=signal_at_the_third_trigger
     )
-    return lab, done
-
-
-def test_a_signal_ends_with_one_message_and_its_status(signalled):
-    _, done = signalled
-    assert done.returncode == 128 + signal.SIGTERM
-    last = done.stderr.strip().splitlines()[-1]
+    assert status == 128 + signal.SIGTERM
+    last = message.strip().splitlines()[-1]
     assert last.startswith("erlif: ended by SIGTERM.")
     assert "the same command resumes" in last
-    assert "Traceback" not in done.stderr
+    assert "Traceback" not in message
 
-
-def test_after_a_signal_the_lock_is_free_and_the_film_is_resumed(signalled, film, command):
-    lab, _ = signalled
-    assert not list(lab.run.glob("*.lock"))
-    assert not list(lab.run.glob(".*.lock"))
+    # the lock is free
+    assert not [path for path in lab.run.iterdir() if path.suffix == ".lock"]
     assert (lab.run / "film.nc.partial").is_dir()
     command("process", lab.run, "--workers", 1)
     assert lab.film.read_bytes() == film.read_bytes()
@@ -91,24 +67,20 @@ def test_a_run_without_standard_streams_gives_the_same_film(lab, film):
     assert lab.film.read_bytes() == film.read_bytes()
 
 
-def test_a_run_goes_on_when_nobody_reads_its_messages_any_more(lab, film):
-    reader, writer = os.pipe()
-    os.close(reader)
-    arguments = [*ERLIF, "-v", "process", str(lab.run)]
-    done = subprocess.run(arguments, stdout=subprocess.PIPE, stderr=writer, text=True, check=False)
-    os.close(writer)
-    assert done.returncode == 0
-    assert "written" in done.stdout
+def test_a_run_goes_on_when_nobody_reads_its_messages_any_more(lab, film, tmp_path):
+    arguments = ("-v", "process", lab.run)
+    status, _ = end_command(tmp_path / "log", *arguments, before=lose_the_reader_of_messages)
+    assert status == 0
     assert lab.film.read_bytes() == film.read_bytes()
 
 
-def test_a_reader_of_the_summary_that_is_gone_leaves_the_film_and_no_traceback(lab, film):
+def test_a_reader_of_the_result_that_is_gone_leaves_no_traceback(own):
     reader, writer = os.pipe()
     os.close(reader)
-    arguments = [*ERLIF, "process", str(lab.run)]
+    arguments = [*ERLIF, "export", str(own), "--to", "csv"]
     done = subprocess.run(arguments, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
     os.close(writer)
     assert done.returncode == 1
     assert "Traceback" not in done.stderr
     assert "Exception ignored" not in done.stderr
-    assert lab.film.read_bytes() == film.read_bytes()
+    assert own.with_suffix(".csv").is_file()

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+
+from distributed import LocalCluster
 
 from erlif.core.errors import FrameError
 
@@ -63,3 +66,18 @@ class Deadly:
                 file.unlink()
                 os.kill(os.getpid(), signal.SIGKILL)
         return item
+
+
+def serve(file: Path) -> None:
+    """A scheduler with one worker in a process that a test kills; its address goes to a file."""
+    with LocalCluster(
+        n_workers=1,
+        threads_per_worker=1,
+        processes=False,
+        protocol="tcp",
+        dashboard_address="127.0.0.1:0",
+    ) as cluster:
+        part = file.with_suffix(".part")
+        part.write_text(json.dumps({"address": cluster.scheduler_address}), encoding="utf-8")
+        part.rename(file)
+        time.sleep(600)

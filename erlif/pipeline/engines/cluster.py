@@ -163,8 +163,7 @@ class Cluster:
 
                 # in the order of the items; one that is lost with its worker is computed again
                 item, job = jobs.popleft()
-                self._wait_until_done(job)
-                collect(item, self._client.gather(job))
+                collect(item, self._obtain(job))
         finally:
             self._client.cancel([job for _, job in jobs], force=True)
 
@@ -180,24 +179,17 @@ class Cluster:
 
         # dask warns of large arguments, as most of them would be sent with every item
         with dask.config.set({"distributed.admin.large-graph-warning-threshold": "1TB"}):
-            sent = self._client.submit(_load, packed, __version__, key=f"work-{name}")
-        self._wait_until_done(sent)
-        if sent.status == "error":
-            raise sent.exception()
+            return self._client.submit(_load, packed, __version__, key=f"work-{name}")
 
-        return sent
-
-    def _wait_until_done(self, job: Any) -> None:
-        """Wait for a job; a warning where there is no worker to compute it."""
-        from distributed import wait
-
+    def _obtain(self, job: Any) -> Any:
+        """The result of a job; a warning where there is no worker to compute it."""
         warned = False
         while True:
             try:
-                with self._client.as_current():
-                    wait(job, timeout=_LOOK)
-                return
+                return job.result(timeout=_LOOK)
             except TimeoutError:
+                if job.status == "error":  # an error of the work itself
+                    raise
                 if warned or self._client.nthreads():
                     continue
             warned = True

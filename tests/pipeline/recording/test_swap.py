@@ -52,7 +52,7 @@ def test_exchanged_cameras_are_recognised_by_their_map(rehearsal, calibration):
         erlif.process(rehearsal / "run", calibration=calibration)
 
 
-@pytest.mark.parametrize("seed", [20, 22, 24])
+@pytest.mark.parametrize("seed", [20, 24])
 def test_cameras_in_order_are_never_taken_for_exchanged(tmp_path, seed):
     rig = RigSettings(**SMALL, **NEAR_ONE, vibration=0.2 * (seed - 20))
     simulate(tmp_path, seed=seed, rig=rig)
