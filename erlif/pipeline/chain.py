@@ -197,7 +197,7 @@ class FrameChain(PickledByFields):
         """The ratio images of aligned frame pairs."""
         ratios = compute_ratio(aligned, no_film_below=self.no_film_below, blur=self.blur)
         if self.ratio_drift:
-            # in single precision, as `_level` does it for plain arrays
+            # in single precision, as `_divide` does it for plain arrays
             for n, frame in enumerate(ratios.frame.values):
                 ratios.log_ratio.values[n] -= np.float32(self.ratio_drift * int(frame))
         return ratios
@@ -219,7 +219,7 @@ class FrameChain(PickledByFields):
         counts, digests = read_pair(self.pairs, frame, digests=True)
         light = self.correct.measure(frame, counts, out=buffers.light)
         del counts  # 5 MB a pair and thread, while the ratio is made
-        ratio = self._level(frame, self._divide(light, self._find_drift(light), buffers))
+        ratio = self._divide(frame, light, self._find_drift(light), buffers)
         return replace(ratio, digests=digests)
 
     def restore(self, frame: int, drift: tuple[float, float]) -> tuple[PairRatio, Array]:
@@ -229,17 +229,14 @@ class FrameChain(PickledByFields):
         """
         buffers = _Buffers.empty(self.pairs.shape, self.tables.orientation, with_fixed=True)
         light = self.correct.light(frame, out=buffers.light)
-        ratio = self._level(frame, self._divide(light, drift, buffers))
+        ratio = self._divide(frame, light, drift, buffers)
         return ratio, np.stack([light.light[0], buffers.warped.light])
 
-    def _level(self, frame: int, ratio: PairRatio) -> PairRatio:
-        """The ratio with fresh dyes."""
-        if self.ratio_drift:
-            ratio.log_ratio[:] -= np.float32(self.ratio_drift * frame)
-        return ratio
-
-    def _divide(self, light: PairLight, drift: tuple[float, float], buffers: _Buffers) -> PairRatio:
-        return measure_ratio(
+    def _divide(
+        self, frame: int, light: PairLight, drift: tuple[float, float], buffers: _Buffers
+    ) -> PairRatio:
+        """The ratio of one frame pair with fresh dyes."""
+        ratio = measure_ratio(
             light,
             self.tables,
             self.noise,
@@ -249,6 +246,9 @@ class FrameChain(PickledByFields):
             warped=buffers.warped,
             out=buffers.ratio,
         )
+        if self.ratio_drift:
+            ratio.log_ratio[:] -= np.float32(self.ratio_drift * frame)
+        return ratio
 
     def _find_drift(self, light: PairLight) -> tuple[float, float]:
         drift = self.search.find(light)

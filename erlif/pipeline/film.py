@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -15,6 +16,8 @@ from erlif.core.errors import ConfigError
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
 from erlif.core.notes import Level, Note, join_notes
+from erlif.core.tables import read_table
+from erlif.core.timing import stage
 from erlif.core.units import count_of
 from erlif.core.variables import FILM, FRAMES
 from erlif.core.version import __version__
@@ -22,27 +25,46 @@ from erlif.correction import CHARACTERISTICS
 from erlif.io.files import MapVariable, describe_hashes
 from erlif.io.ingest import FramePairs, Run, format_notes, skipped_notes
 from erlif.io.settings import RunSettings, stated_keys, to_toml
-from erlif.pipeline.engines.results import TriggerResult
+from erlif.kinematics import encoder_notes
+from erlif.pipeline.engines.results import (
+    TriggerResult,
+    describe_frame_notes,
+    frames_in,
+    mean_drift,
+)
+from erlif.pipeline.physics.fit import state_physics
 from erlif.pipeline.physics.joint import describe_joint
-from erlif.pipeline.physics.position import choose_view, describe_positions, note_form
+from erlif.pipeline.physics.light import (
+    describe_light,
+    find_light,
+    kept_lights,
+    widen_errors,
+)
+from erlif.pipeline.physics.position import describe_positions, note_form
 from erlif.pipeline.physics.prediction import (
     Prediction,
     choose_theory,
+    frames_of_run,
     note_correlation,
     note_difference,
+    try_prediction,
 )
+from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.omissions import note_omissions
+from erlif.pipeline.recording.prepare import PreparedRun
+from erlif.pipeline.recording.pulse_order import check_pulses
 from erlif.pipeline.recording.pulses import read_energies
 from erlif.ratio import BlurDifference
-from erlif.registration import CameraMap, describe_map
+from erlif.registration import CameraMap, describe_map, move_map
 from erlif.trend import (
-    Exponent,
-    Region,
     compare_with_roughness,
-    find_region,
     fit_exponent,
     predict_film,
 )
+
+_logger = logging.getLogger(__name__)
+
+_TEXTS = read_table("erlif.pipeline", "notes.toml")["film"]
 
 _CENSORED = 0.01
 """Share of the region outside the measurable range from which a note reports it."""
@@ -93,49 +115,6 @@ def describe_cycle(cycle: xr.Dataset) -> str:
     return f"{text}, no speed"
 
 
-def pixel_positions(settings: RunSettings, shape: tuple[int, int]) -> tuple[Array, Array]:
-    """Positions (x, y) of the columns and rows of the image in the object plane. [mm]"""
-    pitch = settings.optics.pixel_pitch * 1e3
-    rows, columns = shape
-    return np.arange(columns, dtype=float) * pitch, np.arange(rows, dtype=float) * pitch
-
-
-def describe_grid(settings: RunSettings, shape: tuple[int, int], triggers: int) -> xr.Dataset:
-    """Coordinates of the maps: number of the trigger, positions of rows and columns.
-
-    Parameters
-    ----------
-    settings : RunSettings
-    shape : tuple of int
-        Rows and columns of a frame.
-    triggers : int
-        Number of triggers.
-
-    Returns
-    -------
-    xarray.Dataset
-        Coordinates trigger, y and x.
-    """
-    x, y = pixel_positions(settings, shape)
-    sliding = "x" if settings.optics.x_axis == "sliding" else "y"
-    grid = xr.Dataset(
-        coords={
-            "trigger": FILM["trigger"].fill(np.arange(triggers)),
-            "y": FILM["y"].fill(y),
-            "x": FILM["x"].fill(x),
-        }
-    )
-    grid[sliding].attrs["long_name"] = f"{sliding} (sliding)"
-    return grid
-
-
-def choose_region(settings: RunSettings, shape: tuple[int, int]) -> Region:
-    """The region of interest of the settings; raises ConfigError if the image does not hold it."""
-    x, y = pixel_positions(settings, shape)
-    roi = settings.thickness.roi
-    return find_region(x, y, roi=None if roi is None else (roi.x, roi.y))
-
-
 def describe_triggers(run: Run, cycle: xr.Dataset) -> xr.Dataset:
     """Means over the frames of each trigger, of everything that log and kinematics give.
 
@@ -162,7 +141,8 @@ def describe_triggers(run: Run, cycle: xr.Dataset) -> xr.Dataset:
     film = xr.Dataset(coords={"trigger": np.arange(len(usable))})
 
     # a trigger whose frames were all left out keeps its place in the cycle
-    every = [frames or _all_frames(cycle, trigger) for trigger, frames in enumerate(usable)]
+    of = cycle.trigger.values
+    every = [frames or np.flatnonzero(of == k).tolist() for k, frames in enumerate(usable)]
     for name, column in columns.items():
         if column.dtype.kind in "fiu":
             values = np.array([_mean_column(column, frames) for frames in every])
@@ -187,9 +167,94 @@ def describe_triggers(run: Run, cycle: xr.Dataset) -> xr.Dataset:
 
     # what would fail at the end fails here
     predict_theory(run.settings, film)
-    choose_region(run.settings, run.pairs.shape)
-    choose_view(run.settings, run.pairs.shape)
+    ObjectPlane(run.settings, run.pairs.shape).check()
     return film
+
+
+def complete_film(
+    run: Run,
+    cycle: xr.Dataset,
+    triggers: xr.Dataset,
+    ready: PreparedRun,
+    results: Sequence[TriggerResult],
+    calibration: Calibration,
+    hashes: Mapping[str, str],
+) -> tuple[xr.Dataset, dict[str, xr.Dataset]]:
+    """Everything of a film but its maps.
+
+    Parameters
+    ----------
+    run : Run
+    cycle : xarray.Dataset
+        As `locate_run` returns it.
+    triggers : xarray.Dataset
+        As `describe_triggers` returns it, before any frame is measured: it refuses a run that lacks
+        a load or a temperature.
+    ready : PreparedRun
+    results : sequence of TriggerResult
+        Of all triggers.
+    calibration : Calibration
+        Of the fixture.
+    hashes : mapping of str to str
+        Of the inputs.
+
+    Returns
+    -------
+    film : xarray.Dataset
+        The root group.
+    groups : dict of str to xarray.Dataset
+        The groups frames and registration.
+
+    Raises
+    ------
+    PulseError
+        If the cameras show different pulses in a pair.
+    """
+    frames, options = frames_in(results), run.settings.light
+    drift = mean_drift(frames)
+    notes = [
+        *run.log_notes,
+        *encoder_notes(cycle),
+        *ready.notes,
+        *check_pulses(frames, run.pairs),
+        *describe_frame_notes(frames, run.pairs),
+    ]
+
+    # light that is not film, as the finished frames show it
+    remaining = find_light(
+        kept_lights(frames, run.pairs), calibration, cycle.trigger.values, ready.energies
+    )
+    findings = ready.light.complete(remaining, options)
+    light, notes_on_light = describe_light(findings, results, run, ready.measuring)
+
+    plane, of_frames = ObjectPlane(run.settings, run.pairs.shape), frames_of_run(run, cycle)
+    with stage("prediction", _logger):
+        positions = [one.position for one in results]
+        measured = describe_statistics(results)
+        measured |= describe_positions(positions, ready.measuring, plane.view)
+        prediction = try_prediction(plane, triggers.assign(measured), of_frames)
+    film = describe_film(
+        run,
+        triggers,
+        results,
+        ready.measuring,
+        measured=measured,
+        prediction=prediction,
+        hashes=hashes,
+        notes=[*notes, *notes_on_light],
+    )
+    film = widen_errors(film.assign(light), findings, results, options, calibration)
+    with stage("physics", _logger):
+        physics = state_physics(film, run.settings, of_frames)
+    if physics:
+        film = film.assign_attrs(physics=physics)
+
+    # the stored map is that of the mean over the run; drifts are stored about it
+    camera_map = move_map(ready.chain.camera_map, drift)
+    return film, {
+        "frames": describe_frames(run, cycle, results, drift).assign(prediction.frames),
+        "registration": describe_registration(camera_map, ready.chain.blur),
+    }
 
 
 def describe_film(
@@ -198,6 +263,7 @@ def describe_film(
     results: Sequence[TriggerResult],
     calibration: Calibration,
     *,
+    measured: Mapping[str, Any],
     prediction: Prediction,
     hashes: Mapping[str, str],
     notes: Iterable[Note],
@@ -212,6 +278,8 @@ def describe_film(
     results : sequence of TriggerResult
         In the order of the triggers.
     calibration : Calibration
+    measured : mapping of str to variable
+        Statistics and positions of the pin.
     prediction : Prediction
         Of the transient film.
     hashes : mapping of str to str
@@ -226,15 +294,13 @@ def describe_film(
     """
     film = triggers.copy()
     film["frames_used"] = FILM["frames_used"].fill([len(result.frames) for result in results])
-    film = film.assign(count_pixels(results)).assign(describe_statistics(results))
-    settings = run.settings
-    view, positions = choose_view(settings, run.pairs.shape), [one.position for one in results]
-    film = film.assign(describe_positions(positions, calibration, view))
+    film = film.assign(count_pixels(results)).assign(measured)
+    settings, plane = run.settings, ObjectPlane(run.settings, run.pairs.shape)
     theory = choose_theory(settings, predict_theory(settings, film), prediction.triggers)
     film = film.merge(theory, combine_attrs="drop_conflicts")
     film = film.assign(describe_exponents(film, results, calibration))
 
-    film = film.assign_coords(describe_grid(settings, run.pairs.shape, len(results)).coords)
+    film = film.assign_coords(plane.grid(len(results)).coords)
     own = [
         *format_notes(run.pairs),
         *notes,
@@ -244,7 +310,10 @@ def describe_film(
         *note_correlation(film),
     ]
     load = float(np.median(film["load"])) if "load" in film else float("nan")
-    own += [*_censoring_notes(results), *note_form(positions, calibration, view, settings, load)]
+    positions = [one.position for one in results]
+    own += [*_censoring_notes(results), *note_form(positions, calibration, plane, load)]
+    resolution = settings.thickness.smoothing
+    smoothing = {"smoothing": resolution, "smoothing_comment": _TEXTS["smoothing"]}
     # gain and noise of the cameras at the time of the calibration stand in its own notes
     from_calibration = [
         Note(note.level, "calibration", str(note))
@@ -261,7 +330,7 @@ def describe_film(
         settings_stated=stated_keys(settings),
         input_hashes=describe_hashes(hashes),
         calibration=record_calibration(calibration),
-        **_describe_smoothing(settings.thickness.smoothing),
+        **({} if resolution is None else smoothing),
         notes=join_notes([*own, *from_calibration, *skipped_notes(run.pairs)]),
     )
 
@@ -353,7 +422,14 @@ def describe_exponents(
             ),
             covariance=shared,
         )
-        found |= _exponent_variables(variable, exponent, _FILM_OF[kind], name)
+        found[variable] = FILM[variable].fill(
+            exponent.value,
+            long_name=f"power of |{name}|/load that {_FILM_OF[kind]} follows",
+            speed=name,
+            log_scale=exponent.log_scale,
+            triggers_used=exponent.triggers,
+        )
+        found[f"{variable}_std"] = FILM[f"{variable}_std"].fill(exponent.std)
     return found
 
 
@@ -386,6 +462,10 @@ def describe_frames(
     if np.isfinite(energy).any():
         energy = energy / np.nanmean(energy)
 
+    energies = read_energies(run.log)
+    logged: dict[str, Any] = {}
+    if energies is not None:
+        logged["pulse_energy_logged"] = FRAMES["pulse_energy_logged"].fill(energies)
     names = [np.array([page.name for page in pages]) for pages in run.pairs.pages]
     group = xr.Dataset(
         {
@@ -394,7 +474,7 @@ def describe_frames(
             "drift_x": FRAMES["drift_x"].fill(drift[:, 0]),
             "drift_y": FRAMES["drift_y"].fill(drift[:, 1]),
             "pulse_energy": FRAMES["pulse_energy"].fill(energy),
-            **_describe_energies(run),
+            **logged,
             "file_camera1": ("frame", names[0]),
             "file_camera2": ("frame", names[1]),
         }
@@ -408,20 +488,12 @@ def describe_frames(
     return group.reset_coords(drop=True)
 
 
-def _describe_energies(run: Run) -> dict[str, Any]:
-    energies = read_energies(run.log)
-    if energies is None:
-        return {}
-    return {"pulse_energy_logged": FRAMES["pulse_energy_logged"].fill(energies)}
-
-
 def describe_registration(camera_map: CameraMap, blur: BlurDifference) -> xr.Dataset:
     """The group of the film that holds the camera map and the difference of sharpness."""
     return describe_map(camera_map).assign_attrs(
         blur_difference=[blur.x, blur.y],
         blur_difference_std=[blur.std_x, blur.std_y],
-        blur_difference_comment="half the blur variance of camera 2 less that of camera 1, along x "
-        "and y [px2]",
+        blur_difference_comment=_TEXTS["blur_difference"],
     )
 
 
@@ -452,10 +524,6 @@ def _columns_by_frame(run: Run, cycle: xr.Dataset) -> dict[str, xr.DataArray]:
     return columns
 
 
-def _all_frames(cycle: xr.Dataset, trigger: int) -> list[int]:
-    return [int(k) for k in np.nonzero(cycle.trigger.values == trigger)[0]]
-
-
 def _speed_of_trend(film: xr.Dataset) -> str:
     """Name of the speed: that of the joint, unless there is none or the log has its own."""
     computed = "rocker_speed" in film
@@ -464,39 +532,10 @@ def _speed_of_trend(film: xr.Dataset) -> str:
     return "rocker_speed" if computed else "sliding_speed"
 
 
-def _exponent_variables(name: str, exponent: Exponent, film: str, speed: str) -> dict[str, Any]:
-    value = FILM[name].fill(
-        exponent.value,
-        long_name=f"power of |{speed}|/load that {film} follows",
-        speed=speed,
-        log_scale=exponent.log_scale,
-        triggers_used=exponent.triggers,
-    )
-    return {name: value, f"{name}_std": FILM[f"{name}_std"].fill(exponent.std)}
-
-
 def _censoring_notes(results: Sequence[TriggerResult]) -> list[Note]:
     shares = np.array([result.statistics.beyond_range for result in results])
     worst = int(np.argmax(shares))
     if shares[worst] < _CENSORED:
         return []
-    return [
-        Note(
-            Level.WARNING,
-            "",
-            f"up to {shares[worst]:.0%} of the region of interest (trigger {worst}) is too thin or "
-            "too thick to be measured pixel by pixel in this light: film_mean is that of the rest; "
-            "film_min, a fit to the ratio, is not affected",
-        )
-    ]
-
-
-def _describe_smoothing(resolution: int | None) -> dict[str, Any]:
-    if resolution is None:
-        return {}
-    comment = (
-        "full width at half maximum of the window [px] in which the ratio behind the maps was "
-        "smoothed, steps kept; the noise of pixels closer than that is correlated; film_min, "
-        "film_mean and their trend come from the ratio as measured"
-    )
-    return {"smoothing": resolution, "smoothing_comment": comment}
+    text = _TEXTS["beyond_range"].format(share=shares[worst], trigger=worst)
+    return [Note(Level.WARNING, "", text)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,52 +17,20 @@ from erlif.core.speed.memory import release_memory
 from erlif.core.timing import stage
 from erlif.io.files import PartialFilm, open_film, refuse_existing, remove_remains, takes
 from erlif.io.ingest import Run, open_run
-from erlif.kinematics import encoder_notes
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Engine, open_engine
-from erlif.pipeline.engines.results import (
-    FrameResult,
-    TriggerResult,
-    describe_frame_notes,
-    frames_in,
-    mean_drift,
-)
+from erlif.pipeline.engines.results import FrameResult, TriggerResult, frames_in
 from erlif.pipeline.engines.triggers import TriggerTask, run_triggers
-from erlif.pipeline.film import (
-    choose_region,
-    describe_cycle,
-    describe_film,
-    describe_frames,
-    describe_registration,
-    describe_statistics,
-    describe_triggers,
-    group_frames,
-    pixel_positions,
-)
+from erlif.pipeline.film import complete_film, describe_cycle, describe_triggers, group_frames
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.physics.clock import fit_start
-from erlif.pipeline.physics.fit import state_physics
 from erlif.pipeline.physics.joint import locate_run
-from erlif.pipeline.physics.light import (
-    choose_frames,
-    describe_light,
-    find_light,
-    kept_lights,
-    run_patch,
-    widen_errors,
-)
-from erlif.pipeline.physics.position import choose_view, describe_positions
-from erlif.pipeline.physics.prediction import (
-    Prediction,
-    frames_of_run,
-    places_along_sliding,
-    try_prediction,
-)
+from erlif.pipeline.physics.light import choose_frames
+from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.prepare import PreparedRun, prepare_run
-from erlif.pipeline.recording.pulse_order import check_first_pulses, check_pulses
+from erlif.pipeline.recording.pulse_order import check_first_pulses
 from erlif.pipeline.recording.register import FixtureMap
 from erlif.pipeline.work import FilmWork
-from erlif.registration import move_map
 
 _logger = logging.getLogger(__name__)
 
@@ -261,113 +229,17 @@ def measure_run(
 
 def trigger_task(run: Run, chain: FrameChain, calibration: Calibration) -> TriggerTask:
     """How the frames of one trigger of a run become its maps."""
-    settings = run.settings
+    plane = ObjectPlane(run.settings, run.pairs.shape)
     return TriggerTask(
         chain,
         replace(calibration, camera_map=None),  # the chain has the map of the run
-        choose_region(settings, run.pairs.shape),
-        sliding_along_x=settings.optics.x_axis == "sliding",
-        smoothing=settings.thickness.smoothing,
+        plane.region,
+        sliding_along_x=plane.sliding_along_x,
+        smoothing=run.settings.thickness.smoothing,
         sampled=choose_frames(run.pairs),
-        patch=run_patch(run),
-        view=choose_view(settings, run.pairs.shape),
+        patch=plane.patch,
+        view=plane.view,
     )
-
-
-def complete_film(
-    run: Run,
-    cycle: xr.Dataset,
-    triggers: xr.Dataset,
-    ready: PreparedRun,
-    results: Sequence[TriggerResult],
-    calibration: Calibration,
-    hashes: Mapping[str, str],
-) -> tuple[xr.Dataset, dict[str, xr.Dataset]]:
-    """Everything of a film but its maps.
-
-    Parameters
-    ----------
-    run : Run
-    cycle : xarray.Dataset
-        As `locate_run` returns it.
-    triggers : xarray.Dataset
-        As `describe_triggers` returns it, before any frame is measured: it refuses a run that lacks
-        a load or a temperature.
-    ready : PreparedRun
-    results : sequence of TriggerResult
-        Of all triggers.
-    calibration : Calibration
-        Of the fixture.
-    hashes : mapping of str to str
-        Of the inputs.
-
-    Returns
-    -------
-    film : xarray.Dataset
-        The root group.
-    groups : dict of str to xarray.Dataset
-        The groups frames and registration.
-
-    Raises
-    ------
-    PulseError
-        If the cameras show different pulses in a pair.
-    """
-    frames, options = frames_in(results), run.settings.light
-    drift = mean_drift(frames)
-    notes = [
-        *run.log_notes,
-        *encoder_notes(cycle),
-        *ready.notes,
-        *check_pulses(frames, run.pairs),
-        *describe_frame_notes(frames, run.pairs),
-    ]
-
-    # light that is not film, as the finished frames show it
-    remaining = find_light(
-        kept_lights(frames, run.pairs), calibration, cycle.trigger.values, ready.energies
-    )
-    found = ready.light.complete(remaining, options)
-    light, notes_on_light = describe_light(found, results, run, ready.measuring)
-
-    with stage("prediction", _logger):
-        view, positions = (
-            choose_view(run.settings, run.pairs.shape),
-            [one.position for one in results],
-        )
-        measured = describe_statistics(results) | describe_positions(
-            positions, ready.measuring, view
-        )
-        prediction = _predict(run, cycle, triggers.assign(measured))
-    film = describe_film(
-        run,
-        triggers,
-        results,
-        ready.measuring,
-        prediction=prediction,
-        hashes=hashes,
-        notes=[*notes, *notes_on_light],
-    )
-    film = widen_errors(film.assign(light), found, results, options, calibration)
-    with stage("physics", _logger):
-        physics = state_physics(film, run.settings, frames_of_run(run, cycle))
-    if physics:
-        film = film.assign_attrs(physics=physics)
-
-    # the stored map is that of the mean over the run; drifts are stored about it
-    camera_map = move_map(ready.chain.camera_map, drift)
-    return film, {
-        "frames": describe_frames(run, cycle, results, drift).assign(prediction.frames),
-        "registration": describe_registration(camera_map, ready.chain.blur),
-    }
-
-
-def _predict(run: Run, cycle: xr.Dataset, measured: xr.Dataset) -> Prediction:
-    """The transient film of a run whose film_min (trigger) is measured."""
-    settings, shape = run.settings, run.pairs.shape
-    region = choose_region(settings, shape)
-    place = places_along_sliding(settings, *pixel_positions(settings, shape), region)
-    return try_prediction(settings, measured, frames_of_run(run, cycle), place)
 
 
 def _log_inputs(run: Run, cycle: xr.Dataset, calibration: Calibration) -> None:

@@ -36,7 +36,8 @@ from erlif.io.ingest import (
 from erlif.io.ingest.hashes import Digests
 from erlif.io.settings import to_toml
 from erlif.pipeline.engines.results import TriggerResult, frames_in, known_digests
-from erlif.pipeline.film import MAPS, describe_grid
+from erlif.pipeline.film import MAPS
+from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.pulse_order import PulseError
 
 _logger = logging.getLogger(__name__)
@@ -69,6 +70,17 @@ class FilmWork:
         """The work, with the state of its inputs now."""
         return cls(run, calibration, output, stamp_inputs(run), hash_files_beside_frames(run))
 
+    def identify(self, inputs: str) -> str:
+        """Identity of the work by its inputs as text, its settings and the version of erlif."""
+        parts = [
+            __version__,
+            to_toml(self.run.settings),
+            inputs,
+            record_calibration(self.calibration),
+            json.dumps(sorted(self.run.pairs.skipped)),
+        ]
+        return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+
     def is_done(self, *, overwrite: bool) -> bool:
         """Whether the output is the film that this work would make.
 
@@ -82,7 +94,7 @@ class FilmWork:
 
         # every frame is hashed: a film of other frames must not be taken for this one
         hashes = hash_inputs(self.run, self.digests)
-        if has_identity(self.output, identify_work(self.run, self.calibration, hashes)):
+        if has_identity(self.output, self.identify(describe_hashes(hashes))):
             return True
         if not overwrite:
             raise OutputError(
@@ -101,10 +113,10 @@ class FilmWork:
         Nothing of it can be used where its frames are in disorder or change while they are read: it
         is then removed.
         """
-        grid = describe_grid(self.run.settings, self.run.pairs.shape, triggers)
+        grid = ObjectPlane(self.run.settings, self.run.pairs.shape).grid(triggers)
 
         # the frames enter by name, size and time of change: hashing them first would read all twice
-        key = identify_start(self.run, self.calibration, self.digests)
+        key = self.identify(sign_inputs(self.run, self.digests))
         with PartialFilm(self.output, key, grid, MAPS) as unfinished:
             try:
                 yield unfinished
@@ -134,7 +146,7 @@ class FilmWork:
         hashes: Mapping[str, str],
     ) -> None:
         """Write the film, and log the result in one line."""
-        film.attrs["identity"] = identify_work(self.run, self.calibration, hashes)
+        film.attrs["identity"] = self.identify(describe_hashes(hashes))
         with stage("writing", _logger):
             write_film(unfinished, film, groups)
 
@@ -146,27 +158,3 @@ class FilmWork:
         _logger.info("minimum film thickness %.2f to %.2f um, %s", low, high, trend)
         if self.output.is_file():
             _logger.info("%s written, %.1f MB", self.output, self.output.stat().st_size / 1e6)
-
-
-def identify_work(run: Run, calibration: Calibration, hashes: Mapping[str, str]) -> str:
-    """Identity of a piece of work: its inputs, its settings and the version of erlif."""
-    return _identify(run, calibration, describe_hashes(hashes))
-
-
-def identify_start(run: Run, calibration: Calibration, digests: Digests) -> str:
-    """The same before the frames are read: they enter by name, size and time of change.
-
-    Unfinished work is resumed by this. Its triggers keep the hashes of the frames that were read.
-    """
-    return _identify(run, calibration, sign_inputs(run, digests))
-
-
-def _identify(run: Run, calibration: Calibration, inputs: str) -> str:
-    parts = [
-        __version__,
-        to_toml(run.settings),
-        inputs,
-        record_calibration(calibration),
-        json.dumps(sorted(run.pairs.skipped)),
-    ]
-    return hashlib.sha256("\0".join(parts).encode()).hexdigest()

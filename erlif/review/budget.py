@@ -20,7 +20,7 @@ from erlif.core.progress import ShowProgress, choose_progress
 from erlif.io.files import takes
 from erlif.io.ingest import open_run
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
-from erlif.pipeline.film import choose_region, group_frames
+from erlif.pipeline.film import group_frames
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
@@ -29,11 +29,11 @@ from erlif.pipeline.physics.light import (
     find_light,
     measure_lights,
     remaining_errors,
-    run_patch,
 )
+from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.prepare import prepare_chain
 from erlif.pipeline.recording.pulses import read_energies
-from erlif.pipeline.recording.register import stored_map
+from erlif.pipeline.recording.register import FixtureMap
 from erlif.ratio import PairRatio, RatioSum
 from erlif.registration import align_frames
 from erlif.thickness import measure_thickness
@@ -150,12 +150,13 @@ def budget(
 
     calibration = find_calibration(run, calibration, allow_outside=allow_outside, progress=progress)
     check_bands(calibration, (settings.camera1.band, settings.camera2.band))
-    stored = stored_map(calibration.camera_map, settings.registration)
-    chain = prepare_chain(run, progress, stored=stored).chain
+    known = FixtureMap.of(calibration, settings)
+    chain = prepare_chain(run, progress, stored=known.stored).chain
+    plane = ObjectPlane(settings, run.pairs.shape)
 
     # light that is not film needs the whole run, as the film had it
     options = settings.light
-    lights = measure_lights(chain, run_patch(run))
+    lights = measure_lights(chain, plane.patch)
     found = find_light(lights, calibration, cycle.trigger.values, read_energies(run.log))
     chain, measuring = correct_light(chain, calibration, found, options)
 
@@ -168,13 +169,13 @@ def budget(
             "flagged. Name another trigger."
         )
 
-    region = choose_region(settings, run.pairs.shape)
+    region = plane.region
     statistics = summarise_film(
         sources.ratio,
         maps,
         measuring,
         region=region,
-        sliding_along_x=settings.optics.x_axis == "sliding",
+        sliding_along_x=plane.sliding_along_x,
     )
     film = _smooth_film(maps, calibration)
 

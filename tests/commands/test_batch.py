@@ -41,12 +41,6 @@ def test_each_run_has_one_line_and_failures_stand_at_the_end(series, film):
     assert (series / "monday" / "film.nc").read_bytes() == film.read_bytes()
 
 
-def test_status_is_0_where_no_run_failed(series, command):
-    result = command("batch", series / "tuesday", "--skip-bad-frames", "--workers", 1)
-    assert "5 frame pairs" in result.stdout
-    assert "failed" not in result.output
-
-
 def test_resume_shows_the_films_that_are_kept(series, film):
     shutil.copy(film, series / "monday" / "film.nc")
     result = run_batch(series / "monday", series / "tuesday", "--resume")

@@ -91,12 +91,3 @@ def test_settings_and_designs(tmp_path, monkeypatch):
         "undercut_1": "undercut_1.png",
         "undercut_2": "undercut_2.png",
     }
-
-
-def test_a_larger_least_rise_leaves_the_rise_that_was_found_in_the_text(log, tmp_path, monkeypatch):
-    """The test of 0.12 is no galling where only 0.5 counts; the next step names the option."""
-    monkeypatch.setattr(erlif.plots, "write_endurance_figures", lambda *words, **options: [])
-    result = run(log, *GIVEN, "--least-rise", 0.5, "-o", tmp_path)
-    assert result.exit_code == 0, result.output
-    assert "below the least rise of 0.5 that counts" in result.stdout
-    assert "--least-rise 0.1," in result.stdout

@@ -2,8 +2,6 @@
 
 import pytest
 
-import erlif
-
 
 @pytest.mark.parametrize(
     ("kind", "name"),
@@ -24,16 +22,6 @@ def test_a_chosen_trigger_is_named(own, command):
     shown = command("export", own, "--to", "csv", "--trigger", 3).stdout
     assert shown.startswith("trigger 3, ")
     assert (own.parent / "film_trigger3.csv").is_file()
-
-
-def test_a_trigger_chosen_by_its_crank_angle_is_named_by_it(own, command):
-    with erlif.open_film(own) as film:
-        crank, encoder = float(film.crank_angle[2]), float(film.encoder_angle[2])
-    shown = command(
-        "export", own, "--to", "csv", "--angle", round(crank) + 1, "-o", own.parent / "c.csv"
-    )
-    assert shown.stdout.startswith(f"trigger 2, crank {crank:.2f}°, ")
-    assert f"{encoder:.2f}°" not in shown.stdout
 
 
 def test_bad_input_is_refused_in_one_message(own, small_rig, refused, command):

@@ -47,18 +47,6 @@ def test_a_log_gives_the_coefficient_its_budget_a_table_and_a_figure(log, tmp_pa
     assert "exists already" in again.stderr
 
 
-def test_an_earlier_output_is_replaced_and_the_log_itself_is_not(log, tmp_path):
-    assert run(log, *GIVEN, "-o", tmp_path).exit_code == 0
-    again = run(log, *GIVEN, "-o", tmp_path, "--overwrite")
-    assert again.exit_code == 0, again.output
-
-    before = log.read_bytes()
-    beside = run(log, *GIVEN, "-o", log.parent, "--overwrite")
-    assert beside.exit_code == 2
-    assert "something else" in beside.stderr
-    assert log.read_bytes() == before
-
-
 @pytest.mark.parametrize(
     ("words", "message"),
     [

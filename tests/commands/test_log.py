@@ -5,7 +5,6 @@ import logging
 import pytest
 
 from erlif.commands.log import show_log
-from erlif.core.timing import stage
 
 
 @pytest.fixture(autouse=True)
@@ -34,12 +33,3 @@ def test_a_line_is_written_once_however_often_the_log_is_set_up(capsys):
         show_log(1)
     logging.getLogger("erlif.ratio").info("blur")
     assert capsys.readouterr().err.count("blur") == 1
-
-
-def test_a_stage_shows_its_start_and_its_duration(capsys):
-    show_log(1)
-    with stage("registration"):
-        pass
-    started, finished = capsys.readouterr().err.splitlines()
-    assert started.endswith(" s  registration: started")
-    assert "registration: finished after 0.0" in finished

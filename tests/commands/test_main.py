@@ -20,13 +20,6 @@ def test_help_of_each_command_shows_an_example(command, name):
     assert re.search(rf"Example:\s+erlif {name}\b", command(name, "--help").stdout)
 
 
-def test_help_lists_every_command_and_the_way_from_simulation_to_figures(command):
-    text = command("--help").stdout
-    assert all(re.search(rf"^  {name} ", text, re.MULTILINE) for name in COMMANDS)
-    for name in ("simulate", "calibrate", "process", "figures"):
-        assert f"erlif {name} " in text
-
-
 def test_importing_erlif_loads_nothing_heavy():
     """Help and completion must not wait for figures, kernels and file formats."""
     loading = "import sys, erlif, erlif.commands.main"

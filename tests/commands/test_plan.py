@@ -30,14 +30,6 @@ def test_the_example_works_as_it_is_printed(tmp_path):
     assert "exists already" in run("plan", path).stderr
 
 
-def test_a_plan_without_a_suffix_has_its_results_beside_it(tmp_path):
-    """The directory that is there is refused by its name, before any work."""
-    path = tmp_path / "myplan"
-    path.write_text(example_plan(), encoding="utf-8")
-    (tmp_path / "myplan_plan").mkdir()
-    assert f"{tmp_path / 'myplan_plan'} exists already" in run("plan", path).stderr
-
-
 def test_without_a_plan_the_example_is_named():
     result = run("plan")
     assert result.exit_code == 2

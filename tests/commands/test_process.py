@@ -55,19 +55,7 @@ def without_column(lab, name):
     log.write_text("\n".join(",".join(row[:place] + row[place + 1 :]) for row in rows) + "\n")
 
 
-def test_the_load_of_the_settings_stands_in_for_the_logs(lab, command):
-    without_column(lab, "load_N")
-    command("process", lab.run)
-    np.testing.assert_allclose(read_film(lab.film)["load"], 222.411)
-
-
 VOGEL = 'vogel = { a = "0.05 mPa s", b = "1100 K", c = "-115 degC" }'
-
-
-def test_vogels_law_without_a_temperature_is_refused(lab, refused):
-    without_column(lab, "temperature_C")
-    lab.edit("run/run.toml", ('viscosity = "0.12 Pa s"', VOGEL))
-    assert "temperature_C" in refused("process", lab.run)
 
 
 def test_vogels_law_follows_the_temperature(lab, command, film):
@@ -133,13 +121,6 @@ def test_a_cycle_with_a_missing_frame_gives_the_others_their_triggers(cycles, co
     assert np.isfinite(film.film_mean).all()
     frames = read_film(run / "film.nc", "frames")
     assert np.isnan(frames.drift_x).values.tolist() == [k == 2 for k in range(12)]
-
-
-def test_a_wrong_number_of_triggers_is_refused(cycles, refused):
-    run, calibration = cycles
-    toml = run / "run.toml"
-    toml.write_text(re.sub(r"triggers_per_cycle = .*", "triggers_per_cycle = 5", toml.read_text()))
-    assert "with 5 triggers per cycle" in refused("process", run, "--calibration", calibration)
 
 
 # workers of dask

@@ -52,11 +52,6 @@ def test_a_line_of_result_stands_above_the_bar(monkeypatch, capsys):
     assert shown.index("1/4") < shown.index("monday: finished") < shown.index("2/4")
 
 
-def test_elsewhere_a_line_of_result_goes_to_standard_output(capsys):
-    echo_above("monday: finished")
-    assert capsys.readouterr().out == "monday: finished\n"
-
-
 @pytest.mark.parametrize(
     ("name", "work", "step"),
     [

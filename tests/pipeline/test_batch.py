@@ -173,11 +173,6 @@ def test_a_run_directory_may_have_the_suffix_of_a_table(tmp_path):
 # refused before any run begins
 
 
-def test_no_run_is_refused():
-    with pytest.raises(ConfigError, match="got none"):
-        batch([])
-
-
 def test_a_directory_given_by_a_link_as_well_is_refused(series):
     (series / "first").symlink_to(series / "monday")
     with pytest.raises(ConfigError, match=r"first is given twice, also as .*monday"):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import tifffile
 import xarray as xr
-from scenes.camera_files import write_cine, write_genicam, write_im7, write_mraw, write_seq
+from scenes.camera_files import write_genicam, write_im7, write_mraw
 
 import erlif
 from erlif.io.ingest import open_run, read_frames, read_reference_pages, select_counts
@@ -27,21 +27,6 @@ def to_mraw(run):
         write_mraw(run / f"camera{camera}.mraw", frames, stored=12)
         write_mraw(run / f"camera{camera}_dark.mraw", darks, stored=12)
         write_mraw(run / f"camera{camera}_flat.mraw", flats, stored=16, header="cih")
-
-
-def to_cine(run):
-    for camera, (frames, darks, flats) in enumerate(take_pages(run, ".cine"), 1):
-        write_cine(run / f"camera{camera}.cine", frames, stored="packed 12")
-        write_cine(run / f"camera{camera}_dark.cine", darks, height_sign=-1)
-        write_cine(run / f"camera{camera}_flat.cine", flats)
-
-
-def to_seq(run):
-    times = 1_700_000_000 + 0.1 * np.arange(99)
-    for camera, (frames, darks, flats) in enumerate(take_pages(run, ".seq"), 1):
-        write_seq(run / f"camera{camera}.seq", frames, times=times)
-        write_seq(run / f"camera{camera}_dark.seq", darks, version=4)
-        write_seq(run / f"camera{camera}_flat.seq", flats, align=1)
 
 
 def to_raw(run):
@@ -85,19 +70,6 @@ def to_alternating_pages(run):
         pages = np.stack([a, b], axis=1).reshape(-1, *a.shape[1:]) << 4
         tifffile.imwrite(run / f"both{name}.dat", pages, bigtiff=True, photometric="minisblack")
     add_parts(run, "odd", "even", files="both.dat", keys='alignment = "left"')
-
-
-def to_ome(run):
-    """Floating-point counts in OME files with a channel for each camera."""
-    (one, *references), (two, *others) = take_pages(run, ".ome.tif", both="both")
-    for name, a, b in zip(("", "_dark", "_flat"), (one, *references), (two, *others), strict=True):
-        tifffile.imwrite(
-            run / f"both{name}.ome.tif",
-            np.stack([a, b]).astype(np.float32),
-            metadata={"axes": "CTYX"},
-            compression="zlib",
-        )
-    add_parts(run, "channel 1", "channel 2", files="both.ome.tif")
 
 
 def to_hdf5(run):
@@ -157,8 +129,7 @@ def add_parts(run, one, two, *, files, keys=""):
 @pytest.mark.parametrize(
     "convert",
     [
-        *(to_mraw, to_cine, to_seq, to_raw, to_set, to_halves),
-        *(to_alternating_pages, to_ome, to_hdf5),
+        *(to_mraw, to_raw, to_set, to_halves, to_alternating_pages, to_hdf5),
     ],
 )
 def test_counts_do_not_depend_on_the_files_of_the_camera(small_rig, tmp_path, convert):

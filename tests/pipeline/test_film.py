@@ -18,19 +18,15 @@ from erlif.io.ingest.images import Page
 from erlif.io.settings import RunSettings
 from erlif.pipeline.film import (
     _mean_column,
-    choose_region,
     describe_exponents,
     describe_film,
     describe_frames,
-    describe_registration,
     describe_statistics,
     describe_triggers,
     group_frames,
 )
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.physics.prediction import NO_PREDICTION
-from erlif.ratio import BlurDifference
-from erlif.trend import Region
 
 SETTINGS = RunSettings.model_validate(tomllib.loads(RUN_TOML))
 
@@ -45,23 +41,10 @@ def cycle_of(*triggers):
     return xr.Dataset({"trigger": ("frame", np.array(triggers))})
 
 
-def test_frames_of_two_cycles_belong_to_their_triggers():
-    frames = group_frames(cycle_of(0, 1, 2, 0, 1, 2), pairs_of(6))
-    assert frames == [[0, 3], [1, 4], [2, 5]]
-
-
 def test_frames_that_were_left_out_belong_to_no_trigger():
     """Trigger 1 has lost both its frames and keeps its place."""
     frames = group_frames(cycle_of(0, 1, 2, 0, 1, 2), pairs_of(6, skipped=(1, 3, 4)))
     assert frames == [[0], [], [2, 5]]
-
-
-def test_region_of_the_settings_is_chosen():
-    """x from 3.1 to 12.9 mm and y from 1.1 to 10.9 mm, 200 um a pixel."""
-    raw = tomllib.loads(RUN_TOML)
-    raw["thickness"]["roi"] = {"x": [3.1, 12.9], "y": [1.1, 10.9]}
-    region = choose_region(RunSettings.model_validate(raw), (64, 80))
-    assert region == Region(rows=slice(6, 55), columns=slice(16, 65))
 
 
 # triggers of two cycles
@@ -130,14 +113,6 @@ def test_load_of_the_settings_serves_where_the_log_has_none(cycles):
 # statistics and exponents
 
 
-def test_place_of_the_minimum_is_column_then_row():
-    places = [[3.0, 40.0], [5.5, 50.0]]
-    results = [make_result(minimum_place=np.array(place)) for place in places]
-    film = xr.Dataset(describe_statistics(results))
-    assert film.film_min_x.values.tolist() == [3.0, 5.5]
-    assert film.film_min_y.values.tolist() == [40.0, 50.0]
-
-
 @pytest.fixture
 def power_law():
     """Triggers whose minimum follows the power 0.62 and whose mean follows 0.4."""
@@ -198,6 +173,7 @@ def make_film(cycles, calibration, *, notes=(), **changes):
         describe_triggers(run, cycle),
         results,
         calibration,
+        measured=describe_statistics(results),
         prediction=NO_PREDICTION,
         hashes={"run.toml": "ab" * 32},
         notes=[*notes, Note(Level.WARNING, "camera1", "a note of the cameras")],
@@ -253,15 +229,6 @@ def test_frames_that_were_left_out_have_no_drift(cycles):
     frames = describe_frames(run, cycle, results, np.zeros(2))
     assert np.flatnonzero(np.isnan(frames.drift_x)).tolist() == [7]
     assert "damaged" in frames.attrs["skipped_frames"]
-
-
-def test_registration_has_map_and_difference_of_sharpness(prepared):
-    group = describe_registration(
-        prepared.chain.camera_map, BlurDifference(0.03, -0.02, 0.001, 0.002)
-    )
-    assert group.attrs["blur_difference"] == [0.03, -0.02]
-    assert group.attrs["blur_difference_std"] == [0.001, 0.002]
-    npt.assert_array_equal(group.displacement_x, prepared.chain.camera_map.displacement_x)
 
 
 @pytest.mark.parametrize("mounted", [{"mounted_on": "crank"}, {}])

@@ -53,10 +53,6 @@ def test_frames_of_a_film_at_rest_are_combined(prepared):
 # the calibration of a run
 
 
-def test_given_calibration_takes_precedence(run, calibration):
-    assert find_calibration(run, calibration) is calibration
-
-
 def test_run_without_a_calibration_is_refused(run):
     settings = run.settings.model_copy(update={"calibration": None})
     with pytest.raises(CalibrationError, match=r"run\.toml names none"):

@@ -8,7 +8,6 @@ import xarray as xr
 
 import erlif
 from conftest import SMALL
-from erlif.core.notes import Level
 from erlif.io.ingest import open_run
 from erlif.pipeline.physics.joint import locate_run
 from erlif.rig import RigSettings, simulate
@@ -69,13 +68,6 @@ def test_a_run_in_time_with_ticks_on_the_coupler_has_the_film_of_the_plain_one(
         )
     assert "columns separated by semicolons; decimal commas" in found.notes
     assert "angle from column 'Encoder [ticks]'" in found.notes
-
-
-def test_notes_of_the_log_stand_in_check_and_film(tmp_path):
-    run, _ = make_run(tmp_path, write_zero=False, log="continuous")
-    notes = [str(note) for note in erlif.check(run.directory) if note.level is not Level.ERROR]
-    assert any("zero fitted to the dead points of the linkage" in note for note in notes)
-    assert any("a log in time" in note for note in notes)
 
 
 def test_pulses_that_do_not_repeat_are_averaged_by_bins_of_one_stroke(small_rig, tmp_path):
@@ -153,9 +145,7 @@ def more_rows(rows):
             ["column 'Winkel'", "chosen as angle", "angle_deg"],
         ),
         (lambda rows: rows, 'units = { angle = "grad" }', ["[encoder.units] angle", "'grad'"]),
-        (lambda rows: rows, "bins = 1", ["[encoder] bins"]),
         (lambda rows: rows, "bins = 5", ["give either bins or triggers_per_cycle"]),
-        (lambda rows: rows, 'direction = "up"', ["[encoder] direction"]),
         (lambda rows: rows, 'frame_rate = "50 Hz"', ["frame_rate needs the time", 'start = "fit"']),
         (lambda rows: rows, 'start = "soon"', ["[encoder] start", "or a time such as"]),
         (lambda rows: rows, 'direction = "falling"', ["cannot reach"]),

@@ -12,9 +12,8 @@ from click.testing import CliRunner
 import erlif
 from erlif.commands.log import show_log
 from erlif.commands.main import main
-from erlif.io.files import describe_hashes
-from erlif.io.ingest import InputChangedError, hash_files_beside_frames, hash_inputs, open_run
-from erlif.pipeline.work import identify_start, identify_work
+from erlif.io.ingest import InputChangedError, hash_files_beside_frames, open_run, sign_inputs
+from erlif.pipeline.work import FilmWork
 
 STAGES = ("darks and flats", "registration", "sharpness and noise", "film", "writing")
 
@@ -72,28 +71,30 @@ def test_film_without_an_output_is_the_one_that_is_written(small_rig, film):
 
 # identity of the work
 
-HASHES = {"run.toml": "ab" * 32}
+
+def change_settings(work):
+    joint = work.run.settings.joint.model_copy(update={"load": 200.0})
+    settings = work.run.settings.model_copy(update={"joint": joint})
+    return replace(work, run=replace(work.run, settings=settings))
 
 
-def change_settings(run, calibration):
-    joint = run.settings.joint.model_copy(update={"load": 200.0})
-    return replace(run, settings=run.settings.model_copy(update={"joint": joint})), calibration
+def change_pairs(work):
+    pairs = replace(work.run.pairs, skipped={3: "damaged"})
+    return replace(work, run=replace(work.run, pairs=pairs))
 
 
-def change_pairs(run, calibration):
-    return replace(run, pairs=replace(run.pairs, skipped={3: "damaged"})), calibration
+def change_calibration(work):
+    ratio = work.calibration.ratio_at_zero * 1.001
+    return replace(work, calibration=replace(work.calibration, ratio_at_zero=ratio))
 
 
-def change_calibration(run, calibration):
-    return run, replace(calibration, ratio_at_zero=calibration.ratio_at_zero * 1.001)
-
-
-def test_work_is_known_by_its_inputs(run, calibration):
-    known = identify_work(run, calibration, HASHES)
-    assert identify_work(replace(run), replace(calibration), dict(HASHES)) == known
-    assert identify_work(run, calibration, {"run.toml": "cd" * 32}) != known
+def test_work_is_known_by_its_inputs(run, calibration, tmp_path):
+    work = FilmWork.of(run, calibration, tmp_path / "film.nc")
+    known = work.identify("inputs")
+    assert replace(work, run=replace(run)).identify("inputs") == known
+    assert work.identify("other inputs") != known
     for change in (change_settings, change_pairs, change_calibration):
-        assert identify_work(*change(run, calibration), HASHES) != known
+        assert change(work).identify("inputs") != known
 
 
 def test_a_frame_replaced_after_its_film_was_computed_is_refused(lab):
@@ -106,15 +107,10 @@ def test_a_frame_replaced_after_its_film_was_computed_is_refused(lab):
         erlif.process(lab.run, progress=spoil)
 
 
-def test_a_film_has_the_hashes_of_its_inputs(lab):
-    film = erlif.process(lab.run)
-    assert film.attrs["input_hashes"] == describe_hashes(hash_inputs(open_run(lab.run)))
-
-
-def test_a_changed_frame_is_other_unfinished_work(lab, calibration):
+def test_a_changed_frame_is_other_unfinished_work(lab):
     def key():
         recording = open_run(lab.run)
-        return identify_start(recording, calibration, hash_files_beside_frames(recording))
+        return sign_inputs(recording, hash_files_beside_frames(recording))
 
     before = key()
     assert key() == before

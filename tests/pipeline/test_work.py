@@ -11,11 +11,12 @@ from erlif.core.progress import silent
 from erlif.io.files import PartialFilm
 from erlif.io.ingest import open_run
 from erlif.pipeline.engines.engine import Threads
-from erlif.pipeline.film import MAPS, describe_grid, describe_triggers, group_frames
+from erlif.pipeline.film import MAPS, complete_film, describe_triggers, group_frames
 from erlif.pipeline.physics.joint import locate_run
+from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.prepare import prepare_run
 from erlif.pipeline.recording.register import FixtureMap
-from erlif.pipeline.run import complete_film, measure_run
+from erlif.pipeline.run import measure_run
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +32,7 @@ def test_the_parts_give_the_film_of_the_command(small_rig, calibration, film, tm
     bare = replace(calibration, camera_map=None)
 
     ready = prepare_run(run, cycle, bare, known, silent)
-    grid = describe_grid(run.settings, run.pairs.shape, len(frames_of))
+    grid = ObjectPlane(run.settings, run.pairs.shape).grid(len(frames_of))
     with PartialFilm(tmp_path / "film.nc", "key", grid, MAPS) as unfinished:
         results = measure_run(run, ready, frames_of, unfinished, engine=Threads(1), progress=silent)
     found, groups = complete_film(

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Level, Note
+from erlif.core.tables import read_table
 from erlif.io.ingest import FramePairs, depth_warning
 from erlif.ratio import (
     NO_CELLS,
@@ -24,6 +25,8 @@ from erlif.ratio import (
 from erlif.thickness import NO_PATCH, PatchMean, sample_patch
 from erlif.trend import FilmStatistics, PinPosition, Region
 
+_TEXTS = read_table("erlif.pipeline", "notes.toml")["frames"]
+
 _OF_FRAMES: dict[str, tuple[Any, tuple[int, ...]]] = {
     "frame": (np.int64, ()),
     "drift": (float, (2,)),
@@ -36,50 +39,6 @@ _OF_FRAMES: dict[str, tuple[Any, tuple[int, ...]]] = {
     "patch": (float, (3,)),
 }
 """Arrays of a trigger with one row for each frame pair: type in the file, and shape of a row."""
-
-
-class FrameLight(NamedTuple):
-    """Light of a frame pair in the cells of the image and in the reference patch.
-
-    Attributes
-    ----------
-    cells : LightCells
-    patch : PatchMean
-    """
-
-    cells: LightCells
-    patch: PatchMean
-
-
-def sample_light(pair: PairRatio, patch: Region | None, *, with_cells: bool = True) -> FrameLight:
-    """Light of a frame pair.
-
-    Parameters
-    ----------
-    pair : PairRatio
-    patch : Region or None
-        Rows and columns of the reference patch.
-    with_cells : bool
-        Whether the cells are filled; otherwise they are NaN.
-
-    Returns
-    -------
-    FrameLight
-    """
-    light, log_ratio, variance, flags = pair.light_one, pair.log_ratio, pair.variance, pair.flags
-    cells = sample_cells(light, log_ratio, variance, flags) if with_cells else NO_CELLS
-    if patch is None:
-        return FrameLight(cells, NO_PATCH)
-
-    # the mean over many pixels has the noise of neighbours that the interpolation correlates
-    at = patch.rows, patch.columns
-    correlation = pair.noise_correlation
-    return FrameLight(
-        cells,
-        sample_patch(
-            light[at], log_ratio[at], variance[at], flags[at], noise_correlation=correlation
-        ),
-    )
 
 
 @dataclass(frozen=True)
@@ -117,12 +76,29 @@ class FrameResult:
     patch: PatchMean = field(default=NO_PATCH, compare=False)
 
     @classmethod
-    def of(cls, frame: int, pair: PairRatio, light: FrameLight | None = None) -> FrameResult:
-        """Result of one frame pair, whose pulse is sampled from its ratio."""
-        pulse = sample_pulse(pair.light_one, pair.log_ratio, pair.flags)
-        digests = pair.digests
-        result = cls(frame, pair.drift, pair.peaks, digests=digests, pulse=pulse)
-        return result if light is None else replace(result, cells=light.cells, patch=light.patch)
+    def of(
+        cls, frame: int, pair: PairRatio, *, patch: Region | None = None, with_cells: bool = False
+    ) -> FrameResult:
+        """What is kept of a frame pair, with its light in the patch, and in cells on request."""
+        light, log_ratio = pair.light_one, pair.log_ratio
+        variance, flags = pair.variance, pair.flags
+        kept = cls(
+            frame,
+            pair.drift,
+            pair.peaks,
+            digests=pair.digests,
+            pulse=sample_pulse(light, log_ratio, flags),
+            cells=sample_cells(light, log_ratio, variance, flags) if with_cells else NO_CELLS,
+        )
+        if patch is None:
+            return kept
+
+        # the mean over many pixels has the noise of neighbours that the interpolation correlates
+        at, correlation = (patch.rows, patch.columns), pair.noise_correlation
+        mean = sample_patch(
+            light[at], log_ratio[at], variance[at], flags[at], noise_correlation=correlation
+        )
+        return replace(kept, patch=mean)
 
 
 @dataclass(frozen=True)
@@ -230,11 +206,6 @@ def describe_frame_notes(frames: Sequence[FrameResult], pairs: FramePairs) -> li
         ]
     lost = sorted(one.frame for one in frames if np.isnan(one.drift[0]))
     if lost:
-        notes.append(
-            Note(
-                Level.WARNING,
-                f"frame pairs {', '.join(str(frame) for frame in lost)}",
-                "no common texture, as after a misfired pulse; flagged poor_registration",
-            )
-        )
+        subject = f"frame pairs {', '.join(str(frame) for frame in lost)}"
+        notes.append(Note(Level.WARNING, subject, _TEXTS["no_texture"]))
     return [note for note in notes if note is not None]

@@ -19,7 +19,7 @@ from erlif.core.progress import Progress
 from erlif.io.files import MapStore, PartialFilm
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Engine
-from erlif.pipeline.engines.results import FrameResult, TriggerResult, sample_light
+from erlif.pipeline.engines.results import FrameResult, TriggerResult
 from erlif.pipeline.film import MAPS
 from erlif.pipeline.passes import measure_film, measure_pulse
 from erlif.ratio import PairRatio, RatioSum, smooth_ratio
@@ -116,8 +116,8 @@ class TriggerTask(PickledByFields):
 
     def _keep(self, frame: int, pair: PairRatio) -> FrameResult:
         """What is kept of a frame, with its light in the cells of the image and in the patch."""
-        light = sample_light(pair, self.patch, with_cells=frame in self.sampled)
-        return FrameResult.of(frame, pair, light)
+        cells = frame in self.sampled
+        return FrameResult.of(frame, pair, patch=self.patch, with_cells=cells)
 
     @cached_property
     def tables(self) -> FilmTables:

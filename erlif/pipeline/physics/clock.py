@@ -9,12 +9,15 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, EncoderError
 from erlif.core.notes import Level, Note
+from erlif.core.tables import read_table
 from erlif.io.ingest import FoundStart, FramePairs
 from erlif.io.ingest.frames import read_pair
 from erlif.io.ingest.logs.resample import ContinuousLog, sample_log
 from erlif.io.settings import RunSettings
 from erlif.kinematics import find_clock_offset, locate_frames
 from erlif.pipeline.physics.joint import build_linkage, describe_encoder_settings
+
+_TEXTS = read_table("erlif.pipeline", "notes.toml")["clock"]
 
 MOST_FRAMES = 400
 """Frame pairs whose light is read."""
@@ -97,26 +100,17 @@ def fit_start(
         speed=located.rocker_speed.values,
     )
     start = found.value - float(since[frames[0]])
-    text = (
-        f"first frame at {start:.6f} ± {found.std:.6f} s, found from the light of {len(frames)} "
-        f"frames, of whose variance the motion explains {found.explained:.0%}; the film is taken "
-        "as the same at equal speed on either stroke. The crank turns by "
-        f"{math.degrees(found.std * links.crank_speed):.2f} deg in the standard deviation"
+    turn = math.degrees(found.std * links.crank_speed)
+    text = _TEXTS["found"].format(
+        start=start, std=found.std, frames=len(frames), explained=found.explained, turn=turn
     )
     if found.cycles > 1:
-        text += f"; {found.cycles} starts, whole cycles apart, fit alike"
+        text += _TEXTS["cycles"].format(cycles=found.cycles)
     if found.half_cycle:
-        text += (
-            "; half a cycle later fits as well: outward and return stroke may be exchanged, give "
-            "start in [encoder] to exclude it"
-        )
+        text += _TEXTS["half_cycle"]
     off = abs(found.stretch) > max(_CERTAIN * found.stretch_std, _SMALLEST_STRETCH)
     if off:
-        text += (
-            f"; the light follows the motion better where the time between frames is "
-            f"{found.stretch:+.2%} (± {found.stretch_std:.2%}) longer: correct frame_rate in "
-            "[encoder], or crank_speed and links in [mechanism]"
-        )
+        text += _TEXTS["stretch"].format(stretch=found.stretch, std=found.stretch_std)
     level = Level.WARNING if found.half_cycle or off else Level.NOTE
     return FoundStart(start, found.std, Note(level, log.file, text))
 

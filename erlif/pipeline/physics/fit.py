@@ -12,6 +12,7 @@ import xarray as xr
 from erlif.calibration import calibration_of
 from erlif.core.errors import ConfigError, ErlifError
 from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
+from erlif.core.tables import read_table
 from erlif.io.files import open_film, takes
 from erlif.io.settings import RunSettings
 from erlif.models.reynolds import Journal
@@ -29,6 +30,8 @@ from erlif.prediction import (
 from erlif.prediction.comparison import ANY_GUIDED, STEADY
 from erlif.prediction.fit import FEWEST_TRIGGERS, LOAD_LINE_STD
 from erlif.trend import VogelLaw
+
+_TEXTS = read_table("erlif.pipeline", "notes.toml")["fit"]
 
 _POSITIONS = (
     "pin_displacement",
@@ -113,19 +116,10 @@ def state_physics(film: xr.Dataset, settings: RunSettings, frames: xr.Dataset) -
     # the measured film is complete without this sentence
     except (ErlifError, ArithmeticError, ValueError, np.linalg.LinAlgError):
         return ""
-    if found.candidates[0].name == ANY_GUIDED:
-        return (
-            "Not decided: a guided pin may agree better with the positions than the films of a "
-            f"free pin, of squeeze and of steady formulas (best: {_best(found)}). Fit it with "
-            "erlif predict FILM --fit."
-        )
-    return f"{found.verdict} With the fitted viscosity: erlif predict FILM --fit."
-
-
-def _best(found: Comparison) -> str:
-    """The best model that was fitted, with its misfit."""
+    if found.candidates[0].name != ANY_GUIDED:
+        return str(_TEXTS["decided"].format(verdict=found.verdict))
     best = next(one for one in found.candidates if one.name != ANY_GUIDED)
-    return f"{best.name}, off by {best.inflation:.3g} times the stated errors"
+    return str(_TEXTS["undecided"].format(best=best.name, inflation=best.inflation))
 
 
 def _compare(

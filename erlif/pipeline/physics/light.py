@@ -13,14 +13,15 @@ from erlif.calibration import Calibration
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Level, Note
 from erlif.core.products import References
+from erlif.core.tables import read_table
 from erlif.core.variables import FILM
 from erlif.io.ingest import FramePairs, Run
 from erlif.io.settings import LightOptions
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Threads
-from erlif.pipeline.engines.results import FrameLight, FrameResult, TriggerResult, sample_light
+from erlif.pipeline.engines.results import FrameResult, TriggerResult
 from erlif.pipeline.physics.position import AXES
-from erlif.pipeline.physics.reference import describe_reference, find_patch
+from erlif.pipeline.physics.reference import describe_reference
 from erlif.ratio import cell_places
 from erlif.trend import (
     BackgroundEstimate,
@@ -30,6 +31,8 @@ from erlif.trend import (
     estimate_background,
     fit_trend,
 )
+
+_TEXTS = read_table("erlif.pipeline", "notes.toml")
 
 _MOST_FRAMES = 400
 """Frames of an estimate, spread over the run: their number bounds memory and time."""
@@ -51,7 +54,7 @@ def choose_frames(pairs: FramePairs) -> frozenset[int]:
 
 def measure_lights(
     chain: FrameChain, patch: Region | None, *, workers: int | None = None
-) -> dict[int, FrameLight]:
+) -> dict[int, FrameResult]:
     """Light of the frames that `choose_frames` names.
 
     Parameters
@@ -64,31 +67,31 @@ def measure_lights(
 
     Returns
     -------
-    dict of int to FrameLight
+    dict of int to FrameResult
     """
-    lights: dict[int, FrameLight] = {}
+    lights: dict[int, FrameResult] = {}
     Threads(workers).compute(
-        lambda frame: sample_light(chain.measure(frame), patch),
+        lambda frame: FrameResult.of(frame, chain.measure(frame), patch=patch, with_cells=True),
         sorted(choose_frames(chain.pairs)),
         lights.__setitem__,
     )
     return lights
 
 
-def kept_lights(frames: Sequence[FrameResult], pairs: FramePairs) -> dict[int, FrameLight]:
+def kept_lights(frames: Sequence[FrameResult], pairs: FramePairs) -> dict[int, FrameResult]:
     """The same from what was kept while the films were measured."""
     chosen = choose_frames(pairs)
-    return {one.frame: FrameLight(one.cells, one.patch) for one in frames if one.frame in chosen}
+    return {one.frame: one for one in frames if one.frame in chosen}
 
 
 def find_background(
-    lights: dict[int, FrameLight], calibration: Calibration, energies: Array | None
+    lights: dict[int, FrameResult], calibration: Calibration, energies: Array | None
 ) -> BackgroundEstimate | None:
     """Estimate the background of a run.
 
     Parameters
     ----------
-    lights : dict of int to FrameLight
+    lights : dict of int to FrameResult
         By frame.
     calibration : Calibration
     energies : array, (frame,), optional
@@ -131,15 +134,9 @@ def describe_background(
     notes : list of Note
     """
     if estimate is None:
-        level, more = Level.NOTE, ""
-        if corrected:
-            level, more = Level.WARNING, "; nothing was subtracted"
-        text = (
-            "light and films of this run do not determine light that is not film: it needs a dozen "
-            f"frames and films that differ{more}. Frames of the dry joint (background in [camera1] "
-            "and [camera2]) measure it"
-        )
-        return {}, [Note(level, "background", text)]
+        more = _TEXTS["background"]["nothing_subtracted"] if corrected else ""
+        text = _TEXTS["background"]["undetermined"].format(more=more)
+        return {}, [Note(Level.WARNING if corrected else Level.NOTE, "background", text)]
 
     variables = {
         "background": FILM["background"].fill(
@@ -155,20 +152,17 @@ def describe_background(
 
 def _describe(estimate: BackgroundEstimate, calibration: Calibration, *, corrected: bool) -> Note:
     """What was found, in one line."""
+    texts = _TEXTS["background"]
     one, two = (
-        f"camera {n} {100 * share:.1f} ± {100 * std:.1f} %"
+        texts["camera"].format(number=n, share=100 * share, std=100 * std)
         for n, (share, std) in enumerate(zip(estimate.share, estimate.std, strict=True), 1)
     )
-    shares = f"{one}, {two} of the median light"
+    shares = texts["shares"].format(one=one, two=two)
     if corrected:
-        return Note(Level.NOTE, "background", f"light that is not film subtracted: {shares}")
+        return Note(Level.NOTE, "background", texts["subtracted"].format(shares=shares))
     if not estimate.significant:
-        return Note(
-            Level.NOTE,
-            "background",
-            f"no light that is not film was found; {100 * estimate.detectable:.1f} % of the median "
-            "light in both cameras would have been significant",
-        )
+        text = texts["absent"].format(detectable=100 * estimate.detectable)
+        return Note(Level.NOTE, "background", text)
 
     film = 0.5 * estimate.film  # thinner than the median, where the joint carries its load
     low = max(film, calibration.thickness_range[0])
@@ -176,14 +170,8 @@ def _describe(estimate: BackgroundEstimate, calibration: Calibration, *, correct
         1e3 * float(value(np.array(low), calibration))
         for value in (estimate.film_shift, estimate.film_shift_std)
     )
-    return Note(
-        Level.WARNING,
-        "background",
-        f"light and films of the run do not agree without light that is not film: {shares}. Films "
-        f"of {low:.1f} um then read {shift:+.0f} ± {std:.0f} nm too thick; film_mean_std and "
-        "film_min_std include this shift, the maps do not. Photograph the dry joint (background in "
-        '[camera1] and [camera2]), or set background = "correct" in [light]',
-    )
+    text = texts["found"].format(shares=shares, low=low, shift=shift, std=std)
+    return Note(Level.WARNING, "background", text)
 
 
 def subtract(chain: FrameChain, estimate: BackgroundEstimate) -> FrameChain:
@@ -214,13 +202,13 @@ def subtract(chain: FrameChain, estimate: BackgroundEstimate) -> FrameChain:
 
 
 def find_bleaching(
-    lights: dict[int, FrameLight], triggers: AnyArray, energies: Array | None
+    lights: dict[int, FrameResult], triggers: AnyArray, energies: Array | None
 ) -> tuple[Trend | None, str]:
     """Change of ratio and light with every pulse, at equal film.
 
     Parameters
     ----------
-    lights : dict of int to FrameLight
+    lights : dict of int to FrameResult
         By frame.
     triggers : array of int, (frame,)
         Trigger of every frame of the run.
@@ -272,14 +260,10 @@ def describe_bleaching(
     variables : dict of str to variable
     notes : list of Note
     """
+    texts = _TEXTS["bleaching"]
     if trend is None:
-        if not corrected:
-            return {}, []
-        text = (
-            "bleaching cannot be separated from a change of the film: this takes several cycles "
-            "or a reference patch. Nothing was taken out of the ratio"
-        )
-        return {}, [Note(Level.WARNING, "bleaching", text)]
+        note = Note(Level.WARNING, "bleaching", texts["undetermined"])
+        return {}, [note] if corrected else []
     values = {"ratio": (trend.log_ratio, trend.log_ratio_std)}
     if np.isfinite(trend.light):
         values["light"] = trend.light, trend.light_std
@@ -292,23 +276,17 @@ def describe_bleaching(
     variables["bleaching_ratio"].attrs["corrected"] = str(corrected).lower()
     if not trend.significant() and not corrected:
         return variables, []
-    light = ""
-    if np.isfinite(trend.light):
-        light = f", the light of camera 1 by {_per_cent(trend.light, trend.light_std, frames)}"
-    text = (
-        f"{source}, the ratio changes by {_per_cent(trend.log_ratio, trend.log_ratio_std, frames)}"
-        f"{light} over the run, as with dyes that bleach"
+    ratio, light = (
+        texts["change"].format(change=100 * frames * change, std=100 * frames * std)
+        for change, std in ((trend.log_ratio, trend.log_ratio_std), (trend.light, trend.light_std))
     )
+    light = texts["light"].format(change=light) if "light" in values else ""
+    text = texts["found"].format(source=source, change=ratio, light=light)
     if source == "at equal triggers":
-        text += " or films that change from cycle to cycle"
+        text += texts["or_films"]
     if corrected:
-        return variables, [Note(Level.NOTE, "bleaching", f"{text}; taken out of the ratio")]
-    text += '; bleaching = "correct" in [light] takes the change out of the ratio'
-    return variables, [Note(Level.WARNING, "bleaching", text)]
-
-
-def _per_cent(slope: float, std: float, frames: int) -> str:
-    return f"{100 * frames * slope:+.2f} ± {100 * frames * std:.2f} %"
+        return variables, [Note(Level.NOTE, "bleaching", text + texts["corrected"])]
+    return variables, [Note(Level.WARNING, "bleaching", text + texts["advice"])]
 
 
 @dataclass(frozen=True)
@@ -338,16 +316,8 @@ class LightFindings:
         )
 
 
-def run_patch(run: Run) -> Region | None:
-    """Rows and columns of the reference patch of a run; None without one."""
-    settings = run.settings
-    return find_patch(
-        settings.reference, pitch=1e3 * settings.optics.pixel_pitch, shape=run.pairs.shape
-    )
-
-
 def find_light(
-    lights: dict[int, FrameLight],
+    lights: dict[int, FrameResult],
     calibration: Calibration,
     triggers: AnyArray,
     energies: Array | None,

@@ -12,12 +12,13 @@ import numpy as np
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
-from erlif.core.errors import ConfigError
 from erlif.core.notes import Level, Note
+from erlif.core.tables import read_table
 from erlif.core.units import Quantity
 from erlif.core.variables import FILM
-from erlif.io.settings import JointSettings, RunSettings
+from erlif.io.settings import JointSettings
 from erlif.models.contact import conformal_radius, contact_modulus, hertz_line
+from erlif.pipeline.plane import ObjectPlane
 from erlif.trend import (
     PARAMETERS,
     SIGNIFICANT,
@@ -28,57 +29,10 @@ from erlif.trend import (
     judge_form,
 )
 
+_TEXTS = read_table("erlif.pipeline", "notes.toml")["pin"]
+
 AXES = ("load", "side")
 """Directions of displacement and tilt: towards the load, and sideways along sliding."""
-
-
-def choose_view(settings: RunSettings, shape: tuple[int, int]) -> PinView | None:
-    """The joint of a run as its camera sees it.
-
-    Parameters
-    ----------
-    settings : RunSettings
-    shape : tuple of int
-        Rows and columns of a frame.
-
-    Returns
-    -------
-    PinView or None
-        None without [joint], and where the image is wider than half a turn of the pin.
-
-    Raises
-    ------
-    ConfigError
-        If the load line of the settings is more than a quarter of a turn from the image.
-    """
-    joint = settings.joint
-    if joint is None:
-        return None
-    along_x = settings.optics.x_axis == "sliding"
-    rows, columns = shape
-    sliding, axial = (columns, rows) if along_x else (rows, columns)
-    pitch = settings.optics.pixel_pitch * 1e3
-    given = settings.prediction.load_line
-    view = PinView(
-        joint.pin_radius,
-        joint.bushing_radius,
-        pitch,
-        load_line=0.5 * (sliding - 1) * pitch if given is None else given * 1e3,
-        axial_origin=0.5 * (axial - 1) * pitch,
-        sliding_along_x=along_x,
-    )
-    last = (sliding - 1) * pitch
-    if view.sees(0.0, last):
-        return view
-    if given is None:
-        return None
-    quarter = 0.5 * np.pi * view.radius
-    raise ConfigError(
-        "Expected a load line no more than a quarter of a turn of the pin from any pixel, "
-        f"{last - quarter:.1f} to {quarter:.1f} mm; [prediction] load_line is "
-        f"{view.load_line:.1f} mm. Correct load_line, pixel_pitch in [optics], or the radii in "
-        "[joint]."
-    )
 
 
 def describe_positions(
@@ -143,8 +97,7 @@ def _describe_form(found: Sequence[PinPosition], shared: Array, view: PinView) -
 def note_form(
     positions: Sequence[PinPosition | None],
     calibration: Calibration,
-    view: PinView | None,
-    settings: RunSettings,
+    plane: ObjectPlane,
     load: float,
 ) -> list[Note]:
     """Notes on the form of the gap against that of rigid circles, and on its flattening.
@@ -154,8 +107,7 @@ def note_form(
     positions : sequence of PinPosition or None
         Of the triggers.
     calibration : Calibration
-    view : PinView or None
-    settings : RunSettings
+    plane : ObjectPlane
     load : float
         On the joint; NaN where it is not known. [N]
 
@@ -165,66 +117,50 @@ def note_form(
         Empty where the form is that of the joint and rigid.
     """
     found = [one for one in positions if one is not None]
-    if view is None or settings.joint is None:
+    view, joint = plane.view, plane.settings.joint
+    if view is None or joint is None:
         return []
-    depth = _flattening(settings.joint, load)
+    depth = _flattening(joint, load)
     form = judge_form(
         found,
         view,
         calibration_cov=calibration.full_covariance,
-        clearance_std=_clearance_std(settings.joint),
+        clearance_std=_clearance_std(joint),
         flattening=depth,
     )
     if form is None:
         return []
     notes = []
     if form.cause is not Cause.NONE:
-        notes.append(Note(Level.WARNING, "pin", _describe_cause(form, view, settings.joint)))
+        notes.append(Note(Level.WARNING, "pin", _describe_cause(form, view, joint)))
 
     std = [one.covariance(calibration.full_covariance)[0, 0] ** 0.5 for one in found]
     least = float(np.nanmedian(std))
     if depth > least:
-        text = (
-            f"the load flattens pin and bushing by up to {depth:.2g} um (Hertz, b^2/2R), more than "
-            f"the standard deviation of the displacement towards the load, {least:.2g} um: it is "
-            "that of the surfaces in the image, not of the axes. Film thickness and tilts are not "
-            "affected"
-        )
+        text = _TEXTS["flattened"].format(depth=depth, least=least)
         notes.append(Note(Level.NOTE, "pin", text))
     return notes
 
 
 def _describe_cause(form: GapForm, view: PinView, joint: JointSettings) -> str:
     """A deviation of the form in words, with its likely cause."""
-    low, high = form.films
     if form.cause is Cause.BENDING:
-        return (
-            f"the gap is curved along the axis, {1e3 * form.bend:.2f} ± {1e3 * form.bend_std:.2f} "
-            "nm/mm2, where a straight pin has none. Likely: a bent pin or an uneven bore. Position "
-            "and tilts are those of the nearest straight pin"
-        )
-    found = (
-        f"the curvature along sliding deviates by {100 * form.excess:+.1f} ± "
-        f"{100 * form.excess_std:.1f} % from that of the radii in [joint], over films of "
-        f"{low:.1f} to {high:.1f} um. Likely: "
-    )
-    if form.cause is Cause.FLATTENING:
-        return found + "elastic flattening of the surfaces, which is of this size in a thin film"
+        return str(_TEXTS["bent"].format(bend=1e3 * form.bend, std=1e3 * form.bend_std))
+    excess, (low, high) = 100 * form.excess, form.films
     change, change_std = 100 * form.excess_change, 100 * form.excess_change_std
-    if abs(change) > SIGNIFICANT * change_std and form.cause is Cause.CALIBRATION:
-        return (
-            found
-            + f"the calibration, because the deviation changes with the film, by {change:+.1f} "
-            f"± {change_std:.1f} %. Photograph the fixture again, and the dry joint"
-        )
-    clearance = view.clearance * (1 + form.excess)
-    stated = f"stated to ± {_clearance_std(joint):.2g} um by the digits of the radii"
-    radii = f"a clearance of {clearance:.1f} um in place of {view.clearance:.1f} um, {stated}"
-    scale = f"films that the calibration makes {100 * abs(form.excess):.1f} % too " + (
-        "thick" if form.excess > 0 else "thin"
-    )
-    first, second = (radii, scale) if form.cause is Cause.RADII else (scale, radii)
-    return f"{found}{first}; or {second}. Maps alone do not separate the two"
+    if form.cause is Cause.FLATTENING:
+        cause = _TEXTS["by_flattening"]
+    elif abs(change) > SIGNIFICANT * change_std and form.cause is Cause.CALIBRATION:
+        cause = _TEXTS["by_calibration"].format(change=change, std=change_std)
+    else:
+        clearance, std = view.clearance * (1 + form.excess), _clearance_std(joint)
+        radii = _TEXTS["by_radii"].format(clearance=clearance, stated=view.clearance, std=std)
+        thick = "thick" if form.excess > 0 else "thin"
+        scale = _TEXTS["by_scale"].format(excess=abs(excess), thick=thick)
+        first, second = (radii, scale) if form.cause is Cause.RADII else (scale, radii)
+        cause = _TEXTS["either"].format(first=first, second=second)
+    std = 100 * form.excess_std
+    return str(_TEXTS["curved"].format(excess=excess, std=std, low=low, high=high, cause=cause))
 
 
 def _flattening(joint: JointSettings, load: float) -> float:

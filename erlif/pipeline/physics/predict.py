@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from erlif.core.arrays import Array, Image
 from erlif.core.errors import ConfigError, EncoderError, OutputError
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
 from erlif.core.progress import Progress, ShowProgress, choose_progress
@@ -32,7 +31,6 @@ from erlif.io.files import (
 )
 from erlif.io.ingest import hash_files_beside_frames, open_run
 from erlif.io.settings import RunSettings, to_toml
-from erlif.pipeline.film import choose_region, describe_grid, pixel_positions
 from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.physics.prediction import (
@@ -40,10 +38,10 @@ from erlif.pipeline.physics.prediction import (
     describe_sideways,
     film_along_sliding,
     frames_of_run,
-    places_along_sliding,
     predict_run,
-    refuse_steady,
+    swinging_joint,
 )
+from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction.triggers import CELLS
 
 MAP = MapVariable(
@@ -91,11 +89,6 @@ class Source:
     frames: xr.Dataset
     shape: tuple[int, int]
     hashes: Mapping[str, str]
-
-    @property
-    def triggers(self) -> int:
-        """Number of triggers."""
-        return int(self.frames.trigger.max()) + 1
 
 
 @takes(path="run or film", output="path")
@@ -169,49 +162,26 @@ def _write_prediction(
     remove_remains(output)
     refuse_existing(output, overwrite=overwrite, holds=MAP.name)
     source = read_film(path) if is_film(path) else _read_run(path, allow_outside)
-    settings = source.settings
-    x, y = pixel_positions(settings, source.shape)
-    place = places_along_sliding(settings, x, y, choose_region(settings, source.shape))
-    prediction = predict_run(settings, source.film, source.frames, place)
+    plane = ObjectPlane(source.settings, source.shape)
+    prediction = predict_run(plane, source.film, source.frames)
 
-    grid = describe_grid(settings, source.shape, source.triggers)
+    grid = plane.grid(int(source.frames.trigger.max()) + 1)
     with PartialFilm(output, _identify(source), grid, [MAP]) as unfinished:
-        gaps = film_along_sliding(settings, prediction.triggers, place[0])
+        gaps = film_along_sliding(source.settings, prediction.triggers, plane.along)
         for trigger, gap in enumerate(gaps):
             if not unfinished.has(trigger):
-                chunks = unfinished.maps.encode(
-                    {MAP.name: spread_over_image(gap, settings, source.shape)}
-                )
+                chunks = unfinished.maps.encode({MAP.name: plane.spread(gap)})
                 unfinished.put(trigger, chunks, {})
             progress("prediction", trigger + 1, len(gaps))
         described = _describe(source, prediction).assign_coords(grid.coords)
         write_film(unfinished, described, {"frames": _describe_frames(source, prediction)})
 
 
-def spread_over_image(gap: Array, settings: RunSettings, shape: tuple[int, int]) -> Image:
-    """The film of one trigger over the image: pin and bushing are parallel.
-
-    Parameters
-    ----------
-    gap : array, (pixel,)
-        Film along sliding. [um]
-    settings : RunSettings
-    shape : tuple of int
-        Rows and columns of the image.
-
-    Returns
-    -------
-    array of float32, (y, x)
-    """
-    across = gap[np.newaxis, :] if settings.optics.x_axis == "sliding" else gap[:, np.newaxis]
-    return np.ascontiguousarray(np.broadcast_to(across, shape), np.float32)
-
-
 def read_film(path: Path) -> Source:
     """The settings, statistics and frames that a film holds."""
     with open_film(path) as film, closing(open_film(path, group="frames")) as group:
         settings = settings_of(film)
-        refuse_steady(settings, "the prediction")
+        swinging_joint(settings)
         kept = film[[name for name in _OF_FILM if name in film]].load()
         trigger = group.trigger.values
         frames = xr.Dataset(
@@ -235,7 +205,7 @@ def read_film(path: Path) -> Source:
 def _read_run(run_dir: Path, allow_outside: bool) -> Source:
     """The source of a run directory, with its film where that was made."""
     run = open_run(run_dir, find_start=fit_start, allow_outside=allow_outside)
-    refuse_steady(run.settings, "the prediction")
+    swinging_joint(run.settings)
     cycle = locate_run(run)
     frames = frames_of_run(run, cycle)
     if "load" not in frames:

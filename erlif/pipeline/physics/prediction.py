@@ -10,11 +10,13 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ErlifError
 from erlif.core.notes import Level, Note
+from erlif.core.tables import read_table
 from erlif.io.ingest import Run
 from erlif.io.settings import CrankRockerSettings, PredictionOptions, RunSettings
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal
 from erlif.pipeline.physics.joint import build_linkage, describe_joint
+from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction import (
     FrameMotion,
     View,
@@ -24,7 +26,9 @@ from erlif.prediction import (
     speed_correlation,
 )
 from erlif.prediction.triggers import CELLS
-from erlif.trend import Joint, Region, viscosity_at
+from erlif.trend import Joint, viscosity_at
+
+_TEXTS = read_table("erlif.pipeline", "notes.toml")["prediction"]
 
 _RIGID = "isoviscous-rigid"
 """Regime whose surfaces keep their shape, as the transient prediction takes them."""
@@ -68,8 +72,24 @@ def swings(settings: RunSettings) -> bool:
     return isinstance(settings.mechanism, CrankRockerSettings) and None not in tables
 
 
-def refuse_steady(settings: RunSettings, what: str) -> None:
-    """Refuse a run whose tables describe no joint that swings, and name what it lacks.
+class SwingingJoint(NamedTuple):
+    """What moves a joint that swings.
+
+    Attributes
+    ----------
+    crank_speed : float
+        [rad/s]
+    linkage : CrankRocker
+    joint : Joint
+    """
+
+    crank_speed: float
+    linkage: CrankRocker
+    joint: Joint
+
+
+def swinging_joint(settings: RunSettings, what: str = "the prediction") -> SwingingJoint:
+    """The joint of settings that describe one that swings; others are refused by what they lack.
 
     Parameters
     ----------
@@ -77,13 +97,19 @@ def refuse_steady(settings: RunSettings, what: str) -> None:
     what : str
         What needs such a joint, for the message.
 
+    Returns
+    -------
+    SwingingJoint
+
     Raises
     ------
     ConfigError
     """
-    if swings(settings):
-        return
-    links = settings.mechanism
+    links, joint = settings.mechanism, describe_joint(settings)
+    if isinstance(links, CrankRockerSettings) and joint is not None:
+        linkage = build_linkage(links)
+        assert isinstance(linkage, CrankRocker)
+        return SwingingJoint(links.crank_speed, linkage, joint)
     if links is not None and not isinstance(links, CrankRockerSettings):
         raise ConfigError(
             f'Expected [mechanism] of kind "crank-rocker" for {what} of an oscillating joint; this '
@@ -96,16 +122,6 @@ def refuse_steady(settings: RunSettings, what: str) -> None:
         f"Expected [mechanism], [joint] and [oil] for {what} of an oscillating joint; run.toml has "
         f"no {missing}. Add what is missing."
     )
-
-
-def swinging_joint(settings: RunSettings) -> tuple[float, CrankRocker, Joint]:
-    """Speed of the crank [rad/s], linkage and joint of settings that `refuse_steady` lets pass."""
-    links, joint = settings.mechanism, describe_joint(settings)
-    assert isinstance(links, CrankRockerSettings)
-    assert joint is not None
-    linkage = build_linkage(links)
-    assert isinstance(linkage, CrankRocker)
-    return links.crank_speed, linkage, joint
 
 
 def frames_of_run(run: Run, cycle: xr.Dataset) -> xr.Dataset:
@@ -138,7 +154,7 @@ def frames_of_run(run: Run, cycle: xr.Dataset) -> xr.Dataset:
 def build_journal(settings: RunSettings, viscosity: float) -> Journal:
     """The joint of the settings, which have one, with a viscosity [Pa s], for the solver."""
     joint, options = settings.joint, settings.prediction
-    assert joint is not None  # `refuse_steady` has seen to both
+    assert joint is not None  # `swinging_joint` refuses a run without them
     assert settings.oil is not None
     return Journal(
         pin_radius=joint.pin_radius,
@@ -165,7 +181,6 @@ def build_motion(
     EncoderError
         As `erlif.prediction.follow_motion`.
     """
-    refuse_steady(settings, "the prediction")
     crank_speed, linkage, joint = swinging_joint(settings)
     return follow_motion(
         frames,
@@ -174,28 +189,6 @@ def build_motion(
         viscosity=viscosity_at(frames, joint.viscosity) if viscosity is None else viscosity,
         direction=1 if settings.prediction.direction == "along" else -1,
     )
-
-
-def places_along_sliding(
-    settings: RunSettings, x: Array, y: Array, region: Region
-) -> tuple[Array, slice]:
-    """Positions of the image along sliding [mm], and which of them are in the region of interest.
-
-    Parameters
-    ----------
-    settings : RunSettings
-    x, y : array
-        Positions of columns and rows. [mm]
-    region : Region
-
-    Returns
-    -------
-    position : array, (pixel,)
-    within : slice
-    """
-    if settings.optics.x_axis == "sliding":
-        return x, region.columns
-    return y, region.rows
 
 
 def film_along_sliding(settings: RunSettings, predicted: xr.Dataset, position: Array) -> Array:
@@ -266,10 +259,9 @@ def find_load_line(
 
 
 def predict_run(
-    settings: RunSettings,
+    plane: ObjectPlane,
     film: xr.Dataset,
     frames: xr.Dataset,
-    place: tuple[Array, slice],
     *,
     cells: tuple[int, int] = CELLS,
 ) -> Prediction:
@@ -277,14 +269,13 @@ def predict_run(
 
     Parameters
     ----------
-    settings : RunSettings
+    plane : ObjectPlane
+        With the settings of the run.
     film : xarray.Dataset
         film_min and film_min_std (trigger) [um], from which the start film is found unless the
         settings give it, and pin_displacement (trigger, axis) [um] for the load line.
     frames : xarray.Dataset
         As `frames_of_run` returns them.
-    place : array and slice
-        From `places_along_sliding`.
     cells : (int, int)
         As for `erlif.prediction.predict_frames`.
 
@@ -297,16 +288,16 @@ def predict_run(
     ErlifError
         If the film cannot be predicted.
     """
-    options, (position, within) = settings.prediction, place
+    settings, options = plane.settings, plane.settings.prediction
     motion = build_motion(settings, frames)
-    line = find_load_line(settings, film, motion, position)
+    line = find_load_line(settings, film, motion, plane.along)
     found = predict_triggers(
         film,
         build_journal(settings, motion.viscosity),
         motion,
         trigger=frames.trigger.values,
         used=frames.used.values,
-        view=View(1e-3 * (position - line), within),
+        view=View(1e-3 * (plane.along - line), plane.within),
         sideways=options.sideways if isinstance(options.sideways, str) else float(options.sideways),
         start_film=None if options.start_film == "fit" else float(options.start_film),
         cells=cells,
@@ -319,14 +310,12 @@ def predict_run(
     return Prediction(found[names], by_frame.assign(elapsed_cycles=found.elapsed_cycles), [])
 
 
-def try_prediction(
-    settings: RunSettings, film: xr.Dataset, frames: xr.Dataset, place: tuple[Array, slice]
-) -> Prediction:
+def try_prediction(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> Prediction:
     """Predict the film of a run where its tables allow it; a failure becomes a note.
 
     Parameters
     ----------
-    settings, film, frames, place
+    plane, film, frames
         As for `predict_run`.
 
     Returns
@@ -334,13 +323,13 @@ def try_prediction(
     Prediction
         Without variables where the joint does not swing, or the prediction failed.
     """
-    if not swings(settings) or "load" not in frames or "crank_angle" not in frames:
+    if not swings(plane.settings) or "load" not in frames or "crank_angle" not in frames:
         return NO_PREDICTION
     try:
-        return predict_run(settings, film, frames, place)
+        return predict_run(plane, film, frames)
     # a measured film is worth more than its prediction, whatever went wrong in the latter
     except (ErlifError, ArithmeticError, ValueError, IndexError) as error:
-        text = f"the film over the cycle is not predicted: {error}"
+        text = _TEXTS["failed"].format(error=error)
         return NO_PREDICTION._replace(notes=[Note(Level.WARNING, "[prediction]", text)])
 
 
@@ -406,10 +395,7 @@ def note_correlation(film: xr.Dataset) -> list[Note]:
     measured, predicted, steady = (speed_correlation(film[name].values, speed) for name in names)
     if not np.isfinite([measured, predicted, steady]).all():
         return []
-    text = (
-        f"minimum film and |speed| have a correlation of {measured:+.2f}; the transient prediction "
-        f"gives {predicted:+.2f}, the steady regime map {steady:+.2f}"
-    )
+    text = _TEXTS["correlation"].format(measured=measured, predicted=predicted, steady=steady)
     return [Note(Level.NOTE, "theory", text)]
 
 
@@ -445,13 +431,8 @@ def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:
         return []
 
     other = "free" if options.sideways == "guided" else "guided"
-    text = (
-        f"the course of the minimum film over the run is not that of a "
-        f"{describe_sideways(options)}: measured less predicted varies by {spread:.3g} um (rms "
-        f"about its mean), where film_min is known to {error:.2g} um. Run erlif predict RUN_DIR "
-        "--fit, which compares a free with a guided pin and fits the viscosity; try sideways = "
-        f'"{other}" in [prediction]; check the load and its unit'
-    )
+    pin = describe_sideways(options)
+    text = _TEXTS["differs"].format(pin=pin, spread=spread, error=error, other=other)
     return [Note(Level.WARNING, "theory", text)]
 
 
@@ -466,28 +447,18 @@ def _why_transient(settings: RunSettings) -> str:
     """Why a steady formula does not describe this joint."""
     crank_speed, linkage, joint = swinging_joint(settings)
     low, high = linkage.limits()
-    half = np.pi / crank_speed
-    return (
-        f"the joint swings by {np.degrees(high - low):.1f} deg in {half:.3g} s and carries oil "
-        f"{joint.stroke * 1e3:.3g} mm to and fro; a steady formula describes a surface that moves "
-        "one way for long"
-    )
+    swing, stroke = np.degrees(high - low), joint.stroke * 1e3
+    return str(_TEXTS["reason"].format(swing=swing, half=np.pi / crank_speed, stroke=stroke))
 
 
 def _describe_assumptions(settings: RunSettings, predicted: xr.Dataset, regime: str) -> str:
     """What the transient prediction rests on, one a line."""
-    start, fitted = (
-        predicted["film_predicted_min"].attrs[name] for name in ("start_film", "start_film_fitted")
-    )
-    source = "fitted to the measured minima" if fitted else "as given"
+    attrs, pressure = predicted["film_predicted_min"].attrs, settings.prediction.cavitation_pressure
+    source = "fitted to the measured minima" if attrs["start_film_fitted"] else "as given"
     lines = [
-        f"minimum film of {start:.3g} um at the first frame, {source}",
-        "round rigid bodies with parallel axes, flooded at the unloaded side and at the ends; the "
-        f"film ruptures at {settings.prediction.cavitation_pressure * 1e-3:.3g} kPa",
+        _TEXTS["start"].format(start=attrs["start_film"], source=source),
+        _TEXTS["bodies"].format(pressure=pressure * 1e-3),
     ]
     if regime != _RIGID:
-        lines.append(
-            f"the regime map finds the {regime} regime, in which the surfaces deflect or the oil "
-            "thickens: the prediction takes the surfaces as rigid"
-        )
+        lines.append(_TEXTS["deflect"].format(regime=regime))
     return "\n".join(lines)

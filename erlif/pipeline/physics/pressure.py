@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -13,23 +13,25 @@ from erlif.calibration import calibration_of
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ConfigError, ModelError
 from erlif.core.progress import Progress, ShowProgress, choose_progress
+from erlif.core.tables import read_table
 from erlif.core.variables import PRESSURE
 from erlif.core.version import __version__
 from erlif.io.files import open_film, set_coordinates, settings_of, take
 from erlif.io.settings import RunSettings
 from erlif.models.contact import conformal_radius
-from erlif.pipeline.physics.position import choose_view
 from erlif.pipeline.physics.prediction import (
     build_journal,
     build_motion,
     describe_sideways,
-    refuse_steady,
     swinging_joint,
 )
+from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction.pin_motion import PinMotion, find_pin_motion
 from erlif.prediction.pressure import CHANGING, CLEAR, find_pressures
 from erlif.prediction.smoothing import FEWEST
 from erlif.trend import PinView, viscosity_at
+
+_TEXTS = read_table("erlif.pipeline", "notes.toml")["pressure"]
 
 GRID = (48, 12)
 """Places along sliding and along the axis at which the pressure is given."""
@@ -98,7 +100,7 @@ def _find(film: xr.Dataset, progress: Progress) -> xr.Dataset:
     view = _view(film, settings)
     known = _known(film)
     motion, order = _follow(film, settings, view, known)
-    _, _, joint = swinging_joint(settings)
+    joint = swinging_joint(settings).joint
     conditions = film[[name for name in ("temperature", "load") if name in film]].load()
     viscosity = viscosity_at(conditions, joint.viscosity)[order]
     x, y = _grid(film)
@@ -131,8 +133,8 @@ def _settings_std(settings: RunSettings, viscosity: Array) -> tuple[float, float
 
 def _view(film: xr.Dataset, settings: RunSettings) -> PinView:
     """The joint as the camera sees it; a film of another kind of joint is refused."""
-    refuse_steady(settings, "the pressure")
-    view = choose_view(settings, (film.sizes["y"], film.sizes["x"]))
+    swinging_joint(settings, "the pressure")
+    view = ObjectPlane(settings, (film.sizes["y"], film.sizes["x"])).view
     if view is None or "pin_displacement" not in film:
         raise ConfigError(
             "Expected the position of the pin in the film; there is none, because the image is "
@@ -172,7 +174,7 @@ def _follow(
     moved = build_motion(settings, frames, viscosity=1.0)  # pressure is in proportion to it
     time, angle = moved.motion.time[moved.steps], np.asarray(moved.motion.angle)[moved.steps]
     speed = np.gradient(moved.crank, moved.motion.time)[moved.steps]
-    _, linkage, _ = swinging_joint(settings)
+    linkage = swinging_joint(settings).linkage
     turning = np.asarray(linkage.rocker_speed(moved.crank[moved.steps], crank_speed=speed))
     turning = turning if settings.prediction.direction == "along" else -turning
 
@@ -280,40 +282,26 @@ def state_given(found: xr.Dataset) -> str:
     settings = settings_of(found)
     assert settings.joint is not None  # the pressure of another film is refused
     assert settings.oil is not None
-    viscosity, clearance = settings.oil.viscosity_std, settings.joint.clearance_std
-    parts = [
-        f"viscosity ± {float(viscosity):.2g} Pa s ([oil])" if viscosity else "",
-        f"clearance ± {_MICRO * float(clearance):.2g} um ([joint])" if clearance else "",
-    ]
+    std = {
+        "viscosity": float(settings.oil.viscosity_std or 0.0),
+        "clearance": _MICRO * float(settings.joint.clearance_std or 0.0),
+    }
+    stated = [name for name in std if std[name]]
+    absent = [name for name in std if not std[name]]
     lines = []
-    if any(parts):
-        lines.append(f"The errors hold those of {' and '.join(part for part in parts if part)}.")
-    absent = [
-        name
-        for name, stated in (
-            ("viscosity_std in [oil]", viscosity),
-            ("clearance_std in [joint]", clearance),
-        )
-        if not stated
-    ]
+    if stated:
+        known = " and ".join(_TEXTS[f"{name}_known"].format(std=std[name]) for name in stated)
+        lines.append(_TEXTS["errors_hold"].format(known=known))
     if absent:
-        given = ["viscosity"] * (not viscosity) + ["clearance"] * (not clearance)
-        lines.append(
-            f"The pressure is that of the given {' and '.join(given)}, without an error of "
-            f"{'it' if len(given) == 1 else 'them'}; {' and '.join(absent)} would be part of it."
-        )
+        given, it = " and ".join(absent), "it" if len(absent) == 1 else "them"
+        keys = " and ".join(_TEXTS[f"{name}_key"] for name in absent)
+        lines.append(_TEXTS["errors_lack"].format(given=given, it=it, keys=keys))
 
     # the peak moves with both, whether or not an error is stated
-    changes = [
-        float(np.nanmedian(found[f"peak_by_{name}"].values))
-        for name in ("viscosity", "clearance")
-        if np.isfinite(found[f"peak_by_{name}"].values).any()
-    ]
-    if len(changes) == 2:
-        lines.append(
-            f"One per cent more viscosity changes the peak by {changes[0]:+.2g} %, one per cent "
-            f"more clearance by {changes[1]:+.2g} % (medians)."
-        )
+    changes = {name: found[f"peak_by_{name}"].values for name in std}
+    if all(np.isfinite(change).any() for change in changes.values()):
+        medians = {name: float(np.nanmedian(change)) for name, change in changes.items()}
+        lines.append(_TEXTS["changes"].format(**medians))
     return " ".join(lines)
 
 
@@ -335,82 +323,54 @@ def state_limits(found: xr.Dataset) -> str:
     lines = []
     if count:
         share = 100 * np.median(std[measured] / peak[measured])
-        lines.append(
-            f"The pressure is measured at {count} of {total} triggers, its peak to {share:.1f} % "
-            "(median standard deviation)."
-        )
+        lines.append(_TEXTS["measured"].format(count=count, total=total, share=share))
     quick = found.cavity_change.values > CHANGING
     closing = ~measured & (quick | np.roll(quick, 1) | np.roll(quick, -1))
     if closing.any():
-        lines.append(
-            f"Cavities close or open at {int(closing.sum())} triggers or beside them "
-            f"({_list_triggers(closing)}), where the film "
-            "changes more quickly than a smooth path can follow: no pressure there. "
-            "More triggers in a cycle would help."
-        )
+        lines.append(_TEXTS["closing"].format(**_list_triggers(closing)))
     history = found.cavity_history.values
     if np.isinf(history).any():
-        return (
-            "The film has cavities, whose extent depends on the motion before, and the recording "
-            "does not cover a turn of the crank: no pressure. Record the joint over its cycle."
-        )
+        return str(_TEXTS["part_of_a_turn"])
     old = ~measured & ~closing & (history > CLEAR)
     if old.any():
-        lines.append(
-            f"Cavities at {int(old.sum())} triggers ({_list_triggers(old)}) are older than the "
-            "recording, and the pin sinks in it: no pressure there. Record a later turn, or the "
-            "turn before as well."
-        )
+        lines.append(_TEXTS["old"].format(**_list_triggers(old)))
     refused = ~measured & ~closing & ~old
     if refused.any():
-        lines.append(_state_refusal(found, refused))
+        reason = _state_refusal(found, refused)
+        lines.append(_TEXTS["refused"].format(reason=reason, **_list_triggers(refused)))
     return " ".join(lines)
 
 
-def _list_triggers(which: Mask) -> str:
-    """The first eight triggers of a kind."""
+def _list_triggers(which: Mask) -> dict[str, Any]:
+    """Number of the triggers of a kind, and the first eight of them."""
     names = [str(k) for k in np.flatnonzero(which)]
-    return ", ".join(names[:8] + ["..."] * (len(names) > 8))
+    return {"count": len(names), "listed": ", ".join(names[:8] + ["..."] * (len(names) > 8))}
 
 
 def _state_refusal(found: xr.Dataset, refused: Mask) -> str:
     """Why the pressure is not known at some triggers, and what would help."""
-    start = (
-        f"The noise forbids the pressure at {refused.sum()} triggers ({_list_triggers(refused)}): "
-    )
     random, shared = found.peak_std_random.values[refused], found.peak_std_shared.values[refused]
     if not np.isfinite(random).any():
-        return (
-            start + "the gap that continues the image closes within the error of its tilt, or no "
-            "position was measured. A wider image along the axis or more light would help."
-        )
+        return str(_TEXTS["tilt"])
     rate, rate_std = (found[name].values[refused] for name in ("film_rate", "film_rate_std"))
-    reason = (
-        f"the film changes by {np.nanmedian(np.abs(rate)):.2g} um/s there, known to ± "
-        f"{np.nanmedian(rate_std):.2g} um/s, and the standard deviation of the peak is above "
-        f"{100 * CLEAR:.0f} % of it. "
-    )
 
     # the peak that the load makes is what has to be resolved
     settings = found.peak_std_settings.values[refused]
     goal = (CLEAR * found.peak_of_load.values[refused]) ** 2 - shared**2 - settings**2
-    if not (goal > 0).any():
-        if np.nanmedian(settings) > np.nanmedian(shared):
-            helps = "viscosity and clearance that are known better do"
-        else:
-            helps = "a better calibration does"
-        return (
-            start + reason + "Errors that all triggers share, those of calibration, surfaces, "
-            "viscosity and clearance, are too large by themselves: more light or cycles do not "
-            f"help, {helps}."
+    if (goal > 0).any():
+        factor = float(np.nanmedian((random**2 / goal)[goal > 0]))
+        cure = _TEXTS["light"].format(factor=factor)
+    else:
+        by_settings = np.nanmedian(settings) > np.nanmedian(shared)
+        helps = _TEXTS["settings_help" if by_settings else "calibration_helps"]
+        cure = _TEXTS["shared"].format(helps=helps)
+    return str(
+        _TEXTS["rate"].format(
+            rate=np.nanmedian(np.abs(rate)),
+            std=np.nanmedian(rate_std),
+            clear=100 * CLEAR,
+            cure=cure,
         )
-    factor = float(np.nanmedian((random**2 / goal)[goal > 0]))
-    return (
-        start
-        + reason
-        + f"It needs at least {factor:.2g} times the light, or as many times the cycles "
-        "or the triggers in a cycle; the path through the positions is as smooth already as they "
-        "allow."
     )
 
 
@@ -427,27 +387,16 @@ def state_balance(found: xr.Dataset) -> str:
     ratio = load[measured] / logged
     cov = found.load_cov.values[np.ix_(measured, measured)] / np.outer(logged, logged)
     tests = weigh_loads(ratio, cov)
-    text = (
-        f"The pressure carries {100 * tests.ratio:.1f} ± {100 * tests.std:.1f} % of the load "
-        f"(median of the {tests.used} triggers where it is known best; one standard deviation)"
-    )
+    text = _TEXTS["carries"].format(ratio=100 * tests.ratio, std=100 * tests.std, used=tests.used)
     if not tests.shifted and not tests.differs and not tests.off.any():
-        return (
-            f"{text}: the load is balanced (all triggers with their correlations: p = "
-            f"{tests.chance:.2g})."
-        )
+        return str(_TEXTS["balanced"].format(carries=text, chance=tests.chance))
     off = np.zeros(measured.size, bool)
     off[measured] = tests.off
     if tests.off.any():
-        text += (
-            f"; it differs from the load by more than {tests.limit:.1f} standard deviations at "
-            f"{off.sum()} of {measured.sum()} triggers ({_list_triggers(off)})"
-        )
+        total, listed = measured.sum(), _list_triggers(off)
+        text += _TEXTS["single"].format(limit=tests.limit, total=total, **listed)
     elif tests.differs and not tests.shifted:
-        text += (
-            "; over all triggers it differs from the load by more than its correlated errors allow "
-            f"(p = {tests.chance:.1g})"
-        )
+        text += _TEXTS["together"].format(chance=tests.chance)
     causes = _name_causes(found, tests.ratio, shifted=tests.shifted)
     return f"{text}. What fits: {'; '.join(causes)}."
 
@@ -504,21 +453,13 @@ def weigh_loads(ratio: Array, cov: Array) -> _Balance:
 
 def _name_causes(found: xr.Dataset, ratio: float, *, shifted: bool) -> list[str]:
     """Everything that makes a load differ by this ratio, or at single triggers alone."""
-    settings = settings_of(found)
-    mount = f"the mount: {describe_sideways(settings.prediction)} in [prediction]"
-    if "prediction.sideways" not in str(found.attrs.get("settings_stated", "")).split(", "):
-        mount = "the mount: free sideways is assumed, as [prediction] states no mount"
-    causes = [
-        mount + " (free and guided pins have different load lines and cavities)",
-        "load line or direction of the motion in [prediction]",
-        "clearance and length in [joint]",
-    ]
+    pin = describe_sideways(settings_of(found).prediction)
+    stated = "prediction.sideways" in str(found.attrs.get("settings_stated", "")).split(", ")
+    mount = _TEXTS["mount" if stated else "mount_assumed"]
+    causes = [mount.format(pin=pin, hint=_TEXTS["mount_hint"]), *_TEXTS["causes"]]
+
     # a scale moves all triggers alike, and none makes a load negative
     if shifted and ratio > 0:
-        causes = [
-            f"the load or its unit, which would have to be {ratio:.2g} times the stated one",
-            "the viscosity of the oil in the gap, which would have to be "
-            f"{1 / ratio:.2g} times the stated one",
-            *causes,
-        ]
+        scales = [one.format(ratio=ratio, inverse=1 / ratio) for one in _TEXTS["scales"]]
+        return [*scales, *causes]
     return causes

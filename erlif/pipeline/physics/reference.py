@@ -8,58 +8,16 @@ from typing import Any
 import numpy as np
 
 from erlif.calibration import Calibration
-from erlif.core.errors import ConfigError
 from erlif.core.notes import Level, Note
+from erlif.core.tables import read_table
 from erlif.core.variables import FILM
 from erlif.io.settings import ReferenceSettings
 from erlif.pipeline.engines.results import TriggerResult
-from erlif.trend import Region
 
-_SMALLEST = 8
-"""Rows and columns of a patch, at least. [px]"""
+_TEXTS = read_table("erlif.pipeline", "notes.toml")["reference"]
 
 _DEVIANT = 3.0
 """Standard deviations from which on a deviation is reported."""
-
-
-def find_patch(
-    reference: ReferenceSettings, *, pitch: float, shape: tuple[int, int]
-) -> Region | None:
-    """Rows and columns of the patch.
-
-    Parameters
-    ----------
-    reference : ReferenceSettings
-    pitch : float
-        Size of a pixel. [mm]
-    shape : tuple of int
-        Rows and columns of a frame.
-
-    Returns
-    -------
-    Region or None
-        None where the settings name no patch.
-
-    Raises
-    ------
-    ConfigError
-        If fewer than 8 x 8 pixels of the image lie in it.
-    """
-    region = reference.region
-    if region is None:
-        return None
-    columns, rows = (
-        slice(max(int(np.ceil(low / pitch)), 0), min(int(high / pitch) + 1, size))
-        for (low, high), size in ((region.x, shape[1]), (region.y, shape[0]))
-    )
-    if min(columns.stop - columns.start, rows.stop - rows.start) < _SMALLEST:
-        raise ConfigError(
-            f"Expected a reference patch of at least {_SMALLEST} x {_SMALLEST} pixels within the "
-            f"image, x 0 to {(shape[1] - 1) * pitch:.2f} mm and y 0 to "
-            f"{(shape[0] - 1) * pitch:.2f} mm; region of [reference] is x = {list(region.x)}, "
-            f"y = {list(region.y)}. Correct it in run.toml."
-        )
-    return Region(rows, columns)
 
 
 def describe_reference(
@@ -122,22 +80,15 @@ def _compare(
     """Deviation of the mean, in units of its error."""
     seen = np.isfinite(film) & (random > 0)
     if not seen.any():
-        text = "the patch has no valid pixels, or its ratio lies outside the calibrated range"
-        return [Note(Level.WARNING, "reference", text)]
+        return [Note(Level.WARNING, "reference", _TEXTS["absent"])]
     weight = random[seen] ** -2.0
     mean = float((weight * film[seen]).sum() / weight.sum())
     std = float(
         np.sqrt(1 / weight.sum() + uncertainty**2 + float(calibration.thickness_std(known)) ** 2)
     )
-    stated = f"{mean:.3f} um measured, {known:.3f} um known, difference {mean - known:+.3f} um"
-    if abs(mean - known) <= _DEVIANT * std:
-        return [Note(Level.NOTE, "reference", f"{stated} with a standard deviation of {std:.3f}")]
-    return [
-        Note(
-            Level.WARNING,
-            "reference",
-            f"{stated}, {abs(mean - known) / std:.1f} standard deviations of {std:.3f} um: dyes, "
-            "filters or light have changed since the fixture was photographed, or the patch is "
-            "not as thick. Calibrate again, and look for light that is not film",
-        )
-    ]
+    off = mean - known
+    stated = _TEXTS["stated"].format(mean=mean, known=known, off=off)
+    if abs(off) <= _DEVIANT * std:
+        return [Note(Level.NOTE, "reference", _TEXTS["agrees"].format(stated=stated, std=std))]
+    text = _TEXTS["deviates"].format(stated=stated, times=abs(off) / std, std=std)
+    return [Note(Level.WARNING, "reference", text)]

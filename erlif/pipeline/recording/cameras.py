@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from erlif.core.arrays import Counts
+from erlif.core.notes import Note
 from erlif.correction import (
     CameraMeasurement,
     Cameras,
@@ -54,13 +55,30 @@ def measure_cameras(recording: Run | Fixture) -> tuple[CameraMeasurement, Camera
     return _measure(recording, 1, one), _measure(recording, 2, two)
 
 
-def declared_noise(recording: Run | Fixture) -> tuple[DeclaredNoise, DeclaredNoise]:
-    """Gain and read noise of both cameras as the settings give them."""
-    one, two = recording.cameras
-    return DeclaredNoise(one.gain, one.read_noise), DeclaredNoise(two.gain, two.read_noise)
+class Characterised(NamedTuple):
+    """Both cameras of a recording.
+
+    Attributes
+    ----------
+    cameras : Cameras
+        References and the notes on them. Gain and read noise that neither settings nor darks and
+        flats determine are assumptions (gain_known, read_noise_known);
+        `erlif.pipeline.recording.noise` estimates them from the frames.
+    measured : tuple[CameraMeasurement, ...]
+        What darks, flats and a few frames determined.
+    declared : tuple[DeclaredNoise, ...]
+        What the settings give.
+    faults : tuple[Note, ...]
+        Notes on darks and flats that do not fit the frames.
+    """
+
+    cameras: Cameras
+    measured: tuple[CameraMeasurement, ...]
+    declared: tuple[DeclaredNoise, ...]
+    faults: tuple[Note, ...]
 
 
-def characterise_cameras(recording: Run | Fixture) -> Cameras:
+def characterise_cameras(recording: Run | Fixture) -> Characterised:
     """References of both cameras from settings, darks and flats.
 
     Parameters
@@ -69,10 +87,7 @@ def characterise_cameras(recording: Run | Fixture) -> Cameras:
 
     Returns
     -------
-    Cameras
-        Gain and read noise that neither settings nor darks and flats determine are assumptions
-        (gain_known, read_noise_known); `erlif.pipeline.recording.noise` estimates them from the
-        frames.
+    Characterised
 
     Raises
     ------
@@ -80,9 +95,10 @@ def characterise_cameras(recording: Run | Fixture) -> Cameras:
         As `measure_cameras`.
     """
     measured = measure_cameras(recording)
-    cameras = make_references(measured, declared=declared_noise(recording))
-    faults = find_reference_faults(measured, cameras.references)
-    return replace(cameras, notes=(*cameras.notes, *faults))
+    declared = tuple(DeclaredNoise(one.gain, one.read_noise) for one in recording.cameras)
+    cameras = make_references(measured, declared=declared)
+    faults = tuple(find_reference_faults(measured, cameras.references))
+    return Characterised(cameras, measured, declared, faults)
 
 
 class FrameLook(NamedTuple):

@@ -9,12 +9,16 @@ import numpy as np
 
 from erlif.core.notes import Level, Note
 from erlif.core.products import CorrectedFrames, References
-from erlif.correction import CameraMeasurement, Cameras, DeclaredNoise, make_references
+from erlif.core.tables import read_table
+from erlif.correction import make_references
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
-from erlif.pipeline.recording.sample import FrameSample, compare_sharpness, sample_frames
+from erlif.pipeline.recording.cameras import Characterised
+from erlif.pipeline.recording.sample import Bands, compare_sharpness, sample_frames
 from erlif.ratio import NoiseEstimate, NoiseUnknowns, NoiseView, estimate_camera_noise
 from erlif.ratio.camera_noise import cell_size
 from erlif.registration import align_frames
+
+_TEXTS = read_table("erlif.pipeline", "notes.toml")["noise"]
 
 _LARGE = 500_000
 """Pixels from which fewer frames hold enough cells. [px]"""
@@ -37,22 +41,17 @@ class NoiseCompletion:
         Counts to ratio, frame by frame.
     notes : tuple[Note, ...]
         What was measured, estimated and assumed.
-    sample : tuple[FrameSample, ...]
+    sample : tuple[Bands, ...]
         Parts of a few frame pairs, corrected and aligned by the chain.
     """
 
     chain: FrameChain
     notes: tuple[Note, ...]
-    sample: tuple[FrameSample, ...] = ()
+    sample: tuple[Bands, ...] = ()
 
 
 def complete_noise(
-    chain: FrameChain,
-    cameras: Cameras,
-    *,
-    measured: Sequence[CameraMeasurement],
-    declared: Sequence[DeclaredNoise],
-    sample: tuple[FrameSample, ...] = (),
+    chain: FrameChain, known: Characterised, *, sample: tuple[Bands, ...] = ()
 ) -> NoiseCompletion:
     """Estimate gain and noise from the frames, where settings, darks and flats leave them open.
 
@@ -66,11 +65,9 @@ def complete_noise(
     Parameters
     ----------
     chain : FrameChain
-    cameras : Cameras
-        References of the chain, and the notes so far.
-    measured, declared : sequence of two
-        What darks and flats determined, and what the settings give.
-    sample : tuple of FrameSample
+    known : Characterised
+        What darks and flats determined, and what the settings give, with the notes so far.
+    sample : tuple of tuple of AlignedFrames
         Parts of a few frame pairs, corrected and aligned by the chain.
 
     Returns
@@ -84,7 +81,7 @@ def complete_noise(
     FrameError
         If the frames do not determine gain or read noise either.
     """
-    unknown = find_unknowns(chain.references)
+    cameras, unknown = known.cameras, find_unknowns(chain.references)
     if not unknown.any:
         return NoiseCompletion(chain, cameras.notes, sample)
 
@@ -95,7 +92,9 @@ def complete_noise(
             return NoiseCompletion(chain, cameras.notes, sample)
         estimate = found
 
-        cameras = make_references(measured, declared=declared, estimated=estimate.cameras)
+        cameras = make_references(
+            known.measured, declared=known.declared, estimated=estimate.cameras
+        )
         chain = replace(chain, correct=replace(chain.correct, references=cameras.references))
         sample = sample_frames(chain)
         chain = replace(chain, blur=compare_sharpness(sample))
@@ -158,24 +157,20 @@ def _describe(estimate: NoiseEstimate, unknown: NoiseUnknowns) -> list[Note]:
             continue
         what = ["gain"] * int(unknown.gain[n]) + ["read noise"] * int(unknown.read_noise[n])
         relative = 100 * noise.gain_std / noise.gain
-        precision = f", the gain to {relative:.0f} %" if unknown.gain[n] else ""
+        precision = _TEXTS["precision"].format(relative=relative) if unknown.gain[n] else ""
 
         assumed = ["shot noise"]
         if unknown.gain[n] and not np.isnan(estimate.alike):
-            assumed.append(
-                f"equal gains of both cameras with a probability of {estimate.alike:.2f}"
-            )
+            assumed.append(_TEXTS["alike"].format(alike=estimate.alike))
         if unknown.read_noise.all():
             assumed.append("one read noise [DN] for both")
-        notes.append(
-            Note(
-                Level.WARNING,
-                f"camera{n + 1}",
-                f"{' and '.join(what)} estimated from the noise that the two cameras do not share "
-                f"in {estimate.frames} frames{precision}, assuming {' and '.join(assumed)}; "
-                "declare them, or record darks and flats, for a better estimate",
-            )
+        text = _TEXTS["estimated"].format(
+            what=" and ".join(what),
+            frames=estimate.frames,
+            precision=precision,
+            assumed=" and ".join(assumed),
         )
+        notes.append(Note(Level.WARNING, f"camera{n + 1}", text))
     if unknown.response[1]:
         notes.append(_describe_response(estimate, unknown))
     return notes
@@ -185,15 +180,5 @@ def _describe_response(estimate: NoiseEstimate, unknown: NoiseUnknowns) -> Note:
     """What is known of the response of the pixels without a flat."""
     cameras = "both cameras" if unknown.response[0] else "camera 2"
     spread = estimate.cameras[1].response_spread
-    if np.isnan(spread):
-        text = (
-            f"the spread of the pixel response of {cameras} is not known, because the cameras "
-            "hardly moved against each other; without a flat, pixel response is neither corrected "
-            "nor part of the uncertainty"
-        )
-    else:
-        text = (
-            f"the pixel response of {cameras} varies by {100 * spread:.1f} %, as the drift of "
-            "camera 2 shows; without a flat this counts as noise"
-        )
-    return Note(Level.WARNING, "flats", text)
+    text = _TEXTS["response_unknown" if np.isnan(spread) else "response"]
+    return Note(Level.WARNING, "flats", text.format(cameras=cameras, spread=100 * spread))

@@ -15,17 +15,11 @@ from erlif.core.products import References
 from erlif.core.progress import Progress
 from erlif.core.speed.memory import release_memory
 from erlif.core.timing import stage
-from erlif.correction import CameraMeasurement, find_reference_faults, make_references
 from erlif.io.ingest import Fixture, Run
 from erlif.pipeline.chain import FrameChain, FrameCorrection
-from erlif.pipeline.physics.light import (
-    LightFindings,
-    correct_light,
-    find_light,
-    measure_lights,
-    run_patch,
-)
-from erlif.pipeline.recording.cameras import declared_noise, measure_cameras
+from erlif.pipeline.physics.light import LightFindings, correct_light, find_light, measure_lights
+from erlif.pipeline.plane import ObjectPlane
+from erlif.pipeline.recording.cameras import characterise_cameras
 from erlif.pipeline.recording.noise import NoiseCompletion, complete_noise, find_unknowns
 from erlif.pipeline.recording.pulse_order import refuse_stuck_cameras
 from erlif.pipeline.recording.pulses import read_energies
@@ -71,19 +65,16 @@ def prepare_chain(
     """
     settings = recording.settings
     with stage("darks and flats", _logger):
-        measured: tuple[CameraMeasurement, ...] = measure_cameras(recording)
-        declared = declared_noise(recording)
-        cameras = make_references(measured, declared=declared)
-        faults = find_reference_faults(measured, cameras.references)
-        for note in (*cameras.notes, *faults):
+        known = characterise_cameras(recording)
+        for note in (*known.cameras.notes, *known.faults):
             _logger.info("%s", note)
 
     # where nothing is left to be estimated, the references are all that is needed
-    correct = correct_recording(recording, cameras.references)
-    if not find_unknowns(cameras.references).any:
-        measured = ()
+    correct = correct_recording(recording, known.cameras.references)
+    if not find_unknowns(correct.references).any:
         correct = correct.tabulated() if tables_only else correct
-        cameras = replace(cameras, references=correct.references)
+        cameras = replace(known.cameras, references=correct.references)
+        known = known._replace(cameras=cameras, measured=())
     release_memory()
 
     with stage("registration", _logger):
@@ -109,13 +100,11 @@ def prepare_chain(
             chain.blur.y,
             "removed from the ratio" if chain.blur.significant else "not significant",
         )
-        completed = complete_noise(
-            chain, cameras, measured=measured, declared=declared, sample=sample
-        )
-        for note in completed.notes[len(cameras.notes) :]:
+        completed = complete_noise(chain, known, sample=sample)
+        for note in completed.notes[len(known.cameras.notes) :]:
             _logger.info("%s", note)
     release_memory()
-    return replace(completed, notes=(*completed.notes, *faults))
+    return replace(completed, notes=(*completed.notes, *known.faults))
 
 
 def correct_recording(recording: Run | Fixture, references: References) -> FrameCorrection:
@@ -148,11 +137,10 @@ def prepare_with_map(
     FrameError
         As `prepare_chain`.
     """
-    measured, declared = measure_cameras(recording), declared_noise(recording)
-    cameras = make_references(measured, declared=declared)
-    correct = correct_recording(recording, cameras.references)
+    known = characterise_cameras(recording)
+    correct = correct_recording(recording, known.cameras.references)
     chain = FrameChain(correct, camera_map, blur, recording.settings.thickness.no_film_below)
-    completed = complete_noise(chain, cameras, measured=measured, declared=declared)
+    completed = complete_noise(chain, known)
 
     # an estimate of the noise compares the sharpness again; the given difference stays
     return replace(completed, chain=replace(completed.chain, blur=blur))
@@ -219,7 +207,7 @@ def prepare_run(
     energies, found, measuring = read_energies(run.log), LightFindings(), calibration
     if correct:
         with stage("light", _logger):
-            lights = measure_lights(chain, run_patch(run))
+            lights = measure_lights(chain, ObjectPlane(run.settings, run.pairs.shape).patch)
             found = find_light(lights, calibration, cycle.trigger.values, energies)
         chain, measuring = correct_light(chain, calibration, found, options)
 

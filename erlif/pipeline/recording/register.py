@@ -78,24 +78,6 @@ def register_cameras(
     return camera_map
 
 
-def stored_map(camera_map: CameraMap | None, options: RegistrationOptions) -> CameraMap | None:
-    """The map stored with a calibration, where the settings ask for it.
-
-    Raises
-    ------
-    CalibrationError
-        If they ask for it and the calibration has none.
-    """
-    if not options.reuse:
-        return None
-    if camera_map is None:
-        raise CalibrationError(
-            "Expected a camera map in the calibration, because [registration] has reuse = true; "
-            "there is none. Calibrate again, or set reuse = false."
-        )
-    return camera_map
-
-
 @dataclass(frozen=True)
 class FixtureMap:
     """What is kept of the camera map of the fixture, which is large.
@@ -113,11 +95,17 @@ class FixtureMap:
 
     @classmethod
     def of(cls, calibration: Calibration, settings: RunSettings) -> FixtureMap:
-        """Keep what a run needs of the map of its calibration."""
-        whole = calibration.camera_map
-        return cls(
-            stored_map(whole, settings.registration), None if whole is None else MapNodes.of(whole)
-        )
+        """Keep what a run needs of the map of its calibration.
+
+        Raises CalibrationError where the settings ask for its use and there is none.
+        """
+        whole, reuse = calibration.camera_map, settings.registration.reuse
+        if whole is None and reuse:
+            raise CalibrationError(
+                "Expected a camera map in the calibration, because [registration] has "
+                "reuse = true; there is none. Calibrate again, or set reuse = false."
+            )
+        return cls(whole if reuse else None, None if whole is None else MapNodes.of(whole))
 
 
 class LitPairs(Sequence[tuple[Image, Image, Image, Image]]):

@@ -6,8 +6,6 @@ are read and aligned once for both.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from erlif.core.products import AlignedFrames
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.ratio import BlurDifference, BlurMoments
@@ -24,23 +22,11 @@ difference of sharpness of the virtual rig, 0.042 px2, then has a standard devia
 in place of 0.0005, and the ghost that this leaves is 3 % of the one removed."""
 
 
-@dataclass(frozen=True)
-class FrameSample:
-    """Part of one frame pair.
-
-    Attributes
-    ----------
-    frame : int
-        Number of the frame pair, counted from 0.
-    bands : tuple[AlignedFrames, ...]
-        Rows of both cameras on the pixels of camera 1.
-    """
-
-    frame: int
-    bands: tuple[AlignedFrames, ...]
+Bands = tuple[AlignedFrames, ...]
+"""Rows of both cameras of one frame pair on the pixels of camera 1."""
 
 
-def sample_frames(chain: FrameChain) -> tuple[FrameSample, ...]:
+def sample_frames(chain: FrameChain) -> tuple[Bands, ...]:
     """Read and align parts of a few frame pairs, evenly spread over the recording.
 
     Parameters
@@ -49,21 +35,19 @@ def sample_frames(chain: FrameChain) -> tuple[FrameSample, ...]:
 
     Returns
     -------
-    tuple of FrameSample
+    tuple of tuple of AlignedFrames
+        The bands of each pair.
     """
     # the same rows of every frame: marks of the surfaces enter all of them alike
-    bands = choose_bands(chain.pairs.shape)
+    rows = choose_bands(chain.pairs.shape)
     with one_thread_per_frame():
-        return tuple(
-            FrameSample(frame, _take_bands(chain, frame, bands))
-            for frame in chain.pairs.spread(_FRAMES)
-        )
+        return tuple(_take(chain, frame, rows) for frame in chain.pairs.spread(_FRAMES))
 
 
-def _take_bands(chain: FrameChain, frame: int, bands: list[slice]) -> tuple[AlignedFrames, ...]:
+def _take(chain: FrameChain, frame: int, rows: list[slice]) -> Bands:
     """Copies of some rows of an aligned pair: views would keep the whole of it."""
     _, aligned = chain.align(frame)
-    return tuple(AlignedFrames(aligned.isel(y=band).copy(deep=True)) for band in bands)
+    return tuple(AlignedFrames(aligned.isel(y=band).copy(deep=True)) for band in rows)
 
 
 def choose_bands(shape: tuple[int, int]) -> list[slice]:
@@ -92,10 +76,10 @@ def choose_bands(shape: tuple[int, int]) -> list[slice]:
     return [slice(start, start + _ROWS) for start in starts]
 
 
-def compare_sharpness(sample: tuple[FrameSample, ...]) -> BlurDifference:
+def compare_sharpness(sample: tuple[Bands, ...]) -> BlurDifference:
     """Difference of sharpness between the cameras."""
     moments = BlurMoments.empty()
-    for one in sample:
-        for band in one.bands:
+    for bands in sample:
+        for band in bands:
             moments.add(band)
     return moments.solve()

@@ -11,7 +11,7 @@ from erlif.calibration import Calibration
 from erlif.core.arrays import Image
 from erlif.core.errors import CalibrationError
 from erlif.pipeline.chain import FrameChain
-from erlif.pipeline.recording.sample import FrameSample
+from erlif.pipeline.recording.sample import Bands
 from erlif.registration import MapNodes, compare_with_inverse
 
 _logger = logging.getLogger(__name__)
@@ -35,7 +35,7 @@ _SIGMAS = 2
 def refuse_swapped_cameras(
     chain: FrameChain,
     calibration: Calibration,
-    sample: Sequence[FrameSample],
+    sample: Sequence[Bands],
     *,
     stored: MapNodes | None = None,
 ) -> None:
@@ -49,7 +49,7 @@ def refuse_swapped_cameras(
     ----------
     chain : FrameChain
     calibration : Calibration
-    sample : sequence of FrameSample
+    sample : sequence of tuple of AlignedFrames
         Parts of the frames whose ratios are compared.
     stored : MapNodes, optional
         The map that is stored with the calibration.
@@ -81,15 +81,13 @@ def _check_map(chain: FrameChain, stored: MapNodes) -> None:
         )
 
 
-def _check_ratio(
-    chain: FrameChain, calibration: Calibration, sample: Sequence[FrameSample]
-) -> None:
+def _check_ratio(chain: FrameChain, calibration: Calibration, sample: Sequence[Bands]) -> None:
     low, high = calibration.predict_log(calibration.thickness_range)
     shares = []
-    for one in sample:
+    for bands in sample:
         found: list[Image] = []
         noise: list[Image] = []
-        for band in one.bands:
+        for band in bands:
             ratios = chain.divide(band)
             good = ratios.flags.values == 0
             found.append(ratios.log_ratio.values[good])

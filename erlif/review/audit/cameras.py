@@ -17,7 +17,7 @@ from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.engines.results import FrameResult
 from erlif.pipeline.recording.prepare import prepare_chain
 from erlif.pipeline.recording.pulse_order import check_pulses
-from erlif.pipeline.recording.sample import FrameSample
+from erlif.pipeline.recording.sample import Bands
 from erlif.ratio import PairRatio
 from erlif.registration import orient
 
@@ -75,7 +75,7 @@ class CameraSurvey:
     ----------
     chain : FrameChain
         From counts to ratio.
-    sample : tuple[FrameSample, ...]
+    sample : tuple[Bands, ...]
         Parts of a few frame pairs.
     frames : tuple[FrameResult, ...]
         The consecutive pairs that were measured.
@@ -88,7 +88,7 @@ class CameraSurvey:
     """
 
     chain: FrameChain
-    sample: tuple[FrameSample, ...]
+    sample: tuple[Bands, ...]
     frames: tuple[FrameResult, ...]
     light: Array
     log_ratios: Array

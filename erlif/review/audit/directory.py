@@ -253,10 +253,11 @@ class _Parts:
 
     def references(self) -> Iterator[Note]:
         """Dark level, noise and gain, and the light above the dark level."""
-        cameras = characterise_cameras(self.recording)
-        yield from retitle("darks and flats", cameras.notes)
-        yield from note_bad_pixels(cameras.references)
-        one, two = (float(level) for level in cameras.references.dark_signal.values)
+        known = characterise_cameras(self.recording)
+        references = known.cameras.references
+        yield from retitle("darks and flats", (*known.cameras.notes, *known.faults))
+        yield from note_bad_pixels(references)
+        one, two = (float(level) for level in references.dark_signal.values)
         self.found.darks = one, two
         yield from note_light(self.survey, self.found.darks)
 

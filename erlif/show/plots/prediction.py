@@ -11,14 +11,13 @@ from matplotlib.axes import Axes
 
 from erlif.core.arrays import Array, Image
 from erlif.io.files import check_trigger, describe_trigger, settings_of
-from erlif.pipeline.physics.predict import spread_over_image
-from erlif.pipeline.physics.prediction import film_along_sliding, places_along_sliding
+from erlif.pipeline.physics.prediction import film_along_sliding
+from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction import speed_correlation
 from erlif.show.plots import style, triggers
 from erlif.show.plots.maps import common_limits, figure_of_maps, joint_image, state_reason
 from erlif.show.plots.style import MINIMUM, OUTWARD, TWO_COLUMNS, AnyFigure, pt, styled
 from erlif.show.refusals import refusal
-from erlif.trend import find_region
 
 _TALL = 0.36  # height by width of the two panels over cycle and run
 _THIRD = 0.26  # of two columns, for each of three maps
@@ -186,9 +185,9 @@ def predicted_map(film: xr.Dataset, *, trigger: int) -> Image:
     _require_prediction(film)
     check_trigger(film, trigger)
     settings, x, y = settings_of(film), film.x.values, film.y.values
-    position, _ = places_along_sliding(settings, x, y, find_region(x, y))
-    gap = film_along_sliding(settings, film.isel(trigger=trigger), position)
-    return spread_over_image(gap, settings, (y.size, x.size))
+    plane = ObjectPlane(settings, (y.size, x.size))
+    position = x if plane.sliding_along_x else y
+    return plane.spread(film_along_sliding(settings, film.isel(trigger=trigger), position))
 
 
 @styled

@@ -25,12 +25,6 @@ def test_items_are_computed_at_the_same_time():
     assert len(found) == 2
 
 
-def test_results_are_collected_in_the_calling_thread():
-    places = []
-    Threads(2).compute(str, range(4), lambda *result: places.append(threading.get_ident()))
-    assert set(places) == {threading.get_ident()}
-
-
 def test_few_results_wait_for_their_collection():
     """The first item is slow: the others wait for it, as many as `_AHEAD` allows."""
     released, begun, most = threading.Event(), [], []

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
-import tifffile
 import xarray as xr
 from scenes.results import make_result
 
@@ -76,15 +75,6 @@ def test_film_of_a_frame_is_that_of_the_rig(task, truth):
     assert abs(result.statistics.minimum - truth.film_min.values[2]) < (
         4 * result.statistics.minimum_std
     )
-
-
-def test_single_frame_keeps_drift_peaks_and_pulse_energy(task, small_rig):
-    _, result = task([2])
-    (frame,) = result.frames
-    expected = tuple(int(tifffile.imread(small_rig.frames(n)[2]).max()) for n in (1, 2))
-    assert frame.frame == 2
-    assert frame.peaks == expected
-    assert np.isfinite([*frame.drift, frame.pulse_energy]).all()
 
 
 def test_pulse_energies_of_frames_follow_the_rig(task, truth):

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import erlif
 from erlif.core.errors import ErlifError
 from erlif.io.ingest import open_run
 from erlif.pipeline.physics.clock import fit_start
@@ -48,11 +47,6 @@ def test_the_start_is_found_with_its_standard_deviation(run_dir):
     with xr.open_dataset(run_dir.parent / "truth.nc", engine="h5netcdf") as truth:
         speed = np.abs(truth.rocker_speed.values)
     np.testing.assert_allclose(np.abs(locate_run(run).rocker_speed), speed, atol=0.1)
-
-
-def test_check_states_the_start(run_dir):
-    notes = [str(note) for note in erlif.check(run_dir)]
-    assert any("found from the light of 48 frames" in note for note in notes)
 
 
 def test_a_fit_needs_a_linkage(run_dir, tmp_path):

@@ -39,25 +39,11 @@ def test_joint_is_in_si_units():
     npt.assert_allclose([joint.viscosity, joint.pressure_viscosity], [0.12, 20e-9])
 
 
-def test_stroke_is_the_travel_of_the_entrained_oil():
-    """Pin radius times half the swing of 24.426 degree: 7.11 mm."""
-    npt.assert_allclose(describe_joint(settings()).stroke, 7.11e-3, atol=5e-6)
-
-
 def test_vogels_law_reaches_the_joint():
     vogel = {"a": "0.1 mPa s", "b": "900 K", "c": "-100 degC"}
     oil = describe_joint(settings(oil={"vogel": vogel, "viscosity": None})).viscosity
     assert isinstance(oil, VogelLaw)
     npt.assert_allclose([oil.a, oil.b, oil.c], [1e-4, 900.0, -100.0])
-
-
-def test_frames_of_the_rig_are_located_as_it_made_them(run, truth):
-    cycle = locate_run(run)
-    assert cycle.trigger.values.tolist() == [0, 1, 2, 3, 4, 5]
-    assert cycle.cycle.values.tolist() == [0] * 6
-    npt.assert_allclose(cycle.rocker_speed, truth.rocker_speed, atol=1e-3)
-    npt.assert_allclose(cycle.sliding_speed, np.abs(truth.rocker_speed) * 33.36e-3, atol=1e-4)
-    assert math.isclose(float(cycle.encoder_angle[1]), 8.0)
 
 
 @pytest.mark.parametrize(

@@ -8,11 +8,10 @@ import pytest
 import xarray as xr
 
 import erlif
-from erlif.pipeline.engines.results import FrameLight
+from erlif.pipeline.engines.results import FrameResult
 from erlif.pipeline.physics.light import find_bleaching
 from erlif.ratio import NO_CELLS
 from erlif.rig import RigSettings, simulate
-from erlif.thickness import NO_PATCH
 
 SHARE = 0.06
 RIG = RigSettings(
@@ -121,12 +120,6 @@ def test_the_film_does_not_depend_on_the_number_of_threads(lab, corrected):
     assert again.attrs["notes"] == corrected.attrs["notes"]
 
 
-def test_a_short_run_does_not_determine_a_background(film):
-    with erlif.open_film(film) as opened:
-        assert "background" not in opened
-        assert "do not determine light that is not film" in opened.attrs["notes"]
-
-
 @pytest.mark.parametrize("name", ["run", "corrected"])
 def test_budget_has_the_background_and_adds_up(lab, reported, corrected, name):
     film = {"run": reported, "corrected": corrected}[name]
@@ -144,7 +137,7 @@ def light_of(rng, energies, *, per_frame=-1e-3):
         level = np.log(max(energy, 0.01)) + per_frame * frame
         noise = 1e-4 * rng.standard_normal((2, 120))
         cells = NO_CELLS._replace(light=7 + level + noise[0], log_ratio=0.3 + noise[1])
-        lights[frame] = FrameLight(cells, NO_PATCH)
+        lights[frame] = FrameResult(frame, (0.0, 0.0), (1, 1), cells=cells)
     return lights
 
 

@@ -7,10 +7,10 @@ import xarray as xr
 from scenes.results import make_position
 
 import erlif
-from erlif.core.errors import ConfigError
 from erlif.core.notes import Level
 from erlif.io.ingest import open_run
-from erlif.pipeline.physics.position import choose_view, describe_positions, note_form
+from erlif.pipeline.physics.position import describe_positions, note_form
+from erlif.pipeline.plane import ObjectPlane
 
 SHAPE = (96, 128)
 
@@ -64,57 +64,14 @@ def test_covariance_has_the_stored_parts(opened, calibration):
         assert np.linalg.eigvalsh(rest * scale * scale[:, None]).min() > -1e-9
 
 
-def test_places_stand_on_the_film(opened):
-    attrs = opened.pin_displacement.attrs
-    npt.assert_allclose(attrs["clearance"], 230.0)
-    npt.assert_allclose([attrs["load_line"], attrs["axial_origin"]], [63.5 * 0.15, 47.5 * 0.15])
-    assert opened.axis.values.tolist() == ["load", "side"]
-
-
-def test_view_is_that_of_the_settings(small_rig):
-    settings = open_run(small_rig.run).settings
-    view = choose_view(settings, SHAPE)
-    assert (view.pin_radius, view.bushing_radius) == (0.03336, 0.03359)
-    turned = settings.model_copy(
-        update={"optics": settings.optics.model_copy(update={"x_axis": "axial"})}
-    )
-    assert choose_view(turned, SHAPE).load_line == view.axial_origin
-    assert not choose_view(turned, SHAPE).sliding_along_x
-
-
-def test_no_position_without_a_joint_or_of_a_pin_smaller_than_the_image(small_rig):
-    settings = open_run(small_rig.run).settings
-    assert choose_view(settings.model_copy(update={"joint": None}), SHAPE) is None
-    small = settings.joint.model_copy(update={"pin_radius": 5.9e-3, "bushing_radius": 6e-3})
-    assert choose_view(settings.model_copy(update={"joint": small}), SHAPE) is None
-
-
-def with_load_line(settings, text):
-    changed = settings.model_dump(mode="json", exclude_none=True)
-    changed["prediction"]["load_line"] = text
-    return type(settings).model_validate(changed)
-
-
-def test_load_line_is_that_of_the_settings(small_rig):
-    settings = open_run(small_rig.run).settings
-    npt.assert_allclose(choose_view(with_load_line(settings, "8.1 mm"), SHAPE).load_line, 8.1)
-
-
-def test_load_line_on_the_other_side_of_the_joint_is_refused(small_rig):
-    """A quarter of a turn of 33.5 mm is 52.6 mm."""
-    settings = open_run(small_rig.run).settings
-    with pytest.raises(ConfigError, match=r"-33\.5 to 52\.6 mm; \[prediction\] load_line is 60"):
-        choose_view(with_load_line(settings, "6 cm"), SHAPE)
-
-
 def test_triggers_without_a_position_leave_the_variables_out(small_rig, calibration):
-    view = choose_view(open_run(small_rig.run).settings, SHAPE)
+    view = ObjectPlane(open_run(small_rig.run).settings, SHAPE).view
     assert describe_positions([make_position(), None], calibration, view) == {}
     assert describe_positions([make_position()], calibration, None) == {}
 
 
 def test_variables_are_those_of_the_results(small_rig, calibration):
-    view = choose_view(open_run(small_rig.run).settings, SHAPE)
+    view = ObjectPlane(open_run(small_rig.run).settings, SHAPE).view
     positions = [make_position((0.01, 0.02), film=film) for film in (2.0, 5.0)]
     film = xr.Dataset(describe_positions(positions, calibration, view))
     npt.assert_array_equal(film.pin_displacement, [[228.0, 1.0], [225.0, 1.0]])
@@ -132,7 +89,7 @@ def notes_of(small_rig, calibration, positions, *, load=np.nan, radii=("33.36 mm
     changed = settings.model_dump(mode="json", exclude_none=True)
     changed["joint"]["pin_radius"], changed["joint"]["bushing_radius"] = radii
     settings = type(settings).model_validate(changed)
-    return note_form(positions, calibration, choose_view(settings, SHAPE), settings, load)
+    return note_form(positions, calibration, ObjectPlane(settings, SHAPE), load)
 
 
 def forms(along, axial=0.0):
@@ -140,35 +97,29 @@ def forms(along, axial=0.0):
     return [make_position((along, axial), film=film) for film in (2.0, 5.0)]
 
 
-def test_curvature_of_other_radii_is_reported_with_the_clearance_that_explains_it(
-    small_rig, calibration
+EXACT = ("33.3600 mm", "33.5900 mm")
+CHANGING = [make_position((0.01, 0.0), film=2.0), make_position((0.03, 0.0), film=5.0)]
+FLATTENED = [make_position((-1.5 * 0.382 / h * 0.20525, 0.0), film=h) for h in (2.0, 5.0)]
+
+
+@pytest.mark.parametrize(
+    ("positions", "options", "words"),
+    [
+        # 10 % less of 0.2053 um/mm2; radii to 0.01 mm give a clearance to 4.1 um
+        (forms(-0.02053), {}, "deviates by -10.0 ± 1."),
+        (forms(-0.02053), {}, "a clearance of 207.0 um in place of 230.0 um, stated to ± 4.1 um"),
+        (forms(0.02053), {"radii": EXACT}, "Likely: films that the calibration makes 10.0 % too"),
+        (CHANGING, {}, "Likely: the calibration, because the deviation changes with the film"),
+        (forms(0.0, 0.01), {}, "curved along the axis, 10.00 ± 0.71 nm/mm2"),
+        (FLATTENED, {"load": 222.4}, "Likely: elastic flattening"),
+    ],
+)
+def test_curvature_is_reported_with_its_likely_cause(
+    small_rig, calibration, positions, options, words
 ):
-    """10 % less of 0.2053 um/mm2; radii to 0.01 mm give a clearance to 4.1 um."""
-    (note,) = notes_of(small_rig, calibration, forms(-0.02053))
+    note = notes_of(small_rig, calibration, positions, **options)[0]
     assert note.level is Level.WARNING
-    assert "deviates by -10.0 ± 1." in note.text
-    assert "Likely: a clearance of 207.0 um in place of 230.0 um, stated to ± 4.1 um" in note.text
-
-
-def test_curvature_is_assigned_to_the_film_scale_where_the_radii_are_stated_well(
-    small_rig, calibration
-):
-    exact = ("33.3600 mm", "33.5900 mm")
-    (note,) = notes_of(small_rig, calibration, forms(0.02053), radii=exact)
-    assert "Likely: films that the calibration makes 10.0 % too thick; or a clearance" in note.text
-
-
-def test_curvature_that_changes_with_the_film_is_assigned_to_the_calibration(
-    small_rig, calibration
-):
-    positions = [make_position((0.01, 0.0), film=2.0), make_position((0.03, 0.0), film=5.0)]
-    (note,) = notes_of(small_rig, calibration, positions)
-    assert "Likely: the calibration, because the deviation changes with the film" in note.text
-
-
-def test_bent_pin_is_reported(small_rig, calibration):
-    (note,) = notes_of(small_rig, calibration, forms(0.0, 0.01))
-    assert "curved along the axis, 10.00 ± 0.71 nm/mm2" in note.text
+    assert words in note.text
 
 
 def test_flattening_beyond_the_error_of_the_position_is_noted(small_rig, calibration):
@@ -177,17 +128,3 @@ def test_flattening_beyond_the_error_of_the_position_is_noted(small_rig, calibra
     assert note.level is Level.NOTE
     assert "flattens pin and bushing by up to 0.38 um" in note.text
     assert notes_of(small_rig, calibration, forms(0.0), load=0.0) == []
-
-
-def test_flattening_explains_the_curvature_of_a_thin_film(small_rig, calibration):
-    share = -1.5 * 0.382 / np.array([2.0, 5.0])
-    positions = [
-        make_position((part * 0.20525, 0.0), film=film)
-        for part, film in zip(share, (2.0, 5.0), strict=True)
-    ]
-    notes = notes_of(small_rig, calibration, positions, load=222.4)
-    assert "Likely: elastic flattening" in notes[0].text
-
-
-def test_joint_without_a_position_has_no_notes(small_rig, calibration):
-    assert notes_of(small_rig, calibration, []) == []

@@ -3,7 +3,6 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
-import xarray as xr
 
 import erlif
 from erlif.core.errors import ErlifError
@@ -95,14 +94,3 @@ def test_an_interrupted_prediction_is_resumed_with_the_same_bytes(film, tmp_path
     assert not cut.exists()
     erlif.predict(film, output=cut).close()
     assert cut.read_bytes() == whole.read_bytes()
-
-
-def test_a_film_without_a_joint_is_refused(film, tmp_path):
-    with erlif.open_film(film) as measured:
-        settings = measured.attrs["settings"]
-    path = tmp_path / "film.nc"
-    path.write_bytes(film.read_bytes())
-    text = settings[: settings.index("[oil]")] + settings[settings.index("[registration]") :]
-    xr.Dataset(attrs={"settings": text}).to_netcdf(path, mode="a", engine="h5netcdf")
-    with pytest.raises(ErlifError, match=r"run.toml has no \[oil\]"):
-        erlif.predict(path)

@@ -20,17 +20,16 @@ from erlif.pipeline.physics.prediction import (
     find_load_line,
     note_correlation,
     note_difference,
-    places_along_sliding,
     predict_run,
-    refuse_steady,
+    swinging_joint,
     swings,
     try_prediction,
 )
+from erlif.pipeline.plane import ObjectPlane
 from erlif.rig import RigSettings
 from erlif.rig.film import draw_marks, list_triggers
 from erlif.rig.journal import list_gaps
 from erlif.rig.logger import frame_times
-from erlif.trend import Region
 
 SLIDER = {"kind": "slider-crank", "crank": "5 cm", "coupler": "20 cm", "crank_speed": "60 rpm"}
 PLACE = 0.06 * np.arange(300)
@@ -40,7 +39,8 @@ VOGEL = {"a": "0.05 mPa s", "b": "1100 K", "c": "-115 degC"}
 def settings(*, without=(), mechanism=None, oil=None, axis="sliding", **options):
     raw = tomllib.loads(RUN_TOML)
     raw = {name: table for name, table in raw.items() if name not in without}
-    raw["optics"]["x_axis"] = axis
+    raw["optics"] |= {"x_axis": axis, "pixel_pitch": "60 um"}
+    raw["thickness"]["roi"] = {"x": [3.0, 14.94], "y": [0.0, 3.0]}
     raw |= {"mechanism": mechanism} if mechanism else {}
     raw |= {"oil": oil} if oil else {}
     return RunSettings.model_validate(raw | {"prediction": options})
@@ -66,28 +66,20 @@ def film():
     return xr.Dataset({"film_min": ("trigger", minimum_film()), "film_min_std": ("trigger", std)})
 
 
-def place(one):
-    return places_along_sliding(one, PLACE, PLACE + 1.0, Region(slice(40, 100), slice(50, 250)))
+def plane(one):
+    """300 columns of 60 um, of which 50 to 249 are in the region of interest."""
+    return ObjectPlane(one, (100, PLACE.size))
 
 
 def test_a_joint_swings_with_a_crank_rocker_and_an_oil():
     assert swings(settings())
     for other in (settings(without=["oil"]), settings(without=["joint", "oil"])):
         assert not swings(other)
-        assert try_prediction(other, film(), frames(), place(other)) is NO_PREDICTION
+        assert try_prediction(plane(other), film(), frames()) is NO_PREDICTION
     slider = settings(mechanism=SLIDER)
     assert not swings(slider)
     with pytest.raises(ConfigError, match="crank-rocker"):
         build_motion(slider, frames())
-
-
-def test_places_are_those_along_sliding():
-    position, within = place(settings())
-    npt.assert_array_equal(position, PLACE)
-    assert within == slice(50, 250)
-    position, within = place(settings(axis="axial"))
-    npt.assert_array_equal(position, PLACE + 1.0)
-    assert within == slice(40, 100)
 
 
 def displaced(attitude):
@@ -116,7 +108,7 @@ def test_the_load_line_is_that_of_the_settings_or_the_middle_of_the_swing():
 
 def test_the_predicted_map_is_thinnest_at_its_attitude_from_the_load_line():
     one = settings(load_line="7 mm", start_film="20 um")
-    predicted = predict_run(one, film(), frames(), place(one)).triggers
+    predicted = predict_run(plane(one), film(), frames()).triggers
     along = film_along_sliding(one, predicted, PLACE)
     thinnest = 7 + 0.58425 * predicted.attitude.values
     npt.assert_allclose(PLACE[along.argmin(axis=1)], thinnest, atol=0.031)
@@ -133,7 +125,7 @@ def test_settings_reach_the_solver():
         "against": {"direction": "against"},
     }.items():
         one = settings(start_film="60 um", **options)
-        ends[name] = predict_run(one, film(), frames(), place(one)).triggers
+        ends[name] = predict_run(plane(one), film(), frames()).triggers
     for one in ends.values():
         npt.assert_allclose(one.film_predicted_min[0], 60.0, rtol=1e-6)
     npt.assert_allclose(ends["guided"].attitude, 0.0, atol=1e-9)
@@ -150,7 +142,7 @@ def test_a_warmer_oil_sinks_faster():
     one, lost = settings(oil=oil, start_film="20 um"), []
     for temperature in (25.0, 35.0):
         warm = frames(temperature=np.full(CRANK.size, temperature))
-        found = predict_run(one, film(), warm, place(one)).triggers.film_predicted_min.values
+        found = predict_run(plane(one), film(), warm).triggers.film_predicted_min.values
         lost.append((1e-3 / found[-1]) ** 0.5 - (1e-3 / 20.0) ** 0.5)
     assert lost[1] / lost[0] == pytest.approx(np.exp(1100 / 140 - 1100 / 150), rel=0.02)
 
@@ -167,7 +159,7 @@ def steady():
 
 def test_the_transient_film_is_the_theory_and_the_steady_ones_stay_for_reference():
     one = settings()
-    predicted = predict_run(one, film(), frames(), place(one)).triggers
+    predicted = predict_run(plane(one), film(), frames()).triggers
     found = choose_theory(one, steady(), predicted)
     npt.assert_array_equal(found.film_theory, predicted.film_predicted_min)
     npt.assert_array_equal(found.film_regime_map, 131.0)
@@ -181,7 +173,7 @@ def test_the_transient_film_is_the_theory_and_the_steady_ones_stay_for_reference
 
 def test_a_note_sets_the_correlation_with_speed_beside_those_of_theory():
     one = settings()
-    predicted = predict_run(one, film(), frames(), place(one)).triggers
+    predicted = predict_run(plane(one), film(), frames()).triggers
     whole = choose_theory(one, steady(), predicted).merge(film())
     assert note_correlation(whole) == []  # no speed
     speed = np.array([1.0, -2.0, 3.0, -4.0, 5.0, -6.0])
@@ -244,7 +236,7 @@ def rig_films():
 def test_a_pin_that_is_held_otherwise_is_a_warning(rig_films, true, taken, other):
     rig_frames, measured = rig_films[true]
     one = settings(sideways=taken)
-    found = try_prediction(one, measured, rig_frames, place(one))
+    found = try_prediction(plane(one), measured, rig_frames)
     notes = note_difference(measured.merge(found.triggers), one.prediction)
     assert [note.level for note in notes] == ([Level.WARNING] if other else [])
     if other:
@@ -275,7 +267,7 @@ def test_deflecting_surfaces_are_named_as_a_limit():
     one = settings(sideways="12 N/mm", start_film="20 um")
     elastic = steady()
     elastic.film_theory.attrs["regime"] = "piezoviscous-elastic"
-    predicted = predict_run(one, film(), frames(), place(one)).triggers
+    predicted = predict_run(plane(one), film(), frames()).triggers
     attrs = choose_theory(one, elastic, predicted).film_theory.attrs
     assert "takes the surfaces as rigid" in attrs["notes"]
     assert "20 um at the first frame, as given" in attrs["notes"]
@@ -301,4 +293,4 @@ def test_a_film_is_kept_whose_prediction_fails(lab):
 )
 def test_what_a_joint_lacks_to_swing_is_named(chosen, words):
     with pytest.raises(ConfigError, match=words):
-        refuse_steady(chosen, "the pressure")
+        swinging_joint(chosen, "the pressure")

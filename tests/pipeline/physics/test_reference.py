@@ -8,9 +8,6 @@ import pytest
 import xarray as xr
 
 import erlif
-from erlif.core.errors import ConfigError
-from erlif.io.settings import ReferenceSettings
-from erlif.pipeline.physics.reference import find_patch
 from erlif.rig import RigSettings, simulate
 from erlif.rig.dyes import BANDS, tabulate_signal
 
@@ -20,7 +17,7 @@ LOSS = (1e-3, 2e-3)
 RIG = RigSettings(
     width=128,
     height=96,
-    spacing=4.0,
+    spacing=6.0,
     cycles=3,
     fixture_frames=6,
     bubbles=0,
@@ -122,16 +119,3 @@ def test_a_wrong_film_of_the_patch_is_reported(lab):
     assert "reference: " in film.attrs["notes"]
     assert "4.600 um known" in film.attrs["notes"].split("reference: ")[1]
     assert "Calibrate again" in film.attrs["notes"]
-
-
-def test_a_patch_outside_the_image_is_refused():
-    patch = ReferenceSettings(region={"x": (30.0, 40.0), "y": (1.0, 3.0)}, thickness="5 um")
-    with pytest.raises(ConfigError, match="reference patch of at least 8 x 8"):
-        find_patch(patch, pitch=0.1, shape=(96, 128))
-
-
-def test_pixels_of_a_patch_are_those_between_its_bounds():
-    patch = ReferenceSettings(region={"x": (1.0, 3.0), "y": (2.05, 4.0)}, thickness="5 um")
-    region = find_patch(patch, pitch=0.1, shape=(96, 128))
-    assert (region.rows, region.columns) == (slice(21, 41), slice(10, 31))
-    assert find_patch(ReferenceSettings(), pitch=0.1, shape=(96, 128)) is None

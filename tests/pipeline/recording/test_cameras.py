@@ -2,10 +2,8 @@
 
 import numpy as np
 import numpy.testing as npt
-import pytest
 import tifffile
 
-import erlif
 from erlif.io.ingest import open_run
 from erlif.pipeline.recording.cameras import (
     characterise_cameras,
@@ -39,43 +37,6 @@ def test_level_in_the_settings_replaces_darks(lab):
 
 def test_camera_without_a_flat_has_an_even_response(lab):
     lab.edit("run/run.toml", ('flat = "camera2_flat.tif"', ""))
-    references = characterise_cameras(open_run(lab.run)).references
+    references = characterise_cameras(open_run(lab.run)).cameras.references
     assert references.has_flat.values.tolist() == [True, False]
     npt.assert_array_equal(references.flat[1], 1.0)
-
-
-def test_declared_gain_is_used_whatever_the_flats_give(lab):
-    lab.edit("run/run.toml", ('gain = "4.4 electron/DN"', 'gain = "4.9 electron/DN"'))
-    references = characterise_cameras(open_run(lab.run)).references
-    npt.assert_allclose(references.gain, [4.9, 4.4])
-    assert references.gain_known.values.all()
-
-
-def exchange(one, two):
-    aside = one.with_name("aside")
-    one.rename(aside)
-    two.rename(one)
-    aside.rename(two)
-
-
-@pytest.mark.parametrize("command", ["process", "check"])
-def test_exchanged_folders_are_recognised_by_the_pixels_of_the_flats(lab, refused, command):
-    """Whatever the ratio of the films, and before the cameras are registered."""
-    exchange(lab.run / "camera1", lab.run / "camera2")
-    if command == "process":
-        assert "The cameras look swapped" in refused("process", lab.run)
-        return
-    last = erlif.check(lab.run)[-1]
-    assert (last.level, last.subject) == ("error", "darks and flats")
-    assert "The cameras look swapped" in last.text
-
-
-def test_exchanged_flats_of_a_fixture_are_refused(lab, refused):
-    exchange(lab.fixture / "camera1_flat.tif", lab.fixture / "camera2_flat.tif")
-    message = refused("calibrate", lab.fixture, "-o", lab.fixture / "new.nc")
-    assert "camera1 show the pixels of the flat of camera2" in message
-
-
-def test_dark_and_flat_exchanged_are_refused(lab, refused):
-    exchange(lab.run / "camera1_flat.tif", lab.run / "camera1_dark.tif")
-    assert "flat" in refused("process", lab.run)

@@ -82,15 +82,6 @@ def test_ratio_with_estimated_noise_is_the_one_behind_the_map(lab):
         assert_behind_map(images, stored, 1)
 
 
-def test_flagged_pixels_have_no_ratio(cycles, film, small_rig):
-    for path, run in ((cycles / "film.nc", cycles), (film, small_rig.run)):
-        images = restore_images(path, run, trigger=1)
-        flagged = images.flags.values > 0
-        assert 0 < flagged.sum() < flagged.size / 2
-        for name in ("log_ratio", "log_ratio_var", "log_ratio_var_shared"):
-            npt.assert_array_equal(np.isnan(images[name].values), flagged)
-
-
 def test_light_is_the_mean_of_the_frames_less_dark_over_flat(cycles):
     """Camera 1 stays on its own grid, so that plain arithmetic on the files gives its light."""
     images = restore_images(cycles / "film.nc", cycles, trigger=2)
@@ -103,14 +94,6 @@ def test_light_is_the_mean_of_the_frames_less_dark_over_flat(cycles):
     ratio = images.light.values[0][sound] / expected
     npt.assert_allclose(ratio, np.median(ratio), rtol=1e-3)
     assert images.light.attrs["units"] == "DN"
-
-
-def test_images_lie_where_the_map_lies(film, small_rig):
-    images = restore_images(film, small_rig.run, trigger=0)
-    with open_film(film) as stored:
-        npt.assert_array_equal(images.x, stored.x)
-        npt.assert_array_equal(images.y, stored.y)
-        assert images.log_ratio.shape == stored.thickness.shape[1:]
 
 
 def test_settings_are_those_of_the_film(lab):
@@ -135,15 +118,6 @@ def test_trigger_whose_frames_were_left_out_is_refused(lab):
     erlif.process(lab.run, output=lab.film, workers=1, skip_bad_frames=True).close()
     with pytest.raises(FrameError, match="all of them were left out"):
         restore_images(lab.film, lab.run, trigger=2)
-
-
-def test_run_of_another_size_is_refused(film, lab):
-    for camera in (1, 2):
-        lab.frames(camera)[5].unlink()
-    log = (lab.run / "encoder.csv").read_text().splitlines()
-    (lab.run / "encoder.csv").write_text("\n".join(log[:-1]) + "\n")
-    with pytest.raises(FrameError, match="6 frames of 128 x 96"):
-        restore_images(film, lab.run, trigger=0)
 
 
 def test_run_of_other_files_is_refused(film, lab):

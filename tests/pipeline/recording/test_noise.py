@@ -11,6 +11,7 @@ import xarray as xr
 from scenes.tiff_pages import rewrite
 
 import erlif
+from conftest import FULL
 from erlif.core.notes import Level, join_notes
 from erlif.core.progress import silent
 from erlif.io.ingest import open_fixture, open_run
@@ -43,7 +44,7 @@ def texts(prepared, level=None):
 
 def test_declared_cameras_keep_their_references(small_rig):
     recording = open_run(small_rig.run)
-    declared = characterise_cameras(recording)
+    declared = characterise_cameras(recording).cameras
     prepared = prepare_chain(recording, silent)
     assert prepared.notes == declared.notes
     xr.testing.assert_identical(prepared.chain.references, declared.references)
@@ -101,17 +102,20 @@ def test_read_noise_is_estimated_from_the_frames_where_darks_are_too_few(laborat
 
 
 @pytest.fixture
-def unlike(tmp_path):
+def unlike(unlike_rig, tmp_path):
+    return shutil.copytree(unlike_rig / "run", tmp_path / "run")
+
+
+@pytest.fixture(scope="module")
+def unlike_rig(tmp_path_factory):
     """Camera 2 counts every electron twice: its gain is half that of camera 1."""
-    simulate(
-        tmp_path / "rig",
-        seed=812,
-        rig=RigSettings(width=240, height=192, spacing=6.0, fixture_frames=1, light=0.5),
-    )
-    run = tmp_path / "rig" / "run"
+    out = tmp_path_factory.mktemp("unlike")
+    rig = RigSettings(width=240, height=192, spacing=6.0, fixture_frames=1, light=0.5)
+    simulate(out, seed=812, rig=rig)
+    run = out / "run"
     for path in (*run.glob("camera2/*.tif"), *run.glob("camera2_*.tif")):
         rewrite(path, lambda counts: np.minimum(2 * counts, 4095))
-    return run
+    return out
 
 
 def test_gain_of_one_camera_follows_from_that_of_the_other(unlike):
@@ -174,14 +178,13 @@ def test_response_of_camera_1_alone_without_a_flat_is_not_estimated(laboratory):
     assert any("no flat; vignetting and pixel response are not corrected" in line for line in one)
 
 
-@pytest.mark.parametrize(("seed", "vibration"), [(812, 0.0), (813, 0.05)])
-def test_cameras_at_rest_leave_the_spread_of_the_response_open(tmp_path, seed, vibration):
+def test_cameras_nearly_at_rest_leave_the_spread_of_the_response_open(tmp_path):
     """A pattern at rest cancels in the differences of frames; little motion determines nothing."""
     simulate(
         tmp_path / "rig",
-        seed=seed,
+        seed=813,
         rig=RigSettings(
-            width=160, height=128, spacing=6.0, fixture_frames=1, light=0.5, vibration=vibration
+            width=160, height=128, spacing=6.0, fixture_frames=1, light=0.5, vibration=0.05
         ),
     )
     run = tmp_path / "rig" / "run"
@@ -208,14 +211,17 @@ def test_single_frame_without_gain_is_refused(lab, refused):
 
 @pytest.mark.slow
 def test_gain_is_right_to_five_per_cent_and_its_uncertainty_covers(tmp_path):
-    """Images of the usual size; fixtures and runs of three seeds, in full and in dim light."""
+    """Images of the usual size: a fixture, and in full number also runs, in full and dim light.
+
+    All of them met the bounds on 24 November 2026.
+    """
     errors, pulls = [], []
     # the part that is not examined is short
-    for seed, light, kinds, short in (
+    more = [(822, 0.3, ["run"], {"fixture_frames": 1}), (823, 0.6, ["fixture", "run"], {})]
+    for seed, light, kinds, short in [
         (821, 1.0, ["fixture"], {"spacing": 10.0}),
-        (822, 0.3, ["run"], {"fixture_frames": 1}),
-        (823, 0.6, ["fixture", "run"], {}),
-    ):
+        *(more if FULL else []),
+    ]:
         out = tmp_path / str(seed)
         simulate(out, seed=seed, rig=RigSettings(**{"spacing": 6.0, "light": light} | short))
         for kind in kinds:

@@ -63,26 +63,15 @@ def test_a_joint_without_an_oil_lacks_the_theory_alone():
     }
 
 
-@pytest.mark.parametrize("missing", ["encoder", "file"])
-def test_a_linkage_without_an_encoder_is_refused(missing):
-    raw = tomllib.loads(RUN_TOML)
-    if missing == "encoder":
-        del raw["encoder"]
-    else:
-        del raw["encoder"]["file"]
-    with pytest.raises(ValueError, match='"crank-rocker" needs the log of its encoder'):
-        RunSettings.model_validate(raw)
-
-
-def test_a_load_given_twice_is_refused():
-    raw = tomllib.loads(RUN_TOML) | {"mechanism": {**DISC, "load": "20 N"}}
-    with pytest.raises(ValueError, match="give the load once"):
-        RunSettings.model_validate(raw)
-
-
-def test_bins_without_a_mechanism_are_refused():
-    raw = tomllib.loads(RUN_TOML)
-    del raw["mechanism"]
-    raw["encoder"]["bins"] = 20
-    with pytest.raises(ValueError, match="add \\[mechanism\\], or remove bins"):
-        RunSettings.model_validate(raw)
+@pytest.mark.parametrize(
+    ("without", "tables", "words"),
+    [
+        (("encoder",), {}, '"crank-rocker" needs the log of its encoder'),
+        ((), {"encoder": {"mounted_on": "rocker"}}, '"crank-rocker" needs the log of its encoder'),
+        ((), {"mechanism": {**DISC, "load": "20 N"}}, "give the load once"),
+        (("mechanism",), {"encoder": {"bins": 20}}, r"add \[mechanism\], or remove bins"),
+    ],
+)
+def test_tables_that_contradict_each_other_are_refused(without, tables, words):
+    with pytest.raises(ValueError, match=words):
+        note((), without=without, **tables)

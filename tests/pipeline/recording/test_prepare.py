@@ -1,7 +1,6 @@
 """What a recording determines as a whole, found or given."""
 
 import numpy as np
-import numpy.testing as npt
 import xarray as xr
 
 from erlif.core.progress import silent
@@ -56,10 +55,3 @@ def test_given_sharpness_stays_where_the_noise_is_estimated(lab, prepared):
     references = completed.chain.references
     assert np.all(np.abs(references.gain - 4.4) < 3 * references.gain_std)
     assert any("estimated from the noise" in note.text for note in completed.notes)
-
-
-def test_stored_map_replaces_the_registration(run, prepared):
-    stored = prepared.chain.camera_map
-    used = prepare_chain(run, silent, stored=stored).chain.camera_map
-    npt.assert_array_equal(used.displacement_x, stored.displacement_x)
-    assert used.stored

@@ -2,9 +2,7 @@
 
 import shutil
 
-import numpy as np
 import pytest
-import tifffile
 
 import erlif
 from conftest import SMALL, Laboratory
@@ -73,12 +71,6 @@ def test_a_fixture_in_another_order_is_refused(longer, tmp_path, refused):
     assert "images of camera 2 are exchanged" in refused("calibrate", fixture)
 
 
-def test_recordings_in_order_have_no_note_on_pulses(film):
-    with erlif.open_film(film) as found:
-        assert "pulse" not in found.notes
-        assert "same image" not in found.notes
-
-
 def test_a_wrong_order_is_found_among_the_first_triggers(lab, monkeypatch):
     """A long run is refused before its end."""
     from erlif.pipeline.engines import triggers
@@ -119,16 +111,6 @@ def test_one_image_for_all_frames_of_one_camera_is_refused(lab, refused):
     message = refused("process", lab.run)
     assert "all 6 frames of camera2 are the same" in message
     assert "was stuck. Record the run again" in message
-
-
-def test_one_image_in_all_pages_of_a_file_is_refused(lab, refused):
-    """The hash of a file reveals nothing here."""
-    frames = lab.frames(2)
-    image = tifffile.imread(frames[2])
-    for path in frames[1:]:
-        path.unlink()
-    tifffile.imwrite(frames[0], np.stack([image] * 6), photometric="minisblack")
-    assert "all 6 frames of camera2 are the same" in refused("process", lab.run)
 
 
 def test_a_camera_that_hung_for_some_pulses_is_not_stuck(lab):

@@ -24,10 +24,6 @@ def test_a_column_that_holds_no_energies_is_not_used(values):
     assert read_energies(log_with(pulse_energy=values)) is None
 
 
-def test_a_log_without_energies_gives_none():
-    assert read_energies(log_with(angle=[0.0, 1.0])) is None
-
-
 def test_energies_of_the_rig_are_those_of_its_pulses(run, truth):
     """The energy meter of the rig is good to half a per cent."""
     energies = read_energies(run.log)

@@ -9,25 +9,9 @@ from erlif.core.errors import CalibrationError, RegistrationError
 from erlif.core.progress import silent
 from erlif.io.ingest import open_run
 from erlif.io.settings import RegistrationOptions
-from erlif.pipeline.recording.register import FixtureMap, LitPairs, register_cameras, stored_map
+from erlif.pipeline.recording.register import FixtureMap, LitPairs, register_cameras
 
 REUSE = RegistrationOptions(reuse=True)
-
-
-def test_map_of_the_frames_is_that_of_the_rig(prepared, truth):
-    """Both components together, off the edge of the image, within 0.1 px rms."""
-    found, inner = prepared.chain.camera_map, (slice(8, -8), slice(8, -8))
-    squares = [
-        (getattr(found, name) - truth[name].values)[inner] ** 2
-        for name in ("displacement_x", "displacement_y")
-    ]
-    assert np.sqrt(np.nanmean(squares[0] + squares[1])) < 0.1
-    assert not found.stored
-
-
-def test_calibration_without_a_map_is_refused_on_request():
-    with pytest.raises(CalibrationError, match="Calibrate again, or set reuse = false"):
-        stored_map(None, REUSE)
 
 
 def test_stored_map_that_fits_is_used_unchanged(prepared):
@@ -76,4 +60,7 @@ def test_the_map_of_the_fixture_is_kept_only_where_it_is_used(small_rig, calibra
         update={"registration": settings.registration.model_copy(update={"reuse": True})}
     )
     assert FixtureMap.of(calibration, reused).stored is not None
-    assert FixtureMap.of(replace(calibration, camera_map=None), settings) == FixtureMap(None, None)
+    without = replace(calibration, camera_map=None)
+    assert FixtureMap.of(without, settings) == FixtureMap(None, None)
+    with pytest.raises(CalibrationError, match="Calibrate again, or set reuse = false"):
+        FixtureMap.of(without, reused)

@@ -19,27 +19,12 @@ def test_small_frames_are_taken_whole_and_a_quarter_of_large_ones():
         assert np.ptp(np.diff([-middles[0], *middles, 2 * shape[0] - middles[-1]])) <= 4
 
 
-def test_a_flat_strip_is_taken_whole():
-    assert choose_bands((200, 4096)) == [slice(0, 200)]
-
-
-def test_a_sample_holds_the_aligned_frames(prepared):
-    chain = prepared.chain
-    found = sample_frames(chain)
-    assert [one.frame for one in found] == chain.pairs.spread(4)
-    whole = chain.align(found[1].frame)[1]
-    (band,) = found[1].bands
-    xr.testing.assert_equal(band.signal, whole.signal)
-    xr.testing.assert_equal(band.flags, whole.flags)
-
-
 def test_bands_hold_the_rows_of_the_whole_frame(prepared, monkeypatch):
     chain = prepared.chain
     bands = [slice(8, 30), slice(60, 90)]
     monkeypatch.setattr(module, "choose_bands", lambda shape: bands)
-    one = sample_frames(chain)[2]
-    whole = chain.align(one.frame)[1]
-    for band, rows in zip(one.bands, bands, strict=True):
+    whole = chain.align(chain.pairs.spread(4)[2])[1]
+    for band, rows in zip(sample_frames(chain)[2], bands, strict=True):
         for name in ("signal", "signal_var", "signal_var_fixed", "flags"):
             xr.testing.assert_equal(band[name], whole[name].isel(y=rows))
 

@@ -1,0 +1,144 @@
+"""The image of a run in the plane of the joint: positions, region of interest, patch, and pin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import Array, Image
+from erlif.core.errors import ConfigError
+from erlif.core.variables import FILM
+from erlif.io.settings import RunSettings
+from erlif.trend import PinView, Region, find_region
+
+_SMALLEST = 8
+"""Rows and columns of a patch, at least. [px]"""
+
+
+@dataclass(frozen=True)
+class ObjectPlane:
+    """What the pixels of camera 1 show of the joint.
+
+    Attributes
+    ----------
+    settings : RunSettings
+    shape : tuple[int, int]
+        Rows and columns of a frame.
+    """
+
+    settings: RunSettings
+    shape: tuple[int, int]
+
+    @property
+    def sliding_along_x(self) -> bool:
+        """Whether image x is the sliding direction."""
+        return self.settings.optics.x_axis == "sliding"
+
+    @property
+    def pitch(self) -> float:
+        """Size of a pixel. [mm]"""
+        return self.settings.optics.pixel_pitch * 1e3
+
+    @property
+    def x(self) -> Array:
+        """Positions of the columns, (x,). [mm]"""
+        return np.arange(self.shape[1], dtype=float) * self.pitch
+
+    @property
+    def y(self) -> Array:
+        """Positions of the rows, (y,). [mm]"""
+        return np.arange(self.shape[0], dtype=float) * self.pitch
+
+    @property
+    def along(self) -> Array:
+        """Positions along sliding, (pixel,). [mm]"""
+        return self.x if self.sliding_along_x else self.y
+
+    @property
+    def within(self) -> slice:
+        """Which of them are in the region of interest."""
+        return self.region.columns if self.sliding_along_x else self.region.rows
+
+    def spread(self, gap: Array) -> Image:
+        """A film (pixel,) along sliding over the image, (y, x): pin and bushing are parallel."""
+        across = gap[np.newaxis, :] if self.sliding_along_x else gap[:, np.newaxis]
+        return np.ascontiguousarray(np.broadcast_to(across, self.shape), np.float32)
+
+    def grid(self, triggers: int) -> xr.Dataset:
+        """Coordinates of the maps of so many triggers: trigger, y and x."""
+        grid = xr.Dataset(
+            coords={
+                "trigger": FILM["trigger"].fill(np.arange(triggers)),
+                "y": FILM["y"].fill(self.y),
+                "x": FILM["x"].fill(self.x),
+            }
+        )
+        sliding = "x" if self.sliding_along_x else "y"
+        grid[sliding].attrs["long_name"] = f"{sliding} (sliding)"
+        return grid
+
+    def check(self) -> None:
+        """Raise ConfigError where the image does not hold region or load line."""
+        _ = self.region, self.view
+
+    @cached_property
+    def region(self) -> Region:
+        """The region of interest; raises ConfigError where the image does not hold it."""
+        roi = self.settings.thickness.roi
+        return find_region(self.x, self.y, roi=None if roi is None else (roi.x, roi.y))
+
+    @cached_property
+    def patch(self) -> Region | None:
+        """The reference patch; None without one. Raises ConfigError for fewer than 8 x 8 pixels."""
+        region = self.settings.reference.region
+        if region is None:
+            return None
+        columns, rows = (
+            slice(max(int(np.ceil(low / self.pitch)), 0), min(int(high / self.pitch) + 1, size))
+            for (low, high), size in ((region.x, self.shape[1]), (region.y, self.shape[0]))
+        )
+        if min(columns.stop - columns.start, rows.stop - rows.start) < _SMALLEST:
+            raise ConfigError(
+                f"Expected a reference patch of at least {_SMALLEST} x {_SMALLEST} pixels within "
+                f"the image, x 0 to {(self.shape[1] - 1) * self.pitch:.2f} mm and y 0 to "
+                f"{(self.shape[0] - 1) * self.pitch:.2f} mm; region of [reference] is "
+                f"x = {list(region.x)}, y = {list(region.y)}. Correct it in run.toml."
+            )
+        return Region(rows, columns)
+
+    @cached_property
+    def view(self) -> PinView | None:
+        """The joint as its camera sees it.
+
+        None without [joint], and where the image is wider than half a turn of the pin. Raises
+        ConfigError where the load line of the settings is more than a quarter of a turn from the
+        image.
+        """
+        joint, given = self.settings.joint, self.settings.prediction.load_line
+        if joint is None:
+            return None
+        rows, columns = self.shape
+        sliding, axial = (columns, rows) if self.sliding_along_x else (rows, columns)
+        view = PinView(
+            joint.pin_radius,
+            joint.bushing_radius,
+            self.pitch,
+            load_line=0.5 * (sliding - 1) * self.pitch if given is None else given * 1e3,
+            axial_origin=0.5 * (axial - 1) * self.pitch,
+            sliding_along_x=self.sliding_along_x,
+        )
+        last = (sliding - 1) * self.pitch
+        if view.sees(0.0, last):
+            return view
+        if given is None:
+            return None
+        quarter = 0.5 * np.pi * view.radius
+        raise ConfigError(
+            "Expected a load line no more than a quarter of a turn of the pin from any pixel, "
+            f"{last - quarter:.1f} to {quarter:.1f} mm; [prediction] load_line is "
+            f"{view.load_line:.1f} mm. Correct load_line, pixel_pitch in [optics], or the radii in "
+            "[joint]."
+        )
