@@ -23,11 +23,3 @@ def test_a_pressure_lies_beside_its_film_and_is_replaced_on_request_only(own, co
     assert first.read_bytes() == before
     assert "something else" in refused("pressure", own, "-o", own, "--overwrite")
     assert "a name in .nc" in refused("pressure", own, "-o", own.with_suffix(".txt"))
-
-
-def test_what_is_no_film_is_refused(own, refused):
-    assert "does not exist" in refused("pressure", own.with_name("other.nc"))
-    other = own.with_name("notes.nc")
-    other.write_text("no film")
-    assert "notes.nc is damaged or something else" in refused("pressure", other)
-    assert not own.with_name("pressure.nc").exists()

@@ -4,7 +4,6 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import tifffile
-import xarray as xr
 
 import erlif
 from erlif.core.flags import Flag
@@ -27,37 +26,6 @@ def test_map_stored_with_the_calibration_is_used_for_a_run(lab):
         )
     assert "stored with the calibration" in groups[1].attrs["registration_model"]
     npt.assert_allclose(reused.film_mean, own.film_mean, rtol=0.01)
-
-
-def test_stored_map_that_no_longer_fits_is_refused(lab, refused):
-    """Camera 2 has been turned by two degrees since, two pixels at the edge of its image."""
-    lab.edit("run/run.toml", REUSE)
-    y, x = np.indices((96, 128))
-    angle = np.radians(2.0)
-    for path in lab.frames(2):
-        image = tifffile.imread(path).astype(float)
-        away = x - 64, y - 48
-        from_x = 64 + np.cos(angle) * away[0] - np.sin(angle) * away[1]
-        from_y = 48 + np.sin(angle) * away[0] + np.cos(angle) * away[1]
-        column, row = (
-            np.clip(np.rint(from_x), 0, 127).astype(int),
-            np.clip(np.rint(from_y), 0, 95).astype(int),
-        )
-        tifffile.imwrite(path, image[row, column].astype(np.uint16))
-    message = refused("process", lab.run)
-    assert "stored camera map fits no longer" in message or "no common texture" in message
-
-
-def test_reuse_with_a_calibration_without_a_map_is_refused(lab, refused):
-    lab.edit("run/run.toml", REUSE)
-    calibration = erlif.open_calibration(lab.fixture / "calibration.nc")
-    with xr.open_dataset(lab.fixture / "calibration.nc", engine="h5netcdf") as dataset:
-        plain = dataset.load()
-    assert calibration.camera_map is not None
-    plain.to_netcdf(lab.fixture / "plain.nc", engine="h5netcdf")
-    assert "Calibrate again" in refused(
-        "process", lab.run, "--calibration", lab.fixture / "plain.nc"
-    )
 
 
 @pytest.mark.parametrize("camera", [1, 2])

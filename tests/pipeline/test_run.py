@@ -12,7 +12,7 @@ from click.testing import CliRunner
 import erlif
 from erlif.commands.log import show_log
 from erlif.commands.main import main
-from erlif.io.ingest import InputChangedError, hash_files_beside_frames, open_run, sign_inputs
+from erlif.io.ingest import hash_files_beside_frames, open_run, sign_inputs
 from erlif.pipeline.work import FilmWork
 
 STAGES = ("darks and flats", "registration", "sharpness and noise", "film", "writing")
@@ -95,16 +95,6 @@ def test_work_is_known_by_its_inputs(run, calibration, tmp_path):
     assert work.identify("other inputs") != known
     for change in (change_settings, change_pairs, change_calibration):
         assert change(work).identify("inputs") != known
-
-
-def test_a_frame_replaced_after_its_film_was_computed_is_refused(lab):
-    def spoil(what, done, total):
-        """Replace a frame once the film is computed."""
-        if (what, done) == ("film", total):
-            lab.frames(1)[3].write_bytes(lab.frames(1)[2].read_bytes())
-
-    with pytest.raises(InputChangedError, match=r"frame_0003\.tif was changed or replaced"):
-        erlif.process(lab.run, progress=spoil)
 
 
 def test_a_changed_frame_is_other_unfinished_work(lab):

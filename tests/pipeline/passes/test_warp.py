@@ -62,13 +62,6 @@ def test_turned_camera_is_turned_first(orientation):
     check(scene((40, 40)), camera_map((40, 40), orientation=orientation), (0.4, 0.1))
 
 
-def test_unknown_drift_leaves_no_pixel():
-    out, _, warp, plain = both(scene((24, 40)), camera_map((24, 40)), (np.nan, np.nan))
-    assert np.isnan(out.light).all()
-    assert np.isnan(out.variance).all()
-    assert warp.averaging == 1.0 == float(plain.interpolation)
-
-
 def fill(light, noise, rows):
     """All rows, of which as many are kept."""
     kept = np.zeros((2, rows, light.shape[1]), np.float32)

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import erlif
-from erlif.core.errors import ConfigError, ErlifError
+from erlif.core.errors import ConfigError, ErlifError, ModelError
 from erlif.pipeline.physics.pressure import pressure_from_film, state_balance, weigh_loads
 from erlif.rig.film import crank_at, rocker_speed
 from erlif.rig.journal import follow_pin
@@ -287,5 +287,7 @@ def test_films_of_other_joints_are_refused(tmp_path):
         pressure_from_film(plain)
     with pytest.raises(ConfigError, match="Expected the position of the pin in the film"):
         pressure_from_film(film.drop_vars("pin_displacement"))
+    with pytest.raises(ModelError, match="5 or more triggers with a position of the pin, got 4"):
+        pressure_from_film(make_film(count=4))
     with pytest.raises(ErlifError, match="does not exist"):
         pressure_from_film(tmp_path / "film.nc")

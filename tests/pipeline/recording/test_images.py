@@ -126,6 +126,12 @@ def test_run_of_other_files_is_refused(film, lab):
             path.rename(path.with_name(f"other_{path.name}"))
     with pytest.raises(FrameError, match="Expected the run that the film was made from"):
         restore_images(film, lab.run, trigger=0)
+    for camera in (1, 2):
+        lab.frames(camera)[5].unlink()
+    log = (lab.run / "encoder.csv").read_text().splitlines()
+    (lab.run / "encoder.csv").write_text("\n".join(log[:-1]) + "\n")
+    with pytest.raises(FrameError, match="6 frames of 128 x 96"):
+        restore_images(film, lab.run, trigger=0)
 
 
 def test_film_without_its_sharpness_is_refused(film, small_rig, tmp_path):
