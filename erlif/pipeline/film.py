@@ -52,8 +52,7 @@ from erlif.pipeline.physics.prediction import (
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.omissions import note_omissions
 from erlif.pipeline.recording.prepare import PreparedRun
-from erlif.pipeline.recording.pulse_order import check_pulses
-from erlif.pipeline.recording.pulses import read_energies
+from erlif.pipeline.recording.pulses import check_pulses, read_energies
 from erlif.ratio import BlurDifference
 from erlif.registration import CameraMap, describe_map, move_map
 from erlif.trend import (

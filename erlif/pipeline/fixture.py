@@ -39,7 +39,7 @@ from erlif.pipeline.engines.results import (
     mean_drift,
 )
 from erlif.pipeline.recording.prepare import prepare_chain
-from erlif.pipeline.recording.pulse_order import check_pulses, refuse_stuck_cameras
+from erlif.pipeline.recording.pulses import check_pulses, refuse_stuck_cameras
 from erlif.ratio import RatioSum
 from erlif.registration import move_map
 

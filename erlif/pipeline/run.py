@@ -28,7 +28,7 @@ from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.physics.light import choose_frames
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.prepare import PreparedRun, prepare_run
-from erlif.pipeline.recording.pulse_order import check_first_pulses
+from erlif.pipeline.recording.pulses import check_first_pulses
 from erlif.pipeline.recording.register import FixtureMap
 from erlif.pipeline.work import FilmWork
 

@@ -38,7 +38,7 @@ from erlif.io.settings import to_toml
 from erlif.pipeline.engines.results import TriggerResult, frames_in, known_digests
 from erlif.pipeline.film import MAPS
 from erlif.pipeline.plane import ObjectPlane
-from erlif.pipeline.recording.pulse_order import PulseError
+from erlif.pipeline.recording.pulses import PulseError
 
 _logger = logging.getLogger(__name__)
 

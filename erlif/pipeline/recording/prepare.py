@@ -21,8 +21,7 @@ from erlif.pipeline.physics.light import LightFindings, correct_light, find_ligh
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.cameras import characterise_cameras
 from erlif.pipeline.recording.noise import NoiseCompletion, complete_noise, find_unknowns
-from erlif.pipeline.recording.pulse_order import refuse_stuck_cameras
-from erlif.pipeline.recording.pulses import read_energies
+from erlif.pipeline.recording.pulses import read_energies, refuse_stuck_cameras
 from erlif.pipeline.recording.register import FixtureMap, register_cameras
 from erlif.pipeline.recording.sample import compare_sharpness, sample_frames
 from erlif.pipeline.recording.swap import refuse_swapped_cameras

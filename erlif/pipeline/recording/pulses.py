@@ -1,14 +1,34 @@
-"""The energy of the laser pulses, as the log has it."""
+"""The laser pulses: their energy in the log, and frame pairs whose images show different ones."""
 
 from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from erlif.core.arrays import Array
+from erlif.core.errors import FrameError
+from erlif.core.notes import Level, Note, list_numbers
 from erlif.core.products import EncoderLog
+from erlif.core.tables import read_table
+from erlif.io.ingest import FramePairs, read_pair
+from erlif.pipeline.engines.results import FrameResult
+from erlif.ratio import PulseFault, PulseSample, find_pulse_faults
+
+_TEXTS = read_table("erlif.pipeline.recording", "pulses.toml")
 
 ENERGY_COLUMNS = ("pulse_energy", "laser_energy", "pulse_energy_mJ", "laser_energy_mJ", "laser_mJ")
 """Names under which a log holds the energy of each pulse; the first one found is used."""
+
+_LAST = 12
+"""Pairs at the end of a recording by which a disorder of the first ones is confirmed."""
+
+_LISTED = 10
+"""Frames that a message names; the others are counted."""
+
+
+class PulseError(FrameError):
+    """A recording whose cameras show different laser pulses."""
 
 
 def read_energies(log: EncoderLog) -> Array | None:
@@ -41,3 +61,185 @@ def read_energies(log: EncoderLog) -> Array | None:
             return None
         return np.asarray(energy / energy.mean(), float)
     return None
+
+
+def refuse_stuck_cameras(pairs: FramePairs) -> None:
+    """Refuse a recording in which a camera has one image for all pulses.
+
+    Two exposures never agree to the last count. The ratio of a stuck camera may look like that of
+    exchanged cameras, so that this comes first; where all is well, it reads two frame pairs.
+
+    Parameters
+    ----------
+    pairs : FramePairs
+
+    Raises
+    ------
+    PulseError
+        Names the camera.
+    """
+    first, *others = pairs.usable
+    if not others:
+        return
+    known, stuck = read_pair(pairs, first).counts, {1, 2}
+
+    # the last one first: a camera may hang for some pulses and go on
+    for frame in reversed(others):
+        found = read_pair(pairs, frame).counts
+        stuck -= {n + 1 for n in range(2) if not np.array_equal(known[n], found[n])}
+        if not stuck:
+            return
+    if len(stuck) == 2:
+        raise PulseError(_one_image(len(pairs.usable), [page.name for page in pairs.pages[0]]))
+    raise PulseError(_one_camera(stuck.pop(), len(pairs.usable), pairs))
+
+
+def check_pulses(
+    frames: Sequence[FrameResult], pairs: FramePairs, *, copies: bool = True
+) -> list[Note]:
+    """Refuse a recording whose cameras show different pulses in a pair.
+
+    Parameters
+    ----------
+    frames : sequence of FrameResult
+    pairs : FramePairs
+    copies : bool
+        Whether images that are repeated have a note.
+
+    Returns
+    -------
+    list of Note
+        Images that are repeated, and pairs for which no other partner is found.
+
+    Raises
+    ------
+    PulseError
+        If camera 2 is late, early or reversed as a whole, if images of it are exchanged, or if all
+        pairs are copies of one.
+    """
+    ordered = sorted(frames, key=lambda one: one.frame)
+    numbers = [one.frame for one in ordered]
+    repeated = _check_stuck(ordered, pairs)
+    notes = []
+    for fault in find_pulse_faults([one.pulse for one in ordered]):
+        if fault.kind == "repeated":
+            named = [numbers[k] for k in fault.frames]
+            repeated.append(_describe_repeated(named, len(ordered), pairs))
+        elif _is_minor(fault, len(ordered)):
+            notes.append(_describe_unknown(fault, numbers))
+        else:
+            raise PulseError(_describe_order(fault, numbers, pairs))
+    return [*(repeated if copies else []), *notes]
+
+
+def check_first_pulses(
+    frames: Sequence[FrameResult], pairs: FramePairs, measure: Callable[[int], PulseSample]
+) -> None:
+    """Refuse a long recording early, where the rest of it cannot change the verdict.
+
+    A camera that was stuck at first, or pairs that are wrong at first alone, are left to
+    `check_pulses` at the end of the work, which warns of them.
+
+    Parameters
+    ----------
+    frames : sequence of FrameResult
+        The first ones.
+    pairs : FramePairs
+    measure : callable
+        Number of a frame pair to its sample; it is called for the last pairs where the first ones
+        are in disorder.
+
+    Raises
+    ------
+    PulseError
+        If images of camera 2 are exchanged, or the first and the last pairs are in disorder.
+    """
+    ordered = sorted(frames, key=lambda one: one.frame)
+    for fault in find_pulse_faults([one.pulse for one in ordered]):
+        if fault.kind == "repeated" or _is_minor(fault, len(ordered)):
+            continue
+        last = pairs.usable[-_LAST:]
+        if fault.kind == "exchanged" or _is_disordered([measure(frame) for frame in last]):
+            raise PulseError(_describe_order(fault, [one.frame for one in ordered], pairs))
+
+
+def _is_minor(fault: PulseFault, count: int) -> bool:
+    """Whether a few pairs without a partner are wrong, and not the order as a whole."""
+    return fault.kind == "unknown" and 2 * len(fault.frames) <= count
+
+
+def _is_disordered(samples: Sequence[PulseSample]) -> bool:
+    """Whether most of these pairs show different pulses."""
+    faults = (fault for fault in find_pulse_faults(samples) if fault.kind != "repeated")
+    return any(not _is_minor(fault, len(samples)) for fault in faults)
+
+
+def _describe_unknown(fault: PulseFault, numbers: list[int]) -> Note:
+    """Images of camera 2 that show another pulse, without an exchange that would mend it."""
+    shown = sorted({numbers[n] for n in fault.partners if n >= 0})
+    of_pulse = "no frame of camera 1 shows that pulse"
+    if shown:
+        of_pulse = f"the pulses of pairs {list_numbers(shown)} are among those shown twice"
+    subject = f"frame pairs {list_numbers([numbers[k] for k in fault.frames])}"
+    return Note(Level.WARNING, subject, _TEXTS["notes"]["unknown"].format(of_pulse=of_pulse))
+
+
+def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note]:
+    """Refuse a camera all of whose files are the same, and note files that are copies."""
+    notes = []
+    digests = [[one.digests[camera] for one in ordered] for camera in range(2)]
+    for camera, found in enumerate(digests):
+        known = [digest for digest in found if digest]
+        copies = len(known) - len(set(known))
+
+        # pairs that are repeated in both cameras have a note of their own
+        both = [pair for pair in zip(*digests, strict=True) if all(pair)]
+        copies -= len(both) - len(set(both))
+        if copies < 1:
+            continue
+        if len(set(known)) == 1 and len(known) == len(ordered):
+            raise PulseError(_one_camera(camera + 1, len(known), pairs))
+        text = _TEXTS["notes"]["copies"].format(copies=copies, count=len(known))
+        notes.append(Note(Level.WARNING, f"camera{camera + 1}", text))
+    return notes
+
+
+def _one_camera(camera: int, count: int, pairs: FramePairs) -> str:
+    pages = pairs.pages[camera - 1]
+    names = {"first": pages[0].name, "second": pages[1].name}
+    return str(_TEXTS["one_camera"].format(count=count, camera=camera, **names))
+
+
+def _one_image(count: int, names: Sequence[str]) -> str:
+    return str(_TEXTS["one_image"].format(count=count, first=names[0], second=names[1]))
+
+
+def _describe_repeated(frames: list[int], count: int, pairs: FramePairs) -> Note:
+    names = [pairs.pages[0][k].name for k in frames]
+    if len(frames) == count > 1:
+        raise PulseError(_one_image(count, names))
+    subject = f"frame pairs {list_numbers(frames)}"
+    return Note(Level.WARNING, subject, _TEXTS["notes"]["repeated"])
+
+
+def _describe_order(fault: PulseFault, numbers: list[int], pairs: FramePairs) -> str:
+    """What is wrong with the order of camera 2, and how to mend it."""
+    words: dict[str, object] = {"wrong": len(fault.frames), "count": len(numbers)}
+    if fault.kind == "late":
+        number, late = abs(fault.lag), fault.lag > 0
+        words["pulses"] = "one pulse" if number == 1 else f"{number} pulses"
+        words["frames"] = "frame" if number == 1 else f"{number} frames"
+        words["which"] = "late" if late else "early"
+        words["first"], words["last"] = ("2", "1") if late else ("1", "2")
+
+    if fault.kind == "exchanged":
+        one, two = pairs.pages
+        pairing = [
+            f"{two[numbers[k]].name} shows the pulse of {one[numbers[n]].name}"
+            for k, n in zip(fault.frames, fault.partners, strict=True)
+        ]
+        more = [f"and {len(pairing) - _LISTED} more"] if len(pairing) > _LISTED else []
+        words["pairing"] = ", ".join([*pairing[:_LISTED], *more])
+
+    found = _TEXTS["order"][fault.kind].format(**words)
+    return f"Expected both cameras to show the same laser pulse in every frame pair; {found}"

@@ -16,7 +16,7 @@ from erlif.io.ingest import Fixture, FramePairs, Run
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.engines.results import FrameResult
 from erlif.pipeline.recording.prepare import prepare_chain
-from erlif.pipeline.recording.pulse_order import check_pulses
+from erlif.pipeline.recording.pulses import check_pulses
 from erlif.pipeline.recording.sample import Bands
 from erlif.ratio import PairRatio
 from erlif.registration import orient
@@ -277,7 +277,7 @@ def note_pulses(
     Raises
     ------
     PulseError
-        As `erlif.pipeline.recording.pulse_order.check_pulses`.
+        As `erlif.pipeline.recording.pulses.check_pulses`.
     """
     known = {one.frame for one in survey.frames} <= set(counted)
     yield from retitle("pulses", check_pulses(survey.frames, pairs, copies=not known))

@@ -1,12 +1,135 @@
-"""Pulse energies of the log."""
+"""Pulse energies of the log, and recordings whose cameras show different laser pulses."""
+
+import shutil
 
 import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
 
+import erlif
+from conftest import SMALL, Laboratory
 from erlif.core.products import EncoderLog
-from erlif.pipeline.recording.pulses import ENERGY_COLUMNS, read_energies
+from erlif.pipeline.recording.pulses import (
+    ENERGY_COLUMNS,
+    PulseError,
+    read_energies,
+    refuse_stuck_cameras,
+)
+from erlif.rig import RigSettings, simulate
+
+
+def rename(frames, order):
+    """Give the file at place k the content of the file at place order[k]."""
+    content = [path.read_bytes() for path in frames]
+    for path, n in zip(frames, order, strict=True):
+        path.write_bytes(content[n])
+
+
+@pytest.mark.parametrize(
+    ("order", "words"),
+    [
+        ([0, 2, 1, 3, 4, 5], "images of camera 2 are exchanged: frame_0001.tif shows the pulse of"),
+        ([1, 2, 3, 4, 5, 0], "camera 2 is one pulse early"),
+        ([4, 5, 0, 1, 2, 3], "camera 2 is 2 pulses late"),
+        ([5, 4, 3, 2, 1, 0], "camera 2 are in reverse order"),
+    ],
+)
+def test_camera_2_in_another_order_is_refused_as_what_it_is(lab, refused, order, words):
+    rename(lab.frames(2), order)
+    message = refused("process", lab.run)
+    assert message.startswith("Expected both cameras to show the same laser pulse")
+    assert words in message
+
+
+def test_one_image_for_all_pairs_is_refused(lab, refused):
+    for camera in (1, 2):
+        first, *others = lab.frames(camera)
+        for path in others:
+            shutil.copy(first, path)
+    assert "all 6 pairs show the same image" in refused("process", lab.run)
+
+
+def test_a_stuck_pair_is_named_in_the_notes(lab):
+    for camera in (1, 2):
+        shutil.copy(lab.frames(camera)[2], lab.frames(camera)[3])
+    film = erlif.process(lab.run)
+    assert "frame pairs 2, 3: they show the same image to the last count" in film.notes
+
+
+@pytest.fixture(scope="module")
+def longer(tmp_path_factory):
+    """The same rig with more pulses, of the run and of the fixture; never to be changed."""
+    longer = Laboratory(tmp_path_factory.mktemp("longer"))
+    more = {"cycles": 2, "fixture_frames": 6}
+    simulate(longer.directory, seed=11, rig=RigSettings(**{**vars(SMALL), **more}))
+    return longer
+
+
+def test_an_image_of_a_pulse_that_camera_1_lacks_is_named_in_the_notes(lab, longer):
+    """Camera 2 shows the same film in a later pulse."""
+    shutil.copy(longer.frames(2)[10], lab.frames(2)[4])
+    film = erlif.process(lab.run)
+    assert "frame pairs 4: camera 2 shows another laser pulse than camera 1" in film.notes
+
+
+def test_a_fixture_in_another_order_is_refused(longer, tmp_path, refused):
+    fixture = tmp_path / "fixture"
+    shutil.copytree(longer.fixture, fixture)
+    rename(sorted((fixture / "camera2").iterdir()), [0, 1, 2, 3, 5, 4])
+    assert "images of camera 2 are exchanged" in refused("calibrate", fixture)
+
+
+def test_a_wrong_order_is_found_among_the_first_triggers(lab, monkeypatch):
+    """A long run is refused before its end."""
+    from erlif.pipeline.engines import triggers
+
+    rename(lab.frames(2), [5, 4, 3, 2, 1, 0])
+    seen = []
+    monkeypatch.setattr(triggers, "EARLY", 5)
+    with pytest.raises(PulseError):
+        erlif.process(lab.run, workers=1, progress=lambda what, *rest: seen.append((what, *rest)))
+    assert ("film", 5, 6) in seen
+    assert ("film", 6, 6) not in seen
+
+
+@pytest.mark.parametrize("cameras", [(1, 2), (2,)])
+def test_a_camera_stuck_in_the_first_triggers_alone_is_not_refused(
+    longer, small_rig, tmp_path, monkeypatch, cameras
+):
+    """The check of the first triggers has the verdict of that at the end: a warning."""
+    from erlif.pipeline.engines import triggers
+
+    lab = Laboratory(tmp_path)
+    shutil.copytree(longer.run, lab.run)
+    for camera in cameras:
+        frames = lab.frames(camera)
+        for k in (1, 6, 7):  # with frame 0 all of the first two triggers
+            shutil.copy(frames[0], frames[k])
+    monkeypatch.setattr(triggers, "EARLY", 2)
+    calibration = small_rig.fixture / "calibration.nc"
+    notes = erlif.process(lab.run, calibration=calibration, workers=1).notes.split("\n")
+    assert any(line.startswith("warning: ") and "stuck" in line for line in notes)
+
+
+def test_one_image_for_all_frames_of_one_camera_is_refused(lab, refused):
+    """The first image of camera 2 had looked like one of exchanged cameras."""
+    first, *others = lab.frames(2)
+    for path in others:
+        path.write_bytes(first.read_bytes())
+    message = refused("process", lab.run)
+    assert "all 6 frames of camera2 are the same" in message
+    assert "was stuck. Record the run again" in message
+
+
+def test_a_camera_that_hung_for_some_pulses_is_not_stuck(lab):
+    frames = lab.frames(2)
+    for path in frames[2:]:
+        path.write_bytes(frames[2].read_bytes())
+    refuse_stuck_cameras(erlif.ingest.open_run(lab.run).pairs)
+
+
+# energies
 
 
 def log_with(**columns):
