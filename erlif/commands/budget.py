@@ -39,5 +39,5 @@ def budget(run_dir: Path, films: tuple[float, ...], **options: Any) -> None:
 
     # an empty option means the usual films
     with working() as progress:
-        found = make_budget(run_dir, films=films or None, progress=progress, **options)
-    click.echo(render_budget(found), nl=False)
+        terms = make_budget(run_dir, films=films or None, progress=progress, **options)
+    click.echo(render_budget(terms), nl=False)

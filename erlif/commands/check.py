@@ -47,20 +47,20 @@ def check(
         expect_suffix(page, ".html", option="--html")
         refuse_existing(page, overwrite=overwrite)
     with working(lines=False) as progress:
-        found = audit(directory, allow_outside=allow_outside, progress=progress)
+        findings = audit(directory, allow_outside=allow_outside, progress=progress)
     # one form of the findings alone goes to standard output, so that programs can read it
     if as_json:
-        click.echo(json.dumps(found.to_record(), indent=1))
+        click.echo(json.dumps(findings.to_record(), indent=1))
     else:
-        for note in found.notes:
+        for note in findings.notes:
             click.echo(f"{note.level:8s}{note}")
     if page is not None:
         from erlif.show.report import write_check_page
 
-        written = write_check_page(found, page, overwrite=overwrite)
+        written = write_check_page(findings, page, overwrite=overwrite)
         click.echo(f"written: {written}", err=True)  # the findings stay a table of their own
 
-    if found.count(Level.ERROR):
+    if findings.count(Level.ERROR):
         raise click.exceptions.Exit(BAD_INPUT)
-    if strict and found.count(Level.WARNING):
+    if strict and findings.count(Level.WARNING):
         raise click.exceptions.Exit(DEFECT)

@@ -70,14 +70,14 @@ def compare(
         for name in (*_TABLES, *_FIGURES):
             refuse_existing(output / name, overwrite=overwrite, holds="difference_at")
     with show_progress() as progress:
-        found = compare_films(
+        comparison = compare_films(
             films,
             pair=(pair[0] - 1, pair[1] - 1),
             angle=angle,
             calibrations=calibrations,
             progress=progress,
         )
-    for line in describe_comparison(found):
+    for line in describe_comparison(comparison):
         click.echo(line)
     if output is None:
         return
@@ -87,9 +87,9 @@ def compare(
 
     # one file of an earlier comparison beside those of this one would belong to other films
     with replacing_set(output, (*_TABLES, *_FIGURES)) as scratch:
-        write_dataset(found, scratch / _TABLES[0])
+        write_dataset(comparison, scratch / _TABLES[0])
         for name in _TABLES[1:]:
-            write_pair_table(found, scratch / name)
-        figures = write_comparison_figures(found, scratch)
+            write_pair_table(comparison, scratch / name)
+        figures = write_comparison_figures(comparison, scratch)
     written = (*_TABLES, *(path.name for path in figures))
     click.echo(f"written: {', '.join(str(output / name) for name in written)}")

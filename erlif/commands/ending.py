@@ -53,8 +53,8 @@ def signals_interrupt() -> Iterator[None]:
     Work in progress then ends as after Ctrl-C: finished triggers are kept and the lock is released.
     A signal that the caller ignores, as under ``nohup``, stays ignored.
     """
-    found = [getattr(signal, name) for name in SIGNALS if hasattr(signal, name)]
-    taken = [one for one in found if signal.getsignal(one) is signal.SIG_DFL]
+    available = [getattr(signal, name) for name in SIGNALS if hasattr(signal, name)]
+    taken = [one for one in available if signal.getsignal(one) is signal.SIG_DFL]
     if threading.current_thread() is not threading.main_thread():
         taken = []  # Python delivers signals to the main thread alone
 

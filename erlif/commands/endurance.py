@@ -114,10 +114,10 @@ def endurance(
         refuse_existing(output / picture, overwrite=overwrite)
 
     reading = {"skip_bad_rows": skip_bad_rows, "compression_negative": compression_negative}
-    found = []
+    results = []
     for log in logs:
         read = read_endurance_log(log, choice, **reading)
-        found.append(
+        results.append(
             analyse_endurance(
                 read,
                 pin_radius=machine.pin_radius,
@@ -131,18 +131,18 @@ def endurance(
                 name=log.stem,
             )
         )
-        click.echo("\n".join(describe_test(found[-1])))
+        click.echo("\n".join(describe_test(results[-1])))
         click.echo("\n".join(describe_reading(read)) + "\n")
 
     # the tests of both designs are known only after all logs
     if members:
         (first, one), (second, other) = members.items()
-        failures = {result.name: result.failure for result in found}
+        failures = {result.name: result.failure for result in results}
         old, new = ([failures[name] for name in design] for design in (one, other))
         compared = compare_designs(old, new, names=(first, second), model=model)
         click.echo("\n".join(describe_designs(compared)) + "\n")
-    click.echo(f"written: {write_test_table(found, table)}")
-    for result in found:
+    click.echo(f"written: {write_test_table(results, table)}")
+    for result in results:
         for path in write_endurance_figures(result, output, overview=overviews[result.name]):
             click.echo(f"written: {path}")
     if members:

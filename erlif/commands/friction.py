@@ -82,8 +82,8 @@ def friction(
         skip_bad_rows=skip_bad_rows,
         compression_negative=compression_negative,
     )
-    found = analyse_friction(read, shaft_radius=radius, vector=vector, **measured)
-    click.echo("\n".join(describe_friction(found, torque_ratio=torque_ratio)))
+    result = analyse_friction(read, shaft_radius=radius, vector=vector, **measured)
+    click.echo("\n".join(describe_friction(result, torque_ratio=torque_ratio)))
     click.echo("\n".join(describe_reading(read)) + "\n")
-    click.echo(f"written: {write_friction_table(found, table)}")
-    click.echo(f"written: {write_reversal_figure(found, picture)}")
+    click.echo(f"written: {write_friction_table(result, table)}")
+    click.echo(f"written: {write_reversal_figure(result, picture)}")

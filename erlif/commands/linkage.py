@@ -66,7 +66,7 @@ def linkage(
     # implausible lengths are warnings of the model; here they are notes below the table
     with warnings.catch_warnings(record=True) as doubts:
         warnings.simplefilter("always")
-        found = synthesise_crank_rocker(
+        synthesis = synthesise_crank_rocker(
             speed_ratio=ratio,
             least_transmission_angle=transmission,
             largest_size=size or (math.inf, math.inf),
@@ -76,12 +76,12 @@ def linkage(
         )
     for doubt in doubts:
         click.echo(f"note: {doubt.message}", err=True)
-    click.echo(summarise_linkages(found))
+    click.echo(summarise_linkages(synthesis))
     if output is None:
         return
 
     with large_imports():
         from erlif.show.plots import write_linkage
-    best = found.designs[0] if found.designs else found.nearest
+    best = synthesis.designs[0] if synthesis.designs else synthesis.nearest
     assert best is not None  # without a design there is a nearest one
     click.echo(f"written: {write_linkage(best, output, overwrite=overwrite)}")

@@ -14,13 +14,13 @@ def column_pairs(
     ctx: click.Context, option: click.Parameter, values: tuple[str, ...]
 ) -> dict[str, tuple[str, ...]]:
     """Read options of the form QUANTITY=NAME,NAME."""
-    found: dict[str, tuple[str, ...]] = {}
+    pairs: dict[str, tuple[str, ...]] = {}
     for value in values:
         name, equals, names = value.partition("=")
         if not (name and equals and names):
             raise click.BadParameter(f'expected QUANTITY=NAME, such as time="Zeit"; got {value!r}')
-        found[name.strip()] = tuple(part.strip() for part in names.split(",") if part.strip())
-    return found
+        pairs[name.strip()] = tuple(part.strip() for part in names.split(",") if part.strip())
+    return pairs
 
 
 def log_options(held: str) -> Callable[[Command], Command]:

@@ -37,12 +37,12 @@ def pressure(film: Path, output: Path | None, overwrite: bool) -> None:
     refuse_existing(output, overwrite=overwrite, holds="peak_pressure")
     refuse_existing(picture, overwrite=overwrite)
     with working() as progress:
-        found = pressure_from_film(film, progress=progress)
-    write_dataset(found, output)
-    click.echo(found.attrs["statement"])
+        result = pressure_from_film(film, progress=progress)
+    write_dataset(result, output)
+    click.echo(result.attrs["statement"])
     written = [output]
-    if found.pressure_measured.values.any():
-        click.echo(found.attrs["balance"])
-        click.echo(found.attrs["given"])
-        written.append(write_pressure_figure(found, picture))
+    if result.pressure_measured.values.any():
+        click.echo(result.attrs["balance"])
+        click.echo(result.attrs["given"])
+        written.append(write_pressure_figure(result, picture))
     click.echo(f"written: {', '.join(str(path) for path in written)}")

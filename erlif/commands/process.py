@@ -40,7 +40,7 @@ def process(run_dir: Path, calibration: Path | None, output: Path | None, **opti
     expect_suffix(output, ".nc", ".zarr")
 
     source = calibration or _named_calibration(run_dir)
-    found = source is None or source.exists()
+    existed = source is None or source.exists()
     with working() as progress:
         film = pipeline.process(
             run_dir, calibration=calibration, output=output, progress=progress, **options
@@ -49,9 +49,9 @@ def process(run_dir: Path, calibration: Path | None, output: Path | None, **opti
     # the film stays open while it is summarised: its maps are read when they are used
     with film:
         click.echo(summarise(film))
-    if source is not None and found:
+    if source is not None and existed:
         click.echo(f"used: {source}")
-    made = [source] if source is not None and not found and source.exists() else []
+    made = [source] if source is not None and not existed and source.exists() else []
     click.echo(f"written: {', '.join(str(path) for path in (*made, output))}")
 
 

@@ -196,19 +196,19 @@ def list_runs(runs: Iterable[str | Path | RunEntry]) -> list[RunEntry]:
 
 def _refuse_repeated(paths: Sequence[Path], run_dirs: Sequence[Path]) -> None:
     """Refuse a path that two runs share; links to one directory are the same path."""
-    seen: dict[str, Path] = {}
+    given: dict[str, Path] = {}
     for path, run_dir in zip(paths, run_dirs, strict=True):
         place = os.path.realpath(path)
-        if place not in seen:
-            seen[place] = run_dir
+        if place not in given:
+            given[place] = run_dir
         elif path == run_dir:
-            other = "" if seen[place] == path else f", also as {seen[place]}"
+            other = "" if given[place] == path else f", also as {given[place]}"
             raise ConfigError(
                 f"Expected each run directory once; {path} is given twice{other}. Take one out."
             )
         else:
             raise OutputError(
-                f"Expected an output for each run; {seen[place]} and {run_dir} both have {path}. "
+                f"Expected an output for each run; {given[place]} and {run_dir} both have {path}. "
                 "Change the column output of one."
             )
 

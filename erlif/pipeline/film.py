@@ -12,7 +12,6 @@ import xarray as xr
 
 from erlif.calibration import Calibration, record_calibration
 from erlif.core.arrays import Array
-from erlif.core.errors import ConfigError
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
 from erlif.core.notes import Level, Note, join_notes
@@ -33,7 +32,7 @@ from erlif.pipeline.engines.results import (
     mean_drift,
 )
 from erlif.pipeline.physics.fit import state_physics
-from erlif.pipeline.physics.joint import describe_joint
+from erlif.pipeline.physics.joint import describe_joint, missing_load
 from erlif.pipeline.physics.light import (
     describe_light,
     find_light,
@@ -406,7 +405,7 @@ def describe_exponents(
     speed, load = film[name].values, film["load"].values
     shared = scipy.linalg.block_diag(calibration.full_covariance, np.eye(1))
 
-    found: dict[str, Any] = {}
+    exponents: dict[str, Any] = {}
     for variable, kind in (("speed_exponent", "minimum"), ("speed_exponent_mean", "mean")):
         # marks of the surfaces are the same at every trigger; the mean film includes them as
         # they are
@@ -421,15 +420,15 @@ def describe_exponents(
             ),
             covariance=shared,
         )
-        found[variable] = FILM[variable].fill(
+        exponents[variable] = FILM[variable].fill(
             exponent.value,
             long_name=f"power of |{name}|/load that {_FILM_OF[kind]} follows",
             speed=name,
             log_scale=exponent.log_scale,
             triggers_used=exponent.triggers,
         )
-        found[f"{variable}_std"] = FILM[f"{variable}_std"].fill(exponent.std)
-    return found
+        exponents[f"{variable}_std"] = FILM[f"{variable}_std"].fill(exponent.std)
+    return exponents
 
 
 def describe_frames(
@@ -516,10 +515,7 @@ def _columns_by_frame(run: Run, cycle: xr.Dataset) -> dict[str, xr.DataArray]:
             columns["load"] = xr.full_like(cycle.trigger, load, float)
             columns["load"].attrs = dict(FILM["load"].attrs)
         elif run.settings.joint is not None:
-            raise ConfigError(
-                "Expected the load: the encoder log has no load_N and [joint] no load. Add load = "
-                '"50 lbf" to [joint] in run.toml.'
-            )
+            raise missing_load()
     return columns
 
 

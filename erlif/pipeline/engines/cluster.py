@@ -19,7 +19,7 @@ from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
 from itertools import islice
 from pathlib import Path
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, TypeAlias, TypeVar
 
 import cv2
 from threadpoolctl import threadpool_limits
@@ -29,6 +29,12 @@ from erlif.core.errors import ClusterError
 from erlif.core.version import __version__
 
 _Result = TypeVar("_Result")
+
+Work: TypeAlias = Callable[[int], _Result]
+"""Number of an item to its result."""
+
+Collect: TypeAlias = Callable[[int, _Result], None]
+"""Receives number and result of an item."""
 
 _logger = logging.getLogger(__name__)
 
@@ -114,12 +120,7 @@ class Cluster:
         self._open.close()
         self._client = self._own = None
 
-    def compute(
-        self,
-        work: Callable[[int], _Result],
-        items: Sequence[int],
-        collect: Callable[[int, _Result], None],
-    ) -> None:
+    def compute(self, work: Work[_Result], items: Sequence[int], collect: Collect[_Result]) -> None:
         """As `erlif.pipeline.engines.engine.Engine.compute`; `work` must be picklable.
 
         Where `work` has a method ``check``, each worker calls it before its first item.
@@ -138,10 +139,7 @@ class Cluster:
             self._compute(work, items, collect)
 
     def _compute(
-        self,
-        work: Callable[[int], _Result],
-        items: Sequence[int],
-        collect: Callable[[int, _Result], None],
+        self, work: Work[_Result], items: Sequence[int], collect: Collect[_Result]
     ) -> None:
         name = uuid.uuid4().hex
         sent = self._send(work, name)
@@ -320,9 +318,9 @@ def _call(work: Callable[[int], _Result], name: str, version: str, item: int) ->
     return work(item)
 
 
-def _check_version(place: str, found: str, expected: str) -> None:
-    if found != expected:
-        raise ClusterError(f"Expected erlif {expected}, as here; {place} has {found}. {_SAME}")
+def _check_version(place: str, version: str, expected: str) -> None:
+    if version != expected:
+        raise ClusterError(f"Expected erlif {expected}, as here; {place} has {version}. {_SAME}")
 
 
 def _this_worker() -> str:

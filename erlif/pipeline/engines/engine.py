@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from erlif.core.errors import ClusterError
 from erlif.pipeline.chain import one_thread_per_frame
-from erlif.pipeline.engines.cluster import Cluster
+from erlif.pipeline.engines.cluster import Cluster, Collect, Work
 
 _Result = TypeVar("_Result")
 
@@ -34,12 +34,7 @@ class Engine(Protocol):
 
     elsewhere: ClassVar[bool]
 
-    def compute(
-        self,
-        work: Callable[[int], _Result],
-        items: Sequence[int],
-        collect: Callable[[int, _Result], None],
-    ) -> None:
+    def compute(self, work: Work[_Result], items: Sequence[int], collect: Collect[_Result]) -> None:
         """Compute all items and collect their results.
 
         Parameters
@@ -81,12 +76,7 @@ class Threads:
     elsewhere: ClassVar[bool] = False
     workers: int | None = None
 
-    def compute(
-        self,
-        work: Callable[[int], _Result],
-        items: Sequence[int],
-        collect: Callable[[int, _Result], None],
-    ) -> None:
+    def compute(self, work: Work[_Result], items: Sequence[int], collect: Collect[_Result]) -> None:
         """As `Engine.compute`."""
         threads = self.workers or os.cpu_count() or 1
         jobs: deque[tuple[int, Future[_Result]]] = deque()

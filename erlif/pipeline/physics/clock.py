@@ -92,27 +92,27 @@ def fit_start(
     )
 
     frames = pairs.spread(MOST_FRAMES)
-    found = find_clock_offset(
+    offset = find_clock_offset(
         since[frames] - since[frames[0]],
         np.array([_log_ratio(pairs, k) for k in frames]),
         time=time,
         crank=np.unwrap(np.radians(located.crank_angle.values)),
         speed=located.rocker_speed.values,
     )
-    start = found.value - float(since[frames[0]])
-    turn = math.degrees(found.std * links.crank_speed)
+    start = offset.value - float(since[frames[0]])
+    turn = math.degrees(offset.std * links.crank_speed)
     text = _TEXTS["found"].format(
-        start=start, std=found.std, frames=len(frames), explained=found.explained, turn=turn
+        start=start, std=offset.std, frames=len(frames), explained=offset.explained, turn=turn
     )
-    if found.cycles > 1:
-        text += _TEXTS["cycles"].format(cycles=found.cycles)
-    if found.half_cycle:
+    if offset.cycles > 1:
+        text += _TEXTS["cycles"].format(cycles=offset.cycles)
+    if offset.half_cycle:
         text += _TEXTS["half_cycle"]
-    off = abs(found.stretch) > max(_CERTAIN * found.stretch_std, _SMALLEST_STRETCH)
+    off = abs(offset.stretch) > max(_CERTAIN * offset.stretch_std, _SMALLEST_STRETCH)
     if off:
-        text += _TEXTS["stretch"].format(stretch=found.stretch, std=found.stretch_std)
-    level = Level.WARNING if found.half_cycle or off else Level.NOTE
-    return FoundStart(start, found.std, Note(level, log.file, text))
+        text += _TEXTS["stretch"].format(stretch=offset.stretch, std=offset.stretch_std)
+    level = Level.WARNING if offset.half_cycle or off else Level.NOTE
+    return FoundStart(start, offset.std, Note(level, log.file, text))
 
 
 def _log_ratio(pairs: FramePairs, frame: int) -> float:

@@ -78,15 +78,17 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
         )
     source = read_film(place)
     with open_film(place) as film:
-        found = _compare(film, source.settings, source.frames, ("free", "guided"), progress=report)
+        comparison = _compare(
+            film, source.settings, source.frames, ("free", "guided"), progress=report
+        )
 
     # the temperature of the film belongs to its viscosity where the law of the oil is known
     joint = describe_joint(source.settings)
-    if found.fit is None or joint is None or not isinstance(joint.viscosity, VogelLaw):
-        return found
-    warm = film_temperature(found.fit.estimates["viscosity"], joint.viscosity)
-    estimates = {**found.fit.estimates, "temperature": warm}
-    return replace(found, fit=replace(found.fit, estimates=estimates))
+    if comparison.fit is None or joint is None or not isinstance(joint.viscosity, VogelLaw):
+        return comparison
+    warm = film_temperature(comparison.fit.estimates["viscosity"], joint.viscosity)
+    estimates = {**comparison.fit.estimates, "temperature": warm}
+    return replace(comparison, fit=replace(comparison.fit, estimates=estimates))
 
 
 def state_physics(film: xr.Dataset, settings: RunSettings, frames: xr.Dataset) -> str:
@@ -112,13 +114,13 @@ def state_physics(film: xr.Dataset, settings: RunSettings, frames: xr.Dataset) -
     if "film_predicted_min" not in film or not all(name in film for name in _POSITIONS):
         return ""
     try:
-        found = _compare(film, settings, frames, ("free", "any guided"))
+        comparison = _compare(film, settings, frames, ("free", "any guided"))
     # the measured film is complete without this sentence
     except (ErlifError, ArithmeticError, ValueError, np.linalg.LinAlgError):
         return ""
-    if found.candidates[0].name != ANY_GUIDED:
-        return str(_TEXTS["decided"].format(verdict=found.verdict))
-    best = next(one for one in found.candidates if one.name != ANY_GUIDED)
+    if comparison.candidates[0].name != ANY_GUIDED:
+        return str(_TEXTS["decided"].format(verdict=comparison.verdict))
+    best = next(one for one in comparison.candidates if one.name != ANY_GUIDED)
     return str(_TEXTS["undecided"].format(best=best.name, inflation=best.inflation))
 
 
@@ -160,9 +162,9 @@ def _compare(
 def _measured(film: xr.Dataset, journal: Journal) -> MeasuredMotion:
     """Positions of the pin, else minima where too few positions are known."""
     if all(name in film for name in _POSITIONS):
-        found = measured_positions(film[list(_POSITIONS)], calibration_of(film).full_covariance)
-        if found.known.sum() >= FEWEST_TRIGGERS:
-            return found
+        positions = measured_positions(film[list(_POSITIONS)], calibration_of(film).full_covariance)
+        if positions.known.sum() >= FEWEST_TRIGGERS:
+            return positions
 
     # the error of a minimum is not split; either part is at most all of it
     std = film["film_min_std"].values * 1e-6

@@ -6,6 +6,7 @@ import math
 
 import xarray as xr
 
+from erlif.core.errors import ConfigError
 from erlif.io.ingest import Run
 from erlif.io.settings import (
     CrankRockerSettings,
@@ -132,6 +133,14 @@ def describe_joint(settings: RunSettings) -> Joint | None:
         viscosity=_describe_viscosity(oil),
         pressure_viscosity=oil.pressure_viscosity,
         stroke=_entrained_travel(settings, joint.pin_radius),
+    )
+
+
+def missing_load() -> ConfigError:
+    """The refusal of a joint whose load neither log nor settings give."""
+    return ConfigError(
+        "Expected the load: the encoder log has no load_N and [joint] no load. Add load = "
+        '"50 lbf" to [joint] in run.toml.'
     )
 
 

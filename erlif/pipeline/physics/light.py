@@ -106,13 +106,13 @@ def find_background(
     if not frames:
         return None
     parts = np.array([lights[frame].cells for frame in frames], float).transpose(1, 0, 2)
-    found = estimate_background(
+    estimate = estimate_background(
         LightRecord(*parts),
         cell_places(),
         calibration,
         energies=None if energies is None else energies[frames],
     )
-    return found if found is not None and found.determined else None
+    return estimate if estimate is not None and estimate.determined else None
 
 
 def describe_background(
@@ -231,13 +231,13 @@ def find_bleaching(
     patch = np.array([lights[frame].patch for frame in frames])
     if np.isfinite(patch[:, 1]).any():
         group = np.zeros(frames.size, int)
-        found = fit_trend(frames.astype(float), group, patch[:, 1:2], patch[:, :1] - lowered)
-        return found, "on the patch"
+        trend = fit_trend(frames.astype(float), group, patch[:, 1:2], patch[:, :1] - lowered)
+        return trend, "on the patch"
 
     light = np.array([lights[frame].cells.light for frame in frames], float)
     ratio = np.array([lights[frame].cells.log_ratio for frame in frames], float)
-    found = fit_trend(frames.astype(float), triggers[frames], ratio, light - lowered)
-    return found, "at equal triggers"
+    trend = fit_trend(frames.astype(float), triggers[frames], ratio, light - lowered)
+    return trend, "at equal triggers"
 
 
 def describe_bleaching(
@@ -330,29 +330,29 @@ def find_light(
 
 
 def correct_light(
-    chain: FrameChain, calibration: Calibration, found: LightFindings, options: LightOptions
+    chain: FrameChain, calibration: Calibration, findings: LightFindings, options: LightOptions
 ) -> tuple[FrameChain, Calibration]:
     """Chain and calibration with which the films are measured, where corrections are asked for."""
-    if options.background == "correct" and found.background is not None:
-        chain = subtract(chain, found.background)
-        calibration = replace(calibration, background=found.background.error)
-    if options.bleaching == "correct" and found.bleaching is not None:
-        chain = replace(chain, ratio_drift=found.bleaching.log_ratio)
+    if options.background == "correct" and findings.background is not None:
+        chain = subtract(chain, findings.background)
+        calibration = replace(calibration, background=findings.background.error)
+    if options.bleaching == "correct" and findings.bleaching is not None:
+        chain = replace(chain, ratio_drift=findings.bleaching.log_ratio)
     return chain, calibration
 
 
 def describe_light(
-    found: LightFindings, results: Sequence[TriggerResult], run: Run, calibration: Calibration
+    findings: LightFindings, results: Sequence[TriggerResult], run: Run, calibration: Calibration
 ) -> tuple[dict[str, Any], list[Note]]:
     """Variables and notes about background, bleaching and reference patch."""
     options = run.settings.light
     parts = [
         describe_background(
-            found.background, calibration, corrected=options.background == "correct"
+            findings.background, calibration, corrected=options.background == "correct"
         ),
         describe_bleaching(
-            found.bleaching,
-            found.source,
+            findings.bleaching,
+            findings.source,
             frames=len(run.pairs.usable),
             corrected=options.bleaching == "correct",
         ),
@@ -367,7 +367,7 @@ def describe_light(
 
 
 def remaining_errors(
-    found: LightFindings,
+    findings: LightFindings,
     options: LightOptions,
     film: Array,
     pulses: Array,
@@ -377,7 +377,7 @@ def remaining_errors(
 
     Parameters
     ----------
-    found : LightFindings
+    findings : LightFindings
     options : LightOptions
     film : array, (film,)
         [um]
@@ -395,11 +395,11 @@ def remaining_errors(
     low, high = calibration.thickness_range
     values = np.clip(np.nan_to_num(film, nan=high), low, high)
     errors = {}
-    background = found.background
+    background = findings.background
     if options.background != "correct" and background is not None and background.significant:
         errors["background"] = np.abs(background.film_shift(values, calibration))
 
-    trend = found.bleaching
+    trend = findings.bleaching
     if trend is not None and (options.bleaching == "correct" or trend.significant()):
         corrected = options.bleaching == "correct"
         change = trend.log_ratio_std if corrected else abs(trend.log_ratio)
@@ -409,7 +409,7 @@ def remaining_errors(
 
 def widen_errors(
     film: xr.Dataset,
-    found: LightFindings,
+    findings: LightFindings,
     results: Sequence[TriggerResult],
     options: LightOptions,
     calibration: Calibration,
@@ -421,7 +421,7 @@ def widen_errors(
     pulses = np.array([np.mean([one.frame for one in result.frames] or [0]) for result in results])
     for name in ("film_mean", "film_min"):
         std = film[f"{name}_std"]
-        errors = remaining_errors(found, options, film[name].values, pulses, calibration)
+        errors = remaining_errors(findings, options, film[name].values, pulses, calibration)
         for error in errors.values():
             std = std.copy(data=np.hypot(std.values, error))
         film[f"{name}_std"] = std
@@ -429,7 +429,7 @@ def widen_errors(
     if "pin_position_cov" in film:
         place, whole = film.pin_displacement, film.pin_position_cov.copy()
         at_line = place.attrs["clearance"] - place.values[:, AXES.index("load")]
-        for error in remaining_errors(found, options, at_line, pulses, calibration).values():
+        for error in remaining_errors(findings, options, at_line, pulses, calibration).values():
             whole.values[:, 0, 0] += error**2
         film["pin_position_cov"] = whole
     return film

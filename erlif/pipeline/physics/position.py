@@ -53,11 +53,11 @@ def describe_positions(
     dict of str to variable
         Empty without a view.
     """
-    found = [one for one in positions if one is not None]
-    if view is None or len(found) < len(positions):
+    known = [one for one in positions if one is not None]
+    if view is None or len(known) < len(positions):
         return {}
     shared = calibration.full_covariance
-    value = np.array([one.value for one in found])
+    value = np.array([one.value for one in known])
     place = {
         "clearance": view.clearance,
         "load_line": view.load_line,
@@ -68,10 +68,10 @@ def describe_positions(
         "parameter": np.array(PARAMETERS),
         "pin_displacement": value[:, :2],
         "pin_tilt": value[:, 2:],
-        "pin_position_cov": np.array([one.covariance(shared) for one in found]),
-        "pin_position_cov_random": np.array([one.random_cov for one in found]),
-        "pin_position_gradient": np.array([one.gradient for one in found]),
-        **_describe_form(found, shared, view),
+        "pin_position_cov": np.array([one.covariance(shared) for one in known]),
+        "pin_position_cov_random": np.array([one.random_cov for one in known]),
+        "pin_position_gradient": np.array([one.gradient for one in known]),
+        **_describe_form(known, shared, view),
     }
     placed = ("pin_displacement", "pin_tilt")
     return {
@@ -80,11 +80,11 @@ def describe_positions(
     }
 
 
-def _describe_form(found: Sequence[PinPosition], shared: Array, view: PinView) -> dict[str, Array]:
+def _describe_form(known: Sequence[PinPosition], shared: Array, view: PinView) -> dict[str, Array]:
     """Curvatures of the gap that a second fit leaves free."""
-    form = np.array([one.form for one in found])
-    std = np.sqrt([np.diag(one.form_covariance(shared)) for one in found])
-    expected = np.array([one.value[0] for one in found]) / view.radius**2
+    form = np.array([one.form for one in known])
+    std = np.sqrt([np.diag(one.form_covariance(shared)) for one in known])
+    expected = np.array([one.value[0] for one in known]) / view.radius**2
     return {
         "film_curvature": expected + form[:, 0],
         "film_curvature_expected": expected,
@@ -116,13 +116,13 @@ def note_form(
     list of Note
         Empty where the form is that of the joint and rigid.
     """
-    found = [one for one in positions if one is not None]
+    known = [one for one in positions if one is not None]
     view, joint = plane.view, plane.settings.joint
     if view is None or joint is None:
         return []
     depth = _flattening(joint, load)
     form = judge_form(
-        found,
+        known,
         view,
         calibration_cov=calibration.full_covariance,
         clearance_std=_clearance_std(joint),
@@ -134,7 +134,7 @@ def note_form(
     if form.cause is not Cause.NONE:
         notes.append(Note(Level.WARNING, "pin", _describe_cause(form, view, joint)))
 
-    std = [one.covariance(calibration.full_covariance)[0, 0] ** 0.5 for one in found]
+    std = [one.covariance(calibration.full_covariance)[0, 0] ** 0.5 for one in known]
     least = float(np.nanmedian(std))
     if depth > least:
         text = _TEXTS["flattened"].format(depth=depth, least=least)
@@ -187,9 +187,9 @@ def _rounding(length: float) -> float:
     """Standard deviation of a length by its last stated digit, uniform over it. [um]"""
     if not isinstance(length, Quantity):
         return 0.0
-    found = re.match(r"[+-]?[0-9.]+([eE][+-]?[0-9]+)?", length.text)
-    if found is None:  # the settings refuse a length without a number
+    digits = re.match(r"[+-]?[0-9.]+([eE][+-]?[0-9]+)?", length.text)
+    if digits is None:  # the settings refuse a length without a number
         return 0.0
-    number = Decimal(found[0])
+    number = Decimal(digits[0])
     last = 10.0 ** int(number.as_tuple().exponent)
     return 1e6 * last * float(length) / float(number) / math.sqrt(12)

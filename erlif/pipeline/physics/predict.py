@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from erlif.core.errors import ConfigError, EncoderError, OutputError
+from erlif.core.errors import EncoderError, OutputError
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
 from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.variables import FRAMES, PREDICTION
@@ -32,7 +32,7 @@ from erlif.io.files import (
 from erlif.io.ingest import hash_files_beside_frames, open_run
 from erlif.io.settings import RunSettings, to_toml
 from erlif.pipeline.physics.clock import fit_start
-from erlif.pipeline.physics.joint import locate_run
+from erlif.pipeline.physics.joint import locate_run, missing_load
 from erlif.pipeline.physics.prediction import (
     Prediction,
     describe_sideways,
@@ -140,8 +140,8 @@ def predict(
     with tempfile.TemporaryDirectory(prefix="erlif-") as scratch:
         place = Path(scratch) / "prediction.nc"
         _write_prediction(Path(path), place, True, allow_outside, progress)
-        with open_netcdf(place) as found:
-            return found.load()
+        with open_netcdf(place) as prediction:
+            return prediction.load()
 
 
 def is_film(path: Path) -> bool:
@@ -209,10 +209,7 @@ def _read_run(run_dir: Path, allow_outside: bool) -> Source:
     cycle = locate_run(run)
     frames = frames_of_run(run, cycle)
     if "load" not in frames:
-        raise ConfigError(
-            "Expected the load: the encoder log has no load_N and [joint] no load. Add load = "
-            '"50 lbf" to [joint] in run.toml.'
-        )
+        raise missing_load()
     logged = hash_files_beside_frames(run)
     hashes = {path.name: digest for path, digest in logged.items() if path.suffix != ".tif"}
 

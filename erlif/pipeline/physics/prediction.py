@@ -291,7 +291,7 @@ def predict_run(
     settings, options = plane.settings, plane.settings.prediction
     motion = build_motion(settings, frames)
     line = find_load_line(settings, film, motion, plane.along)
-    found = predict_triggers(
+    predicted = predict_triggers(
         film,
         build_journal(settings, motion.viscosity),
         motion,
@@ -303,11 +303,13 @@ def predict_run(
         cells=cells,
     )
     names = ["film_predicted_min", "film_predicted_mean", "eccentricity", "attitude"]
-    by_frame = found[[f"{name}_frame" for name in names]]
+    by_frame = predicted[[f"{name}_frame" for name in names]]
     by_frame = by_frame.rename({f"{name}_frame": name for name in names})
-    for one in (found, by_frame):
+    for one in (predicted, by_frame):
         one["attitude"].attrs["load_line"] = line
-    return Prediction(found[names], by_frame.assign(elapsed_cycles=found.elapsed_cycles), [])
+    return Prediction(
+        predicted[names], by_frame.assign(elapsed_cycles=predicted.elapsed_cycles), []
+    )
 
 
 def try_prediction(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> Prediction:

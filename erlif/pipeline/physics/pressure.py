@@ -106,7 +106,7 @@ def _find(film: xr.Dataset, progress: Progress) -> xr.Dataset:
     x, y = _grid(film)
     line = settings.prediction.load_line_std
     along, across = (x, y) if view.sliding_along_x else (y, x)
-    found = find_pressures(
+    pressures = find_pressures(
         build_journal(settings, 1.0),
         motion,
         viscosity=viscosity,
@@ -116,7 +116,7 @@ def _find(film: xr.Dataset, progress: Progress) -> xr.Dataset:
         load_line_std=0.0 if line is None else float(line),
         progress=progress,
     )
-    return _describe(film, settings, view, found, motion, order, (x, y))
+    return _describe(film, settings, view, pressures, motion, order, (x, y))
 
 
 def _settings_std(settings: RunSettings, viscosity: Array) -> tuple[float, float]:
@@ -221,7 +221,7 @@ def _describe(
     film: xr.Dataset,
     settings: RunSettings,
     view: PinView,
-    found: xr.Dataset,
+    pressures: xr.Dataset,
     motion: PinMotion,
     order: npt.NDArray[np.intp],
     grid: tuple[Array, Array],
@@ -235,13 +235,15 @@ def _describe(
         return filled
 
     columns: dict[str, Array] = {}
-    for name in [name for name in PRESSURE if name in found.data_vars and name != "load_cov"]:
-        values = spread(found[name].values.astype(float)) * _SCALES.get(PRESSURE[name].units, 1.0)
+    for name in [name for name in PRESSURE if name in pressures.data_vars and name != "load_cov"]:
+        values = spread(pressures[name].values.astype(float)) * _SCALES.get(
+            PRESSURE[name].units, 1.0
+        )
         turned = values.ndim == 3 and not view.sliding_along_x
         columns[name] = np.swapaxes(values, 1, 2) if turned else values
     columns["peak_place"] += view.load_line
     columns["load_cov"] = np.full((total, total), np.nan)
-    columns["load_cov"][np.ix_(order, order)] = found["load_cov"].values
+    columns["load_cov"][np.ix_(order, order)] = pressures["load_cov"].values
     columns["pressure_measured"][np.isnan(columns["pressure_measured"])] = 0
 
     rate = -motion.rate[:, 0] * _MICRO
@@ -277,9 +279,9 @@ def _describe(
     )
 
 
-def state_given(found: xr.Dataset) -> str:
+def state_given(pressure: xr.Dataset) -> str:
     """Which errors of viscosity and clearance the pressure has, in words; as `state_limits`."""
-    settings = settings_of(found)
+    settings = settings_of(pressure)
     assert settings.joint is not None  # the pressure of another film is refused
     assert settings.oil is not None
     std = {
@@ -298,37 +300,37 @@ def state_given(found: xr.Dataset) -> str:
         lines.append(_TEXTS["errors_lack"].format(given=given, it=it, keys=keys))
 
     # the peak moves with both, whether or not an error is stated
-    changes = {name: found[f"peak_by_{name}"].values for name in std}
+    changes = {name: pressure[f"peak_by_{name}"].values for name in std}
     if all(np.isfinite(change).any() for change in changes.values()):
         medians = {name: float(np.nanmedian(change)) for name, change in changes.items()}
         lines.append(_TEXTS["changes"].format(**medians))
     return " ".join(lines)
 
 
-def state_limits(found: xr.Dataset) -> str:
+def state_limits(pressure: xr.Dataset) -> str:
     """What the noise allows, in words.
 
     Parameters
     ----------
-    found : xarray.Dataset
+    pressure : xarray.Dataset
         From `pressure_from_film`.
 
     Returns
     -------
     str
     """
-    measured = found.pressure_measured.values > 0
+    measured = pressure.pressure_measured.values > 0
     count, total = int(measured.sum()), measured.size
-    std, peak = found.peak_pressure_std.values, found.peak_pressure.values
+    std, peak = pressure.peak_pressure_std.values, pressure.peak_pressure.values
     lines = []
     if count:
         share = 100 * np.median(std[measured] / peak[measured])
         lines.append(_TEXTS["measured"].format(count=count, total=total, share=share))
-    quick = found.cavity_change.values > CHANGING
+    quick = pressure.cavity_change.values > CHANGING
     closing = ~measured & (quick | np.roll(quick, 1) | np.roll(quick, -1))
     if closing.any():
         lines.append(_TEXTS["closing"].format(**_list_triggers(closing)))
-    history = found.cavity_history.values
+    history = pressure.cavity_history.values
     if np.isinf(history).any():
         return str(_TEXTS["part_of_a_turn"])
     old = ~measured & ~closing & (history > CLEAR)
@@ -336,7 +338,7 @@ def state_limits(found: xr.Dataset) -> str:
         lines.append(_TEXTS["old"].format(**_list_triggers(old)))
     refused = ~measured & ~closing & ~old
     if refused.any():
-        reason = _state_refusal(found, refused)
+        reason = _state_refusal(pressure, refused)
         lines.append(_TEXTS["refused"].format(reason=reason, **_list_triggers(refused)))
     return " ".join(lines)
 
@@ -347,16 +349,19 @@ def _list_triggers(which: Mask) -> dict[str, Any]:
     return {"count": len(names), "listed": ", ".join(names[:8] + ["..."] * (len(names) > 8))}
 
 
-def _state_refusal(found: xr.Dataset, refused: Mask) -> str:
+def _state_refusal(pressure: xr.Dataset, refused: Mask) -> str:
     """Why the pressure is not known at some triggers, and what would help."""
-    random, shared = found.peak_std_random.values[refused], found.peak_std_shared.values[refused]
+    random, shared = (
+        pressure.peak_std_random.values[refused],
+        pressure.peak_std_shared.values[refused],
+    )
     if not np.isfinite(random).any():
         return str(_TEXTS["tilt"])
-    rate, rate_std = (found[name].values[refused] for name in ("film_rate", "film_rate_std"))
+    rate, rate_std = (pressure[name].values[refused] for name in ("film_rate", "film_rate_std"))
 
     # the peak that the load makes is what has to be resolved
-    settings = found.peak_std_settings.values[refused]
-    goal = (CLEAR * found.peak_of_load.values[refused]) ** 2 - shared**2 - settings**2
+    settings = pressure.peak_std_settings.values[refused]
+    goal = (CLEAR * pressure.peak_of_load.values[refused]) ** 2 - shared**2 - settings**2
     if (goal > 0).any():
         factor = float(np.nanmedian((random**2 / goal)[goal > 0]))
         cure = _TEXTS["light"].format(factor=factor)
@@ -374,18 +379,18 @@ def _state_refusal(found: xr.Dataset, refused: Mask) -> str:
     )
 
 
-def state_balance(found: xr.Dataset) -> str:
+def state_balance(pressure: xr.Dataset) -> str:
     """The load that the pressure makes beside the logged one, in words; as `state_limits`."""
-    measured = found.pressure_measured.values > 0
-    load, std = (found[name].values for name in ("load_from_pressure", "load_from_pressure_std"))
-    logged = found["load"].values
+    measured = pressure.pressure_measured.values > 0
+    load, std = (pressure[name].values for name in ("load_from_pressure", "load_from_pressure_std"))
+    logged = pressure["load"].values
     measured &= np.isfinite(logged) & np.isfinite(load) & np.isfinite(std)
     if not measured.any():
         return "No load to compare with."
 
     logged = logged[measured]
     ratio = load[measured] / logged
-    cov = found.load_cov.values[np.ix_(measured, measured)] / np.outer(logged, logged)
+    cov = pressure.load_cov.values[np.ix_(measured, measured)] / np.outer(logged, logged)
     tests = weigh_loads(ratio, cov)
     text = _TEXTS["carries"].format(ratio=100 * tests.ratio, std=100 * tests.std, used=tests.used)
     if not tests.shifted and not tests.differs and not tests.off.any():
@@ -397,7 +402,7 @@ def state_balance(found: xr.Dataset) -> str:
         text += _TEXTS["single"].format(limit=tests.limit, total=total, **listed)
     elif tests.differs and not tests.shifted:
         text += _TEXTS["together"].format(chance=tests.chance)
-    causes = _name_causes(found, tests.ratio, shifted=tests.shifted)
+    causes = _name_causes(pressure, tests.ratio, shifted=tests.shifted)
     return f"{text}. What fits: {'; '.join(causes)}."
 
 
@@ -451,10 +456,10 @@ def weigh_loads(ratio: Array, cov: Array) -> _Balance:
     )
 
 
-def _name_causes(found: xr.Dataset, ratio: float, *, shifted: bool) -> list[str]:
+def _name_causes(pressure: xr.Dataset, ratio: float, *, shifted: bool) -> list[str]:
     """Everything that makes a load differ by this ratio, or at single triggers alone."""
-    pin = describe_sideways(settings_of(found).prediction)
-    stated = "prediction.sideways" in str(found.attrs.get("settings_stated", "")).split(", ")
+    pin = describe_sideways(settings_of(pressure).prediction)
+    stated = "prediction.sideways" in str(pressure.attrs.get("settings_stated", "")).split(", ")
     mount = _TEXTS["mount" if stated else "mount_assumed"]
     causes = [mount.format(pin=pin, hint=_TEXTS["mount_hint"]), *_TEXTS["causes"]]
 

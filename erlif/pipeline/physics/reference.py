@@ -78,11 +78,11 @@ def _compare(
     calibration: Calibration,
 ) -> list[Note]:
     """Deviation of the mean, in units of its error."""
-    seen = np.isfinite(film) & (random > 0)
-    if not seen.any():
+    valid = np.isfinite(film) & (random > 0)
+    if not valid.any():
         return [Note(Level.WARNING, "reference", _TEXTS["absent"])]
-    weight = random[seen] ** -2.0
-    mean = float((weight * film[seen]).sum() / weight.sum())
+    weight = random[valid] ** -2.0
+    mean = float((weight * film[valid]).sum() / weight.sum())
     std = float(
         np.sqrt(1 / weight.sum() + uncertainty**2 + float(calibration.thickness_std(known)) ** 2)
     )

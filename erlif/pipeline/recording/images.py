@@ -76,10 +76,10 @@ def restore_images(
     """
     film_path, run_dir = Path(film_path), Path(run_dir)
     stored = _read_stored(film_path, trigger)
-    found = open_run(
+    opened = open_run(
         run_dir, skip_bad_frames=True, find_start=fit_start, allow_outside=allow_outside
     )
-    run = replace(found, settings=stored.settings)
+    run = replace(opened, settings=stored.settings)
     _check_run(run, stored)
     frames = [k for k in run.pairs.usable if stored.trigger_of[k] == trigger]
     if not frames:
@@ -148,12 +148,12 @@ def _check_run(run: Run, stored: _Stored) -> None:
     """Refuse a run directory whose frames are not those of the film."""
     shape = (stored.y.size, stored.x.size)
     count = len(stored.trigger_of)
-    found = len(run.pairs.pages[0])
-    if run.pairs.shape != shape or found != count:
+    total = len(run.pairs.pages[0])
+    if run.pairs.shape != shape or total != count:
         raise FrameError(
             "Expected the run that the film was made from, "
             f"{count} frames of {shape[1]} x {shape[0]} px; {run.directory.name} has "
-            f"{found} of {run.pairs.shape[1]} x {run.pairs.shape[0]} px. Name the right one as "
+            f"{total} of {run.pairs.shape[1]} x {run.pairs.shape[0]} px. Name the right one as "
             "run_dir."
         )
 
@@ -172,7 +172,7 @@ def _combine(chain: FrameChain, stored: _Stored, frames: list[int], trigger: int
     shape = chain.pairs.shape
     total = RatioSum(shape)
     light = np.zeros((2, *shape))
-    seen = np.zeros_like(light)
+    count = np.zeros_like(light)
     with one_thread_per_frame():
         for frame in frames:
             drift_x, drift_y = stored.drift[frame].tolist()
@@ -182,7 +182,7 @@ def _combine(chain: FrameChain, stored: _Stored, frames: list[int], trigger: int
 
             # camera 2 sees the edge of the image in some frames only, as it drifts
             light += np.nan_to_num(signal, nan=0.0)
-            seen += np.isfinite(signal)
+            count += np.isfinite(signal)
 
     combined = pair if len(frames) == 1 else total.mean()
     ratio = RatioImages(combined.to_images().isel(frame=0))
@@ -194,7 +194,7 @@ def _combine(chain: FrameChain, stored: _Stored, frames: list[int], trigger: int
     if smoothing is not None:
         ratio = smooth_ratio(ratio, resolution=smoothing)
 
-    mean = np.divide(light, seen, out=np.full_like(light, np.nan), where=seen > 0)
+    mean = np.divide(light, count, out=np.full_like(light, np.nan), where=count > 0)
     images = xr.Dataset(
         {"light": (("camera", "y", "x"), mean.astype(np.float32), {"units": "DN"})},
         {"camera": [1, 2], "x": stored.x, "y": stored.y},

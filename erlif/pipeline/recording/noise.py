@@ -87,10 +87,10 @@ def complete_noise(
 
     before = np.zeros((2, 2))
     for _ in range(_ROUNDS):
-        found = _estimate(chain, unknown)
-        if found is None:
+        renewed = _estimate(chain, unknown)
+        if renewed is None:
             return NoiseCompletion(chain, cameras.notes, sample)
-        estimate = found
+        estimate = renewed
 
         cameras = make_references(
             known.measured, declared=known.declared, estimated=estimate.cameras

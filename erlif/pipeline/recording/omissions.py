@@ -28,13 +28,13 @@ def note_omissions(settings: RunSettings, triggers: xr.Dataset) -> list[Note]:
     list of Note
         One for each missing table; empty for a run with all of them.
     """
-    found = [
+    lacking = [
         (table, [name for name in names if name not in triggers], cure)
         for table, names, cure in _lacking(settings, triggers)
     ]
     return [
         Note(Level.NOTE, table, f"{_absent(table, settings)}; left out: {', '.join(names)}. {cure}")
-        for table, names, cure in found
+        for table, names, cure in lacking
         if names
     ]
 

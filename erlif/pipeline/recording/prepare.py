@@ -203,12 +203,12 @@ def prepare_run(
     refuse_swapped_cameras(chain, calibration, prepared.sample, stored=known.nodes)
 
     # a background that is to be subtracted is found before the films are measured
-    energies, found, measuring = read_energies(run.log), LightFindings(), calibration
+    energies, findings, measuring = read_energies(run.log), LightFindings(), calibration
     if correct:
         with stage("light", _logger):
             lights = measure_lights(chain, ObjectPlane(run.settings, run.pairs.shape).patch)
-            found = find_light(lights, calibration, cycle.trigger.values, energies)
-        chain, measuring = correct_light(chain, calibration, found, options)
+            findings = find_light(lights, calibration, cycle.trigger.values, energies)
+        chain, measuring = correct_light(chain, calibration, findings, options)
 
     # the frames need neither the sample nor the references
-    return PreparedRun(chain.tabulated(), measuring, found, energies, tuple(prepared.notes))
+    return PreparedRun(chain.tabulated(), measuring, findings, energies, tuple(prepared.notes))

@@ -85,8 +85,8 @@ def refuse_stuck_cameras(pairs: FramePairs) -> None:
 
     # the last one first: a camera may hang for some pulses and go on
     for frame in reversed(others):
-        found = read_pair(pairs, frame).counts
-        stuck -= {n + 1 for n in range(2) if not np.array_equal(known[n], found[n])}
+        counts = read_pair(pairs, frame).counts
+        stuck -= {n + 1 for n in range(2) if not np.array_equal(known[n], counts[n])}
         if not stuck:
             return
     if len(stuck) == 2:
@@ -188,8 +188,8 @@ def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note
     """Refuse a camera all of whose files are the same, and note files that are copies."""
     notes = []
     digests = [[one.digests[camera] for one in ordered] for camera in range(2)]
-    for camera, found in enumerate(digests):
-        known = [digest for digest in found if digest]
+    for camera, files in enumerate(digests):
+        known = [digest for digest in files if digest]
         copies = len(known) - len(set(known))
 
         # pairs that are repeated in both cameras have a note of their own
@@ -241,5 +241,5 @@ def _describe_order(fault: PulseFault, numbers: list[int], pairs: FramePairs) ->
         more = [f"and {len(pairing) - _LISTED} more"] if len(pairing) > _LISTED else []
         words["pairing"] = ", ".join([*pairing[:_LISTED], *more])
 
-    found = _TEXTS["order"][fault.kind].format(**words)
-    return f"Expected both cameras to show the same laser pulse in every frame pair; {found}"
+    described = _TEXTS["order"][fault.kind].format(**words)
+    return f"Expected both cameras to show the same laser pulse in every frame pair; {described}"

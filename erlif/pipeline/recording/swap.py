@@ -85,15 +85,17 @@ def _check_ratio(chain: FrameChain, calibration: Calibration, sample: Sequence[B
     low, high = calibration.predict_log(calibration.thickness_range)
     shares = []
     for bands in sample:
-        found: list[Image] = []
+        log_ratios: list[Image] = []
         noise: list[Image] = []
         for band in bands:
             ratios = chain.divide(band)
             good = ratios.flags.values == 0
-            found.append(ratios.log_ratio.values[good])
+            log_ratios.append(ratios.log_ratio.values[good])
             noise.append(np.sqrt(ratios.log_ratio_var.values[good]))
-        if any(ratio.size for ratio in found):
-            shares.append(_share_ratios(np.concatenate(found), np.concatenate(noise), calibration))
+        if any(ratio.size for ratio in log_ratios):
+            shares.append(
+                _share_ratios(np.concatenate(log_ratios), np.concatenate(noise), calibration)
+            )
     if not shares:
         return
 
