@@ -14,7 +14,7 @@ from erlif.calibration import Calibration, record_calibration
 from erlif.core.arrays import Array
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
-from erlif.core.notes import Level, Note, join_notes
+from erlif.core.notes import Note, join_notes, note_writer
 from erlif.core.tables import read_table
 from erlif.core.timing import stage
 from erlif.core.units import count_of
@@ -62,7 +62,9 @@ from erlif.trend import (
 
 _logger = logging.getLogger(__name__)
 
-_TEXTS = read_table("erlif.pipeline", "notes.toml")["film"]
+_note = note_writer("erlif.pipeline")
+
+_TEXTS = read_table("erlif.pipeline", "words.toml")["film"]
 
 _CENSORED = 0.01
 """Share of the region outside the measurable range from which a note reports it."""
@@ -532,5 +534,4 @@ def _censoring_notes(results: Sequence[TriggerResult]) -> list[Note]:
     worst = int(np.argmax(shares))
     if shares[worst] < _CENSORED:
         return []
-    text = _TEXTS["beyond_range"].format(share=shares[worst], trigger=worst)
-    return [Note(Level.WARNING, "", text)]
+    return [_note("beyond_range", share=shares[worst], trigger=worst)]

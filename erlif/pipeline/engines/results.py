@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.notes import Level, Note
-from erlif.core.tables import read_table
+from erlif.core.notes import Note, note_writer
 from erlif.io.ingest import FramePairs, depth_warning
 from erlif.ratio import (
     NO_CELLS,
@@ -25,7 +24,7 @@ from erlif.ratio import (
 from erlif.thickness import NO_PATCH, PatchMean, sample_patch
 from erlif.trend import FilmStatistics, PinPosition, Region
 
-_TEXTS = read_table("erlif.pipeline", "notes.toml")["frames"]
+_note = note_writer("erlif.pipeline")
 
 _OF_FRAMES: dict[str, tuple[Any, tuple[int, ...]]] = {
     "frame": (np.int64, ()),
@@ -207,5 +206,5 @@ def describe_frame_notes(frames: Sequence[FrameResult], pairs: FramePairs) -> li
     lost = sorted(one.frame for one in frames if np.isnan(one.drift[0]))
     if lost:
         subject = f"frame pairs {', '.join(str(frame) for frame in lost)}"
-        notes.append(Note(Level.WARNING, subject, _TEXTS["no_texture"]))
+        notes.append(_note("no_texture", subject=subject))
     return [note for note in notes if note is not None]

@@ -17,7 +17,7 @@ from erlif.io.settings import RunSettings
 from erlif.kinematics import find_clock_offset, locate_frames
 from erlif.pipeline.physics.joint import build_linkage, describe_encoder_settings
 
-_TEXTS = read_table("erlif.pipeline", "notes.toml")["clock"]
+_TEXTS = read_table("erlif.pipeline", "words.toml")["clock"]
 
 MOST_FRAMES = 400
 """Frame pairs whose light is read."""

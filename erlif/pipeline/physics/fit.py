@@ -31,7 +31,7 @@ from erlif.prediction.comparison import ANY_GUIDED, STEADY
 from erlif.prediction.fit import FEWEST_TRIGGERS, LOAD_LINE_STD
 from erlif.trend import VogelLaw
 
-_TEXTS = read_table("erlif.pipeline", "notes.toml")["fit"]
+_TEXTS = read_table("erlif.pipeline", "words.toml")["fit"]
 
 _POSITIONS = (
     "pin_displacement",

@@ -11,7 +11,7 @@ import xarray as xr
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, note_writer
 from erlif.core.products import References
 from erlif.core.tables import read_table
 from erlif.core.variables import FILM
@@ -32,7 +32,9 @@ from erlif.trend import (
     fit_trend,
 )
 
-_TEXTS = read_table("erlif.pipeline", "notes.toml")
+_note = note_writer("erlif.pipeline")
+
+_TEXTS = read_table("erlif.pipeline", "words.toml")
 
 _MOST_FRAMES = 400
 """Frames of an estimate, spread over the run: their number bounds memory and time."""
@@ -134,9 +136,7 @@ def describe_background(
     notes : list of Note
     """
     if estimate is None:
-        more = _TEXTS["background"]["nothing_subtracted"] if corrected else ""
-        text = _TEXTS["background"]["undetermined"].format(more=more)
-        return {}, [Note(Level.WARNING if corrected else Level.NOTE, "background", text)]
+        return {}, [_note(f"background_{'not_subtracted' if corrected else 'undetermined'}")]
 
     variables = {
         "background": FILM["background"].fill(
@@ -159,10 +159,9 @@ def _describe(estimate: BackgroundEstimate, calibration: Calibration, *, correct
     )
     shares = texts["shares"].format(one=one, two=two)
     if corrected:
-        return Note(Level.NOTE, "background", texts["subtracted"].format(shares=shares))
+        return _note("background_subtracted", shares=shares)
     if not estimate.significant:
-        text = texts["absent"].format(detectable=100 * estimate.detectable)
-        return Note(Level.NOTE, "background", text)
+        return _note("background_absent", detectable=100 * estimate.detectable)
 
     film = 0.5 * estimate.film  # thinner than the median, where the joint carries its load
     low = max(film, calibration.thickness_range[0])
@@ -170,8 +169,7 @@ def _describe(estimate: BackgroundEstimate, calibration: Calibration, *, correct
         1e3 * float(value(np.array(low), calibration))
         for value in (estimate.film_shift, estimate.film_shift_std)
     )
-    text = texts["found"].format(shares=shares, low=low, shift=shift, std=std)
-    return Note(Level.WARNING, "background", text)
+    return _note("background", shares=shares, low=low, shift=shift, std=std)
 
 
 def subtract(chain: FrameChain, estimate: BackgroundEstimate) -> FrameChain:
@@ -262,8 +260,7 @@ def describe_bleaching(
     """
     texts = _TEXTS["bleaching"]
     if trend is None:
-        note = Note(Level.WARNING, "bleaching", texts["undetermined"])
-        return {}, [note] if corrected else []
+        return {}, [_note("bleaching_undetermined")] if corrected else []
     values = {"ratio": (trend.log_ratio, trend.log_ratio_std)}
     if np.isfinite(trend.light):
         values["light"] = trend.light, trend.light_std
@@ -284,9 +281,7 @@ def describe_bleaching(
     text = texts["found"].format(source=source, change=ratio, light=light)
     if source == "at equal triggers":
         text += texts["or_films"]
-    if corrected:
-        return variables, [Note(Level.NOTE, "bleaching", text + texts["corrected"])]
-    return variables, [Note(Level.WARNING, "bleaching", text + texts["advice"])]
+    return variables, [_note("bleaching_corrected" if corrected else "bleaching", changes=text)]
 
 
 @dataclass(frozen=True)

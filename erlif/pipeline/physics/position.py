@@ -12,7 +12,7 @@ import numpy as np
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, note_writer
 from erlif.core.tables import read_table
 from erlif.core.units import Quantity
 from erlif.core.variables import FILM
@@ -29,7 +29,9 @@ from erlif.trend import (
     judge_form,
 )
 
-_TEXTS = read_table("erlif.pipeline", "notes.toml")["pin"]
+_note = note_writer("erlif.pipeline")
+
+_TEXTS = read_table("erlif.pipeline", "words.toml")["pin"]
 
 AXES = ("load", "side")
 """Directions of displacement and tilt: towards the load, and sideways along sliding."""
@@ -132,20 +134,19 @@ def note_form(
         return []
     notes = []
     if form.cause is not Cause.NONE:
-        notes.append(Note(Level.WARNING, "pin", _describe_cause(form, view, joint)))
+        notes.append(_note_cause(form, view, joint))
 
     std = [one.covariance(calibration.full_covariance)[0, 0] ** 0.5 for one in known]
     least = float(np.nanmedian(std))
     if depth > least:
-        text = _TEXTS["flattened"].format(depth=depth, least=least)
-        notes.append(Note(Level.NOTE, "pin", text))
+        notes.append(_note("pin_flattened", depth=depth, least=least))
     return notes
 
 
-def _describe_cause(form: GapForm, view: PinView, joint: JointSettings) -> str:
-    """A deviation of the form in words, with its likely cause."""
+def _note_cause(form: GapForm, view: PinView, joint: JointSettings) -> Note:
+    """A deviation of the form, with its likely cause."""
     if form.cause is Cause.BENDING:
-        return str(_TEXTS["bent"].format(bend=1e3 * form.bend, std=1e3 * form.bend_std))
+        return _note("pin_bent", bend=1e3 * form.bend, std=1e3 * form.bend_std)
     excess, (low, high) = 100 * form.excess, form.films
     change, change_std = 100 * form.excess_change, 100 * form.excess_change_std
     if form.cause is Cause.FLATTENING:
@@ -160,7 +161,7 @@ def _describe_cause(form: GapForm, view: PinView, joint: JointSettings) -> str:
         first, second = (radii, scale) if form.cause is Cause.RADII else (scale, radii)
         cause = _TEXTS["either"].format(first=first, second=second)
     std = 100 * form.excess_std
-    return str(_TEXTS["curved"].format(excess=excess, std=std, low=low, high=high, cause=cause))
+    return _note("pin_curved", excess=excess, std=std, low=low, high=high, cause=cause)
 
 
 def _flattening(joint: JointSettings, load: float) -> float:

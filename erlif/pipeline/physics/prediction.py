@@ -9,7 +9,7 @@ import xarray as xr
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ErlifError
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, note_writer
 from erlif.core.tables import read_table
 from erlif.io.ingest import Run
 from erlif.io.settings import CrankRockerSettings, PredictionOptions, RunSettings
@@ -28,7 +28,9 @@ from erlif.prediction import (
 from erlif.prediction.triggers import CELLS
 from erlif.trend import Joint, viscosity_at
 
-_TEXTS = read_table("erlif.pipeline", "notes.toml")["prediction"]
+_note = note_writer("erlif.pipeline")
+
+_TEXTS = read_table("erlif.pipeline", "words.toml")["prediction"]
 
 _RIGID = "isoviscous-rigid"
 """Regime whose surfaces keep their shape, as the transient prediction takes them."""
@@ -331,8 +333,7 @@ def try_prediction(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> 
         return predict_run(plane, film, frames)
     # a measured film is worth more than its prediction, whatever went wrong in the latter
     except (ErlifError, ArithmeticError, ValueError, IndexError) as error:
-        text = _TEXTS["failed"].format(error=error)
-        return NO_PREDICTION._replace(notes=[Note(Level.WARNING, "[prediction]", text)])
+        return NO_PREDICTION._replace(notes=[_note("prediction_failed", error=error)])
 
 
 def choose_theory(settings: RunSettings, steady: xr.Dataset, predicted: xr.Dataset) -> xr.Dataset:
@@ -397,8 +398,7 @@ def note_correlation(film: xr.Dataset) -> list[Note]:
     measured, predicted, steady = (speed_correlation(film[name].values, speed) for name in names)
     if not np.isfinite([measured, predicted, steady]).all():
         return []
-    text = _TEXTS["correlation"].format(measured=measured, predicted=predicted, steady=steady)
-    return [Note(Level.NOTE, "theory", text)]
+    return [_note("speed_correlation", measured=measured, predicted=predicted, steady=steady)]
 
 
 def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:
@@ -434,8 +434,7 @@ def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:
 
     other = "free" if options.sideways == "guided" else "guided"
     pin = describe_sideways(options)
-    text = _TEXTS["differs"].format(pin=pin, spread=spread, error=error, other=other)
-    return [Note(Level.WARNING, "theory", text)]
+    return [_note("prediction_differs", pin=pin, spread=spread, error=error, other=other)]
 
 
 def describe_sideways(options: PredictionOptions) -> str:

@@ -31,7 +31,7 @@ from erlif.prediction.pressure import CHANGING, CLEAR, find_pressures
 from erlif.prediction.smoothing import FEWEST
 from erlif.trend import PinView, viscosity_at
 
-_TEXTS = read_table("erlif.pipeline", "notes.toml")["pressure"]
+_TEXTS = read_table("erlif.pipeline", "words.toml")["pressure"]
 
 GRID = (48, 12)
 """Places along sliding and along the axis at which the pressure is given."""

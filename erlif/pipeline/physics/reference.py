@@ -8,13 +8,15 @@ from typing import Any
 import numpy as np
 
 from erlif.calibration import Calibration
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, note_writer
 from erlif.core.tables import read_table
 from erlif.core.variables import FILM
 from erlif.io.settings import ReferenceSettings
 from erlif.pipeline.engines.results import TriggerResult
 
-_TEXTS = read_table("erlif.pipeline", "notes.toml")["reference"]
+_note = note_writer("erlif.pipeline")
+
+_TEXTS = read_table("erlif.pipeline", "words.toml")["reference"]
 
 _DEVIANT = 3.0
 """Standard deviations from which on a deviation is reported."""
@@ -80,7 +82,7 @@ def _compare(
     """Deviation of the mean, in units of its error."""
     valid = np.isfinite(film) & (random > 0)
     if not valid.any():
-        return [Note(Level.WARNING, "reference", _TEXTS["absent"])]
+        return [_note("patch_absent")]
     weight = random[valid] ** -2.0
     mean = float((weight * film[valid]).sum() / weight.sum())
     std = float(
@@ -89,6 +91,5 @@ def _compare(
     off = mean - known
     stated = _TEXTS["stated"].format(mean=mean, known=known, off=off)
     if abs(off) <= _DEVIANT * std:
-        return [Note(Level.NOTE, "reference", _TEXTS["agrees"].format(stated=stated, std=std))]
-    text = _TEXTS["deviates"].format(stated=stated, times=abs(off) / std, std=std)
-    return [Note(Level.WARNING, "reference", text)]
+        return [_note("patch_agrees", stated=stated, std=std)]
+    return [_note("patch_deviates", stated=stated, times=abs(off) / std, std=std)]

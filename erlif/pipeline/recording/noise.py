@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Note, note_writer
 from erlif.core.products import CorrectedFrames, References
 from erlif.core.tables import read_table
 from erlif.correction import make_references
@@ -18,7 +18,9 @@ from erlif.ratio import NoiseEstimate, NoiseUnknowns, NoiseView, estimate_camera
 from erlif.ratio.camera_noise import cell_size
 from erlif.registration import align_frames
 
-_TEXTS = read_table("erlif.pipeline", "notes.toml")["noise"]
+_note = note_writer("erlif.pipeline")
+
+_TEXTS = read_table("erlif.pipeline", "words.toml")["noise"]
 
 _LARGE = 500_000
 """Pixels from which fewer frames hold enough cells. [px]"""
@@ -164,13 +166,16 @@ def _describe(estimate: NoiseEstimate, unknown: NoiseUnknowns) -> list[Note]:
             assumed.append(_TEXTS["alike"].format(alike=estimate.alike))
         if unknown.read_noise.all():
             assumed.append("one read noise [DN] for both")
-        text = _TEXTS["estimated"].format(
-            what=" and ".join(what),
-            frames=estimate.frames,
-            precision=precision,
-            assumed=" and ".join(assumed),
+        notes.append(
+            _note(
+                "noise_estimated",
+                subject=f"camera{n + 1}",
+                what=" and ".join(what),
+                frames=estimate.frames,
+                precision=precision,
+                assumed=" and ".join(assumed),
+            )
         )
-        notes.append(Note(Level.WARNING, f"camera{n + 1}", text))
     if unknown.response[1]:
         notes.append(_describe_response(estimate, unknown))
     return notes
@@ -180,5 +185,5 @@ def _describe_response(estimate: NoiseEstimate, unknown: NoiseUnknowns) -> Note:
     """What is known of the response of the pixels without a flat."""
     cameras = "both cameras" if unknown.response[0] else "camera 2"
     spread = estimate.cameras[1].response_spread
-    text = _TEXTS["response_unknown" if np.isnan(spread) else "response"]
-    return Note(Level.WARNING, "flats", text.format(cameras=cameras, spread=100 * spread))
+    key = "response_unknown" if np.isnan(spread) else "response"
+    return _note(key, cameras=cameras, spread=100 * spread)
