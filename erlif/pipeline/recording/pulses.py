@@ -8,12 +8,14 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError
-from erlif.core.notes import Level, Note, list_numbers
+from erlif.core.notes import Note, list_numbers, note_writer
 from erlif.core.products import EncoderLog
 from erlif.core.tables import read_table
 from erlif.io.ingest import FramePairs, read_pair
 from erlif.pipeline.engines.results import FrameResult
 from erlif.ratio import PulseFault, PulseSample, find_pulse_faults
+
+_note = note_writer("erlif.pipeline")
 
 _TEXTS = read_table("erlif.pipeline.recording", "pulses.toml")
 
@@ -181,7 +183,7 @@ def _describe_unknown(fault: PulseFault, numbers: list[int]) -> Note:
     if shown:
         of_pulse = f"the pulses of pairs {list_numbers(shown)} are among those shown twice"
     subject = f"frame pairs {list_numbers([numbers[k] for k in fault.frames])}"
-    return Note(Level.WARNING, subject, _TEXTS["notes"]["unknown"].format(of_pulse=of_pulse))
+    return _note("pulses_unknown", subject=subject, of_pulse=of_pulse)
 
 
 def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note]:
@@ -199,8 +201,8 @@ def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note
             continue
         if len(set(known)) == 1 and len(known) == len(ordered):
             raise PulseError(_one_camera(camera + 1, len(known), pairs))
-        text = _TEXTS["notes"]["copies"].format(copies=copies, count=len(known))
-        notes.append(Note(Level.WARNING, f"camera{camera + 1}", text))
+        subject, count = f"camera{camera + 1}", len(known)
+        notes.append(_note("pulses_copied", subject=subject, copies=copies, count=count))
     return notes
 
 
@@ -218,8 +220,7 @@ def _describe_repeated(frames: list[int], count: int, pairs: FramePairs) -> Note
     names = [pairs.pages[0][k].name for k in frames]
     if len(frames) == count > 1:
         raise PulseError(_one_image(count, names))
-    subject = f"frame pairs {list_numbers(frames)}"
-    return Note(Level.WARNING, subject, _TEXTS["notes"]["repeated"])
+    return _note("pulses_repeated", subject=f"frame pairs {list_numbers(frames)}")
 
 
 def _describe_order(fault: PulseFault, numbers: list[int], pairs: FramePairs) -> str:

@@ -96,12 +96,11 @@ def test_light_is_the_mean_of_the_frames_less_dark_over_flat(cycles):
     assert images.light.attrs["units"] == "DN"
 
 
-def test_settings_are_those_of_the_film(lab):
+def test_settings_are_those_of_the_film(lab, film):
     """An edit of run.toml after the film was made does not change the images behind the film."""
-    erlif.process(lab.run, output=lab.film, workers=1).close()
     lab.edit("run/run.toml", ("[thickness]", '[thickness]\nleast_signal = "4000 electron"'))
-    images = restore_images(lab.film, lab.run, trigger=1)
-    with open_film(lab.film) as stored:
+    images = restore_images(film, lab.run, trigger=1)
+    with open_film(film) as stored:
         assert_behind_map(images, stored, 1)
 
 
