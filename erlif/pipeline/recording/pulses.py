@@ -8,7 +8,7 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError
-from erlif.core.notes import Note, list_numbers, note_writer
+from erlif.core.notes import Note, list_some, note_writer
 from erlif.core.products import EncoderLog
 from erlif.core.tables import read_table
 from erlif.io.ingest import FramePairs, read_pair
@@ -181,8 +181,8 @@ def _describe_unknown(fault: PulseFault, numbers: list[int]) -> Note:
     shown = sorted({numbers[n] for n in fault.partners if n >= 0})
     of_pulse = "no frame of camera 1 shows that pulse"
     if shown:
-        of_pulse = f"the pulses of pairs {list_numbers(shown)} are among those shown twice"
-    subject = f"frame pairs {list_numbers([numbers[k] for k in fault.frames])}"
+        of_pulse = f"the pulses of pairs {list_some(shown)} are among those shown twice"
+    subject = f"frame pairs {list_some([numbers[k] for k in fault.frames])}"
     return _note("pulses_unknown", subject=subject, of_pulse=of_pulse)
 
 
@@ -220,7 +220,7 @@ def _describe_repeated(frames: list[int], count: int, pairs: FramePairs) -> Note
     names = [pairs.pages[0][k].name for k in frames]
     if len(frames) == count > 1:
         raise PulseError(_one_image(count, names))
-    return _note("pulses_repeated", subject=f"frame pairs {list_numbers(frames)}")
+    return _note("pulses_repeated", subject=f"frame pairs {list_some(frames)}")
 
 
 def _describe_order(fault: PulseFault, numbers: list[int], pairs: FramePairs) -> str:
