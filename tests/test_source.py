@@ -107,3 +107,9 @@ def test_help_shows_every_field_of_a_public_record():
         if not re.search(rf"^(\w+, )*{name}(, \w+)* : ", ast.get_docstring(node) or "", re.M)
     ]
     assert not missing
+
+
+def test_no_kernel_is_compiled_as_parallel():
+    """docs/decisions/kernels.md: threads run over frames."""
+    parallel = [path for path in SOURCES if "parallel=True" in path.read_text(encoding="utf-8")]
+    assert not parallel

@@ -15,7 +15,14 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
 from erlif.core.tables import read_table
 from erlif.core.units import Quantity
-from erlif.io.settings import DyeSettings, PlanSettings, read_plan_settings, to_toml, write_example
+from erlif.io.settings import (
+    DyeSettings,
+    PlanSettings,
+    read_plan_settings,
+    settings_of,
+    to_toml,
+    write_example,
+)
 from erlif.planning import (
     Camera,
     Design,
@@ -104,7 +111,7 @@ def plan(source: Path | str | PlanSettings, *, folder: Path | None = None) -> xr
     >>> planned.measurable_range.values.round(1)
     array([ 0.8, 12.7])
     """
-    settings, folder = _read(source, folder)
+    settings, folder = settings_of(source, read_plan_settings, folder)
     design, film = design_of(settings, folder), film_of(settings)
     largest = float(settings.optimum.largest_concentration)
     best = find_optimum(design, film, largest=largest, fill=settings.optimum.fill)
@@ -130,18 +137,6 @@ def plan(source: Path | str | PlanSettings, *, folder: Path | None = None) -> xr
         **_describe_pulse(settings, design),
     }
     return planned
-
-
-def _read(source: Path | str | PlanSettings, folder: Path | None) -> tuple[PlanSettings, Path]:
-    if isinstance(source, PlanSettings):
-        return source, folder or Path()
-    if not isinstance(source, str | os.PathLike):
-        raise ConfigError(
-            f"Expected the file of a plan, or erlif.settings.PlanSettings; got "
-            f"{type(source).__name__}. Name the file."
-        )
-    path = Path(source)
-    return read_plan_settings(path), folder or path.parent
 
 
 # settings to design
@@ -277,16 +272,6 @@ def _with_light(design: Design, settings: PlanSettings) -> Design:
 def film_of(settings: PlanSettings) -> Film:
     """Return the films of a plan in um.
 
-    Parameters
-    ----------
-    settings : PlanSettings
-
-    Returns
-    -------
-    Film
-
-    Examples
-    --------
     >>> import tomllib
     >>> film_of(PlanSettings.model_validate(tomllib.loads(example_plan()))).covered
     (0.1, 18.0)
@@ -306,17 +291,6 @@ def _um(length: float) -> float:
 def best_settings(settings: PlanSettings, best: Optimum) -> PlanSettings:
     """Return a plan with the best concentrations, rounded, and the light that belongs to them.
 
-    Parameters
-    ----------
-    settings : PlanSettings
-    best : Optimum
-
-    Returns
-    -------
-    PlanSettings
-
-    Examples
-    --------
     >>> import tomllib
     >>> settings = PlanSettings.model_validate(tomllib.loads(example_plan()))
     >>> design = design_of(settings, Path()).with_concentrations((0.00517, 0.0476))
@@ -468,7 +442,7 @@ def rig_of(source: Path | str | PlanSettings, *, folder: Path | None = None) -> 
     >>> rig.mechanism, rig.wedge, [round(light) for light in rig.thick_film_signal]
     ('static', (0.1, 18.0), [11000, 11500])
     """
-    settings, folder = _read(source, folder)
+    settings, folder = settings_of(source, read_plan_settings, folder)
     design, film = design_of(settings, folder), film_of(settings)
     one, two = settings.camera1, settings.camera2
     alike = ("gain", "read_noise", "offset", "bit_depth", "full_well")
@@ -545,22 +519,8 @@ def _spectra_of(design: Design) -> DyeSpectra:
 
 
 def moved_settings(text: PlanSettings, source: Path, output: Path) -> PlanSettings:
-    """Return a plan whose files of spectra are named from another directory.
+    """Return a plan whose files of spectra, named from `source`, are named from `output`.
 
-    Parameters
-    ----------
-    text : PlanSettings
-    source : Path
-        Directory from which the files are named.
-    output : Path
-        Directory from which they are to be named.
-
-    Returns
-    -------
-    PlanSettings
-
-    Examples
-    --------
     >>> import tomllib
     >>> settings = PlanSettings.model_validate(tomllib.loads(example_plan()))
     >>> moved_settings(settings, Path("a"), Path("a/results")) == settings

@@ -225,13 +225,11 @@ def follow_cavitated(
 ) -> Array:
     """Follow the pin from the moment of loading, with a full film at first.
 
+    Other arguments, and what is returned, are those of `erlif.rig.orbit.follow_orbit`; the spring
+    is at rest at `start`.
+
     Parameters
     ----------
-    bearing : Bearing
-    time : array, (step,)
-        Rising; the first is that of loading. [s]
-    load : callable
-        Load [N] at a time [s].
     angle : callable
         Angle of the bushing [rad] from the middle of its stroke at a time [s].
     step : float
@@ -240,14 +238,6 @@ def follow_cavitated(
         Of the mount against sideways motion; infinite where the pin is guided. [N/m]
     cavity : float
         Pressure of cavities over the ambient one, not above 0. [Pa]
-    start : (float, float)
-        Displacement of the pin along the load and along +x at the first time; the spring is at rest
-        there. [m]
-
-    Returns
-    -------
-    array, (step, direction)
-        Displacement of the pin along the load and along +x. [m]
 
     Raises
     ------

@@ -8,6 +8,7 @@ from .reading import (
     read_fixture_settings,
     read_plan_settings,
     read_run_settings,
+    settings_of,
 )
 from .schema import json_schema
 from .tables import (
@@ -115,6 +116,7 @@ __all__ = [
     "read_fixture_settings",
     "read_plan_settings",
     "read_run_settings",
+    "settings_of",
     "stated_keys",
     "tables_of",
     "to_toml",

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import difflib
+import os
 import re
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
@@ -143,6 +144,46 @@ def read_endurance_settings(path: Path) -> EnduranceSettings:
     erlif.core.errors.ConfigError: Expected settings in no.toml; there is no such file. Give a file.
     """
     return _read_named(path, EnduranceSettings, holds="settings", hint="Give a file.")
+
+
+def settings_of(
+    source: Path | str | _Settings, read: Callable[[Path], _Settings], folder: Path | None
+) -> tuple[_Settings, Path]:
+    """Return settings that were read, or those of a file, and the folder of what they name.
+
+    Parameters
+    ----------
+    source : path or settings
+    read : callable
+        Reader of such a file.
+    folder : Path or None
+        Default: that of the file, or the working directory.
+
+    Returns
+    -------
+    settings
+    Path
+
+    Raises
+    ------
+    ConfigError
+        If `source` is neither, or as the reader.
+
+    Examples
+    --------
+    >>> settings_of({}, read_plan_settings, None)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ConfigError: Expected the name of a file, or settings; got dict. ...
+    """
+    if isinstance(source, Settings):
+        return source, folder or Path()
+    if not isinstance(source, str | os.PathLike):
+        raise ConfigError(
+            f"Expected the name of a file, or settings; got {type(source).__name__}. Name the file."
+        )
+    path = Path(source)
+    return read(path), folder or path.parent
 
 
 def _read_named(path: Path, kind: type[_Settings], *, holds: str, hint: str) -> _Settings:

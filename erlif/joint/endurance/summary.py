@@ -120,20 +120,15 @@ def describe_designs(found: DesignComparison) -> list[str]:
 def write_test_table(found: Sequence[EnduranceResult], output: Path) -> Path:
     """Write one row for each test as CSV.
 
+    `output` and what is raised are those of `erlif.joint.friction.write_friction_table`.
+
     Parameters
     ----------
     found : sequence of EnduranceResult
-    output : Path
 
     Returns
     -------
     Path
-        `output`.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be written.
 
     Examples
     --------

@@ -19,6 +19,7 @@ from erlif.io.settings import (
     LockOfJoint,
     PartOfJoint,
     read_design_settings,
+    settings_of,
     to_toml,
     write_example,
 )
@@ -80,7 +81,7 @@ def design(source: Path | str | DesignSettings, *, folder: Path | None = None) -
     >>> designed.sound, f"{designed.joint.pin_diameter * 1e3:g} mm"
     (True, '31.5 mm')
     """
-    settings, folder = _read(source, folder)
+    settings, folder = settings_of(source, read_design_settings, folder)
     wanted = joint_of(settings, folder)
     with warnings.catch_warnings():
         # quantities of joint.toml have units
@@ -133,13 +134,6 @@ def example_design() -> BearingDesign:
     'boom of a loader'
     """
     return design(DesignSettings.model_validate(tomllib.loads(example_joint_file())))
-
-
-def _read(source: Path | str | DesignSettings, folder: Path | None) -> tuple[DesignSettings, Path]:
-    if isinstance(source, DesignSettings):
-        return source, folder or Path()
-    path = Path(source)
-    return read_design_settings(path), folder or path.parent
 
 
 def joint_of(settings: DesignSettings, folder: Path) -> Joint:

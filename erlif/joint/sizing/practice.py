@@ -92,23 +92,11 @@ def _notes(joint: Joint, chosen: Collection[str]) -> Iterator[str]:
 
 
 def tolerance_grade_7(diameter: float) -> float:
-    """Return the standard tolerance of grade 7 of ISO 286-1 at a diameter up to 500 mm.
+    """Return the standard tolerance of grade 7 of ISO 286-1 at a diameter up to 500 mm. [m]
 
     16 i with i = 0.45 D^(1/3) + 0.001 D in um, D in mm. The standard takes the mean of a range of
     sizes for D and rounds.
 
-    Parameters
-    ----------
-    diameter : float
-        [m]
-
-    Returns
-    -------
-    float
-        [m]
-
-    Examples
-    --------
     The table has 25 um from 30 to 50 mm:
 
     >>> print(f"{tolerance_grade_7(0.0387) * 1e6:.1f} um")

@@ -15,7 +15,7 @@ from functools import partial
 
 from erlif.core.errors import ConfigError, UnitWarning
 from erlif.joint.sizing.assessment import EQUATIONS
-from erlif.joint.sizing.joint import Joint
+from erlif.joint.sizing.joint import DIMENSIONS, Joint
 from erlif.joint.sizing.lock import size_lock
 from erlif.joint.sizing.practice import Series, round_up
 from erlif.joint.sizing.quantities import warn_of_units
@@ -137,15 +137,8 @@ def _size_with_play(joint: Joint, relative: float, series: Series) -> Joint:
             least = max(least, eye)
         housing = round_up(least, series) if math.isfinite(least) else high * bore
     play = relative * d if joint.play is None else joint.play
-    return replace(
-        joint,
-        pin_diameter=d,
-        bushing_width=w,
-        wall=wall,
-        seat_width=seat,
-        housing_diameter=housing,
-        play=play,
-    )
+    sizes = (d, w, wall, seat, housing, play)
+    return replace(joint, **dict(zip(DIMENSIONS, sizes, strict=True)))
 
 
 def _wall(joint: Joint, diameter: float, series: Series) -> float:
