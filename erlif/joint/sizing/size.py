@@ -12,6 +12,7 @@ import math
 import warnings
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 from erlif.core.errors import ConfigError, UnitWarning
 from erlif.joint.sizing.assessment import EQUATIONS
@@ -137,8 +138,8 @@ def _size_with_play(joint: Joint, relative: float, series: Series) -> Joint:
             least = max(least, eye)
         housing = round_up(least, series) if math.isfinite(least) else high * bore
     play = relative * d if joint.play is None else joint.play
-    sizes = (d, w, wall, seat, housing, play)
-    return replace(joint, **dict(zip(DIMENSIONS, sizes, strict=True)))
+    sizes: dict[str, Any] = dict(zip(DIMENSIONS, (d, w, wall, seat, housing, play), strict=True))
+    return replace(joint, **sizes)
 
 
 def _wall(joint: Joint, diameter: float, series: Series) -> float:
