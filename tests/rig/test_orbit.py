@@ -33,21 +33,17 @@ LISTED = (8 / ((2 * np.arange(HARMONICS) + 1) * np.pi) ** 2).sum()
 """Share of a uniform pressure that the cosines have; the others carry the rest."""
 
 
-@pytest.mark.parametrize("eccentricity", [0.0, 0.3, 0.9, 0.99])
-def test_a_long_bearing_has_sommerfelds_forces(eccentricity):
-    e = eccentricity
+@pytest.mark.parametrize("e", [0.0, 0.3, 0.8, 0.9, 0.99])
+def test_a_long_bearing_has_sommerfelds_forces_and_a_short_one_ocvirks(e):
     approach, sideways = solve_squeeze(e, np.inf).damping / LISTED
     npt.assert_allclose(approach, 12 * np.pi / (1 - e**2) ** 1.5, rtol=1e-7)
     # 12 pi eps/((2 + eps^2) sqrt(1 - eps^2)) of the rotation, which moves the pin by half of it
     npt.assert_allclose(sideways, 24 * np.pi / ((2 + e**2) * np.sqrt(1 - e**2)), rtol=1e-7)
 
-
-@pytest.mark.parametrize("eccentricity", [0.0, 0.3, 0.8])
-def test_a_short_bearing_has_ocvirks_forces(eccentricity):
-    e, slenderness = eccentricity, 0.02
-    approach, sideways = solve_squeeze(e, slenderness).damping / slenderness**2
-    npt.assert_allclose(approach, np.pi * (1 + 2 * e**2) / (1 - e**2) ** 2.5, rtol=0.01)
-    npt.assert_allclose(sideways, np.pi / (1 - e**2) ** 1.5, rtol=0.01)
+    if e <= 0.8:  # thinner films need a bearing that is shorter still
+        approach, sideways = solve_squeeze(e, 0.02).damping / 0.02**2
+        npt.assert_allclose(approach, np.pi * (1 + 2 * e**2) / (1 - e**2) ** 2.5, rtol=0.01)
+        npt.assert_allclose(sideways, np.pi / (1 - e**2) ** 1.5, rtol=0.01)
 
 
 def test_pressure_of_a_long_bearing_is_sommerfelds():
