@@ -29,11 +29,6 @@ CYCLE = np.radians(7.0 + np.arange(0, 360, 4.0))
 # mounting
 
 
-def test_the_coupler_of_the_source_swings_by_14_degrees():
-    """Crank and rocker are parallel at its dead points, the extremes of the curve."""
-    assert np.ptp(CURVES["coupler"]) == pytest.approx(14.362, abs=2e-3)
-
-
 @pytest.mark.parametrize("link", ["rocker", "coupler"])
 @pytest.mark.parametrize("zero", [0.0, 33.3])
 def test_crank_and_joint_speed_are_the_same_from_either_link(link, zero):
@@ -197,8 +192,6 @@ def test_a_swing_that_the_linkage_does_not_make_is_refused():
         EncoderError, match=r"24\.426 deg, because zero is not given; .* spans 9\.9"
     ):
         locate(log_of(reading))
-    with pytest.raises(EncoderError, match=r"24\.426 deg; the logged angle spans 49\.\d* deg"):
-        locate(log_of(5 * reading))
 
 
 def test_readings_that_jump_by_several_turns_are_no_swing():

@@ -29,12 +29,6 @@ def test_a_divider_that_does_not_repeat_leaves_each_frame_for_itself():
     assert "50.89 triggers per cycle do not repeat" in notes
 
 
-def test_a_whole_number_of_triggers_is_folded_as_before():
-    found = located(divided(48, 4), zero=0.0)
-    assert int(found.trigger.max()) == 47
-    assert encoder_notes(found) == []
-
-
 @pytest.mark.parametrize("bins", [2, 25, 50])
 def test_bins_hold_frames_of_one_stroke_and_of_one_part_of_it(bins):
     crank = divided(50.89, 8)

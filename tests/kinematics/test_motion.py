@@ -168,12 +168,6 @@ def test_turns_of_a_disc_fold_onto_one():
     assert found.cycle.values.tolist() == [0] * 4 + [1] * 4 + [2] * 4
 
 
-def test_a_fold_of_different_angles_is_refused():
-    log = make_log(12, angle=np.arange(12) * 90.0)
-    with pytest.raises(EncoderError, match=r"frame 5 is 90\.00 deg|frame \d+ is"):
-        locate_rotation(log, rotation=Rotation(0.02, 1.0), triggers_per_cycle=5)
-
-
 def test_bins_of_a_slider_keep_the_strokes_apart():
     """Three cycles of 50.7 frames; the strokes turn at 90 and 270 degrees."""
     log = make_log(152, angle=np.arange(152) * 360 / 50.7)

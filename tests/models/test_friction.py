@@ -139,8 +139,6 @@ def test_standard_error_of_reversals_matches_their_scatter():
         pulls.append((found.friction - 0.1) / found.standard_error)
     npt.assert_allclose(np.std(pulls), 1, atol=0.12)
     assert abs(np.mean(pulls)) < 0.2
-    with pytest.raises(ModelError, match="0 backward"):
-        average_reversals(np.ones(5), load=1.0, radius=1.0, direction=np.ones(5))
 
 
 def test_sampled_torque_ratio_keeps_the_coordinates_of_data_arrays():

@@ -4,7 +4,6 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
-from erlif.models.contact import hertz_ellipse
 from erlif.models.mechanism import CrankRocker, SliderCrank
 
 RIG = CrankRocker(
@@ -98,24 +97,3 @@ def test_slider_crank_against_mechanism():
     npt.assert_allclose(
         linkage.coupler_acceleration(crank_angle, crank_speed=3.0), coupler.acc.alphas, atol=1e-6
     )
-
-
-@pytest.mark.filterwarnings("ignore::erlif.core.errors.UnitWarning")  # dimensionless
-@pytest.mark.parametrize("ratio", [1.0, 4.0])
-def test_hertz_against_tamaas(ratio):
-    """Half-space contact on a grid: pressure on a paraboloid, within what 256 points resolve."""
-    tamaas = pytest.importorskip("tamaas")
-    points, load, radius = 256, 1e-3, 4.0
-    x = (np.arange(points) - points / 2) / points
-    gap = (x[:, None] ** 2 / radius + x[None, :] ** 2 * ratio / radius) / 2
-    model = tamaas.ModelFactory.createModel(
-        tamaas.model_type.basic_2d, [1.0, 1.0], [points, points]
-    )
-    model.E, model.nu = 1.0, 0.0
-    tamaas.PolonskyKeerRey(model, -gap, 1e-10).solve(load)  # mean pressure on the unit square
-    found = hertz_ellipse(load, radius=radius, radius_across=radius / ratio, contact_modulus=1.0)
-    pressure = np.asarray(model.traction)
-    npt.assert_allclose(pressure.max(), found.pressure, rtol=0.02)
-    touched = pressure > 0
-    npt.assert_allclose(np.ptp(x[touched.any(axis=1)]) / 2, found.a, atol=2 / points)
-    npt.assert_allclose(np.ptp(x[touched.any(axis=0)]) / 2, found.b, atol=2 / points)

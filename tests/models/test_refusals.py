@@ -396,7 +396,6 @@ DOORS = {
         ({"cells": (63, 4)}, "even number"),
         ({"frame": "crank"}, 'frame must be "half-angle" or "laboratory"'),
         ({"maps": [99]}, "steps from 0 to 4"),
-        ({"motion": TURNING, "sideways": "guided"}, "needs a direction"),
         ({"motion": r.Motion([0.0, 1.0, 2.0], np.zeros(3), load=1e8)}, "No film"),
     ),
     "steady film": (

@@ -10,7 +10,6 @@ import xarray as xr
 from scenes.slider_crank import MASSES
 from scipy.integrate import quad
 
-from erlif.core.errors import ModelError
 from erlif.models.contact import winkler_modulus
 from erlif.models.mechanism import SliderCrank
 from erlif.models.reaction import SliderCrankBodies, joint_reaction
@@ -341,5 +340,3 @@ def test_factor_is_that_of_the_observed_order(order, factor):
     npt.assert_allclose(found.worn_volume_order, order)
     last = found.worn_volume[1] - found.worn_volume[2]
     npt.assert_allclose(found.worn_volume_bound[-1], factor * last)
-    with pytest.raises(ModelError, match="halvings must be 2 or more"):
-        bound_extrapolation(2, wear=wear)

@@ -3,6 +3,7 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.fixture import assert_covers
 from scenes.gap import (
     RADIUS,
     TURNED,
@@ -174,7 +175,4 @@ def test_error_bar_covers_turned_and_scratched_surfaces():
         film = np.maximum(known_gap(3.0) + draw_marks(marks, rng)(columns + 60, rows + 40), 0.05)
         found = fit(noisy_ratios(film, 0.0135, rng))
         pulls.append((found.value - 3.0) / np.hypot(found.random_std, found.surface_std))
-    within = [np.mean(np.abs(pulls) < width) for width in (1, 2)]
-    # 60 draws scatter by 6.0 and 2.7 %
-    assert abs(within[0] - 0.683) < 3 * 0.060
-    assert abs(within[1] - 0.954) < 3 * 0.027
+    assert_covers(pulls)

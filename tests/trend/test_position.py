@@ -6,6 +6,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.fixture import assert_covers
 from scenes.gap import (
     AXIAL_ORIGIN,
     BORE,
@@ -104,25 +105,17 @@ def pulls_of(draws, marks=None, rows=None, columns=None):
         error = np.concatenate([found.value - truth * ON_THE_BORE, found.form])
         parts = found.covariance(covariance), found.form_covariance(covariance)
         pulls.append(error / np.sqrt(np.concatenate([np.diag(part) for part in parts])))
-    return np.abs(pulls)
-
-
-def check_coverage(pulls, draws):
-    """Within three standard deviations of a count, 68.3 and 95.4 % for each number."""
-    for width, share in ((1, 0.683), (2, 0.954)):
-        found = np.mean(pulls < width, axis=0)
-        margin = 3 * np.sqrt(share * (1 - share) / draws)
-        assert (np.abs(found - share) < margin).all(), (width, found)
+    return pulls
 
 
 def test_covariance_covers_noise_and_calibration():
-    check_coverage(pulls_of(60), 60)
+    assert_covers(pulls_of(60))
 
 
 @pytest.mark.slow
 def test_covariance_covers_turned_and_scratched_surfaces():
     rows, columns = np.indices(circle_gap(227.0, 0.0).shape, dtype=float)
-    check_coverage(pulls_of(60, RigSettings(), rows + 40, columns + 60), 60)
+    assert_covers(pulls_of(60, RigSettings(), rows + 40, columns + 60))
 
 
 def test_random_covariance_is_the_scatter():

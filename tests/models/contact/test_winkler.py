@@ -5,7 +5,6 @@ import numpy.testing as npt
 import pytest
 from scipy.integrate import quad
 
-from erlif.core.errors import ModelError
 from erlif.models.contact import winkler_contact, winkler_load, winkler_modulus
 
 # groups of lengths and moduli near 1, or radii beyond those of machines, are no slips of units
@@ -50,24 +49,15 @@ def test_winkler_chart(fit, group, ratio):
 def test_winkler_model_ends_at_a_wrap_of_90_degrees():
     case = {"shaft_radius": 1000 / 1001, "bushing_radius": 1.0, "thickness": 1.0, "modulus": 1.0}
     npt.assert_allclose(winkler_load(np.pi / 2, **case), 0.0688, atol=5e-5)
-    with pytest.raises(ModelError, match=r"90 degrees; got 1\.45 times"):
-        winkler_contact(0.1, **case)
 
 
-def test_winkler_inverts_and_scales():
+def test_load_is_proportional_to_the_modulus_and_the_torque_ratio_bounded():
     fit, half_angle = np.geomspace(1.0, 1000.0, 41)[:, None], np.linspace(0.01, 1.5, 50)
-    case = {
-        "shaft_radius": 0.01,
-        "bushing_radius": 0.01 * (1 + 1 / fit),
-        "thickness": 0.003,
-        "modulus": 1e9,
-    }
-    load = winkler_load(half_angle, **case)
-    found = winkler_contact(load, **case)
-    npt.assert_allclose(found.half_angle, 0 * fit + half_angle, rtol=1e-5)
-    assert np.all((found.torque_ratio >= 1) & (found.torque_ratio <= np.pi / 2))
-    softer = winkler_load(half_angle, **{**case, "modulus": 5e8})
-    npt.assert_allclose(softer, load / 2)
+    case = {"shaft_radius": 0.01, "bushing_radius": 0.01 * (1 + 1 / fit), "thickness": 0.003}
+    load = winkler_load(half_angle, modulus=1e9, **case)
+    npt.assert_allclose(winkler_load(half_angle, modulus=5e8, **case), load / 2)
+    ratio = winkler_contact(load, modulus=1e9, **case).torque_ratio
+    assert np.all((ratio >= 1) & (ratio <= np.pi / 2))
 
 
 def test_winkler_modulus_is_the_confined_one():
@@ -75,5 +65,3 @@ def test_winkler_modulus_is_the_confined_one():
     E, nu = 1.1e9, 0.46
     lame, shear = E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
     npt.assert_allclose(winkler_modulus(E, poisson=nu), lame + 2 * shear)
-    with pytest.raises(ModelError, match=r"below 0\.5"):
-        winkler_modulus(E, poisson=0.5)

@@ -181,9 +181,3 @@ def test_options_that_cannot_be_are_refused(straight):
         solve_joint(straight, load=1.0, patch=0.0)
     with pytest.raises(ModelError, match="Lobes lie"):
         solve_joint(straight, load=1.0, lobes=[0.2], lobe_height=1e-4)
-    with pytest.raises(ModelError, match="load_span"):
-        prepare_joint(replace(THESIS, pin_length=THESIS.length))
-    with pytest.raises(ModelError, match="refine"):
-        prepare_joint(THESIS, refine=[0.2])
-    with pytest.raises(ModelError, match="growth"):
-        prepare_joint(THESIS, growth=0.5)
