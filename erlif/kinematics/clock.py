@@ -223,9 +223,8 @@ def _minima(residual: Array) -> list[int]:
 
 def _refine(model: _Model, offsets: Array, place: int) -> float:
     """Least squares between the neighbours of a minimum, to a millionth of their distance. [s]"""
-    from scipy.optimize import minimize_scalar  # slow to load
+    from scipy.optimize import fminbound  # slow to load
 
     low = float(offsets[max(place - 1, 0)])
     high = float(offsets[min(place + 1, offsets.size - 1)])
-    tolerance = 1e-6 * (high - low)
-    return float(minimize_scalar(model.residual, bounds=(low, high), tol=tolerance).x)
+    return float(fminbound(model.residual, low, high, xtol=1e-6 * (high - low)))

@@ -12,6 +12,7 @@ from erlif.models.contact import conformal_radius, contact_modulus, hertz_line
 from erlif.models.film import (
     LUBRICATION_REGIMES,
     dowson_higginson_film,
+    film_parameter,
     hamrock_dowson_film,
     isoviscous_rigid_film,
     line_contact_film,
@@ -283,3 +284,8 @@ def test_high_pressure_is_noted():  # Hertz 1.16 GPa: a line load 100 times that
     heavy = line_contact_film(0.04, **thesis_case(100 * 444.8e3))
     assert any("0.5 GPa" in note for note in heavy.notes)
     assert not any("0.5 GPa" in note for note in line_contact_film(0.04, **CASE).notes)
+
+
+def test_film_parameter_of_the_thesis():  # Farzaneh (2002), eq. 2.7, prints 1.52
+    ratio = film_parameter(0.54e-6, roughness_a=0.25e-6, roughness_b=0.25e-6)
+    npt.assert_allclose(ratio, 1.527, atol=5e-4)

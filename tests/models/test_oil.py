@@ -11,6 +11,7 @@ from erlif.models.oil import (
     density_at_pressure,
     density_at_temperature,
     fit_vogel,
+    kinematic_viscosity,
     roelands_viscosity,
     vogel_viscosity,
 )
@@ -56,3 +57,7 @@ def test_density_under_pressure_and_heat():
         density_at_temperature(323.15, density=860.0, reference_temperature=313.15, expansion=7e-4),
         860 * 0.993,
     )
+
+
+def test_kinematic_viscosity_of_the_thesis():  # Farzaneh (2002): 0.12 Pa s, 1.4e-4 m2/s
+    npt.assert_allclose(kinematic_viscosity(0.12, density=857.1), 1.4e-4, rtol=1e-4)

@@ -13,6 +13,8 @@ from erlif.models.reaction import (
     SliderCrankBodies,
     coupler_force,
     joint_reaction,
+    rod_stress,
+    rolling_bearing_life,
     warn_of_compression,
 )
 
@@ -149,3 +151,19 @@ def test_several_friction_coefficients_give_the_reaction_of_each():
         bodies = SliderCrankBodies(**BODIES, friction=float(one), pin_radius=9.525e-3)
         alone = joint_reaction(MUKRAS, bodies=bodies, **case)
         npt.assert_allclose(found.crank_torque[:, k], alone.crank_torque[:, 0], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("exponent", "load", "hours"),
+    [(10 / 3, 4.1e3, 52119), (10 / 3, 8.2e3, 5171), (3, 4.1e3, 28960), (3, 8.2e3, 3620)],
+)
+def test_bearing_life_of_the_thesis(exponent, load, hours):  # Farzaneh (2002), appendix A.4.1
+    speed = 114 * 2 * np.pi / 60
+    life = rolling_bearing_life(load, rating=23.9e3, speed=speed, exponent=exponent)
+    npt.assert_allclose(life / 3600, hours, rtol=5e-5)
+
+
+def test_threaded_rod_of_the_thesis():
+    """Farzaneh (2002), appendix A.4.1, prints 16 MPa: the diameter in the place of the radius."""
+    npt.assert_allclose(rod_stress(8.2e3, diameter=0.0127) / 1e6, 64.7, atol=0.05)
+    npt.assert_allclose(rod_stress(8.2e3, diameter=2 * 0.0127) / 1e6, 16.2, atol=0.05)

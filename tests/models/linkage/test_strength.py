@@ -6,6 +6,7 @@ import pytest
 
 from erlif.core.errors import ModelError, RangeWarning
 from erlif.models.linkage import (
+    beam_bending_stress,
     fatigue_safety,
     hole_stress,
     open_hole_concentration,
@@ -41,6 +42,12 @@ def test_a_hole_outside_the_fit_warns_and_one_as_wide_as_the_link_is_refused():
     for function in (pin_hole_concentration, open_hole_concentration):
         with pytest.raises(ModelError):
             function(1.0)
+
+
+def test_bending_of_a_beam():
+    """Moment over section modulus, 8.2 kN on 0.2 m, 20 mm x 60 mm: 1640 N m over 12 cm3."""
+    stress = beam_bending_stress(FORCE, arm=0.2, thickness=0.02, depth=0.06)
+    npt.assert_allclose(stress, 1640 / 12e-6)
 
 
 def test_stress_area_of_metric_threads():  # ISO 898-1, table of stress areas, mm2
