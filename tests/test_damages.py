@@ -4,7 +4,6 @@ Each ends with one message that holds the words expected and what to do, status 
 half-written; none takes 20 s or 1.5 GB.
 """
 
-import os
 import re
 import resource
 import shutil
@@ -19,16 +18,15 @@ from damages.products import CALIBRATIONS, FILMS, OUTPUTS, TABLES, USAGE
 from damages.settings import SETTINGS
 from scenes.film import make_film
 from scenes.messages import STEPS
-from scenes.stores import FILM, GRID, GROUPS, VARIABLES, contents, maps_of
+from scenes.stores import contents
 
 import erlif
 from erlif.commands.main import main
-from erlif.io.files import PartialFilm, write_film
 
 pytestmark = pytest.mark.slow
 
 CATALOGUE = [
-    *(*SETTINGS, *FRAMES, *LOGS, *PROFILES, *CALIBRATIONS, *FILMS, *OUTPUTS, *USAGE, *TABLES),
+    *(*SETTINGS, *FRAMES, *LOGS, *PROFILES, *CALIBRATIONS, *FILMS, *OUTPUTS, *USAGE, *TABLES)
 ]
 
 LONGEST = 20.0
@@ -95,16 +93,6 @@ def overwrite(path):
     path.write_bytes(content)
 
 
-def make_pipe(path):
-    path.unlink()
-    os.mkfifo(path)
-
-
-def link_without_end(path):
-    path.unlink()
-    path.symlink_to("/dev/zero")
-
-
 @pytest.fixture(scope="module")
 def interrupted(originals, tmp_path_factory):
     """A film of which three triggers are finished, and the whole film; never to be changed."""
@@ -131,40 +119,6 @@ def test_damaged_work_in_progress_is_made_again(
     result = CliRunner().invoke(main, ["process", "run", "-o", str(tmp_path / "film.nc")])
     assert result.exit_code == 0, result.output
     assert contents(tmp_path / "film.nc") == contents(interrupted / "whole.nc")
-    assert [path.name for path in tmp_path.iterdir()] == ["film.nc"]
-
-
-def put_missing(work, triggers):
-    for trigger in triggers:
-        if not work.has(trigger):
-            work.put(trigger, work.maps.encode(maps_of(trigger)), {"frames_used": 2})
-
-
-@pytest.fixture(scope="module")
-def begun(tmp_path_factory):
-    """As `interrupted`, with maps of formulas."""
-    directory = tmp_path_factory.mktemp("begun")
-    with PartialFilm(directory / "film.nc", "key", GRID, VARIABLES) as work:
-        put_missing(work, range(3))
-    with PartialFilm(directory / "whole.nc", "key", GRID, VARIABLES) as work:
-        put_missing(work, range(4))
-        write_film(work, FILM, GROUPS)
-    return directory
-
-
-@pytest.mark.parametrize(
-    ("change", "intact"), [(cut, [0]), (overwrite, [0]), (make_pipe, []), (link_without_end, [])]
-)
-@pytest.mark.parametrize("name", ["journal", "maps_0.nc"])
-def test_triggers_before_the_damage_are_kept(change, intact, name, begun, tmp_path):
-    """With the others put again, the film is that of work without interruption."""
-    partial = shutil.copytree(begun / "film.nc.partial", tmp_path / "film.nc.partial")
-    change(partial / name)
-    with PartialFilm(tmp_path / "film.nc", "key", GRID, VARIABLES) as work:
-        assert [trigger for trigger in range(3) if work.has(trigger)] == intact
-        put_missing(work, range(4))
-        write_film(work, FILM, GROUPS)
-    assert contents(tmp_path / "film.nc") == contents(begun / "whole.nc")
     assert [path.name for path in tmp_path.iterdir()] == ["film.nc"]
 
 

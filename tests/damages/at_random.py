@@ -1,7 +1,5 @@
 """Products, settings and logs, damaged at random, and what erlif may do with them."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable
 from dataclasses import dataclass

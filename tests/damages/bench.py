@@ -1,7 +1,5 @@
 """A copy of the small rig that costs no disk, and what one damage is."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import tomllib

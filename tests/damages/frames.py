@@ -167,9 +167,7 @@ FRAMES = [
         "Record the run again",
     ),
     _frame(
-        "negative counts",
-        lambda b: b.all_frames(lambda i: i.astype(np.int16) - 4000),
-        "no counts",
+        "negative counts", lambda b: b.all_frames(lambda i: i.astype(np.int16) - 4000), "no counts"
     ),
     _frame("fractions", lambda b: b.all_frames(lambda i: i.astype(np.float32) / 3), "no counts"),
     _frame(

@@ -183,11 +183,7 @@ PROFILES = [
     _profile("thickness in nm for um", _scale(1e3), "numbers in nm"),
     _profile("upside down", _scale(-1.0), "thickness"),
     _special(
-        "pipe",
-        "fixture/profile.csv",
-        os.mkfifo,
-        "calibrate fixture --overwrite",
-        "it is a pipe",
+        "pipe", "fixture/profile.csv", os.mkfifo, "calibrate fixture --overwrite", "it is a pipe"
     ),
     _special(
         "link to an endless device",
@@ -197,11 +193,7 @@ PROFILES = [
         "it is a device",
     ),
     _special(
-        "300 MB of nothing",
-        "fixture/profile.csv",
-        _sparse,
-        "calibrate fixture --overwrite",
-        "MB",
+        "300 MB of nothing", "fixture/profile.csv", _sparse, "calibrate fixture --overwrite", "MB"
     ),
 ]
 

@@ -4,10 +4,7 @@ import numpy as np
 import pytest
 
 from erlif.core.errors import ErlifError
-from erlif.io.conversion.contents import (
-    choose_trigger,
-    trigger_columns,
-)
+from erlif.io.conversion.contents import choose_trigger, trigger_columns
 
 
 def test_every_number_of_a_trigger_has_one_column(film):

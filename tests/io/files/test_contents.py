@@ -7,14 +7,7 @@ import pytest
 import xarray as xr
 
 import erlif
-from erlif.core.errors import OutputError
-from erlif.io.files import (
-    fastest_trigger,
-    flag_shares,
-    has_identity,
-    region_of,
-    settings_of,
-)
+from erlif.io.files import fastest_trigger, flag_shares, has_identity, region_of, settings_of
 from erlif.io.settings import read_run_settings, to_toml
 
 
@@ -30,11 +23,6 @@ def triggers(speed, stroke):
 
 def test_the_settings_of_the_run_come_back(small_rig, opened):
     assert settings_of(opened) == read_run_settings(small_rig.run)
-
-
-def test_a_dataset_without_settings_is_refused(opened):
-    with pytest.raises(OutputError, match="there are none"):
-        settings_of(opened.drop_attrs())
 
 
 def test_the_region_is_that_of_the_settings(small_rig, opened):

@@ -126,14 +126,6 @@ def test_a_film_that_is_not_written_is_the_same(small_rig, opened):
     assert "displacement_std" in made.erlif.registration
 
 
-NO_FILMS = "none.nc none.zarr text.nc text.zarr empty.nc directory.nc hollow.zarr other.nc"
-
-
-def test_a_missing_group_is_refused(film):
-    with pytest.raises(OutputError, match=r"film\.nc"):
-        erlif.open_film(film, group="friction")
-
-
 def test_a_full_disk_is_reported_before_a_map_is_written(small_rig, tmp_path, monkeypatch):
     """HDF5 may crash when the disk becomes full; room is taken first."""
     usage = type("Usage", (), {"free": 1000})

@@ -99,9 +99,7 @@ def test_values_in_another_file_are_refused(tmp_path, kind):
         ({"shape": [-1]}, "has the shape"),
         ({"shape": [6, 6]}, "has the shape"),
         (
-            {
-                "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [10**9]}},
-            },
+            {"chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [10**9]}}},
             r"claims 8\.0 GB",
         ),
     ],

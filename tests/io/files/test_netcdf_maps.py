@@ -69,9 +69,13 @@ def test_a_damaged_chunk_and_what_follows_is_computed_again(left, whole):
     assert resume(left, [True, False, False, False]) == whole
 
 
-@pytest.mark.parametrize("missing", ["journal", "maps_0.nc"])
-def test_without_the_journal_or_the_file_the_work_begins_again(left, whole, missing):
-    (left / missing).unlink()
+@pytest.mark.parametrize("name", ["journal", "maps_0.nc"])
+@pytest.mark.parametrize("put_there", [None, os.mkfifo, lambda path: path.symlink_to("/dev/zero")])
+def test_without_the_journal_or_the_file_the_work_begins_again(left, whole, name, put_there):
+    """A pipe or an endless device in its place is not read."""
+    (left / name).unlink()
+    if put_there is not None:
+        put_there(left / name)
     assert resume(left, [False] * 4) == whole
 
 

@@ -8,10 +8,9 @@ import xarray as xr
 
 import erlif
 from erlif.core.errors import ErlifError
-from erlif.io.files.kinds import KINDS, kind_of
-from erlif.io.files.wanted import PRODUCTS, take, takes
+from erlif.io.files.kinds import KINDS
+from erlif.io.files.wanted import PRODUCTS, takes
 from erlif.pipeline.physics.fit import fit_film
-from erlif.review.audit import audit
 from erlif.show import plots
 from erlif.show.report import write_report
 
@@ -43,12 +42,6 @@ def refuse(call, *words):
     for word in words:
         assert word in text
     return text
-
-
-@pytest.mark.parametrize("kind", ["film", "calibration", "frames", "registration", "images"])
-def test_products_are_recognised(products, kind):
-    assert kind_of(products[kind]) == kind
-    assert take(products[kind], kind) is products[kind]
 
 
 def drawings():
@@ -89,34 +82,27 @@ def test_a_path_is_opened_where_a_film_is_wanted(film):
 RUN, FIXTURE = "data_samples/straight_bushing", "calibration/wedge"
 CALLS = [
     (lambda p: erlif.process(p["film"]), "a run directory", "got a film"),
-    (lambda p: erlif.process(p["calibration"]), "a run directory", "got a calibration"),
     (lambda p: erlif.process(FIXTURE), "run.toml", "fixture.toml"),
     (lambda p: erlif.process(RUN, calibration=p["film"]), "calibration=", "got a film"),
     (lambda p: erlif.process(RUN, output=p["film"]), "output=", "got a film"),
     (lambda p: erlif.calibrate(p["calibration"]), "a fixture directory", "got a calibration"),
     (lambda p: erlif.calibrate(RUN), "fixture.toml", "run.toml"),
     (lambda p: erlif.check(p["film"]), "a directory", "got a film"),
-    (lambda p: audit(p["frames"]), "a directory", "got the group frames"),
     (lambda p: erlif.budget(p["film"]), "a run directory", "got a film"),
     (lambda p: erlif.budget(RUN, calibration=p["number"]), "a calibration", "got int"),
     (lambda p: erlif.predict(p["film"]), "of a film", "got a film"),
-    (lambda p: erlif.predict(p["calibration"]), "of a run directory", "got a calibration"),
     (lambda p: fit_film(p["prediction"]), "of a film", "got a prediction"),
     (lambda p: erlif.pressure_from_film(p["prediction"]), "a film", "got a prediction"),
-    (lambda p: erlif.pressure_from_film(p["calibration"]), "a film", "got a calibration"),
     (lambda p: erlif.pressure_from_film(RUN), "film file", "directory"),
     (lambda p: erlif.summarise(p["calibration"]), "a film", "got a calibration"),
-    (lambda p: erlif.summarise(p["array"]), "a film", "the single variable thickness"),
     (lambda p: erlif.batch([p["film"]]), "a run directory", "got a film"),
     (lambda p: erlif.init(p["film"]), "a directory", "got a film"),
     (lambda p: erlif.simulate(p["film"]), "directory", "got Dataset"),
     (lambda p: erlif.simulate("nowhere", rig={"width": 64}), "RigSettings", "got dict"),
     (lambda p: erlif.open_film(p["film"]), "path", "got a film"),
-    (lambda p: erlif.open_film(p["calibration"]), "path", "got a calibration"),
     (lambda p: erlif.open_calibration(p["calibration"]), "a path", "got a calibration"),
     (lambda p: erlif.open_calibration(FIXTURE), "calibration file", "directory"),
     (lambda p: erlif.save_calibration(p["film"], "a.nc"), "a calibration", "got a film"),
-    (lambda p: erlif.save_calibration("a.nc", p["calibration"]), "a calibration", "path a.nc"),
     (lambda p: write_report(p["film"], "a.html"), "path of a film", "got a film"),
     (lambda p: erlif.pipeline.restore_images(p["film"], RUN, trigger=0), "of a film", "got a film"),
 ]

@@ -1,7 +1,5 @@
 """A small run and a small fixture, written by tifffile and as text."""
 
-from __future__ import annotations
-
 import shutil
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Counts that programs have stored in other types."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

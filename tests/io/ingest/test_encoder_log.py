@@ -60,10 +60,7 @@ REFUSED = [
     ("", "it has 0 row(s)"),
     ("frame,angle_deg\n", "it has 1 row(s)"),
     *(
-        (
-            f"{HEADER}0,1,200\n\n1,{value},200\n",
-            f"row 4, column angle_deg (1; got {got})",
-        )
+        (f"{HEADER}0,1,200\n\n1,{value},200\n", f"row 4, column angle_deg (1; got {got})")
         for value, got in [
             *(("nan", "'nan'"), ("inf", "'inf'"), ("", "an empty cell"), ("n/a", "'n/a'")),
             *(("1_000", "'1_000'"), ("1;5", "'1;5'"), ("0x10", "'0x10'")),

@@ -10,13 +10,7 @@ import tifffile
 
 from erlif.core.errors import FrameError
 from erlif.core.notes import Level
-from erlif.io.ingest import (
-    FramePairs,
-    Page,
-    format_notes,
-    open_run,
-    read_frames,
-)
+from erlif.io.ingest import FramePairs, Page, format_notes, open_run, read_frames
 
 
 def make_pairs(count, skipped=(), bit_depths=(12, 12)):
@@ -62,14 +56,6 @@ def test_frames_come_as_they_were_written_in_the_order_asked_for(run):
     assert frames.frame.values.tolist() == [4, 1]
     assert frames.camera.values.tolist() == [1, 2]
     np.testing.assert_array_equal(frames.counts, run.counts[:, [4, 1]])
-
-
-def test_one_multi_page_file_holds_the_same_frames_as_single_pages(run, save_pages):
-    for camera in (1, 2):
-        save_pages(run.directory / f"all{camera}.tiff", run.counts[camera - 1])
-        run.edit("run.toml", (f'"camera{camera}/*.tif"', f'"all{camera}.tiff"'))
-    frames = read_frames(open_run(run.directory).pairs, [5, 0])
-    np.testing.assert_array_equal(frames.counts, run.counts[:, [5, 0]])
 
 
 def test_files_are_hashed_as_they_are_read_where_asked(run):

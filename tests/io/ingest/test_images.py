@@ -9,13 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tifffile
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scenes.camera_files import write_mraw
 
 from erlif.core.errors import FrameError
 from erlif.core.notes import Level
-from erlif.io.ingest import Page, depth_warning, natural_key, read_reference_pages
+from erlif.io.ingest import Page, depth_warning, read_reference_pages
 from erlif.io.ingest.images import (
     UNREADABLE,
     check_depth,
@@ -34,21 +32,9 @@ GREY = RNG.integers(0, 4096, (64, 80), dtype=np.uint16)
 # names
 
 
-def test_a_page_is_named_by_its_file_and_from_the_second_on_by_its_index(tmp_path):
-    assert Page(tmp_path / "größe.tif", 0).name == "größe.tif"
-    assert Page(tmp_path / "größe.tif", 3).name == "größe.tif[3]"
-
-
 def test_bytes_of_a_name_that_are_not_utf_8_are_replaced():
     name = Page(Path(os.fsdecode(b"frame_\xff.tif")), 0).name
     assert name == "frame_\N{REPLACEMENT CHARACTER}.tif"
-
-
-@given(st.lists(st.integers(0, 10**12), min_size=1, max_size=9, unique=True))
-@settings(deadline=None, database=None, max_examples=50)
-def test_natural_order_is_that_of_the_numbers(numbers):
-    names = sorted((Path(f"a{number}b.tif") for number in numbers), key=natural_key)
-    assert names == [Path(f"a{number}b.tif") for number in sorted(numbers)]
 
 
 # files
@@ -60,11 +46,6 @@ def test_files_come_in_natural_order_without_hidden_ones_and_folders(tmp_path):
     (tmp_path / "folder.tif").mkdir()
     found = match_files(tmp_path, "*.tif")
     assert [path.name for path in found] == ["f_1.tif", "f_2.tif", "f_10.tif"]
-
-
-def test_a_pattern_without_files_is_refused_with_its_purpose(tmp_path):
-    with pytest.raises(FrameError, match=r"Expected files dark\*\.tif of camera1 dark"):
-        find_pages(tmp_path, "dark*.tif", "camera1 dark")
 
 
 # headers
@@ -113,24 +94,6 @@ def test_a_black_frame_under_deflate_is_not_damaged(tmp_path):
 
 
 # counts
-
-
-@pytest.mark.parametrize(
-    ("image", "found"),
-    [
-        (GREY[:, :60], "uint16 of 60 x 64"),
-        (GREY.T, "uint16 of 64 x 80"),
-        (GREY.astype(np.complex64), "complex64 of 80 x 64"),
-    ],
-)
-def test_another_shape_or_type_is_refused_with_both(tmp_path, save_pages, image, found):
-    (tmp_path / "camera1").mkdir()
-    save_pages(tmp_path / "camera1" / "a.tif", [GREY, image])
-    page = Page(tmp_path / "camera1" / "a.tif", 1)
-    with pytest.raises(FrameError) as refused:
-        read_page(page, tmp_path, (64, 80))
-    assert "counts of 80 x 64 pixels" in str(refused.value)
-    assert f"{os.path.join('camera1', 'a.tif')}[1]; it is {found}" in str(refused.value)
 
 
 def test_left_aligned_counts_are_shifted(tmp_path):
@@ -234,11 +197,6 @@ def read_darks(directory, pattern="dark.tif", *, bit_depth=12, shape=(64, 80)):
     return read_reference_pages(
         directory, pattern, what="camera2 dark", bit_depth=bit_depth, shape=shape
     )
-
-
-def test_pages_come_in_the_order_of_the_file(tmp_path, save_pages):
-    save_pages(tmp_path / "dark.tif", PAGES)
-    np.testing.assert_array_equal(np.stack(list(read_darks(tmp_path))), PAGES)
 
 
 def test_a_page_is_read_when_it_is_asked_for(tmp_path, save_pages):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from erlif.core.errors import FrameError
-from erlif.io.ingest import open_fixture, open_run, read_frames
+from erlif.io.ingest import open_run, read_frames
 from erlif.io.ingest.recording import number_frames
 
 
@@ -20,23 +20,6 @@ def test_a_run_has_settings_frames_and_log(run):
     assert recording.pairs.shape == (64, 80)
     np.testing.assert_array_equal(recording.log.angle, 50 + np.arange(6))
     np.testing.assert_array_equal(recording.log.time, 0.01 * np.arange(6))
-
-
-def test_a_fixture_has_no_log(fixture):
-    recording = open_fixture(fixture.directory)
-    assert recording.pairs.usable == [0, 1, 2]
-    assert recording.settings.fixture.profile == "profile.csv"
-    assert [camera.band for camera in recording.cameras] == [580, 610]
-    assert not hasattr(recording, "log")
-
-
-def test_a_damaged_frame_is_left_out_on_request_and_keeps_its_row(run):
-    run.frames(2)[3].write_bytes(b"")
-    with pytest.raises(FrameError, match=r"frame_0003\.tif: the file is empty"):
-        open_run(run.directory)
-    recording = open_run(run.directory, skip_bad_frames=True)
-    assert recording.pairs.usable == [0, 1, 2, 4, 5]
-    assert recording.log.sizes["frame"] == 6
 
 
 def test_absolute_patterns_and_unusual_directory_names_are_found(run, tmp_path):

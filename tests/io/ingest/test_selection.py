@@ -1,7 +1,5 @@
 """Parts of a file against slices of the array it holds."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

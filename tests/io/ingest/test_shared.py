@@ -1,7 +1,5 @@
 """Two cameras in one file, recognised by what the file shows."""
 
-from __future__ import annotations
-
 import h5py
 import numpy as np
 import pytest

@@ -5,13 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tifffile
-from scenes.camera_files import (
-    random_frames,
-    write_cine,
-    write_genicam,
-    write_mraw,
-    write_seq,
-)
+from scenes.camera_files import random_frames, write_cine, write_genicam, write_mraw, write_seq
 
 from erlif.core.errors import FrameError
 from erlif.io.ingest.survey import survey_directory

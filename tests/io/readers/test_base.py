@@ -1,7 +1,5 @@
 """The interface of a reader, and the formats behind it."""
 
-from __future__ import annotations
-
 from contextlib import closing
 from functools import partial
 from itertools import product

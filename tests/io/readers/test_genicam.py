@@ -1,7 +1,5 @@
 """Raw frames with their format in a file beside them."""
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.testing as npt
 import pytest

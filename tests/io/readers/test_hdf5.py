@@ -1,7 +1,5 @@
 """HDF5 and netCDF-4 files against h5py and h5netcdf, which wrote them."""
 
-from __future__ import annotations
-
 import zlib
 from contextlib import closing
 

@@ -1,10 +1,9 @@
 """Headers of camera formats that contradict their file, and recordings that were cut."""
 
-from __future__ import annotations
-
 import struct
 import tomllib
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +14,7 @@ from scenes.camera_files import (
     write_b16,
     write_cine,
     write_genicam,
+    write_im7,
     write_mraw,
     write_seq,
     write_spe2,
@@ -53,6 +53,7 @@ WRITERS = {
     "b16": (lambda path, frames: write_b16(path, frames[0]), "a.b16"),
     "described": (write_described, "a.raw"),
     "plain header": (lambda path, frames: write_mraw(path, frames, header="cih"), "a.mraw"),
+    **{f"im7 {n}": (partial(write_im7, packing=n), "a.im7") for n in range(4)},
 }
 """Writers of the recordings in headers.toml, with the names of their files."""
 

@@ -1,7 +1,5 @@
 """The compression of LaVision images, against an encoder after its description."""
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.testing as npt
 import pytest

@@ -1,7 +1,6 @@
 """LaVision IM7 images and SET folders."""
 
-from __future__ import annotations
-
+import re
 import struct
 from contextlib import closing
 
@@ -9,6 +8,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes.camera_files import random_frames, write_im7
+from scenes.reading import refusal
 
 from erlif.core.errors import FrameError
 from erlif.io.readers import open_frames
@@ -36,62 +36,6 @@ def test_a_set_without_images_is_refused(tmp_path):
     (tmp_path / "a").mkdir()
     with pytest.raises(FrameError, match=r"holds no IM7 images\. Export the recording as IM7"):
         open_set(tmp_path / "a.set")
-
-
-@pytest.mark.parametrize("packing", [0, 1, 2, 3])
-@pytest.mark.parametrize(
-    ("place", "code", "value", "words"),
-    [
-        (0, "<h", 18, "DaVis 6"),
-        (2, "<h", 9, "compression 9"),
-        (4, "<h", 3, "vector field"),
-        (4, "<h", -10, "format -10"),
-        (6, "<h", 1, "DaVis 6"),
-        (8, "<i", 2**31 - 1, "damaged"),
-        (8, "<i", -1, "holds no image"),
-        (12, "<i", 0, "holds no image"),
-        (16, "<i", 2, "volume of 2 planes"),
-        (20, "<i", 10**9, "damaged"),
-        (20, "<i", 0, "names 0 frames"),
-    ],
-)
-def test_a_lying_header_is_refused(tmp_path, packing, place, code, value, words):
-    path = write_im7(tmp_path / "a.im7", random_frames(np.random.default_rng(1)), packing=packing)
-    data = bytearray(path.read_bytes())
-    struct.pack_into(code, data, place, value)
-    path.write_bytes(data)
-    with pytest.raises(FrameError, match=words):
-        open_im7(path)
-
-
-def read_last(path):
-    """The last frame of an image."""
-    file = open_im7(path)
-    try:
-        return file.read(len(file.kinds) - 1)
-    finally:
-        file.close()
-
-
-@pytest.mark.parametrize("packing", [1, 2, 3])
-def test_cut_counts_are_refused(tmp_path, packing):
-    frames = random_frames(np.random.default_rng(1), rows=60, columns=80)
-    path = write_im7(tmp_path / "a.im7", frames, packing=packing)
-    path.write_bytes(path.read_bytes()[:-6000])
-    with pytest.raises(FrameError, match=r"end within|truncated|cannot hold"):
-        read_last(path)
-
-
-def test_a_length_of_the_compressed_counts_beyond_the_file_is_refused(tmp_path):
-    path = write_im7(tmp_path / "a.im7", random_frames(np.random.default_rng(1)), packing=2)
-    for length in (-1, 2**31 - 1):
-        data = bytearray(path.read_bytes())
-        struct.pack_into("<i", data, 256, length)
-        path.write_bytes(data)
-        file = open_im7(path)
-        with pytest.raises(FrameError, match="truncated"):
-            file.read(0)
-        file.close()
 
 
 @pytest.mark.parametrize("frame", [0, 1])
@@ -142,3 +86,18 @@ def test_a_frame_without_a_time_leaves_all_without(tmp_path, texts):
     file = open_im7(write_im7(tmp_path / "a.im7", frames, attributes=texts))
     assert file.times is None
     file.close()
+
+
+@pytest.mark.parametrize("packing", [1, 2, 3])
+def test_cut_counts_are_refused(tmp_path, packing):
+    frames = random_frames(np.random.default_rng(1), rows=60, columns=80)
+    path = write_im7(tmp_path / "a.im7", frames, packing=packing)
+    assert re.search(r"end within|truncated|cannot hold", refusal(path, path.read_bytes()[:-6000]))
+
+
+@pytest.mark.parametrize("length", [-1, 2**31 - 1])
+def test_a_length_of_the_compressed_counts_beyond_the_file_is_refused(tmp_path, length):
+    path = write_im7(tmp_path / "a.im7", random_frames(np.random.default_rng(1)), packing=2)
+    data = bytearray(path.read_bytes())
+    struct.pack_into("<i", data, 256, length)
+    assert "truncated" in refusal(path, data)

@@ -1,7 +1,5 @@
 """Damaged files of every format: counts of the stated kind or one error, nothing else."""
 
-from __future__ import annotations
-
 import tracemalloc
 from collections import Counter
 from contextlib import closing

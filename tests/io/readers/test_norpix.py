@@ -1,7 +1,5 @@
 """NorPix SEQ."""
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.testing as npt
 import pytest

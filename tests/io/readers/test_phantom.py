@@ -1,7 +1,5 @@
 """Phantom CINE."""
 
-from __future__ import annotations
-
 import struct
 
 import numpy as np

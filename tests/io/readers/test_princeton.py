@@ -1,7 +1,5 @@
 """Princeton Instruments SPE of WinView and of LightField."""
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.testing as npt
 import pytest

@@ -1,7 +1,5 @@
 """One entry point for all formats, own ones and those of other packages."""
 
-from __future__ import annotations
-
 import functools
 import os
 import re
@@ -75,20 +73,6 @@ def test_the_suffix_names_the_format_of_a_damaged_file(tmp_path):
     (tmp_path / "a.tif").write_bytes(b"no TIFF")
     with pytest.raises(FrameError, match="not a TIFF"):
         open_frames(tmp_path / "a.tif")
-
-
-def test_an_unknown_file_is_refused_with_the_known_formats(tmp_path):
-    (tmp_path / "a.dat").write_bytes(b"no image")
-    with pytest.raises(FrameError, match=r"none of those that are read: TIFF, .*Convert it"):
-        open_frames(tmp_path / "a.dat")
-
-
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes on this system")
-def test_a_pipe_is_not_opened(tmp_path):
-    os.mkfifo(tmp_path / "a.tif")
-    for open_it in (open_frames, lambda path: borrow_frames(path).__enter__()):
-        with pytest.raises(FrameError, match="not an ordinary file"):
-            open_it(tmp_path / "a.tif")
 
 
 def test_a_device_and_a_folder_are_not_opened(tmp_path):
@@ -216,11 +200,6 @@ def test_threads_share_the_open_files(tmp_path, foreign, monkeypatch):
         thread.join()
     sys.setswitchinterval(interval)
     assert not faults
-
-
-def test_a_missing_file_is_a_fault(tmp_path):
-    with pytest.raises(FrameError, match="No such file"), borrow_frames(tmp_path / "a.tif"):
-        pass
 
 
 def test_a_file_that_took_the_name_of_an_open_one_is_opened_anew(tmp_path):

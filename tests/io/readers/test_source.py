@@ -1,7 +1,5 @@
 """Positioned reads."""
 
-from __future__ import annotations
-
 import os
 from concurrent.futures import ThreadPoolExecutor
 

@@ -1,7 +1,5 @@
 """TIFF files against tifffile and libtiff, which wrote them."""
 
-from __future__ import annotations
-
 import struct
 import threading
 import time

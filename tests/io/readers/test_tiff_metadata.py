@@ -1,7 +1,5 @@
 """Descriptions of OME and ImageJ, as tifffile writes them and after their specifications."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Packed counts, against a decoder that goes bit by bit."""
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -27,21 +25,15 @@ def test_incomplete_groups_at_the_end_are_decoded(packing, pixels):
     npt.assert_array_equal(unpack(packed[: packing.size(pixels)], pixels, packing), counts)
 
 
-def test_tables_of_the_manuals():
-    """Basler racer GigE manual AW00118302000, 9.2.3, and GenICam PFNC 2.4, Mono12p and Mono10p."""
-    # pixel 0 is 0xABC and pixel 1 is 0x123
-    assert unpack(np.array([0xAB, 0x3C, 0x12], np.uint8), 2, Packing.SPLIT_12).tolist() == [
-        0xABC,
-        0x123,
-    ]
-    assert unpack(np.array([0xBC, 0x3A, 0x12], np.uint8), 2, Packing.LOW_12).tolist() == [
-        0xABC,
-        0x123,
-    ]
-    # four pixels of ten bits: all bits of the first, none of the second, and so on
-    assert unpack(np.array([0xFF, 0x03, 0xF0, 0x3F, 0], np.uint8), 4, Packing.LOW_10).tolist() == [
-        1023,
-        0,
-        1023,
-        0,
-    ]
+@pytest.mark.parametrize(
+    ("packing", "packed", "counts"),
+    [
+        # Basler racer GigE manual AW00118302000, 9.2.3
+        (Packing.SPLIT_12, [0xAB, 0x3C, 0x12], [0xABC, 0x123]),
+        # GenICam PFNC 2.4, Mono12p and Mono10p; all bits of the first pixel, none of the second
+        (Packing.LOW_12, [0xBC, 0x3A, 0x12], [0xABC, 0x123]),
+        (Packing.LOW_10, [0xFF, 0x03, 0xF0, 0x3F, 0], [1023, 0, 1023, 0]),
+    ],
+)
+def test_tables_of_the_manuals(packing, packed, counts):
+    assert unpack(np.array(packed, np.uint8), len(counts), packing).tolist() == counts

@@ -29,14 +29,6 @@ def read(tmp_path, text):
     return read_design_settings(path)
 
 
-def test_the_shortest_joint(tmp_path):
-    settings = read(tmp_path, SMALL.replace("10 tonne_force", "100 kN"))
-    assert settings.load.force == 100e3
-    assert settings.housing.material == "S355"
-    assert settings.motion is None
-    assert settings.fit.play is None
-
-
 @pytest.mark.parametrize(
     ("text", "brinell"),
     [

@@ -62,8 +62,3 @@ def test_unit_bounds_default_and_choices_are_those_of_the_type():
     assert key(ThicknessOptions, "no_film_below").bounds == "above 0 below 1"
     assert key(EncoderSettings, "mounted_on").choices == ("rocker", "crank", "coupler")
     assert key(EncoderSettings, "triggers_per_cycle").default is None
-
-
-def test_an_expected_value_is_one_phrase():
-    assert key(EncoderSettings, "mounted_on").expected == 'one of "rocker", "crank", "coupler"'
-    assert key(CameraSettings, "bit_depth").expected == "integer from 8 up to 16, for example 12"

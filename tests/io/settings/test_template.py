@@ -51,11 +51,6 @@ def test_every_key_is_written_after_its_meaning(kind):
                 assert any(line.lstrip("# ").startswith(f"{key.name} = ") for line in lines)
 
 
-@KINDS
-def test_lines_fit_into_100_columns(kind):
-    assert max(map(len, write_template(kind, {}, {}).splitlines())) <= 100
-
-
 def test_commented_keys_hold_values_that_the_reader_accepts():
     """With the gaps filled by examples and every comment of a key taken away, the file is valid;
     its settings, written as TOML, read back the same."""

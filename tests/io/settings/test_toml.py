@@ -8,12 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from erlif.io.settings import (
-    FixtureProfile,
-    OpticsSettings,
-    read_run_settings,
-    to_toml,
-)
+from erlif.io.settings import FixtureProfile, OpticsSettings, read_run_settings, to_toml
 from erlif.io.settings.toml import toml_value
 
 TEXT = st.text(st.characters(blacklist_categories=["Cs", "Cc"]), max_size=12) | st.sampled_from(
