@@ -130,7 +130,7 @@ class Summed(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Seen:
+class FrameSums:
     """Everything summed over the chosen frames at one surface.
 
     Attributes
@@ -146,7 +146,7 @@ class Seen:
 
 
 @dataclass(frozen=True)
-class Compared(Seen):
+class FrameSpectra(FrameSums):
     """The textures before any filter, summed over as many frames as their spectra need.
 
     Attributes
@@ -282,7 +282,7 @@ class Views:
         self.drift -= mean
         return mean
 
-    def compare(self, surface: Surface) -> Compared:
+    def compare(self, surface: Surface) -> FrameSpectra:
         """Sums and spectra of the unfiltered textures, over as many frames as the spectra need.
 
         Parameters
@@ -292,7 +292,7 @@ class Views:
 
         Returns
         -------
-        Compared
+        FrameSpectra
         """
         dx, dy = surface.on_pixels(self.shape)
         total = np.zeros(0)
@@ -310,7 +310,7 @@ class Views:
 
         assert spectra is not None  # the frame of the start has a drift
         mean = self._centre_drift()
-        return Compared(total, surface.moved(float(mean[0]), float(mean[1])), spectra)
+        return FrameSpectra(total, surface.moved(float(mean[0]), float(mean[1])), spectra)
 
     def sums(self, dx: Image, dy: Image, scale: Array | None) -> Summed:
         """Go through the frames once and add up their sums.
@@ -333,10 +333,10 @@ class Views:
         assert total is not None  # the frame of the start has a drift
         return Summed(total, self._centre_drift())
 
-    def look(self, surface: Surface, *, scale: Array | None = None) -> Seen:
+    def look(self, surface: Surface, *, scale: Array | None = None) -> FrameSums:
         """Go through the frames once, laid over each other by the surface and each one's drift."""
         total, mean = self.sums(*surface.on_pixels(self.shape), scale)
-        return Seen(total, surface.moved(float(mean[0]), float(mean[1])))
+        return FrameSums(total, surface.moved(float(mean[0]), float(mean[1])))
 
     def cells(self, sums: Array, surface: Surface, slope: float) -> Cells:
         """The cells from which a surface is made, free of the noise of the gradients."""

@@ -113,28 +113,28 @@ def solve_journal(
     """
     bearing = Bearing.of(journal, cells, grooves)
     mount = as_mount(sideways)
-    ride = Ride(bearing, motion, mount, np.asarray(start, dtype=float), frame)
+    film = TransientFilm(bearing, motion, mount, np.asarray(start, dtype=float), frame)
     wanted = _wanted(maps, motion.time.size)
 
     steps = motion.time.size
     if compiled is None:
         compiled = steps > FEWEST_COMPILED
-    compiled = compiled and ride.turning and journal.foundation is None
+    compiled = compiled and film.turning and journal.foundation is None
 
     # from map to map, so that only their films are kept
-    pictures = [(0, *ride.first_picture)] if 0 in wanted else []
+    pictures = [(0, *film.first_picture)] if 0 in wanted else []
     done = 0
     for stop in sorted({*wanted, steps - 1} - {0}):
         while done < stop:
             if compiled:
-                done = ride.march(done + 1, stop + 1) - 1
+                done = film.march(done + 1, stop + 1) - 1
             if done < stop:
                 done += 1
-                ride.go_to(done)
-                ride.record(done)
+                film.go_to(done)
+                film.record(done)
         if stop in wanted:
-            pictures.append((stop, *ride.picture()))
-    return _dataset(bearing, motion, ride.table, pictures)
+            pictures.append((stop, *film.picture()))
+    return _dataset(bearing, motion, film.table, pictures)
 
 
 @dataclass(frozen=True)
@@ -259,8 +259,8 @@ class _Moment(NamedTuple):
     direction: float
 
 
-class Ride:
-    """The film on its way through a motion."""
+class TransientFilm:
+    """The film as it follows a motion, step by step."""
 
     def __init__(
         self, bearing: Bearing, motion: Motion, mount: Mount, start: Array, frame: str
