@@ -28,12 +28,9 @@ def locate(log, *, on="rocker", zero=0.0, per_cycle=None, **mechanism):
     return linkage.locate(log, **mechanism, **encoder)
 
 
-def test_limits_and_top_speeds_are_those_of_the_linkage():
+def test_top_speeds_are_those_of_the_linkage():
     crank = np.arange(0, 360, 0.05)
-    log = make_log([rocker_angle(c) for c in crank])
-    found = locate(log)
-    assert float(log.angle.min()) == pytest.approx(LOW, abs=1e-4)
-    assert float(log.angle.max()) == pytest.approx(HIGH, abs=1e-4)
+    found = locate(make_log([rocker_angle(c) for c in crank]))
     # exact kinematics; with this sense of rotation the rising stroke is the faster one
     assert float(found.rocker_speed.max()) == pytest.approx(2.552104, rel=1e-6)
     assert float(found.rocker_speed.min()) == pytest.approx(-2.540492, rel=1e-6)

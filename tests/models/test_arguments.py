@@ -16,7 +16,6 @@ from erlif.models.arguments import (
     require_between,
     require_finite,
     require_increasing,
-    require_not_negative,
     require_poisson,
     require_positive,
     require_single,
@@ -35,13 +34,6 @@ def half(value):
 def test_scalar_gives_python_float(value):
     assert type(half(value)) is float
     assert half(value) == 0.5
-
-
-@pytest.mark.parametrize("value", [[1, 2], (1, 2), range(1, 3), np.array([1, 2])])
-def test_sequence_gives_array(value):
-    result = half(value)
-    assert isinstance(result, np.ndarray)
-    np.testing.assert_array_equal(result, [0.5, 1.0])
 
 
 def test_keyword_list_and_data_array_broadcast():
@@ -93,16 +85,11 @@ def test_scalars_in_tuples_and_dataclasses_become_floats():
     [
         (lambda: require_finite(speed=[1.0, -np.inf]), "speed must be finite, got -inf"),
         (lambda: require_finite(speed=None), "speed must be a number in SI units, got None"),
-        (lambda: require_positive(load={}), "load must be a number in SI units, got {}"),
-        (lambda: require_positive(load=np.inf), "load must be finite, got inf"),
         (lambda: require_positive(load=[1.0, 0.0]), "load must be positive, got 0"),
         (lambda: require_positive(load=LOADS - 3), "load must be positive, got -2"),
-        (lambda: require_not_negative(force=np.inf), "force must be finite, got inf"),
-        (lambda: require_not_negative(force=-1), "force must not be negative, got -1"),
         (lambda: require_between(0, 1, share=1.5), "share must lie in 0 to 1, got 1.5"),
         (lambda: require_between(0, 1, share=[-2, 0.5]), "share must lie in 0 to 1, got -2"),
         (lambda: require_poisson(nu=-1.0), "nu must lie above -1, got -1"),
-        (lambda: require_poisson(nu=[0.3, 0.6]), "nu must be at most 0.5, got 0.6"),
         (lambda: require_increasing(pin=2, bore=2), "bore must exceed pin, got 2 and 2"),
         (lambda: require_increasing(a=1, b=2, c=[3, 1]), "c must exceed b, got 1 and 2"),
         (lambda: require_increasing(a=LOADS, b=1.5), "b must exceed a, got 1.5 and 2"),
@@ -144,14 +131,6 @@ def test_declared_arguments_pass_warn_and_keep_integers():
     assert type(declared(1.0, cells=4)[1]) is int
     with pytest.warns(UnitWarning, match=r"^play = -66\.7 m is implausible"):
         declared(1.0, play=-66.7)
-
-
-def test_missing_values_pass():
-    for require in (require_finite, require_positive, require_not_negative, require_poisson):
-        require(load=[np.nan, 0.25])
-    require_between(0, 1, share=np.nan)
-    require_increasing(pin=1.0, bore=[np.nan, 2.0])
-    warn_of_units("modulus", youngs_modulus=[np.nan, 2e11])
 
 
 def test_values_beyond_the_sizes_of_machines_warn_with_name_value_and_unit():

@@ -79,18 +79,9 @@ def test_worn_bushing_has_the_shape_of_the_pin():
 def constant_cycle(load, sliding):
     """A pin that turns evenly under a load of one direction; samples at both ends of the turn."""
     turn = np.linspace(0, 2 * np.pi, 73)
-    flat = np.ones(73)
-    variables = {
-        "normal": load * flat,
-        "contact_angle": 0 * flat,
-        "slip_speed": sliding * flat,
-        "rod_angle": 0 * flat,
-        "crank_angle": turn,
-    }
-    return xr.Dataset(
-        {name: ("time", values) for name, values in variables.items()},
-        {"time": np.linspace(0, 1, 73)},
-    )
+    steady = {"normal": load, "contact_angle": 0.0, "slip_speed": sliding, "rod_angle": 0.0}
+    variables = {name: ("time", np.full(73, value)) for name, value in steady.items()}
+    return xr.Dataset(variables | {"crank_angle": ("time", turn)}, {"time": np.linspace(0, 1, 73)})
 
 
 def test_constant_load_runs_in_as_the_bushing_that_is_solved_in_halves():

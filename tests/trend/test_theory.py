@@ -38,14 +38,6 @@ def test_theory_of_the_acrylic_joint(pounds, theory, hamrock_dowson, regime):
     assert predicted.film_theory.attrs["regime"] == regime
 
 
-# Dowson and Higginson (1966): 0.6863 and 0.6272 um for 222.5 and 444.8 kN on the steel joint
-# at 0.084 m/s, the sliding speed of Farzaneh (2002)
-@pytest.mark.parametrize(("load", "film"), [(222.5e3, 0.6863), (444.8e3, 0.6272)])
-def test_formula_of_dowson_and_higginson_has_its_value_for_the_steel_joint(load, film):
-    predicted = predict_film(at(0.084, load), joint(STEEL))
-    npt.assert_allclose(predicted.film_hamrock_dowson, film, rtol=1e-3)
-
-
 def test_film_is_named_after_the_regime_of_most_triggers():
     loads = [50 * POUND, 1333 * POUND, 1333 * POUND]
     predicted = predict_film(at([SPEED] * 3, loads), joint())

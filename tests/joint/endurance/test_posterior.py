@@ -13,9 +13,9 @@ WHITE = Noise(1e-3, 0.0)
 TIME = np.arange(0.0, 200.0, 2.0)
 
 
-def locate(true, noise, time=TIME):
+def locate(true, noise):
     noisy = true + noise * np.random.default_rng(8).standard_normal(TIME.size)
-    record = Record.of(StageFriction(time, noisy), 200.0)
+    record = Record.of(StageFriction(TIME, noisy), 200.0)
     return locate_onset(record, WHITE, UNKNOWN, noise, 3)
 
 
@@ -37,14 +37,6 @@ def test_a_clear_step_lies_between_its_samples(onset):
     assert onset.latest - onset.earliest < 6
     assert onset.rise == pytest.approx(0.06, abs=3 * onset.rise_std)
     assert onset.friction_before == pytest.approx(0.15, abs=0.005)
-
-
-def test_an_interval_that_reaches_into_a_gap_holds_all_of_it():
-    later = TIME > 131
-    onset = locate(0.15 + 0.06 * later, 0.003, np.where(later, TIME + 500, TIME))
-    assert onset.earliest <= 130
-    assert onset.latest >= 632
-    assert onset.pause == (130, 632)
 
 
 def test_the_friction_before_an_early_onset_is_that_at_its_end_of_the_running_in():
