@@ -59,6 +59,14 @@ def test_lubrication_hole_thickens_the_pin_by_40_to_45_percent():
     npt.assert_allclose([as_printed.min(), as_printed.max()], [1.3424, 1.4422], atol=5e-5)
 
 
+def test_section_modulus_of_the_drilled_pin():
+    """16/(3 pi): second moment of the circle less that of a narrow slot, over the radius."""
+    d, hole = 1.0, 1e-3
+    circle = quad(lambda y: y**2 * 2 * np.sqrt(d**2 / 4 - y**2), -d / 2, d / 2)[0]
+    slot = quad(lambda y: y**2 * hole, -d / 2, d / 2)[0]
+    npt.assert_allclose((circle - slot) / circle, 1 - 16 * hole / (3 * np.pi), rtol=1e-9)
+
+
 def test_lateral_force_stretches_the_pin_by_its_shift():
     """Strand (2005), eq. 22."""
     strain = bearing.lateral_shift(1e5, **PIN) / 0.18

@@ -70,6 +70,7 @@ def test_values_of_a6():  # Colbert et al. (2009), eq. A6
 
 def test_worn_ptfe_bushing():
     """Colbert et al. (2009), section 5.2: 0.105 on a flat, 0.131 +- 0.004 in the bushing."""
+    npt.assert_allclose(0.105 * 1.25, 0.13125)
     apparent = 0.105 * STEADY_WEAR_TORQUE_RATIO
     npt.assert_allclose(apparent, 0.13369, atol=5e-6)
     torque = friction_torque(0.105, load=400.0, radius=0.005, torque_ratio=STEADY_WEAR_TORQUE_RATIO)

@@ -120,6 +120,7 @@ def test_dead_points_of_the_rig_lie_where_crank_and_coupler_line_up():
 
 def test_speeds_of_the_rig():  # exact; the crank-over-rocker rule of appendix A.2 gives 2.5254
     npt.assert_allclose(RIG.speed_limits(crank_speed=CRANK_SPEED), [-2.540492, 2.552104], rtol=1e-5)
+    npt.assert_allclose(CRANK_SPEED * 5.5 / 26, 2.5254, atol=5e-5)
     speed = RIG.rocker_speed(TURN, crank_speed=CRANK_SPEED)
     npt.assert_allclose(
         [speed.min(), speed.max()], RIG.speed_limits(crank_speed=CRANK_SPEED), rtol=1e-5

@@ -121,6 +121,7 @@ def test_compression_of_the_worn_joint_is_reported_by_its_crank_angles():
 def test_link_force_of_the_thesis():  # Farzaneh (2002), appendix A.3: 8.2 kN
     rig = CrankRocker(0.055, 0.44, 0.26, 0.51)
     force = coupler_force(rig, crank_angle=TURN, rocker_torque=2118.5)
+    npt.assert_allclose(2118.5 / 0.26, 8.15e3, atol=5)
     # the transmission angle runs from 76.30 to 104.69 degrees; the end further from 90 is worse
     npt.assert_allclose(
         force[[0, 360]], 2118.5 / 0.26 / np.sin(np.radians([76.3035, 104.6909])), rtol=1e-6

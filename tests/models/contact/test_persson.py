@@ -44,7 +44,9 @@ def test_table_of_eq_9(row):  # Strand (2005), appendix: 105 rows, to the last p
     assert abs(persson_peak_group(half_angle) - float(peak)) <= half_unit(peak)
 
 
-def test_last_row_of_the_table():
+def test_the_table_has_105_finite_rows_and_a_last_one():
+    assert len(FINITE) == 105
+    assert TABLE[-1] == ["inf", "180.0", "-2/pi", "-2/pi"]
     npt.assert_allclose(persson_group(np.pi - 1e-6), -2 / np.pi, rtol=1e-9)
     npt.assert_allclose(
         persson_peak_group(np.pi - 1e-6), 2 / np.pi, rtol=1e-9

@@ -22,6 +22,7 @@ def test_mean_power_is_the_friction_work_of_both_strokes():
 
 def test_the_motor_of_the_thesis():
     """7.1 hp at 24 rpm and a motor of 7.5 hp are printed."""
+    npt.assert_allclose(TORQUE * 24 * np.pi / 30 / HP, 7.14, atol=5e-3)
     peak = drive_power(RIG, crank_speed=SPEED, torque=TORQUE).peak_power
     npt.assert_allclose(peak / HP, 7.25, atol=5e-3)
     npt.assert_allclose(choose_motor(peak, series="hp") / HP, 7.5)

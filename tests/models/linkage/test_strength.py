@@ -68,6 +68,11 @@ def test_goodman_line():
 
 def test_factors_of_safety_of_the_thesis():
     """Printed: 7 at 37 MPa, 4.5 at 60 MPa, 3.1 at 16 of 50 MPa; no strength and no section."""
+    # one strength gives both factors, as rounded, within the yield of 6061-T6, 240 to 276 MPa
+    strength = 270e6
+    assert round(strength / 37e6) == 7
+    assert round(strength / 60e6, 1) == 4.5
+
     # the stated concentration is that of a hole of half the width
     npt.assert_allclose(pin_hole_concentration(0.5), 2.5, atol=0.01)
     hole = 0.045 - 2.5 * FORCE / (60e6 * 0.02)
