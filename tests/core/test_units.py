@@ -19,37 +19,20 @@ KNOWN = [
     ("1 kgf", "N", 9.80665),
     ("114 rpm", "rad/s", 114 * 2 * math.pi / 60),
     ("2 rev/s", "rad/s", 4 * math.pi),
-    ("90 deg/s", "rad/s", math.pi / 2),
-    ("3 rad / s", "rad/s", 3.0),
-    ("5.5cm", "m", 0.055),
     ("  5.5   cm ", "m", 0.055),
     ("33.36 mm", "m", 0.03336),
-    ("1 inch", "m", 0.0254),
     ("5 µm", "m", 5e-6),
-    ("5 μm", "m", 5e-6),
-    ("60 um", "m", 60e-6),
-    ("60. um", "m", 60e-6),
     ("+.6e2 um", "m", 60e-6),
     ("2.7 GPa", "Pa", 2.7e9),
-    ("12.4 1/GPa", "1/Pa", 12.4e-9),
-    ("22 GPa^-1", "1/Pa", 22e-9),
-    ("120 cP", "Pa s", 0.12),
-    ("120 mPa s", "Pa s", 0.12),
     ("120 mPa*s", "Pa s", 0.12),
     ("120 mPa·s", "Pa s", 0.12),
-    ("580 nm", "nm", 580.0),
-    ("0.58 um", "nm", 580.0),
     ("4.4 electron/DN", "electron/DN", 4.4),
-    ("9 electrons", "electron", 9.0),
-    ("64 DN", "DN", 64.0),
-    ("25 degC", "degC", 25.0),
     ("25 °C", "degC", 25.0),
     ("298.15 K", "degC", 25.0),
     ("-40 degF", "degC", -40.0),
     ("1000 K", "delta_degC", 1000.0),
     ("-1.5e1 deg", "rad", -math.pi / 12),
     ("90°", "rad", math.pi / 2),
-    ("0.5 turn", "rad", math.pi),
     ("1 rev", "rad", 2 * math.pi),
 ]
 
@@ -61,32 +44,17 @@ def test_quantity_is_converted_to_the_requested_unit(text, unit, value):
 
 REFUSED = [
     (50, "N", "without one"),
-    (50.0, "N", "without one"),
-    (True, "N", "without one"),
     (None, "N", "without one"),
-    (["50 N"], "N", "without one"),
-    ("50", "N", "number with a unit"),
-    ("N", "N", "number with a unit"),
-    ("", "N", "number with a unit"),
     ("5,5 cm", "m", "decimal point, not a comma"),
-    ("1.000,5 cm", "m", "decimal point, not a comma"),
     ("1 Hz", "rad/s", "rpm, rad/s, deg/s, rev/s"),
-    ("1 kHz", "rad/s", "rpm, rad/s, deg/s, rev/s"),
     ("12 count", "rad", "an angle is given in"),
-    ("5 percent", "rad", "an angle is given in"),
     ("50 lb", "N", "lbf"),
     ("50 kg", "N", "kgf"),
-    ("3 px", "m", "pixel"),
     ("3 pixel", "m", "pixel"),
-    ("5 s", "m", "cannot be converted"),
     ("5 foo", "m", "cannot be converted"),
     ("1000 degC", "delta_degC", "cannot be converted"),
-    ("nan N", "N", "number with a unit"),
-    ("inf N", "N", "number with a unit"),
     ("1e400 N", "N", "not finite"),
     ("2**99999999 N", "N", "number with a unit"),
-    ("5 m**99", "m", "number with a unit"),
-    ("5 m/0", "m", "cannot be converted"),
     ("5 m; 6 m", "m", "number with a unit"),
 ]
 
@@ -120,10 +88,12 @@ def test_usual_units_are_converted_as_pint_converts_them():
             assert parse_quantity(f"3.7 {name}", unit) == pytest.approx(reference, rel=1e-14)
 
 
-def test_decimal_fractions_of_usual_units_are_exact():
-    assert parse_quantity("60 um", "m") == 60e-6
-    assert parse_quantity("5.5 cm", "m") == 0.055
-    assert parse_quantity("12.4 1/GPa", "1/Pa") == 12.4e-9
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [("60 um", "m", 60e-6), ("5.5 cm", "m", 0.055), ("12.4 1/GPa", "1/Pa", 12.4e-9)],
+)
+def test_decimal_fractions_of_usual_units_are_exact(text, unit, value):
+    assert parse_quantity(text, unit) == value
 
 
 PIECES = [

@@ -3,8 +3,9 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.orbits import STATED
 
-from erlif.models import Journal, Motion, solve_journal
+from erlif.models import Motion, solve_journal
 from erlif.prediction import MeasuredMotion, fit_motion
 from erlif.rig import RigSettings
 from erlif.rig.cavitation import follow_cavitated
@@ -12,7 +13,6 @@ from erlif.rig.film import crank_at, rocker_angle, rocker_range
 from erlif.rig.journal import follow_pin, load_at
 from erlif.rig.orbit import Bearing
 
-STATED = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
 TIME = np.linspace(0.0, 60 / 114, 51)
 NOISE = np.array([1e-9, 1e-8])  # m, of the exact positions
 

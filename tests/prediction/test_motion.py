@@ -5,13 +5,10 @@ import numpy.testing as npt
 import pytest
 import xarray as xr
 from scenes.film import rocker_angle
+from scenes.orbits import RIG, SPEED
 
 from erlif.core.errors import EncoderError
-from erlif.models.mechanism import CrankRocker
 from erlif.prediction import follow_motion
-
-RIG = CrankRocker(0.055, 0.44, 0.26, 0.51)
-SPEED = 114 * np.pi / 30  # rad/s
 
 
 def frames(crank, *, cycle=None, **columns):

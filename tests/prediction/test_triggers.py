@@ -9,9 +9,9 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.orbits import RIG, SPEED
 from scipy.integrate import solve_ivp
 
-from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal
 from erlif.prediction import (
     View,
@@ -22,8 +22,6 @@ from erlif.prediction import (
     speed_correlation,
 )
 
-RIG = CrankRocker(0.055, 0.44, 0.26, 0.51)
-SPEED = 114 * np.pi / 30  # rad/s
 LOAD = 222.4
 LONG = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
 VIEW = View(np.linspace(-0.009, 0.009, 301), slice(301))

@@ -2,11 +2,10 @@
 
 import numpy as np
 import numpy.testing as npt
+from scenes.orbits import STATED
 
-from erlif.models.reynolds import Journal
 from erlif.prediction import View, gap_in_view, summarise_gap
 
-JOINT = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
 PLACE = np.linspace(-0.01, 0.012, 2001)
 
 
@@ -20,7 +19,7 @@ def circles(load, side):
 
 def test_the_gap_is_the_distance_of_two_circles():
     """To second order in clearance over radius: some hundredths of a micrometre."""
-    found = gap_in_view(np.array([220e-6, 150e-6]), np.array([20e-6, -90e-6]), JOINT, PLACE)
+    found = gap_in_view(np.array([220e-6, 150e-6]), np.array([20e-6, -90e-6]), STATED, PLACE)
     npt.assert_allclose(found[0], circles(220e-6, 20e-6), atol=0.15e-6)
     npt.assert_allclose(found[1], circles(150e-6, -90e-6), atol=0.3e-6)
 
@@ -29,8 +28,8 @@ def test_minimum_and_mean_are_those_of_the_region():
     """The thinnest place of the second position lies outside the region, on its right."""
     region = slice(300, 1700)
     load, side = np.array([224e-6, 200e-6]), np.array([10e-6, 105e-6])
-    minimum, mean = summarise_gap(load, side, JOINT, View(PLACE, region))
-    gap = gap_in_view(load, side, JOINT, PLACE[region])
+    minimum, mean = summarise_gap(load, side, STATED, View(PLACE, region))
+    gap = gap_in_view(load, side, STATED, PLACE[region])
     npt.assert_allclose(minimum, gap.min(axis=1), atol=1e-11)
     npt.assert_allclose(mean, gap.mean(axis=1), rtol=1e-12)
 

@@ -6,16 +6,16 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.gap import known_calibration
+from scenes.gap import true_log_ratio as log_ratio_of
 from scenes.pair import ratio_images
 
 import erlif
-from erlif.calibration import Calibration
 from erlif.core.errors import ModelError
 from erlif.core.flags import Flag
 from erlif.ratio import smooth_ratio
 from erlif.thickness import measure_thickness
 
-K, P, Q = 0.65, 0.40, 0.25
 NOISE = 0.0135  # standard deviation of the log ratio
 Y, X = np.mgrid[:240, :320]
 SMOOTH_FILM = 3.0 + 1.5 * ((X - 160) / 160) ** 2 + 0.4 * (Y - 120) / 120  # parabola and tilt [um]
@@ -24,14 +24,7 @@ EDGE = 160  # first column of the thick side of the step
 
 @pytest.fixture(scope="module")
 def calibration():
-    return Calibration(
-        K, P, Q, np.zeros((3, 3)), (0.2, 16.0), (580.0, 610.0), xr.Dataset(), 1.0, "given"
-    )
-
-
-def log_ratio_of(film):
-    """Eq. 5.7 inverted, written out independently of the code under test."""
-    return np.log(K * P / Q * (1 - np.exp(-Q * film)) / (1 - np.exp(-P * film)))
+    return known_calibration()
 
 
 def images_of(log_ratio, variance=NOISE**2, flags=0):

@@ -4,25 +4,18 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.gap import K, P, Q, known_calibration
+from scenes.gap import true_log_ratio as log_ratio_of
 from scenes.pair import ratio_images
 
 from erlif.calibration import Calibration
 from erlif.core.flags import Flag
 from erlif.thickness import measure_thickness
 
-K, P, Q = 0.65, 0.40, 0.25
-
 
 @pytest.fixture
 def calibration():
-    root = 1e-3 * np.array([[1.4, 0.0, 0.0], [-1.9, 0.8, 0.0], [-0.6, 0.6, 0.3]])
-    covariance = root @ root.T
-    return Calibration(K, P, Q, covariance, (0.2, 16.0), (580.0, 610.0), xr.Dataset(), 1.0, "given")
-
-
-def log_ratio_of(thickness):
-    """Eq. 5.7 inverted, written out independently of the code under test."""
-    return np.log(K * P / Q * (1 - np.exp(-Q * thickness)) / (1 - np.exp(-P * thickness)))
+    return known_calibration()
 
 
 def test_known_films_are_read_back(calibration):
