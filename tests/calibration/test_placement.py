@@ -139,16 +139,6 @@ def test_offset_scale_and_turn_of_a_line_are_found_and_its_film_with_them():
     assert has_note(refined, "scaled by")
 
 
-@pytest.mark.parametrize(
-    ("pulls_of", "seed"),
-    [(pulls_of_line, 2), pytest.param(pulls_of_surface, 3, marks=pytest.mark.slow)],
-)
-def test_found_pose_and_curve_lie_within_their_error(pulls_of, seed):
-    rng = np.random.default_rng(seed)
-    pulls = np.array([pulls_of(rng) for _ in range(2)])
-    assert np.abs(pulls).max() < 4
-
-
 @pytest.mark.slow
 def test_uncertainties_of_pose_and_curve_cover_on_a_line():
     rng = np.random.default_rng(4)

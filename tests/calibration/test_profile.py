@@ -3,15 +3,7 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.fixture import (
-    SHAPE,
-    WEDGE,
-    calibrate,
-    has_note,
-    image,
-    log_ratio,
-    wedge_profile,
-)
+from scenes.fixture import SHAPE, WEDGE, calibrate, has_note, image, log_ratio, wedge_profile
 
 from erlif.calibration import Profile, read_profile
 from erlif.calibration.profile import gradient_of_thickness

@@ -35,21 +35,6 @@ def test_exact_points_give_the_parameters():
     npt.assert_allclose(found.predict(FILM), log_ratio(FILM), atol=1e-6)
 
 
-def test_slope_and_gradient_are_those_of_the_prediction():
-    found = fit(measure(np.random.default_rng(1)))
-    step = 1e-5
-    numerical = (found.predict(FILM + step) - found.predict(FILM - step)) / (2 * step)
-    npt.assert_allclose(found.slope(FILM), numerical, rtol=1e-6, atol=1e-9)
-    for n, row in enumerate(found.gradient(FILM)):
-        change = np.zeros(3)
-        change[n] = step
-        above, below = (
-            replace(found, parameters=found.parameters + sign * change) for sign in (1, -1)
-        )
-        numerical = (above.predict(FILM) - below.predict(FILM)) / (2 * step)
-        npt.assert_allclose(row, numerical, rtol=1e-5, atol=1e-8)
-
-
 def test_scatter_of_the_parameters_matches_their_covariance():
     """Mahalanobis distance of 60 fits: its mean is 3, the number of parameters, +- sqrt(6/60)."""
     rng = np.random.default_rng(2)

@@ -9,12 +9,7 @@ import xarray as xr
 from scenes import film as film_scene
 from scenes.fixture import WEDGE, calibrate, calibrate_wedge, image, log_ratio, wedge_profile
 
-from erlif.calibration import (
-    calibration_of,
-    open_calibration,
-    record_calibration,
-    save_calibration,
-)
+from erlif.calibration import calibration_of, open_calibration, record_calibration, save_calibration
 from erlif.core.errors import CalibrationError, OutputError
 from erlif.io.files import open_film
 

@@ -8,7 +8,7 @@ import os
 import random
 import resource
 import struct
-import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import h5py
 import numpy as np
@@ -111,20 +111,8 @@ def test_a_forked_process_with_a_bound_of_its_own_has_a_child_of_its_own(tmp_pat
 
 def test_threads_wait_for_each_other(tmp_path):
     paths = [write(tmp_path / f"{n}.h5") for n in range(6)]
-    faults = []
-
-    def work(path):
-        try:
-            check_hdf5(path)
-        except ValueError as error:
-            faults.append(error)
-
-    threads = [threading.Thread(target=work, args=(path,)) for path in paths]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert not faults
+    with ThreadPoolExecutor(len(paths)) as threads:
+        assert len(list(threads.map(check_hdf5, paths))) == len(paths)
 
 
 # MATLAB 5

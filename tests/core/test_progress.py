@@ -36,12 +36,6 @@ def test_a_bar_for_each_step(asked, capsys):
         assert text in shown
 
 
-@pytest.mark.parametrize("asked", ["dots", 3, ["bar"]])
-def test_anything_else_is_refused_with_what_there_is(asked):
-    with pytest.raises(ErlifError, match='progress="bar"'):
-        choose_progress(asked)
-
-
 LONG = [
     erlif.batch,
     erlif.budget,

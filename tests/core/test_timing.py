@@ -11,29 +11,22 @@ from erlif.core.timing import peak_memory, stage
 
 @pytest.fixture
 def clocks(monkeypatch):
-    """A stage of 2.5 s on the wall and 4 s of the processors, in a program of 300 MB."""
+    """A stage of 2.5 s on the wall and 4 s of the processors, by clocks that are set."""
     wall, processor = iter([10.0, 12.5]), iter([3.0, 7.0])
     monkeypatch.setattr("erlif.core.timing.time.perf_counter", lambda: next(wall))
     monkeypatch.setattr("erlif.core.timing.time.process_time", lambda: next(processor))
-    monkeypatch.setattr("erlif.core.timing.peak_memory", lambda: 300_000_000)
 
 
 @pytest.mark.usefixtures("clocks")
-def test_a_stage_is_logged_with_its_duration_work_and_memory(caplog):
+@pytest.mark.parametrize(
+    ("peak", "words"), [(300_000_000, ", peak memory 300 MB"), (None, "")], ids=["counted", "not"]
+)
+def test_a_stage_is_logged_with_its_duration_work_and_memory(caplog, monkeypatch, peak, words):
+    monkeypatch.setattr("erlif.core.timing.peak_memory", lambda: peak)
     with caplog.at_level(logging.INFO, logger="erlif"), stage("registration"):
         pass
-    assert caplog.messages == [
-        "registration: started",
-        "registration: finished after 2.50 s, processor 4.00 s, peak memory 300 MB",
-    ]
-
-
-@pytest.mark.usefixtures("clocks")
-def test_memory_is_left_out_where_the_system_does_not_count_it(caplog, monkeypatch):
-    monkeypatch.setattr("erlif.core.timing.peak_memory", lambda: None)
-    with caplog.at_level(logging.INFO, logger="erlif"), stage("registration"):
-        pass
-    assert caplog.messages[-1].endswith("finished after 2.50 s, processor 4.00 s")
+    finished = f"registration: finished after 2.50 s, processor 4.00 s{words}"
+    assert caplog.messages == ["registration: started", finished]
 
 
 def test_a_stage_that_fails_is_logged_as_stopped(caplog):

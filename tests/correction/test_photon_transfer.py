@@ -14,11 +14,6 @@ from erlif.correction import (
 )
 
 SHAPE = (24, 32)
-FALLOFF = np.linspace(1, 0.7, SHAPE[1]) * np.ones(SHAPE)
-
-
-def expose(electrons, rng, *, gain, read):
-    return np.rint((rng.poisson(electrons) + rng.normal(0, read, SHAPE)) / gain)
 
 
 def level_of(pages):
@@ -29,22 +24,13 @@ def level_of(pages):
     return reduce_level(made, np.ones(SHAPE, bool))
 
 
-def record(rng, *, gain, read, pages, flicker, levels):
+def record(camera, rng, *, pages, flicker, levels):
     """Levels of a flat, and the temporal variance of a dark with its standard deviation."""
-    camera = {"gain": gain, "read": read}
-    points = [
-        level_of(
-            [expose(level * rng.normal(1, flicker) * FALLOFF, rng, **camera) for _ in range(pages)]
-        )
-        for level in levels
-    ]
-    darks = np.stack([expose(0 * FALLOFF, rng, **camera) for _ in range(8)])
-    variance = darks.var(axis=0, ddof=1).mean()
-    dark = {
-        "dark_variance": variance,
-        "dark_variance_std": variance * np.sqrt(2 / (7 * FALLOFF.size)),
-    }
-    return points, dark
+    flats = np.array(camera.flats(levels, pages, rng, flicker=flicker)) - camera.offset
+    points = [level_of(taken) for taken in flats.reshape(-1, pages, *SHAPE)]
+    variance = np.var(camera.darks(8, rng), axis=0, ddof=1).mean()
+    std = variance * np.sqrt(2 / (7 * np.prod(SHAPE)))
+    return points, {"dark_variance": variance, "dark_variance_std": std}
 
 
 @pytest.mark.parametrize(
@@ -52,17 +38,16 @@ def record(rng, *, gain, read, pages, flicker, levels):
     [(2, 0.0, True), (3, 0.02, True), (8, 0.005, True), (4, 0.01, False)],
 )
 def test_gain_of_many_cameras_scatters_by_its_standard_deviation(
-    pages, flicker, known, check_coverage
+    pages, flicker, known, simulated, check_coverage
 ):
     """The variance of the dark is known or fitted along; straight curves are not called bent."""
     rng = np.random.default_rng(pages)
     pulls, bends = [], []
     for _ in range(60):
         gain, read = rng.uniform(0.5, 20), rng.uniform(1.5, 30)
+        camera = simulated(gain=gain, read_noise=read, offset=256, shape=SHAPE)
         levels = gain * rng.uniform([400, 1200, 2500], [800, 2000, 3500])
-        points, dark = record(
-            rng, gain=gain, read=read, pages=pages, flicker=flicker, levels=levels
-        )
+        points, dark = record(camera, rng, pages=pages, flicker=flicker, levels=levels)
         found = fit_photon_transfer(points, **(dark if known else {"dark_variance": None}))
         pulls.append((found.gain - gain) / found.gain_std)
         bends.append(found.bend / found.bend_std)

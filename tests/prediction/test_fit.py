@@ -22,13 +22,7 @@ from scenes.orbits import (
 from erlif.core.errors import ConfigError
 from erlif.models.oil import vogel_viscosity
 from erlif.models.reynolds import Motion, crank_motion, solve_journal
-from erlif.prediction import (
-    Estimate,
-    MeasuredMotion,
-    film_temperature,
-    fit_motion,
-    measured_minima,
-)
+from erlif.prediction import Estimate, MeasuredMotion, film_temperature, fit_motion, measured_minima
 from erlif.trend import VogelLaw
 
 SCALE = 0.005  # error of the calibration that all films share

@@ -7,16 +7,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from scenes.gap import (
-    LOAD_LINE,
-    VIEW,
-    WHOLE,
-    X,
-    Y,
-    circle_gap,
-    known_calibration,
-    noisy_ratios,
-)
+from scenes.gap import LOAD_LINE, VIEW, WHOLE, X, Y, circle_gap, known_calibration, noisy_ratios
 
 from erlif.core.errors import ConfigError, ErlifError
 from erlif.prediction import measured_minima, measured_positions

@@ -66,11 +66,3 @@ def test_coordinates_of_the_frames_stay(light):
     npt.assert_array_equal(ratios.angle, [1.0, 2.0, 3.0])
     assert "camera" not in ratios.coords
     npt.assert_array_equal(ratios.signal_camera1, frames.signal.sel(camera=1))
-
-
-def test_exchanged_cameras_change_the_sign(light):
-    npt.assert_allclose(
-        compute_ratio(aligned(*light)).log_ratio,
-        -compute_ratio(aligned(*light[::-1])).log_ratio,
-        atol=1e-6,
-    )

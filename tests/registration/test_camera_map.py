@@ -94,20 +94,14 @@ def test_missing_part_of_a_stored_map_is_named(found, missing):
 # the translation ----------------------------------------------------------------------------------
 
 
-def test_translation_is_added_to_each_component(found):
-    moved = move_map(found, np.array([0.5, -0.25]))
-    npt.assert_allclose(moved.displacement_x, found.displacement_x + 0.5, rtol=1e-6)
-    npt.assert_allclose(moved.displacement_y, found.displacement_y - 0.25, rtol=1e-6)
+@pytest.mark.parametrize(("stored", "recorded"), [(False, None), (True, (0.75, 1.25))])
+def test_translations_are_added_and_a_stored_map_records_their_sum(found, stored, recorded):
+    begun = replace(found, stored=stored)
+    moved = move_map(move_map(begun, np.array([0.5, -0.25])), np.array([0.25, 1.5]))
+    npt.assert_allclose(moved.displacement_x, found.displacement_x + 0.75, rtol=1e-6)
+    npt.assert_allclose(moved.displacement_y, found.displacement_y + 1.25, rtol=1e-6)
     assert moved.displacement_x.dtype == moved.displacement_y.dtype == np.float32
-    assert moved.model == found.model
-
-
-def test_stored_map_records_the_whole_translation(found):
-    stored = replace(found, stored=True)
-    moved = move_map(move_map(stored, np.array([0.5, -0.25])), np.array([0.25, 1.5]))
-    assert moved.drift_taken_up == (0.75, 1.25)
-    assert moved.stored
-    assert moved.model.endswith("the mean drift taken up is (0.750, 1.250) px")
+    assert (moved.stored, moved.drift_taken_up) == (stored, recorded)
 
 
 def test_a_map_shows_displacement_and_error():

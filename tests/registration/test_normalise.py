@@ -90,13 +90,3 @@ def test_flat_parts_are_not_blown_up_to_noise():
     contrast = np.where(X < 64, 0.2, 0.0002)
     texture, _ = normalise(1000 * (1 + contrast * BOARD), reach=3.0)
     npt.assert_allclose(np.abs(texture[:, -20:]), 0.0002 / (0.02 * 0.2), rtol=0.05)
-
-
-@pytest.mark.parametrize("shape", [(64, 64), (65, 67), (66, 130)])
-def test_frames_need_not_be_made_of_whole_cells(shape):
-    y, x = np.indices(shape)
-    board = (-1.0) ** (x + y)
-    texture, weight = normalise(1000 * (1 + 0.1 * board))
-    assert texture.shape == weight.shape == shape
-    inner = (slice(4, -4), slice(4, -4))
-    npt.assert_allclose(texture[inner], board[inner], atol=0.02)

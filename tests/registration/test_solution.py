@@ -11,16 +11,8 @@ from erlif.core.errors import RegistrationError
 from erlif.registration import MapKind
 from erlif.registration.matching import BX, GXX
 from erlif.registration.selection import Model, moved_to
-from erlif.registration.solution import (
-    Solution,
-    describe_surface,
-    find_overlap,
-    finish_map,
-    fits_better,
-    solve_local,
-)
+from erlif.registration.solution import Solution, find_overlap, finish_map
 from erlif.registration.surface import equations, solve_surface
-from erlif.registration.views import expected_rms
 
 SHAPE = (128, 160)
 
@@ -31,11 +23,6 @@ def even(value, shape=SHAPE):
 
 def solution(dx=0.0, dy=0.0, std=0.01, kind=MapKind.LOCAL):
     return Solution(even(dx), even(dy), even(std), kind, "32 px")
-
-
-def ripple(amplitude, wavelength):
-    """A displacement along x that varies along y."""
-    return lambda x, y: (amplitude * np.sin(2 * np.pi * y / wavelength), 0 * x)
 
 
 def views_of(field, *, noise=5.0):
@@ -94,39 +81,6 @@ def test_the_displacement_is_given_eight_pixels_beyond_camera_2(axis, sign):
     npt.assert_array_equal(np.isnan(fields[1]), expected)
     npt.assert_array_equal(np.isnan(std), expected)
     assert not overlap[unknown].any()
-
-
-# the surface on every pixel ---------------------------------------------------------------------
-
-
-def test_a_plane_is_known_best_in_the_middle(still):
-    """The variance of a plane grows as 1 + 12 (r/L)^2, by 7 to the corner; std by about 2.6."""
-    model = Model((1, 1), 1)
-    cells, surface = fitted(still, translation(), model)
-    std = describe_surface(cells, surface, model, SHAPE).std
-    row, column = np.unravel_index(np.argmin(std), SHAPE)
-    assert abs(row - 63.5) < 40
-    assert abs(column - 79.5) < 50
-    corners = std[[0, 0, -1, -1], [0, -1, 0, -1]]
-    assert 1.5 < corners.mean() / std.min() < 4
-    assert 1e-4 < std.min() < 0.02
-
-
-# windows ----------------------------------------------------------------------------------------
-
-
-def test_windows_follow_a_ripple_that_a_plane_misses():
-    views = views_of(ripple(0.5, 64.0))
-    surface = translation()
-    scale = expected_rms(views.look(surface).sums)
-    windows = solve_local(views, surface, 1.0, 10 * scale)
-    y, x = np.indices(SHAPE, dtype=float)
-    inner = (slice(16, -16), slice(16, -16))
-    error = (windows.dx - ripple(0.5, 64.0)(x, y)[0])[inner]
-    assert np.sqrt(np.mean(error**2)) < 0.12  # the ripple has 0.35
-    plane = replace(windows, dx=even(0), dy=even(0))
-    assert fits_better(views, windows, plane)
-    assert not fits_better(views, plane, windows)
 
 
 # the map ----------------------------------------------------------------------------------------

@@ -6,7 +6,6 @@ import pytest
 from scipy import fft
 
 from erlif.registration.whitening import (
-    REACH,
     Filter,
     Spectra,
     make_filter,
@@ -118,16 +117,6 @@ def test_few_blocks_and_unrelated_textures_give_no_filter():
 
 
 # the filter on images ---------------------------------------------------------------------------
-
-
-def test_weight_ends_where_the_filter_reaches_beyond_the_frame():
-    weight = ones()
-    weight[50, 60] = 0
-    _, kept = whiten(noise(), weight, np.ones((192, 129), np.float32))
-    inner = kept[REACH:-REACH, REACH:-REACH]
-    assert inner.sum() == inner.size - 1
-    assert kept.sum() == inner.sum()
-    assert weight.sum() == weight.size - 1
 
 
 def test_a_frame_of_an_awkward_size_is_padded_for_the_transform():

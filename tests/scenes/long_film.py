@@ -27,27 +27,10 @@ def write_long_film(
     noise: float = 0.05,
     grain: int = 1,
 ) -> Path:
-    """Write a film whose triggers share a few maps.
+    """Write film.nc, or film.zarr, of one turn of the crank whose triggers share a few maps.
 
-    Parameters
-    ----------
-    path : Path
-        ``film.nc``, or ``film.zarr``, where triggers share the files of their maps as well.
-    triggers : int
-        Number of triggers, one turn of the crank.
-    shape : (int, int)
-        Rows and columns.
-    name : str
-        Name of the run.
-    noise : float
-        Standard deviation of one pixel. [um]
-    grain : int
-        Pixels on a side that share their noise; more of them compress better. [px]
-
-    Returns
-    -------
-    Path
-        `path`.
+    `noise` is the standard deviation of a pixel [um]; `grain` pixels on a side share it, which
+    compresses better.
     """
     film = _numbers(triggers, shape, name)
     phase = phases(triggers)

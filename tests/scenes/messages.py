@@ -1,25 +1,12 @@
 """Words of the messages of errors."""
 
-STEPS = frozenset(
-    (
-        *(
-            "add",
-            "calibrate",
-            "call",
-            "change",
-            "check",
-            "choose",
-            "close",
-            "compare",
-            "convert",
-            "copy",
-        ),
-        *("correct", "cover", "delete", "divide", "exchange", "export", "give", "install", "keep"),
-        *("leave", "log", "make", "measure", "mount", "move", "name", "number", "pass", "pick"),
-        *("photograph", "put", "raise", "record", "register", "remove", "rename", "repeat"),
-        *("replace", "save", "set", "show", "start", "take", "try", "use", "wait", "widen"),
-        *("draw", "reload"),
-        *("write", "clean", "press", "point", "lay", "reduce", "lower", "run", "point", "read"),
-    )
-)
+_WORDS = """
+    add calibrate call change check choose clean close compare convert copy correct cover
+    delete divide draw exchange export give install keep lay leave log lower make measure
+    mount move name number pass photograph pick point press put raise read record reduce
+    register reload remove rename repeat replace run save set show start take try use wait
+    widen write
+"""
+
+STEPS = frozenset(_WORDS.split())
 """Words with which a sentence begins that names the next step."""
