@@ -95,16 +95,6 @@ def test_each_frame_is_read_at_its_own_drift_and_the_surface_takes_the_mean():
     npt.assert_allclose((dx[0, 0], dy[0, 0]), offsets.mean(0), atol=0.02)
 
 
-def test_a_frame_without_common_texture_takes_no_part():
-    good = translated((0.5, 0.0), (-0.5, 0.0))
-    stranger = (good[0][0], translated((0.0, 0.0), seed=8)[0][1], None, None)
-    views = map_views([good[0], stranger, good[1]])
-    seen = views.look(translation(0.5))
-    assert np.isnan(views.drift[1]).all()
-    alone = map_views(good).look(translation(0.5))
-    npt.assert_allclose(seen.sums, alone.sums, rtol=1e-6, atol=1e-6)
-
-
 def counted(pairs):
     """The pairs, and the list of the numbers that were read."""
     read = []

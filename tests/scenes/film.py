@@ -88,13 +88,8 @@ def rocker_angle(crank: np.ndarray) -> np.ndarray:
 def rocker_speed(crank: np.ndarray) -> np.ndarray:
     """Rocker speed [rad/s] by central differences of the angle."""
     step = 1e-3
-    return (
-        np.radians(rocker_angle(crank + step) - rocker_angle(crank - step))
-        / np.radians(2 * step)
-        * 114
-        * math.pi
-        / 30
-    )
+    change = rocker_angle(crank + step) - rocker_angle(crank - step)
+    return change / (2 * step) * 114 * math.pi / 30
 
 
 def true_film() -> np.ndarray:
@@ -242,7 +237,7 @@ def trigger_columns() -> dict[str, tuple[np.ndarray, str]]:
     }
 
 
-CLEARANCE, MEAN_RADIUS = 230.0, math.sqrt(33.36 * 33.59)  # um, mm
+MEAN_RADIUS = math.sqrt(33.36 * 33.59)  # mm
 RANDOM_STD = np.array([0.003, 0.04, 0.001, 0.012])  # um and um/mm, of the numbers of a position
 SHARED_STD = np.array([0.015, 0.03, 0.001, 0.001])
 

@@ -1,5 +1,6 @@
 """Imports without the garbage collector."""
 
+import contextlib
 import gc
 import subprocess
 import sys
@@ -10,24 +11,15 @@ import pytest
 from erlif.core.speed.imports import large_imports
 
 
-def test_the_collector_is_off_inside_and_on_afterwards():
-    with large_imports():
-        assert not gc.isenabled()
-    assert gc.isenabled()
-
-
-def test_the_collector_returns_after_a_failed_import():
-    with pytest.raises(ImportError), large_imports():
-        raise ImportError
-    assert gc.isenabled()
-
-
-def test_a_collector_that_was_off_stays_off():
-    gc.disable()
+@pytest.mark.parametrize("enabled", [True, False])
+def test_the_collector_is_off_inside_and_as_before_after_a_failed_import(enabled):
+    if not enabled:
+        gc.disable()
     try:
-        with large_imports():
-            pass
-        assert not gc.isenabled()
+        with contextlib.suppress(ImportError), large_imports():
+            assert not gc.isenabled()
+            raise ImportError
+        assert gc.isenabled() is enabled
     finally:
         gc.enable()
 
