@@ -70,10 +70,7 @@ def test_marks_at_even_rocker_angles_keep_their_strokes(jitter, start):
 @pytest.mark.parametrize("per_cycle", [None, 12])
 def test_several_cycles_fold_onto_one(per_cycle):
     crank = 11.0 + np.arange(36) * 30.0
-    found = locate(
-        make_log([rocker_angle(c) for c in crank]),
-        per_cycle=per_cycle,
-    )
+    found = locate(make_log([rocker_angle(c) for c in crank]), per_cycle=per_cycle)
     assert found.trigger.values.tolist() == list(range(12)) * 3
     assert found.cycle.values.tolist() == [0] * 12 + [1] * 12 + [2] * 12
 

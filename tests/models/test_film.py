@@ -183,15 +183,7 @@ def test_the_constant_of_martin():
 @pytest.mark.filterwarnings("ignore::erlif.core.errors.RangeWarning")  # a line is k = infinity
 def test_hamrock_dowson_tends_to_its_line_contact_form():
     def films(across):
-        return hamrock_dowson_film(
-            1.0,
-            load=100.0,
-            viscosity=0.05,
-            pressure_viscosity=2e-8,
-            radius_along=0.01,
-            radius_across=across,
-            contact_modulus=STEEL,
-        )
+        return hamrock_dowson_film(1.0, **BALL | {"radius_across": across})
 
     minimum, central = films(0.01)
     far_minimum, far_central = films(1e4)

@@ -73,6 +73,14 @@ def test_rebound_has_the_closed_form_of_the_law(restitution):
     npt.assert_allclose(rebound / touch, restitution, atol=0.5 * (1 - restitution))
 
 
+DRIVEN = {
+    "bodies": SliderCrankBodies(**MASSES, spring_stiffness=525.4, spring_preload=20.0),
+    "crank_speed": 20.0,
+    "crank_angle": 0.3,
+    "torque": lambda time, _angle: 2 * np.cos(30 * time),
+    "crank_inertia": CRANK_INERTIA,
+    "eccentricity": (-1e-4, 0.0),
+}
 REFERENCE = Path(__file__).parents[1] / "reference" / "slider_crank_exudyn.csv"
 
 
@@ -91,16 +99,7 @@ def test_motion_under_a_torque_is_that_of_exudyn(joint, clearance, contact, boun
     with REFERENCE.open(encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if row["joint"] == joint]
     found = simulate_slider_crank(
-        linkage(clearance),
-        bodies=SliderCrankBodies(**MASSES, spring_stiffness=525.4, spring_preload=20.0),
-        crank_speed=20.0,
-        crank_angle=0.3,
-        duration=0.12,
-        torque=lambda time, _angle: 2 * np.cos(30 * time),
-        crank_inertia=CRANK_INERTIA,
-        contact=contact,
-        eccentricity=(-1e-4, 0.0),
-        samples=25,
+        linkage(clearance), **DRIVEN, duration=0.12, contact=contact, samples=25
     )
     assert found.touches >= 5 or joint == "perfect"
     for name, bound in zip(
@@ -111,18 +110,8 @@ def test_motion_under_a_torque_is_that_of_exudyn(joint, clearance, contact, boun
 
 def test_flights_shorter_than_a_step_are_followed():
     """Stiff contact on a light crank: touches follow each other within a millisecond."""
-    found = simulate_slider_crank(
-        linkage(2e-4),
-        bodies=SliderCrankBodies(**MASSES, spring_stiffness=525.4, spring_preload=20.0),
-        crank_speed=20.0,
-        crank_angle=0.3,
-        duration=0.04,
-        torque=lambda time, _angle: 2 * np.cos(30 * time),
-        crank_inertia=CRANK_INERTIA,
-        contact=ContactLaw(1e8, restitution=1.0),
-        eccentricity=(-1e-4, 0.0),
-        samples=201,
-    )
+    law = ContactLaw(1e8, restitution=1.0)
+    found = simulate_slider_crank(linkage(2e-4), **DRIVEN, duration=0.04, contact=law, samples=201)
     assert found.touches >= 8
     assert found.penetration.max() < 3e-4
 

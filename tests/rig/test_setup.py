@@ -89,13 +89,7 @@ def test_a_dry_joint_shows_the_background_times_the_pulse_energy():
         width=64, height=48, hot_fraction=0.0, dead_pixels=0, background=0.02, background_beam=0.01
     )
     setup = replace(build_setup(3, rig), typical=(5000.0, 4000.0))
-    shot = Shot(
-        film=lambda x, y: np.zeros(x.shape),
-        bubbles=Bubbles(*np.empty((3, 0))),
-        grains=setup.grains,
-        energy=3.0,
-        drift=(0.0, 0.0),
-    )
+    shot = Shot(lambda x, y: np.zeros(x.shape), NO_BUBBLES, setup.grains, 3.0, (0.0, 0.0))
     frames = photograph(setup, shot, np.random.default_rng(1))
     for number, camera, typical in ((1, setup.cameras[0], 5000), (2, setup.cameras[1], 4000)):
         x, y = setup.x, setup.y

@@ -1,6 +1,7 @@
 """Steady journal bearings against published tables."""
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -75,14 +76,7 @@ def test_short_bearing_of_ocvirk(eccentricity):
 
 def test_full_sommerfeld_bearing():
     """F = 12 pi eps / ((2 + eps^2) sqrt(1 - eps^2)) eta omega R L (R/c)^2, normal to e."""
-    full = Journal(
-        0.05 - 2.5e-5,
-        0.05 + 2.5e-5,
-        length=0.1,
-        viscosity=0.05,
-        long=True,
-        cavitation_pressure=-1e12,
-    )
+    full = replace(bearing(None), cavitation_pressure=-1e12)
     factor = 12 * np.pi * 0.5 / ((2 + 0.25) * np.sqrt(0.75))
     size = 0.05 * SPEED * full.radius * full.length * (full.radius / full.clearance) ** 2
     found = steady_journal(full, speed=SPEED, load=factor * size, cells=(240, 1))
