@@ -36,12 +36,13 @@ def test_scalar_gives_python_float(value):
     assert half(value) == 0.5
 
 
-def test_keyword_list_and_data_array_broadcast():
+def test_sequences_and_data_arrays_broadcast():
     @formula()
     def product(one, *, other):
         return one * other
 
     np.testing.assert_array_equal(product([[1], [2]], other=[3, 4]), [[3, 4], [6, 8]])
+    np.testing.assert_array_equal(product((1, 2), other=range(3, 5)), [3, 8])
     assert product(LOADS, other=2).dims == ("load",)
 
 

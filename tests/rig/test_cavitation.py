@@ -3,17 +3,15 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.rig import ACRYLIC, CYCLE, LOAD
 
 from erlif.core.errors import ModelError
 from erlif.rig.cavitation import follow_cavitated, relax_pressure
 from erlif.rig.film import crank_at, rocker_angle, rocker_range, rocker_speed
-from erlif.rig.orbit import Bearing, follow_orbit
+from erlif.rig.orbit import follow_orbit
 from erlif.rig.settings import RigSettings
 
 RIG = RigSettings()
-ACRYLIC = Bearing(np.sqrt(33.36e-3 * 33.59e-3), 0.23e-3, 0.237, 0.12)
-LOAD = 222.411  # N, 50 lbf
-CYCLE = 60 / 114  # s
 THIN = ((230 - 18.5) * 1e-6, 0.0)  # near the periodic film of the guided pin
 
 

@@ -6,6 +6,7 @@ Closed forms are those of Sommerfeld (1904) and of Dubois and Ocvirk (1953).
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.rig import ACRYLIC, CYCLE, LOAD
 from scipy.integrate import solve_ivp
 from scipy.sparse import csc_matrix, eye, kron
 from scipy.sparse.linalg import spsolve
@@ -15,7 +16,6 @@ from erlif.rig.film import rocker_speed
 from erlif.rig.orbit import (
     HARMONICS,
     THINNEST,
-    Bearing,
     Mobility,
     follow_orbit,
     lowest_pressure,
@@ -23,9 +23,6 @@ from erlif.rig.orbit import (
 )
 from erlif.rig.settings import RigSettings
 
-ACRYLIC = Bearing(np.sqrt(33.36e-3 * 33.59e-3), 0.23e-3, 0.237, 0.12)
-LOAD = 222.411  # N, 50 lbf
-CYCLE = 60 / 114  # s
 REFERENCE = ACRYLIC._replace(radius=33.36e-3)
 """The reference values are those of the pin's radius: K/W = 3.383 s."""
 LONG = REFERENCE._replace(length=1e6)
