@@ -13,7 +13,6 @@ from .persson import (
     persson_contact,
     persson_group,
     persson_half_angle,
-    persson_load,
     persson_peak_group,
     persson_pressure,
 )
@@ -62,7 +61,6 @@ __all__ = [
     "persson_contact",
     "persson_group",
     "persson_half_angle",
-    "persson_load",
     "persson_peak_group",
     "persson_pressure",
     "projected_pressure",
