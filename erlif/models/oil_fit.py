@@ -4,17 +4,16 @@ Vogel (1921) for dynamic and Walther (1931) for kinematic viscosities, by weight
 the logarithm of the viscosity.
 """
 
-import csv
 from dataclasses import dataclass
-from importlib.resources import files
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from erlif.core.errors import ModelError
+from erlif.core.tables import read_table
 from erlif.models.arguments import Values, for_each, formula, warn_of_units
-from erlif.models.oil import VogelConstants
+from erlif.models.oil import VogelConstants, vogel_viscosity
 
 _WALTHER_SHIFT = 0.7
 """Constant in Walther's law, of ASTM D341 for oils above 2 mm2/s. [mm2/s]"""
@@ -132,14 +131,9 @@ class ViscosityFit:
         """
         # to first order in the logarithm
         if self.law == "vogel":
-            a, b, c = self.constants.values()
+            value = vogel_viscosity(temperature, **self.constants)
+            _, b, c = self.constants.values()
             above = temperature - c
-            if np.any(np.less_equal(above, 0)):
-                raise ModelError(
-                    f"temperature must be above the Vogel constant c of {c:.4g} K, got "
-                    f"{np.nanmin(np.asarray(temperature)):g} K."
-                )
-            value = a * np.exp(b / above)
             slopes = [1.0 + 0 * above, 1 / above, b / above**2]
         else:
             A, B = self.constants.values()
@@ -321,8 +315,7 @@ def sae_oil(grade: int) -> VogelConstants:
     >>> print(f"{vogel_viscosity(373.15, **sae_oil(30)._asdict()) * 1e3:.1f} mPa s")
     8.2 mPa s
     """
-    row = _row_of("oils_sae.csv", "SAE", grade)
-    return VogelConstants(float(row["a"]), float(row["b"]), float(row["c"]))
+    return VogelConstants(**_of_grade("SAE", grade))
 
 
 def iso_vg_viscosity(grade: int) -> tuple[float, float]:
@@ -349,7 +342,7 @@ def iso_vg_viscosity(grade: int) -> tuple[float, float]:
     >>> print(f"{lowest * 1e6:.0f} to {highest * 1e6:.0f} mm2/s")
     135 to 165 mm2/s
     """
-    midpoint = float(_row_of("oils_iso_vg.csv", "ISO VG", grade)["midpoint"])
+    midpoint = _of_grade("ISO VG", grade)
     return 0.9 * midpoint, 1.1 * midpoint
 
 
@@ -446,13 +439,12 @@ def _walther_slope(w: Values) -> Values:
     return np.log(10) ** 2 * 10**w * shifted / (shifted - _WALTHER_SHIFT)
 
 
-def _row_of(name: str, system: str, grade: int) -> dict[str, str]:
-    """Row of a grade in a table of oils."""
-    text = files("erlif.models").joinpath(name).read_text(encoding="utf-8")
-    table = {int(row["grade"]): row for row in csv.DictReader(text.splitlines())}
-    if grade not in table:
+def _of_grade(system: str, grade: int) -> Any:
+    """What the table of oils has for a grade."""
+    table = read_table("erlif.models", "oils.toml")[system]
+    if str(grade) not in table:
         raise ModelError(
-            f"Expected one of the grades {', '.join(map(str, table))} of {system}, got {grade!r}. "
-            "Choose one of them, or fit measured points with fit_viscosity."
+            f"Expected one of the grades {', '.join(table)} of {system}, got {grade!r}. Choose one "
+            "of them, or fit measured points with fit_viscosity."
         )
-    return table[grade]
+    return table[str(grade)]
