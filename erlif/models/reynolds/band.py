@@ -75,23 +75,11 @@ def solve_ring(stencil: Stencil, right: Array) -> Array:
     if linked.all():
         return _solve_folded(stencil, right)
     cut = int(np.argmin(linked))
-    order = (np.arange(columns) + cut) % columns if cut else slice(None)
-    band = np.zeros((columns, axial, 3 * axial + 1))
-    middle = 2 * axial
-
-    # LAPACK stores A[i, j] at row middle + i - j of column j; here the columns lie in rows
-    band[:, :, middle] = stencil.centre[order]
-    if axial > 1:
-        band[:, 1:, middle - 1] = stencil.upper[order][:, :-1]
-        band[:, :-1, middle + 1] = stencil.lower[order][:, 1:]
+    order = (np.arange(columns) + cut) % columns
+    band, middle = _columns(stencil, order, axial)
     band[1:, :, middle - axial] += stencil.following[order][:-1]
     band[:-1, :, middle + axial] += stencil.previous[order][1:]
-    found = _solve_band(band.reshape(columns * axial, -1), right[:, order], axial)
-    if not cut:
-        return found
-    result = np.empty_like(found)
-    result[:, order] = found
-    return result
+    return _solve_band(band, right, order, axial)
 
 
 def _solve_folded(stencil: Stencil, right: Array) -> Array:
@@ -100,16 +88,9 @@ def _solve_folded(stencil: Stencil, right: Array) -> Array:
     half = columns // 2
     order = np.empty(columns, dtype=np.intp)
     order[0::2], order[1::2] = np.arange(half), np.arange(columns - 1, half - 1, -1)
-    centre, previous, following = (
-        each[order] for each in (stencil.centre, stencil.previous, stencil.following)
-    )
+    previous, following = stencil.previous[order], stencil.following[order]
     width = 2 * axial
-    middle = 2 * width
-    band = np.zeros((columns, axial, 3 * width + 1))
-    band[:, :, middle] = centre
-    if axial > 1:
-        band[:, 1:, middle - 1] = stencil.upper[order][:, :-1]
-        band[:, :-1, middle + 1] = stencil.lower[order][:, 1:]
+    band, middle = _columns(stencil, order, width)
 
     # along one arm the next column is two places on, along the other two places back
     outer, inner = slice(0, columns - 2), slice(2, columns)
@@ -123,21 +104,41 @@ def _solve_folded(stencil: Stencil, right: Array) -> Array:
     band[0, :, middle + axial] = following[1]
     band[-1, :, middle - axial] = following[-2]
     band[-2, :, middle + axial] = previous[-1]
-    found = _solve_band(band.reshape(columns * axial, -1), right[:, order], width)
-    result = np.empty_like(found)
-    result[:, order] = found
-    return result
+    return _solve_band(band, right, order, width)
 
 
-def _solve_band(band: Array, right: Array, width: int) -> Array:
-    """Solve with a band stored by columns."""
-    sides = right.reshape(right.shape[0], -1).T
+def _columns(stencil: Stencil, order: Array, width: int) -> tuple[Array, int]:
+    """Band with the links within each column, the columns in an order, and the place of centres.
+
+    LAPACK stores A[i, j] at row middle + i - j of column j; here the columns lie in rows.
+    """
+    columns, axial = stencil.centre.shape
+    middle = 2 * width
+    band = np.zeros((columns, axial, 3 * width + 1))
+    band[:, :, middle] = stencil.centre[order]
+    if axial > 1:
+        band[:, 1:, middle - 1] = stencil.upper[order][:, :-1]
+        band[:, :-1, middle + 1] = stencil.lower[order][:, 1:]
+    return band, middle
+
+
+def _solve_band(band: Array, right: Array, order: Array, width: int) -> Array:
+    """Solve with a band stored by columns, which lie in an order that the sides do not have."""
+    columns, axial, rows = band.shape
+    sides = right[:, order].reshape(right.shape[0], -1).T
     _, _, found, info = lapack.dgbsv(
-        width, width, band.T, sides, overwrite_ab=True, overwrite_b=False
+        width,
+        width,
+        band.reshape(columns * axial, rows).T,
+        sides,
+        overwrite_ab=True,
+        overwrite_b=False,
     )
     if info != 0:
         raise ModelError(
             "The equations of the film are singular: no part of it is open to a known pressure. "
             "Give it ends of finite length or a supply."
         )
-    return np.ascontiguousarray(found.T).reshape(right.shape)
+    result = np.empty(right.shape)
+    result[:, order] = found.T.reshape(right.shape)
+    return result

@@ -253,9 +253,8 @@ class _Course:
 
     def follow(self) -> list[State]:
         """The films one after the other."""
-        states = [
-            start_state(self.medium, self.step(0, 0.0), np.zeros(self.step(0, 0.0).load.size))
-        ]
+        first = self.step(0, 0.0)
+        states = [start_state(self.medium, first, np.zeros(first.load.size))]
         for k in range(1, self.times.size):
             step = self.step(k, 1 / (self.times[k] - self.times[k - 1]))
             try:
@@ -270,11 +269,11 @@ class _Course:
 def _dataset(course: _Course, states: list[State], *, with_time: bool, wide: bool) -> "xr.Dataset":
     """The results with dimensions, coordinates and units."""
     medium, grid = course.medium, course.medium.grid
+    x = (np.arange(grid.along) + 0.5) * grid.dx
     rows: list[dict[str, Any]] = []
     for k, state in enumerate(states):
         pressure = np.array(medium.fluid.pressure(state.reduced)[0])
         (force,) = forces(medium, [course.unit], pressure)
-        x = (np.arange(grid.along) + 0.5) * grid.dx
         moment = float(x @ pressure @ grid.area)
         lost = losses(medium, state, 2 * float(course.speeds[k]), 1.0)
         row: dict[str, Any] = {
@@ -300,7 +299,7 @@ def _dataset(course: _Course, states: list[State], *, with_time: bool, wide: boo
         dims = ("time", *cells) if values.ndim == 3 else ("time",)
         values = values[..., 0] if values.ndim == 3 and wide else values
         variables[name] = (dims, values) if with_time else (dims[1:], values[0])
-    coordinates: dict[str, Any] = {"x": ("x", (np.arange(grid.along) + 0.5) * grid.dx)}
+    coordinates: dict[str, Any] = {"x": ("x", x)}
     if not wide:
         coordinates["z"] = ("z", (np.arange(grid.across) + 0.5) * grid.dz[0])
     if with_time:
