@@ -1,4 +1,4 @@
-"""Viscosity and density laws: their defining points, their limits and each other."""
+"""Laws of viscosity: their defining points, their limits and each other."""
 
 import numpy as np
 import numpy.testing as npt

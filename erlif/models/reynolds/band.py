@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import lapack
 
-from erlif.core.arrays import Array
+from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import ModelError
 
 
@@ -107,7 +107,7 @@ def _solve_folded(stencil: Stencil, right: Array) -> Array:
     return _solve_band(band, right, order, width)
 
 
-def _columns(stencil: Stencil, order: Array, width: int) -> tuple[Array, int]:
+def _columns(stencil: Stencil, order: AnyArray, width: int) -> tuple[Array, int]:
     """Band with the links within each column, the columns in an order, and the place of centres.
 
     LAPACK stores A[i, j] at row middle + i - j of column j; here the columns lie in rows.
@@ -122,7 +122,7 @@ def _columns(stencil: Stencil, order: Array, width: int) -> tuple[Array, int]:
     return band, middle
 
 
-def _solve_band(band: Array, right: Array, order: Array, width: int) -> Array:
+def _solve_band(band: Array, right: Array, order: AnyArray, width: int) -> Array:
     """Solve with a band stored by columns, which lie in an order that the sides do not have."""
     columns, axial, rows = band.shape
     sides = right[:, order].reshape(right.shape[0], -1).T
