@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import tifffile
 from scenes.camera_files import write_mraw
+from scenes.tiff_pages import write_pages
 
 from erlif.core.errors import FrameError
 from erlif.core.notes import Level
@@ -51,9 +52,9 @@ def test_files_come_in_natural_order_without_hidden_ones_and_folders(tmp_path):
 # headers
 
 
-def test_each_page_of_each_file_is_found_with_its_kind(tmp_path, save_pages):
-    save_pages(tmp_path / "1.tif", [GREY, GREY])
-    save_pages(tmp_path / "2.tif", [GREY.astype(np.uint8)])
+def test_each_page_of_each_file_is_found_with_its_kind(tmp_path):
+    write_pages(tmp_path / "1.tif", [GREY, GREY])
+    write_pages(tmp_path / "2.tif", [GREY.astype(np.uint8)])
     found = find_pages(tmp_path, "*.tif", "camera1")
     assert [page.name for page in found.pages] == ["1.tif", "1.tif[1]", "2.tif"]
     assert found.kinds == [FrameKind((64, 80), dtype) for dtype in ("uint16", "uint16", "uint8")]
@@ -70,11 +71,9 @@ def test_each_page_of_each_file_is_found_with_its_kind(tmp_path, save_pages):
         ("b.dat", b"not an image", "its format is none of those that are read: TIFF, "),
     ],
 )
-def test_a_damaged_file_keeps_its_place_as_one_unreadable_page(
-    tmp_path, save_pages, name, content, reason
-):
-    save_pages(tmp_path / "a.tif", [GREY])
-    save_pages(tmp_path / "c.tif", [GREY])
+def test_a_damaged_file_keeps_its_place_as_one_unreadable_page(tmp_path, name, content, reason):
+    write_pages(tmp_path / "a.tif", [GREY])
+    write_pages(tmp_path / "c.tif", [GREY])
     (tmp_path / name).write_bytes(content)
     found = find_pages(tmp_path, "*", "camera1")
     assert [page.path.name for page in found.pages] == ["a.tif", name, "c.tif"]
@@ -199,18 +198,18 @@ def read_darks(directory, pattern="dark.tif", *, bit_depth=12, shape=(64, 80)):
     )
 
 
-def test_a_page_is_read_when_it_is_asked_for(tmp_path, save_pages):
+def test_a_page_is_read_when_it_is_asked_for(tmp_path):
     """A recording larger than the memory can be read: the second page may still be changed."""
-    save_pages(tmp_path / "dark_1.tif", PAGES[:1])
-    save_pages(tmp_path / "dark_2.tif", PAGES[1:2])
+    write_pages(tmp_path / "dark_1.tif", PAGES[:1])
+    write_pages(tmp_path / "dark_2.tif", PAGES[1:2])
     pages = read_darks(tmp_path, "dark_*.tif")
     next(pages)
-    save_pages(tmp_path / "dark_2.tif", PAGES[2:3])
+    write_pages(tmp_path / "dark_2.tif", PAGES[2:3])
     np.testing.assert_array_equal(next(pages), PAGES[2])
 
 
-def test_a_damaged_page_is_named_before_any_page_is_read(tmp_path, save_pages):
-    save_pages(tmp_path / "dark_1.tif", PAGES)
+def test_a_damaged_page_is_named_before_any_page_is_read(tmp_path):
+    write_pages(tmp_path / "dark_1.tif", PAGES)
     (tmp_path / "dark_2.tif").write_bytes(b"")
     with pytest.raises(
         FrameError, match=r"readable camera2 dark pages; dark_2\.tif: the file is empty"
@@ -218,10 +217,10 @@ def test_a_damaged_page_is_named_before_any_page_is_read(tmp_path, save_pages):
         next(read_darks(tmp_path, "dark_*.tif"))
 
 
-def test_every_page_must_fit_the_bit_depth(tmp_path, save_pages):
+def test_every_page_must_fit_the_bit_depth(tmp_path):
     pages = PAGES.copy()
     pages[3, 0, 0] = 4096
-    save_pages(tmp_path / "dark.tif", pages)
+    write_pages(tmp_path / "dark.tif", pages)
     found = read_darks(tmp_path)
     for _ in range(3):
         next(found)

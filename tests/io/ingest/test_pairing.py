@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import tifffile
+from scenes.tiff_pages import write_pages
 
 from erlif.core.errors import FrameError
 from erlif.io.ingest import Page, read_frames
@@ -160,9 +161,9 @@ def test_no_pair_left_is_refused_even_on_request(record):
 
 
 @pytest.mark.parametrize("camera", [1, 2])
-def test_a_truncated_multi_page_file_loses_its_last_pairs_only(tmp_path, save_pages, camera):
+def test_a_truncated_multi_page_file_loses_its_last_pairs_only(tmp_path, camera):
     for number in (1, 2):
-        save_pages(tmp_path / f"all{number}.tif", [GREY] * 6)
+        write_pages(tmp_path / f"all{number}.tif", [GREY] * 6)
     path = tmp_path / f"all{camera}.tif"
     with tifffile.TiffFile(path) as file:
         fourth = file.pages[3].aspage().dataoffsets[0]
@@ -234,9 +235,9 @@ def test_times_of_a_cut_recording_are_those_of_the_other_camera(tmp_path, cut):
     np.testing.assert_allclose(number_frames(pairs).time, np.arange(5) / 100)
 
 
-def test_frames_of_recordings_in_one_file_each_are_not_dropped_by_empty_files(tmp_path, save_pages):
-    save_pages(tmp_path / "all1.tif", [GREY] * 6)
-    save_pages(tmp_path / "all2.tif", [GREY] * 5)
+def test_frames_of_recordings_in_one_file_each_are_not_dropped_by_empty_files(tmp_path):
+    write_pages(tmp_path / "all1.tif", [GREY] * 6)
+    write_pages(tmp_path / "all2.tif", [GREY] * 5)
     message = refusal(tmp_path, patterns=("all1.tif", "all2.tif"))
     assert "The first unmatched one is all1.tif[5] of camera 1. Export the same frames" in message
     assert "empty file" not in message

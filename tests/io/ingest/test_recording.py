@@ -6,29 +6,32 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import tifffile
 
 from erlif.core.errors import FrameError
 from erlif.io.ingest import open_run, read_frames
 from erlif.io.ingest.recording import number_frames
 
 
-def test_a_run_has_settings_frames_and_log(run):
-    recording = open_run(run.directory)
-    assert recording.directory == run.directory
+def test_a_run_has_settings_frames_and_log(lab):
+    recording = open_run(lab.run)
+    assert recording.directory == lab.run
     assert [camera.band for camera in recording.cameras] == [580, 610]
     assert recording.pairs.usable == list(range(6))
-    assert recording.pairs.shape == (64, 80)
-    np.testing.assert_array_equal(recording.log.angle, 50 + np.arange(6))
-    np.testing.assert_array_equal(recording.log.time, 0.01 * np.arange(6))
+    assert recording.pairs.shape == (96, 128)
+    written = np.genfromtxt(lab.run / "encoder.csv", delimiter=",", names=True)
+    np.testing.assert_array_equal(recording.log.angle, written["angle_deg"])
+    np.testing.assert_array_equal(recording.log.time, written["time_s"])
 
 
-def test_absolute_patterns_and_unusual_directory_names_are_found(run, tmp_path):
+def test_absolute_patterns_and_unusual_directory_names_are_found(lab, tmp_path):
     unusual = tmp_path / "Lauf [1] – 80W-90 µm ²"
-    run.edit("run.toml", ('"camera1/*.tif"', json.dumps(f"{tmp_path}/camera1/*.tif")))
-    run.directory.rename(unusual)
+    lab.edit("run/run.toml", ('"camera1/*.tif"', json.dumps(f"{tmp_path}/camera1/*.tif")))
+    recorded = [[tifffile.imread(path) for path in lab.frames(camera)] for camera in (1, 2)]
+    lab.run.rename(unusual)
     shutil.move(unusual / "camera1", tmp_path / "camera1")
     pairs = open_run(unusual, allow_outside=True).pairs
-    np.testing.assert_array_equal(read_frames(pairs, range(6)).counts.values, run.counts)
+    np.testing.assert_array_equal(read_frames(pairs, range(6)).counts.values, recorded)
     (tmp_path / "camera1" / "frame_0003.tif").write_bytes(b"")
     with pytest.raises(FrameError, match=r"frame_0003\.tif: the file is empty"):
         open_run(unusual, allow_outside=True)
