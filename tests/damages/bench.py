@@ -102,12 +102,9 @@ class Damage:
         The command line; names of files are relative to the bench.
     words : tuple[str, ...]
         Words that the message holds.
-    status : int
-        Exit status; 0 where a note is the right answer.
     """
 
     name: str
     change: Change
     command: str
     words: tuple[str, ...]
-    status: int = 2

@@ -9,10 +9,8 @@ from PIL import Image
 from damages.bench import Damage
 
 
-def _frame(name, change, *words, status=2, option=""):
-    return Damage(
-        f"frame: {name}", lambda bench: change(bench), f"process run{option}", words, status
-    )
+def _frame(name, change, *words):
+    return Damage(f"frame: {name}", change, "process run", words)
 
 
 def _content(name, content, *words):

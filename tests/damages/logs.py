@@ -5,15 +5,19 @@ import os
 from damages.bench import Damage
 
 
-def _log(name, change, *words):
-    """The log after a change of its rows."""
+def _rows(path, change):
+    """A table after a change of its rows."""
 
     def damage(bench):
-        path = bench.run / "encoder.csv"
-        content = change(path.read_text().splitlines())
-        bench.write(path, content if isinstance(content, bytes) else "\n".join(content) + "\n")
+        content = change((bench.directory / path).read_text().splitlines())
+        content = content if isinstance(content, bytes) else "\n".join(content) + "\n"
+        bench.write(bench.directory / path, content)
 
-    return Damage(f"log: {name}", damage, "process run", words)
+    return damage
+
+
+def _log(name, change, *words):
+    return Damage(f"log: {name}", _rows("run/encoder.csv", change), "process run", words)
 
 
 def _special(name, path, make, command, *words):
@@ -58,11 +62,7 @@ def _column(column, change):
 
 
 def _profile(name, change, *words):
-    def damage(bench):
-        path = bench.fixture / "profile.csv"
-        content = change(path.read_text().splitlines())
-        bench.write(path, content if isinstance(content, bytes) else "\n".join(content) + "\n")
-
+    damage = _rows("fixture/profile.csv", change)
     return Damage(f"profile: {name}", damage, "calibrate fixture --overwrite", words)
 
 

@@ -36,8 +36,8 @@ def _bytes(name, path, content, command, *words):
     return Damage(f"{path}: {name}", damage, command, words)
 
 
-def _state(name, change, command, *words, status=2):
-    return Damage(name, change, command, words, status)
+def _state(name, change, command, *words):
+    return Damage(name, change, command, words)
 
 
 def claim_driver(content):

@@ -56,6 +56,13 @@ def finish(store):
     return store.path
 
 
+def whole_film(kind, directory):
+    """Contents of a film made without an interruption."""
+    store = open_store(kind, directory)
+    put(store, 0, 1, 2, 3)
+    return contents(finish(store))
+
+
 def read_store(path, group=None):
     """A completed film, or a group of it, as it stands in the file."""
     if path.is_dir():

@@ -7,7 +7,7 @@ import shutil
 import h5py
 import numpy as np
 import pytest
-from scenes.stores import contents, finish, maps_of, open_store, put
+from scenes.stores import contents, finish, maps_of, open_store, put, whole_film
 
 from erlif.io.files import netcdf_maps
 
@@ -15,9 +15,7 @@ from erlif.io.files import netcdf_maps
 @pytest.fixture
 def whole(tmp_path):
     """A film made without an interruption."""
-    store = open_store("netcdf", tmp_path / "whole")
-    put(store, 0, 1, 2, 3)
-    return contents(finish(store))
+    return whole_film("netcdf", tmp_path / "whole")
 
 
 @pytest.fixture

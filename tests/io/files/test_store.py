@@ -3,7 +3,17 @@
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from scenes.stores import FILM, GROUPS, contents, finish, maps_of, open_store, put, read_store
+from scenes.stores import (
+    FILM,
+    GROUPS,
+    contents,
+    finish,
+    maps_of,
+    open_store,
+    put,
+    read_store,
+    whole_film,
+)
 
 
 @pytest.fixture(params=["netcdf", "zarr"])
@@ -14,9 +24,7 @@ def kind(request):
 @pytest.fixture
 def whole(kind, tmp_path):
     """A film made without an interruption."""
-    store = open_store(kind, tmp_path / "whole")
-    put(store, 0, 1, 2, 3)
-    return contents(finish(store))
+    return whole_film(kind, tmp_path / "whole")
 
 
 def test_finished_triggers_and_their_numbers_are_found_again(kind, tmp_path):

@@ -163,15 +163,3 @@ def test_a_call_that_lacks_an_argument_names_it_and_is_a_type_error_as_in_python
 @pytest.mark.parametrize("given", ["calibration", "number"])
 def test_what_reads_a_film_refuses_another_product(products, read, given):
     refuse(lambda: read(products[given]), "Expected a film as film=", "erlif.open_film")
-
-
-def test_a_file_of_a_film_is_no_calibration(film):
-    with pytest.raises(ErlifError, match=r"film\.nc holds a film"):
-        erlif.open_calibration(film)
-
-
-def test_the_frames_of_a_calibration_are_refused_as_those_of_a_film(products, tmp_path):
-    path = tmp_path / "calibration.nc"
-    erlif.save_calibration(products["calibration"], path)
-    with pytest.raises(ErlifError, match="holds a calibration"):
-        erlif.open_film(path, group="frames")

@@ -3,7 +3,7 @@
 import pickle
 
 import pytest
-from scenes.stores import contents, finish, maps_of, open_store, put
+from scenes.stores import contents, finish, maps_of, open_store, put, whole_film
 
 from erlif.core.errors import OutputError
 
@@ -11,9 +11,7 @@ from erlif.core.errors import OutputError
 @pytest.fixture
 def whole(tmp_path):
     """A film made by one process, in order."""
-    store = open_store("zarr", tmp_path / "whole")
-    put(store, 0, 1, 2, 3)
-    return contents(finish(store))
+    return whole_film("zarr", tmp_path / "whole")
 
 
 def test_triggers_put_in_any_order_by_copies_give_the_same_bytes(tmp_path, whole):

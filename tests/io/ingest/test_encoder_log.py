@@ -56,40 +56,29 @@ def by_frame(*numbers):
     return "frame,angle_deg\n" + "".join(f"{number},1\n" for number in numbers)
 
 
+# further logs are refused by name in the catalogue of damages
 REFUSED = [
-    ("", "it has 0 row(s)"),
-    ("frame,angle_deg\n", "it has 1 row(s)"),
     *(
         (f"{HEADER}0,1,200\n\n1,{value},200\n", f"row 4, column angle_deg (1; got {got})")
         for value, got in [
-            *(("nan", "'nan'"), ("inf", "'inf'"), ("", "an empty cell"), ("n/a", "'n/a'")),
-            *(("1_000", "'1_000'"), ("1;5", "'1;5'"), ("0x10", "'0x10'")),
+            *(("n/a", "'n/a'"), ("1;5", "'1;5'"), ("0x10", "'0x10'")),
         ]
     ),
-    (f"{HEADER}0,1,200\n1,2,0\n", "positive load in row 3, column load_N of encoder.csv; got 0 N"),
-    (by_frame(0, 1, 1, 2), "row 4, column frame, repeats frame 1 of row 3"),
     (by_frame(0, 1, 3), "Expected frame 2 in row 4, column frame of encoder.csv; got 3"),
     (by_frame(5, 4), "Expected frame 6 in row 3, column frame of encoder.csv; got 4"),
-    (by_frame(0, 1.5), "whole number in row 3, column frame of encoder.csv; got 1.5"),
     (by_frame(2**53 + 2), "whole number in row 2"),
-    ("frame,other,load_N\n0,1,200\n", "column for the angle in encoder.csv; its columns are"),
     (
         "frame,angle_deg\n0,1.5\n1,2,5\n",
         "values in row 3 of encoder.csv, as in its header; it has 3. A decimal comma",
     ),
-    ("frame,angle_deg,frame\n0,1,0\n", "each column of encoder.csv once; frame comes 2 times"),
     *(
         (f"frame,angle_deg,{name}\n0,1,2\n", f"column 3 is {name!r}, {reason}. Rename it.")
         for name, reason in [
-            ("thickness", "which erlif uses itself"),
             ("speed_exponent_mean_std", "which erlif uses itself"),
-            ("a/b", "which a film file cannot hold"),
             ("_energy", "which a film file cannot hold"),
         ]
     ),
     (b"\xff\xfef\x00", "encoder.csv"),
-    (b"frame,angle_deg\n0,\x00\n", "encoder.csv"),
-    (b'frame,"angle_deg\n', "encoder.csv"),
 ]
 
 

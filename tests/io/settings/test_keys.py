@@ -43,16 +43,6 @@ def test_tables_come_in_the_order_of_the_file_and_inner_ones_after_their_own():
     assert titles.count("mechanism") == 4  # two linkages, rotation and sinusoidal
 
 
-def test_a_table_is_required_by_the_table_around_it():
-    required = {table.title: table.required for table in tables_of(RunSettings)}
-    assert required["joint.pin"]
-    assert not required["joint"]
-    assert not required["mechanism"]
-    assert not required["oil.vogel"]
-    assert not required["thickness"]
-    assert not required["thickness.roi"]
-
-
 def test_unit_bounds_default_and_choices_are_those_of_the_type():
     assert key(CameraSettings, "band").unit == "nm"
     assert key(CameraSettings, "gain").unit == "electron/DN"  # optional quantities too

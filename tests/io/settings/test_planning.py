@@ -29,13 +29,6 @@ def edited(tmp_path):
     return edit
 
 
-def test_the_example_is_a_plan(edited):
-    settings = edited()
-    assert settings.dye2.concentration == 0.024
-    assert settings.covered == (0.1e-6, 18e-6)
-    assert settings.tolerances.filter == 2.0
-
-
 def test_a_plan_is_the_same_after_writing_and_reading(edited):
     settings = edited((DYE1, 'concentration = "8 mM"'))
     assert settings.dye1.concentration == 0.008
