@@ -14,11 +14,3 @@ def test_a_fixture_is_calibrated_with_its_figure(lab, command):
     for value, std in zip(after.parameters, after.standard_deviations, strict=True):
         assert f"{value:.5f} ± {std:.5f}" in printed
     assert (lab.fixture / "calibration.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_a_calibration_that_is_not_made_yet_is_fitted_on_the_way(lab, film, command):
-    (lab.fixture / "calibration.nc").unlink()
-    assert "process will make it from the fixture" in command("check", lab.run).stdout
-    command("process", lab.run)
-    assert lab.film.read_bytes() == film.read_bytes()
-    assert (lab.fixture / "calibration.nc").exists()

@@ -57,13 +57,3 @@ def test_html_writes_a_page_and_leaves_the_findings_as_they_are(lab, command):
     assert result.stdout == plain
     assert result.stderr == f"written: {page}\n"
     assert page.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
-
-
-def test_an_existing_page_is_refused_before_the_work(lab, refused):
-    (lab.directory / "check.html").write_text("mine")
-    message = refused("check", lab.run, "--html", lab.directory / "check.html")
-    assert "exists already" in message
-    assert "-o" not in message.split()  # an option that the command lacks
-    message = refused("check", lab.run, "--html", lab.run / "page.txt")
-    assert "Name it so with --html" in message
-    assert "Expected a name in .html" in refused("check", lab.run, "--html", "check.txt")

@@ -1,12 +1,6 @@
 """``erlif figures``."""
 
 
-def test_a_file_in_place_of_the_output_directory_is_refused(lab, refused):
-    message = refused("figures", lab.film, "-o", lab.run / "run.toml")
-    assert "run.toml is a file" in message
-    assert "-o" in message
-
-
 def test_chosen_figures_are_written(command, own, tmp_path):
     out = tmp_path / "chosen"
     options = ("--only", "film_over_cycle,thickness_map", "--format", "svg", "--angle", "300")

@@ -14,11 +14,6 @@ def test_what_was_found_and_what_is_missing_is_printed(lab, command):
     assert lines[-1] == f"Then run: erlif check {lab.run}"
 
 
-def test_existing_settings_are_not_replaced_without_overwrite(lab, refused, command):
-    assert "--overwrite" in refused("init", lab.run)
-    command("init", lab.run, "--overwrite")
-
-
 def test_the_kind_of_tribometer_is_asked_for_on_a_terminal(lab, monkeypatch):
     monkeypatch.setattr("erlif.commands.init.on_terminal", lambda: True)
     result = CliRunner().invoke(main, ["init", str(lab.run), "--overwrite"], input="rotation\n")

@@ -1,12 +1,6 @@
 """``erlif linkage``: what it prints, what it writes, what it refuses."""
 
-import re
-
 import pytest
-from click.testing import CliRunner
-
-from erlif.commands.main import main
-from erlif.io.settings import RunSettings
 
 LINKS = ("--coupler", "44 cm", "--rocker", "260 mm", "--ground", "0.51 m")
 
@@ -50,10 +44,3 @@ def test_an_implausible_length_is_a_note(command):
     result = command("linkage", *LINKS, "--swing", "26 deg", "--width", "40 km")
     assert "note: link_width = 40000 m is implausible" in result.stderr
     assert "linkage.py" not in result.stderr
-
-
-def test_the_help_names_a_table_that_run_toml_has():
-    text = CliRunner().invoke(main, ["linkage", "--help"]).output
-    tables = set(re.findall(r"\[(\w+)\]\s+in\s+run\.toml", text))
-    assert tables
-    assert tables <= set(RunSettings.model_fields)

@@ -53,21 +53,6 @@ def test_the_module_runs_as_the_command_does():
     assert erlif.__version__ in done.stdout
 
 
-@pytest.mark.parametrize("arguments", [[], ["--workers", "0"], ["--worker", "2"], ["extra"]])
-def test_wrong_usage_ends_with_status_2(lab, arguments):
-    directory = [str(lab.run)] if arguments else []
-    result = CliRunner().invoke(main, ["process", *directory, *arguments])
-    assert result.exit_code == 2
-    assert "Usage:" in result.stderr
-
-
-def test_the_wrong_command_for_a_directory_is_recognised(lab, refused):
-    message = refused("process", lab.fixture)
-    assert "It holds fixture.toml: use the command for that" in message
-    message = refused("calibrate", lab.run)
-    assert "It holds run.toml: use the command for that" in message
-
-
 def test_a_defect_of_ours_ends_with_status_1(lab, monkeypatch):
     def fail(*arguments, **options):
         raise ZeroDivisionError("a slip")

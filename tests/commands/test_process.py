@@ -43,11 +43,6 @@ def test_output_may_lie_elsewhere_and_the_run_be_read_only(
     assert not list(lab.run.glob("film*"))
 
 
-def test_an_output_that_cannot_be_made_is_refused(lab, refused):
-    message = refused("process", lab.run, "-o", lab.run / "run.toml" / "film.nc")
-    assert "could not be written: Not a directory" in message
-
-
 def without_column(lab, name):
     log = lab.run / "encoder.csv"
     rows = [row.split(",") for row in log.read_text().splitlines()]

@@ -14,7 +14,7 @@ from scenes.stores import GRID, VARIABLES
 import erlif
 from erlif.commands.main import main
 from erlif.core.flags import Flag
-from erlif.io.files import NetcdfMaps, PartialFilm
+from erlif.io.files import PartialFilm
 
 pytestmark = pytest.mark.slow
 
@@ -51,22 +51,6 @@ DAMAGE = {
 }
 
 
-def test_cameras_may_count_from_different_numbers(lab):
-    for number, path in reversed(list(enumerate(lab.frames(2)))):
-        path.rename(path.with_name(f"frame_{number + 1:04d}.tif"))
-    assert all(finding.level != "error" for finding in erlif.check(lab.run))
-
-
-def test_counts_far_below_the_depth_bring_a_warning_into_the_film(lab, command):
-    for table in ("run/run.toml", "fixture/fixture.toml"):
-        lab.edit(table, ("bit_depth = 12", "bit_depth = 16"))
-    warned = command("check", lab.run).stdout
-    assert "warning counts: camera1: no count is above" in warned
-    assert "bit_depth = 12 would fit" in warned
-    assert "bit_depth = 12 would fit" in command("process", lab.run).stdout
-    assert "bit_depth = 12 would fit" in read_film(lab.film).attrs["notes"]
-
-
 def test_damaged_frames_are_left_out_on_request_and_have_notes(lab, command):
     for k, damage in enumerate(DAMAGE.values()):
         damage(lab.frames(1 + k % 2)[k])
@@ -95,15 +79,6 @@ def test_exchanged_cameras_are_recognised_by_their_ratio(lab, refused):
 
 
 # output
-
-
-def test_an_existing_output_is_replaced_only_on_request(lab, film, refused, command):
-    shutil.copy(film, lab.film)
-    assert "--overwrite" in refused("process", lab.run)
-    assert "--overwrite" in refused("calibrate", lab.fixture)
-    lab.film.write_bytes(b"")
-    command("process", lab.run, "--overwrite")
-    assert lab.film.read_bytes() == film.read_bytes()
 
 
 @pytest.fixture
@@ -183,30 +158,9 @@ def test_an_interrupted_process_keeps_the_previous_film_and_resumes(
     assert lab.film.read_bytes() == film.read_bytes()
 
 
-def test_a_disk_that_fills_up_between_triggers_keeps_what_is_done(
-    lab, film, monkeypatch, command, computed
+def test_a_disk_too_full_for_the_film_leaves_the_previous_one_and_what_is_done(
+    lab, film, command, computed, tmp_path
 ):
-    reserve = NetcdfMaps._reserve
-
-    def reserve_for_two(maps, size):
-        if maps.has(1):
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        reserve(maps, size)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(NetcdfMaps, "_reserve", reserve_for_two)
-        result = CliRunner().invoke(main, ["process", str(lab.run), "--workers", "1"])
-    assert result.exit_code == 2
-    assert "could not be written: No space left on device" in result.stderr
-    assert not lab.film.exists()
-    assert not list(lab.run.glob("**/*.unfinished"))
-    computed.clear()
-    command("process", lab.run, "--workers", 1)
-    assert computed[0] == 2
-    assert lab.film.read_bytes() == film.read_bytes()
-
-
-def test_a_disk_too_full_for_the_film_leaves_the_previous_one(lab, film, tmp_path):
     """Files of the process are limited to a size that the film exceeds and two triggers do not."""
     shutil.copy(film, lab.film)
     options = ("--workers", 1, "--overwrite")
@@ -220,6 +174,11 @@ def test_a_disk_too_full_for_the_film_leaves_the_previous_one(lab, film, tmp_pat
     assert 0 < len(kept_triggers(lab)) < 6
     assert lab.film.read_bytes() == film.read_bytes()
     assert not list(lab.run.glob("**/*.unfinished*"))
+
+    left = [trigger for trigger in range(6) if trigger not in kept_triggers(lab)]
+    command("process", lab.run, *options)
+    assert computed == left
+    assert lab.film.read_bytes() == film.read_bytes()
 
 
 def test_a_disk_too_full_for_a_zarr_leaves_the_previous_one(lab, monkeypatch):

@@ -3,7 +3,6 @@
 import importlib
 import logging
 import re
-from dataclasses import replace
 
 import pytest
 import xarray as xr
@@ -12,8 +11,6 @@ from click.testing import CliRunner
 import erlif
 from erlif.commands.log import show_log
 from erlif.commands.main import main
-from erlif.io.ingest import hash_files_beside_frames, open_run, sign_inputs
-from erlif.pipeline.work import FilmWork
 
 STAGES = ("darks and flats", "registration", "sharpness and noise", "film", "writing")
 
@@ -69,44 +66,7 @@ def test_film_without_an_output_is_the_one_that_is_written(small_rig, film):
         xr.testing.assert_identical(erlif.process(small_rig.run), written.load())
 
 
-# identity of the work
-
-
-def change_settings(work):
-    joint = work.run.settings.joint.model_copy(update={"load": 200.0})
-    settings = work.run.settings.model_copy(update={"joint": joint})
-    return replace(work, run=replace(work.run, settings=settings))
-
-
-def change_pairs(work):
-    pairs = replace(work.run.pairs, skipped={3: "damaged"})
-    return replace(work, run=replace(work.run, pairs=pairs))
-
-
-def change_calibration(work):
-    ratio = work.calibration.ratio_at_zero * 1.001
-    return replace(work, calibration=replace(work.calibration, ratio_at_zero=ratio))
-
-
-def test_work_is_known_by_its_inputs(run, calibration, tmp_path):
-    work = FilmWork.of(run, calibration, tmp_path / "film.nc")
-    known = work.identify("inputs")
-    assert replace(work, run=replace(run)).identify("inputs") == known
-    assert work.identify("other inputs") != known
-    for change in (change_settings, change_pairs, change_calibration):
-        assert change(work).identify("inputs") != known
-
-
-def test_a_changed_frame_is_other_unfinished_work(lab):
-    def key():
-        recording = open_run(lab.run)
-        return sign_inputs(recording, hash_files_beside_frames(recording))
-
-    before = key()
-    assert key() == before
-    path = lab.frames(2)[1]
-    path.write_bytes(path.read_bytes())  # the same bytes, written later: not known to be the same
-    assert key() != before
+# inputs that change
 
 
 @pytest.mark.parametrize("name", ["camera2/frame_0001.tif", "encoder.csv"])

@@ -16,8 +16,6 @@ from conftest import SMALL, Laboratory
 from erlif.io.settings import RunSettings
 from erlif.pipeline.film import predict_theory
 from erlif.rig import simulate
-from erlif.show.plots.files import missing_figures
-from erlif.show.report.tables import trigger_section
 
 KINDS = ("rotation", "sinusoidal", "static")
 GAPS = {
@@ -139,21 +137,6 @@ def test_exponent_of_speed_over_load_comes_back(case):
     std = float(case.film.speed_exponent_std)
     assert abs(float(case.film.speed_exponent) - 0.62) < 3 * std
     assert std < 0.1
-
-
-def test_the_report_has_the_figures_and_columns_of_its_kind(case):
-    of_a_joint = {"film_and_prediction", "prediction_map", "pin_orbit"}
-    of_motion = {
-        "rotation": {"speed_against_angle"},
-        "sinusoidal": set(),
-        "static": {"speed_against_angle", "film_against_speed"},
-    }
-    assert set(missing_figures(case.lab.film)) == of_a_joint | of_motion[case.kind]
-
-    text = trigger_section(case.film, np.ones(8))
-    titles = {"rotation": "Disc [°]", "sinusoidal": "Drive [°]", "static": "Frame pairs"}
-    assert titles[case.kind] in text
-    assert "Theory [µm]" not in text
 
 
 def test_frames_of_a_static_film_are_averaged_into_one_trigger(case, tmp_path):

@@ -1,46 +1,43 @@
-"""The parts of the way from a run to a film."""
+"""What identifies the work on a film, and unfinished work of other frames."""
 
 from dataclasses import replace
 
-import numpy.testing as npt
-import pytest
-
-import erlif
-from erlif.calibration import open_calibration
-from erlif.core.progress import silent
-from erlif.io.files import PartialFilm
-from erlif.io.ingest import open_run
-from erlif.pipeline.engines.engine import Threads
-from erlif.pipeline.film import MAPS, complete_film, describe_triggers, group_frames
-from erlif.pipeline.physics.joint import locate_run
-from erlif.pipeline.plane import ObjectPlane
-from erlif.pipeline.recording.prepare import prepare_run
-from erlif.pipeline.recording.register import FixtureMap
-from erlif.pipeline.run import measure_run
+from erlif.io.ingest import hash_files_beside_frames, open_run, sign_inputs
+from erlif.pipeline.work import FilmWork
 
 
-@pytest.fixture(scope="module")
-def calibration(small_rig):
-    return open_calibration(small_rig.fixture / "calibration.nc")
+def change_settings(work):
+    joint = work.run.settings.joint.model_copy(update={"load": 200.0})
+    settings = work.run.settings.model_copy(update={"joint": joint})
+    return replace(work, run=replace(work.run, settings=settings))
 
 
-def test_the_parts_give_the_film_of_the_command(small_rig, calibration, film, tmp_path):
-    run = open_run(small_rig.run)
-    cycle = locate_run(run)
-    frames_of = group_frames(cycle, run.pairs)
-    known = FixtureMap.of(calibration, run.settings)
-    bare = replace(calibration, camera_map=None)
+def change_pairs(work):
+    pairs = replace(work.run.pairs, skipped={3: "damaged"})
+    return replace(work, run=replace(work.run, pairs=pairs))
 
-    ready = prepare_run(run, cycle, bare, known, silent)
-    grid = ObjectPlane(run.settings, run.pairs.shape).grid(len(frames_of))
-    with PartialFilm(tmp_path / "film.nc", "key", grid, MAPS) as unfinished:
-        results = measure_run(run, ready, frames_of, unfinished, engine=Threads(1), progress=silent)
-    found, groups = complete_film(
-        run, cycle, describe_triggers(run, cycle), ready, results, bare, {}
-    )
 
-    with erlif.open_film(film) as expected:
-        for name in ("film_min", "film_mean_std", "valid_pixels", "film_theory"):
-            npt.assert_array_equal(found[name], expected[name])
-    with erlif.open_film(film, group="frames") as expected:
-        npt.assert_array_equal(groups["frames"].drift_x, expected.drift_x)
+def change_calibration(work):
+    ratio = work.calibration.ratio_at_zero * 1.001
+    return replace(work, calibration=replace(work.calibration, ratio_at_zero=ratio))
+
+
+def test_work_is_known_by_its_inputs(run, calibration, tmp_path):
+    work = FilmWork.of(run, calibration, tmp_path / "film.nc")
+    known = work.identify("inputs")
+    assert replace(work, run=replace(run)).identify("inputs") == known
+    assert work.identify("other inputs") != known
+    for change in (change_settings, change_pairs, change_calibration):
+        assert change(work).identify("inputs") != known
+
+
+def test_a_changed_frame_is_other_unfinished_work(lab):
+    def key():
+        recording = open_run(lab.run)
+        return sign_inputs(recording, hash_files_beside_frames(recording))
+
+    before = key()
+    assert key() == before
+    path = lab.frames(2)[1]
+    path.write_bytes(path.read_bytes())  # the same bytes, written later: not known to be the same
+    assert key() != before

@@ -40,24 +40,20 @@ def test_few_results_wait_for_their_collection():
     assert most[0] <= 4
 
 
-def test_items_after_a_fault_are_not_begun():
+def test_items_after_a_fault_of_work_or_collection_are_not_begun():
     begun = []
 
     def fail(item):
         begun.append(item)
         raise ValueError("a fault")
 
-    with pytest.raises(ValueError, match="a fault"):
-        Threads(1).compute(fail, range(50), lambda *result: None)
-    assert len(begun) < 50
-
-
-def test_a_fault_of_the_collection_ends_the_work():
-    begun = []
-
     def refuse(item, result):
         raise KeyboardInterrupt
 
+    with pytest.raises(ValueError, match="a fault"):
+        Threads(1).compute(fail, range(50), lambda *result: None)
+    assert len(begun) < 50
+    begun.clear()
     with pytest.raises(KeyboardInterrupt):
         Threads(1).compute(begun.append, range(50), refuse)
     assert len(begun) < 50

@@ -12,7 +12,6 @@ import tifffile
 import erlif
 from erlif.calibration import calibration_of
 from erlif.core.errors import FrameError, OutputError
-from erlif.core.flags import Flag
 from erlif.io.files import open_film
 from erlif.pipeline import restore_images
 from erlif.thickness import measure_thickness
@@ -52,13 +51,6 @@ def test_ratio_is_the_one_behind_the_map(cycles, trigger):
     assert len(images.attrs["frames"]) == 2
     with open_film(cycles / "film.nc") as film:
         assert_behind_map(images, film, trigger)
-
-
-def test_ratio_of_a_single_frame_is_the_one_behind_the_map(film, small_rig):
-    images = restore_images(film, small_rig.run, trigger=3)
-    assert images.attrs["frames"] == [3]
-    with open_film(film) as stored:
-        assert_behind_map(images, stored, 3)
 
 
 def test_smoothed_ratio_is_the_one_behind_a_smoothed_map(lab):
@@ -102,14 +94,6 @@ def test_settings_are_those_of_the_film(lab, film):
     images = restore_images(film, lab.run, trigger=1)
     with open_film(film) as stored:
         assert_behind_map(images, stored, 1)
-
-
-def test_misfired_pulse_is_flagged_as_in_the_film(lab):
-    rng = np.random.default_rng(1)
-    tifffile.imwrite(lab.frames(1)[2], rng.normal(900, 14, (96, 128)).astype(np.uint16))
-    erlif.process(lab.run, output=lab.film, workers=1).close()
-    images = restore_images(lab.film, lab.run, trigger=2)
-    assert np.all(images.flags.values & Flag.POOR_REGISTRATION)
 
 
 def test_trigger_whose_frames_were_left_out_is_refused(lab):

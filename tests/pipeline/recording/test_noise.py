@@ -10,7 +10,6 @@ import tifffile
 import xarray as xr
 from scenes.tiff_pages import rewrite
 
-import erlif
 from conftest import FULL
 from erlif.core.notes import Level, join_notes
 from erlif.core.progress import silent
@@ -137,15 +136,6 @@ def test_unequal_gains_are_covered_by_their_uncertainties(unlike):
     truth = np.array([GAIN, GAIN / 2])
     assert np.all(np.abs(references.gain.values - truth) < 3 * references.gain_std.values)
     assert references.gain[0] > 1.3 * references.gain[1]
-
-
-def test_film_with_estimated_gain_has_a_note_and_does_not_depend_on_the_workers(lab):
-    forget(lab.run / "run.toml", "gain", "flat")
-    once = erlif.process(lab.run, output=lab.directory / "one.nc", workers=1)
-    erlif.process(lab.run, output=lab.directory / "three.nc", workers=3).close()
-    assert "gain estimated from the noise" in once.attrs["notes"]
-    once.close()
-    assert (lab.directory / "one.nc").read_bytes() == (lab.directory / "three.nc").read_bytes()
 
 
 def test_without_a_flat_the_spread_of_the_response_becomes_noise(laboratory):

@@ -112,16 +112,6 @@ def test_a_camera_stuck_in_the_first_triggers_alone_is_not_refused(
     assert any(line.startswith("warning: ") and "stuck" in line for line in notes)
 
 
-def test_one_image_for_all_frames_of_one_camera_is_refused(lab, refused):
-    """The first image of camera 2 had looked like one of exchanged cameras."""
-    first, *others = lab.frames(2)
-    for path in others:
-        path.write_bytes(first.read_bytes())
-    message = refused("process", lab.run)
-    assert "all 6 frames of camera2 are the same" in message
-    assert "was stuck. Record the run again" in message
-
-
 def test_a_camera_that_hung_for_some_pulses_is_not_stuck(lab):
     frames = lab.frames(2)
     for path in frames[2:]:
