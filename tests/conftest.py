@@ -94,6 +94,16 @@ def lab(small_rig, tmp_path) -> Laboratory:
     return Laboratory(tmp_path / "lab")
 
 
+@pytest.fixture
+def series(small_rig, tmp_path) -> Path:
+    """Directory with the runs monday, tuesday and wednesday; the second has a damaged frame."""
+    shutil.copytree(small_rig.fixture, tmp_path / "fixture")
+    for name in ("monday", "tuesday", "wednesday"):
+        shutil.copytree(small_rig.run, tmp_path / name)
+    (tmp_path / "tuesday" / "camera1" / "frame_0002.tif").write_bytes(b"")
+    return tmp_path
+
+
 @pytest.fixture(scope="session")
 def film(small_rig, tmp_path_factory) -> Path:
     """film.nc of the rig as a single thread makes it."""

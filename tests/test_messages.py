@@ -17,38 +17,19 @@ ERRORS = (
     "EnduranceError",
 )
 
-COMPLETED = {
-    "erlif/io/readers/": "bare reasons, which erlif.ingest.images.with_advice completes",
-    "erlif/models/": "functions of numbers: the condition on the argument is the step",
-}
-"""Folders whose messages need no step, with the reason."""
+COMPLETED = ("erlif/io/readers/", "erlif/models/")
+"""Bare reasons that the ingest completes; functions of numbers, whose condition is the step."""
 
-ELSEWHERE = {
-    "_cure": "the advice of the fault",
-    "cure": "the advice of the fault",
-    "fixed": "where the speed is given in [mechanism]",
-    "hint": "the next step, by what lies in the directory",
-    "todo": "alignment and depth that fit",
-    "listed": "the keys to correct, below the message that asks for it",
-    "_SAME": "the same versions on both machines",
-    "_MAKE_ONE": "the command that makes a film",
-    "make_one": "the command that makes a film",
-    "reason": "a reason with its advice",
-    "with_advice": "completes a bare reason of a reader",
-    "_refusal": "the option for links that leave the directory",
-    "_fault_message": "the options for unreadable frames",
-    "error": "the message of a reason that is complete itself",
-}
-"""Names that stand at the end of a message, and what they hold."""
+ELSEWHERE = (
+    *("_cure", "cure", "fixed", "hint", "todo", "listed", "_SAME", "_MAKE_ONE", "make_one"),
+    *("reason", "with_advice", "_refusal", "_fault_message", "error"),
+)
+"""Names that stand at the end of a message and hold its step."""
 
-BARE = {
-    "the file has changed while it was read": "a reason within read_content, completed there",
-    "it has no channels": "a reason within find_pages, completed there",
-    "The same command resumes": "the step is the command itself",
-    "the same command resumes": "the step is the command itself",
-    "dask writes it with": "the command follows",
-    "With local:": "the option follows",
-}
+BARE = (
+    *("the file has changed while it was read", "it has no channels"),  # completed by the caller
+    *("he same command resumes", "dask writes it with", "With local:"),
+)
 """Messages with another form of a next step."""
 
 
@@ -92,7 +73,7 @@ def messages() -> list[tuple[str, str]]:
     ]
     for path in SOURCES:
         place = "erlif/" + path.relative_to(Path(erlif.__file__).parent).as_posix()
-        if place.startswith(tuple(COMPLETED)):
+        if place.startswith(COMPLETED):
             continue
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             named = isinstance(node, ast.Call) and isinstance(node.func, ast.Name)

@@ -3,23 +3,12 @@
 import importlib
 import shutil
 
-import pytest
 from click.testing import CliRunner
 
 from erlif.commands.main import main
 
 MODULE = importlib.import_module("erlif.pipeline.batch")
 """The module; the package has the function under the same name."""
-
-
-@pytest.fixture
-def series(small_rig, tmp_path):
-    """Directory with the runs monday and tuesday; the second has a damaged frame."""
-    shutil.copytree(small_rig.fixture, tmp_path / "fixture")
-    for name in ("monday", "tuesday"):
-        shutil.copytree(small_rig.run, tmp_path / name)
-    (tmp_path / "tuesday" / "camera1" / "frame_0002.tif").write_bytes(b"")
-    return tmp_path
 
 
 def run_batch(*arguments):

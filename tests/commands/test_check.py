@@ -28,14 +28,6 @@ def test_check_ends_with_status_2_at_the_first_error(lab, change, expected):
     assert "Traceback" not in result.output
 
 
-def test_v_shows_the_parts_of_the_check_and_their_times(lab):
-    result = CliRunner().invoke(main, ["-v", "check", str(lab.fixture)])
-    lines = [line for line in result.stderr.splitlines() if "audit.directory: " in line]
-    assert lines[0].endswith("check of counts: started")
-    assert "check of profile: finished after" in lines[-1]
-    assert not CliRunner().invoke(main, ["check", str(lab.fixture)]).stderr
-
-
 def test_strict_ends_with_status_1_where_there_are_warnings(lab):
     lab.edit("run/run.toml", ('calibration = "../fixture/calibration.nc"\n', ""))
     assert CliRunner().invoke(main, ["check", str(lab.run)]).exit_code == 0

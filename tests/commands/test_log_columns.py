@@ -13,10 +13,6 @@ def test_columns_and_units_become_the_choice_of_the_reader():
     assert chosen.units == {"torque": "N m"}
 
 
-def test_names_are_separated_by_commas():
-    assert column_pairs(None, None, ("cells=Fx, Fy",)) == {"cells": ("Fx", "Fy")}
-
-
 @pytest.mark.parametrize("text", ["cells", "=Fx", "cells="])
 def test_a_pair_without_name_or_column_is_refused(text):
     with pytest.raises(click.BadParameter, match="QUANTITY=NAME"):

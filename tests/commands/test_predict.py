@@ -26,14 +26,6 @@ def test_a_prediction_lies_beside_its_film_and_is_replaced_on_request_only(own, 
     assert "a name in .nc" in refused("predict", own, "-o", own.with_suffix(".txt"))
 
 
-def test_what_is_neither_run_nor_film_is_refused(own, refused):
-    assert "does not exist" in refused("predict", own.with_name("other.nc"))
-    assert "run.toml" in refused("predict", own.parent)
-    other = own.with_name("notes.nc")
-    other.write_text("no film")
-    assert "notes.nc is damaged or something else" in refused("predict", other)
-
-
 def test_a_start_outside_the_clearance_is_refused(lab, film, refused):
     lab.film.write_bytes(film.read_bytes())
     lab.edit("run/run.toml", ("[joint]", '[prediction]\nstart_film = "1 mm"\n[joint]'))

@@ -91,11 +91,3 @@ def test_the_first_kernel_is_announced_and_no_other(capsys):
         assert (one(1.0), two(1.0)) == (2.0, 2.0)
         assert one(1) == 2  # another type of argument
     assert capsys.readouterr().err == f"{ANNOUNCEMENT}\n"
-
-
-def test_nothing_is_announced_where_nothing_is_compiled(capsys):
-    one, _ = kernels()
-    one(1.0)
-    with announced_compiling():
-        one(2.0)
-    assert capsys.readouterr().err == ""

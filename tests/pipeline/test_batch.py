@@ -16,16 +16,6 @@ MODULE = importlib.import_module("erlif.pipeline.batch")
 """The module; the package has the function under the same name."""
 
 
-@pytest.fixture
-def series(small_rig, tmp_path):
-    """Directory with the runs monday, tuesday and wednesday; the second has a damaged frame."""
-    shutil.copytree(small_rig.fixture, tmp_path / "fixture")
-    for name in ("monday", "tuesday", "wednesday"):
-        shutil.copytree(small_rig.run, tmp_path / name)
-    (tmp_path / "tuesday" / "camera1" / "frame_0002.tif").write_bytes(b"")
-    return tmp_path
-
-
 def days(series):
     return [series / name for name in ("monday", "tuesday", "wednesday")]
 

@@ -191,14 +191,15 @@ def test_a_note_sets_the_correlation_with_speed_beside_those_of_theory():
 
 
 KNOWN_TO = 0.04  # um
+TURNS = 6.0  # after loading
 
 
 @pytest.fixture(scope="module")
 def rig_films():
-    """Frames, and minimum film by the solver of the rig, 24 turns after loading."""
+    """Frames, and minimum film by the solver of the rig, some turns after loading."""
     found = {}
     for held in ("free", "guided"):
-        rig = RigSettings(film="reynolds", tilt=0.0, marks=0.0, sideways=held)
+        rig = RigSettings(film="reynolds", tilt=0.0, marks=0.0, sideways=held, elapsed=TURNS)
         triggers = list_triggers(rig)
         gaps = list_gaps(triggers, rig, draw_marks(rig, np.random.default_rng(0)))
         number = len(gaps)
