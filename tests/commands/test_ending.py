@@ -6,11 +6,7 @@ import subprocess
 import sys
 
 import pytest
-from scenes.processes import (
-    end_command,
-    lose_the_reader_of_messages,
-    signal_at_the_third_trigger,
-)
+from scenes.processes import end_command, lose_the_reader_of_messages, signal_at_the_third_trigger
 
 from erlif.commands.ending import EndedBySignal, signals_interrupt
 

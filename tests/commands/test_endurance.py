@@ -64,11 +64,7 @@ def test_settings_and_designs(tmp_path, monkeypatch):
         lambda result, folder, overview: drawn.append((result.name, overview)) or [],
     )
     rig = EnduranceRig(
-        loads=(36e3, 54e3),
-        interval=5.0,
-        stage_duration=200.0,
-        galling_stage=2,
-        galling_time=120.0,
+        loads=(36e3, 54e3), interval=5.0, stage_duration=200.0, galling_stage=2, galling_time=120.0
     )
     test, _ = simulate_endurance(rig, rng=np.random.default_rng(1))
     names = ("uncut_1", "uncut_1_load", "undercut_1", "undercut_2")

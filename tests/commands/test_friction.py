@@ -61,27 +61,3 @@ def test_what_is_missing_or_wrong_is_stated(log, tmp_path, words, message):
     assert result.exit_code == 2
     assert message in result.stderr
     assert not (tmp_path / "out").exists()
-
-
-def test_components_of_either_sign_are_a_load(log, tmp_path):
-    """Both components point against the axes of the cell; the size of their sum is the same."""
-    head, *rows = log.read_text().splitlines()
-    names = head.split(",")
-    turned = tmp_path / "turned.csv"
-    lines = [head]
-    for row in rows:
-        cells = row.split(",")
-        lines.append(
-            ",".join(
-                f"{-float(cell)}" if name.startswith("F") else cell
-                for name, cell in zip(names, cells, strict=True)
-            )
-        )
-    turned.write_text("\n".join(lines))
-    result = run(turned, *GIVEN)
-    assert result.exit_code == 0, result.output
-    assert "apparent friction coefficient: 0.1200" in result.stdout
-
-    summed = run(turned, "--radius", "5 mm", "--column", "cells=Fx,Fy", "--overwrite")
-    assert summed.exit_code == 2
-    assert "Expected a positive load" in summed.stderr

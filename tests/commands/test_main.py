@@ -1,7 +1,6 @@
 """The command line as a whole: help, loading, exit status."""
 
 import os
-import re
 import subprocess
 import sys
 
@@ -13,11 +12,6 @@ import erlif.pipeline
 from erlif.commands.main import main
 
 COMMANDS = sorted(main.commands)
-
-
-@pytest.mark.parametrize("name", COMMANDS)
-def test_help_of_each_command_shows_an_example(command, name):
-    assert re.search(rf"Example:\s+erlif {name}\b", command(name, "--help").stdout)
 
 
 def test_importing_erlif_loads_nothing_heavy():

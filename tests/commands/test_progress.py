@@ -4,12 +4,8 @@ import io
 import sys
 
 import numba
-import pytest
-import xarray as xr
 
-from erlif.commands.main import main
 from erlif.commands.progress import ANNOUNCEMENT, announced_compiling, echo_above, show_progress
-from erlif.core.errors import ErlifError
 
 
 class Terminal(io.StringIO):
@@ -50,33 +46,6 @@ def test_a_line_of_result_stands_above_the_bar(monkeypatch, capsys):
     shown = terminal.getvalue()
     assert "\rmonday: finished\n" in shown
     assert shown.index("1/4") < shown.index("monday: finished") < shown.index("2/4")
-
-
-@pytest.mark.parametrize(
-    ("name", "work", "step"),
-    [
-        ("check", "erlif.review.audit.audit", "check"),
-        ("pressure", "erlif.pipeline.physics.pressure.pressure_from_film", "pressure"),
-        ("predict", "erlif.pipeline.physics.fit.fit_film", "fit"),
-    ],
-)
-def test_long_work_shows_its_bar_on_a_terminal(name, work, step, monkeypatch, tmp_path):
-    """The work itself is replaced: it reports one of four pieces, and fails."""
-    terminal = Terminal()
-    monkeypatch.setattr(sys, "stderr", terminal)
-
-    def report(*_, progress, **__):
-        progress(step, 1, 4)
-        raise ErlifError("Expected an end.")
-
-    monkeypatch.setattr(work, report)
-    if name == "predict":
-        monkeypatch.setattr("erlif.pipeline.physics.predict.predict", lambda *_, **__: xr.Dataset())
-        monkeypatch.setattr("erlif.show.report.summarise_prediction", lambda _: "")
-    options = ["--fit"] if name == "predict" else []
-    with pytest.raises(ErlifError, match="Expected an end"):
-        main.commands[name].main([str(tmp_path), *options], standalone_mode=False)
-    assert f"{step}:  25%" in terminal.getvalue()
 
 
 def kernels():

@@ -63,11 +63,6 @@ def test_frames_of_the_dry_joint_take_the_bias_away(lab, plain, corrected):
     assert 0.9 < (after / std).std() < 1.1
 
 
-def test_hashes_and_notes_name_the_frames_of_the_dry_joint(corrected):
-    assert "camera1_background.tif" in corrected.attrs["input_hashes"]
-    assert "dry joint subtracted" in corrected.attrs["notes"]
-
-
 def test_budget_has_the_frames_of_the_dry_joint(lab, corrected):
     budget = erlif.budget(lab / "run", trigger=4, films=(8.0,))
     one = corrected.isel(trigger=4)

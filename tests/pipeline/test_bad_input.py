@@ -110,13 +110,6 @@ def test_a_process_killed_while_writing_leaves_the_previous_film_and_resumes(
     assert [path.name for path in lab.run.iterdir() if "film" in path.name] == ["film.nc"]
 
 
-def test_a_partial_film_of_other_settings_is_not_resumed(lab, monkeypatch, computed):
-    interrupt_at_third_trigger(monkeypatch, lab)
-    lab.edit("run/run.toml", ("roi = { x = [4, 15]", "roi = { x = [3, 15]"))
-    erlif.process(lab.run, output=lab.film, workers=1).close()
-    assert computed[-6:] == [0, 1, 2, 3, 4, 5]
-
-
 def kept_triggers(lab):
     """Numbers of the triggers in the journal of the unfinished film, below its first line."""
     journal = lab.run / "film.nc.partial" / "journal"

@@ -24,16 +24,6 @@ def states(outcomes):
     return [outcome.state for outcome in outcomes]
 
 
-def test_a_run_that_fails_does_not_end_the_others(series, film):
-    outcomes = batch(days(series))
-    assert states(outcomes) == [RunState.FINISHED, RunState.REFUSED, RunState.FINISHED]
-    assert [outcome.failed for outcome in outcomes] == [False, True, False]
-    assert "frame_0002.tif" in outcomes[1].message
-    for name in ("monday", "wednesday"):
-        assert (series / name / "film.nc").read_bytes() == film.read_bytes()
-    assert not list((series / "tuesday").glob("*film*"))
-
-
 def test_outcomes_and_progress_are_reported_as_they_are_known(series):
     """The name of the run stands in the progress; an interruption ends all."""
     seen, steps = [], []

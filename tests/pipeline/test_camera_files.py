@@ -8,8 +8,7 @@ import h5py
 import numpy as np
 import pytest
 import tifffile
-import xarray as xr
-from scenes.camera_files import write_genicam, write_im7, write_mraw
+from scenes.camera_files import write_im7
 from scenes.tiff_pages import rewrite
 
 import erlif
@@ -30,21 +29,6 @@ def to_pages(run):
             tifffile.imwrite(path, pages, photometric="minisblack")
 
 
-def to_mraw(run):
-    """Frames and darks of 12 bits packed, flats of 16 bits with the older header."""
-    for camera, (frames, darks, flats) in enumerate(take_pages(run, ".mraw"), 1):
-        write_mraw(run / f"camera{camera}.mraw", frames, stored=12)
-        write_mraw(run / f"camera{camera}_dark.mraw", darks, stored=12)
-        write_mraw(run / f"camera{camera}_flat.mraw", flats, stored=16, header="cih")
-
-
-def to_raw(run):
-    for camera, (frames, darks, flats) in enumerate(take_pages(run, ".raw"), 1):
-        write_genicam(run / f"camera{camera}.raw", frames, "Mono12p", frame_rate=50)
-        write_genicam(run / f"camera{camera}_dark.raw", darks, "Mono12Packed", sidecar="json")
-        write_genicam(run / f"camera{camera}_flat.raw", flats, "Mono12", header_bytes=0)
-
-
 def to_set(run):
     """Both cameras in each image, as DaVis stores the frames of one trigger."""
     (one, *references), (two, *others) = take_pages(run, ".set", both="both")
@@ -61,15 +45,6 @@ def to_set(run):
             write_im7(path, pairs[2 * number : 2 * number + 2], packing=1)
         (run / f"both_{name}.set").write_text("SetType = 1")
     add_parts(run, "channel 1", "channel 2", files="images.set")
-
-
-def to_halves(run):
-    """Two cameras on one sensor: MRAW frames with one image beside the other."""
-    (one, *references), (two, *others) = take_pages(run, ".mraw", both="both")
-    write_mraw(run / "both.mraw", np.concatenate([one, two], axis=2), stored=12)
-    for name, a, b in zip(("dark", "flat"), references, others, strict=True):
-        write_mraw(run / f"both_{name}.mraw", np.concatenate([a, b], axis=2))
-    add_parts(run, "left", "right", files="both.mraw")
 
 
 def to_alternating_pages(run):
@@ -92,15 +67,9 @@ def to_hdf5(run):
     text = (run / "run.toml").read_text()
     for name in ("dark", "flat"):
         text = text.replace(f'"run_{name}.h5"', '"run.h5"')
+    kinds = (("dataset", "counts"), ("dark_dataset", "dark"), ("flat_dataset", "flat"))
     for camera in (1, 2):
-        keys = "".join(
-            f'\n{key} = "/camera{camera}/{name}"'
-            for key, name in (
-                ("dataset", "counts"),
-                ("dark_dataset", "dark"),
-                ("flat_dataset", "flat"),
-            )
-        )
+        keys = "".join(f'\n{key} = "/camera{camera}/{name}"' for key, name in kinds)
         text = text.replace('files = "run.h5"\n', f'files = "FILE"{keys}\n', 1)
     (run / "run.toml").write_text(text.replace('"FILE"', '"run.h5"'))
 
@@ -135,7 +104,7 @@ def add_parts(run, one, two, *, files, keys=""):
     (run / "run.toml").write_text(text.replace("FILES", f'files = "{files}"'))
 
 
-FORMS = (to_mraw, to_raw, to_set, to_halves, to_alternating_pages, to_hdf5, to_pages)
+FORMS = (to_set, to_alternating_pages, to_hdf5, to_pages)
 
 
 @pytest.mark.parametrize("convert", FORMS)
@@ -163,18 +132,6 @@ def test_counts_do_not_depend_on_the_files_of_the_camera(small_rig, tmp_path, co
         for one, other in zip(found, expected, strict=True):
             assert one.dtype == other.dtype
             assert np.array_equal(one, other)
-
-
-def test_the_film_does_not_depend_on_the_files_of_the_camera(lab, film):
-    """Of the set of DaVis: all that a run reads is compared above."""
-    to_set(lab.run)
-    erlif.process(lab.run, output=lab.film, workers=1).close()
-    for group in (None, "registration"):
-        with (
-            erlif.open_film(film, group=group) as tiff,
-            erlif.open_film(lab.film, group=group) as new,
-        ):
-            xr.testing.assert_identical(new.drop_attrs(), tiff.drop_attrs())
 
 
 def test_eight_bit_frames_give_the_mean_film_of_twelve_bits(lab, film):

@@ -180,14 +180,6 @@ def make_film(cycles, calibration, *, notes=(), **changes):
     )
 
 
-def test_film_counts_the_frames_of_each_trigger(cycles, calibration):
-    film = make_film(cycles, calibration)
-    assert film.frames_used.values.tolist() == [2] * 6
-    assert (film.sizes["x"], film.sizes["y"]) == (128, 96)
-    npt.assert_allclose(film.x[:3], [0.0, 0.15, 0.30])
-    assert "camera1: a note of the cameras" in film.attrs["notes"]
-
-
 def test_warnings_come_first_and_gains_once(cycles, calibration):
     """The gains of the fixture's recording are in the notes of the calibration itself."""
     gains = Note(Level.NOTE, "cameras", "camera1 gain 4.4; camera2 gain 4.4")

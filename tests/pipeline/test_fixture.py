@@ -7,7 +7,6 @@ import numpy.testing as npt
 import pytest
 
 import erlif
-from erlif.core.errors import CalibrationError
 from erlif.core.progress import silent
 from erlif.io.ingest import open_run
 from erlif.pipeline.fixture import calibrate, combine_all, find_calibration
@@ -51,18 +50,6 @@ def test_frames_of_a_film_at_rest_are_combined(prepared):
 
 
 # the calibration of a run
-
-
-def test_run_without_a_calibration_is_refused(run):
-    settings = run.settings.model_copy(update={"calibration": None})
-    with pytest.raises(CalibrationError, match=r"run\.toml names none"):
-        find_calibration(replace(run, settings=settings), None)
-
-
-def test_calibration_and_fixture_that_do_not_exist_are_refused(run):
-    settings = run.settings.model_copy(update={"calibration": "../nowhere/calibration.nc"})
-    with pytest.raises(CalibrationError):
-        find_calibration(replace(run, settings=settings), None)
 
 
 def test_missing_calibration_is_made_from_its_fixture_and_kept(lab, calibration):

@@ -46,30 +46,6 @@ def test_the_crank_angle_is_that_of_the_rig(tmp_path, changes, tolerance):
     np.testing.assert_allclose(run.log["load"], truth["load"], rtol=1e-4)
 
 
-def test_a_run_in_time_with_ticks_on_the_coupler_has_the_film_of_the_plain_one(
-    small_rig, film, tmp_path
-):
-    """The same seed gives the same frames; the log must not change the maps."""
-    simulate(
-        tmp_path,
-        seed=11,
-        rig=RigSettings(
-            **{**vars(SMALL), "log": "continuous", "encoder": "coupler", "reading": "ticks"}
-        ),
-    )
-    shutil.copy(small_rig.fixture / "calibration.nc", tmp_path / "fixture" / "calibration.nc")
-    found = erlif.process(tmp_path / "run", workers=1)
-    with erlif.open_film(film) as plain:
-        np.testing.assert_array_equal(found.thickness, plain.thickness)
-        np.testing.assert_allclose(found.film_min, plain.film_min, atol=1e-9)
-        np.testing.assert_allclose(found.rocker_speed, plain.rocker_speed, atol=0.02)
-        np.testing.assert_allclose(
-            found.speed_exponent, plain.speed_exponent, atol=0.1 * float(plain.speed_exponent_std)
-        )
-    assert "columns separated by semicolons; decimal commas" in found.notes
-    assert "angle from column 'Encoder [ticks]'" in found.notes
-
-
 def test_pulses_that_do_not_repeat_are_averaged_by_bins_of_one_stroke(small_rig, tmp_path):
     changes = {"pulses_per_cycle": 6.4, "cycles": 4, "bubbles": 0}
     run, truth = make_run(tmp_path, **changes)

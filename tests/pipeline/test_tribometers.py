@@ -25,25 +25,13 @@ GAPS = {
     'stroke = "??': ("?? mm", "10 mm"),
     'frequency = "??': ("?? Hz", "5 Hz"),
 }
-EXPECTED = {
-    "rotation": {"encoder_angle", "time", "crank_angle", "sliding_speed", "load", "temperature"},
-    "sinusoidal": {
-        *("encoder_angle", "time", "crank_angle", "sliding_speed", "load", "temperature"),
-        *("position", "stroke"),
-    },
-    "static": set(),
-}
+TURNING = {"encoder_angle", "time", "crank_angle", "sliding_speed", "load", "temperature"}
+EXPECTED = {"rotation": TURNING, "sinusoidal": TURNING | {"position", "stroke"}, "static": set()}
 """What the film has beside maps and statistics."""
 
 TREND = {f"speed_exponent{part}" for part in ("", "_std", "_mean", "_mean_std")}
-MOTION = {
-    *EXPECTED["sinusoidal"],
-    "rocker_speed",
-    "film_theory",
-    "film_regime_map",
-    "film_hamrock_dowson",
-    *TREND,
-}
+MOTION = EXPECTED["sinusoidal"] | TREND
+MOTION |= {"rocker_speed", "film_theory", "film_regime_map", "film_hamrock_dowson"}
 
 
 class Case(NamedTuple):
@@ -167,10 +155,3 @@ def test_a_shaft_in_a_bushing_has_the_theory_of_its_joint():
     expected = 2.65e6 * radius * (alpha * modulus) ** 0.54 * by_speed * by_load
     found = predict_theory(settings, film)
     npt.assert_allclose(found.film_hamrock_dowson, expected, rtol=1e-6)
-
-
-def test_budget_of_a_film_without_a_speed_is_that_of_its_first_trigger(case):
-    if case.kind == "static":
-        table = erlif.budget(case.lab.run)
-        assert table.attrs["trigger"] == 0
-        assert float(table["std"].sel(term="total", quantity="mean film")) > 0

@@ -72,3 +72,11 @@ def _true_peak(bearing, place, load):
 def _sorted(angle, pressure):
     order = angle.argsort()
     return angle[order], pressure[order]
+
+
+def fit_true_film(film: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Displacements and tilts nearest to a true film, from positions about the middle. [um, mm]"""
+    phi, z = x / np.sqrt(33.36 * 33.59), y[:, None]
+    cos, sin = np.cos(phi) + 0 * z, np.sin(phi) + 0 * z
+    design = np.stack([cos, sin, z * cos, z * sin], axis=-1).reshape(-1, 4)
+    return np.linalg.lstsq(design, 230.0 - film.ravel().astype(float), rcond=None)[0]

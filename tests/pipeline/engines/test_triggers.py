@@ -65,26 +65,6 @@ def task(run, prepared, calibration):
     return trigger_task(run, prepared.chain, calibration)
 
 
-def test_film_of_a_frame_is_that_of_the_rig(task, truth):
-    """Errors of the valid pixels within their error bars, of which 68 % are one std."""
-    maps, result = task([2])
-    known = truth.film.values[2]
-    std = np.hypot(maps["thickness_std"], maps["thickness_std_shared"])
-    pull = ((maps["thickness"] - known) / std)[maps["flags"] == 0]
-    assert 0.5 < np.mean(np.abs(pull) < 1) < 0.8
-    assert abs(result.statistics.minimum - truth.film_min.values[2]) < (
-        4 * result.statistics.minimum_std
-    )
-
-
-def test_pulse_energies_of_frames_follow_the_rig(task, truth):
-    """Two frames of one trigger: the ratio of their energies is that of the pulses."""
-    _, result = task([1, 4])
-    found = [frame.pulse_energy for frame in result.frames]
-    known = truth.pulse_energy.values[[1, 4]]
-    npt.assert_allclose(found[0] / found[1], known[0] / known[1], rtol=0.03)
-
-
 def test_trigger_without_frames_is_outside_the_overlap(task):
     maps, result = task([])
     assert (maps["flags"] == Flag.OUTSIDE_OVERLAP).all()

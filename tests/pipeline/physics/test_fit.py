@@ -52,17 +52,6 @@ def test_film_states_in_one_line_which_physics_carries_it(sinking):
     assert "strong" in lines[0]
 
 
-def test_minima_determine_the_viscosity_where_positions_are_absent(sinking, tmp_path):
-    with erlif.open_film(sinking / "film.nc") as film:
-        film["pin_displacement"] = film["pin_displacement"] * float("nan")
-        film.to_netcdf(tmp_path / "film.nc")
-    with erlif.open_film(sinking / "film.nc", group="frames") as frames:
-        frames.to_netcdf(tmp_path / "film.nc", group="frames", mode="a")
-    viscosity = fit_film(tmp_path / "film.nc").fit.estimates["viscosity"]
-    assert abs(viscosity.value - 0.1) < 3 * viscosity.std
-    assert viscosity.std < 0.3 * 0.1
-
-
 def test_run_without_a_film_is_refused(lab):
     with pytest.raises(ErlifError, match="Run erlif process"):
         fit_film(lab.run)

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.pin import fit_true_film
 
 import erlif
 from erlif.pipeline.engines.results import FrameResult
@@ -67,15 +68,10 @@ def test_reported_background_is_in_the_errors_of_mean_and_minimum(reported, trut
 def test_reported_background_is_in_the_error_of_the_pin(reported, truth):
     """The circles nearest to the true film of each trigger, by least squares over the region."""
     x, y = reported.x.values, reported.y.values
-    inside = np.ix_((y >= 2) & (y <= 13), (x >= 4) & (x <= 15))
-    phi = (x - x.mean())[inside[1]] / np.sqrt(33.36 * 33.59)
-    z = (y - y.mean())[inside[0]]
-    shapes = [np.cos(phi) + 0 * z, np.sin(phi) + 0 * z, z * np.cos(phi), z * np.sin(phi)]
-    design = np.stack(shapes, axis=-1).reshape(-1, 4)
-    known = [
-        np.linalg.lstsq(design, 230.0 - film[inside].ravel().astype(float), rcond=None)[0][0]
-        for film in truth.film.values
-    ]
+    inside_x, inside_y = (x >= 4) & (x <= 15), (y >= 2) & (y <= 13)
+    place = (x - x.mean())[inside_x], (y - y.mean())[inside_y]
+    inside = np.ix_(inside_y, inside_x)
+    known = [fit_true_film(film[inside], *place)[0] for film in truth.film.values]
     error = reported.pin_displacement.values[:, 0] - known
     std = np.sqrt(reported.pin_position_cov.values[:, 0, 0])
     assert np.nanmedian(np.abs(error)) > 0.03  # 6 % of background moves a film of 3 um by 70 nm

@@ -4,6 +4,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.pin import fit_true_film
 from scenes.results import make_position
 
 import erlif
@@ -21,32 +22,16 @@ def opened(film):
         return dataset.load()
 
 
-def fit_true_film(film: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Displacements and tilts of the formula that are nearest to a true film, by least squares."""
-    phi = (x - x.mean()) / np.sqrt(33.36 * 33.59)
-    z = (y - y.mean())[:, None]
-    cos, sin = np.cos(phi) + 0 * z, np.sin(phi) + 0 * z
-    design = np.stack([cos, sin, z * cos, z * sin], axis=-1).reshape(-1, 4)
-    return np.linalg.lstsq(design, 230.0 - film.ravel(), rcond=None)[0]
-
-
 def test_position_follows_the_true_film(opened, truth):
     """Marks included, so that noise and calibration remain; the region is that of the run."""
     x, y = opened.x.values, opened.y.values
     inside_x, inside_y = (x >= 4) & (x <= 15), (y >= 2) & (y <= 13)
+    place = (x - x.mean())[inside_x], (y - y.mean())[inside_y]
     pulls = []
     for k in range(6):
-        film = truth.film.values[k][np.ix_(inside_y, inside_x)].astype(float)
-        centre = np.array([x[inside_x].mean() - x.mean(), y[inside_y].mean() - y.mean()])
-        true = fit_true_film(film, x[inside_x], y[inside_y])
-        # from the middle of the region to that of the image
-        turn = -centre[0] / np.sqrt(33.36 * 33.59)
-        cos, sin = np.cos(turn), np.sin(turn)
-        turned = np.array([[cos, sin], [-sin, cos]]) @ true.reshape(2, 2).T
-        turned[:, 0] -= centre[1] * turned[:, 1]
+        true = fit_true_film(truth.film.values[k][np.ix_(inside_y, inside_x)], *place)
         found = np.concatenate([opened.pin_displacement.values[k], opened.pin_tilt.values[k]])
-        std = np.sqrt(np.diag(opened.pin_position_cov.values[k]))
-        pulls.append((found - turned.T.ravel()) / std)
+        pulls.append((found - true) / np.sqrt(np.diag(opened.pin_position_cov.values[k])))
     assert np.sqrt(np.mean(np.square(pulls), axis=0)).max() < 2
     assert np.abs(pulls).max() < 4
 

@@ -191,7 +191,7 @@ def test_a_note_sets_the_correlation_with_speed_beside_those_of_theory():
 
 
 KNOWN_TO = 0.04  # um
-TURNS = 6.0  # after loading
+TURNS = 16.0  # after loading; at ten the films differ too little for a warning
 
 
 @pytest.fixture(scope="module")
@@ -262,17 +262,6 @@ def test_a_difference_is_a_warning_beyond_error_and_share_of_the_film():
     assert not warned(np.full(6, 3.0), 0.01)
     assert not warned(np.where(up > 0, [0.0, 0, 1, 0, 2, 0], np.nan), 0.01)  # too few triggers
     assert note_difference(predicted, settings().prediction) == []
-
-
-def test_deflecting_surfaces_are_named_as_a_limit():
-    one = settings(sideways="12 N/mm", start_film="20 um")
-    elastic = steady()
-    elastic.film_theory.attrs["regime"] = "piezoviscous-elastic"
-    predicted = predict_run(plane(one), film(), frames()).triggers
-    attrs = choose_theory(one, elastic, predicted).film_theory.attrs
-    assert "takes the surfaces as rigid" in attrs["notes"]
-    assert "20 um at the first frame, as given" in attrs["notes"]
-    assert attrs["regime"].endswith("pin held sideways by 12 N/mm")
 
 
 def test_a_film_is_kept_whose_prediction_fails(lab):

@@ -5,11 +5,7 @@ import numpy.testing as npt
 import tifffile
 
 from erlif.io.ingest import open_run
-from erlif.pipeline.recording.cameras import (
-    characterise_cameras,
-    look_at_frames,
-    measure_cameras,
-)
+from erlif.pipeline.recording.cameras import characterise_cameras, look_at_frames, measure_cameras
 
 
 def test_histogram_counts_all_pixels_of_all_frames(run, small_rig):

@@ -10,7 +10,7 @@ from erlif.core.notes import Level
 from erlif.io.settings import RunSettings
 from erlif.pipeline.recording.omissions import note_omissions
 
-MOTION = ("encoder_angle", "stroke", "crank_angle", "rocker_speed", "sliding_speed", "load")
+MOTION = ("encoder_angle", "stroke", "crank_angle", "rocker_speed", "load", "sliding_speed")
 DISC = {"kind": "rotation", "radius": "20 mm", "speed": "60 rpm"}
 
 
@@ -24,43 +24,41 @@ def note(variables, *, without=(), **tables):
     return {one.subject: one.text for one in notes}
 
 
-def test_a_complete_run_lacks_nothing():
-    assert note(MOTION) == {}
+STILL = ("encoder", "mechanism", "joint", "oil")
+RESULTS = "film_hamrock_dowson, film_theory, film_regime_map"
 
 
-def test_a_static_film_names_motion_and_joint():
-    found = note((), without=("encoder", "mechanism", "joint", "oil"))
-    assert list(found) == ["[mechanism]", "[joint]"]
-    assert "crank_angle, sliding_speed, speed_exponent" in found["[mechanism]"]
-    assert "A static film needs none" in found["[mechanism]"]
-    assert "left out: film_parameter, pin_displacement, pin_tilt, " in found["[joint]"]
-
-
-def test_a_disc_without_angle_and_load_names_both_columns():
-    tables = ("encoder", "joint", "oil")
-    found = note(("sliding_speed",), without=tables, mechanism=DISC)
-    assert list(found) == ["column angle_deg", "column load_N", "[joint]"]
-    assert "there is no log; left out: load, speed_exponent" in found["column load_N"]
-    assert 'load = "20 N" to [mechanism]' in found["column load_N"]
-    assert "film_theory" in found["[joint]"]
-
-
-def test_a_linkage_without_a_joint_lacks_the_sliding_speed():
-    variables = [name for name in MOTION if name != "sliding_speed"]
-    found = note(variables, without=("joint", "oil"))
-    assert list(found) == ["[joint]"]
-    assert (
-        "left out: sliding_speed, film_hamrock_dowson, film_theory, film_regime_map"
-        in found["[joint]"]
-    )
-
-
-def test_a_joint_without_an_oil_lacks_the_theory_alone():
-    found = note(MOTION, without=("oil",))
-    assert found == {
-        "[oil]": "run.toml has no such table; left out: film_hamrock_dowson, film_theory, "
-        "film_regime_map. Add [oil] for the theory."
-    }
+@pytest.mark.parametrize(
+    ("variables", "without", "tables", "expected"),
+    [
+        (MOTION, (), {}, {}),
+        (
+            (),
+            STILL,
+            {},
+            {
+                "[mechanism]": "crank_angle, sliding_speed, speed_exponent",
+                "[joint]": "left out: film_parameter, pin_displacement, pin_tilt, ",
+            },
+        ),
+        (
+            ("sliding_speed",),
+            ("encoder", "joint", "oil"),
+            {"mechanism": DISC},
+            {
+                "column angle_deg": "",
+                "column load_N": "there is no log; left out: load, speed_exponent",
+                "[joint]": "film_theory",
+            },
+        ),
+        (MOTION[:5], ("joint", "oil"), {}, {"[joint]": f"left out: sliding_speed, {RESULTS}"}),
+        (MOTION, ("oil",), {}, {"[oil]": f"left out: {RESULTS}. Add [oil]"}),
+    ],
+)
+def test_what_a_film_lacks_is_named_with_its_reason(variables, without, tables, expected):
+    found = note(variables, without=without, **tables)
+    assert list(found) == list(expected)
+    assert all(words in found[subject] for subject, words in expected.items())
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,6 @@ from erlif.pipeline.recording.pulses import (
     ENERGY_COLUMNS,
     PulseError,
     read_energies,
-    refuse_stuck_cameras,
 )
 from erlif.rig import RigSettings, simulate
 
@@ -110,13 +109,6 @@ def test_a_camera_stuck_in_the_first_triggers_alone_is_not_refused(
     calibration = small_rig.fixture / "calibration.nc"
     notes = erlif.process(lab.run, calibration=calibration, workers=1).notes.split("\n")
     assert any(line.startswith("warning: ") and "stuck" in line for line in notes)
-
-
-def test_a_camera_that_hung_for_some_pulses_is_not_stuck(lab):
-    frames = lab.frames(2)
-    for path in frames[2:]:
-        path.write_bytes(frames[2].read_bytes())
-    refuse_stuck_cameras(erlif.ingest.open_run(lab.run).pairs)
 
 
 # energies

@@ -9,16 +9,9 @@ from erlif.core.errors import CalibrationError, RegistrationError
 from erlif.core.progress import silent
 from erlif.io.ingest import open_run
 from erlif.io.settings import RegistrationOptions
-from erlif.pipeline.recording.register import FixtureMap, LitPairs, register_cameras
+from erlif.pipeline.recording.register import FixtureMap, register_cameras
 
 REUSE = RegistrationOptions(reuse=True)
-
-
-def test_stored_map_that_fits_is_used_unchanged(prepared):
-    chain = prepared.chain
-    used = register_cameras(chain.correct, REUSE, stored=chain.camera_map, progress=silent)
-    np.testing.assert_array_equal(used.displacement_x, chain.camera_map.displacement_x)
-    assert used.stored
 
 
 def test_stored_map_for_another_frame_size_is_refused(prepared):
@@ -35,15 +28,6 @@ def test_stored_map_of_another_magnification_is_refused(prepared):
     other = replace(chain.camera_map, displacement_x=chain.camera_map.displacement_x + stretch)
     with pytest.raises(RegistrationError, match="stored"):
         register_cameras(chain.correct, REUSE, stored=other, progress=silent)
-
-
-def test_pairs_are_read_one_by_one_and_reported(prepared):
-    steps = []
-    lit = LitPairs(prepared.chain.correct, [0, 4], lambda *step: steps.append(step))
-    assert len(lit) == 2
-    assert steps == []
-    assert all(image.shape == (96, 128) for image in lit[1])
-    assert steps == [("registration", 2, 2)]
 
 
 def test_the_map_of_the_fixture_is_kept_only_where_it_is_used(small_rig, calibration):
