@@ -191,7 +191,7 @@ def test_a_note_sets_the_correlation_with_speed_beside_those_of_theory():
 
 
 KNOWN_TO = 0.04  # um
-TURNS = 16.0  # after loading; at ten the films differ too little for a warning
+TURNS = 14.0  # after loading; at ten the films differ too little for a warning
 
 
 @pytest.fixture(scope="module")
