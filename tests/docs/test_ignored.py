@@ -33,14 +33,3 @@ def test_outputs_of_the_commands_are_ignored():
     named = re.findall(r"-o ([\w./]+)", text)
     assert named
     assert ignored([*WRITTEN, *named]) == {*WRITTEN, *named}
-
-
-def test_what_belongs_to_the_sample_is_not():
-    names = [
-        path.relative_to(ROOT).as_posix()
-        for place in ("data_samples", "calibration")
-        for path in (ROOT / place).rglob("*")
-        if path.suffix in (".tif", ".toml", ".csv", ".md", ".py") and "film" not in path.name
-    ]
-    assert len(names) > 100
-    assert not ignored(names)

@@ -19,18 +19,6 @@ def prose(path: Path) -> str:
     return re.sub(r"^ *```.*?^ *```", "", path.read_text(encoding="utf-8"), flags=re.M | re.S)
 
 
-def test_pages_without_a_section_have_no_empty_sidebar():
-    """The theme heads the sidebar "Section Navigation" even where there is nothing to list."""
-    index = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
-    (tree,) = re.findall(r"```{toctree}(.*?)```", index, flags=re.S)
-    pages = re.findall(r"^(?:.*<)?(\w+)>?$", tree, flags=re.M)
-    assert len(pages) > 10
-
-    settings = (ROOT / "docs" / "conf.py").read_text(encoding="utf-8")
-    (single,) = re.findall(r"^SINGLE_PAGES = \((.*?)^\)", settings, flags=re.M | re.S)
-    assert set(re.findall(r'"(\w+)"', single)) == {"index", *pages}
-
-
 def test_relative_links_name_existing_files():
     links = [
         (path, target)

@@ -17,7 +17,6 @@ from erlif.commands.main import main
 from erlif.review.budget import split_calibration
 from erlif.rig import RigSettings, simulate
 from erlif.show.plots import example_calibration
-from erlif.show.report import render_budget
 
 ROOT = Path(__file__).parents[2]
 
@@ -128,14 +127,6 @@ def test_documented_budget_is_that_of_the_sample():
     words_now, values_now = numbers(result.output)
     assert words == words_now
     npt.assert_allclose(values, values_now, rtol=0.05, atol=0.1)
-
-
-def test_budget_prints_nanometres(lab):
-    _, budget, _, _ = lab
-    table = render_budget(budget)
-    assert "| **total** |" in table
-    total = float(budget["std"].sel(term="total", quantity="minimum film"))
-    assert f"**{1000 * total:.0f}**" in table or f"**{1000 * total:.1f}**" in table
 
 
 @pytest.mark.parametrize("correlation", [-0.9, 0.0, 0.9])

@@ -277,15 +277,6 @@ def test_what_does_not_fit_is_reported(folder, change, words):
     assert all(word in text for word in words)
 
 
-def test_existing_settings_are_kept_unless_overwriting_is_allowed(folder):
-    (folder / "run.toml").write_text("mine")
-    with pytest.raises(OutputError, match="--overwrite"):
-        erlif.init(folder)
-    assert (folder / "run.toml").read_text() == "mine"
-    erlif.init(folder, overwrite=True)
-    assert read(folder)["run"]["name"] == "bushing 7"
-
-
 def test_a_failure_while_writing_leaves_the_old_settings(folder, monkeypatch):
     (folder / "run.toml").write_text("mine")
 
@@ -424,10 +415,3 @@ def test_a_disc_without_a_log_needs_its_speed_and_a_slider_its_zero(folder):
     assert read(folder)["encoder"] == {"file": "encoder.csv", "zero": "?? deg"}
     assert read(folder)["mechanism"]["stroke"] == "?? mm"
     assert read(folder)["mechanism"]["frequency"] == "?? Hz"
-
-
-def test_a_static_film_needs_nothing_of_a_motion(folder):
-    erlif.init(folder, kind="static")
-    gaps = [line for line in (folder / "run.toml").read_text().splitlines() if '= "??' in line]
-    assert not any("speed" in line or "crank" in line for line in gaps)
-    assert not {"encoder", "mechanism", "joint", "oil"} & set(read(folder))

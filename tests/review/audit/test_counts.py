@@ -10,10 +10,8 @@ from erlif.review.audit.counts import (
     CountSurvey,
     FrameCounts,
     find_bit_faults,
-    find_copies,
     note_bad_pixels,
     note_bits,
-    note_copies,
     note_counts,
     note_light,
     survey_counts,
@@ -67,20 +65,6 @@ def test_the_share_of_bad_pixels_is_stated(bad, level):
     assert (one.level, two.level) == ("note", level)
     assert one.text.startswith("camera1: 0.00% of the pixels are hot, noisy or dead")
     assert two.text.startswith(f"camera2: {bad / 96:.2f}% of the pixels")
-
-
-def test_copies_of_either_camera_are_grouped():
-    found = survey(frame(0), frame(1, digest=("one 0", "two 1")), frame(2))
-    assert find_copies(found) == [(0, 1)]
-    (note,) = note_copies(found)
-    assert (note.level, note.subject) == ("warning", "pairs")
-    assert note.text.startswith("frame pairs 0, 1 show the same image")
-
-
-def test_one_image_for_all_frames_of_a_camera_is_an_error_that_names_it():
-    (note,) = note_copies(survey(*(frame(n, digest=(f"one {n}", "two")) for n in range(3))))
-    assert note.level == "error"
-    assert "all 3 frames of camera2 that were read" in note.text
 
 
 def test_a_missed_pulse_and_a_blurred_frame_are_named():

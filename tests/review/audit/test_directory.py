@@ -55,18 +55,6 @@ def test_a_profile_out_of_order_is_a_warning_with_one_mention_of_its_subject(lab
     assert str(note).count("profile:") == 1
 
 
-@pytest.mark.parametrize(
-    ("remove", "subject"),
-    [("camera1_flat.tif", "darks and flats"), ("encoder.csv", "settings and files")],
-)
-def test_the_audit_ends_with_the_first_error_and_its_subject(lab, remove, subject):
-    (lab.run / remove).unlink()
-    notes = erlif.check(lab.run)
-    assert [note.level for note in notes].index(Level.ERROR) == len(notes) - 1
-    assert notes[-1].subject == subject
-    assert remove in notes[-1].text
-
-
 def test_the_record_holds_findings_pairs_and_frames(lab):
     record = audit(lab.run).to_record()
     assert (record["errors"], record["warnings"]) == (0, 0)

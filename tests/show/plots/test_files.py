@@ -85,13 +85,6 @@ def source_of(film_path, film, **directories):
     return find_source(film_path, film, None, options["run_dir"], options["fixture_dir"])
 
 
-def test_all_figures_are_written(all_drawn):
-    _, paths = all_drawn
-    assert [path.stem for path in paths] == list(DRAWN)
-    for path in paths:
-        assert path.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
-
-
 @pytest.fixture(scope="module")
 def second_source(film_path, film):
     """The film of the scene, with the run directory."""

@@ -9,18 +9,9 @@ import pytest
 from scenes import film as scene
 from scenes.pictures import labels_of
 
-from erlif.core.errors import ErlifError
 from erlif.show import plots
 from erlif.show.plots.maps import common_limits, pixel_edges
 from erlif.trend import average_across_sliding
-
-
-def test_legend_gives_the_share_of_each_flag(film):
-    labels = labels_of(plots.thickness_map(film, trigger=1).axes)
-    pixels = scene.ROWS * scene.COLUMNS
-    assert f"no film, {100 * 16 / pixels:.2f} %" in labels
-    assert "outside overlap, 3.75 %" in labels  # 3 of 80 columns
-    assert not any(label.startswith("saturated") for label in labels)
 
 
 def test_colour_scale_leaves_half_a_per_cent_beyond_either_end(film):
@@ -41,13 +32,6 @@ def test_region_of_interest_is_outlined_at_its_place(film):
     bare = plots.thickness_map(film, trigger=2, region=False).axes
     assert len(bare.lines) == 0
     assert "region of interest" not in labels_of(bare)
-
-
-def test_trigger_that_the_film_lacks_is_refused(film):
-    for draw in (plots.thickness_map, plots.sliding_profile, plots.thickness_figure):
-        for trigger in (-1, scene.TRIGGERS):
-            with pytest.raises(ErlifError, match="from 0 to 5"):
-                draw(film, trigger=trigger)
 
 
 def test_profile_is_drawn_with_its_error_bars(film):

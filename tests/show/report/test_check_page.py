@@ -4,7 +4,6 @@ import re
 
 import pytest
 
-from erlif.core.errors import OutputError
 from erlif.core.notes import Level, Note
 from erlif.review.audit import Audit, audit
 from erlif.show.report import write_check_page
@@ -44,13 +43,3 @@ def test_errors_stand_first_and_are_escaped(tmp_path, read_page):
     assert "1 error, 0 warnings." in findings
     assert findings.index("<no> & file") < findings.index("six")
     assert page.all("figure") == []
-
-
-def test_an_existing_page_is_kept(tmp_path):
-    path = tmp_path / "check.html"
-    path.write_text("mine")
-    with pytest.raises(OutputError, match="exists already"):
-        write_check_page(Audit(tmp_path), path)
-    with pytest.raises(OutputError, match="something else"):
-        write_check_page(Audit(tmp_path), path, overwrite=True)
-    assert path.read_text() == "mine"

@@ -381,15 +381,6 @@ def test_what_is_seen_is_exported(page):
     assert page.is_disabled("#tiff")
 
 
-def test_ratio_and_camera_images_of_the_run(visit, serve, film, small_rig):
-    page = visit(serve(film, run_dirs=[small_rig.run]).address)
-    for layer in ("camera1", "log_ratio"):
-        page.select_option("#layer", layer)
-        page.wait_for_selector(f'#panel-a canvas[data-layer="{layer}"]')
-        until(page, lambda: page.inner_text("#status"), "")
-    assert "logarithm of the ratio" in page.inner_text("#panel-a figcaption")
-
-
 def test_a_phone_in_the_dark(visit, address):
     page = visit(address, width=390, height=844, color_scheme="dark", has_touch=True)
     assert page.evaluate("document.documentElement.scrollWidth") == 390
