@@ -63,48 +63,43 @@ def check_variables(found, documented):
     assert found == {name: form[name] for name in found}
 
 
+def check_group(group, page, name):
+    """Variables and attributes of a group are those that the page lists under a name."""
+    check_variables(contents(group), getattr(page, name))
+    if attributes := getattr(page, f"{name}_ATTRIBUTES", ()):
+        check_names(group.attrs, attributes)
+
+
 def test_film_holds_the_variables_and_attributes_of_the_page(page, film):
     with h5netcdf.File(film) as file:
         found = contents(file)
         assert found.pop("laser_mJ") == (("trigger",), "float64", "")  # a further column of the log
         check_variables(found, page.FILM)
         check_names(file.attrs, page.FILM_ATTRIBUTES)
-        check_variables(contents(file.groups["frames"]), page.FRAMES)
-        check_names(file.groups["frames"].attrs, page.FRAMES_ATTRIBUTES)
-        check_variables(contents(file.groups["registration"]), page.REGISTRATION)
-        attributes = [*page.REGISTRATION_ATTRIBUTES, *page.BLUR_ATTRIBUTES]
-        check_names(file.groups["registration"].attrs, attributes)
-        used = {
-            name
-            for variable in file.variables.values()
-            for name in variable.attrs
-            if name not in ("_FillValue", "_Encoding")  # bookkeeping of netCDF and of text
-        }
-        check_names(used, page.VARIABLE_ATTRIBUTES)
-
-
-def test_prediction_holds_the_variables_and_attributes_of_the_page(page, film, tmp_path):
-    erlif.predict(film, output=tmp_path / "prediction.nc").close()
-    with h5netcdf.File(tmp_path / "prediction.nc") as file:
-        check_variables(contents(file), page.PREDICTION)
-        check_names(file.attrs, page.PREDICTION_ATTRIBUTES)
-        check_variables(contents(file.groups["frames"]), page.PREDICTION_FRAMES)
+        check_group(file.groups["frames"], page, "FRAMES")
+        registration = file.groups["registration"]
+        check_variables(contents(registration), page.REGISTRATION)
+        check_names(registration.attrs, [*page.REGISTRATION_ATTRIBUTES, *page.BLUR_ATTRIBUTES])
+        used = {name for variable in file.variables.values() for name in variable.attrs}
+        # bookkeeping of netCDF and of text
+        check_names(used - {"_FillValue", "_Encoding"}, page.VARIABLE_ATTRIBUTES)
 
 
 @pytest.mark.usefixtures("coarse_pressure")
-def test_pressure_holds_the_variables_and_attributes_of_the_page(page, film, tmp_path):
+def test_other_products_hold_the_variables_and_attributes_of_the_page(
+    page, film, small_rig, tmp_path
+):
+    erlif.predict(film, output=tmp_path / "prediction.nc").close()
     write_dataset(erlif.pressure_from_film(film), tmp_path / "pressure.nc")
-    with h5netcdf.File(tmp_path / "pressure.nc") as file:
-        check_variables(contents(file), page.PRESSURE)
-        check_names(file.attrs, page.PRESSURE_ATTRIBUTES)
-
-
-def test_calibration_holds_the_variables_and_attributes_of_the_page(page, small_rig):
-    with h5netcdf.File(small_rig.fixture / "calibration.nc") as file:
-        check_variables(contents(file), page.CALIBRATION)
-        check_names(file.attrs, page.CALIBRATION_ATTRIBUTES)
-        check_variables(contents(file.groups["registration"]), page.REGISTRATION)
-        check_names(file.groups["registration"].attrs, page.REGISTRATION_ATTRIBUTES)
+    for path, name, groups in (
+        (tmp_path / "prediction.nc", "PREDICTION", {"frames": "PREDICTION_FRAMES"}),
+        (tmp_path / "pressure.nc", "PRESSURE", {}),
+        (small_rig.fixture / "calibration.nc", "CALIBRATION", {"registration": "REGISTRATION"}),
+    ):
+        with h5netcdf.File(path) as file:
+            check_group(file, page, name)
+            for group, listed in groups.items():
+                check_group(file.groups[group], page, listed)
 
 
 def test_a_departure_from_the_model_is_stored_as_the_page_describes(page):

@@ -1,10 +1,12 @@
 """Random pin joints, sound and absurd."""
 
 import math
+import tomllib
 from dataclasses import replace
 
+from erlif.io.settings import DesignSettings
 from erlif.joint.sizing import Joint, Lock, Material, assess_joint, read_materials
-from erlif.joint.sizing.design import example_joint
+from erlif.joint.sizing.design import design, example_joint, example_joint_file
 
 TABLE = list(read_materials().values())
 
@@ -31,6 +33,20 @@ def altered(joint=None, /, **changes):
 def assessed(joint=None, /, **changes):
     """All steps of such a joint."""
     return assess_joint(altered(joint, **changes))
+
+
+def designed(*changes):
+    """Design of the example file with pieces of its text replaced."""
+    text = example_joint_file()
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new, 1)
+    return design(DesignSettings.model_validate(tomllib.loads(text)))
+
+
+def designed_without_motion():
+    text = example_joint_file()
+    return designed((text[text.index("[motion]") : text.index("[life]")], ""))
 
 
 def random_material(rng):

@@ -36,7 +36,6 @@ def test_a_film_without_values_or_theory_is_shown(film):
     assert "<img" not in describe_in_html(bare)
     assert "minimum film" in describe_in_text(bare.isel(trigger=0))
 
-
-def test_a_film_without_settings_has_the_name_of_its_title(film):
+    # the name is that of the title where there are no settings
     del film.attrs["settings"]
     assert "oil-film thickness, example" in describe_in_text(film)

@@ -5,7 +5,6 @@ import numpy.testing as npt
 import pytest
 
 import erlif
-from erlif.core.errors import ErlifError
 from erlif.review.comparison import control_chart
 from erlif.show.plots import (
     comparison_figure,
@@ -56,9 +55,5 @@ def test_a_chart_marks_what_is_beyond_its_limits():
     assert points.lines[0].axes is marked.axes
 
 
-def test_what_is_not_in_the_comparison_is_refused(found):
-    with pytest.raises(ErlifError, match="control chart of the patch"):
-        control_chart_of(found, "patch")
-    with pytest.raises(ErlifError, match="speed and load"):
-        film_against_duty(found.drop_vars("duty"))
+def test_without_a_duty_parameter_the_figure_has_one_panel(found):
     assert len(comparison_figure(found.drop_vars("duty")).axes) == 1

@@ -24,10 +24,7 @@ def test_band_image_shows_the_light_of_its_camera(images, film):
     for camera, band in ((1, "580 nm"), (2, "610 nm")):
         image = plots.band_images(images, film, camera=camera)
         npt.assert_array_equal(image.get_array(), images.light.values[camera - 1])
-        ax = image.axes
-        assert ax.get_title() == f"camera {camera}, {band}"
-        assert [bar.get_ylabel() for bar in ax.child_axes] == ["corrected light [DN]"]
-        assert (ax.get_xlabel(), ax.get_ylabel()) == ("x (sliding) [mm]", "y (axial) [mm]")
+        assert image.axes.get_title() == f"camera {camera}, {band}"
     bright = images.copy(deep=True)
     bright.light.values[0, 30, 30] = 1e6
     bright.flags.values[30, 30] = Flag.SATURATED
@@ -42,20 +39,14 @@ def test_ratio_is_drawn_where_no_flag_is_set(images, film):
     expected = scene.true_ratio(scene.true_film()[TRIGGER])
     valid = images.flags.values == 0
     npt.assert_allclose(drawn[valid], expected[valid], rtol=2e-3)
-    (bar,) = image.axes.child_axes
-    assert bar.get_ylabel() == "ratio 610 nm / 580 nm [1]\ngrey: flagged"
     blind = images.copy(deep=True)
     blind.flags.values[:] = Flag.POOR_REGISTRATION
     assert np.ma.count(plots.ratio_image(blind, film).get_array()) == 0
 
 
 def test_figure_names_trigger_and_frame(images, film):
-    figure = plots.band_images_figure(images, film, trigger=TRIGGER)
-    assert "; trigger 3, " in figure.get_suptitle()
-    assert figure.get_suptitle().endswith(", frame pair 3")
-    left, right = figure.axes
-    assert [left.get_title(loc="left"), right.get_title(loc="left")] == ["(a)", "(b)"]
-    assert (left.get_ylabel(), right.get_ylabel()) == ("y (axial) [mm]", "")
-    both = images.assign_attrs(frames=[3, 9])
-    figure = plots.band_images_figure(both, film, trigger=TRIGGER)
-    assert figure.get_suptitle().endswith(", mean of 2 frame pairs")
+    for frames, words in (([3], "frame pair 3"), ([3, 9], "mean of 2 frame pairs")):
+        named = images.assign_attrs(frames=frames)
+        title = plots.band_images_figure(named, film, trigger=TRIGGER).get_suptitle()
+        assert "; trigger 3, " in title
+        assert title.endswith(f", {words}")

@@ -30,15 +30,11 @@ def test_speed_over_the_cycle_is_that_of_the_law_of_cosines(film):
     (second,) = ax.child_axes
     ax.get_figure().draw_without_rendering()
     npt.assert_allclose(second.get_ylim(), np.array(ax.get_ylim()) * 33.36, rtol=1e-12)
-    labels = (ax.get_ylabel(), second.get_ylabel())
-    assert labels == ("joint speed [rad/s]", "sliding speed [mm/s]")
     crank, speed = curve.get_data()
     interpolated = np.interp(scene.CRANK, crank, speed)
     npt.assert_allclose(interpolated, scene.rocker_speed(scene.CRANK), atol=1e-3)
     drawn = np.sort(np.concatenate([outward.get_xdata(), back.get_xdata()]))
     npt.assert_array_equal(drawn, np.sort(scene.CRANK))
-    assert curve.axes.get_xlabel() == "crank angle [°]"
-    assert curve.axes.get_xlim() == (0, 360)
 
 
 def test_reading_of_an_encoder_on_the_crank_is_the_crank_angle(film, with_settings):
@@ -74,13 +70,6 @@ def test_film_over_the_cycle_fills_its_axes_unless_it_comes_close_to_contact(fil
         assert bottom <= drawn[0]
         assert drawn[1] < top
         assert drawn[1] - max(drawn[0], 0.0) > 0.5 * (top - bottom)
-
-
-def test_film_over_the_cycle_without_a_value_states_why(film):
-    empty = scene.without_valid_pixels(film)
-    nothing = 0 * empty.film_min + np.nan
-    ax = plots.film_over_cycle(empty.assign(film_mean=nothing, film_min=nothing))[0].axes
-    assert "100 % above range" in ax.texts[0].get_text()
 
 
 @pytest.mark.parametrize(

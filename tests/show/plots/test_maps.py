@@ -7,7 +7,6 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes import film as scene
-from scenes.pictures import labels_of
 
 from erlif.show import plots
 from erlif.show.plots.maps import common_limits, pixel_edges
@@ -20,18 +19,6 @@ def test_colour_scale_leaves_half_a_per_cent_beyond_either_end(film):
     assert 0.001 < (values < low).mean() < 0.01
     assert 0.001 < (values > high).mean() < 0.01
     assert plots.thickness_map(film, trigger=0).get_clim() == (low, high)
-
-
-def test_region_of_interest_is_outlined_at_its_place(film):
-    ax = plots.thickness_map(film, trigger=2).axes
-    for line in ax.lines:
-        x, y = line.get_data()
-        assert (min(x), max(x), min(y), max(y)) == (3, 13, 1, 11)
-        assert (x[0], y[0]) == (x[-1], y[-1])
-    assert "region of interest" in labels_of(ax)
-    bare = plots.thickness_map(film, trigger=2, region=False).axes
-    assert len(bare.lines) == 0
-    assert "region of interest" not in labels_of(bare)
 
 
 def test_profile_is_drawn_with_its_error_bars(film):
@@ -76,6 +63,9 @@ def test_map_without_valid_pixels_states_why(film):
     assert ax.texts[0].get_text() == "no valid pixel\n100 % above range"
     profile = plots.sliding_profile(empty, trigger=0)[0].axes
     assert profile.texts[0].get_text() == "no valid pixel in the region of interest"
+    nothing = 0 * empty.film_min + np.nan
+    empty = empty.assign(film_mean=nothing, film_min=nothing)
+    assert "100 % above range" in plots.film_over_cycle(empty)[0].axes.texts[0].get_text()
     maps = [ax for ax in plots.map_sheet_figure(empty).axes if ax.images]
     assert {ax.texts[0].get_text() for ax in maps} == {"no valid\npixel"}
 

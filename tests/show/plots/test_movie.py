@@ -48,13 +48,8 @@ def test_gif_has_a_frame_for_each_trigger_and_is_the_same_twice(film, tmp_path):
     assert seen[-1] == ("movie", 2, 2)
     with Image.open(one) as movie:
         assert (movie.n_frames, movie.width, movie.info["duration"]) == (2, 960, 200)
-    for name, speed, message in (
-        ("a.gif", 10, "--overwrite"),
-        ("a.avi", 10, ".gif or .mp4"),
-        ("c.gif", 0, "0.1 to 60"),
-    ):
-        with pytest.raises(OutputError, match=message):
-            plots.cycle_movie(film, tmp_path / name, frames_per_second=speed)
+    with pytest.raises(OutputError, match="--overwrite"):
+        plots.cycle_movie(film, tmp_path / "a.gif")
 
 
 def test_mp4_is_what_ffmpeg_gives(film, tmp_path, monkeypatch):

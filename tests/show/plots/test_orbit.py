@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.testing as npt
-import pytest
 from matplotlib.patches import Ellipse
 from scenes import film as scene
 
-from erlif.core.errors import ConfigError
 from erlif.show import plots
-from erlif.show.plots.orbit import has_position
 
 RADII = 2.4477  # std: 95 % of a normal distribution in two dimensions (chi-square table, 5.991)
 
@@ -51,12 +48,3 @@ def test_ellipse_of_correlated_errors_is_turned(film):
     *_, last = plots.pin_orbit(changed)
     npt.assert_allclose(last.angle % 180, 45)
     npt.assert_allclose([last.width, last.height], 2 * RADII * np.sqrt([1.6, 0.4]), rtol=1e-4)
-
-
-def test_film_without_positions_is_refused(film):
-    empty = scene.without_valid_pixels(film)
-    for without in (film.drop_vars("pin_displacement"), empty, film.isel(trigger=[0])):
-        assert not has_position(without)
-        for draw in (plots.pin_orbit, plots.closest_film, plots.gap_curvature):
-            with pytest.raises(ConfigError, match=r"\[joint\]"):
-                draw(without)

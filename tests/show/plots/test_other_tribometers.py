@@ -2,14 +2,11 @@
 
 import numpy as np
 import numpy.testing as npt
-import pytest
 from scenes.motion import DISC, THEORY, film_of, slider_film, static_film
 
-from erlif.core.errors import ConfigError
 from erlif.io.files import motion_of
 from erlif.show import plots
-from erlif.show.plots.files import DRAWN, FigureSource, reason_missing
-from erlif.show.report.captions import caption_of
+from erlif.show.plots.files import FigureSource, reason_missing
 from erlif.show.report.tables import results_table, trigger_section
 
 SHARES = np.full(6, 0.9)
@@ -40,10 +37,6 @@ def test_cycle_of_a_slider_turns_back_at_its_ends():
 
 def test_film_at_rest_is_drawn_against_the_trigger_alone():
     assert labels(plots.cycle_figure(static_film())) == [("trigger", "film thickness [µm]")]
-    with pytest.raises(ConfigError, match="with a speed"):
-        plots.speed_against_angle(static_film())
-    with pytest.raises(ConfigError, match="no linkage"):
-        plots.kinematics.linkage_cycle(static_film())
 
     # there is no sliding direction and no rigid gap; triggers are named by number or time
     figure = plots.thickness_figure(static_film(), trigger=0)
@@ -77,16 +70,6 @@ def test_figures_that_would_be_empty_are_left_out_with_the_reason(tmp_path):
         assert found[2:] == [None, None]
         for reason, words in zip(found, (speed, trend), strict=False):
             assert reason is None if words is None else words in reason
-
-
-def test_captions_describe_the_panels_that_there_are():
-    for name in DRAWN:
-        assert "(b) speed" not in caption_of(name, static_film()).text
-        assert "linkage" not in caption_of(name, slider_film()).text
-    assert caption_of("film_over_cycle", static_film()).title == "Film thickness over the run"
-    assert "(c)" not in caption_of("thickness_map", static_film()).text
-    assert "theory" not in caption_of("film_against_speed", slider_film()).text
-    assert "Dotted: the slider turns back" in caption_of("film_over_cycle", slider_film()).text
 
 
 def test_tables_have_the_columns_of_the_motion():

@@ -2,13 +2,10 @@
 
 import numpy as np
 import numpy.testing as npt
-import pytest
 
-from erlif.core.errors import ConfigError, ErlifError
 from erlif.show.plots import (
     example_film,
     example_frames,
-    film_and_prediction,
     film_over_run,
     predicted_map,
     prediction_figure,
@@ -17,11 +14,6 @@ from erlif.show.plots import (
 
 FILM = example_film()
 FRAMES = example_frames()
-
-
-def without(film):
-    names = [name for name in film if str(name).startswith(("film_predicted", "ecc", "attitude"))]
-    return film.drop_vars(names)
 
 
 def test_a_trigger_of_several_frames_lies_at_their_mean_turn():
@@ -68,16 +60,3 @@ def test_the_predicted_map_is_the_gap_of_circles():
     expected = 230 * (1 - float(FILM.eccentricity[4]) * np.cos(turned))
     found = predicted_map(FILM, trigger=4)
     npt.assert_allclose(found, np.broadcast_to(expected, found.shape), rtol=1e-5)
-
-
-def test_a_film_without_a_prediction_is_refused():
-    bare = without(FILM)
-    for draw in (
-        lambda: film_and_prediction(bare),
-        lambda: film_over_run(bare, FRAMES),
-        lambda: predicted_map(bare, trigger=0),
-    ):
-        with pytest.raises(ConfigError, match="prediction; this one has none"):
-            draw()
-    with pytest.raises(ErlifError, match="a trigger from 0 to 5"):
-        prediction_map_figure(FILM, trigger=6)

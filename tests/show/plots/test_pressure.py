@@ -1,10 +1,8 @@
 """Figures of a pressure: values, bands and loads are where the dataset has them."""
 
-import numpy as np
 import numpy.testing as npt
 import pytest
 
-from erlif.core.errors import ConfigError, ErlifError
 from erlif.show import plots
 from erlif.show.plots.pressure import best_trigger
 
@@ -52,10 +50,3 @@ def test_the_figure_shows_the_trigger_that_is_known_best(found):
     assert best_trigger(found) == 1
     assert plots.pressure_figure(found).axes[0].get_title() == "trigger 1"
     assert plots.pressure_figure(found, trigger=2).axes[0].get_title() == "trigger 2"
-
-
-def test_a_pressure_that_is_not_known_is_not_drawn(found):
-    with pytest.raises(ConfigError, match=r"known at no trigger\. made by formula"):
-        plots.pressure_figure(found.assign(peak_pressure=np.nan * found.peak_pressure))
-    with pytest.raises(ErlifError, match="Expected a trigger from 0 to 2"):
-        plots.pressure_map(found, trigger=3)

@@ -31,8 +31,6 @@ def test_displacement_is_drawn_less_its_mean(registration):
         image = plots.displacement_map(registration, component=component)
         npt.assert_allclose(image.get_array(), np.broadcast_to(slope, (64, 80)), atol=1e-6)
         assert image.axes.get_title() == f"mean Δ{component} = {sign} px"
-        (bar,) = image.axes.child_axes
-        assert bar.get_ylabel() == f"Δ{component} less its mean [px]"
 
 
 def test_edge_of_the_overlap_is_outlined(registration):
@@ -57,8 +55,6 @@ def test_drift_is_drawn_by_frame_with_its_rms(frames):
     npt.assert_array_equal(along_y.get_ydata(), 0)
     assert along_x.get_label() == "along x, rms 0.25 px"
     assert along_y.get_label() == "along y, rms 0.00 px"
-    assert along_x.axes.get_ylabel() == "drift of camera 2 [px]"
-    assert along_x.axes.get_xlabel() == "number of the frame pair [1]"
 
     # a frame without a drift is a gap
     frames.drift_x.values[2] = np.nan

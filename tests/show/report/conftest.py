@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import base64
+import csv
+import io
 from html.parser import HTMLParser
 
 import pytest
@@ -11,6 +14,7 @@ from erlif.io.files import open_film
 from erlif.show.report import page as pages
 from erlif.show.report import write_report
 
+CSV = "data:text/csv;charset=utf-8;base64,"
 VOID = {"meta", "img", "input", "br"}
 DRAWN_FEW = ("speed_against_angle", "fixture_profile", "thickness_map")
 
@@ -43,6 +47,12 @@ class Page(HTMLParser):
     def all(self, tag):
         """Attributes of all elements of a kind."""
         return [attrs for name, attrs in self.elements if name == tag]
+
+    def saved(self):
+        """Name and rows of the table behind the link of the page."""
+        (link,) = [attrs for attrs in self.all("a") if attrs["href"].startswith(CSV)]
+        text = base64.b64decode(link["href"].removeprefix(CSV)).decode("utf-8")
+        return link["download"], list(csv.DictReader(io.StringIO(text)))
 
 
 @pytest.fixture(scope="package")

@@ -24,9 +24,6 @@ def test_the_page_is_well_formed_and_loads_nothing(text, read_page):
     names = [attrs["id"] for attrs in page.all("figure")]
     assert names == [f"figure-{n}" for n in ("pair", "difference", "counts", "light", "steps")]
 
-
-def test_findings_and_pairs_are_tables(text, read_page):
-    page = read_page(text)
     assert "0 errors, 0 warnings." in page.texts["findings"]
     assert "correlation of the textures" in page.texts["findings"]
     assert "frame_0005.tif" in page.texts["pairs"]

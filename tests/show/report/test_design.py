@@ -1,19 +1,10 @@
 """A design in sentences and tables."""
 
-import tomllib
+from scenes.joints import designed, designed_without_motion
 
-from erlif.io.settings import DesignSettings
 from erlif.joint.sizing import read_materials
-from erlif.joint.sizing.design import design, example_design, example_joint_file
+from erlif.joint.sizing.design import example_design
 from erlif.show.report import list_materials, summarise_design
-
-
-def changed(*changes):
-    text = example_joint_file()
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new, 1)
-    return design(DesignSettings.model_validate(tomllib.loads(text)))
 
 
 def test_a_sound_design_names_its_weakest_margin():
@@ -40,13 +31,10 @@ def test_what_is_wrong_or_not_known_is_named():
         ((('# diameter = "200 mm"', 'diameter = "20 mm"'),), ["no section left"]),
         ((("CuAl10Ni5Fe4", "CuNi15Sn8 hardened"),), ["CuNi15Sn8 hardened: all other values"]),
     ):
-        text = summarise_design(changed(*changes))
+        text = summarise_design(designed(*changes))
         assert all(word in text for word in words)
         assert "inf " not in text
         assert "-0 um" not in text
-    text = example_joint_file()
-    still = text[: text.index("[motion]")] + text[text.index("[life]") :]
-    found = summarise_design(design(DesignSettings.model_validate(tomllib.loads(still))))
-    assert "give [motion] half_swing and period" in found
+    assert "give [motion] half_swing and period" in summarise_design(designed_without_motion())
     lines = list_materials(read_materials()).splitlines()
     assert len(lines) == len(read_materials()) + 1

@@ -1,22 +1,15 @@
 """The page of a design: complete, without other files, and the same for the same joint."""
 
 import base64
-import csv
-import io
 import re
 import tomllib
 
 import pytest
+from scenes.joints import designed
 
 from erlif.io.settings import DesignSettings
-from erlif.joint.sizing.design import design, example_design, example_joint_file
+from erlif.joint.sizing.design import design, example_design
 from erlif.show.report import design_page, make_design_page
-
-
-def unsound():
-    text = example_joint_file().replace('# diameter = "80 mm"', 'diameter = "20 mm"')
-    text = text.replace('"boom of a loader"', '"<b>boom</b> & arm"')
-    return design(DesignSettings.model_validate(tomllib.loads(text)))
 
 
 @pytest.fixture(scope="module")
@@ -24,18 +17,14 @@ def page():
     return make_design_page(example_design())
 
 
-def saved(page, kind):
-    """Content of the file behind a link."""
-    found = re.search(rf'href="data:{kind}[^"]*;base64,([^"]*)"', page)
-    return base64.b64decode(found[1]).decode()
-
-
 @pytest.fixture(scope="module")
 def unsound_page():
     """Without its figures, which take a second."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(design_page, "_figures", lambda design: [])
-        return make_design_page(unsound())
+        thin = ('# diameter = "80 mm"', 'diameter = "20 mm"')
+        named = ('"boom of a loader"', '"<b>boom</b> & arm"')
+        return make_design_page(designed(thin, named))
 
 
 def test_tags_are_closed_and_nothing_is_loaded(page, unsound_page, read_page):
@@ -51,14 +40,16 @@ def test_all_steps_have_a_row_and_a_reason(page):
         assert step.missing or f'id="step-{step.key}"' in page
 
 
-def test_the_saved_table_has_the_steps_with_their_margins(page):
-    rows = list(csv.DictReader(io.StringIO(saved(page, "text/csv"))))
+def test_the_saved_table_has_the_steps_with_their_margins(page, read_page):
+    _, rows = read_page(page).saved()
     steps = example_design().assessment.steps
     assert [row["step"] for row in rows] == [step.key for step in steps]
     assert float(rows[0]["margin"]) == pytest.approx(steps[0].margin, rel=1e-8)
 
     # the saved joint can be designed again
-    again = design(DesignSettings.model_validate(tomllib.loads(saved(page, "application/toml"))))
+    (content,) = re.findall(r'href="data:application/toml[^"]*;base64,([^"]*)"', page)
+    joint = tomllib.loads(base64.b64decode(content).decode())
+    again = design(DesignSettings.model_validate(joint))
     assert again.assessment.weakest.key == example_design().assessment.weakest.key
 
 

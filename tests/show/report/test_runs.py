@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import csv
-import io
 import json
 import re
 
@@ -46,15 +43,8 @@ def runs(source, read_page):
     return read_page(source)
 
 
-def rows_of(page):
-    """The saved table."""
-    (link,) = [attrs for attrs in page.all("a") if "download" in attrs]
-    text = base64.b64decode(link["href"].partition(",")[2]).decode("utf-8")
-    return list(csv.DictReader(io.StringIO(text)))
-
-
 def test_table_has_the_numbers_of_the_films(runs, film):
-    one, two = rows_of(runs)
+    _, (one, two) = runs.saved()
     npt.assert_allclose(float(one["film_min [um]"]), film.film_min.min(), rtol=1e-8)
     npt.assert_allclose(float(two["film_min [um]"]), film.film_min.min() + 0.5, rtol=1e-8)
     assert float(one["highest load [N]"]) == pytest.approx(scene.LOAD, rel=1e-6)
@@ -95,7 +85,7 @@ def test_what_is_left_out_has_a_reason(film_path, second_path, tmp_path, monkeyp
         page = read_page(path.read_text(encoding="utf-8"))
         assert words in page.texts["compared"]
         assert "Maps of the last 2 of 2 runs are left out" in page.texts["maps"]
-        assert len(rows_of(page)) == 2
+        assert len(page.saved()[1]) == 2
 
 
 def test_bad_input_is_refused_and_nothing_is_written(film_path, tmp_path):

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import csv
-import io
 import re
 
 import numpy as np
@@ -147,21 +144,12 @@ def test_theory_has_three_significant_digits(changed, read_page):
     assert found == ["0.0457", "7.65", "123"]
     assert rows[0][head.index("at column, row [px]")] == "68, 13"
     changed.film_min.values[2] = np.nan
-    _, rows = saved(read_page(trigger_section(changed, np.ones(6))))
+    _, rows = read_page(trigger_section(changed, np.ones(6))).saved()
     assert rows[2]["film_min [um]"] == "NaN"
 
 
-def saved(page):
-    """Name and rows of the file of a page."""
-    (link,) = [attrs for attrs in page.all("a") if "download" in attrs]
-    head, _, content = link["href"].partition(",")
-    assert head == "data:text/csv;charset=utf-8;base64"
-    text = base64.b64decode(content).decode("utf-8")
-    return link["download"], list(csv.DictReader(io.StringIO(text)))
-
-
 def test_file_of_the_page_has_the_numbers_of_the_film(page, film):
-    name, rows = saved(page)
+    name, rows = page.saved()
     assert name == "a_film_known_small_triggers.csv"
     assert [int(row["trigger"]) for row in rows] == list(range(scene.TRIGGERS))
     found = [float(row["crank_angle [degree]"]) for row in rows]
@@ -180,7 +168,7 @@ def test_file_and_table_of_many_triggers_are_thinned_and_say_so(changed, read_pa
     )
     many = many.assign_coords(trigger=np.arange(2000)).assign_attrs(changed.attrs)
     page = read_page(trigger_section(many, np.ones(2000), most=20_000))
-    _, rows = saved(page)
+    _, rows = page.saved()
     numbers = [int(row["trigger"]) for row in rows]
     step = numbers[1]
     assert numbers == list(range(0, 2000, step))
