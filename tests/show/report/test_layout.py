@@ -2,15 +2,12 @@
 
 from markupsafe import Markup
 
-from erlif.show.plots.style import new_figure
-from erlif.show.report.captions import Caption
 from erlif.show.report.layout import (
     PageFigure,
     Table,
     arrange_figures,
     compose_page,
     download_link,
-    embed_figure,
     file_name,
     read_resource,
     render,
@@ -31,19 +28,6 @@ def test_names_are_escaped_and_sections_are_linked(read_page):
     assert page.texts["two"] == "Second\n<b>\n"
     assert [link["href"] for link in page.all("a")] == ["#one", "#two"]
     assert read_resource("page.css") in text
-
-
-def test_a_figure_is_part_of_the_page(read_page):
-    figure = new_figure()
-    figure.add_subplot()
-    embedded = embed_figure("empty", figure, Caption("Title", "<text>"))
-    assert not embedded.wide
-    assert arrange_figures([]) == ""
-    page = read_page(arrange_figures([embedded]))
-    assert page.texts["figcaption"] == "Title. <text>"
-    (image,) = page.all("img")
-    assert image["src"].startswith("data:image/svg+xml;base64,")
-    assert image["alt"] == "Title. <text>"
 
 
 def test_no_row_of_figures_is_half_empty(read_page):
