@@ -12,6 +12,7 @@ from erlif.review.audit.counts import (
     find_bit_faults,
     note_bad_pixels,
     note_bits,
+    note_copies,
     note_counts,
     note_light,
     survey_counts,
@@ -65,6 +66,12 @@ def test_the_share_of_bad_pixels_is_stated(bad, level):
     assert (one.level, two.level) == ("note", level)
     assert one.text.startswith("camera1: 0.00% of the pixels are hot, noisy or dead")
     assert two.text.startswith(f"camera2: {bad / 96:.2f}% of the pixels")
+
+
+def test_one_image_for_all_frames_of_a_camera_is_an_error_that_names_it():
+    (note,) = note_copies(survey(*(frame(n, digest=(f"one {n}", "two")) for n in range(3))))
+    assert note.level == "error"
+    assert "all 3 frames of camera2 that were read" in note.text
 
 
 def test_a_missed_pulse_and_a_blurred_frame_are_named():

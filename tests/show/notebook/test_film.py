@@ -3,6 +3,7 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
+import xarray as xr
 
 import erlif
 from erlif.core.errors import ErlifError
@@ -60,3 +61,9 @@ def test_a_map_is_drawn_with_y_downwards_in_the_axes_given(example):
 def test_what_is_not_there_is_named_with_the_next_step(example, call, message):
     with pytest.raises(ErlifError, match=message):
         call(example)
+
+
+def test_any_dataset_can_be_shown():
+    other = xr.Dataset({"counts": ("x", [1, 2])})
+    assert "holds counts" in repr(other.erlif)
+    assert "erlif.open_film" in other.erlif._repr_html_()
