@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.registration import Blobs, inverse, map_views, translation
+from scenes.registration import Blobs, map_views, translation
 
 from erlif.core.errors import RegistrationError
 from erlif.registration import MapKind
@@ -17,39 +17,25 @@ from erlif.registration.surface import equations, solve_surface
 SHAPE = (128, 160)
 
 
-def even(value, shape=SHAPE):
-    return np.full(shape, value, np.float32)
+def even(value):
+    return np.full(SHAPE, value, np.float32)
 
 
-def solution(dx=0.0, dy=0.0, std=0.01, kind=MapKind.LOCAL):
-    return Solution(even(dx), even(dy), even(std), kind, "32 px")
-
-
-def views_of(field, *, noise=5.0):
-    """One pair of an analytic texture; camera 2 is displaced by a small field."""
-    blobs = Blobs(SHAPE, 1.5, np.random.default_rng(2))
-    rng = np.random.default_rng(3)
-    y, x = np.indices(SHAPE, dtype=float)
-    frames = [
-        1000 * (1 + 0.15 * blobs(*place)) + rng.normal(0, noise, SHAPE)
-        for place in ((x, y), inverse(field, x, y))
-    ]
-    return map_views([(*frames, None, None)])
-
-
-def fitted(views, surface, model):
-    """Cells on the surface that fits the frames, and that surface."""
-    for _ in range(2):
-        seen = views.look(surface)
-        cells = views.cells(seen.sums, seen.surface, 1.0)
-        surface = solve_surface(equations(cells, model.elements), basis=model.basis)
-    return moved_to(cells, surface), surface
+def solution(kind=MapKind.LOCAL):
+    return Solution(even(0), even(0), even(0.01), kind, "32 px")
 
 
 @pytest.fixture(scope="module")
 def still():
-    """Cameras that differ by a translation of (0.4, -0.3) px."""
-    return views_of(lambda x, y: (0 * x + 0.4, 0 * x - 0.3))
+    """One pair of an analytic texture; camera 2 is translated by (0.4, -0.3) px."""
+    blobs = Blobs(SHAPE, 1.5, np.random.default_rng(2))
+    rng = np.random.default_rng(3)
+    y, x = np.indices(SHAPE, dtype=float)
+    frames = [
+        1000 * (1 + 0.15 * blobs(*place)) + rng.normal(0, 5.0, SHAPE)
+        for place in ((x, y), (x - 0.4, y + 0.3))
+    ]
+    return map_views([(*frames, None, None)])
 
 
 # overlap ----------------------------------------------------------------------------------------
@@ -88,7 +74,13 @@ def test_the_displacement_is_given_eight_pixels_beyond_camera_2(axis, sign):
 
 @pytest.fixture(scope="module")
 def cells(still):
-    return fitted(still, translation(0.4, -0.3), Model((1, 1), 1))[0]
+    """Cells on the plane that fits the frames."""
+    surface, model = translation(0.4, -0.3), Model((1, 1), 1)
+    for _ in range(2):
+        seen = still.look(surface)
+        cells = still.cells(seen.sums, seen.surface, 1.0)
+        surface = solve_surface(equations(cells, model.elements), basis=model.basis)
+    return moved_to(cells, surface)
 
 
 def test_pixels_above_a_quarter_pixel_are_poor(still, cells):
