@@ -214,3 +214,8 @@ def test_a_file_that_took_the_name_of_an_open_one_is_opened_anew(tmp_path):
     other.replace(path)
     with borrow_frames(path) as file:
         assert file.read(1).min() == 1
+
+
+def test_a_file_that_is_gone_when_it_is_borrowed_is_a_fault(tmp_path):
+    with pytest.raises(FrameError, match="No such file"), borrow_frames(tmp_path / "a.tif"):
+        pass
