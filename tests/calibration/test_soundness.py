@@ -78,10 +78,13 @@ def swell(file):
     ("change", "words"),
     [
         (put("ratio_at_zero", np.nan), "ratio_at_zero is nan, not a positive number"),
+        (put("ratio_at_zero", -0.6), "ratio_at_zero is -0.6, not a positive number"),
         (put("ratio_at_zero", 1e9), "ratio_at_zero is 1e+09, outside"),
+        (put("attenuation_camera1", np.inf), "attenuation_camera1 is inf"),
         (put("attenuation_camera2", 0.0), "attenuation_camera2 is 0, not a positive number"),
         (exchange_p_and_q, "the two look exchanged"),
         (attribute("units", "mm-1", "attenuation_camera1"), "is in mm-1, not in um-1"),
+        (attribute("units", "mm", "thickness_range"), "thickness_range is in mm, not in um"),
         (put("covariance", np.nan), "covariance has values that are not finite"),
         (put("covariance", -1e-6, (1, 1)), "covariance has a variance of -1e-06"),
         (mirror_one_element, "covariance is not symmetric"),
@@ -98,6 +101,7 @@ def swell(file):
         (lambda file: file.attrs.__delitem__("fixture"), "fixture"),
         (lambda file: file.__delitem__("covariance"), "covariance"),
         (lambda file: file.__delitem__("curve_ratio"), "'curve_ratio' is missing"),
+        (lambda file: file.__delitem__("curve_residual"), "'curve_residual' is missing"),
     ],
 )
 def test_a_number_that_no_fit_gives_is_named(saved, tmp_path, change, words):

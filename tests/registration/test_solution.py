@@ -5,37 +5,64 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.registration import Blobs, map_views, translation
+from scenes.registration import Blobs, inverse, map_views, translation
 
 from erlif.core.errors import RegistrationError
 from erlif.registration import MapKind
 from erlif.registration.matching import BX, GXX
 from erlif.registration.selection import Model, moved_to
-from erlif.registration.solution import Solution, find_overlap, finish_map
+from erlif.registration.solution import (
+    Solution,
+    describe_surface,
+    find_overlap,
+    finish_map,
+    fits_better,
+    solve_local,
+)
 from erlif.registration.surface import equations, solve_surface
+from erlif.registration.views import expected_rms
 
 SHAPE = (128, 160)
 
 
-def even(value):
-    return np.full(SHAPE, value, np.float32)
+def even(value, shape=SHAPE):
+    return np.full(shape, value, np.float32)
 
 
-def solution(kind=MapKind.LOCAL):
-    return Solution(even(0), even(0), even(0.01), kind, "32 px")
+def solution(dx=0.0, dy=0.0, std=0.01, kind=MapKind.LOCAL):
+    return Solution(even(dx), even(dy), even(std), kind, "32 px")
 
 
-@pytest.fixture(scope="module")
-def still():
-    """One pair of an analytic texture; camera 2 is translated by (0.4, -0.3) px."""
+def ripple(amplitude, wavelength):
+    """A displacement along x that varies along y."""
+    return lambda x, y: (amplitude * np.sin(2 * np.pi * y / wavelength), 0 * x)
+
+
+def views_of(field, *, noise=5.0):
+    """One pair of an analytic texture; camera 2 is displaced by a small field."""
     blobs = Blobs(SHAPE, 1.5, np.random.default_rng(2))
     rng = np.random.default_rng(3)
     y, x = np.indices(SHAPE, dtype=float)
     frames = [
-        1000 * (1 + 0.15 * blobs(*place)) + rng.normal(0, 5.0, SHAPE)
-        for place in ((x, y), (x - 0.4, y + 0.3))
+        1000 * (1 + 0.15 * blobs(*place)) + rng.normal(0, noise, SHAPE)
+        for place in ((x, y), inverse(field, x, y))
     ]
     return map_views([(*frames, None, None)])
+
+
+def fitted(views, surface, model):
+    """Cells on the surface that fits the frames, and that surface."""
+    for _ in range(2):
+        seen = views.look(surface)
+        cells = views.cells(seen.sums, seen.surface, 1.0)
+        surface = solve_surface(equations(cells, model.elements), basis=model.basis)
+    return moved_to(cells, surface), surface
+
+
+@pytest.fixture(scope="module")
+def still():
+    """Cameras that differ by a translation of (0.4, -0.3) px."""
+    return views_of(lambda x, y: (0 * x + 0.4, 0 * x - 0.3))
 
 
 # overlap ----------------------------------------------------------------------------------------
@@ -69,18 +96,45 @@ def test_the_displacement_is_given_eight_pixels_beyond_camera_2(axis, sign):
     assert not overlap[unknown].any()
 
 
+# the surface on every pixel ---------------------------------------------------------------------
+
+
+def test_a_plane_is_known_best_in_the_middle(still):
+    """The variance of a plane grows as 1 + 12 (r/L)^2, by 7 to the corner; std by about 2.6."""
+    model = Model((1, 1), 1)
+    cells, surface = fitted(still, translation(), model)
+    std = describe_surface(cells, surface, model, SHAPE).std
+    row, column = np.unravel_index(np.argmin(std), SHAPE)
+    assert abs(row - 63.5) < 40
+    assert abs(column - 79.5) < 50
+    corners = std[[0, 0, -1, -1], [0, -1, 0, -1]]
+    assert 1.5 < corners.mean() / std.min() < 4
+    assert 1e-4 < std.min() < 0.02
+
+
+# windows ----------------------------------------------------------------------------------------
+
+
+def test_windows_follow_a_ripple_that_a_plane_misses():
+    views = views_of(ripple(0.5, 64.0))
+    surface = translation()
+    scale = expected_rms(views.look(surface).sums)
+    windows = solve_local(views, surface, 1.0, 10 * scale)
+    y, x = np.indices(SHAPE, dtype=float)
+    inner = (slice(16, -16), slice(16, -16))
+    error = (windows.dx - ripple(0.5, 64.0)(x, y)[0])[inner]
+    assert np.sqrt(np.mean(error**2)) < 0.12  # the ripple has 0.35
+    plane = replace(windows, dx=even(0), dy=even(0))
+    assert fits_better(views, windows, plane)
+    assert not fits_better(views, plane, windows)
+
+
 # the map ----------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
 def cells(still):
-    """Cells on the plane that fits the frames."""
-    surface, model = translation(0.4, -0.3), Model((1, 1), 1)
-    for _ in range(2):
-        seen = still.look(surface)
-        cells = still.cells(seen.sums, seen.surface, 1.0)
-        surface = solve_surface(equations(cells, model.elements), basis=model.basis)
-    return moved_to(cells, surface)
+    return fitted(still, translation(0.4, -0.3), Model((1, 1), 1))[0]
 
 
 def test_pixels_above_a_quarter_pixel_are_poor(still, cells):

@@ -5,7 +5,16 @@ import numpy.testing as npt
 import pytest
 from scipy import fft
 
-from erlif.registration.whitening import Filter, Spectra, make_filter, measure_spectra, slope_gain
+from erlif.registration.whitening import (
+    REACH,
+    Filter,
+    Spectra,
+    make_filter,
+    measure_spectra,
+    padded_size,
+    slope_gain,
+    whiten,
+)
 
 SIDE = 64
 TAPER = np.sin(np.pi * np.arange(1, SIDE + 1) / (SIDE + 1)) ** 2  # Hann, without its zeros
@@ -106,6 +115,29 @@ def test_few_blocks_and_unrelated_textures_give_no_filter():
     assert nothing.blocks == 0
     for one in (spectra(common, 3), spectra(common, power=0.0), unlike, nothing):
         assert make_filter(one) is None
+
+
+# the filter on images ---------------------------------------------------------------------------
+
+
+def test_weight_ends_where_the_filter_reaches_beyond_the_frame():
+    weight = ones()
+    weight[50, 60] = 0
+    _, kept = whiten(noise(), weight, np.ones((192, 129), np.float32))
+    inner = kept[REACH:-REACH, REACH:-REACH]
+    assert inner.sum() == inner.size - 1
+    assert kept.sum() == inner.sum()
+    assert weight.sum() == weight.size - 1
+
+
+def test_a_frame_of_an_awkward_size_is_padded_for_the_transform():
+    size = padded_size((197, 263))
+    assert size == (200, 270)  # of factors 2, 3 and 5
+    open_filter = Filter(np.ones(33), 1 / 64).on_grid(size)
+    texture = noise((197, 263))
+    filtered, _ = whiten(texture, ones((197, 263)), open_filter)
+    assert filtered.shape == (197, 263)
+    npt.assert_allclose(np.corrcoef(filtered.ravel(), texture.ravel())[0, 1], 1, atol=1e-6)
 
 
 # the slope of the score -------------------------------------------------------------------------
