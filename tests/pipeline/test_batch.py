@@ -143,3 +143,8 @@ def test_a_directory_given_by_a_link_as_well_is_refused(series):
     (series / "first").symlink_to(series / "monday")
     with pytest.raises(ConfigError, match=r"first is given twice, also as .*monday"):
         batch([series / "monday", series / "first"])
+
+
+def test_no_run_is_refused():
+    with pytest.raises(ConfigError, match="got none"):
+        batch([])

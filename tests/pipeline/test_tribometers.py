@@ -155,3 +155,10 @@ def test_a_shaft_in_a_bushing_has_the_theory_of_its_joint():
     expected = 2.65e6 * radius * (alpha * modulus) ** 0.54 * by_speed * by_load
     found = predict_theory(settings, film)
     npt.assert_allclose(found.film_hamrock_dowson, expected, rtol=1e-6)
+
+
+def test_budget_of_a_film_without_a_speed_is_that_of_its_first_trigger(case):
+    if case.kind == "static":
+        table = erlif.budget(case.lab.run)
+        assert table.attrs["trigger"] == 0
+        assert float(table["std"].sel(term="total", quantity="mean film")) > 0

@@ -264,6 +264,17 @@ def test_a_difference_is_a_warning_beyond_error_and_share_of_the_film():
     assert note_difference(predicted, settings().prediction) == []
 
 
+def test_deflecting_surfaces_are_named_as_a_limit():
+    one = settings(sideways="12 N/mm", start_film="20 um")
+    elastic = steady()
+    elastic.film_theory.attrs["regime"] = "piezoviscous-elastic"
+    predicted = predict_run(plane(one), film(), frames()).triggers
+    attrs = choose_theory(one, elastic, predicted).film_theory.attrs
+    assert "takes the surfaces as rigid" in attrs["notes"]
+    assert "20 um at the first frame, as given" in attrs["notes"]
+    assert attrs["regime"].endswith("pin held sideways by 12 N/mm")
+
+
 def test_a_film_is_kept_whose_prediction_fails(lab):
     lab.edit("run/run.toml", ("[joint]", '[prediction]\nstart_film = "1 mm"\n[joint]'))
     film = erlif.process(lab.run)

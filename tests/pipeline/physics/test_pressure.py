@@ -196,6 +196,15 @@ def test_one_trigger_of_a_wrong_load_is_named_however_small_its_error():
     assert "viscosity" not in text  # it changes all triggers alike
 
 
+def test_the_mount_is_named_as_stated_or_as_assumed():
+    load, error = np.full(9, 400.0), np.full(9, 5.0)
+    assert "free sideways is assumed, as [prediction] states no mount" in state(load, error)
+    stated = state(load, error, mount='[prediction]\nsideways = "guided"\n')
+    assert "pin guided in [prediction]" in stated
+    stated = state(load, error, mount='[prediction]\nsideways = "free"\n')
+    assert "pin free sideways in [prediction]" in stated
+
+
 def test_the_errors_of_viscosity_and_clearance_are_named_or_missed(found):
     film, plain = make_film(), found
     assert "viscosity_std in [oil] and clearance_std in [joint]" in plain.attrs["given"]
@@ -253,6 +262,14 @@ def test_a_tilt_that_closes_the_gap_outside_the_image_is_stated():
     assert not result.pressure_measured.values.any()
     assert "closes within the error of its tilt" in result.attrs["statement"]
     assert result.attrs["balance"] == "No load to compare with."
+
+
+def test_cavities_in_a_part_of_a_turn_are_stated():
+    """A guided pin, whose film ruptures; the recording ends after half a stroke more than one."""
+    film = make_film(count=12, sideways="guided", elapsed=1.5, load=2000.0)
+    found = pressure_from_film(film.isel(trigger=slice(0, 7)))
+    assert not found.pressure_measured.values.any()
+    assert "does not cover a turn of the crank" in found.attrs["statement"]
 
 
 def test_triggers_without_a_position_have_no_pressure():
