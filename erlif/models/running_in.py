@@ -36,9 +36,6 @@ _LONGEST_STEP = 0.02
 _SHORTEST = 1e-9
 """First step, as a share of the whole sliding distance."""
 
-_DEEPEST = 1.0
-"""Depth of wear at which there is no wall left, over its thickness."""
-
 _FEWEST_CELLS = 8
 """Cells that carry load at the start at least, over half of the arc."""
 
@@ -215,7 +212,7 @@ def _wear(wall: _Wall, distances: Array, specific_wear: float) -> list[tuple[flo
                 step = trial / 2
                 continue
             place, pressure, depth = new_place, new_pressure, new_depth
-            if depth[0] > _DEEPEST * wall.thickness:
+            if depth[0] > wall.thickness:
                 raise ModelError(
                     f"sliding_distance must end before the wall is worn through: {depth[0]:.2g} m "
                     f"after {at + trial:.3g} m of {distances[-1]:.3g} m. Shorten it."
