@@ -51,10 +51,6 @@ class ModelError(ErlifError, ValueError):
     """An argument outside the range in which a model of the joint is defined."""
 
 
-class ArgumentError(ErlifError, TypeError):
-    """An argument that a function needs and was not given."""
-
-
 class UnitWarning(UserWarning):
     """An argument of a model that is probably given in another unit than the SI unit expected."""
 

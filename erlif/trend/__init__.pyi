@@ -7,6 +7,7 @@ from .form import SCALE_STD, SIGNIFICANT, Cause, GapForm, judge_form
 from .gap import GapMinimum
 from .position import (
     PARAMETERS,
+    FittedNumbers,
     PinPosition,
     PinView,
     find_pin_in_blocks,
@@ -37,6 +38,7 @@ __all__ = [
     "Exponent",
     "FilmCurve",
     "FilmStatistics",
+    "FittedNumbers",
     "GapForm",
     "GapMinimum",
     "Joint",

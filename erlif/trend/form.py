@@ -17,7 +17,7 @@ from enum import StrEnum
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.trend.position import PinPosition, PinView
+from erlif.trend.position import FittedNumbers, PinPosition, PinView
 
 SCALE_STD = 0.01
 """Accuracy of the film scale of the method, Hidrovo and Hart (2001). [1]"""
@@ -105,27 +105,27 @@ def judge_form(
     --------
     A curvature that is 5 % too large at 2 and at 6 um; the clearance is known to 10 um:
 
-    >>> from erlif.trend import PinPosition, PinView
+    >>> from erlif.trend import FittedNumbers, PinPosition, PinView
     >>> view = PinView(33.36e-3, 33.59e-3, 0.06, load_line=9.6, axial_origin=7.7)
-    >>> form, small = np.array([0.05 * view.curvature, 0.0]), 1e-6 * np.eye(2)
+    >>> small, none = 1e-6 * np.eye(2), np.zeros((2, 3))
+    >>> form = FittedNumbers(np.array([0.05 * view.curvature, 0.0]), small, small, none)
     >>> found = [
     ...     PinPosition(
     ...         value=np.array([view.clearance - film, 0.0, 0.0, 0.0]),
     ...         random_cov=np.eye(4), surface_cov=np.eye(4), gradient=np.zeros((4, 3)),
-    ...         form=form, form_random_cov=small, form_surface_cov=small,
-    ...         form_gradient=np.zeros((2, 3)),
+    ...         form=form,
     ...     )
     ...     for film in (2.0, 6.0)
     ... ]
     >>> str(judge_form(found, view, calibration_cov=np.eye(3), clearance_std=10.0).cause)
     'radii'
     """
-    found = [one for one in positions if np.isfinite(one.form).all()]
-    if not found:
+    known = [one for one in positions if np.isfinite(one.form.value).all()]
+    if not known:
         return None
-    film = view.clearance - np.array([one.value[0] for one in found])
-    excess, bend = np.array([one.form for one in found]).T
-    cov = [_covariance(found, number, calibration_cov) for number in (0, 1)]
+    film = view.clearance - np.array([one.value[0] for one in known])
+    excess, bend = np.array([one.form.value for one in known]).T
+    cov = [_covariance([one.form for one in known], number, calibration_cov) for number in (0, 1)]
 
     # weights by the variance of each trigger; what is common to all enters the variances alone
     rate = 1 / view.curvature
@@ -149,8 +149,8 @@ def judge_form(
     elif abs(change) > max(SIGNIFICANT * change_std, _DISTINCT * abs(mean)):
         cause = Cause.CALIBRATION
     else:
-        known = clearance_std / view.clearance
-        cause = Cause.RADII if known > SCALE_STD else Cause.CALIBRATION
+        clearance = clearance_std / view.clearance
+        cause = Cause.RADII if clearance > SCALE_STD else Cause.CALIBRATION
     return GapForm(
         excess=mean,
         excess_std=excess_std,
@@ -163,14 +163,14 @@ def judge_form(
     )
 
 
-def _covariance(found: Sequence[PinPosition], number: int, calibration_cov: Array) -> Array:
+def _covariance(forms: Sequence[FittedNumbers], number: int, calibration_cov: Array) -> Array:
     """Covariance of one number of the form over the triggers. [um2/mm4]
 
     Noise is new at every trigger, marks of the surfaces and the calibration are common to all.
     """
-    random = np.array([one.form_random_cov[number, number] for one in found])
-    surface = np.sqrt([one.form_surface_cov[number, number] for one in found])
-    gradient = np.array([one.form_gradient[number] for one in found])
+    random = np.array([one.random_cov[number, number] for one in forms])
+    surface = np.sqrt([one.surface_cov[number, number] for one in forms])
+    gradient = np.array([one.gradient[number] for one in forms])
     common = np.outer(surface, surface) + gradient @ calibration_cov @ gradient.T
     return np.asarray(np.diag(random) + common)
 

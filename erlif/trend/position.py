@@ -84,8 +84,8 @@ class PinView:
 
 
 @dataclass(frozen=True)
-class PinPosition:
-    """Position of the pin at one trigger, and the form of its gap.
+class FittedNumbers:
+    """Some numbers of a fit to the film of one trigger, and their errors.
 
     The parts of the covariances are disjoint: noise is new at every trigger, marks of the surfaces
     are the same at every trigger, and an error of the calibration is common to all.
@@ -93,37 +93,23 @@ class PinPosition:
     Attributes
     ----------
     value : Array
-        Displacement of the pin towards the load and sideways [um], tilts [um/mm], (parameter,), in
-        the order of `PARAMETERS`.
+        (number,)
     random_cov : Array
-        Their covariance by the noise of the ratio, (parameter, parameter).
+        Their covariance by the noise of the ratio, (number, number).
     surface_cov : Array
         By marks and waviness of the surfaces.
     gradient : Array
-        Their change with what was fitted to the fixture, (parameter, calibration parameter), in the
+        Their change with what was fitted to the fixture, (number, calibration parameter), in the
         order of `Calibration.full_covariance`.
-    form : Array
-        Curvature along sliding beyond that of the circles, and curvature along the axis, (form,).
-        [um/mm2]
-    form_random_cov : Array
-        Covariance of the form by noise, (form, form).
-    form_surface_cov : Array
-        By marks and waviness.
-    form_gradient : Array
-        As gradient, of the form.
     """
 
     value: Array
     random_cov: Array
     surface_cov: Array
     gradient: Array
-    form: Array
-    form_random_cov: Array
-    form_surface_cov: Array
-    form_gradient: Array
 
     def covariance(self, calibration_cov: Array) -> Array:
-        """Covariance of the position, all parts together.
+        """Covariance of the numbers, all parts together.
 
         Parameters
         ----------
@@ -132,15 +118,26 @@ class PinPosition:
 
         Returns
         -------
-        array, (parameter, parameter)
+        array, (number, number)
         """
         shared = self.gradient @ calibration_cov @ self.gradient.T
         return np.asarray(self.random_cov + self.surface_cov + shared)
 
-    def form_covariance(self, calibration_cov: Array) -> Array:
-        """Covariance of the form, all parts together; as `covariance`."""
-        shared = self.form_gradient @ calibration_cov @ self.form_gradient.T
-        return np.asarray(self.form_random_cov + self.form_surface_cov + shared)
+
+@dataclass(frozen=True)
+class PinPosition(FittedNumbers):
+    """Position of the pin at one trigger, and the form of its gap.
+
+    The position is the displacement of the pin towards the load and sideways [um] and its tilts
+    [um/mm], in the order of `PARAMETERS`.
+
+    Attributes
+    ----------
+    form : FittedNumbers
+        Curvature along sliding beyond that of the circles, and curvature along the axis. [um/mm2]
+    """
+
+    form: FittedNumbers
 
 
 def find_pin_position(
@@ -281,17 +278,11 @@ def find_pin_in_blocks(
     strips = [sum_by_strips(score, strip) for strip in (blocks.strip_along, blocks.strip_across)]
     surface = _excess(_join_larger(*strips), random)
 
-    p, f = slice(0, _PINNED), slice(_PINNED, None)
-    return PinPosition(
-        value=value[p],
-        random_cov=random[p, p],
-        surface_cov=surface[p, p],
-        gradient=gradient[p],
-        form=value[f],
-        form_random_cov=random[f, f],
-        form_surface_cov=surface[f, f],
-        form_gradient=gradient[f],
-    )
+    def numbers(part: slice) -> tuple[Array, Array, Array, Array]:
+        return value[part], random[part, part], surface[part, part], gradient[part]
+
+    form = FittedNumbers(*numbers(slice(_PINNED, None)))
+    return PinPosition(*numbers(slice(0, _PINNED)), form)
 
 
 def pin_covariance(film: xr.Dataset) -> Array:
@@ -371,9 +362,10 @@ def _excess(total: Array, part: Array) -> Array:
 
 def _no_position(calibration_parameters: int) -> PinPosition:
     """NaN everywhere."""
-    count = _PINNED, 2
-    (value, cov, gradient), (form, form_cov, form_gradient) = (
-        (np.full(n, np.nan), np.full((n, n), np.nan), np.full((n, calibration_parameters), np.nan))
-        for n in count
-    )
-    return PinPosition(value, cov, cov, gradient, form, form_cov, form_cov, form_gradient)
+
+    def unknown(count: int) -> tuple[Array, Array, Array, Array]:
+        shapes = (count,), (count, count), (count, count), (count, calibration_parameters)
+        value, random, surface, gradient = (np.full(shape, np.nan) for shape in shapes)
+        return value, random, surface, gradient
+
+    return PinPosition(*unknown(_PINNED), FittedNumbers(*unknown(2)))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from erlif.pipeline.engines.results import FrameResult, TriggerResult
-from erlif.trend import FilmStatistics, PinPosition
+from erlif.trend import FilmStatistics, FittedNumbers, PinPosition
 
 
 def make_statistics(**changes) -> FilmStatistics:
@@ -33,10 +33,7 @@ def make_position(
         random_cov=np.diag([1e-5, 1e-3, 1e-6, 1e-4]),
         surface_cov=np.diag([2e-5, 2e-3, 2e-6, 2e-4]),
         gradient=np.arange(12.0).reshape(4, 3),
-        form=np.array(form),
-        form_random_cov=std**2 * np.eye(2),
-        form_surface_cov=np.zeros((2, 2)),
-        form_gradient=np.zeros((2, 3)),
+        form=FittedNumbers(np.array(form), std**2 * np.eye(2), np.zeros((2, 2)), np.zeros((2, 3))),
     )
 
 

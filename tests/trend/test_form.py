@@ -96,7 +96,7 @@ def test_shared_errors_are_not_averaged_away():
     positions = []
     for _ in range(20):
         one = make_position(std=0.02 * VIEW.curvature)
-        one.form_gradient[0, 0] = VIEW.curvature
+        one.form.gradient[0, 0] = VIEW.curvature
         positions.append(one)
     form = judge_form(positions, VIEW, calibration_cov=calibration_cov)
     expected = np.sqrt(0.02**2 + 0.02**2 / 20 + 0.01**2)

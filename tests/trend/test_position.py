@@ -1,6 +1,7 @@
 """The position of the pin in known gaps of exact circles: values, covariance and form."""
 
-from dataclasses import replace
+import itertools
+from dataclasses import fields, replace
 
 import numpy as np
 import numpy.testing as npt
@@ -28,7 +29,7 @@ from erlif.core.errors import ConfigError
 from erlif.rig import RigSettings
 from erlif.rig.film import draw_marks
 from erlif.show.plots import example_film
-from erlif.trend import find_pin_position, pin_covariance
+from erlif.trend import FittedNumbers, find_pin_position, pin_covariance
 
 ON_THE_BORE = np.array([1, np.sqrt(BORE / PIN)] * 2)
 """Numbers of the formula over those of circles, whose gap has the slope -ey/R2 on the bore."""
@@ -53,7 +54,7 @@ def test_position_of_an_exact_circle_comes_back(truth):
     found = find(circle_gap(*truth))
     assert_near(found.value, truth * ON_THE_BORE, [4e-3, 2e-2, 5e-4, 5e-3])
     # the form of circles has no bend; their curvature is that of the formula to h/R1
-    assert_near(found.form, 0, [3e-4, 5e-5])
+    assert_near(found.form.value, 0, [3e-4, 5e-5])
 
 
 def test_load_line_and_axial_origin_only_turn_and_shift_the_numbers():
@@ -102,8 +103,8 @@ def pulls_of(draws, marks=None, rows=None, columns=None):
             film = np.maximum(film + draw_marks(marks, rng)(columns, rows), 0.05)
         fitted = known_calibration().parameters + root @ rng.standard_normal(3)
         found = find(noisy_ratios(film, 0.0135, rng), calibration=known_calibration(*fitted))
-        error = np.concatenate([found.value - truth * ON_THE_BORE, found.form])
-        parts = found.covariance(covariance), found.form_covariance(covariance)
+        error = np.concatenate([found.value - truth * ON_THE_BORE, found.form.value])
+        parts = found.covariance(covariance), found.form.covariance(covariance)
         pulls.append(error / np.sqrt(np.concatenate([np.diag(part) for part in parts])))
     return pulls
 
@@ -135,12 +136,8 @@ def test_random_covariance_is_the_scatter():
 
 def test_parts_of_the_covariance_have_no_negative_variance():
     found = find(noisy_ratios(circle_gap(227.0, 4.0), 0.01, np.random.default_rng(33)))
-    for part in (
-        found.random_cov,
-        found.surface_cov,
-        found.form_random_cov,
-        found.form_surface_cov,
-    ):
+    parts = [(one.random_cov, one.surface_cov) for one in (found, found.form)]
+    for part in itertools.chain(*parts):
         npt.assert_allclose(part, part.T, rtol=1e-9, atol=1e-12 * np.trace(part))
         assert np.linalg.eigvalsh(part).min() >= -1e-12 * np.trace(part)
 
@@ -153,28 +150,25 @@ def test_gradients_are_the_change_with_the_calibration(parameter):
     changed = list(known_calibration().parameters)
     changed[parameter] += 2e-4
     moved = find(ratios, calibration=known_calibration(*changed))
-    for before, after, gradient, cov in (
-        (base.value, moved.value, base.gradient, base.random_cov),
-        (base.form, moved.form, base.form_gradient, base.form_random_cov),
-    ):
-        expected = 2e-4 * gradient[:, parameter]
-        tolerance = 0.05 * np.abs(expected) + 0.01 * np.sqrt(np.diag(cov))
-        assert_near(after - before, expected, tolerance)
+    for before, after in (base, moved), (base.form, moved.form):
+        expected = 2e-4 * before.gradient[:, parameter]
+        tolerance = 0.05 * np.abs(expected) + 0.01 * np.sqrt(np.diag(before.random_cov))
+        assert_near(after.value - before.value, expected, tolerance)
 
 
 def test_pin_of_another_radius_has_another_curvature():
     """5 % less clearance: 5 % less curvature, at any film."""
     for film in (2.0, 5.0):
         found = find(circle_gap(218.5 - film, 0.0, pin=BORE - 0.2185))
-        npt.assert_allclose(found.form[0] / VIEW.curvature, -0.05, atol=0.002)
+        npt.assert_allclose(found.form.value[0] / VIEW.curvature, -0.05, atol=0.002)
 
 
 def test_bent_pin_has_a_curvature_along_the_axis():
     """0.3 um over 4.8 mm: 2 x 0.3 / 4.77^2."""
     bend = 0.3 * ((Y - AXIAL_ORIGIN) / AXIAL_ORIGIN)[:, None] ** 2
     found = find(circle_gap(227.0, 3.0) + bend)
-    npt.assert_allclose(found.form[1], 2 * 0.3 / AXIAL_ORIGIN**2, rtol=0.01)
-    assert abs(found.form[0]) < 3e-4
+    npt.assert_allclose(found.form.value[1], 2 * 0.3 / AXIAL_ORIGIN**2, rtol=0.01)
+    assert abs(found.form.value[0]) < 3e-4
 
 
 def test_position_is_missing_where_the_blocks_do_not_determine_it():
@@ -183,10 +177,11 @@ def test_position_is_missing_where_the_blocks_do_not_determine_it():
         ratios = noisy_ratios(circle_gap(227.0, 3.0), 0.01, np.random.default_rng(10))
         ratios.flags.values[corner, corner] = 128
         found = find(ratios)
-        for value in vars(found).values():
-            assert np.isnan(value).all()
+        for part in found, found.form:
+            for one in fields(FittedNumbers):
+                assert np.isnan(getattr(part, one.name)).all()
         assert found.gradient.shape == (4, 3)
-        assert found.form_gradient.shape == (2, 3)
+        assert found.form.gradient.shape == (2, 3)
 
 
 def test_load_line_on_the_other_side_of_the_joint_is_refused():

@@ -14,7 +14,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import xarray as xr
 
-from erlif.core.errors import ArgumentError, ErlifError
+from erlif.core.errors import ErlifError
 from erlif.io.files.film import open_film
 from erlif.io.files.kinds import KINDS, kind_of
 
@@ -102,7 +102,7 @@ def takes(**wanted: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
     Parameters
     ----------
     **wanted : str
-        Kind of each argument by its name, as for `take`; None passes.
+        Kind of each argument by its name, as for `take`; a default of None passes.
 
     Returns
     -------
@@ -120,44 +120,23 @@ def takes(**wanted: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:
         signature = inspect.signature(function)
-        needed = {
-            name
-            for name, one in signature.parameters.items()
-            if one.default is one.empty and one.kind not in (one.VAR_POSITIONAL, one.VAR_KEYWORD)
-        }
 
         @functools.wraps(function)
         def checked(*args: P.args, **kwargs: P.kwargs) -> R:
             try:
-                bound = signature.bind_partial(*args, **kwargs)
-            except TypeError:  # the call itself names what is too much
+                bound = signature.bind(*args, **kwargs)
+            except TypeError:  # the call itself names what is missing or too much
                 return function(*args, **kwargs)
-            for name, kind in wanted.items():
-                value = bound.arguments.get(name)
-                if value is not None or name in needed & set(bound.arguments):
-                    bound.arguments[name] = take(value, kind, where=name)
-            for name in signature.parameters:
-                if name in needed - set(bound.arguments):
-                    raise ArgumentError(_missing(function.__name__, name, wanted.get(name)))
+            for name in wanted.keys() & bound.arguments.keys():
+                # None stands for what may be left out
+                value = bound.arguments[name]
+                if value is not None or signature.parameters[name].default is not None:
+                    bound.arguments[name] = take(value, wanted[name], where=name)
             return function(*bound.args, **bound.kwargs)
 
         return checked
 
     return decorate
-
-
-def _missing(function: str, name: str, kind: str | None) -> str:
-    """The message for an argument that is not given."""
-    if kind is not None:
-        return (
-            f"Expected {KINDS[kind].words} as {name}= of {function}, got none. {KINDS[kind].way}."
-        )
-    hint = (
-        "Name one, counted from 0; erlif.files.fastest_trigger(film) finds the fastest"
-        if name == "trigger"
-        else f"help({function}) describes it"
-    )
-    return f"Expected {name}= of {function}, got none. {hint}."
 
 
 def takes_products(function: Callable[P, R]) -> Callable[P, R]:

@@ -22,7 +22,7 @@ from erlif.ratio import (
     sample_pulse,
 )
 from erlif.thickness import NO_PATCH, PatchMean, sample_patch
-from erlif.trend import FilmStatistics, PinPosition, Region
+from erlif.trend import FilmStatistics, FittedNumbers, PinPosition, Region
 
 _note = note_writer("erlif.pipeline")
 
@@ -128,10 +128,10 @@ class TriggerResult:
             for one in fields(FilmStatistics)
         }
         if self.position is not None:
-            arrays |= {
-                f"pin_{one.name}": np.asarray(getattr(self.position, one.name))
-                for one in fields(PinPosition)
-            }
+            for key, numbers in ("pin", self.position), ("form", self.position.form):
+                arrays |= {
+                    f"{key}_{one.name}": getattr(numbers, one.name) for one in fields(FittedNumbers)
+                }
         arrays["pixels"] = np.array(self.pixels, np.int64)
         for name, (kind, shape) in _OF_FRAMES.items():
             rows = np.array([getattr(one, name) for one in self.frames], kind)
@@ -165,9 +165,11 @@ class TriggerResult:
         )
         position = None
         if "pin_value" in arrays:
-            position = PinPosition(
-                **{one.name: arrays[f"pin_{one.name}"] for one in fields(PinPosition)}
+            pin, form = (
+                [arrays[f"{key}_{one.name}"] for one in fields(FittedNumbers)]
+                for key in ("pin", "form")
             )
+            position = PinPosition(*pin, form=FittedNumbers(*form))
         return cls(statistics, frames, tuple(arrays["pixels"].tolist()), position)
 
 

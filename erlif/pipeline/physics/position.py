@@ -84,8 +84,8 @@ def describe_positions(
 
 def _describe_form(known: Sequence[PinPosition], shared: Array, view: PinView) -> dict[str, Array]:
     """Curvatures of the gap that a second fit leaves free."""
-    form = np.array([one.form for one in known])
-    std = np.sqrt([np.diag(one.form_covariance(shared)) for one in known])
+    form = np.array([one.form.value for one in known])
+    std = np.sqrt([np.diag(one.form.covariance(shared)) for one in known])
     expected = np.array([one.value[0] for one in known]) / view.radius**2
     return {
         "film_curvature": expected + form[:, 0],
