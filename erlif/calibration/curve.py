@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -201,21 +200,6 @@ class Calibration:
     def inverse(self) -> InverseTable:
         """Table from the logarithm of the ratio to thickness, for whole images."""
         return InverseTable.of(self)
-
-    def invert(self, log_ratio: npt.ArrayLike) -> Array:
-        """Thickness of a logarithm of the ratio by root finding; NaN beyond the range. [um]"""
-        low, high = self.thickness_range
-        values = np.asarray(log_ratio, float)
-        limits = self.predict_log([low, high])
-        found = [
-            scipy.optimize.brentq(
-                lambda t, goal=goal: float(self.predict_log(t)) - goal, low, high, xtol=1e-10
-            )
-            if limits[0] <= goal <= limits[1]
-            else math.nan
-            for goal in values.ravel()
-        ]
-        return np.array(found).reshape(values.shape)
 
     def to_dataset(self) -> xr.Dataset:
         """Variables of ``calibration.nc``."""

@@ -34,6 +34,15 @@ MOST_NUMBERS = 32_000_000
 """Numbers of a MATLAB file above which it is not loaded; they take 256 MB."""
 
 
+def file_stamp(path: Path) -> tuple[int, int, int]:
+    """Size, time of change and place on the disk, by which a state of a file is known.
+
+    A copy that takes the name of a file may have its size and time, but has another place.
+    """
+    found = path.stat()
+    return found.st_size, found.st_mtime_ns, found.st_ino
+
+
 def check_hdf5(path: Path) -> None:
     """Refuse an HDF5 file whose attributes, types or texts the library does not survive.
 
@@ -48,8 +57,7 @@ def check_hdf5(path: Path) -> None:
     OSError
         If the file is missing, damaged or of another format.
     """
-    found = path.stat()
-    _check_once(str(path.absolute()), found.st_size, found.st_mtime_ns, found.st_ino)
+    _check_once(str(path.absolute()), *file_stamp(path))
 
 
 @lru_cache(maxsize=256)

@@ -47,6 +47,18 @@ SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """First bytes of a superblock."""
 
 
+def refuse_elsewhere(name: str, data: Any) -> None:
+    """Refuse a dataset whose values are in another file.
+
+    Raises
+    ------
+    ValueError
+        With the bare reason.
+    """
+    if data.external or data.is_virtual:
+        raise ValueError(f"the values of {name} are in another file")
+
+
 def filters_of(data: Any) -> list[int]:
     """Registered numbers of the compressions of a dataset.
 

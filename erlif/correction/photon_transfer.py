@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -86,13 +85,6 @@ class PhotonTransfer:
     def is_bent(self) -> bool:
         """Whether the curve departs from a straight line, significantly and by more than 2 %."""
         return abs(self.bend) > max(_RELEVANT_BEND, _SIGNIFICANT * self.bend_std)
-
-
-class _Solution(NamedTuple):
-    """Parameters of a linear model, with their covariance."""
-
-    parameters: Array
-    covariance: Array
 
 
 def reduce_level(pages: PageStack, usable: Mask) -> LightLevel | None:
@@ -190,11 +182,11 @@ def fit_photon_transfer(
         covariance = covariance + dark_variance_std**2 * np.outer(scale, scale)
     columns = [light] if known else [light, scale]
 
-    line = _least_squares(np.stack(columns, axis=1), variance, covariance)
-    slope = float(line.parameters[0])
+    parameters, errors = _least_squares(np.stack(columns, axis=1), variance, covariance)
+    slope = float(parameters[0])
     if slope <= 0:
         return None
-    gain, gain_std = 1 / slope, float(np.sqrt(line.covariance[0, 0])) / slope**2
+    gain, gain_std = 1 / slope, float(np.sqrt(errors[0, 0])) / slope**2
 
     # a term in light squared takes one more level
     columns.append(light**2)
@@ -202,11 +194,11 @@ def fit_photon_transfer(
         return PhotonTransfer(gain, gain_std)
 
     # the bend is square * top / start; its gradient carries the covariance of the fit to it
-    curve = _least_squares(np.stack(columns, axis=1), variance, covariance)
-    start, square, top = curve.parameters[0], curve.parameters[-1], light.max()
+    parameters, errors = _least_squares(np.stack(columns, axis=1), variance, covariance)
+    start, square, top = parameters[0], parameters[-1], light.max()
     gradient = np.zeros(len(columns))
     gradient[0], gradient[-1] = -square * top / start**2, top / start
-    bend_std = float(np.sqrt(gradient @ curve.covariance @ gradient))
+    bend_std = float(np.sqrt(gradient @ errors @ gradient))
     return PhotonTransfer(gain, gain_std, float(square * top / start), bend_std)
 
 
@@ -252,8 +244,8 @@ def measure_response_spread(flat: AnyArray, flat_var: AnyArray, bad: Mask) -> fl
     return float(np.sqrt(max(robust_std(departure) ** 2 / (1 + 1 / 8) - noise, 0.0)))
 
 
-def _least_squares(design: Array, values: Array, covariance: Array) -> _Solution:
-    """Generalised least squares."""
+def _least_squares(design: Array, values: Array, covariance: Array) -> tuple[Array, Array]:
+    """Parameters by generalised least squares, and their covariance."""
     weighted = np.linalg.solve(covariance, design)
     errors = np.linalg.inv(design.T @ weighted)
-    return _Solution(errors @ (weighted.T @ values), errors)
+    return errors @ (weighted.T @ values), errors

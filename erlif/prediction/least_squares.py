@@ -150,8 +150,6 @@ class Minimum:
         Their covariance in the linear approximation, all kinds of errors together.
     shared : Array
         The errors that the observations share, in standard deviations, (source,).
-    shared_std : Array
-        What remains of these standard deviations, (source,).
     predicted : Array
         Values without the shared errors, (group, member).
     residual : Array
@@ -167,7 +165,6 @@ class Minimum:
     value: Array
     covariance: Array
     shared: Array
-    shared_std: Array
     predicted: Array
     residual: Array
     jacobian: Array
@@ -347,7 +344,6 @@ class LeastSquares:
             value=value,
             covariance=covariance[:count, :count],
             shared=shared,
-            shared_std=np.sqrt(np.diag(covariance)[count:]),
             predicted=self.predict(value[np.newaxis])[0],
             residual=residual,
             jacobian=jacobian,

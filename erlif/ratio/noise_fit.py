@@ -154,11 +154,6 @@ class WeighedFit(NamedTuple):
     alike: float
 
 
-class _Solution(NamedTuple):
-    values: Array
-    covariance: Array
-
-
 def fit_noise(
     cells: NoiseCells,
     references: References,
@@ -269,7 +264,7 @@ def weigh_gains(same: NoiseFit, apart: NoiseFit) -> WeighedFit:
     return WeighedFit(replace(likelier, slope=slope, slope_covariance=covariance), alike)
 
 
-def _solve(design: Array, cells: NoiseCells, known: Array) -> _Solution:
+def _solve(design: Array, cells: NoiseCells, known: Array) -> tuple[Array, Array]:
     """Least squares with non-negative parameters, and their covariance.
 
     Cells are weighted by their expected variance, and outliers are left out. The covariance comes
@@ -294,4 +289,4 @@ def _solve(design: Array, cells: NoiseCells, known: Array) -> _Solution:
     pull = (variance - known - design @ values) * weight
     score = np.stack([np.bincount(block, pull * column, BLOCKS**2) for column in design.T], axis=1)
     covariance = inverse @ (score.T @ score) @ inverse * BLOCKS**2 / (BLOCKS**2 - 1)
-    return _Solution(values / scale, covariance / np.outer(scale, scale))
+    return values / scale, covariance / np.outer(scale, scale)

@@ -50,7 +50,6 @@ def test_error_that_all_share_stays_in_the_error_of_the_mean():
     found = LeastSquares(observe(values, shared=np.full(12, 0.5)), unknowns(), line).solve()
     expected = 0.01 * np.linalg.inv(DESIGN.T @ DESIGN) + np.diag([0.25, 0.0])
     npt.assert_allclose(found.covariance, expected, rtol=1e-6)
-    npt.assert_allclose(found.shared_std, 1.0, rtol=1e-6)
 
 
 def test_likelihood_is_that_of_the_whole_covariance():

@@ -41,17 +41,13 @@ def settings_of(film: xr.Dataset) -> RunSettings:
         ...
     erlif.core.errors.OutputError: Expected the settings among the attributes of the film, ...
     """
-    if "settings" not in film.attrs:
-        raise OutputError(
-            "Expected the settings among the attributes of the film, as erlif process writes them; "
-            "there are none. Make the film again with: erlif process RUN_DIR"
-        )
     try:
         return read_settings(str(film.attrs["settings"]))
-    except ValueError as error:
+    except (KeyError, ValueError) as error:
+        reason = "there are none" if isinstance(error, KeyError) else error
         raise OutputError(
             f"Expected the settings among the attributes of the film, as erlif process writes "
-            f"them; {error}. Make the film again with: erlif process RUN_DIR"
+            f"them; {reason}. Make the film again with: erlif process RUN_DIR"
         ) from error
 
 

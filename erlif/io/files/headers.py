@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from erlif.core.bounded import read_bounded
-from erlif.core.hdf5 import chunk_count, find_chunks, open_hdf5
+from erlif.core.hdf5 import chunk_count, find_chunks, open_hdf5, refuse_elsewhere
 from erlif.core.variables import FILM
 
 LARGEST_READ = 2**30
@@ -47,8 +47,7 @@ def check_netcdf(path: Path) -> None:
         for name, entry in _netcdf_entries(file, h5py):
             if not isinstance(entry, h5py.Dataset):
                 continue
-            if entry.external or entry.is_virtual:
-                raise ValueError(f"the values of {name} are in another file")
+            refuse_elsewhere(name, entry)
 
             # the maps of a film are read one after the other, all else at once
             per_read = entry.shape[1:] if name in MAPS else entry.shape

@@ -19,6 +19,31 @@ STORED_TYPES = frozenset(
 """Types in which programs store counts, by numpy's names."""
 
 
+FEW_LEVELS = 16
+"""Distinct counts up to which an image is too uniform to show bits that are never set."""
+
+
+def count_padding(set_bits: int) -> int:
+    """Number of low bits that no count sets; one may be chance, so that 0 stands for it.
+
+    Parameters
+    ----------
+    set_bits : int
+        Bits that any of the counts sets.
+
+    Returns
+    -------
+    int
+
+    Examples
+    --------
+    >>> count_padding(0b111_0000), count_padding(0b1110)
+    (4, 0)
+    """
+    unused = (set_bits & -set_bits).bit_length() - 1
+    return unused if unused >= 2 else 0
+
+
 def convert_counts(image: AnyArray) -> Counts:
     """Counts that a program has stored in another type.
 

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from erlif.core.errors import FrameError
+from erlif.core.guarded import file_stamp
 from erlif.io.ingest.images import match_files, natural_key
 from erlif.io.ingest.recording import Fixture, Run
 
@@ -219,8 +220,7 @@ def _stamp(path: Path, *, place: bool = False) -> str:
     The place on the disk differs between two files that took the same name one after the other.
     """
     try:
-        found = path.stat()
+        stamp = file_stamp(path)
     except OSError:
         return "unreadable"
-    stamp = f"{found.st_size} {found.st_mtime_ns}"
-    return f"{stamp} {found.st_ino}" if place else stamp
+    return " ".join(map(str, stamp if place else stamp[:2]))

@@ -15,14 +15,18 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, Counts
 from erlif.core.errors import FrameError
+from erlif.core.guarded import file_stamp
 from erlif.core.notes import Level, Note
-from erlif.io.ingest.counts import STORED_TYPES, align_right, convert_counts
+from erlif.io.ingest.counts import (
+    FEW_LEVELS,
+    STORED_TYPES,
+    align_right,
+    convert_counts,
+    count_padding,
+)
 from erlif.io.ingest.selection import WHOLE, Selection
 from erlif.io.readers import FrameKind, borrow_frames, open_frames
 from erlif.io.readers.base import TRUNCATED, describe_shape
-
-_FEW_LEVELS = 16
-"""Distinct counts below which a frame is too uniform to judge the alignment of its bits."""
 
 
 @dataclass(frozen=True)
@@ -287,19 +291,13 @@ def _decode(page: Page, *, digest: bool) -> PageContent:
     if not digest or not page.alone:
         return PageContent(page.selection.crop(_read_frame(page)))
 
-    before = _stamp(page.path)
+    before = file_stamp(page.path)
     with page.path.open("rb") as file:
         hashed = hashlib.file_digest(file, "sha256").hexdigest()
     image = _read_frame(page)
-    if _stamp(page.path) != before:
+    if file_stamp(page.path) != before:
         raise FrameError("the file has changed while it was read")
     return PageContent(page.selection.crop(image), hashed)
-
-
-def _stamp(path: Path) -> tuple[int, int, int]:
-    """Size, time of change and place on the disk."""
-    found = path.stat()
-    return found.st_size, found.st_mtime_ns, found.st_ino
 
 
 def _read_frame(page: Page) -> AnyArray:
@@ -336,9 +334,8 @@ def check_depth(counts: Counts, *, bit_depth: int, name: str) -> None:
     full_scale = (1 << bit_depth) - 1
     top = int(counts.max())
     set_bits = int(np.bitwise_or.reduce(counts, axis=None))
-    unused = (set_bits & -set_bits).bit_length() - 1  # low bits that are 0 in all counts
-
-    if unused >= 2 and np.unique(counts).size > _FEW_LEVELS:
+    unused = count_padding(set_bits)
+    if unused and np.unique(counts).size > FEW_LEVELS:
         container = 16 if top > full_scale else bit_depth
         depth = container - unused
         todo = (

@@ -20,6 +20,7 @@ import numpy as np
 
 from erlif.core.bounded import read_rows
 from erlif.core.errors import FrameError
+from erlif.io.ingest.counts import FEW_LEVELS, count_padding
 from erlif.io.ingest.images import Page, match_files, natural_key, read_headers, read_page
 from erlif.io.ingest.logs.proposal import LOG_SUFFIXES
 from erlif.io.ingest.selection import WHOLE, Selection
@@ -49,9 +50,6 @@ LARGEST_TABLE = 64 * 2**20
 
 SAMPLED_PAGES = 12
 """Pages of a camera whose counts are read for the bit depth."""
-
-FEW_LEVELS = 16
-"""Distinct counts up to which an image is too uniform to show bits that are never set."""
 
 USUAL_DEPTHS = (12, 14, 16)
 """Bit depths of cameras that store 16-bit files; dim frames of such a camera fit fewer bits."""
@@ -552,11 +550,8 @@ def _sample_counts(
     if not read or not used:
         return None
 
-    # Two or more low bits that are never set are padding; one may be chance, and so may several in
-    # an image of few levels.
-    unused = (used & -used).bit_length() - 1
-    if unused < 2 or levels <= FEW_LEVELS:
-        unused = 0
+    # in an image of few levels, low bits that are never set may be chance
+    unused = count_padding(used) if levels > FEW_LEVELS else 0
 
     bits = (highest >> unused).bit_length()
     depth = next(depth for depth in (USUAL_DEPTHS if wide else (8,)) if bits <= depth)

@@ -12,6 +12,7 @@ from importlib import metadata
 from pathlib import Path
 
 from erlif.core.errors import FrameError
+from erlif.core.guarded import file_stamp
 from erlif.io.readers.avi import AVI
 from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile
 from erlif.io.readers.fits import FITS
@@ -158,12 +159,10 @@ def borrow_frames(path: Path, *, dataset: str = "") -> Iterator[FrameFile]:
     (64, 80)
     """
     try:
-        found = path.stat()
+        stamp = file_stamp(path)
     except OSError as error:
         raise FrameError(f"the file cannot be read: {error.strerror or error}") from error
-    # size, time of change and place on the disk: a copy that takes the name of a file may have its
-    # size and time
-    kept = _keep(path, dataset, found.st_size, found.st_mtime_ns, found.st_ino)
+    kept = _keep(path, dataset, *stamp)
     yield kept.file
 
 

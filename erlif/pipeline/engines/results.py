@@ -166,10 +166,10 @@ class TriggerResult:
         position = None
         if "pin_value" in arrays:
             pin, form = (
-                [arrays[f"{key}_{one.name}"] for one in fields(FittedNumbers)]
+                {one.name: arrays[f"{key}_{one.name}"] for one in fields(FittedNumbers)}
                 for key in ("pin", "form")
             )
-            position = PinPosition(*pin, form=FittedNumbers(*form))
+            position = PinPosition(**pin, form=FittedNumbers(**form))
         return cls(statistics, frames, tuple(arrays["pixels"].tolist()), position)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import EncoderError, reason_of
 from erlif.core.guarded import read_matlab
-from erlif.core.hdf5 import SIGNATURE, find_chunks, open_hdf5
+from erlif.core.hdf5 import SIGNATURE, find_chunks, open_hdf5, refuse_elsewhere
 from erlif.io.ingest.logs.table import LARGEST_FILE, MOST_CELLS, LogColumn, LogTable, split_unit
 
 _TDMS = b"TDSm"
@@ -246,8 +246,7 @@ def _read_hdf5(path: Path) -> _Found:
 
 def _check_storage(name: str, item: Any) -> None:
     """Refuse numbers of another file, and a chunk that a memory does not hold."""
-    if item.external or item.is_virtual:
-        raise ValueError(f"numbers of {name} are in another file")
+    refuse_elsewhere(name, item)
     chunk = math.prod(item.chunks or (0,)) * item.dtype.itemsize
     if chunk > LARGEST_FILE:
         raise ValueError(f"numbers of {name} are in a chunk of {chunk / 1e6:.0f} MB")

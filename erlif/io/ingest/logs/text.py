@@ -115,10 +115,7 @@ def read_text_table(path: Path, wanted: Collection[str]) -> LogTable:
     content = _read_content(path)
     encoding, spoken = _find_encoding(content)
     if b"\0" in content and not encoding.startswith("utf-16"):
-        raise EncoderError(
-            f"Expected {path.name} to be a CSV text file; it holds bytes of zero. Save the log as "
-            "CSV in UTF-8."
-        )
+        raise _no_text(path, "holds bytes of zero")
 
     def text() -> io.TextIOWrapper:
         return io.TextIOWrapper(io.BytesIO(content), encoding, newline="")
@@ -130,10 +127,7 @@ def read_text_table(path: Path, wanted: Collection[str]) -> LogTable:
             return _make_table(path, layout, *plain, spoken)
         builders, rows = _read_rows(text(), layout, path)
     except (UnicodeError, csv.Error) as error:
-        raise EncoderError(
-            f"Expected {path.name} to be a CSV text file; it is not: {error}. Save the log as CSV "
-            "in UTF-8."
-        ) from error
+        raise _no_text(path, f"is not: {error}") from error
 
     decimal = _check_decimals(builders, path)
     columns = [builder.finish(unit) for builder, unit in zip(builders, layout.units, strict=True)]
@@ -231,10 +225,7 @@ def _find_layout(text: io.TextIOWrapper, wanted: Collection[str], path: Path) ->
     rows = samples[separator]
     plain = [row for row in rows if not _is_comment(row[1])]
     if len(plain) < _FEWEST_ROWS and not (plain and len(rows) > len(plain)):
-        raise EncoderError(
-            f"Expected a header and rows of numbers in {path.name}; it has {len(plain)} row(s). "
-            "Export the whole log."
-        )
+        raise _too_few_rows(path, len(plain))
 
     first = next((n for n, row in enumerate(plain) if _is_numeric(row[1], separator)), len(plain))
     header = _choose_header(plain, first, wanted)
@@ -420,11 +411,21 @@ def _read_rows(
             )
 
     if not rows:
-        raise EncoderError(
-            f"Expected a header and rows of numbers in {path.name}; it has 1 row(s). Export the "
-            "whole log."
-        )
+        raise _too_few_rows(path, 1)
     return builders, rows.tolist()
+
+
+def _no_text(path: Path, reason: str) -> EncoderError:
+    return EncoderError(
+        f"Expected {path.name} to be a CSV text file; it {reason}. Save the log as CSV in UTF-8."
+    )
+
+
+def _too_few_rows(path: Path, count: int) -> EncoderError:
+    return EncoderError(
+        f"Expected a header and rows of numbers in {path.name}; it has {count} row(s). Export the "
+        "whole log."
+    )
 
 
 def _refuse_length(number: int, length: int, layout: _Layout, path: Path) -> None:

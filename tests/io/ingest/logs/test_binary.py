@@ -167,7 +167,7 @@ def test_numbers_of_another_file_are_refused(tmp_path):
     with h5py.File(tmp_path / "log.h5", "w") as file:
         raw = [(str(tmp_path / "other.raw"), 0, h5py.h5f.UNLIMITED)]
         file.create_dataset("angle", (10,), "f8", external=raw)
-    with pytest.raises(EncoderError, match="numbers of angle are in another file"):
+    with pytest.raises(EncoderError, match="values of angle are in another file"):
         read_binary_table(tmp_path / "log.h5")
 
 
