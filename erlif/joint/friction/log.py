@@ -199,46 +199,58 @@ def _read_table(path: Path, columns: LogColumns) -> LogTable:
 
 def _find(table: LogTable, columns: LogColumns) -> dict[str, list[LogColumn]]:
     """Columns by quantity: chosen ones first, then those of a known name, then of a similar one."""
-    found = {
+    of = {
         quantity: [choose_column(quantity, name, table) for name in columns.chosen(quantity)]
         for quantity in QUANTITIES
         if columns.chosen(quantity)
     }
-    for quantity, pattern in _KNOWN.items():
-        if quantity in found or (quantity == "torque" and "arm_force" in found):
-            continue
-        known = [
-            column
-            for column in _matching(pattern, table, found)
-            if _fits(column, quantity, columns)
-        ]
-        if quantity == "time" and len(known) > 1:
-            # seconds beside the time of day
-            known = [column for column in known if column.unit != CLOCK] or known
-        if known:
-            # only numbered columns belong together
-            alike = len({_base(column.name) for column in known}) == 1 and quantity in SEVERAL
-            if len(known) > 1 and not alike:
-                refuse_several(quantity, known, table)
-            found[quantity] = known
-
-    # a temperature of any place of the bearing
-    if "temperature" not in found:
-        similar = [
-            column
-            for column in _matching(_ANY_TEMPERATURE, table, found)
-            if not _ELSEWHERE.search(_base(column.name))
-            and find_scale("temperature", find_unit(column, "temperature", columns.units))
-        ]
-        if len({_base(column.name) for column in similar}) == 1:
-            found["temperature"] = similar
+    for quantity in _KNOWN:
+        # a force on the arm takes the place of a torque
+        if quantity not in of and not (quantity == "torque" and of.get("arm_force")):
+            of[quantity] = _of_known_name(quantity, table, columns, of)
+    if not of.get("temperature"):
+        of["temperature"] = _any_temperature(table, columns, of)
+    of = {quantity: of[quantity] for quantity in QUANTITIES if of.get(quantity)}
 
     for quantity in ("time", "cells"):
-        if quantity not in found:
+        if quantity not in of:
             missing_column(quantity, table)
-    if "torque" not in found and "arm_force" not in found:
+    if "torque" not in of and "arm_force" not in of:
         missing_column("torque or arm_force", table)
-    return {quantity: found[quantity] for quantity in QUANTITIES if quantity in found}
+    return of
+
+
+def _of_known_name(
+    quantity: str, table: LogTable, columns: LogColumns, of: dict[str, list[LogColumn]]
+) -> list[LogColumn]:
+    """The free columns of a name that is known for a quantity; several only of numbered cells."""
+    known = [
+        column
+        for column in _matching(_KNOWN[quantity], table, of)
+        if _fits(column, quantity, columns)
+    ]
+    if quantity == "time" and len(known) > 1:
+        # seconds beside the time of day
+        known = [column for column in known if column.unit != CLOCK] or known
+
+    # only numbered columns belong together
+    alike = len({_base(column.name) for column in known}) == 1 and quantity in SEVERAL
+    if len(known) > 1 and not alike:
+        refuse_several(quantity, known, table)
+    return known
+
+
+def _any_temperature(
+    table: LogTable, columns: LogColumns, of: dict[str, list[LogColumn]]
+) -> list[LogColumn]:
+    """The free columns of a temperature of one place of the bearing, whichever it is."""
+    similar = [
+        column
+        for column in _matching(_ANY_TEMPERATURE, table, of)
+        if not _ELSEWHERE.search(_base(column.name))
+        and find_scale("temperature", find_unit(column, "temperature", columns.units))
+    ]
+    return similar if len({_base(column.name) for column in similar}) == 1 else []
 
 
 def _taken(found: dict[str, list[LogColumn]]) -> list[LogColumn]:
