@@ -23,6 +23,9 @@ The pressure is a cosine over half the shaft. The source prints 1.25 for this li
 the limit is 1.2732, and 1.25 belongs to 86.6 degrees.
 """
 
+_SERIES_BELOW = 0.03
+"""Half angle below which the series of the thin Winkler bushing is exact to rounding. [rad]"""
+
 
 @formula(load="load or zero", radius="length")
 def friction_torque(
@@ -150,6 +153,84 @@ def elliptic_torque_ratio(half_angle: Values) -> Values:
     """
     # 2 J1(x) / x without the 0/0 at zero
     return 1 / scipy.special.hyp0f1(2.0, -(half_angle**2) / 4)
+
+
+@formula()
+def truncated_cosine_torque_ratio(half_angle: Values) -> Values:
+    """Compute T* of the pressure cos theta cut off at the ends of the arc.
+
+    sin a / (a/2 + sin(2a)/4), 4/pi at 90 degrees; from Colbert et al. (2009), eq. 4.
+
+    Returns: Torque ratio T*. [1]
+
+    Examples
+    --------
+    At 60 degrees it is sqrt(3)/2 over pi/6 + sqrt(3)/8:
+
+    >>> closed = np.sqrt(3) / 2 / (np.pi / 6 + np.sqrt(3) / 8)
+    >>> print(f"{truncated_cosine_torque_ratio(np.pi / 3):.6f} {closed:.6f}")
+    1.170138 1.170138
+    """
+    # sines over angles keep the limit of 1 at zero
+    return 2 * _sinc(half_angle) / (1 + _sinc(2 * half_angle))
+
+
+@formula()
+def thin_winkler_torque_ratio(half_angle: Values) -> Values:
+    """Compute mu* of a Winkler bushing with a thin clearance. Colbert et al. (2009), B1 to B10.
+
+    2 (sin a - a cos a) / (a - sin a cos a), the limit as Rs/c goes to infinity: the pressure is
+    cos theta - cos a.
+
+    Parameters
+    ----------
+    half_angle : float or array
+        Half of the arc of contact a, 0 to pi/2; `thin_winkler_load` gives the load that belongs to
+        it. [rad]
+
+    Returns: Torque ratio mu*. [1]
+
+    Examples
+    --------
+    4/pi at 90 degrees, as for a cosine over half the shaft:
+
+    >>> print(f"{thin_winkler_torque_ratio(np.pi / 2):.6f} {4 / np.pi:.6f}")
+    1.273240 1.273240
+    """
+    # both brackets vanish as a^3, so small angles take the quotient of their series
+    small = (half_angle < _SERIES_BELOW) * 1
+    series = (1 - half_angle**2 / 10 + half_angle**4 / 280) / (
+        1 - half_angle**2 / 5 + 2 * half_angle**4 / 105
+    )
+    a = half_angle + small  # keeps the closed form away from 0/0 where it is not used
+    closed = 2 * (np.sin(a) - a * np.cos(a)) / (a - np.sin(a) * np.cos(a))
+    return small * series + (1 - small) * closed
+
+
+@formula()
+def thin_winkler_load(half_angle: Values) -> Values:
+    """Compute the load group F* t* R/c of a thin-clearance Winkler bushing.
+
+    (a - sin a cos a) / cos a, from Colbert et al. (2009), B1 to B10; see
+    `thin_winkler_torque_ratio`.
+
+    Returns: Load group F* t* R/c, which grows without bound towards 90 degrees. [1]
+
+    Raises
+    ------
+    ModelError
+        An angle outside 0 to pi/2, or pi/2 itself, which no load reaches.
+
+    Examples
+    --------
+    At 60 degrees: 2 pi/3 - sqrt(3)/2.
+
+    >>> print(f"{thin_winkler_load(np.pi / 3):.6f} {2 * np.pi / 3 - np.sqrt(3) / 2:.6f}")
+    1.228370 1.228370
+    """
+    if np.any(np.equal(half_angle, np.pi / 2)):
+        raise ModelError("half_angle must be below pi/2: no load wraps a thin clearance that far.")
+    return (half_angle - np.sin(half_angle) * np.cos(half_angle)) / np.cos(half_angle)
 
 
 @formula(angle="signed number")

@@ -34,15 +34,19 @@ def _within_reach(
     if np.any(outside):
         worst = float(np.asarray(value)[np.asarray(outside)].flat[0])
         raise ModelError(
-            f"{name} must lie in the reach of the linkage, {_in_both_units(low)} to "
-            f"{_in_both_units(high)}, got {_in_both_units(worst)}."
+            f"{name} must lie in the reach of the linkage, {_with_unit(low, name)} to "
+            f"{_with_unit(high, name)}, got {_with_unit(worst, name)}."
         )
     return np.clip(value, low, high)
 
 
-def _in_both_units(angle: float) -> str:
-    """Text of an angle in radians and degrees."""
-    return f"{angle:.6g} rad ({np.degrees(angle):.4f} degrees)"
+def _with_unit(value: float, name: str) -> str:
+    """Text of an angle in both of its usual units, or of a length."""
+    return (
+        f"{value:.6g} rad ({np.degrees(value):.4f} degrees)"
+        if name.endswith("angle")
+        else f"{value:.6g} m"
+    )
 
 
 @dataclass(frozen=True)
@@ -428,9 +432,9 @@ class SliderCrank:
     --------
     The stroke of the slider is twice the crank:
 
-    >>> smallest, largest = SliderCrank(0.0762, 0.2032).slider_position(np.array([np.pi, 0.0]))
-    >>> print(f"{largest - smallest:.4f} m")
-    0.1524 m
+    >>> smallest, largest = SliderCrank(crank=0.0762, coupler=0.2032).slider_limits()
+    >>> round(largest - smallest, 4)
+    0.1524
     """
 
     crank: float
@@ -544,6 +548,16 @@ class SliderCrank:
         swing = float(np.arcsin(self.crank / self.rod))
         return -swing, swing
 
+    def slider_limits(self) -> tuple[float, float]:
+        """Range of the slider position.
+
+        Returns
+        -------
+        (float, float)
+            Smallest and largest distance from the crank pivot. [m]
+        """
+        return self.rod - self.crank, self.rod + self.crank
+
     def dead_points(self) -> tuple[float, float]:
         """Crank angles at which the coupler reverses.
 
@@ -576,3 +590,25 @@ class SliderCrank:
         height = np.clip(-self.rod * np.sin(phi) / self.crank, -1.0, 1.0)
         falling_side = np.arcsin(height)  # cos t > 0, where phi falls
         return (np.pi / 2 + _sign(rising) * (np.pi / 2 - falling_side)) % TURN
+
+    @formula()
+    def crank_angle_from_slider(
+        self, slider_position: Values, *, rising: Values, tolerance: float = DEAD_POINT_TOLERANCE
+    ) -> Values:
+        """Find the crank angle that gives a slider position.
+
+        Parameters
+        ----------
+        slider_position : float or array
+            Distance from crank pivot to slider pin. [m]
+
+        Returns: Crank angle, 0 to 2 pi. [rad]
+
+        Raises
+        ------
+        ModelError
+            A position beyond the reach of the slider.
+        """
+        x = _within_reach(slider_position, self.slider_limits(), tolerance, "slider_position")
+        apart = measures.angle_opposite(self.rod, x, self.crank)
+        return (-_sign(rising) * apart) % TURN

@@ -1,7 +1,7 @@
-"""Viscosity of an oil against temperature and pressure.
+"""Viscosity and density of an oil against temperature and pressure.
 
-Vogel (1921) for temperature, Barus (1893) for pressure. Walther's law (1931) is in
-`erlif.models.oil_fit`.
+Vogel (1921) for temperature, Barus (1893) and Roelands (1966) for pressure, Dowson and Higginson
+(1966) for the density under pressure. Walther's law (1931) is in `erlif.models.oil_fit`.
 """
 
 from typing import NamedTuple
@@ -10,6 +10,12 @@ import numpy as np
 
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula, require_known
+
+ROELANDS_PRESSURE = 1.96e8
+"""Pressure scale p_r of Roelands' law. [Pa]"""
+
+ROELANDS_CONSTANT = 9.67
+"""Minus the logarithm of the viscosity of 6.31e-5 Pa s at which all isobars meet. [1]"""
 
 
 @formula(a="number", temperature="signed temperature")
@@ -142,7 +148,7 @@ def barus_viscosity(pressure: Values, *, viscosity: Values, pressure_viscosity: 
 
     Notes
     -----
-    Far too high above about 0.5 GPa.
+    Far too high above about 0.5 GPa; `roelands_viscosity` holds there.
 
     Examples
     --------
@@ -153,6 +159,114 @@ def barus_viscosity(pressure: Values, *, viscosity: Values, pressure_viscosity: 
     10.2
     """
     return viscosity * np.exp(pressure_viscosity * pressure)
+
+
+@formula(pressure="signed number")
+def roelands_viscosity(
+    pressure: Values, *, viscosity: Values, pressure_viscosity: Values
+) -> Values:
+    """Viscosity under pressure: ln(eta/eta0) = (ln eta0 + 9.67) [(1 + p/p_r)^Z - 1].
+
+    p_r = 0.196 GPa; Z = alpha p_r / (ln eta0 + 9.67) gives the slope of `barus_viscosity` at
+    ambient pressure. Roelands (1966).
+
+    Parameters
+    ----------
+    pressure : float or array
+        Pressure above ambient, above -p_r. [Pa]
+    viscosity : float or array
+        Dynamic viscosity eta0 at ambient pressure, above 6.31e-5. [Pa s]
+
+    Returns: Dynamic viscosity. [Pa s]
+
+    Raises
+    ------
+    ModelError
+        A viscosity or pressure outside the range of the law, a negative coefficient, or an infinite
+        value.
+
+    Notes
+    -----
+    At constant temperature; usual for pressures up to about 1 GPa.
+
+    Examples
+    --------
+    At 1 GPa the law of Barus exceeds it thousands of times for an oil of 0.12 Pa s and 2e-8 1/Pa:
+    exp(20) over exp(7.5497 (6.1020^0.51921 - 1)).
+
+    >>> from erlif.models.oil import barus_viscosity
+    >>> oil = {"viscosity": 0.12, "pressure_viscosity": 2e-8}
+    >>> round(barus_viscosity(1e9, **oil) / roelands_viscosity(1e9, **oil), -2)
+    3800.0
+    """
+
+    # all isobars meet at the lowest viscosity, and the power needs a positive base
+    scale = np.log(viscosity) + ROELANDS_CONSTANT
+    if np.any(np.less_equal(scale, 0)):
+        raise ModelError(
+            f"viscosity must exceed {np.exp(-ROELANDS_CONSTANT):.3g} Pa s for the law of Roelands, "
+            f"got {np.nanmin(np.asarray(viscosity)):g}."
+        )
+    if np.any(np.less_equal(pressure, -ROELANDS_PRESSURE)):
+        raise ModelError(
+            f"pressure must exceed {-ROELANDS_PRESSURE:g} Pa for the law of Roelands, "
+            f"got {np.nanmin(np.asarray(pressure)):g}."
+        )
+
+    exponent = pressure_viscosity * ROELANDS_PRESSURE / scale
+    return viscosity * np.exp(scale * ((1 + pressure / ROELANDS_PRESSURE) ** exponent - 1))
+
+
+@formula()
+def density_at_pressure(pressure: Values, *, density: Values) -> Values:
+    """Density of a mineral oil under pressure: rho = rho0 [1 + 0.6 p / (1 + 1.7 p)], p in GPa.
+
+    Dowson and Higginson (1966).
+
+    Parameters
+    ----------
+    pressure, density : float or array
+        Pressure above ambient [Pa], density rho0 at ambient pressure [kg/m3].
+
+    Returns: Density. [kg/m3]
+
+    Raises
+    ------
+    ModelError
+        A density that is not positive, a negative pressure, or an infinite value.
+
+    Examples
+    --------
+    At 1 GPa the oil is denser by 0.6/2.7:
+
+    >>> round(density_at_pressure(1e9, density=900.0), 3)
+    1100.0
+    """
+    return density * (1 + 0.6e-9 * pressure / (1 + 1.7e-9 * pressure))
+
+
+@formula()
+def density_at_temperature(
+    temperature: Values, *, density: Values, reference_temperature: Values, expansion: Values
+) -> Values:
+    """Density of a warm oil: rho = rho0 [1 - beta (T - T0)].
+
+    Parameters
+    ----------
+    temperature, reference_temperature, density, expansion : float or array
+        Temperature T and the temperature T0 of the known density [K], density rho0 at T0 [kg/m3],
+        coefficient of cubic expansion beta, about 7e-4 for mineral oils [1/K].
+
+    Returns: Density. [kg/m3]
+
+    Examples
+    --------
+    >>> round(density_at_temperature(
+    ...     323.15, density=860.0, reference_temperature=313.15, expansion=7e-4
+    ... ), 2)
+    853.98
+    """
+    return density * (1 - expansion * (temperature - reference_temperature))
 
 
 @formula()

@@ -300,9 +300,9 @@ def thin_wall_torque_ratio(
     """Torque ratio of a shaft in a thin Winkler wall, with a clearance or an interference.
 
     The pressure is E'/t (e cos theta - c) up to the half angle a with cos a = c/e, which follows
-    from c E' R / (q t) = cos a / (a - sin a cos a). The ratio is 2 (sin a - a cos a) /
-    (a - sin a cos a), that of Colbert et al. (2009), B1 to B10, for a thin clearance, also beyond
-    90 degrees. An interference of more than q t / (pi E' R) presses all round: the ratio is
+    from c E' R / (q t) = cos a / (a - sin a cos a). The ratio is that of
+    `erlif.models.friction.thin_winkler_torque_ratio`, 2 (sin a - a cos a) / (a - sin a cos a), also
+    beyond 90 degrees. An interference of more than q t / (pi E' R) presses all round: the ratio is
     2 pi |c| E' R / (q t).
 
     Parameters

@@ -17,10 +17,12 @@ from erlif.models.friction import (
     elliptic_torque_ratio,
     friction_coefficient,
     friction_torque,
+    thin_winkler_load,
+    thin_winkler_torque_ratio,
     torque_ratio,
+    truncated_cosine_torque_ratio,
     uniform_torque_ratio,
 )
-from erlif.models.running_in import thin_wall_torque_ratio
 
 LBF = 4.4482216152605
 
@@ -28,6 +30,8 @@ DISTRIBUTIONS = {
     uniform_torque_ratio: lambda t, a: 1.0,
     cosine_torque_ratio: lambda t, a: np.cos(np.pi * t / (2 * a)),
     elliptic_torque_ratio: lambda t, a: np.sqrt(max(1 - (t / a) ** 2, 0.0)),
+    truncated_cosine_torque_ratio: lambda t, a: np.cos(t),
+    thin_winkler_torque_ratio: lambda t, a: np.cos(t) - np.cos(a),
 }
 
 
@@ -55,12 +59,13 @@ def test_limits_of_the_torque_ratio_at_90_degrees():
     npt.assert_allclose(uniform_torque_ratio(np.pi / 2), np.pi / 2)  # printed 1.57
     npt.assert_allclose(cosine_torque_ratio(np.pi / 2), 4 / np.pi)  # printed 1.25
     npt.assert_allclose(elliptic_torque_ratio(np.pi / 2), 1.385612, atol=5e-7)
-    npt.assert_allclose(STEADY_WEAR_TORQUE_RATIO, cosine_torque_ratio(np.pi / 2))
+    npt.assert_allclose(STEADY_WEAR_TORQUE_RATIO, truncated_cosine_torque_ratio(np.pi / 2))
 
 
 def test_values_of_a6():  # Colbert et al. (2009), eq. A6
     npt.assert_allclose(cosine_torque_ratio(np.radians(86.61)), 1.25, atol=5e-5)
     npt.assert_allclose(cosine_torque_ratio(np.radians(60)), 10 / 9)
+    npt.assert_allclose(truncated_cosine_torque_ratio(np.radians(60)), 1.170138, atol=5e-7)
 
 
 def test_worn_ptfe_bushing():
@@ -83,22 +88,20 @@ def test_worn_ptfe_bushing():
     ],
 )
 def test_contours_of_fig_b1_for_a_thin_clearance(ratio, degrees, load):
-    """Colbert et al. (2009), Fig. B1: thin wall, and the Winkler chart that collapses on it."""
-    unit = {"thickness": 1.0, "modulus": 1e8}
-    found = thin_wall_torque_ratio(load * 1e8, clearance=1.0, shaft_radius=1.0, **unit)
-    npt.assert_allclose(found, ratio, rtol=3e-5)  # five digits of the angle
+    """Colbert et al. (2009), Fig. B1."""
+    half_angle = np.radians(degrees)
+    npt.assert_allclose(thin_winkler_torque_ratio(half_angle), ratio, rtol=1e-5)
+    npt.assert_allclose(thin_winkler_load(half_angle), load, rtol=3e-4)  # five digits of the angle
 
+
+def test_winkler_chart_collapses_for_a_thin_clearance():
     fit = 1e5
-    chart = winkler_contact(
-        load / fit * 1e8, shaft_radius=fit / (1 + fit), bushing_radius=1.0, **unit
+    load = thin_winkler_load(0.7) / fit
+    found = winkler_contact(
+        load * 1e9, shaft_radius=fit / (1 + fit), bushing_radius=1.0, thickness=1.0, modulus=1e9
     )
-    npt.assert_allclose(np.degrees(chart.half_angle), degrees, rtol=1e-3)
-    npt.assert_allclose(chart.torque_ratio, ratio, rtol=1e-4)
-
-
-def _truncated_cosine(a):
-    """Torque ratio of the pressure cos theta over an arc."""
-    return np.sin(a) / (a / 2 + np.sin(2 * a) / 4)
+    npt.assert_allclose(found.half_angle, 0.7, rtol=1e-3)
+    npt.assert_allclose(found.torque_ratio, thin_winkler_torque_ratio(0.7), rtol=1e-4)
 
 
 @given(st.floats(0.01, 1.5))
@@ -106,7 +109,7 @@ def test_sampled_pressure_gives_the_torque_ratio(half_angle):
     angle = np.linspace(-half_angle, half_angle, 4001)
     npt.assert_allclose(
         torque_ratio(angle, pressure=np.cos(angle)),
-        _truncated_cosine(half_angle),
+        truncated_cosine_torque_ratio(half_angle),
         rtol=1e-5,
     )
     persson = persson_pressure(angle, half_angle=half_angle, load_per_length=1.0, pin_diameter=1.0)
@@ -144,5 +147,5 @@ def test_sampled_torque_ratio_keeps_the_coordinates_of_data_arrays():
     found = torque_ratio(angle, pressure=case * np.cos(angle))
     assert found.dims == ("case",)
     assert list(found.case) == [10, 20]
-    npt.assert_allclose(found, _truncated_cosine(1.0), rtol=1e-5)
+    npt.assert_allclose(found, truncated_cosine_torque_ratio(1.0), rtol=1e-5)
     npt.assert_allclose(torque_ratio(angle.values, pressure=np.cos(angle)), found[0])

@@ -204,8 +204,9 @@ def test_slider_crank_closes_and_its_rates_are_derivatives(crank, ratio, clearan
 
 
 def test_slider_crank_of_mukras():  # Mukras et al. (2008), Table 1 as half lengths: stroke 152.4 mm
-    low, high = MUKRAS.slider_position(np.array([np.pi, 0.0]))
+    low, high = MUKRAS.slider_limits()
     npt.assert_allclose(high - low, 0.1524)
+    npt.assert_allclose(MUKRAS.slider_position(np.array([np.pi, 0.0])), [low, high])
     npt.assert_allclose(MUKRAS.coupler_angle(np.array(MUKRAS.dead_points())), MUKRAS.limits())
     # sliding distance at the joint: each turn of the crank turns the pin once in its bushing
     npt.assert_allclose(
@@ -214,9 +215,12 @@ def test_slider_crank_of_mukras():  # Mukras et al. (2008), Table 1 as half leng
 
 
 @given(angles)
-def test_an_encoder_on_the_rod_gives_the_crank_back(crank_angle):
+def test_slider_crank_encoders_give_the_crank_back(crank_angle):
     rising = MUKRAS.coupler_speed(crank_angle, crank_speed=1.0) > 0
     found = MUKRAS.crank_angle(MUKRAS.coupler_angle(crank_angle), rising=rising)
+    npt.assert_allclose(np.cos(found - crank_angle), 1, atol=1e-9)
+    rising = MUKRAS.slider_speed(crank_angle, crank_speed=1.0) > 0
+    found = MUKRAS.crank_angle_from_slider(MUKRAS.slider_position(crank_angle), rising=rising)
     npt.assert_allclose(np.cos(found - crank_angle), 1, atol=1e-9)
 
 

@@ -8,8 +8,11 @@ from hypothesis import strategies as st
 
 from erlif.models.oil import (
     barus_viscosity,
+    density_at_pressure,
+    density_at_temperature,
     fit_vogel,
     kinematic_viscosity,
+    roelands_viscosity,
     vogel_viscosity,
 )
 
@@ -30,6 +33,29 @@ def test_barus_exponents_of_the_thesis_joint():
     )
     npt.assert_allclose(
         np.log(barus_viscosity(0.31e6, viscosity=1.0, pressure_viscosity=2e-8)), 0.0062, atol=5e-5
+    )
+
+
+@given(st.floats(1e-3, 10.0), st.floats(1e-8, 3e-8))
+def test_roelands_starts_like_barus_and_stays_below(viscosity, alpha):
+    oil = {"viscosity": viscosity, "pressure_viscosity": alpha}
+    assert roelands_viscosity(0.0, **oil) == viscosity
+    step = 1e3
+    slope = np.log(roelands_viscosity(step, **oil) / viscosity) / step
+    npt.assert_allclose(slope, alpha, rtol=1e-4)
+    exponent = alpha * 1.96e8 / (np.log(viscosity) + 9.67)
+    if exponent < 1:
+        assert roelands_viscosity(5e8, **oil) < barus_viscosity(5e8, **oil)
+
+
+def test_density_under_pressure_and_heat():
+    npt.assert_allclose(density_at_pressure(1e9, density=1000.0), 1000 * (1 + 0.6 / 2.7))
+    npt.assert_allclose(
+        density_at_pressure(1e15, density=1000.0), 1000 * (1 + 0.6 / 1.7), rtol=1e-5
+    )  # the largest density of the law
+    npt.assert_allclose(
+        density_at_temperature(323.15, density=860.0, reference_temperature=313.15, expansion=7e-4),
+        860 * 0.993,
     )
 
 

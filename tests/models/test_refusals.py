@@ -122,6 +122,16 @@ DOORS = {
     "oil": (
         lambda law, *first, **rest: getattr(oil, law)(*first, **rest),
         (("vogel_viscosity", 150.0), {"a": 1e-4, "b": 900.0, "c": 170.0}, "above the Vogel"),
+        (
+            ("roelands_viscosity", 1e8),
+            {"viscosity": 1e-5, "pressure_viscosity": 2e-8},
+            "viscosity must exceed",
+        ),
+        (
+            ("roelands_viscosity", -3e8),
+            {"viscosity": 0.1, "pressure_viscosity": 2e-8},
+            "pressure must exceed",
+        ),
     ),
     "measured viscosities": (
         fit_oil,
@@ -169,6 +179,10 @@ DOORS = {
         SliderCrank,
         ((0.2, 0.1), "coupler must be longer"),
         ((0.1, 0.2, -1e-5), "clearance"),
+    ),
+    "encoder of the slider": (
+        lambda x: CRANK.crank_angle_from_slider(x, rising=True),
+        ((0.3,), "slider_position must lie in the reach"),
     ),
     "swing": (
         crank_for_swing,
@@ -273,6 +287,12 @@ DOORS = {
         (("group", np.pi), "half_angle"),
         (("half_angle", -1.0), "must exceed -2/pi"),
         (
+            ("load", 2.0),
+            {"play": 1e-4, "youngs_modulus": 2e11},
+            "half_angle must be below 84.8",
+        ),
+        (("load", 1.0), {"play": 0.0, "youngs_modulus": 2e11}, "^play must not be zero"),
+        (
             ("contact", 1e5),
             {"play": -1e-4, "pin_diameter": 0.08, "youngs_modulus": 2e11},
             "^play must keep .* above -2/pi",
@@ -341,6 +361,7 @@ DOORS = {
         ((np.ones(5), np.ones(5)), "0 backward"),
         ((np.ones(4), [1, 1, -1]), "^torque and direction must be columns of one length"),
     ),
+    "thin clearance": (friction.thin_winkler_load, (([0.5, np.pi / 2],), "below pi/2")),
     "journal": (
         lambda **changes: replace(PIN, **changes),
         ({"bushing_radius": 0.033}, "bushing_radius must exceed pin_radius"),

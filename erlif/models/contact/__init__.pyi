@@ -13,6 +13,7 @@ from .persson import (
     persson_contact,
     persson_group,
     persson_half_angle,
+    persson_load,
     persson_peak_group,
     persson_pressure,
 )
@@ -61,6 +62,7 @@ __all__ = [
     "persson_contact",
     "persson_group",
     "persson_half_angle",
+    "persson_load",
     "persson_peak_group",
     "persson_pressure",
     "projected_pressure",

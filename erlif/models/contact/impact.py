@@ -8,7 +8,7 @@ from erlif.models.contact.scaling import conformal_radius
 
 @formula()
 def impact_stiffness(
-    pin_radius: Values, *, bushing_radius: Values, contact_modulus: Values
+    pin_radius: Values, *, bushing_radius: Values, contact_modulus: Values, as_printed: bool = False
 ) -> Values:
     """Compute the stiffness of a pin that hits its bushing. Mukras et al. (2008), eq. 13.
 
@@ -18,6 +18,8 @@ def impact_stiffness(
     ----------
     pin_radius, bushing_radius : float or array
         Radii of the pin and of the bore. [m]
+    as_printed : bool
+        Use the reduced radius that the source prints.
 
     Returns: Stiffness K. [N/m^1.5]
 
@@ -29,21 +31,25 @@ def impact_stiffness(
     Notes
     -----
     R is the reduced radius of a pin inside a bushing. The source prints R1 R2/(R1 + R2), two balls
-    outside each other, which with its numbers is 43.7 times too soft.
+    outside each other, which with its numbers is 43.7 times too soft; `as_printed` gives that
+    value.
 
     Examples
     --------
-    The joint of the source, steel in PTFE, which prints 1.494e7:
+    The joint of the source, steel in PTFE; 1.494e7 is its value.
 
     >>> from erlif.models.contact import contact_modulus
     >>> modulus = contact_modulus(206.8e9, poisson_1=0.29, youngs_2=0.139e9, poisson_2=0.38)
     >>> case = {"bushing_radius": 9.535e-3, "contact_modulus": modulus}
+    >>> print(f"{impact_stiffness(9.525e-3, **case, as_printed=True):.3e}")
+    1.494e+07
     >>> print(f"{impact_stiffness(9.525e-3, **case):.3e}")
     6.523e+08
     """
-    # the bore is concave, so its curvature counts as negative
-    radius = conformal_radius(pin_radius, bushing_radius=bushing_radius)
-    return 4 / 3 * contact_modulus * np.sqrt(radius)
+    # the bore is concave, so its curvature counts as negative; the print takes it for a ball
+    inside = conformal_radius(pin_radius, bushing_radius=bushing_radius)
+    outside = pin_radius * bushing_radius / (pin_radius + bushing_radius)
+    return 4 / 3 * contact_modulus * np.sqrt(outside if as_printed else inside)
 
 
 @formula()

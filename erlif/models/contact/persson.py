@@ -253,3 +253,46 @@ def closed_contact_pressure(
         )
     alone = youngs_modulus * interference / (2 * pin_diameter)
     return alone + 2 * load_per_length / (np.pi * pin_diameter)
+
+
+@formula(half_angle="arc")
+def persson_load(half_angle: Values, *, play: Values, youngs_modulus: Values) -> Values:
+    """Compute the line load that spreads the contact to a half angle. Strand (2005), eq. 9.
+
+    The inverse of `persson_contact`.
+
+    Parameters
+    ----------
+    youngs_modulus : float or array
+        E of both bodies for plane stress; E/(1 - nu^2) for plane strain. [Pa]
+
+    Returns: Line load q. [N/m]
+
+    Raises
+    ------
+    ModelError
+        A play of zero, or an angle that no load gives: a play opens contacts below 84.8 degrees, an
+        interference above. A modulus not positive, or an infinite value.
+
+    Examples
+    --------
+    The line load of `persson_contact` comes back:
+
+    >>> from erlif.models.contact import persson_contact
+    >>> contact = persson_contact(1e6, play=0.4e-3, pin_diameter=0.06, youngs_modulus=200e9)
+    >>> print(f"{persson_load(contact.half_angle, play=0.4e-3, youngs_modulus=200e9):.1f} N/m")
+    1000000.0 N/m
+    """
+    if np.any(np.equal(play, 0)):
+        raise ModelError(
+            "play must not be zero: the half contact angle is then 84.8 degrees at any load."
+        )
+
+    # play and group must share their sign, else no positive load belongs to the angle
+    load = youngs_modulus * play / (2 * persson_group(half_angle))
+    if not np.all(np.greater(load, 0) | np.isnan(load)):
+        raise ModelError(
+            "half_angle must be below 84.8 degrees with play and above it with an interference: "
+            "no load gives this one."
+        )
+    return load

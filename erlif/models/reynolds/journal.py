@@ -186,7 +186,9 @@ class Motion:
         )
 
 
-@formula(crank_speed="signed number", load="signed number", cycles="number")
+@formula(
+    crank_speed="signed number", load="signed number", cycles="number", start_crank="signed number"
+)
 def crank_motion(
     linkage: CrankRocker,
     *,
@@ -194,6 +196,7 @@ def crank_motion(
     load: float,
     cycles: float = 1.0,
     steps_per_cycle: int = 100,
+    start_crank: float = 0.0,
 ) -> Motion:
     """Make the motion of a joint whose bushing turns with the rocker of a linkage.
 
@@ -207,6 +210,8 @@ def crank_motion(
         Turns of the crank. [1]
     steps_per_cycle : int
         Time steps of a turn.
+    start_crank : float
+        Crank angle at time zero. [rad]
 
     Returns
     -------
@@ -232,7 +237,7 @@ def crank_motion(
         raise ModelError("crank_speed must not be zero: a crank at rest has no cycle.")
     turned = np.arange(round(cycles * steps_per_cycle) + 1.0) * (2 * np.pi / steps_per_cycle)
     middle = float(np.mean(linkage.limits()))
-    angle = linkage.rocker_angle(np.sign(crank_speed) * turned) - middle
+    angle = linkage.rocker_angle(start_crank + np.sign(crank_speed) * turned) - middle
     return Motion(turned / abs(crank_speed), angle=np.asarray(angle), load=load)
 
 

@@ -12,6 +12,7 @@ from erlif.models.contact import (
     persson_contact,
     persson_group,
     persson_half_angle,
+    persson_load,
     persson_peak_group,
     persson_pressure,
     projected_pressure,
@@ -125,6 +126,6 @@ def test_persson_inverts():
     npt.assert_allclose(persson_half_angle(group), half_angle, rtol=1e-6)
     half_angle, group = half_angle[np.abs(group) > 1e-3], group[np.abs(group) > 1e-3]
     play = np.sign(group) * 1e-4
-    load = 2e11 * play / (2 * group)
+    load = persson_load(half_angle, play=play, youngs_modulus=2e11)
     found, _ = persson_contact(load, play=play, pin_diameter=0.1, youngs_modulus=2e11)
     npt.assert_allclose(found, half_angle, rtol=1e-6)
