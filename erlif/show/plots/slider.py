@@ -61,6 +61,7 @@ def joint_wear(worn: xr.Dataset, *, ax: Axes | None = None) -> list[Line2D]:
     """Draw the worn depth round the bushing after several numbers of cycles, and that of the pin.
 
     Mukras et al. (2008), figures 13b and 14b.
+
     Parameters
     ----------
     worn : xarray.Dataset

@@ -56,6 +56,7 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
     """Draw mean and minimum film thickness against speed over load, with the fitted powers.
 
     Bars are one standard deviation, random and shared. Triggers too slow for the fit are grey.
+
     Parameters
     ----------
     ax : Axes, optional
