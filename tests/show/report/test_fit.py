@@ -9,7 +9,7 @@ from erlif.show.report.fit import summarise_comparison
 
 def comparison(viscosity, inflation=1.0):
     none = np.zeros(0)
-    minimum = Minimum(none, none, none, none, none, none, none, inflation, 0.0)
+    minimum = Minimum(*[none] * 6, inflation, log_likelihood=0.0)
     estimates = {
         "viscosity": viscosity,
         "start_film": Estimate(6.268e-6, 14e-9, 6.24e-6, 6.30e-6, "m"),
