@@ -244,12 +244,11 @@ def test_gain_is_right_to_five_per_cent_and_its_uncertainty_covers():
     assert 0.5 < np.sqrt(np.mean(np.square(pulls))) < 1.2
 
 
-@pytest.mark.skipif(not FULL, reason="in full number alone")
 def test_gain_of_frames_of_the_usual_size_is_right_to_five_per_cent(tmp_path):
-    """Fixtures and runs in full and dim light; all met the bounds on 24 November 2026."""
+    """Fixtures and runs in full and dim light; the dim run alone without ERLIF_FULL."""
     errors, pulls = [], []
-    rigs = [(821, 1.0, ["fixture"]), (822, 0.3, ["run"]), (823, 0.6, ["fixture", "run"])]
-    for seed, light, kinds in rigs:
+    rigs = [(822, 0.3, ["run"]), (821, 1.0, ["fixture"]), (823, 0.6, ["fixture", "run"])]
+    for seed, light, kinds in rigs if FULL else rigs[:1]:
         out = tmp_path / str(seed)
         simulate(out, seed=seed, rig=RigSettings(spacing=6.0, light=light))
         for kind in kinds:
