@@ -60,11 +60,12 @@ def fill_template(package: str, name: str, /, **values: Any) -> str:
     >>> text.splitlines()[0]
     '[fixture]'
     """
-    return _templates(package).get_template(name).render(**values)
+    return text_templates(package).get_template(name).render(**values)
 
 
 @cache
-def _templates(package: str) -> Environment:
+def text_templates(package: str) -> Environment:
+    """The templates of plain text in the folder ``templates`` of a package."""
     from jinja2 import Environment, PackageLoader, StrictUndefined  # few commands need it
 
     return Environment(

@@ -12,10 +12,10 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+from jinja2 import Environment, select_autoescape
 from markupsafe import Markup, escape
 
-from erlif.core.tables import read_table
+from erlif.core.tables import read_table, text_templates
 from erlif.io.files import refuse_existing, replacing
 
 if TYPE_CHECKING:
@@ -69,12 +69,8 @@ def render_text(template: str, **content: Any) -> str:
 
 @functools.cache
 def _templates() -> Environment:
-    environment = Environment(
-        loader=PackageLoader("erlif.show.report"),
-        autoescape=select_autoescape(("html",)),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+    environment = text_templates("erlif.show.report").overlay(
+        autoescape=select_autoescape(("html",)), keep_trailing_newline=False
     )
     environment.filters["units"] = print_units
     environment.filters["g"] = lambda value, digits=6: f"{float(value):.{digits}g}"
