@@ -15,11 +15,11 @@ from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
 from erlif.core.statistics import robust_rms
 
+# Probability of chance below which a difference is significant.
 FALSE_ALARM = 0.01
-"""Probability of chance below which a difference is significant."""
 
+# Standard deviations of a calibration beyond which a significant difference is a drift.
 DRIFT = 2.0
-"""Standard deviations of a calibration beyond which a significant difference is a drift."""
 
 _GRID = 60  # films at which the curves are compared
 _NO_VARIANCE = 1e-5  # of the largest: shapes below it are fixed by the covariance's rounding

@@ -23,17 +23,17 @@ from erlif.core.notes import Level, Note, join_notes
 from erlif.core.variables import CALIBRATION
 from erlif.registration import CameraMap
 
+# Direction of the ratio, the one that rises with thickness; the inverse is refused.
 DIRECTION = "camera2/camera1"
-"""Direction of the ratio, the one that rises with thickness; the inverse is refused."""
 
+# Variables of the fitted points, which every file has.
 FITTED_POINTS = ("curve_thickness", "curve_ratio", "curve_ratio_std", "curve_residual")
-"""Variables of the fitted points, which every file has."""
 
+# K, p and q by their names in the file.
 _PARAMETERS = ("ratio_at_zero", "attenuation_camera1", "attenuation_camera2")
-"""K, p and q by their names in the file."""
 
+# Points of the curve in a notebook.
 _CURVE_POINTS = 60
-"""Points of the curve in a notebook."""
 
 
 @dataclass(frozen=True, repr=False)

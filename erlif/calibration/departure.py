@@ -27,17 +27,17 @@ from erlif.calibration.pose import Freedom
 from erlif.calibration.regression import Fit
 from erlif.core.arrays import Array
 
+# Difference of the criterion from which on the spline is used (Kass & Raftery 1995).
 VERY_STRONG = 10.0
-"""Difference of the criterion from which on the spline is used (Kass & Raftery 1995)."""
+# Probability of chance below which structure in the residuals is reported.
 STRUCTURE = 1e-3
-"""Probability of chance below which structure in the residuals is reported."""
 
+# Variables of the file of a calibration, and what of the spline they hold.
 _STORED = {
     "departure_knots": "knots",
     "departure_coefficient": "coefficients",
     "departure_covariance": "covariance",
 }
-"""Variables of the file of a calibration, and what of the spline they hold."""
 
 _MAXIMUM_KNOTS = 5  # inner knots, that is six pieces
 _POINTS_PER_FUNCTION = 10  # each B-spline is supported by as many points

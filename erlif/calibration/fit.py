@@ -37,11 +37,11 @@ from erlif.core.variables import CALIBRATION
 
 _make_note = note_writer("erlif.calibration")
 
+# Error of a single pixel at which the calibrated range ends, of the thickness.
 USEFUL = 0.25
-"""Error of a single pixel at which the calibrated range ends, of the thickness."""
 
+# The same in dim light, over the error of the best pixel.
 DIM_LIGHT = 1.25
-"""The same in dim light, over the error of the best pixel."""
 
 _CORRELATED = 3.3  # standard deviations that chance exceeds once in a thousand
 _LARGEST_INFLATION = 10.0  # of the covariance by correlated residuals

@@ -20,8 +20,8 @@ from erlif.core.products import RatioImages
 
 _make_note = note_writer("erlif.calibration")
 
+# Number of the CMM point that each pixel belongs to, (pixel,).
 Cells = npt.NDArray[np.intp]
-"""Number of the CMM point that each pixel belongs to, (pixel,)."""
 
 _MINIMUM_PIXELS = 20  # in the cell of one CMM point
 _CELL = 0.51  # of the spacing of the points: half, and 2 % so that cells of even points touch

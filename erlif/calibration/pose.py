@@ -15,8 +15,8 @@ from erlif.core.notes import Note, note_writer
 
 _make_note = note_writer("erlif.calibration")
 
+# Elements of a change of pose: along and across the profile [mm], scale [1], turn [rad].
 ALONG, ACROSS, SCALE, TURN = range(4)
-"""Elements of a change of pose: along and across the profile [mm], scale [1], turn [rad]."""
 
 _SIGNIFICANT = 3.0  # standard deviations from which on a turn found in the image replaces the given
 _OUTLIER = 4.5  # standard deviations beyond which a cell holds dust
@@ -295,8 +295,8 @@ class Turn(NamedTuple):
     std: float
 
 
+# The given direction stays.
 AS_GIVEN = Turn(0.0, math.nan)
-"""The given direction stays."""
 
 
 def find_turn(points: Points, *, pixel_pitch: float) -> Turn:

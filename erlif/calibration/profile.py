@@ -19,17 +19,17 @@ from erlif.core.notes import Note, note_writer
 
 _make_note = note_writer("erlif.calibration")
 
+# Fewest points of a profile: beside K, p and q, five degrees of freedom remain.
 MINIMUM_POINTS = 8
-"""Fewest points of a profile: beside K, p and q, five degrees of freedom remain."""
 
+# Size of a profile that is read: 32 MB hold more than 500,000 points. [byte]
 LARGEST_FILE = 2**25
-"""Size of a profile that is read: 32 MB hold more than 500,000 points. [byte]"""
 
+# Largest film of a calibration; published ranges of the method end at 400 um. [um]
 THICKEST = 1000.0
-"""Largest film of a calibration; published ranges of the method end at 400 um. [um]"""
 
+# Largest value of a profile: 100 m along it, or a film of 10 cm. [mm, um]
 LARGEST_VALUE = 1e5
-"""Largest value of a profile: 100 m along it, or a film of 10 cm. [mm, um]"""
 
 _LINE_DEGREE = 40  # highest of the polynomial that follows the form of a line
 _SURFACE_DEGREE = 16  # the same for a surface, in both axes together

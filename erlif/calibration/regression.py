@@ -21,9 +21,9 @@ from erlif.core.arrays import Array, Mask
 from erlif.core.statistics import robust_rms
 from erlif.models.fluorescence import log_band_ratio, log_band_ratio_gradient, log_band_ratio_slope
 
+# Standard deviations from the curve beyond which a point is dust, a bubble or a slip of the
+# CMM.
 OUTLIER = 4.5
-"""Standard deviations from the curve beyond which a point is dust, a bubble or a slip of the
-CMM."""
 
 _PASSES = 6  # without outliers; the set of kept points is stable after two or three
 _FIRST_STD = 0.1  # um: error of the CMM assumed in the first pass where none is stated

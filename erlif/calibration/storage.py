@@ -37,8 +37,8 @@ from erlif.io.settings import RunSettings
 from erlif.registration import CameraMap
 from erlif.registration.camera_map import describe_map
 
+# Products whose files are no calibrations.
 _OTHERS = ("film", "prediction", "pressure", "comparison", "budget")
-"""Products whose files are no calibrations."""
 
 
 @takes(calibration="calibration")

@@ -12,23 +12,23 @@ from types import FrameType
 
 import click
 
+# Exit status where the input or the usage is at fault.
 BAD_INPUT = 2
-"""Exit status where the input or the usage is at fault."""
 
+# Exit status where erlif is at fault.
 DEFECT = 1
-"""Exit status where erlif is at fault."""
 
+# Exit status after a signal, as shells expect it, less the number of the signal.
 BY_SIGNAL = 128
-"""Exit status after a signal, as shells expect it, less the number of the signal."""
 
+# Exit status after Ctrl-C.
 INTERRUPTED = BY_SIGNAL + 2
-"""Exit status after Ctrl-C."""
 
+# Signals that end a command as Ctrl-C does; a system may lack the second.
 SIGNALS = ("SIGTERM", "SIGHUP")
-"""Signals that end a command as Ctrl-C does; a system may lack the second."""
 
+# Standard streams in the order of their descriptors, and how each is opened.
 STREAMS = (("stdin", "r"), ("stdout", "w"), ("stderr", "w"))
-"""Standard streams in the order of their descriptors, and how each is opened."""
 
 
 class EndedBySignal(KeyboardInterrupt):

@@ -11,8 +11,8 @@ from erlif.commands.options import PATH
 from erlif.core.errors import ConfigError
 from erlif.core.speed.imports import large_imports
 
+# Those of `erlif.review.init`, which takes long to load.
 KINDS = ("crank-rocker", "slider-crank", "rotation", "sinusoidal", "static")
-"""Those of `erlif.review.init`, which takes long to load."""
 
 DEFAULT_KIND = "crank-rocker"
 

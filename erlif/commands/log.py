@@ -6,8 +6,8 @@ import logging
 
 from erlif.commands.ending import echo_aside
 
+# Level for no `-v`, one and two.
 LEVELS = (logging.WARNING, logging.INFO, logging.DEBUG)
-"""Level for no ``-v``, one and two."""
 
 
 class TerminalHandler(logging.Handler):

@@ -27,13 +27,13 @@ from erlif.commands.log import show_log
 from erlif.core.errors import ErlifError
 from erlif.core.version import __version__
 
+# Before a rig, from frames to films, what is shown of films, and tests of joints.
 COMMANDS = (
     *("plan", "linkage", "design", "simulate"),
     *("init", "check", "calibrate", "process", "batch", "predict", "pressure", "budget"),
     *("figures", "movie", "report", "view", "export", "compare"),
     *("endurance", "friction", "sources"),
 )
-"""Before a rig, from frames to films, what is shown of films, and tests of joints."""
 
 
 class _Commands(click.Group):

@@ -13,8 +13,8 @@ from erlif.core.units import parse_quantity
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
+# A file or directory. The stages check whether it exists; their messages reach the user.
 PATH = click.Path(path_type=Path)
-"""A file or directory. The stages check whether it exists; their messages reach the user."""
 
 
 class Quantity(click.ParamType[float]):
@@ -66,6 +66,7 @@ def together(*options: Callable[[Command], Command]) -> Callable[[Command], Comm
     return decorate
 
 
+# How runs are processed; the pipeline takes these options by the same names.
 PROCESSING = together(
     click.option(
         "--workers", type=click.IntRange(min=1), help="Threads; default: one per processor."
@@ -80,7 +81,6 @@ PROCESSING = together(
     ALLOW_OUTSIDE,
     OVERWRITE,
 )
-"""How runs are processed; the pipeline takes these options by the same names."""
 
 
 def several(

@@ -12,6 +12,7 @@ import click
 from erlif.commands.ending import echo_aside
 from erlif.core.progress import Progress
 
+# What is counted, where it is not frame pairs.
 _UNITS = {
     "figures": "figure",
     "movie": "frame",
@@ -21,10 +22,9 @@ _UNITS = {
     "fit": "model",
     "pressure": "trigger",
 }
-"""What is counted, where it is not frame pairs."""
 
+# The line that is shown when the first kernel is compiled.
 ANNOUNCEMENT = "compiling, once per machine"
-"""The line that is shown when the first kernel is compiled."""
 
 
 @contextmanager

@@ -19,14 +19,14 @@ from erlif.core.speed.imports import large_imports
 from erlif.core.tables import read_table
 from erlif.rig.settings import CHOICES, SIDEWAYS, RigSettings
 
+# Digits of one side of a picture; other alphabets have digits that are no numbers.
 _SIDE = re.compile("[0-9]{1,6}")
-"""Digits of one side of a picture; other alphabets have digits that are no numbers."""
 
+# The options show the defaults of the rig itself.
 DEFAULT = RigSettings()
-"""The options show the defaults of the rig itself."""
 
+# Of the pixels; turning marks alone leave the wedge in fewer.
 _SHARE_OUTSIDE = 0.01
-"""Of the pixels; turning marks alone leave the wedge in fewer."""
 
 
 class PictureSize(click.ParamType[tuple[int, int]]):
@@ -70,15 +70,15 @@ class NumberOrWord(click.ParamType["float | str"]):
             self.fail(f"{value!r} is {self.expected}.", param, ctx)
 
 
+# Help of the options that are settings of the rig, in the order of `--help`.
 RIG_OPTIONS: dict[str, str] = read_table("erlif.commands", "simulate.toml")
-"""Help of the options that are settings of the rig, in the order of ``--help``."""
 
+# Types that do not follow from default or choice.
 _TYPES: dict[str, Any] = {
     "film": NumberOrWord("UM", "reynolds", example="6"),
     "sideways": NumberOrWord("N/m", *SIDEWAYS, example="50000, a stiffness in N/m"),
     "bleaching": (float, float),
 }
-"""Types that do not follow from default or choice."""
 
 
 def _rig_option(name: str, text: str) -> Callable[[Command], Command]:

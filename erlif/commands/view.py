@@ -15,8 +15,8 @@ import click
 from erlif.commands.options import PATH
 from erlif.core.speed.imports import large_imports
 
+# Time for which the file that opens the browser is kept. [s]
 _KEPT = 60.0
-"""Time for which the file that opens the browser is kept. [s]"""
 
 
 @click.command()

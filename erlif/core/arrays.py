@@ -7,23 +7,23 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+# Double precision: physics, fits, statistics.
 Array = npt.NDArray[np.float64]
-"""Double precision: physics, fits, statistics."""
 
+# Single precision, (y, x): light, ratio, thickness and their variances.
 Image = npt.NDArray[np.float32]
-"""Single precision, (y, x): light, ratio, thickness and their variances."""
 
+# Raw counts of a camera. [DN]
 Counts = npt.NDArray[np.uint16]
-"""Raw counts of a camera. [DN]"""
 
+# Bits of `erlif.core.flags.Flag`.
 FlagImage = npt.NDArray[np.uint8]
-"""Bits of `erlif.core.flags.Flag`."""
 
+# True for the elements that are meant.
 Mask = npt.NDArray[np.bool_]
-"""True for the elements that are meant."""
 
+# An array in the precision of its input.
 AnyArray = npt.NDArray[Any]
-"""An array in the precision of its input."""
 
+# Floating-point freedoms of a compiled loop that keep NaN a NaN.
 FAST: Final = {"nsz", "arcp", "contract", "afn", "reassoc"}
-"""Floating-point freedoms of a compiled loop that keep NaN a NaN."""

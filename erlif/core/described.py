@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 if TYPE_CHECKING:
     import xarray as xr
 
+# Dimensions, values, unit and name in words of each variable.
 Columns: TypeAlias = dict[str, tuple[str | tuple[str, ...], Any, str, str]]
-"""Dimensions, values, unit and name in words of each variable."""
 
 
 def describe(variables: Columns, coordinates: Columns) -> xr.Dataset:

@@ -1,7 +1,7 @@
 """Properties that all digital cameras share."""
 
+# Variance of rounding to whole counts, uniform over one count. [DN2]
 QUANTISATION_VAR = 1 / 12
-"""Variance of rounding to whole counts, uniform over one count. [DN2]"""
 
 
 def reading_var(read_noise: float, gain: float) -> float:

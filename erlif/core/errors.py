@@ -59,9 +59,10 @@ class RangeWarning(UserWarning):
     """A fitted equation used beyond the range over which its source fitted it."""
 
 
+# Length of a foreign text in a message; one of a damaged file may have megabytes. [character]
 LONGEST_REASON = 200
-"""Length of a foreign text in a message; one of a damaged file may have megabytes. [character]"""
 
+# Texts of the HDF5 library, and what they mean.
 _PLAIN = (
     (r".*file signature not found.*", "it is no HDF5 file"),
     (r".*truncated file: eof = (\d+).*stored_eof = (\d+).*", r"\1 of its \2 bytes are there"),
@@ -72,7 +73,6 @@ _PLAIN = (
     (r".*group not found: (\S+).*", r"its part \1 is missing"),
     (r".*Unable to synchronously open object.*|.*group not found.*", "a part of it is missing"),
 )
-"""Texts of the HDF5 library, and what they mean."""
 
 
 def reason_of(error: BaseException) -> str:

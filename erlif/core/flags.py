@@ -62,14 +62,16 @@ def count_flags(flags: FlagImage) -> list[int]:
     return [flags.size - int(np.count_nonzero(flags)), *flagged]
 
 
+# CF attributes of every flag variable, made from the table above.
 FLAG_ATTRS: dict[str, object] = {
     "long_name": "reasons why this pixel is not valid",
     "units": "1",
     "flag_masks": np.array([flag.value for flag in Flag], np.uint8),
     "flag_meanings": " ".join(str(flag.name).lower() for flag in Flag),
 }
-"""CF attributes of every flag variable, made from the table above."""
 
+# Colours that the colour map of film thickness does not contain. A pixel with several flags has
+# the colour of the first.
 FLAG_COLOURS = {
     Flag.NO_FILM: "#00D5F0",
     Flag.SATURATED: "#FFE600",
@@ -80,8 +82,6 @@ FLAG_COLOURS = {
     Flag.BELOW_RANGE: "#000000",
     Flag.ABOVE_RANGE: "#FFFFFF",
 }
-"""Colours that the colour map of film thickness does not contain. A pixel with several flags has
-the colour of the first."""
 
 
 _SMALLEST_SHARE = 5e-5  # share of pixels that rounds to 0.00 %

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+# Version of calibration.nc and film.nc; it rises when an older erlif would misread the file.
 FORMAT_VERSION = 1
-"""Version of calibration.nc and film.nc; it rises when an older erlif would misread the file."""
 
+# Global attribute that holds it; files without it are of version 1.
 ATTRIBUTE = "format_version"
-"""Global attribute that holds it; files without it are of version 1."""
 
 
 def is_later(attrs: Mapping[Any, Any]) -> bool:

@@ -23,15 +23,15 @@ from functools import lru_cache
 from pathlib import Path
 from typing import IO, Any
 
+# Duration of one file after which the child is ended. [s]
 LONGEST = 10.0
-"""Duration of one file after which the child is ended. [s]"""
 
+# What the child may take for an HDF5 file, of which it keeps little, and for a MATLAB file, which
+# it reads. [byte]
 MEMORY = 2**29, 3 * 2**29
-"""What the child may take for an HDF5 file, of which it keeps little, and for a MATLAB file, which
-it reads. [byte]"""
 
+# Numbers of a MATLAB file above which it is not loaded; they take 256 MB.
 MOST_NUMBERS = 32_000_000
-"""Numbers of a MATLAB file above which it is not loaded; they take 256 MB."""
 
 
 def file_stamp(path: Path) -> tuple[int, int, int]:

@@ -43,8 +43,8 @@ def open_hdf5(path: Path) -> Any:
     return h5py.File(path, "r")
 
 
+# First bytes of a superblock.
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
-"""First bytes of a superblock."""
 
 
 def refuse_elsewhere(name: str, data: Any) -> None:

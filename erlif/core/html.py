@@ -23,8 +23,8 @@ _MISSING = np.array([217, 217, 217], np.uint8)  # colour of pixels without a val
 
 _PALETTE = 128  # colours of an embedded picture
 
+# Edges of the axes in the picture of a curve. [px]
 _LEFT, _RIGHT, _TOP, _BOTTOM = 34.0, 224.0, 20.0, 112.0
-"""Edges of the axes in the picture of a curve. [px]"""
 
 Range = tuple[float, float]
 

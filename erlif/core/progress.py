@@ -8,11 +8,11 @@ from typing import Any, Literal
 
 from erlif.core.errors import ErlifError
 
+# Called with the name of a step, the number of items that are finished, and their total.
 Progress = Callable[[str, int, int], None]
-"""Called with the name of a step, the number of items that are finished, and their total."""
 
+# What long functions take: a `Progress`, "bar" or True for bars, None or False for nothing.
 ShowProgress = Progress | bool | Literal["bar"] | None
-"""What long functions take: a `Progress`, "bar" or True for bars, None or False for nothing."""
 
 
 def silent(what: str, done: int, total: int) -> None:

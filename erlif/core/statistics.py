@@ -8,11 +8,11 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 
+# Pixels from which the median of a whole image is taken: to 0.3 % of the standard deviation.
 SAMPLED = 200_000
-"""Pixels from which the median of a whole image is taken: to 0.3 % of the standard deviation."""
 
+# Standard deviation of a normal distribution over its median absolute deviation, 1/Phi^-1(3/4).
 MAD_TO_STD = 1.4826
-"""Standard deviation of a normal distribution over its median absolute deviation, 1/Phi^-1(3/4)."""
 
 
 def robust_std(values: AnyArray) -> float:

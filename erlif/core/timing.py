@@ -8,8 +8,8 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+# Stages are logged for the program as a whole, unless a module names its own logger.
 _logger = logging.getLogger("erlif")
-"""Stages are logged for the program as a whole, unless a module names its own logger."""
 
 
 @contextmanager

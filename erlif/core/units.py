@@ -19,15 +19,15 @@ from erlif.core.tables import read_table
 if TYPE_CHECKING:
     import pint
 
+# Accepted units of rotation: pint reads 1 Hz as 1 rad/s and any pure number as an angle.
 _ONLY = {
     "rad/s": ("rpm", "rad/s", "deg/s", "rev/s"),
     "rad": ("deg", "degree", "degrees", "°", "rad", "mrad", "arcmin", "turn", "rev"),
     "Hz": ("Hz", "kHz", "1/s", "1/min", "rpm"),
 }
-"""Accepted units of rotation: pint reads 1 Hz as 1 rad/s and any pure number as an angle."""
 
+# What is measured in these units.
 _KINDS = {"rad/s": "a speed of rotation", "rad": "an angle", "Hz": "a frequency"}
-"""What is measured in these units."""
 
 
 def _factor(text: str) -> Fraction:
@@ -36,27 +36,27 @@ def _factor(text: str) -> Fraction:
     return math.prod(map(Fraction, numbers), start=Fraction(1))
 
 
+# By the unit of the result, what one of each usual unit is in it.
 _USUAL = {
     unit: {name: _factor(text) for name, text in names.items()}
     for unit, names in read_table("erlif.core", "units.toml").items()
 }
-"""By the unit of the result, what one of each usual unit is in it."""
 
+# A decimal number and a short unit; pint would compute arithmetic such as 2**99999999.
 _QUANTITY = re.compile(
     r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)"
     r"\s*((?:1\s*/\s*)?[^\W\d](?:[\w ^/·()⁻-]|\*(?!\*)){0,40}|°C?)\s*\Z"
 )
-"""A decimal number and a short unit; pint would compute arithmetic such as 2**99999999."""
 
+# What to write in place of a unit of mass where a force is expected.
 _HINTS = {
     "lb": 'write "lbf" for a force',
     "lbs": 'write "lbf" for a force',
     "kg": 'write "kgf" for a force',
 }
-"""What to write in place of a unit of mass where a force is expected."""
 
+# Quantities of usual size, by the unit of the result.
 _EXAMPLES = {"m": "5 mm", "m/s": "10 mm/s", "Pa": "2 GPa", "Pa s": "0.1 Pa s", "N": "200 N"}
-"""Quantities of usual size, by the unit of the result."""
 
 
 @cache

@@ -15,8 +15,8 @@ import xarray as xr
 
 from erlif.core.tables import read_table
 
+# Largest magnitude of a number of a trigger, in the units of the file.
 LARGEST_NUMBER = 1e9
-"""Largest magnitude of a number of a trigger, in the units of the file."""
 
 
 @dataclass(frozen=True)
@@ -115,20 +115,20 @@ def _read_variable(name: str, keys: dict[str, Any], table: dict[str, Any]) -> Va
 
 _TABLE = _read_table()
 
+# Variables of the root of film.nc.
 FILM = _TABLE["film"]
-"""Variables of the root of film.nc."""
 
+# Variables of its group frames.
 FRAMES = _TABLE["frames"]
-"""Variables of its group frames."""
 
+# Variables of its group registration, and of that of calibration.nc.
 REGISTRATION = _TABLE["registration"]
-"""Variables of its group registration, and of that of calibration.nc."""
 
+# Variables of calibration.nc.
 CALIBRATION = _TABLE["calibration"]
-"""Variables of calibration.nc."""
 
+# Variables of prediction.nc.
 PREDICTION = _TABLE["prediction"]
-"""Variables of prediction.nc."""
 
+# Variables of pressure.nc.
 PRESSURE = _TABLE["pressure"]
-"""Variables of pressure.nc."""

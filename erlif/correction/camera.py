@@ -12,8 +12,8 @@ from erlif.correction.photon_transfer import LightLevel, reduce_level
 from erlif.correction.saturation import Histogram
 from erlif.correction.view import FrameView
 
+# Share of the saturation below which a pixel of a flat is linear.
 _CLEAR_OF_SATURATION = 0.95
-"""Share of the saturation below which a pixel of a flat is linear."""
 
 
 @dataclass(frozen=True)

@@ -17,17 +17,17 @@ from erlif.core.statistics import robust_std, sample_pixels
 from erlif.correction.pages import PageStack
 from erlif.correction.saturation import Histogram
 
+# Excess over the surroundings from which a pixel is hot: robust standard deviations, and DN.
 _HOT = 8.0
-"""Excess over the surroundings from which a pixel is hot: robust standard deviations, and DN."""
 
+# Share of good pixels whose temporal variance exceeds the limit for noisy ones by chance.
 _FALSE_NOISY = 1e-7
-"""Share of good pixels whose temporal variance exceeds the limit for noisy ones by chance."""
 
+# Added to that limit, so that rounding of a quiet camera makes no pixel noisy. [DN2]
 _NOISY_FLOOR = 1.0
-"""Added to that limit, so that rounding of a quiet camera makes no pixel noisy. [DN2]"""
 
+# Median light of the dry joint over that of the run from which its frames show a film. [1]
 _FILM = 0.5
-"""Median light of the dry joint over that of the run from which its frames show a film. [1]"""
 
 
 def median_of_surroundings(image: AnyArray) -> Image:

@@ -15,20 +15,20 @@ from erlif.correction.darks import median_of_surroundings
 from erlif.correction.pages import PageStack, precision_of
 from erlif.correction.saturation import Histogram, count_pixels, find_pile_up
 
+# Relative difference of mean brightness below which two pages belong to one light level.
 _SAME_LEVEL = 0.05
-"""Relative difference of mean brightness below which two pages belong to one light level."""
 
+# Share of saturated pixels above which a flat page is left out.
 _SATURATED_SHARE = 1e-3
-"""Share of saturated pixels above which a flat page is left out."""
 
+# Share of full scale that the brightest level must reach.
 _BRIGHT_ENOUGH = 1 / 50
-"""Share of full scale that the brightest level must reach."""
 
+# Light over that of the surroundings beyond which a pixel is dead or too bright.
 _DEAD, _OVERBRIGHT = 0.5, 1.5
-"""Light over that of the surroundings beyond which a pixel is dead or too bright."""
 
+# Light over the mean below which a pixel is dead.
 _DARKEST = 0.02
-"""Light over the mean below which a pixel is dead."""
 
 
 @dataclass(frozen=True)

@@ -27,11 +27,11 @@ _UNUSABLE = np.uint8(_SATURATED | _BAD_PIXEL)
 _ZERO, _ONE, _NONE = np.float32(0), np.float32(1), np.uint8(0)
 _at = np.uint64  # an index that cannot count from the end, as in `erlif.registration.interpolation`
 
+# Width of the blocks whose light is averaged. [px]
 BLOCK = 8
-"""Width of the blocks whose light is averaged. [px]"""
 
+# Rings of neighbours searched for good pixels: larger defects stay as they were read. [px]
 _FARTHEST = 5
-"""Rings of neighbours searched for good pixels: larger defects stay as they were read. [px]"""
 
 
 @dataclass(frozen=True)

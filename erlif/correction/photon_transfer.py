@@ -17,14 +17,14 @@ from erlif.core.arrays import AnyArray, Array, Mask
 from erlif.core.statistics import robust_std, sample_pixels
 from erlif.correction.pages import PageStack
 
+# Ratio of the light of two levels from which on they determine more than one does.
 DISTINCT = 1.02
-"""Ratio of the light of two levels from which on they determine more than one does."""
 
+# Relative bend below which a camera counts as linear: its error bars change by 1 %.
 _RELEVANT_BEND = 0.02
-"""Relative bend below which a camera counts as linear: its error bars change by 1 %."""
 
+# Standard deviations above which a bend is significant; 1 camera in 16000 by chance.
 _SIGNIFICANT = 4.0
-"""Standard deviations above which a bend is significant; 1 camera in 16000 by chance."""
 
 
 def _count_apart(lights: Sequence[float]) -> int:

@@ -29,22 +29,22 @@ from erlif.correction.photon_transfer import (
 
 _write = note_writer("erlif.correction")
 
+# Relative deviation of a declared gain or read noise from the measured one that is reported.
 _TOLERATED = 0.10
-"""Relative deviation of a declared gain or read noise from the measured one that is reported."""
 
+# Electrons at full scale of a camera whose gain is not known yet. [electron]
 _ASSUMED_CAPACITY = 16000.0
-"""Electrons at full scale of a camera whose gain is not known yet. [electron]"""
 
+# Read noise of a camera until it is estimated. [electron]
 _ASSUMED_READ_NOISE = 10.0
-"""Read noise of a camera until it is estimated. [electron]"""
 
+# Dark variance by which the fitted slope is differentiated; the dependence is linear. [DN2]
 _TRIAL_VAR = 1.0
-"""Dark variance by which the fitted slope is differentiated; the dependence is linear. [DN2]"""
 
 _NAN = float("nan")
 
+# Attributes of the numbers of a camera.
 _CHARACTERISTICS = read_table("erlif.correction", "characteristics.toml")
-"""Attributes of the numbers of a camera."""
 
 
 @dataclass(frozen=True)
@@ -63,8 +63,8 @@ class DeclaredNoise:
     read_noise: float | None = None
 
 
+# Subject of the note on gain, read noise, dark level and saturation of both cameras.
 CHARACTERISTICS = "cameras"
-"""Subject of the note on gain, read noise, dark level and saturation of both cameras."""
 
 
 @dataclass(frozen=True)

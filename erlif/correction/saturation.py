@@ -8,23 +8,23 @@ import numpy.typing as npt
 
 from erlif.core.arrays import Counts
 
+# Pixels by count, (full scale + 1,).
 Histogram = npt.NDArray[np.int64]
-"""Pixels by count, (full scale + 1,)."""
 
+# Largest whole number up to which single precision holds all.
 _EXACT = 1 << 24
-"""Largest whole number up to which single precision holds all."""
 
+# Counts below a pile-up that must each hold few pixels.
 _BELOW = 16
-"""Counts below a pile-up that must each hold few pixels."""
 
+# Pixels at the pile-up over those at any of the counts below it, at least.
 _STEEP = 5
-"""Pixels at the pile-up over those at any of the counts below it, at least."""
 
+# Pixels of a pile-up, at least.
 _LEAST_PILE = 20
-"""Pixels of a pile-up, at least."""
 
+# Pixels at the pile-up over those at all higher counts together, at least.
 _ABOVE = 100
-"""Pixels at the pile-up over those at all higher counts together, at least."""
 
 
 def count_pixels(counts: Counts, full_scale: int) -> Histogram:

@@ -9,11 +9,11 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, Image
 
+# Blocks along each axis of the image in which large-scale light is compared.
 BLOCKS = 8
-"""Blocks along each axis of the image in which large-scale light is compared."""
 
+# Largest side of the window about the middle that is kept pixel by pixel. [px]
 _SIDE = 512
-"""Largest side of the window about the middle that is kept pixel by pixel. [px]"""
 
 
 def mean_of_blocks(image: AnyArray) -> Array:

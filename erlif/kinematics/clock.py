@@ -10,20 +10,20 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError
 
+# Frames below which the motion does not show in their light.
 FEWEST_FRAMES = 12
-"""Frames below which the motion does not show in their light."""
 
+# Offsets tried in one turn of the crank.
 STEPS_IN_CYCLE = 120
-"""Offsets tried in one turn of the crank."""
 
+# Offsets tried in all.
 MOST_STEPS = 20_000
-"""Offsets tried in all."""
 
+# Least share of the variance of the light that the motion has to explain.
 EXPLAINED = 0.5
-"""Least share of the variance of the light that the motion has to explain."""
 
+# Difference of chi-square, three standard deviations, below which two offsets fit alike.
 EQUAL = 9.0
-"""Difference of chi-square, three standard deviations, below which two offsets fit alike."""
 
 _TURN = 2 * math.pi
 

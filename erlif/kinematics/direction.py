@@ -9,17 +9,17 @@ import numpy as np
 
 from erlif.core.arrays import Array
 
+# Of the crank angle, by which the readings of a turn are described.
 HARMONICS = 3
-"""Of the crank angle, by which the readings of a turn are described."""
 
+# Twice as many as the harmonics have coefficients.
 FEWEST_FRAMES = 14
-"""Twice as many as the harmonics have coefficients."""
 
+# Largest relative deviation of the crank speed from its setting.
 LARGEST_SLIP = 0.05
-"""Largest relative deviation of the crank speed from its setting."""
 
+# Standard deviations by which the second harmonic must differ from zero.
 SIGNIFICANT = 5.0
-"""Standard deviations by which the second harmonic must differ from zero."""
 
 _TURN = 2 * np.pi
 

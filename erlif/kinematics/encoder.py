@@ -15,8 +15,8 @@ from erlif.core.products import EncoderLog
 from erlif.kinematics.direction import find_direction
 from erlif.models.mechanism import CrankRocker, SliderCrank
 
+# A reading this far beyond a dead point is taken as the dead point. [rad]
 ENCODER_ERROR = math.radians(0.1)
-"""A reading this far beyond a dead point is taken as the dead point. [rad]"""
 
 _TURN = 2 * math.pi
 

@@ -15,25 +15,25 @@ from erlif.core.products import EncoderLog
 from erlif.core.variables import FILM, FRAMES
 from erlif.kinematics.encoder import Encoder, Mechanism
 
+# Turns of the crank below which a log without triggers_per_cycle counts as one cycle.
 _SINGLE_CYCLE = 1.5
-"""Turns of the crank below which a log without triggers_per_cycle counts as one cycle."""
 
+# Deviation from the first cycle's angle that a trigger may have, in spacings of triggers.
 OFF_ANGLE = 0.5
-"""Deviation from the first cycle's angle that a trigger may have, in spacings of triggers."""
 
+# The same where triggers_per_cycle is not given: triggers that creep by less do no harm.
 _REPEATED = 0.2
-"""The same where triggers_per_cycle is not given: triggers that creep by less do no harm."""
 
+# Distance from a dead point, in steps of the crank, beyond which the stroke is certain.
 _CLEAR = 0.25
-"""Distance from a dead point, in steps of the crank, beyond which the stroke is certain."""
 
 _BACK = 1.5 * math.pi  # A larger step of a slow crank is a small one backwards [rad]
 
 _TURN = 2 * math.pi
 
 
+# Values at each frame of variables of a film, and their names in words; empty: as in the table.
 FrameColumns: TypeAlias = dict[str, tuple[npt.ArrayLike, str]]
-"""Values at each frame of variables of a film, and their names in words; empty: as in the table."""
 
 
 class Fold(NamedTuple):

@@ -23,11 +23,11 @@ from erlif.kinematics.encoder import (
 from erlif.kinematics.folding import FrameColumns, describe_frames, fold_frames
 from erlif.models.mechanism import SliderCrank
 
+# Cost per radian beyond half a turn between frames: a slow crank is not a fast one in reverse.
 _BACKWARD_COST = 3.0
-"""Cost per radian beyond half a turn between frames: a slow crank is not a fast one in reverse."""
 
+# Added to steps before their logarithm, so that frames at rest do not decide. [rad]
 _EVEN_STEP = 1e-3
-"""Added to steps before their logarithm, so that frames at rest do not decide. [rad]"""
 
 
 def locate_frames(

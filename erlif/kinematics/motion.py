@@ -17,15 +17,15 @@ from erlif.core.errors import EncoderError
 from erlif.core.products import EncoderLog, require
 from erlif.kinematics.folding import FrameColumns, describe_frames, fold_by_number, fold_by_phase
 
+# Turn of a disc from frame to frame above which its sense is not certain. [degree]
 _LARGEST_STEP = 150.0
-"""Turn of a disc from frame to frame above which its sense is not certain. [degree]"""
 
 _OFF_RATE = 0.1  # relative difference of the logged rate from that of the settings that is reported
 
 _TURN = 360.0
 
+# Angles of the drive between which the bins of a cycle lie: a slider turns back there. [rad]
 _DISC, _SLIDER = (0.0, math.pi), (-math.pi / 2, math.pi / 2)
-"""Angles of the drive between which the bins of a cycle lie: a slider turns back there. [rad]"""
 
 
 @dataclass(frozen=True)

@@ -28,11 +28,10 @@ import numpy as np
 from erlif.core.errors import ModelError, RangeWarning, UnitWarning
 from erlif.core.tables import read_table
 
+# A float, a list, a numpy array or an xarray DataArray, in SI units.
+#
+# No static type covers them without an import of xarray.
 Values: TypeAlias = Any
-"""A float, a list, a numpy array or an xarray DataArray, in SI units.
-
-No static type covers them without an import of xarray.
-"""
 
 _Parameters = ParamSpec("_Parameters")
 _Result = TypeVar("_Result")
@@ -258,11 +257,11 @@ def _read_quantity(
 
 _TABLE = read_table("erlif.models", "arguments.toml")
 
+# Kinds of arguments: what refuses a value of each, and the sizes that it has in machines.
 QUANTITIES = {name: _read_quantity(**row) for name, row in _TABLE["quantities"].items()}
-"""Kinds of arguments: what refuses a value of each, and the sizes that it has in machines."""
 
+# Kinds of the arguments that mean the same in all models; the others are declared.
 ARGUMENTS = {name: kind for kind, names in _TABLE["names"].items() for name in names}
-"""Kinds of the arguments that mean the same in all models; the others are declared."""
 
 
 @dataclass(frozen=True)
@@ -293,8 +292,8 @@ def _require_whole(**arguments: float) -> None:
             raise ModelError(f"{name} must be a whole number, got {value:g}.")
 
 
+# Distance from the ends of a range at which a float is inside without a second look.
 _INSIDE = 1e-9
-"""Distance from the ends of a range at which a float is inside without a second look."""
 
 
 @cache

@@ -10,32 +10,32 @@ import numpy as np
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula, require_between, require_increasing
 
+# Hole over pin diameter up to which the stress concentration of eq. 4 is fitted. [1]
 LARGEST_HOLE_RATIO = 0.2
-"""Hole over pin diameter up to which the stress concentration of eq. 4 is fitted. [1]"""
 
+# Largest length over diameter of a pin that stays in place, section 2.1.10. [1]
 RECOMMENDED_SLENDERNESS = 3.0
-"""Largest length over diameter of a pin that stays in place, section 2.1.10. [1]"""
 
+# Brinell hardness in kgf/mm2 over tensile strength in MPa, for steel below 400 HB.
 BRINELL_OVER_STRENGTH = 0.3
-"""Brinell hardness in kgf/mm2 over tensile strength in MPa, for steel below 400 HB."""
 
+# Newton in a kilogram-force. [N/kgf]
 STANDARD_GRAVITY = 9.80665
-"""Newton in a kilogram-force. [N/kgf]"""
 
+# Bushing width over pin diameter, eq. 11. [1]
 RECOMMENDED_WIDTH = (0.5, 1.5)
-"""Bushing width over pin diameter, eq. 11. [1]"""
 
+# Outer over inner diameter of the housing eye, section 2.1.6. [1]
 RECOMMENDED_HOUSING = (2.0, 4.0)
-"""Outer over inner diameter of the housing eye, section 2.1.6. [1]"""
 
+# Bending moment at the root of a closed prong over F L: 1 - 2 x 5/32. [1]
 CLOSED_LOCK_MOMENT = 11 / 16
-"""Bending moment at the root of a closed prong over F L: 1 - 2 x 5/32. [1]"""
 
+# Shear at the root of a closed prong over F: 1 - 5/32. [1]
 CLOSED_LOCK_SHEAR = 27 / 32
-"""Shear at the root of a closed prong over F: 1 - 5/32. [1]"""
 
+# Play over pin diameter, eq. 23. [per mille]
 RECOMMENDED_PLAY = (0.3, 5.0)
-"""Play over pin diameter, eq. 23. [per mille]"""
 
 
 @formula()

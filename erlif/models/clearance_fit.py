@@ -14,26 +14,26 @@ from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, for_each, formula, require_between, require_positive
 from erlif.models.running_in import thin_wall_torque_ratio
 
+# Moduli among which the best is sought, from soft rubber to stiffer than any wall. [Pa]
 _RANGE = (4e5, 9e12)
-"""Moduli among which the best is sought, from soft rubber to stiffer than any wall. [Pa]"""
 
+# Moduli that are tried: 4 % apart, well within their error.
 _TRIALS = 401
-"""Moduli that are tried: 4 % apart, well within their error."""
 
+# Of the moduli: median and interval of one standard deviation.
 _QUANTILES = (0.158655, 0.5, 0.841345)
-"""Of the moduli: median and interval of one standard deviation."""
 
+# Weight of the last modulus over the largest, from which on an end is not determined.
 _OPEN = 0.1
-"""Weight of the last modulus over the largest, from which on an end is not determined."""
 
+# Of the friction coefficient, on which the weight of the clearances depends.
 _ROUNDS = 4
-"""Of the friction coefficient, on which the weight of the clearances depends."""
 
+# Step of the slope by clearance, over the range of the clearances.
 _SLOPE = 1e-4
-"""Step of the slope by clearance, over the range of the clearances."""
 
+# Bushings: one more than there are unknowns.
 _FEWEST = 3
-"""Bushings: one more than there are unknowns."""
 
 
 @dataclass(frozen=True)

@@ -24,33 +24,33 @@ from erlif.models.arguments import (
 )
 from erlif.models.contact import hertz_line
 
+# The four asymptotes of the line contact, in the order of `LineContactFilm`.
 FILM_REGIMES = (
     "isoviscous-rigid",
     "piezoviscous-rigid",
     "isoviscous-elastic",
     "piezoviscous-elastic",
 )
-"""The four asymptotes of the line contact, in the order of `LineContactFilm`."""
 
+# Ranges of the film parameter, overlapping as printed in Farzaneh (2002), section 2.2.2.
 LUBRICATION_REGIMES = {
     "hydrodynamic": (5.0, 100.0),
     "elastohydrodynamic": (3.0, 10.0),
     "partial": (1.0, 5.0),
     "boundary": (0.0, 1.0),
 }
-"""Ranges of the film parameter, overlapping as printed in Farzaneh (2002), section 2.2.2."""
 
+# h W / (R U) of rigid cylinders with Reynolds' exit condition; 4.0 with that of Guembel.
 MARTIN_CONSTANT = 4.894968
-"""h W / (R U) of rigid cylinders with Reynolds' exit condition; 4.0 with that of Guembel."""
 
+# h / R over (G U)^(2/3) of rigid cylinders where the pressure on the Barus oil is unbounded.
 BLOK_CONSTANT = 1.666297
-"""h / R over (G U)^(2/3) of rigid cylinders where the pressure on the Barus oil is unbounded."""
 
+# Pressure above which the law of Barus makes mineral oils too stiff. [Pa]
 BARUS_LIMIT = 0.5e9
-"""Pressure above which the law of Barus makes mineral oils too stiff. [Pa]"""
 
+# Share of the largest asymptote from which a second one lies at a border of the regime map.
 BORDER = 0.9
-"""Share of the largest asymptote from which a second one lies at a border of the regime map."""
 
 
 @formula()

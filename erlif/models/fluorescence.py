@@ -14,14 +14,14 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.models.arguments import Values, formula
 
+# Optical depth below which (1 - exp(-x))/x is a series; the next term, x^3/24, is 4e-17 there.
 SERIES_BELOW = 1e-5
-"""Optical depth below which (1 - exp(-x))/x is a series; the next term, x^3/24, is 4e-17 there."""
 
+# The same for the logarithmic slope, whose closed form subtracts two numbers of size 1/x.
 SLOPE_SERIES_BELOW = 1e-3
-"""The same for the logarithmic slope, whose closed form subtracts two numbers of size 1/x."""
 
+# Optical depth at which exp(x) is still finite and the slope has long been -1/x.
 LARGEST_DEPTH = 700.0
-"""Optical depth at which exp(x) is still finite and the slope has long been -1/x."""
 
 
 @formula(depth="signed number")

@@ -16,15 +16,14 @@ import scipy
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula
 
+# Torque ratio of a bushing worn to its steady state. Colbert et al. (2009), eq. A6. [1]
+#
+# The pressure is a cosine over half the shaft. The source prints 1.25 for this limit of its
+# equation; the limit is 1.2732, and 1.25 belongs to 86.6 degrees.
 STEADY_WEAR_TORQUE_RATIO = 4 / np.pi
-"""Torque ratio of a bushing worn to its steady state. Colbert et al. (2009), eq. A6. [1]
 
-The pressure is a cosine over half the shaft. The source prints 1.25 for this limit of its equation;
-the limit is 1.2732, and 1.25 belongs to 86.6 degrees.
-"""
-
+# Half angle below which the series of the thin Winkler bushing is exact to rounding. [rad]
 _SERIES_BELOW = 0.03
-"""Half angle below which the series of the thin Winkler bushing is exact to rounding. [rad]"""
 
 
 @formula(load="load or zero", radius="length")

@@ -13,11 +13,11 @@ from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, check_fields, formula
 from erlif.models.linkage import measures
 
+# A full turn. [rad]
 TURN = 2 * np.pi
-"""A full turn. [rad]"""
 
+# How far beyond a dead point an encoder angle may lie by rounding alone. [rad, m]
 DEAD_POINT_TOLERANCE = 1e-9
-"""How far beyond a dead point an encoder angle may lie by rounding alone. [rad, m]"""
 
 
 def _sign(rising: Values) -> Values:

@@ -11,11 +11,11 @@ import numpy as np
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula, require_known
 
+# Pressure scale p_r of Roelands' law. [Pa]
 ROELANDS_PRESSURE = 1.96e8
-"""Pressure scale p_r of Roelands' law. [Pa]"""
 
+# Minus the logarithm of the viscosity of 6.31e-5 Pa s at which all isobars meet. [1]
 ROELANDS_CONSTANT = 9.67
-"""Minus the logarithm of the viscosity of 6.31e-5 Pa s at which all isobars meet. [1]"""
 
 
 @formula(a="number", temperature="signed temperature")

@@ -15,23 +15,23 @@ from erlif.core.tables import read_table
 from erlif.models.arguments import Values, for_each, formula, warn_of_units
 from erlif.models.oil import VogelConstants, vogel_viscosity
 
+# Constant in Walther's law, of ASTM D341 for oils above 2 mm2/s. [mm2/s]
 _WALTHER_SHIFT = 0.7
-"""Constant in Walther's law, of ASTM D341 for oils above 2 mm2/s. [mm2/s]"""
 
+# Kinematic viscosity above which the constant of Walther's law is 0.7. [m2/s]
 _LOWEST_WALTHER_VISCOSITY = 2e-6
-"""Kinematic viscosity above which the constant of Walther's law is 0.7. [m2/s]"""
 
 _CONSTANTS = {"vogel": ("a", "b", "c"), "walther": ("A", "B")}
 _QUANTITY = {"vogel": "viscosity", "walther": "kinematic_viscosity"}
 
+# Trial values of Vogel's c.
 _BRACKET = 400
-"""Trial values of Vogel's c."""
 
+# Vogel's c lies at most this far below the coldest point [K]; oils have 80 to 200 K.
 _FARTHEST = 500.0
-"""Vogel's c lies at most this far below the coldest point [K]; oils have 80 to 200 K."""
 
+# Temperature at which Walther's line is fitted, between the usual 40 and 100 degrees. [K]
 _CENTRE = 330.0
-"""Temperature at which Walther's line is fitted, between the usual 40 and 100 degrees. [K]"""
 
 
 class ViscosityInterval(NamedTuple):

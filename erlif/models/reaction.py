@@ -14,8 +14,8 @@ from erlif.core.errors import RangeWarning
 from erlif.models.arguments import Values, check_fields, depth_of_caller, formula
 from erlif.models.mechanism import CrankRocker, SliderCrank
 
+# The friction couple changes the force by about mu r / rod of itself: a pass gains two digits.
 _FRICTION_PASSES = 12
-"""The friction couple changes the force by about mu r / rod of itself: a pass gains two digits."""
 
 
 @dataclass(frozen=True)

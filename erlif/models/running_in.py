@@ -27,26 +27,26 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+# Share of a step in each of the two stages, with which the steps damp any stiffness.
 _SHARE = 1 - 1 / np.sqrt(2)
-"""Share of a step in each of the two stages, with which the steps damp any stiffness."""
 
+# Change of the torque ratio within a step at most, of its distance from 1.
 _LONGEST_STEP = 0.02
-"""Change of the torque ratio within a step at most, of its distance from 1."""
 
+# First step, as a share of the whole sliding distance.
 _SHORTEST = 1e-9
-"""First step, as a share of the whole sliding distance."""
 
+# Cells that carry load at the start at least, over half of the arc.
 _FEWEST_CELLS = 8
-"""Cells that carry load at the start at least, over half of the arc."""
 
+# Smallest tabulated half angle [rad], and number of angles in each half of the table.
 _NARROWEST, _KNOTS = 1e-2, 2000
-"""Smallest tabulated half angle [rad], and number of angles in each half of the table."""
 
+# Half angle below which the torque ratio is 1 + a^2/10 to 5e-11. [rad]
 _SERIES_BELOW = 1e-2
-"""Half angle below which the torque ratio is 1 + a^2/10 to 5e-11. [rad]"""
 
+# Of the eccentricity that carries the load; it takes 2 to 6.
 _NEWTON_STEPS = 60
-"""Of the eccentricity that carries the load; it takes 2 to 6."""
 
 
 @dataclass(frozen=True)

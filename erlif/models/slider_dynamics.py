@@ -31,23 +31,23 @@ if TYPE_CHECKING:
 
 __all__ = ["ContactLaw", "Torque", "simulate_slider_crank"]
 
+# Absolute error allowed in a step over the relative one: the shortest length is a penetration.
 _ABSOLUTE = 1e-4
-"""Absolute error allowed in a step over the relative one: the shortest length is a penetration."""
 
+# Gap at a touch or its end that counts as closed or open. [m]
 _SHUT = 1e-14
-"""Gap at a touch or its end that counts as closed or open. [m]"""
 
+# Steps per turn at least, so that no touch of the pin is overlooked in free flight.
 _STEPS_PER_TURN = 60
-"""Steps per turn at least, so that no touch of the pin is overlooked in free flight."""
 
+# Steps in a simulation at least.
 _FEWEST_STEPS = 10
-"""Steps in a simulation at least."""
 
+# Touches and losses of contact after which a simulation is given up.
 _MOST_TOUCHES = 100_000
-"""Touches and losses of contact after which a simulation is given up."""
 
+# Units and descriptions of the variables of a simulation.
 _VARIABLES = read_table("erlif.models", "variables.toml")["slider_crank"]
-"""Units and descriptions of the variables of a simulation."""
 
 
 @formula(tolerance="number")

@@ -36,21 +36,21 @@ if TYPE_CHECKING:
 
 __all__ = ["WearingJoint", "bound_extrapolation", "wear_slider_crank"]
 
+# Share of the greatest force below which a joint carries nothing: free flight.
 _UNLOADED = 1e-9
-"""Share of the greatest force below which a joint carries nothing: free flight."""
 
+# Relative error of a step in the simulation of a cycle: 4e-6 of the friction path at most.
 _TOLERANCE = 1e-6
-"""Relative error of a step in the simulation of a cycle: 4e-6 of the friction path at most."""
 
+# Difference of the sampled friction path of a cycle from its integral at most, over the path.
 _COARSE = 0.1
-"""Difference of the sampled friction path of a cycle from its integral at most, over the path."""
 
 
+# Factors of Roache (1994, 2011) on an estimated error, with an order as expected and without.
 _SAFETY, _CAUTION = 1.25, 3.0
-"""Factors of Roache (1994, 2011) on an estimated error, with an order as expected and without."""
 
+# Orders within 5 % of the first count as expected, Roache (2011).
 _EXPECTED_ORDER = (0.95, 1.05)
-"""Orders within 5 % of the first count as expected, Roache (2011)."""
 
 
 @dataclass(frozen=True)

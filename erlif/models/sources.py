@@ -31,42 +31,42 @@ from erlif.models.arguments import Values
 from erlif.models.linkage.motor import HORSEPOWER
 from erlif.models.mechanism import CrankRocker, SliderCrank, crank_for_swing
 
+# Pound-force. [N]
 LBF = 4.4482216152605
-"""Pound-force. [N]"""
 
+# [m]
 INCH = 0.0254
-"""[m]"""
 
+# Turn per minute. [rad/s]
 RPM = 2 * np.pi / 60
-"""Turn per minute. [rad/s]"""
 
 _SOURCES = read_table("erlif.models", "sources.toml")
 
+# Author and title of each source, by its key in the tables.
 TITLES: dict[str, str] = {key: row["title"] for key, row in _SOURCES.items()}
-"""Author and title of each source, by its key in the tables."""
 
+# The crank-rocker of Farzaneh (2002), appendix A.2.
 RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
-"""The crank-rocker of Farzaneh (2002), appendix A.2."""
 
+# Crank speed of that rig. [rad/s]
 RIG_SPEED = 114 * RPM
-"""Crank speed of that rig. [rad/s]"""
 
+# Greatest rocker speed by the crank-over-rocker rule of the source. [rad/s]
 RULE_SPEED = RIG_SPEED * 5.5 / 26
-"""Greatest rocker speed by the crank-over-rocker rule of the source. [rad/s]"""
 
+# The slider-crank of Mukras et al. (2008), whose Table 1 gives half lengths.
 MUKRAS = SliderCrank(crank=2 * 0.0381, coupler=2 * 0.1016)
-"""The slider-crank of Mukras et al. (2008), whose Table 1 gives half lengths."""
 
+# Its masses and spring, Tables 1 to 3; the preload of the spring is not stated.
 _MUKRAS_BODIES = reaction.SliderCrankBodies(
     rod_mass=0.8175, rod_inertia=5500e-6, slider_mass=5.5487, spring_stiffness=525.4
 )
-"""Its masses and spring, Tables 1 to 3; the preload of the spring is not stated."""
 
+# Radii of pin and bushing and length of the joint of Farzaneh (2002). [m]
 PIN, BUSHING, LENGTH = 0.03336, 0.03359, 0.237
-"""Radii of pin and bushing and length of the joint of Farzaneh (2002). [m]"""
 
+# E* of steel on steel. [Pa]
 STEEL = contact.contact_modulus(200e9, poisson_1=0.3, youngs_2=200e9, poisson_2=0.3)
-"""E* of steel on steel. [Pa]"""
 
 
 @dataclass(frozen=True)
@@ -313,6 +313,7 @@ def _wear(cycles: int, preload: float = 68.354) -> tuple[float, float]:
     return float(worn.volume[-1]) * 2200e3, float(worn.depth[-1]) * 1e3
 
 
+# Function for each row of sources_numbers.csv, by its column `model`, in the unit of the row.
 MODELS: dict[str, Callable[[], Values]] = {
     # Farzaneh (2002), sections 1.2 and 2.2.2: dimensions and film of the steel joint
     "thesis_bore": lambda: 2e3 * BUSHING,
@@ -432,4 +433,3 @@ MODELS: dict[str, Callable[[], Values]] = {
     "ptfe": lambda: 0.105 * friction.STEADY_WEAR_TORQUE_RATIO,
     "projected": lambda: contact.projected_pressure(400.0 / 0.010, pin_diameter=0.010) / 1e6,
 }
-"""Function for each row of sources_numbers.csv, by its column `model`, in the unit of the row."""

@@ -379,8 +379,8 @@ def thermal_growth(diameter: Values, *, expansion: Values, temperature_change: V
     return diameter * expansion * temperature_change
 
 
+# Wear depth over bushing radius that one extrapolation of `coupled_wear` may reach. [1]
 LARGEST_STEP = 0.1
-"""Wear depth over bushing radius that one extrapolation of `coupled_wear` may reach. [1]"""
 
 
 @dataclass(frozen=True)

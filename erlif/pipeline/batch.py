@@ -21,8 +21,8 @@ from erlif.pipeline.run import process_run
 
 _logger = logging.getLogger(__name__)
 
+# Suffixes of a film.
 _SUFFIXES = (".nc", ".zarr")
-"""Suffixes of a film."""
 
 
 class RunState(StrEnum):

@@ -66,23 +66,24 @@ _note = note_writer("erlif.pipeline")
 
 _TEXTS = read_table("erlif.pipeline", "words.toml")["film"]
 
+# Share of the region outside the measurable range from which a note reports it.
 _CENSORED = 0.01
-"""Share of the region outside the measurable range from which a note reports it."""
 
+# What the motion gives for each frame, and a mean for each trigger.
 _MOTION = ("encoder_angle", "position", "rocker_speed", "sliding_speed")
-"""What the motion gives for each frame, and a mean for each trigger."""
 
+# Variables of the two statistics.
 _FILM_OF = {"minimum": "film_min", "mean": "film_mean"}
-"""Variables of the two statistics."""
 
+# What of each map is kept, as its uncertainty allows.
 _PRECISION: dict[str, dict[str, Any]] = {
     "thickness": {"std": "thickness_std"},
     "thickness_std": {"bits": 5},  # at most 1.6 %; gain and read noise are known to 1 to 2 %
     "thickness_std_shared": {"bits": 4},  # at most 3 %; its covariance is known to 10 %
     "flags": {},
 }
-"""What of each map is kept, as its uncertainty allows."""
 
+# The maps of film.nc, each with the precision that its uncertainty leaves.
 MAPS = [
     MapVariable(
         name,
@@ -92,7 +93,6 @@ MAPS = [
     )
     for name, precision in _PRECISION.items()
 ]
-"""The maps of film.nc, each with the precision that its uncertainty leaves."""
 
 
 def group_frames(cycle: xr.Dataset, pairs: FramePairs) -> list[list[int]]:

@@ -14,8 +14,8 @@ from erlif.core.variables import FILM
 from erlif.io.settings import RunSettings
 from erlif.trend import PinView, Region, find_region
 
+# Rows and columns of a patch, at least. [px]
 _SMALLEST = 8
-"""Rows and columns of a patch, at least. [px]"""
 
 
 @dataclass(frozen=True)

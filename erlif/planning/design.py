@@ -12,15 +12,15 @@ from erlif.core.arrays import Array
 from erlif.models.fluorescence import band_signal
 from erlif.planning.spectra import SYNTHETIC, Dye, synthetic_spectra
 
+# [J s]
 PLANCK = 6.62607015e-34
-"""[J s]"""
+# [m/s]
 LIGHT_SPEED = 299792458.0
-"""[m/s]"""
+# [1/mol]
 AVOGADRO = 6.02214076e23
-"""[1/mol]"""
 
+# Of the integration over a filter; spectra are smooth over 10 nm.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
-"""Of the integration over a filter; spectra are smooth over 10 nm."""
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from erlif.planning.design import Design
 from erlif.planning.precision import Film, dimmed_to_full_scale, thickness_std
 from erlif.planning.spectra import Dye
 
+# Films of the range whose largest error is minimised.
 FILMS = 25
-"""Films of the range whose largest error is minimised."""
 
 _SEARCH = 10  # concentrations of each dye on the first, coarse grid
 _CLOSE = 1e-4  # of ln concentration and of the error: where the search ends

@@ -54,8 +54,8 @@ from erlif.planning import (
 from erlif.rig import DyeSpectra, RigSettings
 from erlif.rig.settings import LIMITS
 
+# Films at which a plan is tabulated.
 FILMS = 161
-"""Films at which a plan is tabulated."""
 
 _BEYOND = (0.4, 1.6)  # of the thinnest and the thickest wanted film: ends of the table
 _DIGITS = 3  # significant digits of a proposed concentration

@@ -14,13 +14,13 @@ from erlif.core.arrays import Array
 from erlif.planning.design import Design, log_ratio, log_ratio_slope, signal
 from erlif.thickness import CLEAR
 
+# Mean variance of a pixel of camera 2 after the cubic spline has laid it on the pixels of camera 1,
+# over all sub-pixel positions: of 1 - 3 q^2 - (14 - 6 sqrt(3)) q^3 with q = f (1 - f) along x and
+# y, 0.764. Neighbouring pixels are then correlated, so means over pixels do not gain from it.
 INTERPOLATION = (1.0 - 1 / 10 - (14 - 6 * math.sqrt(3)) / 140) ** 2
-"""Mean variance of a pixel of camera 2 after the cubic spline has laid it on the pixels of camera
-1, over all sub-pixel positions: of 1 - 3 q^2 - (14 - 6 sqrt(3)) q^3 with q = f (1 - f) along x and
-y, 0.764. Neighbouring pixels are then correlated, so means over pixels do not gain from it."""
 
+# Signal below which a pixel is flagged dim by default. [electron]
 LEAST_SIGNAL = 100.0
-"""Signal below which a pixel is flagged dim by default. [electron]"""
 
 _GRID = 200  # films at which the ends of a range are looked for
 

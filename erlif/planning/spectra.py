@@ -13,9 +13,9 @@ from erlif.core.arrays import Array
 from erlif.core.bounded import read_rows
 from erlif.core.errors import ConfigError
 
+# Names of the invented spectra. They are placed so that the concentrations of Farzaneh (2002)
+# attenuate by about 0.40 and 0.25 per um in the bands of 580 and 610 nm.
 SYNTHETIC = ("synthetic 605", "synthetic 650")
-"""Names of the invented spectra. They are placed so that the concentrations of Farzaneh (2002)
-attenuate by about 0.40 and 0.25 per um in the bands of 580 and 610 nm."""
 
 _LARGEST_FILE = 2**22  # byte: a spectrum has a few thousand lines
 _LIGHT = (100.0, 20000.0)  # nm: wavelengths that a spectrum may hold

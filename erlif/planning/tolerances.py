@@ -12,6 +12,7 @@ from erlif.planning.design import Camera, Design, log_ratio, log_ratio_slope
 from erlif.planning.optimum import FILMS, largest_error
 from erlif.planning.precision import Film, measurable_range
 
+# Tolerances by default: shares of the value, the filter in nm.
 TOLERANCES: Mapping[str, float] = {
     "concentration": 0.05,
     "filter": 2.0,
@@ -20,7 +21,6 @@ TOLERANCES: Mapping[str, float] = {
     "read_noise": 0.20,
     "full_well": 0.10,
 }
-"""Tolerances by default: shares of the value, the filter in nm."""
 
 
 @dataclass(frozen=True)

@@ -25,24 +25,24 @@ from erlif.prediction.measured import MeasuredMotion
 from erlif.prediction.orbits import FreeOrbits
 from erlif.prediction.problem import Frames, Problem
 
+# Steady formulas, by the variables of a film that hold them.
 STEADY = {
     "film_hamrock_dowson": "the steady 2.65 formula",
     "film_theory": "the steady film of the regime map",
 }
-"""Steady formulas, by the variables of a film that hold them."""
 
+# A long joint under its load without rotation, eps / sqrt(1 - eps^2) linear in time.
 SQUEEZE = "squeeze in closed form"
-"""A long joint under its load without rotation, eps / sqrt(1 - eps^2) linear in time."""
 
+# Transient films, by how the pin is held.
 HELD = {
     "free": "a pin that is free sideways",
     "guided": "a guided pin",
     "spring": "a pin on a sideways spring",
 }
-"""Transient films, by how the pin is held."""
 
+# The largest likelihood of a guided pin: any course along the load, at one sideways place.
 ANY_GUIDED = "any guided pin"
-"""The largest likelihood of a guided pin: any course along the load, at one sideways place."""
 
 _CARRIES = {
     SQUEEZE: "squeeze carries the film, and the film shows no rotation of the bushing",
@@ -56,8 +56,8 @@ _CARRIES = {
     STEADY["film_theory"]: "the film follows the steady formula of the regime map",
 }
 
+# Differences of BIC below which the evidence has a name. Kass and Raftery (1995).
 _STRENGTHS = ((2.0, "undecided"), (6.0, "weak"), (10.0, "strong"), (np.inf, "very strong"))
-"""Differences of BIC below which the evidence has a name. Kass and Raftery (1995)."""
 
 
 @dataclass(frozen=True)

@@ -31,14 +31,14 @@ from erlif.trend import VogelLaw
 
 _note = note_writer("erlif.prediction")
 
+# Measured positions below which nothing is fitted.
 FEWEST_TRIGGERS = 4
-"""Measured positions below which nothing is fitted."""
 
+# Standard deviation of the place of the load line where only the image is known. [m]
 LOAD_LINE_STD = 5e-3
-"""Standard deviation of the place of the load line where only the image is known. [m]"""
 
+# Factor of the stated random errors that the residuals require, from which it is reported.
 MISFIT = 1.5
-"""Factor of the stated random errors that the residuals require, from which it is reported."""
 
 _HELD_CONVERGED = 0.01  # of chi-square; cells that change to cavities make it jump by as much
 _HELD_NEAR = 1.0  # before its orbits are corrected
@@ -52,8 +52,8 @@ _NEAR = 0.2  # change of a correction over the random errors, below which it is 
 
 _Column = TypeVar("_Column", float, Array)
 
+# How a pin may be held.
 SIDEWAYS = ("free", "guided", "spring")
-"""How a pin may be held."""
 
 
 @dataclass(frozen=True)

@@ -13,18 +13,18 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 
+# Trials until a search ends without a minimum; four to ten are usual.
 MOST_TRIALS = 60
-"""Trials until a search ends without a minimum; four to ten are usual."""
 
+# Decrease of chi-square in a step, below which the search ends: a hundredth of a standard
+# deviation.
 CONVERGED = 1e-4
-"""Decrease of chi-square in a step, below which the search ends: a hundredth of a standard
-deviation."""
 
+# Rise of chi-square at the ends of the 95 % interval, and at a 95 % limit.
 TWO_SIDED, ONE_SIDED = 3.841, 2.706
-"""Rise of chi-square at the ends of the 95 % interval, and at a 95 % limit."""
 
+# Standard deviations at which a profile is computed.
 TARGETS = (-2.4, -1.2, 1.2, 2.4)
-"""Standard deviations at which a profile is computed."""
 
 _INFLATIONS = 4001  # of which the likeliest is taken: steps of half a percent
 _LARGEST_LOG = 40.0  # of the square of an inflation
@@ -34,8 +34,8 @@ _SAME = 0.02  # relative change of the inflation below which its round is the la
 _SMALLEST_STEP = 1e-5  # of the unknowns, relative: a model solved to a tolerance promises more
 _NEARLY_CLOSED = 0.8  # of the wanted root of the rise, from which the last point gives the end
 
+# Sets of unknowns (case, unknown) to observations (case, observation).
 Predict = Callable[[Array], Array]
-"""Sets of unknowns (case, unknown) to observations (case, observation)."""
 
 
 @dataclass(frozen=True)

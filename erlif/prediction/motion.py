@@ -16,16 +16,16 @@ from erlif.kinematics.folding import crank_steps
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Motion
 
+# Steps of a turn of the crank, for the film within 0.1 %; with the fewest, a guided film is within
+# 2 % near a dead point (docs/prediction.md).
 STEPS_PER_CYCLE, FEWEST_STEPS = 50, 24
-"""Steps of a turn of the crank, for the film within 0.1 %; with the fewest, a guided film is within
-2 % near a dead point (docs/prediction.md)."""
 
+# Steps of a run from which a turn has fewer of them, and from which it is refused.
 MANY_STEPS, MOST_STEPS = 5_000, 40_000
-"""Steps of a run from which a turn has fewer of them, and from which it is refused."""
 
+# Rms deviation from the link angles of a crank at constant speed, in parts of the swing, up to
+# which the crank is taken as one.
 STEADY_CRANK = 0.02
-"""Rms deviation from the link angles of a crank at constant speed, in parts of the swing, up to
-which the crank is taken as one."""
 
 _TURN = 2 * math.pi
 

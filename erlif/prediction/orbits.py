@@ -14,22 +14,22 @@ from erlif.core.errors import ModelError
 from erlif.models.reynolds import Journal, Motion, Mount, solve_journal
 from erlif.models.reynolds.full_film import THINNEST, FullFilm, follow_full_film
 
+# Cells of the transient film round the joint and along half of its length, for derivatives. What
+# these, and every other step of time, leave out is extrapolated once for each fit.
 CELLS = (64, 2)
-"""Cells of the transient film round the joint and along half of its length, for derivatives. What
-these, and every other step of time, leave out is extrapolated once for each fit."""
 
+# Cells from which is extrapolated, and those for long runs.
 FINE_CELLS, LONG_CELLS = (96, 6), (64, 4)
-"""Cells from which is extrapolated, and those for long runs."""
 
+# Cells that resolve how cavities end at the ends of the joint; with fewer than a dozen along half
+# of the length the film does not yet tend to its limit.
 AXIAL_CELLS = (64, 24)
-"""Cells that resolve how cavities end at the ends of the joint; with fewer than a dozen along half
-of the length the film does not yet tend to its limit."""
 
+# Relative error of the film of a held pin without extrapolation along the axis.
 HELD_ERROR = 0.003
-"""Relative error of the film of a held pin without extrapolation along the axis."""
 
+# Relative error of the extrapolated film beside its doubts, new at every trigger.
 HELD_SCATTER = 0.0006
-"""Relative error of the extrapolated film beside its doubts, new at every trigger."""
 
 _STRIDE = 2  # steps of the motion in one of the film of a search
 _LONG = 2000  # steps of a long run
@@ -42,8 +42,8 @@ _AROUND = 4 / 3
 _AXIAL = 0.5
 _UNEVEN = 0.4  # of the change by half the spacing, as a doubt: from one order to the other
 
+# Scale of the cavitation pressure. [Pa]
 ATMOSPHERE = 1e5
-"""Scale of the cavitation pressure. [Pa]"""
 
 _SECANTS = 5  # steps to the start of a longer lead
 _MET = 1e-6  # of the clearance, within which the film at the first step is the same
@@ -53,8 +53,8 @@ _THICKEST = 0.999  # of the clearance, of a start film
 _SMALLEST_FLUIDITY = 1e-3  # of a film with cavities, which a pin without load would never leave
 
 
+# Cells, stride and unknowns of one film.
 _Film: TypeAlias = tuple[tuple[int, int], int, dict[str, float]]
-"""Cells, stride and unknowns of one film."""
 
 
 @dataclass(frozen=True)
@@ -317,8 +317,8 @@ class HeldOrbits:
         return np.stack([np.interp(self.motion.time, motion.time, axis) for axis in both], axis=1)
 
 
+# What follows pins through the motion of a run.
 Orbits: TypeAlias = FreeOrbits | HeldOrbits
-"""What follows pins through the motion of a run."""
 
 
 def film_change(place: Array, clearance: float, part: float) -> Array:

@@ -10,11 +10,11 @@ from erlif.core.arrays import Array
 from erlif.core.statistics import covariance_root
 from erlif.prediction.smoothing import smooth_path
 
+# Numbers of a position: two displacements, then two tilts, towards the load and sideways.
 NUMBERS = 4
-"""Numbers of a position: two displacements, then two tilts, towards the load and sideways."""
 
+# A quarter of a turn of displacement and tilt, from the load towards the side.
 _QUARTER = np.kron(np.eye(2), np.array([[0.0, -1.0], [1.0, 0.0]]))
-"""A quarter of a turn of displacement and tilt, from the load towards the side."""
 
 
 @dataclass(frozen=True)

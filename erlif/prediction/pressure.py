@@ -20,41 +20,41 @@ from erlif.core.progress import Progress, silent
 from erlif.models.reynolds import Journal, solve_film
 from erlif.prediction.pin_motion import NUMBERS, PinMotion
 
+# Cells round the joint and over its length.
 CELLS = (384, 24)
-"""Cells round the joint and over its length."""
 
+# Cells for the derivatives with position and rate, of which a few per cent are enough.
 SLOPE_CELLS = (192, 8)
-"""Cells for the derivatives with position and rate, of which a few per cent are enough."""
 
+# Steps over which cavities are followed in a turn of the crank.
 STEPS_PER_TURN = 100
-"""Steps over which cavities are followed in a turn of the crank."""
 
+# Change of the cavities from the trigger before to the one after, over their sum, above which they
+# close or open too quickly for a smooth path.
 CHANGING = 0.4
-"""Change of the cavities from the trigger before to the one after, over their sum, above which they
-close or open too quickly for a smooth path."""
 
+# Displacement of the pin over the turn before the recorded one, over that of the recorded turn,
+# whose cavities are compared with those of 1: shortly after loading a pin sinks from turn to turn,
+# and in the turn before it sank further.
 OTHER_TURN = 2.0
-"""Displacement of the pin over the turn before the recorded one, over that of the recorded turn,
-whose cavities are compared with those of 1: shortly after loading a pin sinks from turn to turn,
-and in the turn before it sank further."""
 
+# Relative error of peak and load by `CELLS`, for films of 2 to 100 um, by comparison with the
+# series of the virtual rig. Of coarser cells it grows with the square of their width: 1.4 % of the
+# load was found with 12 cells over the length, 0.6 % of the peak with 192 round the joint.
 GRID_ERROR = 0.005
-"""Relative error of peak and load by `CELLS`, for films of 2 to 100 um, by comparison with the
-series of the virtual rig. Of coarser cells it grows with the square of their width: 1.4 % of the
-load was found with 12 cells over the length, 0.6 % of the peak with 192 round the joint."""
 
+# Error of the place of the peak over the width of a cell, by the parabola through three cells.
 PLACE_ERROR = 0.1
-"""Error of the place of the peak over the width of a cell, by the parabola through three cells."""
 
+# Standard deviation of a peak over the peak up to which the pressure counts as measured: of such a
+# peak it is known with 95 % certainty that it is there, and errors are still nearly linear.
 CLEAR = 0.5
-"""Standard deviation of a peak over the peak up to which the pressure counts as measured: of such a
-peak it is known with 95 % certainty that it is there, and errors are still nearly linear."""
 
 _STEP = 0.02  # largest relative change of the film for a derivative
 
 
+# What the pressure is computed with, and of which a relative change is carried to it.
 SETTINGS = ("viscosity", "clearance")
-"""What the pressure is computed with, and of which a relative change is carried to it."""
 
 _NUDGE = np.array([0.01, 1e-3])  # relative changes of the settings for the derivatives
 

@@ -43,8 +43,8 @@ _KINDS = {
 }
 
 
+# Standard deviation of the direction of a pin on a spring at the start of its lead. [rad]
 _ATTITUDE_STD = 0.3
-"""Standard deviation of the direction of a pin on a spring at the start of its lead. [rad]"""
 
 
 @dataclass(frozen=True)

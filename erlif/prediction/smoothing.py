@@ -16,27 +16,27 @@ from scipy.linalg import cholesky, eigh, solve_triangular
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 
+# Positions from which a rate is found: a parabola has three numbers, a scatter needs more.
 FEWEST = 5
-"""Positions from which a rate is found: a parabola has three numbers, a scatter needs more."""
 
 _DEGREE = 4  # of the spline: its rate has a continuous second derivative
 _DIFFERENCE = 3  # order of the differences that are penalised; a parabola is free
 _MOST_INTERVALS = 48  # intervals between knots: of one cycle, they follow 16 oscillations
 
+# Penalties that are compared, over the one at which penalty and data are of equal weight.
 _PENALTIES = np.logspace(-8, 8, 65)
-"""Penalties that are compared, over the one at which penalty and data are of equal weight."""
 
+# Scatter over the stated standard deviation, up to 128, that is compared.
 _SCALES = np.sqrt(2.0) ** np.arange(15)
-"""Scatter over the stated standard deviation, up to 128, that is compared."""
 
+# Power of 1/penalty in the prior of the penalty: half of that which is even in the standard
+# deviation of the third derivative. With the likelihood alone, a parabola counts as certain where
+# the noise hides the difference, and the rate at the ends is off by 1.4 of its standard deviations;
+# of 0.1, 0.25 and 0.5 this is the first with which it is within one (docs/theory/pressure.md).
 _EVEN = 0.25
-"""Power of 1/penalty in the prior of the penalty: half of that which is even in the standard
-deviation of the third derivative. With the likelihood alone, a parabola counts as certain where the
-noise hides the difference, and the rate at the ends is off by 1.4 of its standard deviations; of
-0.1, 0.25 and 0.5 this is the first with which it is within one (docs/theory/pressure.md)."""
 
+# Gain of log likelihood from which the scatter is taken to be larger than stated (e^3 to 1).
 _DECISIVE = 3.0
-"""Gain of log likelihood from which the scatter is taken to be larger than stated (e^3 to 1)."""
 
 
 @dataclass(frozen=True)

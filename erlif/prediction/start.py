@@ -10,19 +10,19 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 
+# Predictions until the search ends; four are usual.
 MOST_TRIALS = 12
-"""Predictions until the search ends; four are usual."""
 
+# Relative change of the start film below which the search ends: below the error of the steps.
 CONVERGED = 1e-3
-"""Relative change of the start film below which the search ends: below the error of the steps."""
 
+# Bounds of the start film: a nanometre [m], and a share of the clearance.
 _THINNEST, _THICKEST = 1e-9, 0.999
-"""Bounds of the start film: a nanometre [m], and a share of the clearance."""
 
 _LARGEST_STEP = 1.0  # largest change of the logarithm of the start film in one trial
 
+# Change of the predicted films with the start film, relative, below which it is not determined.
 _INSENSITIVE = 1e-3
-"""Change of the predicted films with the start film, relative, below which it is not determined."""
 
 
 class StartFilm(NamedTuple):

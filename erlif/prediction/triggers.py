@@ -17,8 +17,8 @@ from erlif.prediction.motion import FrameMotion
 from erlif.prediction.start import find_start_film
 from erlif.prediction.view import View, summarise_gap
 
+# Cells round the joint and along half of its length; the film of half as many is within 0.7 %.
 CELLS = (256, 8)
-"""Cells round the joint and along half of its length; the film of half as many is within 0.7 %."""
 
 _MICRO = 1e6
 

@@ -9,11 +9,11 @@ import numpy as np
 from erlif.core.arrays import Array, Image
 from erlif.ratio.pair import PairRatio
 
+# Width of the surroundings whose mean variance gives the weight of a pixel. [px]
 _WIDTH = 9
-"""Width of the surroundings whose mean variance gives the weight of a pixel. [px]"""
 
+# Step between the pixels whose median is the offset of the sums; a prime, to avoid columns.
 _SAMPLE = 97
-"""Step between the pixels whose median is the offset of the sums; a prime, to avoid columns."""
 
 _ZERO, _ONE, _NAN = np.float32(0), np.float32(1), np.float32(np.nan)
 

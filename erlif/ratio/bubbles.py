@@ -8,16 +8,16 @@ import numpy as np
 
 from erlif.core.arrays import Image, Mask
 
+# Width of the blocks whose light is averaged. [px]
 _BLOCK = 16
-"""Width of the blocks whose light is averaged. [px]"""
 
+# Width of the surroundings whose median is the undisturbed light. [blocks]
 _REACH = 5
-"""Width of the surroundings whose median is the undisturbed light. [blocks]"""
 
 _ZERO, _ONE, _INFINITE, _NAN = (np.float32(value) for value in (0, 1, np.inf, np.nan))
 
+# Relative margin of a comparison of sums in single precision.
 _ROUNDING = 1e-6
-"""Relative margin of a comparison of sums in single precision."""
 
 
 def find_bubbles(one: Image, two: Image, *, share: float, margin: int = 3) -> Mask:

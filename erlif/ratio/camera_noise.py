@@ -25,26 +25,26 @@ from erlif.ratio.noise_fit import BLOCKS, NoiseCells, NoiseUnknowns, fit_noise, 
 from erlif.ratio.sharpness import BlurDifference
 from erlif.registration import CameraMap, interpolation_variance_factor
 
+# Minimum width of a cell. [px]
 _CELL = 8
-"""Minimum width of a cell. [px]"""
 
+# Cells of a large frame, about: enough light levels, and 100 pixels and more in each.
 _CELLS = 4000
-"""Cells of a large frame, about: enough light levels, and 100 pixels and more in each."""
 
+# Share of its pixels that a cell needs.
 _LEAST_FILLING = 0.25
-"""Share of its pixels that a cell needs."""
 
+# Cells from which an estimate is made.
 _LEAST_CELLS = 50
-"""Cells from which an estimate is made."""
 
+# Relative standard deviation of a gain above which it is refused as undetermined.
 _WORST = 0.3
-"""Relative standard deviation of a gain above which it is refused as undetermined."""
 
+# Share of a pattern in the variance of differences that a drift of about 0.01 px leaves.
 _STILL = 1e-3
-"""Share of a pattern in the variance of differences that a drift of about 0.01 px leaves."""
 
+# A pixel less the mean of the eight two pixels away: removes a tilted film.
 _RING = np.zeros((5, 5))
-"""A pixel less the mean of the eight two pixels away: removes a tilted film."""
 _RING[::2, ::2] = -1 / 8
 _RING[2, 2] = 1
 

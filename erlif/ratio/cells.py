@@ -10,18 +10,18 @@ import numpy as np
 from erlif.core.arrays import Array, FlagImage, Image
 from erlif.correction.light import BLOCK
 
+# Rows and columns of cells over the image.
 CELLS = (10, 12)
-"""Rows and columns of cells over the image."""
 
+# Valid pixels of a block of 8 x 8 that is used: single defects leave it, bubbles do not.
 _FULL = 60
-"""Valid pixels of a block of 8 x 8 that is used: single defects leave it, bubbles do not."""
 
+# Pixels of an image from which on every second block along each axis is used: those of a cell are
+# still some forty, and the noise of its means stays far below the speckle. [px]
 _LARGE = 2**19
-"""Pixels of an image from which on every second block along each axis is used: those of a cell are
-still some forty, and the noise of its means stays far below the speckle. [px]"""
 
+# Share of the blocks of a cell that may be missing: the illumination varies within a cell.
 _MISSING = 0.03
-"""Share of the blocks of a cell that may be missing: the illumination varies within a cell."""
 
 
 class LightCells(NamedTuple):
@@ -45,8 +45,8 @@ class LightCells(NamedTuple):
     variance: Image
 
 
+# Stands for a frame pair without light.
 NO_CELLS = LightCells(*(np.full(CELLS[0] * CELLS[1], np.nan, np.float32) for _ in range(4)))
-"""Stands for a frame pair without light."""
 
 
 def sample_cells(light: Image, log_ratio: Image, variance: Image, flags: FlagImage) -> LightCells:

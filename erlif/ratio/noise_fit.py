@@ -15,26 +15,26 @@ from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.products import References
 from erlif.core.statistics import MAD_TO_STD
 
+# Blocks of the image along each axis, whose scatter gives the standard deviations.
 BLOCKS = 6
-"""Blocks of the image along each axis, whose scatter gives the standard deviations."""
 
+# Prior probability of two cameras with different gains.
 _UNLIKE = 0.05
-"""Prior probability of two cameras with different gains."""
 
+# Relative spread of different gains, prior.
 _UNLIKENESS = 0.4
-"""Relative spread of different gains, prior."""
 
+# Degrees of freedom of a standard deviation from the blocks, which do not weigh alike.
 _FREEDOM = 10
-"""Degrees of freedom of a standard deviation from the blocks, which do not weigh alike."""
 
+# Standard deviation of the variance of the response, small enough for a zero result. [1]
 _SHARP = 0.005**2
-"""Standard deviation of the variance of the response, small enough for a zero result. [1]"""
 
+# Standard deviation of the response's variance above which it is undetermined. [1]
 _VAGUE = 0.01**2
-"""Standard deviation of the response's variance above which it is undetermined. [1]"""
 
+# Residual from which a cell is left out: marks, bubbles, wrong registration. [robust std]
 _OUTLIER = 6
-"""Residual from which a cell is left out: marks, bubbles, wrong registration. [robust std]"""
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,13 @@ from erlif.core.arrays import AnyArray, FlagImage, Image
 from erlif.core.flags import FLAG_ATTRS
 from erlif.core.products import RatioImages
 
+# Names of the images in a dataset, and their fields.
 _IMAGES = {
     "log_ratio": "log_ratio",
     "log_ratio_var": "variance",
     "log_ratio_var_fixed": "variance_fixed",
     "log_ratio_var_shared": "variance_shared",
 }
-"""Names of the images in a dataset, and their fields."""
 
 
 @dataclass(frozen=True)

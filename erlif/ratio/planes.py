@@ -11,11 +11,11 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
+# Directions of a step that are tried, evenly over half a turn.
 DIRECTIONS = 16
-"""Directions of a step that are tried, evenly over half a turn."""
 
+# Determinant relative to its diagonal below which the pixels determine no plane or no step.
 _SINGULAR = 1e-3
-"""Determinant relative to its diagonal below which the pixels determine no plane or no step."""
 
 # The window is a function of y times one of x, so that sums over it are taken along y, then along
 # x. Rows of the table of taps, d being the distance from the middle:
@@ -23,6 +23,7 @@ _SINGULAR = 1e-3
 #   3, 4, 5: its square times 1, d, d^2
 #   6, 7: the window times the sign of d, times |d|
 
+# Sums along y: the plane of the pixels, and the taps.
 _DOWN = np.array(
     [
         *((0, 0), (0, 1), (0, 2), (0, 3), (0, 4), (0, 5)),  # weights, for a plane and its variance
@@ -31,8 +32,8 @@ _DOWN = np.array(
         (2, 0),  # share of the registration
     ]
 )
-"""Sums along y: the plane of the pixels, and the taps."""
 
+# Sums along x: the row of `_DOWN`, and the taps.
 _ACROSS = np.array(
     [
         *((0, 0), (0, 1), (1, 0), (0, 2), (1, 1), (2, 0)),  # normal matrix: 1, x, y, x^2, xy, y^2
@@ -43,7 +44,6 @@ _ACROSS = np.array(
         (11, 0),  # share of the registration
     ]
 )
-"""Sums along x: the row of `_DOWN`, and the taps."""
 
 
 def step_distances(reach: int) -> npt.NDArray[np.int64]:

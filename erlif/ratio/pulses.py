@@ -20,27 +20,27 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, FlagImage, Image
 
+# Squares along each axis of the image; smaller frames than 64 px are not measured.
 PLACES = 8
-"""Squares along each axis of the image; smaller frames than 64 px are not measured."""
 
+# Side of a square: wider than the displacement that registration leaves, narrower than the beam.
+# [px]
 SIDE = 8
-"""Side of a square: wider than the displacement that registration leaves, narrower than the beam.
-[px]"""
 
+# Places of a frame from which on it is judged; a quadratic surface takes six of them.
 _FEWEST = 40
-"""Places of a frame from which on it is judged; a quadratic surface takes six of them."""
 
+# Least correlation of the speckle in the two halves of the pixels. Below it, noise prevails.
 _COMMON = 0.7
-"""Least correlation of the speckle in the two halves of the pixels. Below it, noise prevails."""
 
+# Slope half-way between a true pair and two different pulses; its error is below 0.1.
 _MISMATCHED = -0.5
-"""Slope half-way between a true pair and two different pulses; its error is below 0.1."""
 
+# Pulses by which camera 2 is expected to be late or early at most.
 _FARTHEST = 5
-"""Pulses by which camera 2 is expected to be late or early at most."""
 
+# Frames that can be judged from which on a recording is judged; their mean is subtracted.
 _FEWEST_FRAMES = 4
-"""Frames that can be judged from which on a recording is judged; their mean is subtracted."""
 
 
 class PulseSample(NamedTuple):
@@ -61,8 +61,8 @@ class PulseSample(NamedTuple):
     log_ratio: Image
 
 
+# Stands for a frame pair that cannot be judged.
 NO_PULSE = PulseSample(*(np.full(PLACES**2, np.nan, np.float32) for _ in range(3)))
-"""Stands for a frame pair that cannot be judged."""
 
 
 def sample_pulse(light: Image, log_ratio: Image, flags: FlagImage) -> PulseSample:

@@ -16,21 +16,21 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Array, Image, Mask
 from erlif.core.products import AlignedFrames, require
 
+# Distance of the neighbours whose mean is subtracted; no pixel in common with a second
+# difference. [px]
 _APART = 3
-"""Distance of the neighbours whose mean is subtracted; no pixel in common with a second
-difference. [px]"""
 
+# Standard deviations from which on a difference of sharpness is corrected.
 _SIGNIFICANT = 3
-"""Standard deviations from which on a difference of sharpness is corrected."""
 
+# Pixels of a regression, at least.
 _LEAST_PIXELS = 1000
-"""Pixels of a regression, at least."""
 
+# Pixels that count as one independent: neighbours share texture and noise.
 _CORRELATED = 10
-"""Pixels that count as one independent: neighbours share texture and noise."""
 
+# Rows and columns of a frame that are worked on at once: their arrays stay in the cache. [px]
 _TILE = (64, 256)
-"""Rows and columns of a frame that are worked on at once: their arrays stay in the cache. [px]"""
 
 
 @dataclass(frozen=True)

@@ -32,29 +32,29 @@ from erlif.core.errors import ModelError
 from erlif.core.products import RatioImages, require
 from erlif.ratio.planes import find_steps, fit_one_side, fit_planes, step_distances, weigh_pixels
 
+# Significance of a step through a pixel from which on its window is searched. [std]
 _SUSPECT = 3.5
-"""Significance of a step through a pixel from which on its window is searched. [std]"""
 
+# Significance of a step in a window, the best of hundreds. [std]
 _SIGNIFICANT = 4.5
-"""Significance of a step in a window, the best of hundreds. [std]"""
 
+# Half width of the window, where it has fallen to 4 %. [std of the window]
 _REACH = 2.5
-"""Half width of the window, where it has fallen to 4 %. [std of the window]"""
 
+# Pixels over which neighbours may have noise in common before smoothing. [px]
 _LAG = 2
-"""Pixels over which neighbours may have noise in common before smoothing. [px]"""
 
+# Pixels from which on only some rows give the correlation of the noise.
 _SAMPLED = 400_000
-"""Pixels from which on only some rows give the correlation of the noise."""
 
+# Pixels that determine the correlation of the noise, at least.
 _LEAST_PAIRS = 1000
-"""Pixels that determine the correlation of the noise, at least."""
 
+# Significance of a correlation of the noise. [std]
 _CORRELATED = 3
-"""Significance of a correlation of the noise. [std]"""
 
+# Residual of a pixel beyond which it gives no correlation: marks, steps. [std]
 _OUTLIER = 5.0
-"""Residual of a pixel beyond which it gives no correlation: marks, steps. [std]"""
 
 
 class _Window(NamedTuple):

@@ -17,23 +17,23 @@ from erlif.core.arrays import AnyArray, Array, Image, Mask
 from erlif.correction.light import BLOCK
 from erlif.registration.normalise import BRIGHTER_PARTS, CUT, DARK
 
+# Side of the cells whose sums are fitted. [px]
 CELL: Final = 8
-"""Side of the cells whose sums are fitted. [px]"""
 
+# A cell needs this part of its pixels to have a mean of its own. [1]
 HALF: Final = 0.5
-"""A cell needs this part of its pixels to have a mean of its own. [1]"""
 
+# Distance of the nodes between which the light is taken as linear. [px]
 NODE: Final = 4
-"""Distance of the nodes between which the light is taken as linear. [px]"""
 
+# Standard deviation of the Gaussian window of the fit. [px]
 REACH: Final = 12.0
-"""Standard deviation of the Gaussian window of the fit. [px]"""
 
+# Relative rise over blocks of 8 px above which light is steep. [1/px]
 STEEP: Final = 0.04
-"""Relative rise over blocks of 8 px above which light is steep. [1/px]"""
 
+# Light from which on its logarithm is taken; dark blocks are set to it. [counts]
 LEAST_LIGHT: Final = 1e-3
-"""Light from which on its logarithm is taken; dark blocks are set to it. [counts]"""
 
 _TERMS: Final = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))  # powers of x and y
 _ORDERS: Final = 5  # the products of two quadratic terms have powers 0 to 4

@@ -10,8 +10,8 @@ from functools import cache
 from itertools import pairwise
 from typing import Final
 
+# Below this many rows for each thread, handing over the work costs more than it saves.
 ROWS_PER_THREAD: Final = 16
-"""Below this many rows for each thread, handing over the work costs more than it saves."""
 
 
 @cache

@@ -13,50 +13,50 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, Image
 
+# Side of a block. [px]
 BLOCK: Final = 32
-"""Side of a block. [px]"""
 
+# Distance of the blocks. [px]
 STRIDE: Final = 16
-"""Distance of the blocks. [px]"""
 
+# A block needs this part of its area in camera 2 at an offset. [1]
 SEEN: Final = 0.3
-"""A block needs this part of its area in camera 2 at an offset. [1]"""
 
+# Stands for the correlation at offsets without enough overlap; below every coefficient.
 UNSEEN: Final = -2.0
-"""Stands for the correlation at offsets without enough overlap; below every coefficient."""
 
+# Correlations above this are coefficients, not `UNSEEN`.
 KNOWN: Final = -1.5
-"""Correlations above this are coefficients, not `UNSEEN`."""
 
+# A block counts if this part of its offsets has a correlation. [1]
 OFFSETS_NEEDED: Final = 0.6
-"""A block counts if this part of its offsets has a correlation. [1]"""
 
+# Smallest scatter of the correlation of a block, to divide by. [1]
 LEAST_CHANCE: Final = 1e-6
-"""Smallest scatter of the correlation of a block, to divide by. [1]"""
 
+# Median of the magnitude of a normal variable over its standard deviation.
 NORMAL_MEDIAN: Final = 0.6745
-"""Median of the magnitude of a normal variable over its standard deviation."""
 
+# Blocks that must agree: three always do.
 FEWEST: Final = 4
-"""Blocks that must agree: three always do."""
 
+# Triples of blocks that are drawn: with half of the blocks wrong, one in eight is right.
 TRIPLES: Final = 300
-"""Triples of blocks that are drawn: with half of the blocks wrong, one in eight is right."""
 
+# Smallest strength of a block in the draw. [1]
 LEAST_WEIGHT: Final = 0.1
-"""Smallest strength of a block in the draw. [1]"""
 
+# Twice the area of the smallest triple; smaller ones have noisy slopes. [px^2]
 LEAST_TRIANGLE: Final = 400.0
-"""Twice the area of the smallest triple; smaller ones have noisy slopes. [px^2]"""
 
+# Largest distance of a vector from a map with which it agrees. [px]
 AGREED: Final = 1.0
-"""Largest distance of a vector from a map with which it agrees. [px]"""
 
+# Largest slope of a map; a rotation by 5 degrees has 0.09, a scale of 5 % has 0.05. [1]
 STEEPEST: Final = 0.12
-"""Largest slope of a map; a rotation by 5 degrees has 0.09, a scale of 5 % has 0.05. [1]"""
 
+# Least-squares fits to the blocks that agree, each of which may change their number.
 REFITS: Final = 3
-"""Least-squares fits to the blocks that agree, each of which may change their number."""
 
 
 class Blocks(NamedTuple):

@@ -161,11 +161,11 @@ class CameraMap:
         )
 
 
+# The description that `CameraMap.model` writes, in its parts.
 _MODEL: Final = re.compile(
     r"(?P<kind>[^,;]+)(, (?P<resolution>.+?))??(?P<stored>, stored with the calibration)?"
     r"(; the mean drift taken up is \((?P<x>[-+.\d]+), (?P<y>[-+.\d]+)\) px)?"
 )
-"""The description that `CameraMap.model` writes, in its parts."""
 
 
 def _read_model(text: str) -> dict[str, Any]:

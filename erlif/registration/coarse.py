@@ -24,68 +24,68 @@ from erlif.registration.normalise import binned, normalise
 from erlif.registration.pairs import Pair
 from erlif.registration.settings import ORIENTATIONS, RegistrationSettings, orient
 
+# The frames are binned by powers of two until their longer side is at most this. [px]
 COARSE_SIZE: Final = 256
-"""The frames are binned by powers of two until their longer side is at most this. [px]"""
 
+# The shorter side is not binned below this. [px]
 SHORTEST_SIDE: Final = 48
-"""The shorter side is not binned below this. [px]"""
 
+# Blocks are searched this far around the prediction, half as far the second time. [px]
 REACH: Final = 6
-"""Blocks are searched this far around the prediction, half as far the second time. [px]"""
 
+# Rotations of the bank. [rad]
 ROTATIONS: Final = np.radians([0.0, 1.25, -1.25, 2.5, -2.5, 3.75, -3.75, 5.0, -5.0])
-"""Rotations of the bank. [rad]"""
 
+# Scales of the bank. [1]
 SCALES: Final = (1.0, 1.0125, 0.9875, 1.025, 0.975, 1.0375, 0.9625, 1.05, 0.95)
-"""Scales of the bank. [1]"""
 
+# Height of a correlation peak over the scatter of the correlation that chance does not reach.
 SIGNIFICANT: Final = 7.0
-"""Height of a correlation peak over the scatter of the correlation that chance does not reach."""
 
+# Height from which on no other blur of the correlation is tried.
 CLEAR: Final = 3 * SIGNIFICANT
-"""Height from which on no other blur of the correlation is tried."""
 
+# Blur of the correlation that takes its noise off. [px]
 SHARP: Final = 0.7
-"""Blur of the correlation that takes its noise off. [px]"""
 
+# Blur that gathers a peak smeared by a slight rotation or scale. [px]
 BROAD: Final = 2.0
-"""Blur that gathers a peak smeared by a slight rotation or scale. [px]"""
 
+# Part of the frame that both cameras must see at an offset. [1]
 SHARED: Final = 0.25
-"""Part of the frame that both cameras must see at an offset. [1]"""
 
+# Largest offset that leaves as much of the frame, tried only to explain a failure. [1]
 FARTHEST: Final = 0.75
-"""Largest offset that leaves as much of the frame, tried only to explain a failure. [1]"""
 
+# Every fifth value is enough for the median of the correlation.
 EVERY: Final = 5
-"""Every fifth value is enough for the median of the correlation."""
 
+# Textures are clipped at so many rms, so that a few bright specks do not decide. [1]
 CLIPPED: Final = 4.0
-"""Textures are clipped at so many rms, so that a few bright specks do not decide. [1]"""
 
+# Standard deviation of the local mean of the coarse images. [binned px]
 TEXTURE_REACH: Final = 3.0
-"""Standard deviation of the local mean of the coarse images. [binned px]"""
 
+# Part of the blocks that must agree on an affine map. [1]
 AGREEMENT: Final = 0.4
-"""Part of the blocks that must agree on an affine map. [1]"""
 
+# The same for the frame as it is: with fewer, the bank may hold a better start.
 AGREEMENT_UNTURNED: Final = 0.6
-"""The same for the frame as it is: with fewer, the bank may hold a better start."""
 
+# The same for another orientation, which a message is to name.
 AGREEMENT_TURNED: Final = 0.5
-"""The same for another orientation, which a message is to name."""
 
+# Largest departure of the affine map from unity, well above the bank. [1]
 LARGEST_SLOPE: Final = 0.2
-"""Largest departure of the affine map from unity, well above the bank. [1]"""
 
+# Peaks of the bank around which blocks are matched.
 BEST_OF_BANK: Final = 4
-"""Peaks of the bank around which blocks are matched."""
 
+# Part of the frame that must be lit and sound. [1]
 LIT: Final = 0.05
-"""Part of the frame that must be lit and sound. [1]"""
 
+# An offset of this part of the search range is beyond it, for its peak is cut. [1]
 AT_THE_LIMIT: Final = 0.98
-"""An offset of this part of the search range is beyond it, for its peak is cut. [1]"""
 
 
 def coarse_binning(shape: tuple[int, int]) -> int:
@@ -383,11 +383,11 @@ def _search_bank(coarse: CoarsePair, correlator: Correlator) -> tuple[Start | No
     return None, peaks[0]
 
 
+# The searches, the quick one first.
 SEARCHES: Final[tuple[Callable[[CoarsePair, Correlator], tuple[Start | None, Peak]], ...]] = (
     _search_unturned,
     _search_bank,
 )
-"""The searches, the quick one first."""
 
 
 def find_start(pair: Pair, settings: RegistrationSettings) -> Start:

@@ -36,38 +36,38 @@ from erlif.registration.normalise import MOST, binned
 from erlif.registration.pairs import Pair, Pairs, Textures, make_pair, open_frames, textures
 from erlif.registration.surface import cell_weights
 
+# Side of the cells whose sums determine the drift. [px]
 STEP: Final = 16
-"""Side of the cells whose sums determine the drift. [px]"""
+# The same on binned textures, so that small frames have cells enough. [binned px]
 ROUGH_STEP: Final = 8
-"""The same on binned textures, so that small frames have cells enough. [binned px]"""
+# Largest drift in the search, in pixels binned by 2 or, for large frames, by 4.
 FARTHEST: Final = 8
-"""Largest drift in the search, in pixels binned by 2 or, for large frames, by 4."""
+# Frames with both sides above this are binned by 2 in the last steps too: they have texture enough
+# for a translation. [px]
 LARGE: Final = 400
-"""Frames with both sides above this are binned by 2 in the last steps too: they have texture enough
-for a translation. [px]"""
+# Coarse images with both sides above this have texture enough for the search in their sum of
+# quarters. [binned px]
 LARGEST_UNFOLDED: Final = 200
-"""Coarse images with both sides above this have texture enough for the search in their sum of
-quarters. [binned px]"""
+# Rows of cells from which every other one is enough for the coarse steps.
 FEWEST_ROWS: Final = 16
-"""Rows of cells from which every other one is enough for the coarse steps."""
+# Gauss-Newton steps on the coarse images; they converge from one coarse pixel to below 0.02.
 COARSE_STEPS: Final = 2
-"""Gauss-Newton steps on the coarse images; they converge from one coarse pixel to below 0.02."""
+# The same for `rough_drift`, whose steps are not corrected.
 COARSE_PASSES: Final = 3
-"""The same for `rough_drift`, whose steps are not corrected."""
+# Of so many rows of cells one shows how the scores follow a step: this belongs to the texture.
 PART: Final = 4
-"""Of so many rows of cells one shows how the scores follow a step: this belongs to the texture."""
+# Limits of the slope of the scores over that of the equations; 1.3 is usual. [1]
 STEP_RATIO: Final = (0.5, 2.0)
-"""Limits of the slope of the scores over that of the equations; 1.3 is usual. [1]"""
+# A step below this leaves too little of itself to measure that slope. [px]
 LEAST_STEP: Final = 1e-4
-"""A step below this leaves too little of itself to measure that slope. [px]"""
+# Cells with light in both cameras below which the chance of a correlation cannot be judged.
 FEWEST_CELLS: Final = 16
-"""Cells with light in both cameras below which the chance of a correlation cannot be judged."""
+# Standard errors by which the mean or the median product of the textures must exceed 0.
 CHANCE: Final = 6.0
-"""Standard errors by which the mean or the median product of the textures must exceed 0."""
+# Largest number of frames on which a stored map is checked.
 FRAMES_CHECKED: Final = 8
-"""Largest number of frames on which a stored map is checked."""
+# Part of the common field that may need another displacement before a stored map is refused.
 OFF_SHARE: Final = 0.1
-"""Part of the common field that may need another displacement before a stored map is refused."""
 
 
 def beyond_chance(products: Array) -> bool:

@@ -37,14 +37,14 @@ from erlif.registration.surface import Cells, Surface, affine_surface, equations
 from erlif.registration.views import Views, expected_rms, make_cells
 from erlif.registration.whitening import make_filter, slope_gain
 
+# Frames that are tried for the coarse alignment before it is given up.
 CANDIDATES: Final = 4
-"""Frames that are tried for the coarse alignment before it is given up."""
 
+# Elements from which on a surface is compared with windows: the distortion may be finer still.
 FINE: Final = 16
-"""Elements from which on a surface is compared with windows: the distortion may be finer still."""
 
+# Standard errors by which the mean product of the textures must stand above 0.
 BEYOND_CHANCE: Final = 8.0
-"""Standard errors by which the mean product of the textures must stand above 0."""
 
 
 def register(

@@ -18,27 +18,27 @@ from erlif.core.flags import Flag
 from erlif.correction.light import fill_gaps
 from erlif.registration.bands import in_bands
 
+# Pole of the filter that turns samples into cubic B-spline coefficients.
 _POLE: Final = np.float32(np.sqrt(3.0) - 2.0)
-"""Pole of the filter that turns samples into cubic B-spline coefficients."""
+# Samples that start the causal filter: the power of the pole falls below 1e-9.
 _START: Final = 16
-"""Samples that start the causal filter: the power of the pole falls below 1e-9."""
+# Mirrored coefficients on every side, so that the sixteen taps need no check of bounds.
 _MARGIN: Final = 2
-"""Mirrored coefficients on every side, so that the sixteen taps need no check of bounds."""
+# Mirrored samples on both sides of a row, from which the filters start.
 _BESIDE: Final = _START
-"""Mirrored samples on both sides of a row, from which the filters start."""
+# Displacements beyond this lie outside any image and beyond the precision of float32. [px]
 FARTHEST: Final = np.float32(1e6)
-"""Displacements beyond this lie outside any image and beyond the precision of float32. [px]"""
+# Distance over which a gap is filled from its neighbours; the spline's own reach. [px]
 _REACH: Final = 9
-"""Distance over which a gap is filled from its neighbours; the spline's own reach. [px]"""
 
+# Lines of `sample_rows`.
 _U, _V, _COLUMN, _ROW, _FACTOR, _LINES = range(6)
-"""Lines of `sample_rows`."""
 
 # single precision throughout: a loop with one double is half as fast
 _ZERO, _ONE, _THREE, _FOUR, _SIX = (np.float32(value) for value in (0, 1, 3, 4, 6))
 _PER_36: Final = np.float32(1 / 36)
+# Factor of the cubic term of the noise, see `interpolation_variance_factor`.
 _CUBIC: Final = np.float32(14 - 6 * np.sqrt(3))
-"""Factor of the cubic term of the noise, see `interpolation_variance_factor`."""
 _NAN: Final = np.float32(np.nan)
 
 # an unsigned index cannot count from the end; without this case the loops run in vector registers
@@ -179,12 +179,12 @@ def spline_coefficients(image: AnyArray, *, threads: int = 1, out: Image | None 
     return out
 
 
+# Stands for a variance that is not asked for.
 NOTHING: Final = np.zeros((0, 0), np.float32)
-"""Stands for a variance that is not asked for."""
+# Stands for flags that are not asked for.
 NO_FLAGS: Final = np.zeros((0, 0), np.uint8)
-"""Stands for flags that are not asked for."""
+# Mask for `sample_spline` if all pixels are valid.
 NOTHING_BAD: Final = np.zeros((0, 0), np.bool_)
-"""Mask for `sample_spline` if all pixels are valid."""
 
 
 def sample_spline(

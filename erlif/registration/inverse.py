@@ -18,16 +18,16 @@ from erlif.core.arrays import Array, Mask
 from erlif.registration.camera_map import CameraMap
 from erlif.registration.settings import orient
 
+# Points along each axis at which the maps are compared; a map is smooth.
 NODES: Final = 65
-"""Points along each axis at which the maps are compared; a map is smooth."""
+# Points that both maps must know.
 FEWEST: Final = 64
-"""Points that both maps must know."""
+# Rms change of magnification, rotation and distortion between two sessions on one rig. [px]
 REPRODUCIBILITY: Final = 0.05
-"""Rms change of magnification, rotation and distortion between two sessions on one rig. [px]"""
+# Standard deviations of the maps between the found one and the middle of the two candidates.
 CLEAR: Final = 5.0
-"""Standard deviations of the maps between the found one and the middle of the two candidates."""
+# Largest misfit of the better candidate in parts of that of the other; a third map has more.
 CLOSE: Final = 0.25
-"""Largest misfit of the better candidate in parts of that of the other; a third map has more."""
 
 
 @dataclass(frozen=True)

@@ -13,28 +13,28 @@ from scipy import ndimage
 from erlif.core.arrays import Array, Image, Mask
 from erlif.registration.matching import SCORES, SYSTEM, system_of
 
+# Longest correction of one pass. [px]
 LARGEST_STEP: Final = 1.5
-"""Longest correction of one pass. [px]"""
+# Variance of the score of a cell over its normal matrix times the residual variance: neighbouring
+# pixels share noise and texture. 2 to 5 on the scenes of the benchmark.
 SCORE_NOISE: Final = 4.0
-"""Variance of the score of a cell over its normal matrix times the residual variance: neighbouring
-pixels share noise and texture. 2 to 5 on the scenes of the benchmark."""
+# The Gaussian windows end at this many standard deviations.
 TRUNCATE: Final = 3.5
-"""The Gaussian windows end at this many standard deviations."""
+# Ridge of a window in parts of the median information, for windows of texture in one direction.
 WINDOW_RIDGE: Final = 1e-3
-"""Ridge of a window in parts of the median information, for windows of texture in one direction."""
+# A window has too little texture if its information is below this many ridges: a fiftieth of the
+# median.
 FAINT: Final = 20.0
-"""A window has too little texture if its information is below this many ridges: a fiftieth of the
-median."""
+# Departure from the neighbours' median that makes a vector an outlier, in their median scatter.
 OUTLIER: Final = 3.0
-"""Departure from the neighbours' median that makes a vector an outlier, in their median scatter."""
+# Added to the scatter of the neighbours, the noise of correlation. [px]
 MEDIAN_FLOOR: Final = 0.1
-"""Added to the scatter of the neighbours, the noise of correlation. [px]"""
+# No variance is taken to be below this part of the median variance.
 STD_FLOOR: Final = 1e-3
-"""No variance is taken to be below this part of the median variance."""
+# Side of the surroundings in which a remaining displacement is judged. [px]
 JUDGED_WINDOW: Final = 64
-"""Side of the surroundings in which a remaining displacement is judged. [px]"""
+# Standard deviations that a remaining displacement must have to be taken as one.
 CLEAR: Final = 5.0
-"""Standard deviations that a remaining displacement must have to be taken as one."""
 
 
 def window_sigma(window: int, step: int) -> float:

@@ -19,54 +19,54 @@ from erlif.registration.bands import in_bands
 
 # Layout of the cell sums, the last axis of an array (row, column, SUMS).
 
+# Product of the gradients along x, as GXY and GYY for xy and y. [1/px^2]
 GXX: Final = 0
-"""Product of the gradients along x, as GXY and GYY for xy and y. [1/px^2]"""
 GXY: Final = 1
 GYY: Final = 2
+# Gradient along x times the difference, as BY along y. [1/px]
 BX: Final = 3
-"""Gradient along x times the difference, as BY along y. [1/px]"""
 BY: Final = 4
+# Square of the difference. [1]
 EE: Final = 5
-"""Square of the difference. [1]"""
+# Weight, that is the number of pixels where all are good. [1]
 WEIGHT: Final = 6
-"""Weight, that is the number of pixels where all are good. [1]"""
+# Product of the two textures, as AA and BB of each with itself. [1]
 AB: Final = 7
-"""Product of the two textures, as AA and BB of each with itself. [1]"""
 AA: Final = 8
 BB: Final = 9
+# Scalar product of the gradients of camera 1 and camera 2. [1/px^2]
 CROSS: Final = 10
-"""Scalar product of the gradients of camera 1 and camera 2. [1/px^2]"""
+# Number of the sums.
 SUMS: Final = 11
-"""Number of the sums."""
 
+# GXX, GXY and GYY: the normal matrix.
 GRADIENT_PRODUCTS: Final = slice(GXX, GYY + 1)
-"""GXX, GXY and GYY: the normal matrix."""
+# BX and BY: the right side.
 SCORES: Final = slice(BX, BY + 1)
-"""BX and BY: the right side."""
+# The normal matrix and the right side.
 SYSTEM: Final = slice(GXX, BY + 1)
-"""The normal matrix and the right side."""
 
+# Pixels at the border that the five-point derivative cannot reach. [px]
 EDGE: Final = 2
-"""Pixels at the border that the five-point derivative cannot reach. [px]"""
+# Textures and gradients are far below this; a NaN fails the comparison. [1]
 KNOWN: Final = 1e6
-"""Textures and gradients are far below this; a NaN fails the comparison. [1]"""
+# Differences beyond this many times the expected rms lose more than half their weight.
 ROBUST: Final = 4.0
-"""Differences beyond this many times the expected rms lose more than half their weight."""
+# Smallest expected rms, for textures that agree exactly. [1]
 LEAST_RMS: Final = 1e-6
-"""Smallest expected rms, for textures that agree exactly. [1]"""
 
+# Side of the neighbourhood over which the noise of the gradients is estimated. [cells]
 NOISE_CELLS: Final = 5
-"""Side of the neighbourhood over which the noise of the gradients is estimated. [cells]"""
+# Smallest part of the gradient products that counts as common to both cameras.
 LEAST_COMMON: Final = 0.05
-"""Smallest part of the gradient products that counts as common to both cameras."""
+# Below this part of the squared trace the determinant leaves one direction open. [1]
 SINGULAR: Final = 1e-6
-"""Below this part of the squared trace the determinant leaves one direction open. [1]"""
 
 
+# Pixels of a row that are summed together: their lines stay in the fast memory of a core. [px]
 _STRIP: Final = 256
-"""Pixels of a row that are summed together: their lines stay in the fast memory of a core. [px]"""
+# First places of the lines of a strip: half the gradients of both cameras, then the sums.
 _AX, _AY, _BX, _BY, _LINES = (n * _STRIP for n in range(5))
-"""First places of the lines of a strip: half the gradients of both cameras, then the sums."""
 
 
 # an unsigned index cannot count from the end; each step stands in `_cell_sums` once, without a call

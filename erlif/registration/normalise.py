@@ -12,44 +12,44 @@ from numba import njit
 from erlif.core.arrays import FAST, AnyArray, Image
 from erlif.registration.bands import in_bands
 
+# Side of the cells from which the local mean and rms are averaged. [px]
 CELL: Final = 4
-"""Side of the cells from which the local mean and rms are averaged. [px]"""
 
+# Standard deviation of the Gaussian average of the local mean. [px]
 REACH: Final = 12.0
-"""Standard deviation of the Gaussian average of the local mean. [px]"""
 
+# Standard deviation of the average of the local rms over that of the local mean.
 REACH_OF_RMS: Final = 1.5
-"""Standard deviation of the average of the local rms over that of the local mean."""
 
+# Standard deviations at which a Gaussian window ends.
 CUT: Final = 3.0
-"""Standard deviations at which a Gaussian window ends."""
 
+# Counts are far below this; infinity and NaN fail the comparison. [counts]
 FINITE: Final = 1e30
-"""Counts are far below this; infinity and NaN fail the comparison. [counts]"""
 
+# Textures are far below this; infinity and NaN fail the comparison. [1]
 LARGEST: Final = 1e6
-"""Textures are far below this; infinity and NaN fail the comparison. [1]"""
 
+# Percentile of the local light that stands for the brighter parts of the frame.
 BRIGHTER_PARTS: Final = 98
-"""Percentile of the local light that stands for the brighter parts of the frame."""
 
+# Of so many cells one is looked at for that percentile.
 EVERY: Final = 5
-"""Of so many cells one is looked at for that percentile."""
 
+# Light below this part of the brighter parts is too dark for a texture.
 DARK: Final = 0.02
-"""Light below this part of the brighter parts is too dark for a texture."""
 
+# The local rms is not taken below this part of the largest one, or flat parts would be noise.
 LEAST_CONTRAST: Final = 0.02
-"""The local rms is not taken below this part of the largest one, or flat parts would be noise."""
 
+# The same for a frame that is flat everywhere. [1]
 LEAST_RMS: Final = 1e-6
-"""The same for a frame that is flat everywhere. [1]"""
 
+# A binned pixel counts if more than this part of it does. [1]
 MOST: Final = 0.5
-"""A binned pixel counts if more than this part of it does. [1]"""
 
+# Where the average of the weights is below this part of the largest weight, nothing is near.
 NEAR: Final = 1e-6
-"""Where the average of the weights is below this part of the largest weight, nothing is near."""
 
 
 def binned(image: AnyArray, weight: AnyArray | None, factor: int) -> tuple[Image, Image]:

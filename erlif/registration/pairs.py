@@ -12,17 +12,17 @@ from erlif.registration.interpolation import NOTHING_BAD, spline_coefficients
 from erlif.registration.normalise import REACH, binned, normalise
 from erlif.registration.settings import RegistrationSettings, orient
 
+# Frames below this side hold too few blocks for the coarse alignment. [px]
 SMALLEST_SIDE: Final = 64
-"""Frames below this side hold too few blocks for the coarse alignment. [px]"""
 
+# Smallest standard deviation of the local mean of a binned image. [binned px]
 LEAST_REACH: Final = 3.0
-"""Smallest standard deviation of the local mean of a binned image. [binned px]"""
 
+# `(reference, moving, weight_reference, weight_moving)` of one frame.
 PairOfArrays = tuple[AnyArray, AnyArray, AnyArray | None, AnyArray | None]
-"""``(reference, moving, weight_reference, weight_moving)`` of one frame."""
 
+# The pairs of a run; a sequence may read each when it is indexed.
 Pairs = Sequence[PairOfArrays]
-"""The pairs of a run; a sequence may read each when it is indexed."""
 
 
 @dataclass(frozen=True)

@@ -17,46 +17,46 @@ from erlif.core.arrays import Array
 from erlif.registration.matching import EE, SYSTEM, merge_cells, move_sums, system_of
 from erlif.registration.surface import Box, Cells, Surface, degree_basis, equations, solve_surface
 
+# Elements along the longer side of the frame, tried always.
 LADDER: Final = (1, 2, 3, 4, 6, 8)
-"""Elements along the longer side of the frame, tried always."""
 
+# The same, tried only where the best of `LADDER` leaves a displacement.
 FINE_LADDER: Final = (12, 16, 20, 24, 32)
-"""The same, tried only where the best of `LADDER` leaves a displacement."""
 
+# No element is made shorter than this. [px]
 SHORTEST_ELEMENT: Final = 36.0
-"""No element is made shorter than this. [px]"""
 
+# Standard deviations of a gain by chance that the gain of a finer surface must add to its need.
 CLEAR: Final = 2.0
-"""Standard deviations of a gain by chance that the gain of a finer surface must add to its need."""
 
+# Finer models are tried only while each coefficient has this many cells.
 CELLS_PER_COEFFICIENT: Final = 4
-"""Finer models are tried only while each coefficient has this many cells."""
 
+# Finer surfaces are tried where the excess of the tiles is this many standard errors.
 LEFT_OVER: Final = 4.0
-"""Finer surfaces are tried where the excess of the tiles is this many standard errors."""
 
+# The same for pairs of cells: excess of their joint disagreement, 3 if they move together. [1]
 LEFT_BETWEEN: Final = 0.6
-"""The same for pairs of cells: excess of their joint disagreement, 3 if they move together. [1]"""
 
+# A displacement is left for windows if its excess is this many times what makes finer surfaces a
+# trial. [1]
 UNRESOLVED: Final = 2.0
-"""A displacement is left for windows if its excess is this many times what makes finer surfaces a
-trial. [1]"""
 
+# Squared displacement over the variance of the windows' own noise from which on windows are worth
+# it; a tile sees only the part of a displacement that all of it shares. [1]
 WORTH: Final = 0.5
-"""Squared displacement over the variance of the windows' own noise from which on windows are worth
-it; a tile sees only the part of a displacement that all of it shares. [1]"""
 
+# Sides of the tiles whose disagreement is compared with that of single cells. [cells]
 TILES: Final = (2, 4, 8)
-"""Sides of the tiles whose disagreement is compared with that of single cells. [cells]"""
 
+# Fewer tiles than this give no mean worth a comparison.
 FEWEST_TILES: Final = 8
-"""Fewer tiles than this give no mean worth a comparison."""
 
+# Tiles with less than this part of the median gradient product are left out. [1]
 LEAST_TEXTURE: Final = 0.1
-"""Tiles with less than this part of the median gradient product are left out. [1]"""
 
+# Tiles with a determinant below this part of their squared trace have one direction only. [1]
 SINGULAR: Final = 1e-4
-"""Tiles with a determinant below this part of their squared trace have one direction only. [1]"""
 
 
 @dataclass(frozen=True)

@@ -31,20 +31,20 @@ _TURNS: Final[dict[str, Callable[[AnyArray], AnyArray]]] = {
     "antitransposed": lambda image: image[::-1, ::-1].T,
 }
 
+# The eight ways in which camera 2, behind mirrors or turned in its mount, can see the scene.
 ORIENTATIONS: Final[tuple[str, ...]] = tuple(_TURNS)
-"""The eight ways in which camera 2, behind mirrors or turned in its mount, can see the scene."""
 
+# What the displacement may be made of, see `RegistrationSettings`.
 MODELS: Final = ("auto", "surface", "local")
-"""What the displacement may be made of, see `RegistrationSettings`."""
 
+# Smallest side of a cell: the five-point derivative reaches as far. [px]
 SMALLEST_STEP: Final = 4
-"""Smallest side of a cell: the five-point derivative reaches as far. [px]"""
 
+# Largest side of a window; broader distortion is left to a surface. [px]
 LARGEST_WINDOW: Final = 256
-"""Largest side of a window; broader distortion is left to a surface. [px]"""
 
+# At larger offsets the cameras share too little of the field. [1]
 LARGEST_SEARCH: Final = 0.4
-"""At larger offsets the cameras share too little of the field. [1]"""
 
 
 def orient(image: AnyArray, orientation: str) -> AnyArray:

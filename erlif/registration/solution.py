@@ -17,29 +17,29 @@ from erlif.registration.surface import ROWS, Cells, Surface, bilinear
 from erlif.registration.uncertainty import surface_covariance, surface_std
 from erlif.registration.views import Views
 
+# The displacement is given this far beyond the frame of camera 2, for frames that drift. [px]
 BEYOND: Final = 8.0
-"""The displacement is given this far beyond the frame of camera 2, for frames that drift. [px]"""
 
+# Standard deviation of the displacement from which on a pixel is poorly registered. [px]
 POOR_STD: Final = 0.25
-"""Standard deviation of the displacement from which on a pixel is poorly registered. [px]"""
 
+# Remaining displacement of a neighbourhood from which on it is poorly registered. [px]
 POOR_RESIDUAL: Final = 0.3
-"""Remaining displacement of a neighbourhood from which on it is poorly registered. [px]"""
 
+# A map is refused if a larger part of the common field is poorly registered. [1]
 MOST_POOR: Final = 0.5
-"""A map is refused if a larger part of the common field is poorly registered. [1]"""
 
+# Windows replace a surface if they leave less than this part of its squared difference. [1]
 CLEARLY_LESS: Final = 0.9
-"""Windows replace a surface if they leave less than this part of its squared difference. [1]"""
 
+# Rows at which the standard deviation of a surface is evaluated, bilinear between them.
 STD_ROWS: Final = 65
-"""Rows at which the standard deviation of a surface is evaluated, bilinear between them."""
 
+# Columns of the same.
 STD_COLUMNS: Final = 81
-"""Columns of the same."""
 
+# Standard deviation of a window without texture, finite so that it can be interpolated. [px]
 UNKNOWN_STD: Final = 1e3
-"""Standard deviation of a window without texture, finite so that it can be interpolated. [px]"""
 
 
 def find_overlap(dx: Image, dy: Image, std: Image, height: int, width: int) -> Mask:

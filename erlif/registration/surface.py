@@ -14,19 +14,19 @@ from scipy.linalg import cho_factor, cho_solve
 from erlif.core.arrays import AnyArray, Array, Image
 from erlif.registration.matching import EE, WEIGHT, system_of
 
+# x0, x1, y0, y1 of a rectangle of camera-1 pixels. [px]
 Box = tuple[float, float, float, float]
-"""x0, x1, y0, y1 of a rectangle of camera-1 pixels. [px]"""
 
+# Ridge in parts of the mean diagonal of the normal matrix: far below all that data support.
 RIDGE: Final = 1e-9
-"""Ridge in parts of the mean diagonal of the normal matrix: far below all that data support."""
+# Cells with less than this part of the pixels of a full cell have no weight.
 LIT_SHARE: Final = 0.25
-"""Cells with less than this part of the pixels of a full cell have no weight."""
 
+# Rows of a frame that are worked on at once: their arrays stay in the cache.
 ROWS: Final = 32
-"""Rows of a frame that are worked on at once: their arrays stay in the cache."""
+# Multiplications in a matrix product, at most: larger ones would be divided among the processors,
+# which costs more than it saves.
 PRODUCT: Final = 2**18
-"""Multiplications in a matrix product, at most: larger ones would be divided among the processors,
-which costs more than it saves."""
 
 
 def spline_weights(

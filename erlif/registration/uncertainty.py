@@ -25,16 +25,16 @@ from erlif.registration.surface import (
     pair_up,
 )
 
+# Side of the blocks whose scores are taken as independent: several correlation lengths. [px]
 BLOCK: Final = 32.0
-"""Side of the blocks whose scores are taken as independent: several correlation lengths. [px]"""
+# The same for surfaces of many coefficients, which need more blocks. [px]
 FINE_BLOCK: Final = 16.0
-"""The same for surfaces of many coefficients, which need more blocks. [px]"""
+# Coefficients up to which the larger blocks are used: four by four elements.
 COARSE: Final = 49
-"""Coefficients up to which the larger blocks are used: four by four elements."""
+# Blocks along each axis, so that the scatter of the scores is known.
 FEWEST_BLOCKS: Final = 8
-"""Blocks along each axis, so that the scatter of the scores is known."""
+# Part of its true score that a block keeps after the fit, at least.
 SMALLEST_REST: Final = 0.1
-"""Part of its true score that a block keeps after the fit, at least."""
 
 
 def _block_scores(cells: Cells, block: AnyArray, across: Array, down: Array) -> Array:

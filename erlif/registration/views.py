@@ -31,17 +31,17 @@ from erlif.registration.pairs import Frames, Pair, Textures, textures
 from erlif.registration.surface import Cells, Surface, cell_weights
 from erlif.registration.whitening import Filter, Spectra, measure_spectra, padded_size, whiten
 
+# A surface needs this many cells with weight: four for each coefficient of an affine map.
 FEWEST_CELLS: Final = 16
-"""A surface needs this many cells with weight: four for each coefficient of an affine map."""
 
+# Pixels of all chosen frames up to which their textures are kept: some 300 MB. [px]
 MOST_KEPT: Final = 20_000_000
-"""Pixels of all chosen frames up to which their textures are kept: some 300 MB. [px]"""
 
+# Blocks whose spectra determine the filter; no further frames are read for it.
 ENOUGH_BLOCKS: Final = 200
-"""Blocks whose spectra determine the filter; no further frames are read for it."""
 
+# Side of the median of the expected rms. [merged cells]
 NEIGHBOURS: Final = 3
-"""Side of the median of the expected rms. [merged cells]"""
 
 
 def make_cells(sums: Array, step: int, surface: Surface, *, binning: int = 1) -> Cells:

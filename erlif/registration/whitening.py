@@ -14,29 +14,29 @@ from scipy import fft
 
 from erlif.core.arrays import AnyArray, Array, Image
 
+# Side of the blocks whose spectra are averaged. [px]
 SIDE: Final = 64
-"""Side of the blocks whose spectra are averaged. [px]"""
 
+# Blocks of one frame that are averaged; evenly spaced if there are more.
 MOST_BLOCKS: Final = 250
-"""Blocks of one frame that are averaged; evenly spaced if there are more."""
 
+# Fewer blocks give a coherence by chance.
 FEWEST_BLOCKS: Final = 4
-"""Fewer blocks give a coherence by chance."""
 
+# A block needs this part of its pixels. [1]
 SOUND_PART: Final = 0.9
-"""A block needs this part of its pixels. [1]"""
 
+# Pixels next to an edge that the filter changes noticeably. [px]
 REACH: Final = 4
-"""Pixels next to an edge that the filter changes noticeably. [px]"""
 
+# A squared coherence counts above this over the root of the number of independent values. [1]
 SIGNIFICANT: Final = 3.0
-"""A squared coherence counts above this over the root of the number of independent values. [1]"""
 
+# Squared coherence of noise-free textures, for which the weight would be infinite. [1]
 LARGEST_COHERENCE: Final = 0.9999
-"""Squared coherence of noise-free textures, for which the weight would be infinite. [1]"""
 
+# Frequencies that the taper smears into the mean; they get no weight.
 TAPER_WIDTH: Final = 2
-"""Frequencies that the taper smears into the mean; they get no weight."""
 
 
 def padded_size(shape: tuple[int, ...]) -> tuple[int, int]:

@@ -39,13 +39,14 @@ from erlif.registration import align_frames
 from erlif.thickness import measure_thickness
 from erlif.trend import FilmStatistics, summarise_film
 
+# Errors that average out over pixels and frames, over pixels only, and not at all.
 RANDOM, FIXED, SHARED = "random", "random, the same in every frame", "shared"
-"""Errors that average out over pixels and frames, over pixels only, and not at all."""
 
 
 _DRY = "frames of the dry joint"  # A source of runs with a background alone
 
 
+# Sources of noise in a camera, in the order of the chain.
 _KINDS = {
     "photons": RANDOM,
     "reading and rounding": RANDOM,
@@ -53,7 +54,6 @@ _KINDS = {
     "flat frames": FIXED,
     _DRY: FIXED,
 }
-"""Sources of noise in a camera, in the order of the chain."""
 
 
 def _term(what: str, camera: int) -> str:
@@ -63,8 +63,8 @@ def _term(what: str, camera: int) -> str:
 
 _NOISE_TERMS = tuple(_term(what, camera) for what in _KINDS for camera in range(2))
 
+# Terms of runs in which light shows them, or from which they were taken.
 _LIGHT_TERMS = ("background", "bleaching")
-"""Terms of runs in which light shows them, or from which they were taken."""
 
 _SHARED_TERMS = ("registration", "calibration", *_LIGHT_TERMS, "marks of the surfaces")
 _ALL_NOISE = "noise of all kinds"

@@ -34,14 +34,14 @@ from erlif.pipeline.recording.log_cycle import WHOLE_TURN, Cycle, find_cycle
 
 _write_note = note_writer("erlif.review", "init.toml")
 
+# Calibrations beside a run that are listed.
 MOST_CALIBRATIONS = 5
-"""Calibrations beside a run that are listed."""
 
 _LISTED = 3  # files that a note names
 
 
+# Tribometers for which run.toml is written; a static film has no mechanism.
 KINDS = ("crank-rocker", "slider-crank", "rotation", "sinusoidal", "static")
-"""Tribometers for which run.toml is written; a static film has no mechanism."""
 
 _LINKAGES = KINDS[:2]  # those that have a joint, and an encoder that they cannot do without
 

@@ -12,8 +12,8 @@ from numba import njit
 from erlif.core.arrays import Array, Counts
 from erlif.rig.settings import RigSettings
 
+# Largest count of a 12-bit camera. [DN]
 FULL_SCALE = 4095
-"""Largest count of a 12-bit camera. [DN]"""
 
 _BEND = np.array([[0.6, 0.4, -0.2], [-0.3, 0.5, 0.5]])  # shares of u^2, u v, v^2 in x and y
 _CONVERGED = 1e-11  # pixel: step at which the search for an object point ends

@@ -21,10 +21,10 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.rig.orbit import THINNEST, Bearing
 
+# Nodes round the circumference, five times denser at the load line than opposite.
 AROUND = 96
-"""Nodes round the circumference, five times denser at the load line than opposite."""
+# Nodes on half of the length, denser towards the end.
 ALONG = 12
-"""Nodes on half of the length, denser towards the end."""
 
 _CLUSTER = 0.7  # of the mapping a = pi s - q sin(pi s) of evenly spread s
 _RELAXATION = 1.95, 0.14  # over-relaxation of an even film, and how much less a thin one needs

@@ -13,9 +13,10 @@ from erlif.core.progress import ShowProgress, choose_progress
 from erlif.rig.run import write_rig
 from erlif.rig.settings import RigSettings
 
+# Names that a simulation writes into its directory.
 WRITTEN = ("fixture", "run", "truth.nc")
-"""Names that a simulation writes into its directory."""
 
+# Files that a simulation writes, and those that the commands write beside them by default.
 _OWN = re.compile(
     r"truth\.nc"
     r"|(run|fixture)/camera[12]/frame_\d+\.tif"
@@ -23,7 +24,6 @@ _OWN = re.compile(
     r"|run/(run\.toml|encoder\.\w+)|fixture/(fixture\.toml|profile\.csv)"
     r"|run/(\.?film\.(nc|zarr)[^/]*(/.*)?|figures/.*|report\.html)|fixture/calibration\.\w+"
 )
-"""Files that a simulation writes, and those that the commands write beside them by default."""
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 

@@ -17,16 +17,16 @@ from scipy.interpolate import CubicHermiteSpline
 from erlif.core.arrays import Array
 from erlif.rig.settings import DyeSpectra
 
+# Wavelength of the laser. [nm]
 LASER = 532.0
-"""Wavelength of the laser. [nm]"""
+# Centres of the filters of cameras 1 and 2. [nm]
 BANDS = (580.0, 610.0)
-"""Centres of the filters of cameras 1 and 2. [nm]"""
+# Full width of a filter at half of its transmission. [nm]
 BANDWIDTH = 10.0
-"""Full width of a filter at half of its transmission. [nm]"""
+# Softness of a filter's edges. [nm]
 EDGE = 0.7
-"""Softness of a filter's edges. [nm]"""
+# Film from which on the signal has saturated. [um]
 THICKEST = 200.0
-"""Film from which on the signal has saturated. [um]"""
 
 _REACH = 12  # nm from the centre of a band, where the filter has fallen below 1e-8
 _STEP = 0.1  # nm of the integration over wavelengths
@@ -34,8 +34,8 @@ _TABLE = 10001  # entries of the table of the signal, 0.02 um apart for the inve
 _SATURATED = 40.0  # optical depth from which on the signal has saturated, for given dyes
 
 
+# Shares of dye 1 and dye 2 that bleaching has left.
 Left = tuple[float, float]
-"""Shares of dye 1 and dye 2 that bleaching has left."""
 
 _FRESH: Left = (1.0, 1.0)
 

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 _LBF = 4.4482216152605
 
+# Loads of the stages of the source. [N]
 THESIS_LOADS = tuple(1000 * kips * _LBF for kips in (8, 12, 16, 20, 24, 28))
-"""Loads of the stages of the source. [N]"""
 
 
 @dataclass(frozen=True)

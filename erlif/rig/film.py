@@ -14,13 +14,13 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.rig.settings import RigSettings
 
+# Thickness [um] at object points (x, y) [pixel of camera 1].
 Field = Callable[[Array, Array], Array]
-"""Thickness [um] at object points (x, y) [pixel of camera 1]."""
 
+# Film that roughness keeps where the smooth gap closes. [um]
 BARE_FILM = 0.05
-"""Film that roughness keeps where the smooth gap closes. [um]"""
+# Film left on the wall inside a bubble. [um]
 RESIDUAL_FILM = 0.02
-"""Film left on the wall inside a bubble. [um]"""
 
 _FIRST_PULSE = 0.37  # steps of a divider after the smallest rocker angle
 _WAVES = 12  # turning marks

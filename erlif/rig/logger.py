@@ -11,11 +11,11 @@ from erlif.rig.film import Triggers, coupler_angle, crank_at, rocker_angle
 from erlif.rig.motion import cycle_time
 from erlif.rig.settings import RigSettings
 
+# Rows of the log in time per second. [Hz]
 LOG_RATE = 10_000.0
-"""Rows of the log in time per second. [Hz]"""
 
+# Ticks of the encoder in a turn.
 TICKS = 36_000
-"""Ticks of the encoder in a turn."""
 
 _MARGIN = 0.05  # s: log before the first and after the last frame
 _PULSE = 3  # rows for which the trigger of the cameras is high

@@ -20,12 +20,12 @@ from scipy.interpolate import CubicSpline
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 
+# Collocation points over half the circumference.
 POINTS = 32
-"""Collocation points over half the circumference."""
+# Cosines along the axis; the next ones add less than 1e-4 of the force.
 HARMONICS = 96
-"""Cosines along the axis; the next ones add less than 1e-4 of the force."""
+# Smallest film of the orbit over the clearance.
 THINNEST = 1e-3
-"""Smallest film of the orbit over the clearance."""
 
 _TABLE = 96  # eccentricities of the table; the spline between them is good to 2e-5
 _TOLERANCE = 1e-8  # of the orbit; the clearance is its unit

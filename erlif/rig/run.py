@@ -31,11 +31,11 @@ from erlif.rig.settings import RigSettings
 from erlif.rig.setup import Setup, Shot, build_setup, photograph, random_stream
 from erlif.rig.truth import Session, describe_truth, write_true_film
 
+# Called after each frame with the kind of frame, its number from 1, and their total.
 Progress = Callable[[str, int, int], None]
-"""Called after each frame with the kind of frame, its number from 1, and their total."""
 
+# Mean energy of a pulse, as the meter in encoder.csv reports it. [mJ]
 LASER_ENERGY = 50.0
-"""Mean energy of a pulse, as the meter in encoder.csv reports it. [mJ]"""
 
 _METER_NOISE = 0.005  # relative standard deviation of the energy meter
 _TEMPERATURE = (25, 0.2)  # degree_Celsius: mean, and amplitude over the run
@@ -48,13 +48,13 @@ _PATCH_EDGE = 2  # pixel: margin of the region named in run.toml within the patc
 _COMPRESSION = 3  # of zlib: higher levels are slower and compress noise no better
 
 
+# Name of the run by the mechanism.
 _NAMES = {
     "crank-rocker": "straight bushing",
     "rotation": "pin on disc",
     "sinusoidal": "slider",
     "static": "static film",
 }
-"""Name of the run by the mechanism."""
 
 # the directories
 

@@ -9,14 +9,14 @@ from erlif.core.tables import read_table
 
 _TABLE = read_table("erlif.rig", "settings.toml")
 
+# Settings that are one of several words.
 CHOICES: Mapping[str, Sequence[str]] = _TABLE["choices"]
-"""Settings that are one of several words."""
+# Smallest and largest value of the settings, of each number of a pair, in their units.
 LIMITS: Mapping[str, Sequence[float]] = _TABLE["limits"]
-"""Smallest and largest value of the settings, of each number of a pair, in their units."""
+# How a pin without a spring is held at right angles to the load.
 SIDEWAYS = ("free", "guided")
-"""How a pin without a spring is held at right angles to the load."""
+# Angle through which the rocker of the thesis turns; the default one differs little. [degree]
 SWING = 24.0
-"""Angle through which the rocker of the thesis turns; the default one differs little. [degree]"""
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,8 @@ from erlif.rig.film import Bubbles, Field
 from erlif.rig.scene import Grains, beam, draw_grains, speckle
 from erlif.rig.settings import RigSettings
 
+# Purposes with random numbers of their own. A new one is appended, so that the old ones keep
+# theirs.
 STREAMS = (
     "camera 1",
     "camera 2",
@@ -26,8 +28,6 @@ STREAMS = (
     "fixture pages",
     "run background",
 )
-"""Purposes with random numbers of their own. A new one is appended, so that the old ones keep
-theirs."""
 
 _LARGEST_SHAKE = 6  # standard deviations of the vibration that the lattice of grains allows for
 _GRAIN_MARGIN = 8  # pixel: reach of the grains beyond the farthest object point

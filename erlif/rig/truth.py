@@ -22,26 +22,26 @@ _FILM_STEPS = 4096  # per um: the film is rounded to 0.12 nm
 _SIGNAL_STEPS = 2048  # of the mantissa: the signal is rounded to 0.05 %
 
 
+# Values of variables by name.
 _Values = dict[str, NDArray[Any]]
-"""Values of variables by name."""
 
 _TABLE = read_table("erlif.rig", "truth.toml")
 
+# Dimension along which the film changes.
 _FILM_DIM = {"law": "trigger", "reynolds": "frame"}
-"""Dimension along which the film changes."""
 
+# Variables of the place of the pin, and their names in `JournalGap`.
 _PIN = {
     "pin_displacement_load": "along",
     "pin_displacement_side": "side",
     "eccentricity": "eccentricity",
     "attitude": "attitude",
 }
-"""Variables of the place of the pin, and their names in `JournalGap`."""
 
+# Settings of the film by the law alone.
 _LAW = ("film_reference", "exponent", "film_floor", "film_table", "tilt")
-"""Settings of the film by the law alone."""
+# Settings of the film "reynolds" alone.
 _THEORY = ("elapsed", "sideways", "cavitation_pressure", "write_mount")
-"""Settings of the film "reynolds" alone."""
 
 
 class Session(NamedTuple):

@@ -19,11 +19,11 @@ from erlif.thickness.tables import FilmTables
 _ZERO, _NAN = np.float32(0), np.float32(np.nan)
 _at = np.uint64  # an index that cannot count from the end, as in `erlif.registration.interpolation`
 
+# Rows and columns between the pixels whose median is the offset of the sums: some hundreds.
 _STEPS = (61, 67)
-"""Rows and columns between the pixels whose median is the offset of the sums: some hundreds."""
 
+# Attributes of log_ratio_near, which is in no file.
 _NEAR = {"units": "1", "long_name": "mean of log_ratio about the pixel"}
-"""Attributes of log_ratio_near, which is in no file."""
 
 
 def measure_thickness(ratios: RatioImages, calibration: Calibration) -> ThicknessMaps:

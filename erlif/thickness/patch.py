@@ -8,8 +8,8 @@ import numpy as np
 
 from erlif.core.arrays import FlagImage, Image
 
+# Valid pixels of a mean, at least.
 _LEAST_PIXELS = 64
-"""Valid pixels of a mean, at least."""
 
 
 class PatchMean(NamedTuple):
@@ -80,5 +80,5 @@ def sample_patch(
     )
 
 
+# Stands for a run without a patch, or a frame in which it is not seen.
 NO_PATCH = PatchMean(float("nan"), float("nan"), float("nan"))
-"""Stands for a run without a patch, or a frame in which it is not seen."""

@@ -7,12 +7,12 @@ import numpy as np
 from erlif.core.arrays import FlagImage, Image
 from erlif.models.fluorescence import band_signal
 
+# Valid pixels of the median, at least.
 _LEAST_PIXELS = 64
-"""Valid pixels of the median, at least."""
 
+# Pixels of an image from which one in sixteen is enough: of 15 % contrast, the median over them
+# has a standard deviation of 0.2 %, a fraction of that of an energy meter. [px]
 _LARGE = 500_000
-"""Pixels of an image from which one in sixteen is enough: of 15 % contrast, the median over them
-has a standard deviation of 0.2 %, a fraction of that of an energy meter. [px]"""
 
 
 def measure_pulse_energy(

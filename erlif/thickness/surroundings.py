@@ -23,14 +23,14 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Image
 from erlif.core.flags import Flag
 
+# Distance of a measurable film from the ends of the calibration. [std of a pixel]
 CLEAR = 2.0
-"""Distance of a measurable film from the ends of the calibration. [std of a pixel]"""
 
+# Rows and columns between a pixel and the end of the widest square, 17 px. [px]
 PAD = 8
-"""Rows and columns between a pixel and the end of the widest square, 17 px. [px]"""
 
+# Rows that are kept: those of the widest square, and the one above it.
 _KEPT = 18
-"""Rows that are kept: those of the widest square, and the one above it."""
 
 _BELOW, _ABOVE, _POOR = (
     np.uint8(flag) for flag in (Flag.BELOW_RANGE, Flag.ABOVE_RANGE, Flag.POOR_REGISTRATION)
@@ -38,19 +38,19 @@ _BELOW, _ABOVE, _POOR = (
 _CLEAR, _HALF, _ZERO, _NONE = np.float32(CLEAR), np.float32(0.5), np.float32(0), np.uint8(0)
 _at = np.uint64  # an index that cannot count from the end, as in `erlif.registration.interpolation`
 
+# Whole numbers per log ratio: the mean over 81 pixels is then rounded by 1e-7 at most.
 _PER_RATIO = np.float32(2**19)
-"""Whole numbers per log ratio: the mean over 81 pixels is then rounded by 1e-7 at most."""
+# Log ratios farther from the offset, a factor of 1e6, are taken as this; 289 stay below 2^31.
 _FARTHEST = np.float32(14)
-"""Log ratios farther from the offset, a factor of 1e6, are taken as this; 289 stay below 2^31."""
 
+# Whole numbers per median variance; a mean over 81 pixels is then rounded by 1e-5 of it.
 _PER_MEDIAN = 2.0**13
-"""Whole numbers per median variance; a mean over 81 pixels is then rounded by 1e-5 of it."""
+# Variances beyond, 3000 times the median, are taken as this; 81 of them stay below 2^31.
 _LARGEST = np.float32(2**31 // 81 - 2)
-"""Variances beyond, 3000 times the median, are taken as this; 81 of them stay below 2^31."""
 
 _PIXEL, _MIDDLE, _BITS = np.int64(2**32), np.int64(2**31), np.int64(32)
+# A sound pixel in the upper half of a number whose lower half is its log ratio.
 _NO_PIXEL, _NO_NOISE = np.int64(0), np.int32(0)
-"""A sound pixel in the upper half of a number whose lower half is its log ratio."""
 
 
 class Surroundings(NamedTuple):

@@ -21,12 +21,12 @@ from erlif.calibration import BackgroundError, Calibration
 from erlif.core.arrays import Array, Mask
 from erlif.models.fluorescence import band_signal
 
+# Chi-square of two shares that noise exceeds once in 370 cases, as a deviation of three standard
+# deviations of one number.
 SIGNIFICANT = 11.83
-"""Chi-square of two shares that noise exceeds once in 370 cases, as a deviation of three standard
-deviations of one number."""
 
+# Share of the median light; a run that would not show this much determines no background. [1]
 _LARGEST = 0.05
-"""Share of the median light; a run that would not show this much determines no background. [1]"""
 
 _FEWEST_FRAMES = 12  # frames of an estimate, at least
 
@@ -36,9 +36,9 @@ _FEWEST_VISITS = 6  # frames in which a cell must be measured
 
 _THINNEST = 1.0  # film below which the model is not linear in a background of a few per cent [um]
 
+# Share of the covered range; the noise of a cell with a thicker film may reach beyond it, and a
+# choice that depends on the noise would bias the estimate.
 _THICKEST = 0.8
-"""Share of the covered range; the noise of a cell with a thicker film may reach beyond it, and a
-choice that depends on the noise would bias the estimate."""
 
 _ROUNDS = 12  # steps of Gauss and Newton, at most; three are usual
 
@@ -46,8 +46,8 @@ _LOST = 0.5  # share beyond which the search has left the range of its equations
 
 _SETTLED = 0.05  # last step over the standard deviation at which the search ends
 
+# Relative scatter of the light of a cell to start from: speckle that is new with every pulse.
 _START_NOISE = 0.02
-"""Relative scatter of the light of a cell to start from: speckle that is new with every pulse."""
 
 _LEAST_ENERGY_STD = 1e-3  # relative accuracy that is granted to the energies of a log at best
 

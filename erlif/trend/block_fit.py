@@ -24,17 +24,17 @@ _LAG = 3  # strips of blocks over which the marks of a surface are correlated, a
 
 _STRIPS_PER_LAG = 6  # strips that one lag of correlation takes
 
+# Blocks in all, and positions along and across sliding, that determine four parameters.
 _LEAST_BLOCKS, _LEAST_ALONG, _LEAST_ACROSS = 16, 4, 3
-"""Blocks in all, and positions along and across sliding, that determine four parameters."""
 
+# Blocks above which four are merged into one: of a megapixel a parabola needs no finer ones.
 _MANY = 4000
-"""Blocks above which four are merged into one: of a megapixel a parabola needs no finer ones."""
 
 _MOST_STEPS = 30
 _CONVERGED = 1e-4  # change of the gap below which the iteration ends [um]
 
+# First steps, without weights of residuals: the start is too coarse to judge outliers.
 _PLAIN_STEPS = 2
-"""First steps, without weights of residuals: the start is too coarse to judge outliers."""
 
 _DECISIVE = 0.2  # biweight (before squaring) above which a block counts towards determining the gap
 

@@ -11,8 +11,8 @@ from erlif.core.flags import Flag
 from erlif.core.products import RatioImages, ThicknessMaps
 from erlif.trend.region import Region
 
+# Width of the blocks whose pixels are summed. [px]
 BLOCK = 8
-"""Width of the blocks whose pixels are summed. [px]"""
 
 
 @dataclass(frozen=True)

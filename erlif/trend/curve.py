@@ -14,8 +14,8 @@ _FILMS = 20001  # films of the table; its linear interpolation is good to 1e-8 o
 
 _BINS = 4000  # bins of log ratio over the calibrated range, far narrower than the noise of a pixel
 
+# The table begins 0.5 um below the calibrated range and ends at 1.5 times its end.
 _BELOW, _ABOVE = 0.5, 1.5
-"""The table begins 0.5 um below the calibrated range and ends at 1.5 times its end."""
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ import numpy as np
 
 from erlif.core.arrays import Array
 
+# Triggers below this share of the top speed are left out of the speed exponent.
 SLOWEST = 0.1
-"""Triggers below this share of the top speed are left out of the speed exponent."""
 
 _LEAST_RANGE = 0.1  # range of the logarithm of speed over load below which there is no power to fit
 

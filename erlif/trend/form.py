@@ -19,14 +19,14 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.trend.position import FittedNumbers, PinPosition, PinView
 
+# Accuracy of the film scale of the method, Hidrovo and Hart (2001). [1]
 SCALE_STD = 0.01
-"""Accuracy of the film scale of the method, Hidrovo and Hart (2001). [1]"""
 
+# Deviation from which a cause is named. [std]
 SIGNIFICANT = 3.0
-"""Deviation from which a cause is named. [std]"""
 
+# Change of the excess over the films, relative to it, from which it depends on the film.
 _DISTINCT = 0.3
-"""Change of the excess over the films, relative to it, from which it depends on the film."""
 
 
 class Cause(StrEnum):

@@ -26,8 +26,8 @@ from erlif.trend.blocks import BlockSums, sum_blocks
 from erlif.trend.curve import FilmCurve
 from erlif.trend.region import Region
 
+# Order of the numbers of a position: displacements [um], then tilts [um/mm].
 PARAMETERS = ("displacement_load", "displacement_side", "tilt_load", "tilt_side")
-"""Order of the numbers of a position: displacements [um], then tilts [um/mm]."""
 
 _PINNED = len(PARAMETERS)
 

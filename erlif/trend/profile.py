@@ -19,13 +19,13 @@ from erlif.models.contact import conformal_radius
 
 _RANGE_FLAGS = int(Flag.BELOW_RANGE | Flag.ABOVE_RANGE)
 
+# Share of a line outside the measurable range above which the rest is a biased sample.
 _MOST_BEYOND = 0.02
-"""Share of a line outside the measurable range above which the rest is a biased sample."""
 
 _LEAST_VALID = 0.25  # share of valid pixels of a line, at least
 
+# Pixels averaged before the gap is fitted: machining marks correlate closer neighbours. [px]
 _BLOCK = 8
-"""Pixels averaged before the gap is fitted: machining marks correlate closer neighbours. [px]"""
 
 _LEAST_BLOCKS = 6
 _WIDEST = 0.9  # of the clearance: radii that a thicker film contradicts give no curvature

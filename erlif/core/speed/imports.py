@@ -7,9 +7,9 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+# Libraries whose arrays xarray knows. It loads each that is installed as soon as it makes its
+# first array; dask and pint take 0.3 s, and the commands use none of their arrays.
 _ARRAY_LIBRARIES = frozenset({"cupy", "dask", "pint", "sparse"})
-"""Libraries whose arrays xarray knows. It loads each that is installed as soon as it makes its
-first array; dask and pint take 0.3 s, and the commands use none of their arrays."""
 
 
 @contextmanager

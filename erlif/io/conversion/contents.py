@@ -16,11 +16,11 @@ from erlif.core.progress import Progress
 from erlif.core.variables import FILM
 from erlif.io.files import check_trigger, takes
 
+# Maps of a film, in the order in which they are written.
 MAPS = ("thickness", "thickness_std", "thickness_std_shared", "flags")
-"""Maps of a film, in the order in which they are written."""
 
+# Columns that stand first; the start of a table recognises it as one of erlif.
 _FIRST = ("trigger", "frames_used")
-"""Columns that stand first; the start of a table recognises it as one of erlif."""
 
 _FULL_TURN = 360.0  # degree
 _NEAR = 1.0  # degree from the angle of a film of one trigger

@@ -39,6 +39,7 @@ class Format:
     write: Callable[..., None] | None = None
 
 
+# Formats by the word that chooses them.
 FORMATS = {
     "csv": Format((".csv",), ".csv"),
     "mat": Format((".mat",), ".mat", write_matlab),
@@ -46,7 +47,6 @@ FORMATS = {
     "vtk": Format(("",), "_vtk", write_series),
     "npz": Format((".npz",), ".npz", write_archive),
 }
-"""Formats by the word that chooses them."""
 
 
 def export(

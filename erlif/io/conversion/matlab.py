@@ -28,8 +28,8 @@ from erlif.io.conversion.contents import (
     small_variables,
 )
 
+# Largest variable of version 5, less room for its header. [byte]
 LARGEST = 2**31 - 2**10
-"""Largest variable of version 5, less room for its header. [byte]"""
 
 _HEADER_TEXT = 116  # bytes, of a header of 128
 

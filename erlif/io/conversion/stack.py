@@ -14,9 +14,9 @@ from erlif.core.version import __version__
 from erlif.io.conversion.contents import MAPS, maps_of
 from erlif.io.files import describe_trigger
 
+# Size from which on the stack has one directory for all images: addresses of TIFF end at 4 GiB.
+# ImageJ finds the images by their order. [byte]
 LARGEST = 2**32 - 2**20
-"""Size from which on the stack has one directory for all images: addresses of TIFF end at 4 GiB.
-ImageJ finds the images by their order. [byte]"""
 
 _DISPLAYED = (1.0, 99.0)  # per cent of the pixels within the displayed range
 _ALL_FLAGS = 255.0

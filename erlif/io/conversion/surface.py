@@ -9,8 +9,8 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
 from erlif.io.files import settings_of
 
+# Kinds of motion whose surfaces are flat, whatever [joint] states.
 _FLAT = ("sinusoidal",)
-"""Kinds of motion whose surfaces are flat, whatever [joint] states."""
 
 
 def find_surface(film: xr.Dataset) -> Array:

@@ -14,8 +14,8 @@ from erlif.core.arrays import AnyArray
 from erlif.core.progress import Progress
 from erlif.io.conversion.contents import maps_of, trigger_columns
 
+# Decimals of a position in mm, a picometre.
 _DECIMALS = 9
-"""Decimals of a position in mm, a picometre."""
 
 
 def write_trigger_table(film: xr.Dataset, output: Path) -> None:

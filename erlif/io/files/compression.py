@@ -19,32 +19,32 @@ try:
 except ImportError:  # no wheel for this processor; zlib gives the same maps in other bytes
     isal_zlib = None
 
+# CRC-32 of a chunk; that of isal is the same number in a tenth of the time.
 checksum: Callable[[bytes], int] = zlib.crc32 if isal_zlib is None else isal_zlib.crc32
-"""CRC-32 of a chunk; that of isal is the same number in a tenth of the time."""
 
+# Level of deflate: higher levels take longer and gain nothing on noise (docs/performance.md).
 DEFLATE_LEVEL = 1
-"""Level of deflate: higher levels take longer and gain nothing on noise (docs/performance.md)."""
 
+# Codec of zarr, with bitshuffle; zstd takes three times as long for 10 % (docs/performance.md).
 BLOSC_CODEC: Final = "lz4"
-"""Codec of zarr, with bitshuffle; zstd takes three times as long for 10 % (docs/performance.md)."""
 
+# Its level, 1 to 9; others differ little.
 BLOSC_LEVEL = 5
-"""Its level, 1 to 9; others differ little."""
 
+# Bits of the mantissa of a float32, the leading one left out.
 MANTISSA_BITS = 23
-"""Bits of the mantissa of a float32, the leading one left out."""
 
+# Largest rounding error over the standard deviation; adds at most 0.3 % to the variance.
 SHARE_OF_STD = 0.1
-"""Largest rounding error over the standard deviation; adds at most 0.3 % to the variance."""
 
+# Bits of the exponent of a float32: alone they are a power of two.
 _EXPONENT = np.uint32(0x7F800000)
-"""Bits of the exponent of a float32: alone they are a power of two."""
 
+# Exponent, 2^103, beyond which the sum in `_round_one` would overflow.
 _LARGEST_STEP = np.uint32(0x73000000)
-"""Exponent, 2^103, beyond which the sum in `_round_one` would overflow."""
 
+# A float32 of this many steps has one step as its last bit, half a binade to either side.
 _UNIT_TO_SUM = np.float32(1.5 * 2**MANTISSA_BITS)
-"""A float32 of this many steps has one step as its last bit, half a binade to either side."""
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import xarray as xr
 
+# Coordinates of the triggers beside their number, as far as log and motion give them.
 OF_TRIGGERS = ("encoder_angle", "crank_angle", "position", "stroke", "time")
-"""Coordinates of the triggers beside their number, as far as log and motion give them."""
 
+# Coordinates of the frame pairs, in the group frames.
 OF_FRAMES = ("trigger", "cycle", "time")
-"""Coordinates of the frame pairs, in the group frames."""
 
 
 def set_coordinates(dataset: xr.Dataset) -> xr.Dataset:

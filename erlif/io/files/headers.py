@@ -18,17 +18,17 @@ from erlif.core.bounded import read_bounded
 from erlif.core.hdf5 import chunk_count, find_chunks, open_hdf5, refuse_elsewhere
 from erlif.core.variables import FILM
 
+# Largest size of what is read at once: a map, or a variable of the triggers. [byte]
 LARGEST_READ = 2**30
-"""Largest size of what is read at once: a map, or a variable of the triggers. [byte]"""
 
+# Variables of which the map of a trigger is one chunk.
 MAPS = tuple(name for name, one in FILM.items() if one.dims == ("trigger", "y", "x"))
-"""Variables of which the map of a trigger is one chunk."""
 
+# Size of a description in a zarr store that is read. [byte]
 _LARGEST_DESCRIPTION = 2**24
-"""Size of a description in a zarr store that is read. [byte]"""
 
+# Codecs of zarr that erlif writes, and those that other programs use for arrays of numbers.
 _CODECS = frozenset({"bytes", "blosc", "zstd", "gzip", "crc32c", "vlen-utf8", "transpose"})
-"""Codecs of zarr that erlif writes, and those that other programs use for arrays of numbers."""
 
 
 def check_netcdf(path: Path) -> None:

@@ -39,8 +39,8 @@ class Kind:
     opener: str = ""
 
 
+# Kinds by their names.
 KINDS = {name: Kind(**keys) for name, keys in read_table("erlif.io.files", "kinds.toml").items()}
-"""Kinds by their names."""
 
 
 def kind_of(value: Any) -> str:

@@ -26,14 +26,14 @@ from erlif.io.files.netcdf import fix_text, write_netcdf
 from erlif.io.files.records import Record, read_record, write_record
 from erlif.io.files.replacement import remove
 
+# Dims of a map.
 _DIMS = ("trigger", "y", "x")
-"""Dims of a map."""
 
+# Room for headers, indices and attributes that is kept free beyond the chunks. [byte]
 _SPARE = 2**20
-"""Room for headers, indices and attributes that is kept free beyond the chunks. [byte]"""
 
+# The unfinished file; a resumed run copies from one to the other.
 _NAMES = ("maps_0.nc", "maps_1.nc")
-"""The unfinished file; a resumed run copies from one to the other."""
 
 
 class NetcdfMaps:

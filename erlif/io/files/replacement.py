@@ -14,20 +14,20 @@ from erlif.core.errors import OutputError
 from erlif.core.hdf5 import open_hdf5
 from erlif.core.tables import read_table
 
+# Name of the program, which figures and pages hold among their first or last bytes.
 MARK = b"erlif"
-"""Name of the program, which figures and pages hold among their first or last bytes."""
 
+# Suffixes of the files of an exported series of grids.
 _SERIES = (".pvd", ".vts")
-"""Suffixes of the files of an exported series of grids."""
 
+# Errors of a place that may not be written.
 _NOT_ALLOWED = (errno.EACCES, errno.EPERM, errno.EROFS)
-"""Errors of a place that may not be written."""
 
+# Errors of a folder in the place of a file, or the other way round.
 _IN_THE_WAY = (errno.EISDIR, errno.ENOTDIR, errno.EEXIST, errno.ENOTEMPTY)
-"""Errors of a folder in the place of a file, or the other way round."""
 
+# Bytes at both ends of a file in which the mark is looked for.
 _MARKED = 2**16
-"""Bytes at both ends of a file in which the mark is looked for."""
 
 
 def refuse_existing(output: Path, *, overwrite: bool, holds: str = "") -> None:

@@ -20,24 +20,24 @@ from erlif.core.format import is_later
 from erlif.core.variables import FILM, FRAMES, LARGEST_NUMBER, REGISTRATION, Variable
 from erlif.io.settings import RunSettings
 
+# Longest attribute. [character]
 LARGEST_TEXT = 2**24
-"""Longest attribute. [character]"""
 
+# Largest difference of two distances of pixels, relative to their mean.
 _UNIFORM = 1e-6
-"""Largest difference of two distances of pixels, relative to their mean."""
 
 _MAP = FILM["thickness"].dims
 
+# Kinds of numpy types that stand for the type of the table: other programs widen numbers.
 _KINDS = {"float32": "f", "float64": "iuf", "int64": "iu", "int8": "iuf", "uint8": "iub"}
-"""Kinds of numpy types that stand for the type of the table: other programs widen numbers."""
 
 _TEXT_KINDS = "OUST"
 
+# Variables of which the exponent may be; a fit needs a speed.
 _SPEEDS = ("rocker_speed", "rotation_speed", "sliding_speed")
-"""Variables of which the exponent may be; a fit needs a speed."""
 
+# Attributes of text that every film has.
 _TEXTS = ("title", "settings", "calibration")
-"""Attributes of text that every film has."""
 
 _OPTIONAL_TEXTS = ("notes", "history", "input_hashes", "erlif_version", "identity")
 

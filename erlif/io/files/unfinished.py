@@ -20,11 +20,11 @@ from erlif.io.files.zarr_maps import ZarrMaps
 
 _logger = logging.getLogger(__name__)
 
+# Maps of a film in the making, with what is known of each trigger: `encode` them in any thread,
+# `put` a trigger, ask whether the store `has` it, take its `numbers` and `finish` the film.
+# `NetcdfMaps` takes triggers in their order, in one thread; `ZarrMaps` in any order, from several
+# threads and processes.
 MapStore: TypeAlias = NetcdfMaps | ZarrMaps
-"""Maps of a film in the making, with what is known of each trigger: ``encode`` them in any thread,
-``put`` a trigger, ask whether the store ``has`` it, take its ``numbers`` and ``finish`` the film.
-`NetcdfMaps` takes triggers in their order, in one thread; `ZarrMaps` in any order, from several
-threads and processes."""
 
 
 class _Lock:

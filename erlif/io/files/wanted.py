@@ -21,6 +21,7 @@ from erlif.io.files.kinds import KINDS, kind_of
 P = ParamSpec("P")
 R = TypeVar("R")
 
+# Kind of an argument of a figure by its name.
 PRODUCTS = {
     "film": "film",
     "frames": "frames",
@@ -30,7 +31,6 @@ PRODUCTS = {
     "comparison": "comparison",
     "calibration": "calibration",
 }
-"""Kind of an argument of a figure by its name."""
 
 
 def take(value: Any, kind: str, *, where: str = "") -> Any:

@@ -18,8 +18,8 @@ from erlif.io.files.coordinates import name_coordinates
 from erlif.io.files.records import Record, read_record, write_record
 from erlif.io.files.replacement import remove, write_error
 
+# Dims of a map.
 _DIMS = ("trigger", "y", "x")
-"""Dims of a map."""
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from erlif.core.errors import FrameError
 from erlif.io.ingest.images import match_files
 from erlif.io.settings import FixtureSettings, RunSettings
 
+# Endings of files that are read together with others of their name.
 _WITH_COMPANIONS = frozenset({".mraw", ".cih", ".cihx", ".raw", ".set"})
-"""Endings of files that are read together with others of their name."""
 
 
 def named_files(settings: RunSettings | FixtureSettings) -> list[str]:

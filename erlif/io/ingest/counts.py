@@ -7,20 +7,20 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Counts
 from erlif.core.errors import FrameError
 
+# Highest count: a camera has at most 16 bits.
 _MOST = 65535
-"""Highest count: a camera has at most 16 bits."""
 
+# Types in which programs store counts, by numpy's names.
 STORED_TYPES = frozenset(
     (
         *("uint8", "uint16", "uint32", "uint64", "int8", "int16", "int32", "int64"),
         *("float16", "float32", "float64"),
     )
 )
-"""Types in which programs store counts, by numpy's names."""
 
 
+# Distinct counts up to which an image is too uniform to show bits that are never set.
 FEW_LEVELS = 16
-"""Distinct counts up to which an image is too uniform to show bits that are never set."""
 
 
 def count_padding(set_bits: int) -> int:

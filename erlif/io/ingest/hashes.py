@@ -12,8 +12,8 @@ from erlif.core.guarded import file_stamp
 from erlif.io.ingest.images import match_files, natural_key
 from erlif.io.ingest.recording import Fixture, Run
 
+# SHA-256 of files that are hashed already, hexadecimal.
 Digests = Mapping[Path, str]
-"""SHA-256 of files that are hashed already, hexadecimal."""
 
 
 def hash_inputs(recording: Run | Fixture, known: Digests | None = None) -> dict[str, str]:

@@ -74,8 +74,8 @@ def is_one_file(pages: Sequence[Page]) -> bool:
     return len(pages) > 1 and pages[0].path == pages[-1].path
 
 
+# Stands for a page whose header or data is damaged.
 UNREADABLE = FrameKind((0, 0), "unreadable")
-"""Stands for a page whose header or data is damaged."""
 
 
 class PageContent(NamedTuple):

@@ -25,8 +25,8 @@ from erlif.io.ingest.selection import WHOLE, Selection, may_share_files
 from erlif.io.readers import FrameKind
 from erlif.io.readers.base import describe_shape
 
+# Least width and height of a frame: registration needs several windows along each axis. [px]
 _SMALLEST = 64
-"""Least width and height of a frame: registration needs several windows along each axis. [px]"""
 
 
 def pair_cameras(

@@ -105,8 +105,8 @@ class FoundStart(NamedTuple):
     note: Note
 
 
+# Finds the start from a log in time and the times of the frames after the first one [s].
 FindStart = Callable[[RunSettings, FramePairs, ContinuousLog, Array], FoundStart]
-"""Finds the start from a log in time and the times of the frames after the first one [s]."""
 
 
 def open_run(

@@ -11,8 +11,8 @@ from erlif.core.errors import ConfigError
 
 _COLUMNS = ("run_dir", "calibration", "output")
 
+# Size of a table that is read: 16 MB hold 100,000 runs. [byte]
 _LARGEST = 2**24
-"""Size of a table that is read: 16 MB hold 100,000 runs. [byte]"""
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ from erlif.core.errors import FrameError
 from erlif.io.readers import FrameFile
 from erlif.io.settings import CameraSettings
 
+# Parts of one file that belong to two cameras; any two channels do as well.
 _PARTNERS = {"left": "right", "top": "bottom", "odd": "even"}
-"""Parts of one file that belong to two cameras; any two channels do as well."""
 
 
 @dataclass(frozen=True)
@@ -83,12 +83,12 @@ class Selection:
         return half.get(self.part, (slice(None), slice(None)))
 
 
+# All counts of a file, right-aligned.
 WHOLE = Selection()
-"""All counts of a file, right-aligned."""
 
 
+# What the counts of a file are for.
 Purpose = Literal["frames", "dark", "flat", "background"]
-"""What the counts of a file are for."""
 
 
 def select_counts(camera: CameraSettings, purpose: Purpose = "frames") -> Selection:

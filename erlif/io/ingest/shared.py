@@ -17,12 +17,12 @@ from erlif.core.errors import FrameError
 from erlif.io.readers import open_frames
 from erlif.io.readers.hdf5 import list_datasets
 
+# Pixels along the longer side of the halves that are compared; larger ones are thinned.
 _MOST_SIDE = 256
-"""Pixels along the longer side of the halves that are compared; larger ones are thinned."""
 
+# Peak of the correlation of two halves over its own standard deviation from which they show the
+# same object; the highest of 2**15 values of pure noise is at 4.5.
 _ALIKE = 8.0
-"""Peak of the correlation of two halves over its own standard deviation from which they show the
-same object; the highest of 2**15 values of pure noise is at 4.5."""
 
 _DARK_WORDS, _FLAT_WORDS = ("dark", "bias", "black"), ("flat", "white", "uniform")
 

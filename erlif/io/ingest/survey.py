@@ -27,6 +27,7 @@ from erlif.io.ingest.selection import WHOLE, Selection
 from erlif.io.ingest.shared import SharedFile, find_cameras_in_file
 from erlif.io.readers.hdf5 import list_datasets
 
+# Formats in which cameras store grey counts, and which erlif has a reader for.
 IMAGE_SUFFIXES = frozenset(
     {
         *(".tif", ".tiff", ".btf", ".png", ".bmp", ".pgm", ".npy", ".avi"),
@@ -34,35 +35,34 @@ IMAGE_SUFFIXES = frozenset(
         *(".mraw", ".cine", ".cin", ".seq", ".raw", ".im7", ".b16", ".spe"),
     }
 )
-"""Formats in which cameras store grey counts, and which erlif has a reader for."""
 
+# Names that erlif itself writes; what they hold are not frames.
 OWN_OUTPUT = frozenset({"figures", "calibration.png", "film.zarr"})
-"""Names that erlif itself writes; what they hold are not frames."""
 
+# Levels of folders below the directory that are searched.
 DEEPEST = 3
-"""Levels of folders below the directory that are searched."""
 
+# Files beyond which a directory is refused: it is not that of one run.
 MOST_FILES = 200_000
-"""Files beyond which a directory is refused: it is not that of one run."""
 
+# Size of a CSV file above which it is neither a log nor a profile. [byte]
 LARGEST_TABLE = 64 * 2**20
-"""Size of a CSV file above which it is neither a log nor a profile. [byte]"""
 
+# Pages of a camera whose counts are read for the bit depth.
 SAMPLED_PAGES = 12
-"""Pages of a camera whose counts are read for the bit depth."""
 
+# Bit depths of cameras that store 16-bit files; dim frames of such a camera fit fewer bits.
 USUAL_DEPTHS = (12, 14, 16)
-"""Bit depths of cameras that store 16-bit files; dim frames of such a camera fit fewer bits."""
 
+# Share of the frames that a way of naming must explain; the rest are other images, of a scale.
 COVERED = 0.8
-"""Share of the frames that a way of naming must explain; the rest are other images, of a scale."""
 
+# Words in the names of images that are no frames.
 _PURPOSES = {
     "darks": re.compile(r"(?<![a-z])(dark|bias|black)"),
     "flats": re.compile(r"(?<![a-z])(flat|white|uniform)"),
     "backgrounds": re.compile(r"(?<![a-z])(background|dry)(?![a-z])"),
 }
-"""Words in the names of images that are no frames."""
 
 _CAMERA = re.compile(
     r"(?<![a-z])(?:camera|kamera|cam|channel|ch|c)[ _-]?0?([0-9])(?!\d)"
@@ -70,8 +70,8 @@ _CAMERA = re.compile(
 )
 _WAVELENGTH = re.compile(r"(?<!\d)([4-8]\d\d)(?=[ _-]?nm|[^a-z\d]|$)")  # visible light, in nm
 
+# From the name of a file, relative and in lower case, to the camera it belongs to.
 _KeyRule = Callable[[str], str | None]
-"""From the name of a file, relative and in lower case, to the camera it belongs to."""
 
 
 @dataclass(frozen=True)

@@ -16,11 +16,11 @@ from erlif.io.readers.source import Source
 
 _LISTS = (b"RIFF", b"LIST")
 
+# Levels of lists in each other; a film has four.
 _DEEPEST = 8
-"""Levels of lists in each other; a film has four."""
 
+# Chunks beyond which a file is damaged, and those for each frame: sound, lists and indices.
 _MOST_CHUNKS, _CHUNKS_PER_FRAME = 50_000, 8
-"""Chunks beyond which a file is damaged, and those for each frame: sound, lists and indices."""
 
 _WARNING = (
     "AVI stores 8 bits, and programs that write it often change contrast or compress first; export "

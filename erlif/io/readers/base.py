@@ -18,12 +18,12 @@ from erlif.core.errors import FrameError
 from erlif.core.tables import read_table
 from erlif.io.readers.source import Source
 
+# Frames of one file above which its header is damaged: a day at 46 frames a second.
 MOST_FRAMES = 4_000_000
-"""Frames of one file above which its header is damaged: a day at 46 frames a second."""
 
 
+# Layouts of the headers of camera files.
 LAYOUTS = read_table("erlif.io.readers", "headers.toml")
-"""Layouts of the headers of camera files."""
 
 
 class FrameKind(NamedTuple):
@@ -44,8 +44,8 @@ class FrameKind(NamedTuple):
         return f"{describe_shape(self.shape)} {self.dtype}"
 
 
+# Stands for a frame whose data lie behind the end of the file.
 TRUNCATED = FrameKind((0, 0), "truncated")
-"""Stands for a frame whose data lie behind the end of the file."""
 
 
 class FrameFile(ABC):
@@ -136,8 +136,8 @@ class Format:
         return self.recognise(path, head)
 
 
+# Units of times, as cameras, xarray, OME and ImageJ write them. [s]
 SECONDS: dict[str, float] = {name: size for size, names in LAYOUTS["seconds"] for name in names}
-"""Units of times, as cameras, xarray, OME and ImageJ write them. [s]"""
 
 
 def describe_shape(shape: tuple[int, ...]) -> str:

@@ -16,17 +16,17 @@ from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 
+# Sizes of the blocks of a file and of the entries of a header. [byte]
 _BLOCK, _CARD = 2880, 80
-"""Sizes of the blocks of a file and of the entries of a header. [byte]"""
 
+# Blocks of a header, and headers of a file, that are read.
 _MOST_BLOCKS = 1000
-"""Blocks of a header, and headers of a file, that are read."""
 
+# Types by BITPIX.
 _TYPES = {8: "|u1", 16: ">i2", 32: ">i4", 64: ">i8", -32: ">f4", -64: ">f8"}
-"""Types by BITPIX."""
 
+# BZERO by which FITS stores unsigned numbers, by BITPIX; table 11 of the standard.
 _UNSIGNED = {16: (2**15, "uint16"), 32: (2**31, "uint32"), 64: (2**63, "uint64")}
-"""BZERO by which FITS stores unsigned numbers, by BITPIX; table 11 of the standard."""
 
 
 class FitsFrames(RawFrames):

@@ -28,11 +28,11 @@ from erlif.io.readers.raw import FrameLayout, RawFrames, count_frames
 from erlif.io.readers.source import find_beside, read_text
 from erlif.io.readers.unpack import Packing
 
+# Pixel formats that are read.
 _FORMAT = re.compile(r"Mono(8|10|12|14|16)|Mono(10|12)(p|Packed|pmsb)")
-"""Pixel formats that are read."""
 
+# Order of packed bits by the end of the name of a pixel format.
 _PACKINGS = {"p": "LOW", "Packed": "SPLIT", "pmsb": "HIGH"}
-"""Order of packed bits by the end of the name of a pixel format."""
 
 _EXAMPLE = 'width = 1280, height = 1024, pixel_format = "Mono12p"'
 
@@ -100,5 +100,5 @@ def _read_description(path: Path) -> _Description:
         raise FrameError(f"{path.name} cannot be read: {error}") from error
 
 
+# Raw frames of industrial cameras.
 GENICAM = Format("GenICam raw", (".raw",), None, open_raw)
-"""Raw frames of industrial cameras."""

@@ -14,20 +14,20 @@ from erlif.core.errors import FrameError, reason_of
 from erlif.core.hdf5 import SIGNATURE, chunk_count, filters_of, find_chunks, open_hdf5
 from erlif.io.readers.base import SECONDS, Format, FrameFile, FrameKind, check_claim
 
+# Decoded bytes per byte of a file that deflate can reach.
 _DENSEST = 1100
-"""Decoded bytes per byte of a file that deflate can reach."""
 
+# Datasets that a message lists.
 _MOST_LISTED = 8
-"""Datasets that a message lists."""
 
+# Chunks of a dataset; each takes a microsecond once.
 _MOST_CHUNKS = 2**24
-"""Chunks of a dataset; each takes a microsecond once."""
 
+# Objects of a file that are searched for frames.
 _MOST_VISITED = 10_000
-"""Objects of a file that are searched for frames."""
 
+# Size of a chunk of times above which they are not read. [byte]
 _LARGEST_TIMES = 64 * 2**20
-"""Size of a chunk of times above which they are not read. [byte]"""
 
 
 class Hdf5Frames(FrameFile):

@@ -33,28 +33,28 @@ from erlif.io.readers.unpack import Packing, unpack
 
 _HEADER_SIZE = 256
 
+# Values of the packing.
 _PLAIN, _IMX, _ZLIB, _BITS_12 = 0, 1, 2, 3
-"""Values of the packing."""
 
+# Type of a plain count by the format of the buffer; compressed bytes are stored as words.
 _TYPES = {-2: "|u1", -3: "<f4", -4: "<u2", 0: "<u2"}
-"""Type of a plain count by the format of the buffer; compressed bytes are stored as words."""
 
+# Decoded over stored size that the compressions can reach.
 _DENSEST = {_IMX: 4.0, _ZLIB: 1100.0}
-"""Decoded over stored size that the compressions can reach."""
 
+# Attribute with the time of a frame from the start of the recording, and its unit.
 _TIME = re.compile(
     rb"AcqTimeSeries([0-9]{1,2})=(-?[0-9]{1,15}(?:\.[0-9]{1,9})?) ?([^\0-\x20;]{0,3})"
 )
-"""Attribute with the time of a frame from the start of the recording, and its unit."""
 
+# Spellings of the only unit that DaVis writes; older versions leave it out.
 _MICROSECONDS = (b"", b"us", "µs".encode("latin-1"), "µs".encode(), "μs".encode())
-"""Spellings of the only unit that DaVis writes; older versions leave it out."""
 
+# End of a file in which the attributes are looked for. [byte]
 _LONGEST_END = 2**18
-"""End of a file in which the attributes are looked for. [byte]"""
 
+# Files of a SET folder above which it is refused.
 _MOST_FILES = 200_000
-"""Files of a SET folder above which it is refused."""
 
 
 class CompressedImage(FrameFile):
@@ -262,8 +262,8 @@ def open_set(path: Path) -> FrameFile:
 
 
 # the header of an IM7 begins with zeros, as do many files: only its suffix marks it
+# Images of DaVis.
 IM7 = Format("LaVision IM7", (".im7",), None, open_im7)
-"""Images of DaVis."""
 
+# Folders of images of DaVis.
 SET = Format("LaVision SET", (".set",), None, open_set)
-"""Folders of images of DaVis."""

@@ -22,27 +22,27 @@ from erlif.io.readers.source import Source
 
 _MAGIC = b"\xed\xfe\0\0"
 
+# What follows the first four bytes.
 _NAME = "Norpix seq".encode("utf-16-le")
-"""What follows the first four bytes."""
 
+# Version from which on the frames begin at 8192 and time stamps have microseconds.
 _LARGER_HEADER = 5
-"""Version from which on the frames begin at 8192 and time stamps have microseconds."""
 
+# Byte order by the number of a format with one grey count for each pixel.
 _TYPES = {
     100: "<",  # low bits
     112: "<",  # high bits
     114: ">",  # high bits, bytes exchanged
 }
-"""Byte order by the number of a format with one grey count for each pixel."""
 
+# Formats whose counts are at the high end of 16 bits.
 _HIGH_BITS = (112, 114)
-"""Formats whose counts are at the high end of 16 bits."""
 
+# Formats of colour sensors.
 _BAYER = (101, 113, 115, 132, 134)
-"""Formats of colour sensors."""
 
+# Time stamp behind the counts of a frame.
 _STAMP = [("second", "<u4"), ("thousandth", "<u2"), ("millionth", "<u2")]
-"""Time stamp behind the counts of a frame."""
 
 
 class NorpixFrames(RawFrames):
@@ -145,5 +145,5 @@ def _is_norpix(path: Path, head: bytes) -> bool:
     return head[:4] == _MAGIC and head[4 : 4 + len(_NAME)] == _NAME
 
 
+# Sequences of StreamPix.
 NORPIX = Format("NorPix SEQ", (".seq",), _is_norpix, open_norpix)
-"""Sequences of StreamPix."""

@@ -12,8 +12,8 @@ from erlif.io.readers.raw import FrameLayout, RawFrames
 
 _START = b"\x93NUMPY"
 
+# Header that is interpreted; that of an array of numbers has about 100 characters.
 _LONGEST = 4096
-"""Header that is interpreted; that of an array of numbers has about 100 characters."""
 
 
 def open_npy(path: Path) -> FrameFile:

@@ -11,8 +11,8 @@ from erlif.io.readers.source import Source
 
 _HEADER_SIZE = 24
 
+# First number of the second part of the header, for a colour camera.
 _COLOUR = b"\1\0\0\0"
-"""First number of the second part of the header, for a colour camera."""
 
 
 def open_pco(path: Path) -> FrameFile:
@@ -33,5 +33,5 @@ def open_pco(path: Path) -> FrameFile:
     return RawFrames(path, FrameLayout((header.rows, header.columns), "<u2"), [header.size])
 
 
+# Frames of PCO cameras.
 PCO = Format("PCO B16", (".b16",), lambda path, head: head[:4] == b"PCO-", open_pco)
-"""Frames of PCO cameras."""

@@ -27,29 +27,29 @@ from erlif.io.readers.raw import FrameLayout, RawFrames, frame_interval
 from erlif.io.readers.source import Source
 from erlif.io.readers.unpack import Packing
 
+# Values of the compression that are not read.
 _COMPRESSIONS = {1: "JPEG-compressed", 2: "from a colour sensor"}
-"""Values of the compression that are not read."""
 
+# Values of biCompression for packed counts.
 _PACKED_10, _PACKED_12 = 256, 1024
-"""Values of biCompression for packed counts."""
 
+# Type of the tagged block with a time for each image.
 _TIMES = 1002
-"""Type of the tagged block with a time for each image."""
 
+# Unit of a TIME64: its upper half counts seconds, its lower half fractions. [s]
 _FRACTION = 2.0**-32
-"""Unit of a TIME64: its upper half counts seconds, its lower half fractions. [s]"""
 
+# Tagged blocks after which the search for the times ends; cameras write fewer than ten.
 _MOST_BLOCKS = 1000
-"""Tagged blocks after which the search for the times ends; cameras write fewer than ten."""
 
+# Size of the note before a frame, which stands at its start, and of the frame, at its end.
 _NUMBER = struct.Struct("<I")
-"""Size of the note before a frame, which stands at its start, and of the frame, at its end."""
 
+# Size of a note above which it is damaged. [byte]
 _LONGEST_NOTE = 2**20
-"""Size of a note above which it is damaged. [byte]"""
 
+# Count of the value 0, the last value below full scale, and the count of all values after it.
 _FIRST_10, _LAST_10, _FULL_SCALE = 2, 1014, 4095
-"""Count of the value 0, the last value below full scale, and the count of all values after it."""
 
 
 @cache
@@ -183,5 +183,5 @@ def _is_phantom(path: Path, head: bytes) -> bool:
     return head[:4] == b"CI\x2c\0" and head[6:8] == b"\1\0"
 
 
+# Recordings of Phantom cameras.
 PHANTOM = Format("Phantom CINE", (".cine", ".cin"), _is_phantom, open_phantom)
-"""Recordings of Phantom cameras."""

@@ -20,8 +20,8 @@ from erlif.io.readers.raw import FrameLayout, RawFrames, frame_interval
 from erlif.io.readers.source import find_beside, read_text
 from erlif.io.readers.unpack import Packing
 
+# Endings of the headers, the newer form first.
 _HEADERS = (".cihx", ".cih")
-"""Endings of the headers, the newer form first."""
 
 
 @dataclass(frozen=True)
@@ -206,5 +206,5 @@ def _whole(entries: dict[str, str], name: str) -> int:
     return int(value)
 
 
+# Counts of Photron cameras with their header.
 PHOTRON = Format("Photron MRAW", (".mraw", *_HEADERS), None, open_photron)
-"""Counts of Photron cameras with their header."""

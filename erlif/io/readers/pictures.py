@@ -14,28 +14,28 @@ from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 
+# Decoded bytes per byte of a file that deflate can reach.
 _DENSEST = 1100
-"""Decoded bytes per byte of a file that deflate can reach."""
 
+# Size of what a PNG may hold beside its image. [byte]
 _LARGEST_REST = 2**26
-"""Size of what a PNG may hold beside its image. [byte]"""
 
 _PALETTE = "it is a palette image, whose values are no counts. Save the raw counts as grey TIFF."
 _COLOURS = "it is a colour image. Save the raw counts of the camera, one channel, as grey TIFF."
 
 _PNG_START = b"\x89PNG\r\n\x1a\n"
 
+# Sizes of the header of a BMP, from version 3 on. [byte]
 _BMP_HEADERS = tuple(bytes([size, 0, 0, 0]) for size in (40, 52, 56, 108, 124))
-"""Sizes of the header of a BMP, from version 3 on. [byte]"""
 
+# Size of the largest header of a BMP with its palette. [byte]
 _LARGEST_BITMAP = 124 + 4 * 256
-"""Size of the largest header of a BMP with its palette. [byte]"""
 
+# Codecs of AVI that are grey bytes, row by row from the top.
 _TOP_DOWN = (b"Y800", b"Y8  ", b"GREY")
-"""Codecs of AVI that are grey bytes, row by row from the top."""
 
+# Colour types of PNG.
 _GREY, _INDEXED = 0, 3
-"""Colour types of PNG."""
 
 
 class PngPicture(FrameFile):

@@ -19,21 +19,21 @@ from erlif.io.readers.source import Source
 
 _HEADER_SIZE = 4100
 
+# Type of a count by its number in the header.
 _TYPES = {0: "<f4", 1: "<i4", 2: "<i2", 3: "<u2", 5: "<f8", 6: "|u1", 8: "<u4"}
-"""Type of a count by its number in the header."""
 
+# Type of a count by its name in the XML text.
 _NAMES = {
     "MonochromeUnsigned16": "<u2",
     "MonochromeUnsigned32": "<u4",
     "MonochromeFloating32": "<f4",
 }
-"""Type of a count by its name in the XML text."""
 
+# Size of the XML text above which the header is damaged; a region has a few kB. [byte]
 _LONGEST_TEXT = 64 * 2**20
-"""Size of the XML text above which the header is damaged; a region has a few kB. [byte]"""
 
+# Events of a time stamp, the preferred first.
 _EVENTS = ("ExposureStarted", "ExposureEnded")
-"""Events of a time stamp, the preferred first."""
 
 
 class LightfieldFrames(RawFrames):
@@ -156,5 +156,5 @@ def _one_region(regions: int) -> str:
 
 
 # the header has no letters at its start: only the suffix marks it
+# Recordings of WinView and LightField.
 PRINCETON = Format("Princeton SPE", (".spe",), None, open_princeton)
-"""Recordings of WinView and LightField."""

@@ -18,15 +18,15 @@ from erlif.io.readers.base import MOST_FRAMES, TRUNCATED, FrameFile, FrameKind, 
 from erlif.io.readers.source import Source
 from erlif.io.readers.unpack import Packing, unpack
 
+# Frames in a header for each frame in the file above which the header is taken as damaged. A
+# recording that was interrupted or copied in part has fewer.
 _MOST_MISSING = 10
-"""Frames in a header for each frame in the file above which the header is taken as damaged. A
-recording that was interrupted or copied in part has fewer."""
 
+# Rates of cameras, from a frame in eleven days on, and frames left out between two. [1/s]
 _SLOWEST, _FASTEST, _MOST_SKIPPED = 1e-6, 1e9, 10**9
-"""Rates of cameras, from a frame in eleven days on, and frames left out between two. [1/s]"""
 
+# Decoded over stored size of 10-bit counts in 16 bits, the most of all packings.
 _DENSEST = 1.6
-"""Decoded over stored size of 10-bit counts in 16 bits, the most of all packings."""
 
 
 @dataclass(frozen=True)

@@ -28,20 +28,20 @@ from erlif.io.readers.pictures import BMP, LOSSY, PGM, PNG
 from erlif.io.readers.princeton import PRINCETON
 from erlif.io.readers.tiff import TIFF
 
+# The formats of erlif, in the order in which a file is compared with them.
 FORMATS: tuple[Format, ...] = (
     *(TIFF, PHOTRON, PHANTOM, NORPIX, GENICAM, IM7, SET, PCO, PRINCETON),
     *(PNG, BMP, PGM, NPY, FITS, HDF5, AVI, LOSSY),
 )
-"""The formats of erlif, in the order in which a file is compared with them."""
 
+# Group of entry points in which other packages name a `Format`.
 ENTRY_POINTS = "erlif.readers"
-"""Group of entry points in which other packages name a `Format`."""
 
+# Bytes by which a format is recognised.
 _HEAD = 512
-"""Bytes by which a format is recognised."""
 
+# Files kept open between two frames.
 _MOST_OPEN = 16
-"""Files kept open between two frames."""
 
 
 def open_frames(path: Path, *, dataset: str = "") -> FrameFile:
@@ -174,8 +174,8 @@ class _Kept:
         weakref.finalize(self, self.file.close)
 
 
+# The files of this process that stay open; the one unused for longest is dropped first.
 _keep = lru_cache(maxsize=_MOST_OPEN)(_Kept)
-"""The files of this process that stay open; the one unused for longest is dropped first."""
 
 if hasattr(os, "register_at_fork"):  # not on Windows, where no process is forked
     # a forked process shares the places in the files of its parent

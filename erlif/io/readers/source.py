@@ -14,8 +14,8 @@ import numpy as np
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError
 
+# Size of a text file above which it is no header of frames. [byte]
 _LONGEST = 4 * 2**20
-"""Size of a text file above which it is no header of frames. [byte]"""
 
 
 class Source:

@@ -25,27 +25,28 @@ from erlif.io.readers.tiff_metadata import read_description
 # faults of a file are raised; without a handler Python would print what tifffile logs about them
 logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
+# First bytes of TIFF and of BigTIFF in both byte orders.
 _STARTS = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
-"""First bytes of TIFF and of BigTIFF in both byte orders."""
 
+# Sizes of the values of an entry by its type; TIFF 6.0, section 2, and BigTIFF. [byte]
 _TYPE_SIZES = dict(enumerate((0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8, 8)))
-"""Sizes of the values of an entry by its type; TIFF 6.0, section 2, and BigTIFF. [byte]"""
 
+# Entries of unknown type in a directory; later versions of the format may add some.
 _MOST_UNKNOWN = 16
-"""Entries of unknown type in a directory; later versions of the format may add some."""
 
+# Decoded bytes per byte of a file that LZW can reach; a header that claims more is damaged.
 _DENSEST = 3000
-"""Decoded bytes per byte of a file that LZW can reach; a header that claims more is damaged."""
 
+# Value of the tag PhotometricInterpretation.
 _PALETTE = 3
-"""Value of the tag PhotometricInterpretation."""
 
+# Value of the tag PlanarConfiguration: each colour by itself.
 _SEPARATE = 2
-"""Value of the tag PlanarConfiguration: each colour by itself."""
 
+# Values of the tag Compression with which the tag Predictor has no meaning.
 _NONE, _PACKBITS = 1, 32773
-"""Values of the tag Compression with which the tag Predictor has no meaning."""
 
+# Values of the tag Compression that need not preserve counts.
 _LOSSY = {
     **dict.fromkeys((6, 7, 33007, 34892), "JPEG"),
     **dict.fromkeys((33003, 33005, 34712), "JPEG 2000"),
@@ -53,10 +54,9 @@ _LOSSY = {
     34887: "LERC",
     50001: "WebP",
 }
-"""Values of the tag Compression that need not preserve counts."""
 
+# Description that is interpreted; an OME file of 200,000 frames has about 40 MB. [byte]
 _LONGEST = 64 * 2**20
-"""Description that is interpreted; an OME file of 200,000 frames has about 40 MB. [byte]"""
 
 
 class TiffFrames(FrameFile):

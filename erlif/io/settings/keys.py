@@ -20,8 +20,8 @@ from erlif.io.settings.toml import toml_value
 
 _PLAIN_FORMS: dict[Any, str] = {bool: "true or false", int: "integer", float: "number", str: "text"}
 
+# Bounds in words, by the name that the package annotated_types gives them.
 _BOUNDS = {"gt": "above", "ge": "from", "lt": "below", "le": "up to"}
-"""Bounds in words, by the name that the package annotated_types gives them."""
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,8 @@ from erlif.io.settings.tables import (
     quantity,
 )
 
+# No dye dissolves beyond it in oil; a larger number is a slip of the unit. [mol/L]
 LARGEST_CONCENTRATION = 0.5
-"""No dye dissolves beyond it in oil; a larger number is a slip of the unit. [mol/L]"""
 
 Concentration = Annotated[float, *quantity("concentration", "0.008 mol/L", "mol/L", Gt(0))]
 MolarAbsorption = Annotated[

@@ -23,19 +23,19 @@ from erlif.io.settings.tables import FixtureSettings, MechanismSettings, RunSett
 
 _Settings = TypeVar("_Settings", bound="Settings")
 
+# Names of tables and of the key, from the top of the file.
 _Location = tuple[str, ...]
-"""Names of tables and of the key, from the top of the file."""
 
+# Size of a settings file that is read: 1 MB is a thousand times a usual one. [byte]
 _LARGEST_FILE = 2**20
-"""Size of a settings file that is read: 1 MB is a thousand times a usual one. [byte]"""
 
+# What `erlif init` writes for a value it does not know: "??", or "?? um" with the unit.
 _GAP = re.compile(r"\?\?( .*)?")
-"""What `erlif init` writes for a value it does not know: "??", or "?? um" with the unit."""
 
+# Forms of [mechanism]; pydantic puts the kind into the location of a fault.
 _KINDS: dict[str, type[Settings]] = {
     get_args(kind.model_fields["kind"].annotation)[0]: kind for kind in tables_in(MechanismSettings)
 }
-"""Forms of [mechanism]; pydantic puts the kind into the location of a fault."""
 
 
 def read_run_settings(run_dir: Path) -> RunSettings:
@@ -331,8 +331,8 @@ def _explain(fault: ErrorDetails, kind: type[Settings]) -> str:
             return f"{where}: {limit}; got {got!r}"
 
 
+# Faults of a number, whose limit is in the unit in which the key is kept.
 _BOUNDS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
-"""Faults of a number, whose limit is in the unit in which the key is kept."""
 
 
 def _suggest(key: str, kind: type[Settings], location: tuple[int | str, ...]) -> str:

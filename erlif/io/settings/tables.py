@@ -45,11 +45,11 @@ class Form:
     unit: str = ""
 
 
+# A number and a unit, for the JSON schema; `erlif.core.units.parse_quantity` checks the unit.
 QUANTITY_PATTERN = (
     r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,3})?"  # the number
     r"\s*(1\s*/\s*)?[^0-9\s.,?].*$"  # the unit, as in "mm" or "1/GPa"
 )
-"""A number and a unit, for the JSON schema; `erlif.core.units.parse_quantity` checks the unit."""
 
 
 def _write_quantity(value: float, unit: str) -> str:
@@ -174,8 +174,8 @@ class Settings(BaseModel):
 
 
 _Channel = Literal["channel 1", "channel 2", "channel 3", "channel 4"]
+# Parts of a file that may belong to one of two cameras.
 FilePart = Literal["left", "right", "top", "bottom", "odd", "even", _Channel]
-"""Parts of a file that may belong to one of two cameras."""
 
 
 class CameraSettings(Settings):
@@ -448,11 +448,11 @@ class RunName(Settings):
 
 
 # "kind" selects the form of the table, so that a fault is reported for that form alone
+# Forms of [mechanism].
 MechanismSettings = Annotated[
     CrankRockerSettings | SliderCrankSettings | RotationSettings | SinusoidalSettings,
     Field(discriminator="kind"),
 ]
-"""Forms of [mechanism]."""
 
 
 class RunSettings(Settings):

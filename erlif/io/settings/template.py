@@ -12,8 +12,8 @@ from erlif.io.settings.keys import Key, Table, keys_of, meaning_of, tables_in, t
 from erlif.io.settings.tables import Settings
 from erlif.io.settings.toml import toml_value
 
+# Columns of a line of comment.
 WIDTH = 98
-"""Columns of a line of comment."""
 
 _NO_BREAK = "\N{NO-BREAK SPACE}"
 
@@ -22,8 +22,8 @@ class _Gap:
     """A value that is required and not known."""
 
 
+# In place of a value: the key is required and the user has to fill it in.
 GAP: Final = _Gap()
-"""In place of a value: the key is required and the user has to fill it in."""
 
 _HEAD = """\
 #:schema ./{stem}.schema.json

@@ -11,29 +11,28 @@ from erlif.core.arrays import AnyArray, Array
 from erlif.joint.endurance.noise import StageFit
 from erlif.joint.endurance.pauses import LogClock, find_pauses
 
+# Blocks into which the samples of a stage are averaged; the work grows as the cube of it.
 MOST_BLOCKS = 300
-"""Blocks into which the samples of a stage are averaged; the work grows as the cube of it."""
 
+# Time constants of running-in, as shares of the longest stage; two span those between.
 RUNNING_IN = (1 / 20, 1 / 5)
-"""Time constants of running-in, as shares of the longest stage; two span those between."""
 
+# Time constants of the rise in the posterior. [s]
 EXPONENTIALS = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.7, 8.0, 11.0, 16.0, 23.0, 32.0, 64.0)
-"""Time constants of the rise in the posterior. [s]"""
 
+# Durations of a straight rise in the posterior. [s]
 RAMPS = (1.0, 1.4, 2.0, 2.8, 4.0, 5.7, 8.0, 11.0, 16.0, 23.0, 32.0, 64.0)
-"""Durations of a straight rise in the posterior. [s]"""
 
+# Standard deviations of drift in the longest stage and of both parts of running-in. [1]
+#
+# In a short stage a rise could else be offset by a huge running-in against a huge drift.
 USUAL = (0.05, 0.05, 0.05)
-"""Standard deviations of drift in the longest stage and of both parts of running-in. [1]
 
-In a short stage a rise could else be offset by a huge running-in against a huge drift.
-"""
-
+# The same after a pause of the log: of the level, and of running-in that begins again. [1]
+#
+# The machine may have stood still in the pause. Its level differs then about as from stage to
+# stage.
 RESTART = (0.01, 0.05, 0.05)
-"""The same after a pause of the log: of the level, and of running-in that begins again. [1]
-
-The machine may have stood still in the pause. Its level differs then about as from stage to stage.
-"""
 
 _WITHIN = 8  # samples in a block; more are averaged, as the work grows with them
 

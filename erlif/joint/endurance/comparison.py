@@ -13,8 +13,8 @@ from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import EnduranceError
 from erlif.joint.endurance.failure import FailureLoad
 
+# Scatter of the logarithm of the load that is possible: no bearings are more alike. [1]
 SCATTERS = (0.01, 2.0)
-"""Scatter of the logarithm of the load that is possible: no bearings are more alike. [1]"""
 
 _SCATTER_STEPS = 60
 _STEP = 0.3  # of a scatter: step of the grid of the median

@@ -18,8 +18,8 @@ from erlif.joint.endurance.blocks import RESTART, StageFriction
 from erlif.joint.endurance.pauses import LogClock
 from erlif.joint.endurance.posterior import Onset
 
+# Samples of a stage whose level is compared.
 FEWEST_LEVEL = 12
-"""Samples of a stage whose level is compared."""
 
 _END = 0.25  # of a stage, at its end: running-in is nearly over
 _SPREAD = RESTART[0]  # of levels of stages, before any is measured

@@ -12,27 +12,27 @@ from scipy.special import digamma, polygamma
 
 from erlif.core.arrays import Array
 
+# Correlation times at which the fit may start. [sample interval]
 _STARTS = (0.3, 1.0, 3.0, 10.0, 30.0)
-"""Correlation times at which the fit may start. [sample interval]"""
 
+# Bounds of the correlation time; beyond them noise is white, or drift. [sample interval]
 _CORRELATION_TIMES = (0.1, 300.0)
-"""Bounds of the correlation time; beyond them noise is white, or drift. [sample interval]"""
 
+# Largest share of white noise; beyond it the correlation time has no meaning. [1]
 _MOST_WHITE = 0.95
-"""Largest share of white noise; beyond it the correlation time has no meaning. [1]"""
 
 _FIRST_STEPS = np.array([[0.4, 0.0], [0.0, 0.1]])
 
+# Accuracy of the fit: a fraction of its standard deviation, which is above 0.1.
 _SHARP = 0.02
-"""Accuracy of the fit: a fraction of its standard deviation, which is above 0.1."""
 
 _MOST_STEPS = 80
 
+# Steps of the sizes of factors that are kept for stages of almost equal length.
 _SIZES = 64
-"""Steps of the sizes of factors that are kept for stages of almost equal length."""
 
+# Jitter of the samples below which their times count as equally spaced. [sample interval]
 _REGULAR = 1e-2
-"""Jitter of the samples below which their times count as equally spaced. [sample interval]"""
 
 
 @dataclass(frozen=True)
@@ -95,8 +95,8 @@ def whiten(factor: Array, values: Array) -> Array:
     return np.asarray(solve_triangular(factor, values, lower=True, check_finite=False))
 
 
+# Times (n,), columns that are fitted freely (n, p), and values (n,) of a stage.
 StageFit = tuple[Array, Array, Array]
-"""Times (n,), columns that are fitted freely (n, p), and values (n,) of a stage."""
 
 
 def restricted_likelihood(noise: Noise, stages: Sequence[StageFit]) -> float:
@@ -213,8 +213,8 @@ class Spread:
         return self.variance * self.freedom
 
 
+# Nothing is known of the variance.
 UNKNOWN = Spread(1.0, 0.0)
-"""Nothing is known of the variance."""
 
 
 def pool_spreads(spreads: Sequence[Spread]) -> list[Spread]:

@@ -20,14 +20,13 @@ from erlif.joint.endurance.noise import Noise, Spread, fit_noise, pool_spreads, 
 from erlif.joint.endurance.pauses import LogClock, find_pauses
 from erlif.joint.endurance.posterior import COLLINEAR, Onset, locate_onset
 
+# Time constants of the rise in the search for an onset; 0 is a step. [s]
 SCANNED = (0.0, 10.0, 40.0)
-"""Time constants of the rise in the search for an onset; 0 is a step. [s]"""
 
+# Samples of a stage that is searched, for each part between pauses of the log.
+#
+# A rise and four columns, and as many degrees of freedom.
 FEWEST = 12
-"""Samples of a stage that is searched, for each part between pauses of the log.
-
-A rise and four columns, and as many degrees of freedom.
-"""
 
 _MARGIN = 3  # blocks at both ends of a stage in which no onset is searched
 _ROUNDS = 4  # of noise and candidate, which depend on each other

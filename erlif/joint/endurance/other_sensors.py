@@ -14,8 +14,8 @@ from erlif.joint.endurance.noise import fit_noise, whiten
 from erlif.joint.endurance.posterior import Onset
 from erlif.joint.endurance.stages import Stage
 
+# p-value below which a sensor confirms the onset. [1]
 CONFIRMS = 0.01
-"""p-value below which a sensor confirms the onset. [1]"""
 
 _SENSORS = ("temperature", "vibration")
 _MOST_BLOCKS = 200

@@ -8,8 +8,8 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 
+# A longer step of the time is a pause of the log: in seconds, and in sample intervals.
 PAUSE = (20.0, 5.0)
-"""A longer step of the time is a pause of the log: in seconds, and in sample intervals."""
 
 _GAP = 3.0  # sample intervals; in a longer step no moment is likelier than another
 

@@ -13,14 +13,14 @@ from erlif.joint.endurance.blocks import Record, forms, without
 from erlif.joint.endurance.noise import Noise, Spread, whiten
 from erlif.joint.endurance.pauses import LogClock
 
+# Noise after the onset over that before it. [1]
 GROWTHS = (1.0, 1.4, 2.0, 2.8)
-"""Noise after the onset over that before it. [1]"""
 
+# Quantiles of the onset.
 INTERVAL = (0.025, 0.5, 0.975)
-"""Quantiles of the onset."""
 
+# Norm of a rise that the background explains altogether.
 COLLINEAR = 1e-6
-"""Norm of a rise that the background explains altogether."""
 
 _FINE = 8  # places of the posterior in a sample interval
 _MOST_PLACES = 240  # of the posterior, where it is wide

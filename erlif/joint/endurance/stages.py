@@ -14,11 +14,11 @@ from erlif.core.statistics import robust_std
 from erlif.joint.endurance.pauses import find_pauses
 from erlif.joint.friction.stretches import running_median
 
+# Share of a load by which it may change within a stage. [1]
 SAME_LOAD = 0.03
-"""Share of a load by which it may change within a stage. [1]"""
 
+# Shorter stretches of one load, such as a load that is being raised, are left out. [s]
 LEAST_DURATION = 20.0
-"""Shorter stretches of one load, such as a load that is being raised, are left out. [s]"""
 
 _FLOOR = 0.005  # of the highest load: smaller differences are noise of the cells
 _MEMORY = 20.0  # s: bolts relax more slowly, loads are changed faster

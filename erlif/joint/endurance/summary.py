@@ -16,6 +16,7 @@ from erlif.joint.endurance.comparison import DesignComparison
 from erlif.joint.endurance.onset import FEWEST
 from erlif.joint.friction.coefficient import doubt_friction
 
+# Headings of the table of tests.
 HEADINGS = (
     "test",
     "stages",
@@ -34,7 +35,6 @@ HEADINGS = (
     "p-value of temperature",
     "p-value of vibration",
 )
-"""Headings of the table of tests."""
 
 _NO_CHANCE = 1e-12  # probabilities below it depend on tails that nobody has measured
 

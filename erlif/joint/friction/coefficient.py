@@ -226,11 +226,10 @@ def _over_oscillations(
     return centres, {"load": means.pop("load"), "torque": np.array(half), **means}, period
 
 
+# Friction coefficients of metal in a bushing, from well lubricated to dry and galled. [1]
+#
+# No limits of a source: a value beyond them is far more often a slip of units than a bearing.
 LOWEST, HIGHEST = 0.005, 1.5
-"""Friction coefficients of metal in a bushing, from well lubricated to dry and galled. [1]
-
-No limits of a source: a value beyond them is far more often a slip of units than a bearing.
-"""
 
 
 def doubt_friction(

@@ -26,6 +26,7 @@ from erlif.io.ingest.logs.table import LogColumn, LogTable, LogUse, name_pattern
 from erlif.io.ingest.logs.text import read_log_table
 from erlif.io.ingest.logs.units import CLOCK, find_scale
 
+# What a column can hold, and the kind of its unit; a vibration may have any.
 QUANTITIES = {
     "time": "time",
     "cells": "load",
@@ -34,29 +35,28 @@ QUANTITIES = {
     "temperature": "temperature",
     "vibration": "",
 }
-"""What a column can hold, and the kind of its unit; a vibration may have any."""
 
+# What several columns may hold: load cells are added, others averaged.
 SEVERAL = ("cells", "temperature", "vibration")
-"""What several columns may hold: load cells are added, others averaged."""
 
+# Names by which a column is found that is not chosen, without their unit and number.
 _KNOWN = name_patterns("torque")
-"""Names by which a column is found that is not chosen, without their unit and number."""
 
+# Words by which a temperature is found where none has a known name; its unit must be known.
 _ANY_TEMPERATURE = r".*temp(eratur|erature)?\b.*"
-"""Words by which a temperature is found where none has a known name; its unit must be known."""
 
+# Temperatures that are not those of the bearing.
 _ELSEWHERE = re.compile(r"umgebung|raum|luft|ambient|room|air|junction|ref")
-"""Temperatures that are not those of the bearing."""
 
 _FEWEST = 60  # samples of a test: fewer hold no stage
 
+# A log of load and torque.
 TORQUE_LOG = LogUse(
     EnduranceError,
     column="--column {quantity}={choice!r}, or under [columns] of the settings",
     unit="--unit {quantity}={choice!r}, or under [units] of the settings",
     bad_rows="Correct them, or leave these rows out with --skip-bad-rows.",
 )
-"""A log of load and torque."""
 
 
 @dataclass(frozen=True)

@@ -16,10 +16,10 @@ from erlif.joint.sizing.steps import Result, Step, make_step
 
 _PARTS = (pin, pressure, fit, lock, heat)
 
+# The equation of each step; None where a joint has no such step.
 EQUATIONS: dict[str, Callable[[JointState], Result | None]] = {
     key: equation for part in _PARTS for key, equation in part.EQUATIONS.items()
 }
-"""The equation of each step; None where a joint has no such step."""
 
 
 @dataclass(frozen=True, repr=False)

@@ -10,8 +10,8 @@ from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result
 from erlif.models.bearing import RECOMMENDED_HOUSING, RECOMMENDED_PLAY, least_eyebar_diameter
 
+# Friction in the press fit for which the push-out force is stated; it grows in proportion. [1]
 PUSH_OUT_FRICTION = 0.1
-"""Friction in the press fit for which the push-out force is stated; it grows in proportion. [1]"""
 
 
 def _eye(state: JointState) -> Result:

@@ -9,11 +9,11 @@ from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result, margin_below
 from erlif.models.wear import pressure_velocity, steady_bushing_wear
 
+# Friction coefficients of grease-lubricated oscillating joints, section 2.1.14. [1]
 FRICTION = (0.1, 0.8)
-"""Friction coefficients of grease-lubricated oscillating joints, section 2.1.14. [1]"""
 
+# Ra of pin and bushing up to which wear is kept low, section 2.1.16. [m]
 LARGEST_ROUGHNESS = 1e-6
-"""Ra of pin and bushing up to which wear is kept low, section 2.1.16. [m]"""
 
 
 def _speed(state: JointState) -> Result:

@@ -189,6 +189,7 @@ class Joint:
         return self.speed(1.0) * known(self.life)
 
 
+# Dimensions of a joint that are chosen where they are None, in the order of the guide.
 DIMENSIONS = (
     "pin_diameter",
     "bushing_width",
@@ -197,7 +198,6 @@ DIMENSIONS = (
     "housing_diameter",
     "play",
 )
-"""Dimensions of a joint that are chosen where they are None, in the order of the guide."""
 
 
 class Dimensions(NamedTuple):

@@ -25,17 +25,17 @@ from erlif.models.bearing import (
     pin_diameter_in_shear,
 )
 
+# Inner diameter below which an internal weld cannot be made, section 2.1.8. [m]
 SMALLEST_WELD = 20e-3
-"""Inner diameter below which an internal weld cannot be made, section 2.1.8. [m]"""
 
+# Least effective throat, section 2.1.8. [m]
 SMALLEST_THROAT = 2e-3
-"""Least effective throat, section 2.1.8. [m]"""
 
+# Effective throat that is tried first, section 2.1.8. [m]
 USUAL_THROAT = 3e-3
-"""Effective throat that is tried first, section 2.1.8. [m]"""
 
+# Usual thickness of lock plates, section 2.1.9. [m]
 PLATE = (5e-3, 15e-3)
-"""Usual thickness of lock plates, section 2.1.9. [m]"""
 
 
 def size_lock(joint: Joint, lock: Lock, *, series: Series = "none") -> Lock:

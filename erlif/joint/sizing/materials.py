@@ -14,11 +14,11 @@ from erlif.core.errors import ConfigError
 from erlif.core.tables import read_table
 from erlif.models.bearing import hardness_from_strength
 
+# Pascal of one Brinell: a kilogram-force on a square millimetre. [Pa]
 BRINELL = 9.80665e6
-"""Pascal of one Brinell: a kilogram-force on a square millimetre. [Pa]"""
 
+# What a material of the table is meant for; none is refused elsewhere.
 USES = ("pin", "bushing", "structure")
-"""What a material of the table is meant for; none is refused elsewhere."""
 
 _LARGEST_FILE = 2**20  # byte
 

@@ -19,11 +19,11 @@ from erlif.models.bearing import (
     pin_diameter_in_shear,
 )
 
+# Stress concentration taken for a hole beyond the fit of eq. 4: that of a vanishing hole. [1]
 LARGEST_CONCENTRATION = 3.0
-"""Stress concentration taken for a hole beyond the fit of eq. 4: that of a vanishing hole. [1]"""
 
+# Hardness up to which eq. 13 estimates it from the tensile strength. [HB]
 LARGEST_BRINELL = 400.0
-"""Hardness up to which eq. 13 estimates it from the tensile strength. [HB]"""
 
 _ROUNDING = 1 + 1e-12  # a hole of just the largest ratio lies within the fit
 _SMALL_SLOPE = 0.1  # sine of the slope up to which a beam bends as the equation assumes

@@ -9,20 +9,20 @@ from typing import Literal
 from erlif.joint.sizing.joint import DIMENSIONS, Joint
 from erlif.joint.sizing.state import JointState
 
+# Swings beyond which the missing check of fatigue is stated. [1]
 MANY_SWINGS = 1e5
-"""Swings beyond which the missing check of fatigue is stated. [1]"""
 
+# Bores of solid bushings of copper alloys, ISO 4379. [m]
 STANDARD_BORES = (6e-3, 200e-3)
-"""Bores of solid bushings of copper alloys, ISO 4379. [m]"""
 
+# Size up to which ISO 286-1 has tolerances. [m]
 LARGEST_TOLERANCED = 3.15
-"""Size up to which ISO 286-1 has tolerances. [m]"""
 
+# Load beyond which its weight is stated: that of a thousand tonnes. [N]
 LARGEST_LOAD = 10e6
-"""Load beyond which its weight is stated: that of a thousand tonnes. [N]"""
 
+# Chosen length below which strength does not decide. [m]
 SMALLEST_MADE = 1e-3
-"""Chosen length below which strength does not decide. [m]"""
 
 _GRAVITY = 9.80665
 _LARGEST_FACTOR = 0.5  # m, size up to which the tolerance factor of ISO 286-1 is stated

@@ -10,20 +10,20 @@ from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result, strength_limit
 from erlif.models.bearing import RECOMMENDED_WIDTH, least_bushing_width, least_projected_area
 
+# Sliding speed up to which half of the yield stress prevents seizure, eq. 5. [m/s]
 SLOW = 0.02
-"""Sliding speed up to which half of the yield stress prevents seizure, eq. 5. [m/s]"""
 
+# Half contact angle up to which the arc counts as flat, section 2.1.3. [rad]
 HERTZ_LIMIT = math.radians(20.0)
-"""Half contact angle up to which the arc counts as flat, section 2.1.3. [rad]"""
 
+# Half contact angle from which eq. 7 is not below eq. 9; the source has 72 degrees. [rad]
 COSINE_LIMIT = math.radians(72.861)
-"""Half contact angle from which eq. 7 is not below eq. 9; the source has 72 degrees. [rad]"""
 
+# Ratio of the moduli up to which one combined modulus stands for both in eq. 9. [1]
 ALIKE = 3.0
-"""Ratio of the moduli up to which one combined modulus stands for both in eq. 9. [1]"""
 
+# Brinell by which the pin is harder than a bushing that wears in its place, section 2.2.2. [HB]
 HARDER = 100.0
-"""Brinell by which the pin is harder than a bushing that wears in its place, section 2.2.2. [HB]"""
 
 
 def _seizure(state: JointState) -> Result:

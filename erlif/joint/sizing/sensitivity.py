@@ -12,8 +12,8 @@ from erlif.joint.sizing.materials import Material
 from erlif.joint.sizing.quantities import Number, numbers_of
 from erlif.joint.sizing.steps import Step
 
+# Relative step of the central differences; the margins are smooth to nine digits. [1]
 STEP = 1e-5
-"""Relative step of the central differences; the margins are smooth to nine digits. [1]"""
 
 _PERCENT = 0.01
 _LARGEST_RATIO = 0.4999  # Poisson's ratio up to which it can grow
@@ -74,6 +74,7 @@ class Substitute:
         )
 
 
+# Limits that depend on the bushing.
 _SURFACE = (
     "seizure",
     "pressure_peak",
@@ -86,10 +87,9 @@ _SURFACE = (
     "press_bushing",
     "wear",
 )
-"""Limits that depend on the bushing."""
 
+# Those that are results where the material has no limit; most have none of the speed.
 _OF_MATERIAL = ("pressure_peak", "pv")
-"""Those that are results where the material has no limit; most have none of the speed."""
 
 
 def sensitivities(assessment: Assessment) -> tuple[Sensitivity, ...]:

@@ -30,11 +30,11 @@ from erlif.models.bearing import (
     least_seat_width,
 )
 
+# Wall of a bushing over the pin diameter where it is not given; no step of the guide. [1]
 WALL = 0.1
-"""Wall of a bushing over the pin diameter where it is not given; no step of the guide. [1]"""
 
+# Width over diameter where no width is enough: that of the least leakage, section 2.1.4. [1]
 WIDTH = 1.3
-"""Width over diameter where no width is enough: that of the least leakage, section 2.1.4. [1]"""
 
 _SMALLEST, _LARGEST = 1e-4, 10.0  # m: pins that are looked for
 _HALVINGS = 44  # of the logarithm of the diameter: to 1e-12 of it
@@ -262,6 +262,7 @@ def _trial(joint: Joint, diameter: float, width: float, *, wall: float, play: fl
     )
 
 
+# Limits whose present value is in proportion to 1 over the width of the bushing.
 _BY_WIDTH = (
     "seizure",
     "bushing_edge",
@@ -271,7 +272,6 @@ _BY_WIDTH = (
     "housing_eye",
     "wear",
 )
-"""Limits whose present value is in proportion to 1 over the width of the bushing."""
 
 
 def _least_width(joint: Joint, diameter: float, wall: float, relative: float) -> float:

@@ -22,12 +22,12 @@ from erlif.models.contact import (
 )
 from erlif.models.wear import bushing_heat_share, friction_heat, thermal_growth
 
+# Share of the heat in the bushing from which eq. 29 gives its temperature; the pin has no path for
+# the rest in the guide, which computes bushings of metal, about a half. An assumption. [1]
 LEAST_SHARE = 0.1
-"""Share of the heat in the bushing from which eq. 29 gives its temperature; the pin has no path for
-the rest in the guide, which computes bushings of metal, about a half. An assumption. [1]"""
 
+# Arc through which heat flows: the loaded half of the bushing, as eq. 29 is printed. [rad]
 HALF_RING = math.pi
-"""Arc through which heat flows: the loaded half of the bushing, as eq. 29 is printed. [rad]"""
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from typing import Literal
 from erlif.core.tables import read_table
 from erlif.joint.sizing.materials import BRINELL
 
+# Margin below which a limit is exceeded; a dimension that is just enough has a margin of 0.
 ROUNDING = 1e-9
-"""Margin below which a limit is exceeded; a dimension that is just enough has a margin of 0."""
 
 Kind = Literal["limit", "recommendation", "comparison", "result"]
 

@@ -16,29 +16,29 @@ from scipy import special
 
 from erlif.models.arguments import Values
 
+# Lower end of the search for the half angle. [rad]
 _SMALLEST_ANGLE = 1e-9
-"""Lower end of the search for the half angle. [rad]"""
 
+# Where x - sin x is summed as a series; its terms fall by x^2/42 and faster.
 _SERIES_BELOW = 1.0
-"""Where x - sin x is summed as a series; its terms fall by x^2/42 and faster."""
 
+# The tenth term is below 1e-19 of the first at 1 rad.
 _SERIES_TERMS = 9
-"""The tenth term is below 1e-19 of the first at 1 rad."""
 
+# Gauss's rule for the unweighed integral at w below 0.3, where it is exact to rounding.
 _FEW_NODES, _FEW_BELOW = 10, 0.3
-"""Gauss's rule for the unweighed integral at w below 0.3, where it is exact to rounding."""
 
+# Of Newton's method; it takes 5 to 7 from a narrow arc.
 _ITERATIONS = 60
-"""Of Newton's method; it takes 5 to 7 from a narrow arc."""
 
+# Relative change of the angle after which the next one is below rounding.
 _TOLERANCE = 1e-8
-"""Relative change of the angle after which the next one is below rounding."""
 
+# From 0 to 90 degrees; Newton's method then takes one or two steps.
 _SPLINE_ANGLES = 1025
-"""From 0 to 90 degrees; Newton's method then takes one or two steps."""
 
+# Angles that are searched at once; their arrays stay in the cache.
 _BLOCK = 1 << 14
-"""Angles that are searched at once; their arrays stay in the cache."""
 
 
 def eccentricity_of_arc(half_angle: Values, *, fit: Values) -> Values:

@@ -8,11 +8,11 @@ from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula
 from erlif.models.contact.roots import like
 
+# E Delta / 2q at which Persson's contact closes around the pin. [1]
 FULL_CONTACT = -2 / np.pi
-"""E Delta / 2q at which Persson's contact closes around the pin. [1]"""
 
+# Steps to the last digit of any half contact angle from 1e-65 to pi - 1e-8, one in reserve.
 _NEWTON_STEPS = 5
-"""Steps to the last digit of any half contact angle from 1e-65 to pi - 1e-8, one in reserve."""
 
 
 @formula(half_angle="arc")

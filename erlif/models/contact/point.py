@@ -12,14 +12,14 @@ from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula
 from erlif.models.contact.roots import find_roots, like
 
+# Factors of the ellipse that Farzaneh (2002), appendix B, reads for the lobed bushing. [1]
 THESIS_F1, THESIS_F2 = 0.89, 0.88
-"""Factors of the ellipse that Farzaneh (2002), appendix B, reads for the lobed bushing. [1]"""
 
+# Range and number of the tabulated ratios of axes: radii in a ratio of up to 1e16.
 _LARGEST_LOG_AXES, _AXES_KNOTS = 20.0, 8192
-"""Range and number of the tabulated ratios of axes: radii in a ratio of up to 1e16."""
 
+# Parameter m below which K - E loses more than a digit.
 _CANCELLING = 0.1
-"""Parameter m below which K - E loses more than a digit."""
 
 
 class RelativeRadii(NamedTuple):

@@ -6,8 +6,8 @@ import numpy as np
 
 from erlif.models.arguments import Values
 
+# Absolute and relative: the roots are exact to a few units of the last place.
 _ROOT_TOLERANCE = 1e-14
-"""Absolute and relative: the roots are exact to a few units of the last place."""
 
 
 def find_roots(

@@ -20,8 +20,8 @@ from erlif.core.errors import ModelError
 if TYPE_CHECKING:
     import skfem
 
+# Harmonics that are computed; the others lie between them on a smooth curve.
 HARMONICS = (0, 1, 2, 3, 4, 5, 6, 8, 11, 16, 22, 32, 45, 64, 90, 128, 181, 256, 362, 512, 724, 1024)
-"""Harmonics that are computed; the others lie between them on a smooth curve."""
 
 
 @dataclass(frozen=True)

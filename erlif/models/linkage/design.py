@@ -9,14 +9,14 @@ from erlif.models.arguments import formula
 from erlif.models.linkage import measures
 from erlif.models.mechanism import CrankRocker
 
+# A stroke of the rocker, by its angle while the crank angle grows.
 Stroke: TypeAlias = Literal["rising", "falling", "neither"]
-"""A stroke of the rocker, by its angle while the crank angle grows."""
 
+# Share of the crank by which it could be longer, below which a linkage folds flat.
 FLAT = 1e-6
-"""Share of the crank by which it could be longer, below which a linkage folds flat."""
 
+# Crank angle by which two strokes of equal duration may differ by rounding. [rad]
 EQUAL_STROKES = 1e-9
-"""Crank angle by which two strokes of equal duration may differ by rounding. [rad]"""
 
 
 @dataclass(frozen=True)

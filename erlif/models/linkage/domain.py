@@ -15,8 +15,8 @@ from erlif.core.errors import ModelError
 from erlif.models.arguments import Values
 from erlif.models.linkage.measures import Links, grashof_margin
 
+# Distance of the search from linkages that fold flat, of the width of the interval.
 EDGE = 1e-9
-"""Distance of the search from linkages that fold flat, of the width of the interval."""
 
 
 @dataclass(frozen=True)

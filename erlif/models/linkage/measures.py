@@ -13,16 +13,15 @@ import scipy
 
 from erlif.models.arguments import Values, formula
 
+# How a four-bar linkage moves, by Grashof's condition.
 Kind: TypeAlias = Literal[
     "crank-rocker", "double-crank", "rocker-crank", "double-rocker", "triple-rocker", "change point"
 ]
-"""How a four-bar linkage moves, by Grashof's condition."""
 
+# Width to which the crank angle of greatest speed is bracketed, of one linkage and of many.
+#
+# The speed is flat there, so its error is of the order of the square. [rad]
 ROOT_TOLERANCE, SEARCH_TOLERANCE = 1e-10, 1e-5
-"""Width to which the crank angle of greatest speed is bracketed, of one linkage and of many.
-
-The speed is flat there, so its error is of the order of the square. [rad]
-"""
 
 
 class Links(NamedTuple):

@@ -17,14 +17,14 @@ from erlif.models.arguments import formula
 from erlif.models.linkage.measures import dead_points, rocker_rates
 from erlif.models.mechanism import CrankRocker
 
+# Watts of a horsepower of 550 ft lbf/s.
 HORSEPOWER = 745.7
-"""Watts of a horsepower of 550 ft lbf/s."""
 
+# Standard ratings of motors: NEMA MG 1 in horsepower, IEC 60072-1 in kilowatts. [W]
 RATINGS = {
     series: [{"hp": HORSEPOWER, "kW": 1e3}[series] * rating for rating in ratings]
     for series, ratings in read_table("erlif.models.linkage", "motors.toml").items()
 }
-"""Standard ratings of motors: NEMA MG 1 in horsepower, IEC 60072-1 in kilowatts. [W]"""
 
 
 @dataclass(frozen=True)

@@ -15,24 +15,22 @@ from erlif.models.arguments import (
     warn_of_range,
 )
 
+# Coefficients of the powers of d/w at a closely fitting pin. Pilkey (2005), table 6-1.
+#
+# They are quoted; the print was not at hand. Finite elements of a rigid pin without friction give 5
+# to 13 % less for d/w of 0.15 to 0.5 (docs/linkage.md).
 PIN_LOADED = (12.882, -52.714, 89.762, -51.667)
-"""Coefficients of the powers of d/w at a closely fitting pin. Pilkey (2005), table 6-1.
 
-They are quoted; the print was not at hand. Finite elements of a rigid pin without friction give 5
-to 13 % less for d/w of 0.15 to 0.5 (docs/linkage.md).
-"""
-
+# Coefficients of the powers of 1 - d/w at an open hole in tension. Pilkey (2005), table 6-1.
+#
+# They give the values of Howland (1930) within 0.5 %.
 OPEN_HOLE = (2.0, 0.284, -0.600, 1.32)
-"""Coefficients of the powers of 1 - d/w at an open hole in tension. Pilkey (2005), table 6-1.
 
-They give the values of Howland (1930) within 0.5 %.
-"""
-
+# Hole over width, d/w, over which the first of these was fitted. [1]
 PIN_RANGE = (0.15, 0.75)
-"""Hole over width, d/w, over which the first of these was fitted. [1]"""
 
+# Diameter less that of the stress area, in pitches, of a 60 degree thread. ISO 898-1.
 THREAD_DEPTH = 0.9382
-"""Diameter less that of the stress area, in pitches, of a 60 degree thread. ISO 898-1."""
 
 
 @formula(depth="length")

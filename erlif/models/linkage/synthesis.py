@@ -23,29 +23,29 @@ from erlif.models.linkage.domain import EDGE, Domain, find_domain
 from erlif.models.linkage.measures import Links, least_transmission, space
 from erlif.models.mechanism import CrankRocker
 
+# Places of the search along one unknown length, and along each of two.
 LINE, SQUARE = 257, 49
-"""Places of the search along one unknown length, and along each of two."""
 
+# Relative deviation of a target that counts as none.
 ATTAINED = 1e-9
-"""Relative deviation of a target that counts as none."""
 
+# Relative difference of lengths below which two solutions are one.
 SAME = 1e-6
-"""Relative difference of lengths below which two solutions are one."""
 
+# Step at which least squares end; as they converge, the error is then far below.
 STEP = 1e-11
-"""Step at which least squares end; as they converge, the error is then far below."""
 
+# Deviation in the place of an infinite one.
 LARGE = 1e6
-"""Deviation in the place of an infinite one."""
 
+# Steps of a search from a minimum of the deviation at first, and of any search.
 CALLS, MOST_CALLS = 15, 60
-"""Steps of a search from a minimum of the deviation at first, and of any search."""
 
+# Distance on the square up to which two points of neighbouring rows lie on one curve.
 NEIGHBOURS = 0.25
-"""Distance on the square up to which two points of neighbouring rows lie on one curve."""
 
+# Minima of the deviation on the square from which a search starts beside the crossings.
 STARTS = 3
-"""Minima of the deviation on the square from which a search starts beside the crossings."""
 
 
 @dataclass(frozen=True)
@@ -83,8 +83,8 @@ class _Target:
         return np.clip(np.nan_to_num(deviation, nan=LARGE), -LARGE, LARGE)
 
 
+# Place where the first target is met, and the deviation of the second.
 _Point: TypeAlias = tuple[Array, float]
-"""Place where the first target is met, and the deviation of the second."""
 
 
 @dataclass(frozen=True)

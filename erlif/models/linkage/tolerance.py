@@ -9,8 +9,8 @@ from erlif.models.arguments import Values, require_not_negative
 from erlif.models.linkage import measures
 from erlif.models.mechanism import CrankRocker
 
+# Change of a length for its derivative, of the crank; the error is of the order of the square.
 STEP = 1e-5
-"""Change of a length for its derivative, of the crank; the error is of the order of the square."""
 
 
 @dataclass(frozen=True)

@@ -23,38 +23,38 @@ from erlif.models.reynolds.band import Stencil, solve_ring
 from erlif.models.reynolds.cells import Faces, Grid, Walls, link_only
 from erlif.models.reynolds.flow import SMALLEST_FLUIDITY, Fluid
 
+# Relative size below zero from which a cell changes; rounding alone would change it for ever.
 SWITCH_TOLERANCE = 1e-7
-"""Relative size below zero from which a cell changes; rounding alone would change it for ever."""
 
+# Largest error of the balance of a cell or of a force, relative. One more step squares it.
 RESIDUAL_TOLERANCE = 1e-7
-"""Largest error of the balance of a cell or of a force, relative. One more step squares it."""
 
+# Share of the remaining film by which a Newton step may reduce it anywhere.
 LARGEST_APPROACH = 0.7
-"""Share of the remaining film by which a Newton step may reduce it anywhere."""
 
+# Factor between the rates of the steps that approach a steady film.
 SLOWING = 0.25
-"""Factor between the rates of the steps that approach a steady film."""
 
+# Rate over that of the first step at which the next step is the steady film. [1]
 LOWEST_RATE = 1e-6
-"""Rate over that of the first step at which the next step is the steady film. [1]"""
 
+# Share of its load with which the film of a soft wall begins. [1]
 SMALLEST_SHARE = 1e-4
-"""Share of its load with which the film of a soft wall begins. [1]"""
 
+# Steps from that share to the whole load, each by a factor of 1.4.
 LOAD_STEPS = 30
-"""Steps from that share to the whole load, each by a factor of 1.4."""
 
+# Cosine to the load from which a wall is taken to approach its oil. [1]
 SMALLEST_COSINE = 0.1
-"""Cosine to the load from which a wall is taken to approach its oil. [1]"""
 
+# Share of the film by which a pin without resistance moves beyond where it meets oil. [1]
 BEYOND = 10 * SWITCH_TOLERANCE
-"""Share of the film by which a pin without resistance moves beyond where it meets oil. [1]"""
 
+# Film below which oil is no continuum: the size of its molecules. [m]
 THINNEST_FILM = 1e-9
-"""Film below which oil is no continuum: the size of its molecules. [m]"""
 
+# Newton steps until a solution is given up, besides those of moving edges; 3 or 4 are usual.
 MOST_ITERATIONS = 60
-"""Newton steps until a solution is given up, besides those of moving edges; 3 or 4 are usual."""
 
 
 class NoConvergenceError(ModelError):

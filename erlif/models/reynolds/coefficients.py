@@ -15,14 +15,14 @@ from erlif.models.reynolds.transient import Bearing
 if TYPE_CHECKING:
     import xarray as xr
 
+# Displacement over the clearance. [1]
 SMALL_MOTION = 1e-3
-"""Displacement over the clearance. [1]"""
 
+# Velocity over clearance and speed. [1]
 SMALL_VELOCITY = 1e-2
-"""Velocity over clearance and speed. [1]"""
 
+# Time of the step that has a velocity, over that of a radian: no cavity changes in it. [1]
 SHORT_TIME = 1e-4
-"""Time of the step that has a velocity, over that of a radian: no cavity changes in it. [1]"""
 
 
 def journal_coefficients(

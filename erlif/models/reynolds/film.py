@@ -26,8 +26,8 @@ from erlif.models.reynolds.transient import UNITS, losses
 if TYPE_CHECKING:
     import xarray as xr
 
+# Time of the step from a given rate, over that in which the surfaces cross the film. [1]
 SHORT_TIME = 1e-6
-"""Time of the step from a given rate, over that in which the surfaces cross the film. [1]"""
 
 
 @formula(length="number", width="number", entrainment="speed", cavitation_pressure="signed number")

@@ -6,15 +6,15 @@ import numpy as np
 
 from erlif.core.arrays import Array
 
+# Reduction of the flow between touching isotropic rough walls. Patir and Cheng (1978). [1]
 ROUGHNESS_AMPLITUDE = 0.9
-"""Reduction of the flow between touching isotropic rough walls. Patir and Cheng (1978). [1]"""
 
+# Decay of that reduction with film over roughness. Patir and Cheng (1978). [1]
 ROUGHNESS_DECAY = 0.56
-"""Decay of that reduction with film over roughness. Patir and Cheng (1978). [1]"""
 
 
+# Ambient over local viscosity at a pressure of 14 / alpha, beyond any use of Barus' law. [1]
 SMALLEST_FLUIDITY = 1e-6
-"""Ambient over local viscosity at a pressure of 14 / alpha, beyond any use of Barus' law. [1]"""
 
 
 @dataclass(frozen=True)

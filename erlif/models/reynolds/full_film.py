@@ -21,8 +21,8 @@ from erlif.models.reynolds.journal import Journal, Motion
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline  # loads scipy.optimize: imported where it is used
 
+# Smallest film of the tables over the clearance.
 THINNEST = 1e-5
-"""Smallest film of the tables over the clearance."""
 
 _NODES = 128  # of the tables in log film; the spline between them is good to 1e-6
 _POINTS = 192  # cells over half the circumference, and twice as many

@@ -18,11 +18,11 @@ from erlif.models.reynolds.transient import UNITS, Bearing, losses
 if TYPE_CHECKING:
     import xarray as xr
 
+# Eccentricity above which a film is not resolved by any grid in use. [1]
 LARGEST_ECCENTRICITY = 0.9999
-"""Eccentricity above which a film is not resolved by any grid in use. [1]"""
 
+# Share of the load that keeps the logarithm of a vanishing force finite. [1]
 TINY_LOAD = 1e-12
-"""Share of the load that keeps the logarithm of a vanishing force finite. [1]"""
 
 
 def steady_journal(

@@ -28,11 +28,11 @@ from erlif.models.reynolds.journal import Groove, Journal, Motion, Mount, as_mou
 if TYPE_CHECKING:
     import xarray as xr
 
+# Steps above which the compiled form is loaded; it is compiled once on each machine.
 FEWEST_COMPILED = 1000
-"""Steps above which the compiled form is loaded; it is compiled once on each machine."""
 
+# How often a step that does not converge is cut in half.
 MOST_HALVINGS = 8
-"""How often a step that does not converge is cut in half."""
 
 
 def solve_journal(
@@ -566,11 +566,11 @@ def _turned(vector: Array, angle: float) -> Array:
     return np.array([along * cosine - side * sine, along * sine + side * cosine])
 
 
+# Variables over time.
 SERIES: tuple[str, ...] = tuple(read_table("erlif.models", "variables.toml")["series"])
-"""Variables over time."""
 
+# Unit and name of each variable.
 UNITS: dict[str, tuple[str, str]] = read_table("erlif.models", "variables.toml")["film"]
-"""Unit and name of each variable."""
 
 
 def _dataset(

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+# Cells of a profile at least: fewer do not resolve a contact.
 _FEWEST_CELLS = 24
-"""Cells of a profile at least: fewer do not resolve a contact."""
 
 
 @dataclass(frozen=True)

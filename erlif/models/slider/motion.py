@@ -19,20 +19,20 @@ from erlif.models.slider.contact import ContactLaw, RoundBore, WornBore
 if TYPE_CHECKING:
     import xarray as xr
 
+# Torque on the crank [N m] at a time [s] and a crank angle [rad].
 Torque = Callable[[float, float], float]
-"""Torque on the crank [N m] at a time [s] and a crank angle [rad]."""
 
+# Sine of the rod angle at most.
 _STEEPEST = 0.999999
-"""Sine of the rod angle at most."""
 
+# The friction couple changes the force by mu r / rod of itself: a pass gains two digits.
 _FRICTION_PASSES = 8
-"""The friction couple changes the force by mu r / rod of itself: a pass gains two digits."""
 
+# Each pass gains the digits of clearance over rod.
 _REST_PASSES = 3
-"""Each pass gains the digits of clearance over rod."""
 
+# Integrals over time, at the end of each state.
 QUADRATURES = ("drive_work", "friction_loss", "impact_loss", "rubbing")
-"""Integrals over time, at the end of each state."""
 
 
 class Links:

@@ -7,17 +7,17 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 
+# Of the eccentricity that carries the load; it takes 2 to 10.
 _NEWTON_STEPS = 100
-"""Of the eccentricity that carries the load; it takes 2 to 10."""
 
+# Share of the load by which the pressure may miss it.
 _BALANCED = 1e-11
-"""Share of the load by which the pressure may miss it."""
 
+# Stiffness all round, over that of a cell: few cells in contact leave a direction open.
 _RIDGE = 1e-9
-"""Stiffness all round, over that of a cell: few cells in contact leave a direction open."""
 
+# Share of the missing load that a step may leave to count as closer whatever the energy.
 _CLOSER = 0.5
-"""Share of the missing load that a step may leave to count as closer whatever the energy."""
 
 
 class Wall:

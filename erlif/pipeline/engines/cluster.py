@@ -30,11 +30,11 @@ from erlif.core.version import __version__
 
 _Result = TypeVar("_Result")
 
+# Number of an item to its result.
 Work: TypeAlias = Callable[[int], _Result]
-"""Number of an item to its result."""
 
+# Receives number and result of an item.
 Collect: TypeAlias = Callable[[int, _Result], None]
-"""Receives number and result of an item."""
 
 _logger = logging.getLogger(__name__)
 
@@ -43,32 +43,32 @@ _FORMS = (
     "as tcp://HOST:8786, or the scheduler file that dask wrote, such as scheduler.json"
 )
 
+# Size of a scheduler file that is read; dask writes a few kilobytes. [byte]
 _LARGEST_FILE = 2**20
-"""Size of a scheduler file that is read; dask writes a few kilobytes. [byte]"""
 
 _SAME = "Scheduler and workers need the environment of this machine: install the same versions."
 
+# Workers on this machine, with their number.
 _LOCAL = re.compile(r"local:([1-9]\d*)")
-"""Workers on this machine, with their number."""
 
+# Address of a scheduler; without a protocol dask takes tcp.
 _ADDRESS = re.compile(r"((tcp|tls|ws|wss|ucx|ucxx)://)?(\[[0-9a-fA-F:.]+\]|[^\s/:\[\]]+):\d{1,5}/?")
-"""Address of a scheduler; without a protocol dask takes tcp."""
 
+# Of the client: as the default of dask it would also serve the locks with which xarray writes.
 _OPTIONS = {"set_as_default": False}
-"""Of the client: as the default of dask it would also serve the locks with which xarray writes."""
 
+# Time in which a scheduler must be reached. [s]
 _PATIENCE = 10
-"""Time in which a scheduler must be reached. [s]"""
 
+# Time in which the first worker must come. [s]
 _WAIT_FOR_WORKERS = 60
-"""Time in which the first worker must come. [s]"""
 
+# Time between two looks at the workers while a result is waited for. [s]
 _LOOK = 5
-"""Time between two looks at the workers while a result is waited for. [s]"""
 
+# Items in work or waiting for each thread of the workers: a worker gets its next item before it
+# asks, and uncollected results do not grow with the run.
 _AHEAD = 4
-"""Items in work or waiting for each thread of the workers: a worker gets its next item before it
-asks, and uncollected results do not grow with the run."""
 
 
 class Cluster:
@@ -295,8 +295,8 @@ def _translated(scheduler: str) -> Iterator[None]:
 
 # on the workers
 
+# Works that this process has checked.
 _checked: set[str] = set()
-"""Works that this process has checked."""
 
 
 def _load(packed: bytes, version: str) -> Any:

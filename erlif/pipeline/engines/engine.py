@@ -18,9 +18,9 @@ from erlif.pipeline.engines.cluster import Cluster, Collect, Work
 
 _Result = TypeVar("_Result")
 
+# Items that wait, or whose results do, beside those in work: one for the thread that becomes free
+# while results are collected, one in reserve. More would only take memory.
 _AHEAD = 2
-"""Items that wait, or whose results do, beside those in work: one for the thread that becomes free
-while results are collected, one in reserve. More would only take memory."""
 
 
 class Engine(Protocol):

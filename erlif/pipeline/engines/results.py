@@ -26,6 +26,7 @@ from erlif.trend import FilmStatistics, FittedNumbers, PinPosition, Region
 
 _note = note_writer("erlif.pipeline")
 
+# Arrays of a trigger with one row for each frame pair: type in the file, and shape of a row.
 _OF_FRAMES: dict[str, tuple[Any, tuple[int, ...]]] = {
     "frame": (np.int64, ()),
     "drift": (float, (2,)),
@@ -37,7 +38,6 @@ _OF_FRAMES: dict[str, tuple[Any, tuple[int, ...]]] = {
     "cells": (np.float32, np.shape(NO_CELLS)),
     "patch": (float, (3,)),
 }
-"""Arrays of a trigger with one row for each frame pair: type in the file, and shape of a row."""
 
 
 @dataclass(frozen=True)

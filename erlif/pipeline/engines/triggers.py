@@ -26,8 +26,8 @@ from erlif.ratio import PairRatio, RatioSum, smooth_ratio
 from erlif.thickness import FilmTables, measure_pulse_energy
 from erlif.trend import FilmCurve, PinView, Region, find_pin_in_blocks, summarise_blocks
 
+# Triggers after which a run is inspected for the first time.
 EARLY = 24
-"""Triggers after which a run is inspected for the first time."""
 
 
 @dataclass(frozen=True)

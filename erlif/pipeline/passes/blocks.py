@@ -19,11 +19,11 @@ _BELOW, _ABOVE = (np.uint8(flag) for flag in (Flag.BELOW_RANGE, Flag.ABOVE_RANGE
 _ZERO = np.float32(0)
 _at = np.uint64  # an index that cannot count from the end, as in `erlif.registration.interpolation`
 
+# Sums of each block.
 _SUMS = 9
-"""Sums of each block."""
 
+# Units of three numbers that are packed into one; eight of them stay below 2^24, exact.
 _FIRST, _SECOND, _THIRD = np.float32(1), np.float32(2**8), np.float32(2**16)
-"""Units of three numbers that are packed into one; eight of them stay below 2^24, exact."""
 
 
 class BlockRows(NamedTuple):

@@ -17,8 +17,8 @@ from erlif.pipeline.passes.warp import MapTables, PairWarp, Warp
 from erlif.ratio import BlurDifference, PairRatio, find_bubbles
 from erlif.ratio.log_ratio import correlate_noise, divide_rows
 
+# Rows of a band: the noise of camera 2 is kept for one band and the row before it.
 BAND = 64
-"""Rows of a band: the noise of camera 2 is kept for one band and the row before it."""
 
 _NO_FILM, _POOR = np.uint8(Flag.NO_FILM), np.uint8(Flag.POOR_REGISTRATION)
 

@@ -19,20 +19,20 @@ from erlif.pipeline.physics.joint import build_linkage, describe_encoder_setting
 
 _TEXTS = read_table("erlif.pipeline", "words.toml")["clock"]
 
+# Frame pairs whose light is read.
 MOST_FRAMES = 400
-"""Frame pairs whose light is read."""
 
+# Places in a turn of the crank at which the log is followed.
 SAMPLES_IN_CYCLE = 250
-"""Places in a turn of the crank at which the log is followed."""
 
+# Places at which a log is followed; a longer one is refused.
 MOST_SAMPLES = 100_000
-"""Places at which a log is followed; a longer one is refused."""
 
+# Standard deviations, and relative size, from which a stretch of the times is reported.
 _CERTAIN, _SMALLEST_STRETCH = 5.0, 1e-3
-"""Standard deviations, and relative size, from which a stretch of the times is reported."""
 
+# Rows and columns of a frame that its light is taken from: one in so many. [px]
 EVERY = 4
-"""Rows and columns of a frame that its light is taken from: one in so many. [px]"""
 
 
 def fit_start(

@@ -39,8 +39,8 @@ _POSITIONS = (
     "pin_position_cov_random",
     "pin_position_gradient",
 )
+# Variables of a film with steady formulas, and their names in the comparison.
 _STEADY = {"film_hamrock_dowson": "film_hamrock_dowson", "film_regime_map": "film_theory"}
-"""Variables of a film with steady formulas, and their names in the comparison."""
 
 
 @takes(path="run or film")

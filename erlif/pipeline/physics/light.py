@@ -36,8 +36,8 @@ _note = note_writer("erlif.pipeline")
 
 _TEXTS = read_table("erlif.pipeline", "words.toml")
 
+# Frames of an estimate, spread over the run: their number bounds memory and time.
 _MOST_FRAMES = 400
-"""Frames of an estimate, spread over the run: their number bounds memory and time."""
 
 
 def choose_frames(pairs: FramePairs) -> frozenset[int]:

@@ -33,8 +33,8 @@ _note = note_writer("erlif.pipeline")
 
 _TEXTS = read_table("erlif.pipeline", "words.toml")["pin"]
 
+# Directions of displacement and tilt: towards the load, and sideways along sliding.
 AXES = ("load", "side")
-"""Directions of displacement and tilt: towards the load, and sideways along sliding."""
 
 
 def describe_positions(

@@ -44,15 +44,16 @@ from erlif.pipeline.physics.prediction import (
 from erlif.pipeline.plane import ObjectPlane
 from erlif.prediction.triggers import CELLS
 
+# The map of prediction.nc.
 MAP = MapVariable(
     "film_predicted",
     "float32",
     PREDICTION["film_predicted"].attrs,
     bits=14,  # at most 0.003 %: far below the error of the solution
 )
-"""The map of prediction.nc."""
 
 _MEASURED = ("film_min", "film_min_std", "film_mean", "film_mean_std")
+# Variables of a film that prediction.nc repeats, so that both are compared without it.
 _OF_FILM = (
     *_MEASURED,
     "pin_displacement",
@@ -63,7 +64,6 @@ _OF_FILM = (
     "rocker_speed",
     "load",
 )
-"""Variables of a film that prediction.nc repeats, so that both are compared without it."""
 
 
 @dataclass(frozen=True)

@@ -32,18 +32,18 @@ _note = note_writer("erlif.pipeline")
 
 _TEXTS = read_table("erlif.pipeline", "words.toml")["prediction"]
 
+# Regime whose surfaces keep their shape, as the transient prediction takes them.
 _RIGID = "isoviscous-rigid"
-"""Regime whose surfaces keep their shape, as the transient prediction takes them."""
 
+# Standard deviations of the minimum beyond which a difference from the prediction is no chance:
+# the film varies in more ways than one error describes, so that three are not enough.
 _ERRORS = 5.0
-"""Standard deviations of the minimum beyond which a difference from the prediction is no chance:
-the film varies in more ways than one error describes, so that three are not enough."""
 
+# Of the film; a smaller difference is within what marks and waviness of surfaces do.
 _SHARE = 0.03
-"""Of the film; a smaller difference is within what marks and waviness of surfaces do."""
 
+# Triggers; of three, a start film and a chance make any course.
 _FEWEST = 4
-"""Triggers; of three, a start film and a chance make any course."""
 
 
 class Prediction(NamedTuple):

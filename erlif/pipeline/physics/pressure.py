@@ -33,16 +33,16 @@ from erlif.trend import PinView, viscosity_at
 
 _TEXTS = read_table("erlif.pipeline", "words.toml")["pressure"]
 
+# Places along sliding and along the axis at which the pressure is given.
 GRID = (48, 12)
-"""Places along sliding and along the axis at which the pressure is given."""
 
+# Share of recordings whose load counts as not balanced by chance. It is divided between three
+# tests: the median, the sum over all triggers, and the single trigger.
 FALSE_ALARM = 0.05
-"""Share of recordings whose load counts as not balanced by chance. It is divided between three
-tests: the median, the sum over all triggers, and the single trigger."""
 
 _MICRO, _MILLI, _KILO = 1e6, 1e3, 1e-3
+# Factors from SI to the units of the file.
 _SCALES = {"kPa": _KILO, "mm": _MILLI}
-"""Factors from SI to the units of the file."""
 
 _NUMBER_UNITS = np.array([1e-6, 1e-6, 1e-3, 1e-3])  # of a position in SI: um, and um/mm
 

@@ -18,8 +18,8 @@ _note = note_writer("erlif.pipeline")
 
 _TEXTS = read_table("erlif.pipeline", "words.toml")["reference"]
 
+# Standard deviations from which on a deviation is reported.
 _DEVIANT = 3.0
-"""Standard deviations from which on a deviation is reported."""
 
 
 def describe_reference(

@@ -31,8 +31,8 @@ from erlif.io.ingest import (
 )
 from erlif.io.ingest.selection import Purpose
 
+# Frame pairs searched for saturation below full scale.
 _FRAMES_SEARCHED = 8
-"""Frame pairs searched for saturation below full scale."""
 
 
 def measure_cameras(recording: Run | Fixture) -> tuple[CameraMeasurement, CameraMeasurement]:

@@ -8,8 +8,8 @@ import numpy as np
 
 from erlif.core.arrays import Array
 
+# Range of an encoder on the crank; one on the rocker swings less than half a turn. [degree]
 WHOLE_TURN = 300.0
-"""Range of an encoder on the crank; one on the rocker swings less than half a turn. [degree]"""
 
 
 @dataclass(frozen=True)

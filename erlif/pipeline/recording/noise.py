@@ -22,15 +22,15 @@ _note = note_writer("erlif.pipeline")
 
 _TEXTS = read_table("erlif.pipeline", "words.toml")["noise"]
 
+# Pixels from which fewer frames hold enough cells. [px]
 _LARGE = 500_000
-"""Pixels from which fewer frames hold enough cells. [px]"""
 
+# Frames whose differences are compared.
 _FRAMES_LARGE, _FRAMES_SMALL = 6, 24
-"""Frames whose differences are compared."""
 
 _ROUNDS = 5
+# Relative change of a gain, far below its standard deviation, at which the rounds end.
 _SETTLED = 5e-3
-"""Relative change of a gain, far below its standard deviation, at which the rounds end."""
 
 
 @dataclass(frozen=True)

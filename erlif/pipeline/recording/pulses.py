@@ -19,14 +19,14 @@ _note = note_writer("erlif.pipeline")
 
 _TEXTS = read_table("erlif.pipeline.recording", "pulses.toml")
 
+# Names under which a log holds the energy of each pulse; the first one found is used.
 ENERGY_COLUMNS = ("pulse_energy", "laser_energy", "pulse_energy_mJ", "laser_energy_mJ", "laser_mJ")
-"""Names under which a log holds the energy of each pulse; the first one found is used."""
 
+# Pairs at the end of a recording by which a disorder of the first ones is confirmed.
 _LAST = 12
-"""Pairs at the end of a recording by which a disorder of the first ones is confirmed."""
 
+# Frames that a message names; the others are counted.
 _LISTED = 10
-"""Frames that a message names; the others are counted."""
 
 
 class PulseError(FrameError):

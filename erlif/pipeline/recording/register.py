@@ -26,8 +26,8 @@ from erlif.registration import (
     register_frames,
 )
 
+# Pixels from which four frames give the map as well as twelve small ones do. [px]
 _LARGE = 500_000
-"""Pixels from which four frames give the map as well as twelve small ones do. [px]"""
 
 _FRAMES_LARGE, _FRAMES_SMALL = 4, 12
 

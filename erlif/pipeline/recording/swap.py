@@ -16,20 +16,20 @@ from erlif.registration import MapNodes, compare_with_inverse
 
 _logger = logging.getLogger(__name__)
 
+# Widening of the calibrated range on both sides, for noise. [share of the log ratio's range]
 _MARGIN = 0.1
-"""Widening of the calibrated range on both sides, for noise. [share of the log ratio's range]"""
 
+# Share of inverse ratios above which most of the image speaks for exchanged cameras.
 _MOST = 0.6
-"""Share of inverse ratios above which most of the image speaks for exchanged cameras."""
 
+# Share of regular ratios below which hardly any of the image speaks against it.
 _FEW = 0.2
-"""Share of regular ratios below which hardly any of the image speaks against it."""
 
+# Share of ratios that no film has from which the cameras cannot be in order.
 _IMPOSSIBLE = 0.15
-"""Share of ratios that no film has from which the cameras cannot be in order."""
 
+# Standard deviations by which a ratio must exceed the highest possible one.
 _SIGMAS = 2
-"""Standard deviations by which a ratio must exceed the highest possible one."""
 
 
 def refuse_swapped_cameras(

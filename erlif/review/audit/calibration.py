@@ -20,8 +20,8 @@ _note = note_writer("erlif.review.audit")
 
 _LARGEST = 2**31  # size of a fixture up to which its files are hashed [byte]
 
+# Share of the ratios within the calibrated range below which the calibration does not fit.
 _COVERED = 0.5
-"""Share of the ratios within the calibrated range below which the calibration does not fit."""
 
 _MARGIN = 0.1  # widening of the range on both sides for noise, of the range of the logarithm
 

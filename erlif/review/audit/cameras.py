@@ -23,23 +23,23 @@ from erlif.registration import orient
 
 _note = note_writer("erlif.review.audit")
 
+# Frame pairs up to which all of them are searched for exchanged pulses.
 WHOLE = 60
-"""Frame pairs up to which all of them are searched for exchanged pulses."""
 
+# Consecutive pairs that are searched in a longer recording.
 CONSECUTIVE = 16
-"""Consecutive pairs that are searched in a longer recording."""
 
+# Pairs whose registration is listed.
 SHOWN = 3
-"""Pairs whose registration is listed."""
 
+# Share of the image that both cameras see, below which they are not well adjusted.
 _LITTLE_OVERLAP = 0.7
-"""Share of the image that both cameras see, below which they are not well adjusted."""
 
 _WEAK = 0.3  # correlation of the textures below which a registration is doubtful
 
+# Correlation of the structure of both flats from which it is that of the object; sensors have
+# none in common, and 10 000 pixels give 0.01 by chance.
 _SHARED = 0.1
-"""Correlation of the structure of both flats from which it is that of the object; sensors have
-none in common, and 10 000 pixels give 0.01 by chance."""
 
 _DUST = 5.0  # robust standard deviations beyond which the structure of a flat is dust
 

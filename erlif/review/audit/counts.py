@@ -18,25 +18,25 @@ from erlif.io.ingest import FramePairs, depth_warning, read_pair
 
 _note = note_writer("erlif.review.audit")
 
+# Frame pairs that are read of a long recording, evenly spread over it.
 MOST_SPREAD = 24
-"""Frame pairs that are read of a long recording, evenly spread over it."""
 
+# Share of saturated pixels in one frame above which the exposure is called too long.
 BRIGHT = 0.01
-"""Share of saturated pixels in one frame above which the exposure is called too long."""
 
+# Share of hot, noisy and dead pixels above which darks and flats are doubtful; sensors have some
+# 0.1 %.
 MANY_BAD = 0.01
-"""Share of hot, noisy and dead pixels above which darks and flats are doubtful; sensors have some
-0.1 %."""
 
 _FULLY = 0.98  # share of the pixels between the darkest and the brightest per cent
 
 _LEAST_USED = 0.5  # share of the counts in between that occur; fewer are left by a change of scale
 
+# Pixels for each possible count from which on every count is expected to occur.
 _PIXELS_PER_COUNT = 20
-"""Pixels for each possible count from which on every count is expected to occur."""
 
+# Fine structure over that of the median frame, below which a frame counts as blurred.
 _BLURRED = 0.6
-"""Fine structure over that of the median frame, below which a frame counts as blurred."""
 
 _UNLIT = 0.1  # light over that of the median frame, below which a pulse counts as missed
 

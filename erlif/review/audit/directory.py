@@ -47,8 +47,8 @@ from erlif.review.audit.pairing import PairRow, note_numbers, tabulate_pairs
 _note = note_writer("erlif.review.audit")
 _logger = logging.getLogger(__name__)
 
+# One part of the audit; it raises ErlifError where the input cannot be used.
 Step = Callable[[], Iterator[Note]]
-"""One part of the audit; it raises ErlifError where the input cannot be used."""
 
 
 @dataclass

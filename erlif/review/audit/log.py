@@ -20,8 +20,8 @@ _FEWEST = 8  # rows from which on steps are compared
 
 _GAP = 1.7  # step over that of its neighbours from which a trigger is missing; 2 for one trigger
 
+# Relative difference of the two steps on either side that are compared with one in between.
 _EVEN = 0.1
-"""Relative difference of the two steps on either side that are compared with one in between."""
 
 _SPEED = 0.05  # relative deviation of the speed by the log from that of run.toml that is reported
 
@@ -33,12 +33,12 @@ _OIL = (-40.0, 150.0)  # temperature of the oil of a test rig [degree_Celsius]
 
 _JUMP = 10.0  # change of temperature from row to row that no oil has [K]
 
+# Factor between the load of the log and that of run.toml from which a unit is wrong; 4.4 between
+# pounds and newtons.
 _LOAD = 3.0
-"""Factor between the load of the log and that of run.toml from which a unit is wrong; 4.4 between
-pounds and newtons."""
 
+# Change of the light per change of the pulse energy below which they are unrelated; 1 else.
 _WITHOUT_PULSE = 0.3
-"""Change of the light per change of the pulse energy below which they are unrelated; 1 else."""
 
 
 @dataclass(frozen=True)

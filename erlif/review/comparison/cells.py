@@ -16,8 +16,8 @@ from erlif.calibration import Calibration
 from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
 
+# Edge of a cell, in pixels of the coarser camera. Errors of the registration are common to it.
 CELL = 8
-"""Edge of a cell, in pixels of the coarser camera. Errors of the registration are common to it."""
 
 _LEAST_SHARE = 0.25  # valid pixels of a cell, at least
 _STEP = 1e-3  # um, for the derivative of the slope

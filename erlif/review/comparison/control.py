@@ -13,8 +13,8 @@ from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
 from erlif.review.comparison.records import RunRecord
 
+# Standard deviations between the centre of a chart and its limits (Shewhart 1931).
 LIMIT = 3.0
-"""Standard deviations between the centre of a chart and its limits (Shewhart 1931)."""
 
 
 def control_chart(records: Sequence[RunRecord], calibrations: Sequence[Calibration]) -> xr.Dataset:

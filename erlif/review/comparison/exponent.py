@@ -136,5 +136,5 @@ def _fit(records: list[RunRecord], duties: list[Array], statistic: str) -> Expon
     )
 
 
+# Relative noise of a minimum film beside its marks; the scatter about the line adds to it.
 _SMALL = 1e-4
-"""Relative noise of a minimum film beside its marks; the scatter about the line adds to it."""

@@ -11,8 +11,8 @@ from erlif.core.errors import ErlifError
 from erlif.io.files import describe_trigger, settings_of
 from erlif.review.comparison.cells import average_cells, calibration_var, cell_edges
 
+# Expected share of cells that do not differ, among those stated to differ.
 FALSE_DISCOVERIES = 0.05
-"""Expected share of cells that do not differ, among those stated to differ."""
 
 
 def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, int]) -> xr.Dataset:

@@ -21,13 +21,13 @@ from erlif.pipeline.physics.joint import describe_joint
 from erlif.review.comparison.cells import average_cells, noise_inflation
 from erlif.trend import viscosity_at
 
+# Film statistics that are compared.
 STATISTICS = ("film_min", "film_mean")
-"""Film statistics that are compared."""
 
+# Share of the variance of a statistic, without that of the calibration, that is the same at every
+# trigger of a run. Marks of the surfaces make that of the minimum; flats make 8 % of the variance
+# of a pixel of one frame (docs/uncertainty.md).
 REPEATING = {"film_min": 1.0, "film_mean": 0.08}
-"""Share of the variance of a statistic, without that of the calibration, that is the same at every
-trigger of a run. Marks of the surfaces make that of the minimum; flats make 8 % of the variance of
-a pixel of one frame (docs/uncertainty.md)."""
 
 _SAMPLED = 12  # triggers from whose maps the errors of the mean are taken
 _BLOCK = 8  # pixels, of the means at which the gradient of the calibration is taken

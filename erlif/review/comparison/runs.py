@@ -36,8 +36,8 @@ from erlif.review.comparison.exponent import duty_parameters, fit_runs
 from erlif.review.comparison.maps import difference_map
 from erlif.review.comparison.records import STATISTICS, RunRecord, read_run, refuse_unlike
 
+# Corrected probability below which two runs are stated to differ.
 SIGNIFICANT = 0.05
-"""Corrected probability below which two runs are stated to differ."""
 
 
 def compare(

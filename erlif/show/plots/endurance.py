@@ -29,8 +29,8 @@ _LOADS = "#F0F0F0"  # behind the stages
 _TABLE_ROW = 0.19  # inch, height of a row of the table
 _RUN_ROW = 0.16  # inch, height of a run
 
+# File of the comparison of two designs.
 DESIGNS = "designs.png"
-"""File of the comparison of two designs."""
 
 
 @styled

@@ -216,6 +216,7 @@ def _draw_ratio(source: FigureSource) -> AnyFigure:
     return figure
 
 
+# The figures of a film, in the order of the method.
 DRAWN: dict[str, Callable[[FigureSource], AnyFigure]] = {
     "speed_against_angle": _draw_speed,
     "fixture_profile": _draw_fixture,
@@ -235,7 +236,6 @@ DRAWN: dict[str, Callable[[FigureSource], AnyFigure]] = {
         source.group("registration"), source.group("frames"), film=source.film
     ),
 }
-"""The figures of a film, in the order of the method."""
 
 
 def reason_missing(name: str, source: FigureSource) -> str | None:

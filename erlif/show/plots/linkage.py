@@ -22,8 +22,8 @@ from erlif.show.plots.movie import check_movie, draw_pictures, write_pictures
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
 from erlif.show.refusals import refusal
 
+# Frames of a movie: one for every 7.5 degrees of the crank.
 POSITIONS = 48
-"""Frames of a movie: one for every 7.5 degrees of the crank."""
 
 _TURN = np.linspace(0.0, 2 * np.pi, 361)  # rad
 _HEIGHT = 0.66  # of the width of the figure

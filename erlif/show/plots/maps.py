@@ -26,8 +26,8 @@ from erlif.trend import average_across_sliding, rigid_gap
 
 Limits = tuple[float, float]
 
+# Width of a map in a figure of one column, relative to the column; the colour bar has the rest.
 MAP_WIDTH = 0.75
-"""Width of a map in a figure of one column, relative to the column; the colour bar has the rest."""
 
 _EVERY = 3  # the limits need no more than every third pixel along each axis
 _LEAST_SPAN = 1e-3  # um; a map of even thickness still needs a colour scale

@@ -30,8 +30,8 @@ from erlif.show.plots.style import MEAN, MUTED, OUTWARD, RETURN, AnyFigure, pt, 
 from erlif.show.plots.triggers import choose_abscissa
 from erlif.show.refusals import refusal
 
+# Frames of a movie at most; of more triggers, evenly chosen ones are shown.
 MOST_FRAMES = 60
-"""Frames of a movie at most; of more triggers, evenly chosen ones are shown."""
 
 _WIDTH = 960  # pixels of a frame
 _MAP = 0.46  # width of the map in the figure

@@ -51,30 +51,30 @@ def _read_sheet(name: str) -> dict[str, Any]:
     return dict(settings)
 
 
+# Widths of a journal's columns. [inch]
 ONE_COLUMN, TWO_COLUMNS = 90 / 25.4, 190 / 25.4
-"""Widths of a journal's columns. [inch]"""
 
+# Colours for colour-blind readers after Okabe and Ito; markers and dashes differ too, for print
+# in grey.
 OUTWARD, RETURN, MEAN, MINIMUM, MUTED = "#0072B2", "#D55E00", "#009E73", "#000000", "#6B6B6B"
-"""Colours for colour-blind readers after Okabe and Ito; markers and dashes differ too, for print
-in grey."""
 
+# Colour of pixels without a value.
 FLAGGED = "#D9D9D9"
-"""Colour of pixels without a value."""
 
+# The same in a map of differences, where white and pale colours are small differences.
 FLAGGED_DIFFERENCE = "#8C8C8C"
-"""The same in a map of differences, where white and pale colours are small differences."""
 
+# Looks of the strokes: filled circles for rising encoder angle, open squares for falling.
 STROKES: dict[int, dict[str, Any]] = {
     1: {"label": "outward", "color": OUTWARD, "marker": "o", "markerfacecolor": OUTWARD},
     -1: {"label": "return", "color": RETURN, "marker": "s", "markerfacecolor": "white"},
 }
-"""Looks of the strokes: filled circles for rising encoder angle, open squares for falling."""
 
+# Height by width of two panels one above the other, so that such figures stand side by side.
 STACK = 1.15
-"""Height by width of two panels one above the other, so that such figures stand side by side."""
 
+# Standard deviations on either side of a 95 % band.
 COVERAGE = 1.96
-"""Standard deviations on either side of a 95 % band."""
 
 _TEXT = 7.0  # point; size of text that the lengths below belong to
 
@@ -86,8 +86,8 @@ _LENGTHS, _PLAIN = _read_sheet("lengths"), _read_sheet("look")
 _FIXED: dict[str, Any] = {"svg.hashsalt": "erlif", "figure.autolayout": False}
 _FIXED["figure.constrained_layout.use"] = False
 
+# Style sheets of erlif; matplotlib finds them as `erlif.show.plots.paper` and so on.
 STYLES = ("paper", "slides")
-"""Style sheets of erlif; matplotlib finds them as ``erlif.show.plots.paper`` and so on."""
 
 _NO_DATES = dict.fromkeys(("CreationDate", "ModDate", "Producer"))
 _METADATA: dict[str, Mapping[str, Any]] = {

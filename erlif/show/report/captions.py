@@ -33,10 +33,10 @@ class Caption:
     dpi: float = 150.0
 
 
+# Captions by the name of the figure: of `erlif.show.plots.files.DRAWN`, then of other pages.
 CAPTIONS = {
     name: Caption(**row) for name, row in read_table("erlif.show.report", "captions.toml").items()
 }
-"""Captions by the name of the figure: of `erlif.show.plots.files.DRAWN`, then of other pages."""
 
 
 def caption_of(name: str, film: xr.Dataset) -> Caption:

@@ -26,8 +26,8 @@ _MEDIA = {"svg": "image/svg+xml", "png": "image/png"}
 _LARGE = 400_000  # bytes of a drawing that is kept as an image of pixels
 _LONGEST = 80  # characters of the name of a run in the name of a file
 
+# What tables name: titles, columns and their order.
 TABLES = read_table("erlif.show.report", "tables.toml")
-"""What tables name: titles, columns and their order."""
 
 
 class Table(NamedTuple):

@@ -26,8 +26,8 @@ from erlif.show.report.maps import embed_map
 from erlif.show.report.thinning import KeptMaps, choose_maps
 from erlif.show.report.viewer import viewer_data, viewer_section
 
+# Largest size of a page, where none is given. [MB]
 MAX_SIZE = 10.0
-"""Largest size of a page, where none is given. [MB]"""
 
 _PER_MB = 1e6  # bytes
 _LEAST_SIZE = 0.5  # MB

@@ -16,12 +16,12 @@ from erlif.io.settings import PlanSettings, to_toml
 from erlif.show.refusals import refusal
 from erlif.show.report.layout import TABLES, print_columns, render_text
 
+# Files of a plan's directory.
 WRITTEN = ("plan.png", "plan.pdf", "films.csv", "tolerances.csv", "plan.toml", "optimum.toml")
-"""Files of a plan's directory."""
 
+# Reabsorption over absorption from which on a system counts as optically thick: half a decade
+# around 1, as the source states an order of magnitude.
 ORDER_OF_ONE = 1 / 3
-"""Reabsorption over absorption from which on a system counts as optically thick: half a decade
-around 1, as the source states an order of magnitude."""
 
 _ROWS = 7  # films in the printed table
 _MEANINGLESS = 10.0  # share of the film beyond which an error is not printed

@@ -25,8 +25,8 @@ _WITHIN = 98.0  # percent of the pixels of a sample whose values have colours of
 _LEAST_REACH = 1e-3  # um, of a colour scale
 _OF_PREDICTION = ("predicted", "difference")
 
+# Maps of the viewer by the names of viewer.js, with their titles.
 LAYERS: dict[str, str] = TABLES["layers"]
-"""Maps of the viewer by the names of viewer.js, with their titles."""
 
 
 def viewer_section(

@@ -10,8 +10,8 @@ from erlif.core.tables import read_table
 
 _NAMES = ("127.0.0.1", "localhost")  # of this machine, under which the viewer is reached
 
+# Headers of everything that is sent.
 HEADERS: dict[str, str] = read_table("erlif.show.view", "page.toml")["headers"]
-"""Headers of everything that is sent."""
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,8 @@ from erlif.io.settings import RegionOfInterest
 from erlif.show.refusals import refusal
 from erlif.show.view.layers import LAYERS
 
+# Size of the maps that stay in memory. [byte]
 KEPT = 96 * 2**20
-"""Size of the maps that stay in memory. [byte]"""
 
 _IMAGES = ("log_ratio", "camera1", "camera2")  # layers of `erlif.pipeline.restore_images`
 

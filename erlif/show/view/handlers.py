@@ -18,11 +18,12 @@ from erlif.show.view import queries
 from erlif.show.view.access import HEADERS, AccessRule
 from erlif.show.view.films import FilmReader
 
+# Files of the page by their names in its address, with their kinds.
 PAGE: dict[str, list[str]] = read_table("erlif.show.view", "page.toml")["files"]
-"""Files of the page by their names in its address, with their kinds."""
 
 Found = Mapping[str, Any] | bytes | queries.Export
 
+# What can be read, by its name in the address.
 READING: dict[str, Callable[[queries.Request], Found]] = {
     "films": queries.list_films,
     "cycle": queries.send_cycle,
@@ -32,7 +33,6 @@ READING: dict[str, Callable[[queries.Request], Found]] = {
     "pixel": queries.send_pixel,
     "export": queries.export,
 }
-"""What can be read, by its name in the address."""
 
 
 class _Guarded(tornado.web.RequestHandler):

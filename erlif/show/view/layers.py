@@ -39,11 +39,11 @@ class Layer:
 
 _TABLES = read_table("erlif.show.view", "page.toml")
 
+# Layers by their names, in the order of the page.
 LAYERS = {name: Layer(name, **row) for name, row in _TABLES["layers"].items()}
-"""Layers by their names, in the order of the page."""
 
+# Second map of film thickness less the first, in um and in standard deviations of a pixel.
 DIFFERENCE, SIGNIFICANCE = (Layer(name, **row) for name, row in _TABLES["differences"].items())
-"""Second map of film thickness less the first, in um and in standard deviations of a pixel."""
 
 
 def palette(name: str) -> str:

@@ -11,14 +11,14 @@ from erlif.show.refusals import refusal
 
 _LONGEST, _WIDEST = 100_000, 500  # pixels along a profile, and across its line
 
+# x and y of the first and the last point. [mm]
 Line = tuple[float, float, float, float]
-"""x and y of the first and the last point. [mm]"""
 
+# Position of the first pixel, and distance of two. [mm]
 Axis = tuple[float, float]
-"""Position of the first pixel, and distance of two. [mm]"""
 
+# Low and high x, low and high y, included. [mm]
 Rectangle = tuple[float, float, float, float]
-"""Low and high x, low and high y, included. [mm]"""
 
 
 def line_profile(

@@ -20,17 +20,17 @@ from erlif.io.ingest.logs.table import LARGEST_FILE, MOST_CELLS, LogColumn, LogT
 _TDMS = b"TDSm"
 _MATLAB_5 = b"MATLAB 5.0 MAT-file"
 
+# Where the signature of HDF5 may stand; MATLAB 7.3 has a header of 512 bytes. [byte]
 _HDF5_PLACES = (0, 512)
-"""Where the signature of HDF5 may stand; MATLAB 7.3 has a header of 512 bytes. [byte]"""
 
+# Attributes that hold the unit of a column.
 _UNIT_NAMES = ("units", "unit", "Unit", "unit_string", "NI_UnitDescription")
-"""Attributes that hold the unit of a column."""
 
+# Length of a unit that is kept; a message shows it. [character]
 _LONGEST_UNIT = 80
-"""Length of a unit that is kept; a message shows it. [character]"""
 
+# Name, unit and numbers of each column.
 _Found = Iterator[tuple[str, str, AnyArray]]
-"""Name, unit and numbers of each column."""
 
 
 def is_binary_log(path: Path) -> bool:

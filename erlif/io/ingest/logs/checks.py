@@ -14,11 +14,11 @@ from erlif.core.errors import EncoderError
 from erlif.core.units import count_of
 from erlif.io.ingest.logs.table import LogColumn, LogTable
 
+# Lowest temperature. [degree_Celsius]
 ABSOLUTE_ZERO = -273.15
-"""Lowest temperature. [degree_Celsius]"""
 
+# No oil is a liquid at this temperature. [degree_Celsius]
 HOTTEST = 1000.0
-"""No oil is a liquid at this temperature. [degree_Celsius]"""
 
 _SHOWN = 5  # rows that a message names
 

@@ -21,31 +21,31 @@ from erlif.io.ingest.logs.checks import refuse_bad_rows
 from erlif.io.ingest.logs.table import NAMES, LogColumn, LogTable, name_patterns, split_unit
 from erlif.io.ingest.logs.units import CLOCK, UNITS, Scale, find_scale
 
+# Quantity and unit of the columns that erlif itself documents.
 CONTRACT: dict[str, tuple[str, str]] = {
     name: (quantity, unit) for name, (quantity, unit) in NAMES["documented"].items()
 }
-"""Quantity and unit of the columns that erlif itself documents."""
 
+# Everything that a column can hold.
 MEANINGS: dict[str, str] = NAMES["meanings"]
-"""Everything that a column can hold."""
 
+# Names by which a column is found that no key of [encoder] chooses.
 _OBVIOUS = name_patterns("encoder")
-"""Names by which a column is found that no key of [encoder] chooses."""
 
+# What an obvious name stands for even where no unit is known; the angle is then refused.
 _WITHOUT_UNIT = ("frame", "angle")
-"""What an obvious name stands for even where no unit is known; the angle is then refused."""
 
+# Whole numbers above this are not exact in double precision.
 _LARGEST_EXACT = 2**53
-"""Whole numbers above this are not exact in double precision."""
 
+# Names that netCDF and zarr both accept.
 _FURTHER_COLUMN = re.compile(r"[^\W_][^/\x00-\x1f\x7f]*")
-"""Names that netCDF and zarr both accept."""
 
+# Names of the film's own variables, which no further column of the log may have.
 _RESERVED = frozenset(
     ["number", "angle", "angle_rate", "pulse_energy", *FILM]
     + [dim for variable in FILM.values() for dim in variable.dims]
 )
-"""Names of the film's own variables, which no further column of the log may have."""
 
 
 # columns of any log

@@ -15,13 +15,13 @@ from erlif.io.ingest.logs.columns import CONTRACT, ColumnChoice, convert_column,
 from erlif.io.ingest.logs.table import LogColumn, LogTable
 from erlif.io.ingest.logs.text import read_log_table
 
+# Endings of the files that loggers write.
 LOG_SUFFIXES = frozenset(
     {".csv", ".txt", ".tsv", ".dat", ".asc", ".tdms", ".mat", ".h5", ".hdf5", ".hdf"}
 )
-"""Endings of the files that loggers write."""
 
+# Columns of the profile of a fixture, which is no log.
 _PROFILE = {"x_mm", "thickness_um"}
-"""Columns of the profile of a fixture, which is no log."""
 
 _TRIGGER = re.compile(r"trigger|pulse|ttl|camera|strobe|q-?switch", re.IGNORECASE)
 

@@ -11,19 +11,19 @@ from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError
 from erlif.core.products import EncoderLog
 
+# Time without rows, in usual steps, across which nothing is interpolated.
 LONGEST_GAP = 10.0
-"""Time without rows, in usual steps, across which nothing is interpolated."""
 
+# Change of the angle over which its direction is taken, in standard deviations of a reading.
 SLOPE_NOISE = 10.0
-"""Change of the angle over which its direction is taken, in standard deviations of a reading."""
 
+# Rows of a log in time below which no motion can be seen.
 FEWEST_SAMPLES = 4
-"""Rows of a log in time below which no motion can be seen."""
 
 _TURN = 360.0
 
+# Standard deviation over median absolute deviation of a normal distribution.
 _GAUSSIAN = 1.4826
-"""Standard deviation over median absolute deviation of a normal distribution."""
 
 
 @dataclass(frozen=True)

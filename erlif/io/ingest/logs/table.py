@@ -13,18 +13,18 @@ from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import EncoderError, ErlifError
 from erlif.core.tables import read_table
 
+# Size above which the file of a log is not read: an hour of four columns at 2 kHz. [byte]
 LARGEST_FILE = 256 * 2**20
-"""Size above which the file of a log is not read: an hour of four columns at 2 kHz. [byte]"""
 
+# Values above which a table is not read; they take 256 MB.
 MOST_CELLS = 32_000_000
-"""Values above which a table is not read; they take 256 MB."""
 
+# Cells without a number above which a file is no table of numbers.
 MOST_TEXTS = 2_000_000
-"""Cells without a number above which a file is no table of numbers."""
 
 
+# Names by which columns and their units are found.
 NAMES: dict[str, dict[str, Any]] = read_table("erlif.io.ingest.logs", "names.toml")
-"""Names by which columns and their units are found."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,7 @@ class LogUse:
     bad_rows: str
 
 
+# The log of the encoder of a run.
 ENCODER = LogUse(
     EncoderError,
     column='{quantity} = "{choice}" in [encoder] of run.toml',
@@ -55,7 +56,6 @@ ENCODER = LogUse(
     bad_rows="Correct the value, or take the row and its frame of both cameras out and number the "
     "rows anew.",
 )
-"""The log of the encoder of a run."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,14 +31,14 @@ from erlif.io.ingest.logs.table import (
 )
 from erlif.io.ingest.logs.units import is_unit
 
+# Rows at the head of a file in which separator and header are looked for.
 SAMPLE = 400
-"""Rows at the head of a file in which separator and header are looked for."""
 
+# Characters of a line above which a file is no table.
 LONGEST_LINE = 2**20
-"""Characters of a line above which a file is no table."""
 
+# Size from which all rows are read at once, if they hold numbers alone. [byte]
 LARGE = 2**20
-"""Size from which all rows are read at once, if they hold numbers alone. [byte]"""
 
 _SEPARATORS = {"\t": "tabs", ";": "semicolons", ",": "commas"}
 
@@ -46,11 +46,11 @@ _COMMENT = ("#", "%")
 
 _COMMA_NUMBER = re.compile(r"[+-]?(\d+,\d*|,\d+)([eE][+-]?\d+)?")
 
+# A header and one row.
 _FEWEST_ROWS = 2
-"""A header and one row."""
 
+# Number of a row in the file, from 1, and its cells without spaces around them.
 _Row = tuple[int, list[str]]
-"""Number of a row in the file, from 1, and its cells without spaces around them."""
 
 
 def read_log_table(path: Path, wanted: Collection[str], use: LogUse = ENCODER) -> LogTable:

@@ -16,8 +16,8 @@ from erlif.io.settings.tables import (
     TimeUnit,
 )
 
+# Unit of a column whose clock times became seconds.
 CLOCK = "clock time"
-"""Unit of a column whose clock times became seconds."""
 
 
 class Scale(NamedTuple):
@@ -36,6 +36,7 @@ class Scale(NamedTuple):
     offset: float = 0.0
 
 
+# Units by the quantity of a column; the first is that of the result.
 UNITS: dict[str, tuple[str, ...]] = {
     "angle": get_args(AngleUnit),
     "time": get_args(TimeUnit),
@@ -45,22 +46,21 @@ UNITS: dict[str, tuple[str, ...]] = {
     "speed": get_args(SpeedUnit),
     "pulse_energy": get_args(PulseEnergyUnit),
 }
-"""Units by the quantity of a column; the first is that of the result."""
 
+# Units of results as films spell them.
 _RESULTS = {"deg": "degree", "degC": "degree_Celsius", "rad/s": "rad s-1", "m/s": "m s-1"}
-"""Units of results as films spell them."""
 
+# Units of another kind than the first of their quantity, and what they become.
 _OTHER_RESULTS = {"m/s": "m/s", "mm/s": "m/s", "tick": "tick", "V": "V", "1": "1"}
-"""Units of another kind than the first of their quantity, and what they become."""
 
 _OFFSETS = {"K": Scale("degree_Celsius", 1.0, -273.15)}
 _OFFSETS["degF"] = Scale("degree_Celsius", 5 / 9, -160 / 9)
 
+# Other spellings of a unit, in lower case.
 _SPELLINGS = {other: unit for unit, others in NAMES["spellings"].items() for other in others}
-"""Other spellings of a unit, in lower case."""
 
+# Units of columns that are only copied; with them a row of units is recognised.
 _OTHERS = frozenset({"v", "mv", "a", "ma", "bar", "pa", "hz", "khz", "%", "mm", "um", "nm", "dn"})
-"""Units of columns that are only copied; with them a row of units is recognised."""
 
 
 def find_scale(quantity: str, unit: str) -> Scale | None:
