@@ -89,6 +89,11 @@ def chunk_count(data: Any) -> int:
     return math.prod(_chunk_grid(data))
 
 
+def chunk_size(data: Any) -> int:
+    """Size of a decoded chunk of a dataset; 0 where it has none. [byte]"""
+    return math.prod(map(int, data.chunks or (0,))) * int(data.dtype.itemsize)
+
+
 def find_chunks(data: Any) -> Mask:
     """Find the chunks of a dataset that its file holds.
 
@@ -109,7 +114,7 @@ def find_chunks(data: Any) -> Mask:
         return np.array(data.id.get_storage_size() >= data.size * data.dtype.itemsize)
 
     found = np.zeros(_chunk_grid(data), np.int64)
-    plain = math.prod(data.chunks) * data.dtype.itemsize
+    plain = chunk_size(data)
     skipped = (1 << len(filters_of(data))) - 1
 
     # the callback is called for every map of a long run, so that it collects and computes nothing

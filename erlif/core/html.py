@@ -23,6 +23,8 @@ _MISSING = np.array([217, 217, 217], np.uint8)  # colour of pixels without a val
 
 _PALETTE = 128  # colours of an embedded picture
 
+_WRITTEN = 5  # warnings that are written out
+
 # Edges of the axes in the picture of a curve. [px]
 _LEFT, _RIGHT, _TOP, _BOTTOM = 34.0, 224.0, 20.0, 112.0
 
@@ -84,15 +86,13 @@ def rows_table(rows: Iterable[tuple[str, str]]) -> str:
     return _fill("rows_table", rows)
 
 
-def findings_list(findings: Sequence[tuple[Level, str]], *, most: int = 5) -> str:
+def findings_list(findings: Sequence[tuple[Level, str]]) -> str:
     """List warnings, and count the notes beside them.
 
     Parameters
     ----------
     findings : sequence of (Level, str)
         Level and plain text.
-    most : int
-        Warnings that are written out.
 
     Returns
     -------
@@ -106,9 +106,9 @@ def findings_list(findings: Sequence[tuple[Level, str]], *, most: int = 5) -> st
     """
     serious = [(level.value, text) for level, text in findings if level is not Level.NOTE]
     notes = len(findings) - len(serious)
-    parts = [f"{len(serious) - most} more warnings"] if len(serious) > most else []
+    parts = [f"{len(serious) - _WRITTEN} more warnings"] if len(serious) > _WRITTEN else []
     parts += [count_of(notes, "note")] if notes else []
-    return _fill("findings_list", serious[:most], ", ".join(parts))
+    return _fill("findings_list", serious[:_WRITTEN], ", ".join(parts))
 
 
 def colour_picture(values: npt.ArrayLike, limits: Range) -> npt.NDArray[np.uint8]:

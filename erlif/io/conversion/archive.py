@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from erlif.core.arrays import AnyArray
 from erlif.core.progress import Progress
 from erlif.core.version import __version__
 from erlif.io.conversion.contents import (
@@ -50,7 +49,9 @@ def write_archive(
         archive.comment = f"erlif {__version__}".encode()
         for name, values in small.items():
             with archive.open(f"{name}.npy", "w") as part:
-                np.lib.format.write_array(part, _plain(values), allow_pickle=False)
+                # numpy would pickle text of any length
+                plain = values.astype(str) if values.dtype.kind == "O" else values
+                np.lib.format.write_array(part, plain, allow_pickle=False)
         for name in MAPS:
             variable = film[name]
             shape = (len(triggers), *variable.shape[1:])
@@ -63,8 +64,3 @@ def write_archive(
                 np.lib.format.write_array_header_1_0(part, header)
                 for image in maps_of_triggers(film, name, triggers, progress):
                     part.write(image.tobytes())
-
-
-def _plain(values: AnyArray) -> AnyArray:
-    """Text of any length as text of a fixed length: numpy would pickle it otherwise."""
-    return values.astype(str) if values.dtype.kind == "O" else values

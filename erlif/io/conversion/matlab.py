@@ -60,16 +60,11 @@ class _Maps(NamedTuple):
 
 
 def write_matlab(
-    film: xr.Dataset,
-    output: Path,
-    *,
-    triggers: list[int],
-    progress: Progress,
-    largest: int = LARGEST,
+    film: xr.Dataset, output: Path, *, triggers: list[int], progress: Progress
 ) -> None:
     """Write the variables of a film, a struct ``units`` and a struct ``attributes``.
 
-    Arguments as in `write_archive`; `largest` is that of a variable of version 5. [byte]
+    Arguments as in `write_archive`.
     """
     values = small_variables(film, triggers)
     small = {_name(name): _for_matlab(each) for name, each in values.items()}
@@ -80,7 +75,7 @@ def write_matlab(
     }
     maps = {name: _Maps(film[name], len(triggers)) for name in MAPS}
     images = partial(maps_of_triggers, film, triggers=triggers, progress=progress)
-    write = _write_5 if max(one.size for one in maps.values()) <= largest else _write_73
+    write = _write_5 if max(one.size for one in maps.values()) <= LARGEST else _write_73
     write(output, small, texts, maps, images)
 
 

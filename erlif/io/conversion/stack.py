@@ -14,28 +14,20 @@ from erlif.core.version import __version__
 from erlif.io.conversion.contents import MAPS, maps_of
 from erlif.io.files import describe_trigger
 
-# Size from which on the stack has one directory for all images: addresses of TIFF end at 4 GiB.
-# ImageJ finds the images by their order. [byte]
+# Size from which on the stack has one directory for all images, in place of one for each: addresses
+# of TIFF end at 4 GiB. ImageJ finds the images by their order. [byte]
 LARGEST = 2**32 - 2**20
 
 _DISPLAYED = (1.0, 99.0)  # per cent of the pixels within the displayed range
 _ALL_FLAGS = 255.0
 
 
-def write_stack(
-    film: xr.Dataset,
-    output: Path,
-    *,
-    triggers: list[int],
-    progress: Progress,
-    largest: int = LARGEST,
-) -> None:
+def write_stack(film: xr.Dataset, output: Path, *, triggers: list[int], progress: Progress) -> None:
     """Write a hyperstack with a channel for each map and a time for each trigger.
 
     Flags are numbers from 0 to 255 in the fourth channel. Pixels without a thickness are NaN.
 
-    Arguments as in `write_archive`; up to the size `largest` each image has a directory of its own.
-    [byte]
+    Arguments as in `write_archive`.
     """
     import tifffile
 
@@ -61,7 +53,7 @@ def write_stack(
             photometric="minisblack",
             resolution=(_per_mm(film.x.values), _per_mm(film.y.values)),
             software=f"erlif {__version__}",
-            truncate=4 * int(np.prod(shape)) > largest,
+            truncate=4 * int(np.prod(shape)) > LARGEST,
             metadata={
                 "axes": "TCYX",
                 "unit": "mm",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import traceback
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from io import BytesIO
@@ -234,12 +235,9 @@ or something else (its values cannot be read). Make one with: erlif process RUN_
 
 def _is_from_zarr(error: BaseException) -> bool:
     """Whether an exception was raised while zarr or a codec of it read a chunk."""
-    trace = error.__traceback__
-    while trace is not None:
-        if str(trace.tb_frame.f_globals.get("__name__", "")).startswith(("zarr.", "numcodecs.")):
-            return True
-        trace = trace.tb_next
-    return False
+    frames = (frame for frame, _ in traceback.walk_tb(error.__traceback__))
+    modules = (str(frame.f_globals.get("__name__", "")) for frame in frames)
+    return any(module.startswith(("zarr.", "numcodecs.")) for module in modules)
 
 
 def _damaged(path: Path, error: Exception) -> OutputError:

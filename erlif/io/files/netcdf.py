@@ -46,6 +46,8 @@ def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
     ...         float(dataset["load"][0])
     220.0
     """
+    from erlif.io.files.kept import open_kept
+
     # A damaged file fails here. Within h5netcdf the failure would print a message of its own.
     with open_hdf5(path) as file:
         list(file.attrs.items())
@@ -55,23 +57,14 @@ def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
     # are found when the variables are checked, and stated there.
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", xr.SerializationWarning)
-        return _open_dataset(path, group)
 
-
-def _open_dataset(path: Path, group: str | None) -> xr.Dataset:
-    """As ``xr.open_dataset(path, engine="h5netcdf")``, with the parts of the file kept open."""
-    from erlif.io.files.kept import open_kept
-
-    name = os.path.abspath(path)
-    manager = xr.backends.CachingFileManager(
-        open_kept,
-        name,
-        mode="r",
-        kwargs={"phony_dims": "access", "decode_vlen_strings": True},
-    )
-    with manager.acquire_context():
-        store = xr.backends.H5NetCDFStore(manager, group=group, mode="r")
-        dataset = xr.open_dataset(store, engine="store")
+        # as xr.open_dataset(path, engine="h5netcdf"), with the parts of the file kept open
+        name = os.path.abspath(path)
+        options = {"phony_dims": "access", "decode_vlen_strings": True}
+        manager = xr.backends.CachingFileManager(open_kept, name, mode="r", kwargs=options)
+        with manager.acquire_context():
+            store = xr.backends.H5NetCDFStore(manager, group=group, mode="r")
+            dataset = xr.open_dataset(store, engine="store")
     dataset.encoding["source"] = name
     return dataset
 

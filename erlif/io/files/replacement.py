@@ -122,21 +122,19 @@ def _is_own_series(output: Path) -> bool:
 
 
 @contextmanager
-def replacing(output: Path, *, scratch: Path | None = None) -> Iterator[Path]:
+def replacing(output: Path) -> Iterator[Path]:
     """Write an output under another name and give it its own name when it is complete.
 
     Parameters
     ----------
     output : Path
         File or directory to be written.
-    scratch : Path, optional
-        Name to write to, on the same disk; default: a hidden name beside `output`.
 
     Returns
     -------
     context manager
-        Gives the name to write to. It replaces `output` in one step when the block ends without an
-        exception, and is removed otherwise.
+        Gives the name to write to, a hidden one beside `output`. It replaces `output` in one step
+        when the block ends without an exception, and is removed otherwise.
 
     Raises
     ------
@@ -155,7 +153,7 @@ def replacing(output: Path, *, scratch: Path | None = None) -> Iterator[Path]:
     False
     'complete'
     """
-    scratch = scratch or output.with_name(f".{output.name}.unfinished")
+    scratch = output.with_name(f".{output.name}.unfinished")
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
         remove(scratch)

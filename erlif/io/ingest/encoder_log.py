@@ -15,7 +15,7 @@ from erlif.io.ingest.images import Page, is_one_file
 from erlif.io.ingest.logs.checks import check_frame_numbers, check_values
 from erlif.io.ingest.logs.columns import ColumnChoice, convert_columns, find_columns, missing_column
 from erlif.io.ingest.logs.resample import FEWEST_SAMPLES, ContinuousLog, unwrap_angle
-from erlif.io.ingest.logs.table import LogTable
+from erlif.io.ingest.logs.table import LogColumn, LogTable
 from erlif.io.ingest.logs.text import read_log_table
 from erlif.io.ingest.pairing import frame_numbers
 
@@ -35,18 +35,18 @@ class ReadLog(NamedTuple):
     notes: list[Note]
 
 
-def read_encoder_log(
-    path: Path, choice: ColumnChoice | None = None, *, needs_angle: bool = True
-) -> EncoderLog:
+# The column of each quantity, and what was taken for what.
+_Found = tuple[dict[str, LogColumn], list[str]]
+
+
+def read_encoder_log(path: Path, *, needs_angle: bool = True) -> EncoderLog:
     """Read an encoder log with one row for each frame.
 
     Parameters
     ----------
     path : Path
         Text file of a logger: ``frame,time_s,angle_deg,load_N,temperature_C`` and further columns,
-        of which ``frame`` and ``angle_deg`` are required; or another header with a choice.
-    choice : ColumnChoice, optional
-        Columns and units of a header of another form.
+        of which ``frame`` and ``angle_deg`` are required.
     needs_angle : bool
         Whether a log without an angle is refused.
 
@@ -71,11 +71,12 @@ def read_encoder_log(
     >>> log.angle.values, log.angle.units
     (array([10.5, 11.5]), 'degree')
     """
-    choice = choice or ColumnChoice()
+    choice = ColumnChoice()
     table = read_log_table(path, choice.wanted)
-    if "frame" not in find_columns(table, choice)[0]:
+    found = find_columns(table, choice)
+    if "frame" not in found[0]:
         missing_column("frame", table)
-    return _by_frame(table, choice, needs_angle=needs_angle)[0]
+    return _by_frame(table, choice, found, needs_angle=needs_angle)[0]
 
 
 def read_log(
@@ -112,28 +113,23 @@ def read_log(
         As `read_encoder_log`.
     """
     table = read_log_table(path, choice.wanted)
-    found, _ = find_columns(table, choice)
-    in_time = in_time or "pulse" in found
-    by_frame = "frame" in found or len(table.rows) == frames or "time" not in found
-    if by_frame and not in_time:
-        if "frame" not in found and len(table.rows) != frames:
-            _refuse_rows_of_neither(table, frames)
-        log, remarks = _by_frame(table, choice, needs_angle=needs_angle)
-        return ReadLog(log, _describe(table, remarks))
+    found = find_columns(table, choice)
+    columns, _ = found
+    by_frame = "frame" in columns or len(table.rows) == frames
+    in_time = in_time or "pulse" in columns or (not by_frame and "time" in columns)
+    if not in_time and not by_frame:
+        raise EncoderError(
+            f"Expected one row of {table.file} for each frame, or a log in time; it has "
+            f"{len(table.rows)} rows for {frames} frames, and no column is known as frame or time. "
+            f"Choose the column of the times in [encoder] of run.toml, time = "
+            f'"name in the header", or that of frame numbers, frame = "name in the header"; the '
+            f"header is {', '.join(table.names)}."
+        )
 
-    continuous, remarks = _in_time(table, choice, needs_angle=needs_angle)
-    return ReadLog(continuous, _describe(table, remarks))
-
-
-def _refuse_rows_of_neither(table: LogTable, frames: int) -> None:
-    """Refuse a log that has neither numbers of frames nor a row for each, nor times."""
-    raise EncoderError(
-        f"Expected one row of {table.file} for each frame, or a log in time; it has "
-        f"{len(table.rows)} rows for {frames} frames, and no column is known as frame or time. "
-        f"Choose the column of the times in [encoder] of run.toml, time = "
-        f'"name in the header", or that of frame numbers, frame = "name in the header"; the '
-        f"header is {', '.join(table.names)}."
-    )
+    read = _in_time if in_time else _by_frame
+    log, remarks = read(table, choice, found, needs_angle=needs_angle)
+    notes = [Note(Level.NOTE, table.file, "; ".join(remarks))] if remarks else []
+    return ReadLog(log, notes)
 
 
 def check_rows(log: EncoderLog, pages: Sequence[Page], name: str) -> None:
@@ -199,10 +195,10 @@ def _first_without_file(logged: list[int], numbers: list[int], name: str) -> str
 
 
 def _by_frame(
-    table: LogTable, choice: ColumnChoice, *, needs_angle: bool
+    table: LogTable, choice: ColumnChoice, columns: _Found, *, needs_angle: bool
 ) -> tuple[EncoderLog, list[str]]:
     """A log with one row for each frame."""
-    found, remarks = find_columns(table, choice)
+    found, remarks = columns
     if needs_angle and "angle" not in found:
         missing_column("angle", table)
     log, more = convert_columns(table, found, choice, dim="frame")
@@ -216,10 +212,10 @@ def _by_frame(
 
 
 def _in_time(
-    table: LogTable, choice: ColumnChoice, *, needs_angle: bool
+    table: LogTable, choice: ColumnChoice, columns: _Found, *, needs_angle: bool
 ) -> tuple[ContinuousLog, list[str]]:
     """A log in time."""
-    found, remarks = find_columns(table, choice)
+    found, remarks = columns
     for quantity in ("time", "angle") if needs_angle else ("time",):
         if quantity not in found:
             missing_column(quantity, table)
@@ -246,7 +242,3 @@ def _in_time(
         f"{1 / step:.6g} per second"
     )
     return ContinuousLog(table.file, samples), [*table.remarks, *remarks, *more]
-
-
-def _describe(table: LogTable, remarks: Sequence[str]) -> list[Note]:
-    return [Note(Level.NOTE, table.file, "; ".join(remarks))] if remarks else []

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -133,7 +133,7 @@ def _read_page(pairs: FramePairs, camera: int, frame: int, *, digests: bool) -> 
     return content._replace(counts=content.counts.astype(np.uint16, copy=False))
 
 
-def read_frames(pairs: FramePairs, frames: Sequence[int], *, digests: bool = False) -> Frames:
+def read_frames(pairs: FramePairs, frames: Sequence[int]) -> Frames:
     """Read frame pairs.
 
     Arguments as in `read_pair`, with the numbers of several frames.
@@ -141,9 +141,7 @@ def read_frames(pairs: FramePairs, frames: Sequence[int], *, digests: bool = Fal
     Returns
     -------
     Frames
-        counts (camera, frame, y, x) [DN]. With `digests`, the coordinates digest_camera1 and
-        digest_camera2 (frame): SHA-256 of the file, hexadecimal, empty where a file holds more than
-        one frame.
+        counts (camera, frame, y, x) [DN].
 
     Raises
     ------
@@ -158,16 +156,11 @@ def read_frames(pairs: FramePairs, frames: Sequence[int], *, digests: bool = Fal
     ('camera', 'frame', 'y', 'x')
     """
     counts = np.empty((2, len(frames), *pairs.shape), np.uint16)
-    hashes = np.zeros((2, len(frames)), "U64")
     for n, k in enumerate(frames):
-        pair = read_pair(pairs, k, digests=digests)
-        for camera in range(2):
-            counts[camera, n], hashes[camera, n] = pair.counts[camera], pair.digests[camera]
+        counts[:, n] = read_pair(pairs, k).counts
 
     attrs = {"units": "DN", "long_name": "raw counts"}
-    coordinates: dict[str, Any] = {"camera": [1, 2], "frame": np.asarray(frames, np.int64)}
-    if digests:
-        coordinates |= {f"digest_camera{n}": ("frame", found) for n, found in enumerate(hashes, 1)}
+    coordinates = {"camera": [1, 2], "frame": np.asarray(frames, np.int64)}
     return Frames(
         xr.Dataset({"counts": (("camera", "frame", "y", "x"), counts, attrs)}, coordinates)
     )

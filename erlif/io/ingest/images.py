@@ -396,7 +396,10 @@ def _read_header(path: Path, selection: Selection) -> CameraFiles:
         places = selection.pages(file)
         alone = len(file.kinds) == 1 and not file.companions
         kinds = [file.kinds[k] for k in places]
-        crops = {kind: _crop_kind(kind, selection) for kind in set(kinds)} | {TRUNCATED: UNREADABLE}
+        crops = {
+            kind: FrameKind(selection.crop_shape(kind.shape), kind.dtype) for kind in set(kinds)
+        }
+        crops[TRUNCATED] = UNREADABLE
 
         # time stamps with gaps are as good as none
         times = file.times
@@ -413,10 +416,6 @@ def _read_header(path: Path, selection: Selection) -> CameraFiles:
         )
     finally:
         file.close()
-
-
-def _crop_kind(kind: FrameKind, selection: Selection) -> FrameKind:
-    return FrameKind(selection.crop_shape(kind.shape), kind.dtype)
 
 
 def read_reference_pages(

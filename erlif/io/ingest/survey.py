@@ -13,7 +13,7 @@ import re
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice, takewhile
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -519,9 +519,7 @@ def _find_pattern(files: Sequence[Path], directory: Path) -> str | None:
 
 def _common_start(texts: Sequence[str]) -> str:
     """Longest text with which all begin."""
-    first, last = min(texts), max(texts)
-    same = (a == b for a, b in zip(first, last, strict=False))
-    return first[: sum(1 for _ in takewhile(bool, same))]
+    return os.path.commonprefix(texts)  # noqa: RUF071 - letter by letter, as is meant
 
 
 def _spread(pages: Sequence[tuple[Page, tuple[int, ...]]]) -> list[tuple[Page, tuple[int, ...]]]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, Mask
 from erlif.core.errors import FrameError, reason_of
-from erlif.core.hdf5 import SIGNATURE, chunk_count, filters_of, find_chunks, open_hdf5
+from erlif.core.hdf5 import SIGNATURE, chunk_count, chunk_size, filters_of, find_chunks, open_hdf5
 from erlif.io.readers.base import SECONDS, Format, FrameFile, FrameKind, check_claim
 
 # Decoded bytes per byte of a file that deflate can reach.
@@ -119,7 +119,7 @@ class Hdf5Frames(FrameFile):
                 "counts. Save the raw counts."
             )
         _check_filters(data)
-        if _chunk_size(data) > _DENSEST * size:
+        if chunk_size(data) > _DENSEST * size:
             raise FrameError("the file is damaged: a chunk is larger than the file can hold")
 
         frames = data.shape[0] if data.ndim == 3 else 1
@@ -212,11 +212,6 @@ def _check_filters(data: Any) -> None:
             )
 
 
-def _chunk_size(data: Any) -> int:
-    """Size of a decoded chunk of a dataset; 0 where it has none. [byte]"""
-    return int(np.prod(data.chunks or (0,), dtype=object)) * int(data.dtype.itemsize)
-
-
 def _times(data: Any) -> Array | None:
     """Time of each frame from the only array of times beside the frames."""
     found: list[Array] = []
@@ -255,7 +250,7 @@ def _array_beside(data: Any, name: str) -> Any:
 
     # times are no reason to refuse the frames: what cannot be decoded is left out
     decodable = all(h5py.h5z.filter_avail(code) for code in filters_of(item))
-    return item if decodable and _chunk_size(item) <= _LARGEST_TIMES else None
+    return item if decodable and chunk_size(item) <= _LARGEST_TIMES else None
 
 
 HDF5 = Format(

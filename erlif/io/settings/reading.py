@@ -191,16 +191,12 @@ def _read_named(path: Path, kind: type[_Settings], *, holds: str, hint: str) -> 
     if not path.is_file():
         what = "it is a directory" if path.is_dir() else "there is no such file"
         raise ConfigError(f"Expected {holds} in {path}; {what}. {hint}")
-    return _check(path, _load(path), kind)
+    return _load(path, kind)
 
 
-def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
-    path = directory / name
-    return _check(path, _read_toml(path), kind)
-
-
-def _check(path: Path, raw: dict[str, Any], kind: type[_Settings]) -> _Settings:
+def _load(path: Path, kind: type[_Settings]) -> _Settings:
     """The tables of a file as settings; ConfigError with all gaps and faults."""
+    raw = _read_toml(path)
     gaps = list(_find_gaps(raw))
     try:
         settings = kind.model_validate(raw)
@@ -225,9 +221,9 @@ def _check(path: Path, raw: dict[str, Any], kind: type[_Settings]) -> _Settings:
     )
 
 
-def _read_toml(path: Path) -> dict[str, Any]:
-    """The file as TOML has it; ConfigError where it is missing or something else."""
-    directory, name = path.parent, path.name
+def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
+    """Settings of a recording; ConfigError also where its directory or its file is missing."""
+    path = directory / name
     if not directory.is_dir():
         hint = " Name the directory of the recording."
         if directory.name == name:
@@ -242,10 +238,10 @@ def _read_toml(path: Path) -> dict[str, Any]:
         if (directory / other).is_file():
             hint = f"It holds {other}: use the command for that, or name another directory."
         raise ConfigError(f"Expected {name} in {directory}; there is none. {hint}")
-    return _load(path)
+    return _load(path, kind)
 
 
-def _load(path: Path) -> dict[str, Any]:
+def _read_toml(path: Path) -> dict[str, Any]:
     """The file as TOML has it; ConfigError where it is something else."""
     try:
         return tomllib.loads(read_bounded(path, largest=_LARGEST_FILE).decode("utf-8-sig"))

@@ -18,12 +18,8 @@ WIDTH = 98
 _NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
-class _Gap:
-    """A value that is required and not known."""
-
-
 # In place of a value: the key is required and the user has to fill it in.
-GAP: Final = _Gap()
+GAP: Final = object()
 
 _HEAD = """\
 #:schema ./{stem}.schema.json

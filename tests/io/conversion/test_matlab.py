@@ -51,7 +51,9 @@ def test_a_column_of_the_log_with_any_name_has_a_name_of_matlab(film, tmp_path):
 def large(film, tmp_path_factory):
     """A film that counts as too large for version 5."""
     path = tmp_path_factory.mktemp("mat") / "film.mat"
-    write_matlab(film, path, triggers=ALL, progress=silent, largest=1000)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("erlif.io.conversion.matlab.LARGEST", 1000)
+        write_matlab(film, path, triggers=ALL, progress=silent)
     return path
 
 

@@ -51,9 +51,10 @@ def test_pixel_size_is_that_of_an_image_whichever_way_it_runs(film, tmp_path):
         assert across / each == pytest.approx(expected)
 
 
-def test_a_stack_above_four_gigabytes_has_its_images_in_one_piece(film, tmp_path):
+def test_a_stack_above_four_gigabytes_has_its_images_in_one_piece(film, tmp_path, monkeypatch):
     path = tmp_path / "film.tif"
-    write_stack(film, path, triggers=[1, 2], progress=silent, largest=1000)
+    monkeypatch.setattr("erlif.io.conversion.stack.LARGEST", 1000)
+    write_stack(film, path, triggers=[1, 2], progress=silent)
     with tifffile.TiffFile(path) as file:
         assert len(file.pages) == 1  # ImageJ finds the others by their number
         start = file.pages[0].dataoffsets[0]

@@ -6,7 +6,7 @@ import tifffile
 from scenes.tiff_pages import write_pages
 
 from erlif.core.errors import FrameError
-from erlif.io.ingest import Page, read_frames
+from erlif.io.ingest import Page, read_frames, read_pair
 from erlif.io.ingest.pairing import frame_numbers, pair_cameras
 from erlif.io.ingest.recording import number_frames
 from erlif.io.ingest.selection import Selection
@@ -203,8 +203,7 @@ def test_each_camera_has_its_part_of_a_shared_file(tmp_path, parts, mirrored):
     selections = tuple(Selection(part) for part in parts)
     pairs = pair(tmp_path, patterns=("both.tif", "both.tif"), selections=selections)
     np.testing.assert_array_equal(read_frames(pairs, [0, 1, 2]).counts, counts)
-    found = read_frames(pairs, [2], digests=True)
-    assert str(found.digest_camera1[0].values) == ""  # other frames share the file
+    assert read_pair(pairs, 2, digests=True).digests == ("", "")  # other frames share the file
 
 
 @pytest.mark.parametrize(

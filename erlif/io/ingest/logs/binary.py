@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import math
 import stat
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -14,7 +13,7 @@ import numpy as np
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import EncoderError, reason_of
 from erlif.core.guarded import read_matlab
-from erlif.core.hdf5 import SIGNATURE, find_chunks, open_hdf5, refuse_elsewhere
+from erlif.core.hdf5 import SIGNATURE, chunk_size, find_chunks, open_hdf5, refuse_elsewhere
 from erlif.io.ingest.logs.table import LARGEST_FILE, MOST_CELLS, LogColumn, LogTable, split_unit
 
 _TDMS = b"TDSm"
@@ -33,23 +32,7 @@ _LONGEST_UNIT = 80
 _Found = Iterator[tuple[str, str, AnyArray]]
 
 
-def is_binary_log(path: Path) -> bool:
-    """Whether a file is one of the binary formats of logs, by its first bytes.
-
-    Returns
-    -------
-    bool
-        False for a file that cannot be read; the reader of text states the reason.
-
-    Examples
-    --------
-    >>> is_binary_log(Path("no such file"))
-    False
-    """
-    return _kind(path) is not None
-
-
-def read_binary_table(path: Path) -> LogTable:
+def read_binary_table(path: Path) -> LogTable | None:
     """Read a binary file of a data logger.
 
     A column is a channel of a TDMS file, a vector or the column of a matrix in a MATLAB or HDF5
@@ -57,8 +40,9 @@ def read_binary_table(path: Path) -> LogTable:
 
     Returns
     -------
-    LogTable
-        Rows are counted from 1.
+    LogTable or None
+        Rows are counted from 1. None for a file of another format by its first bytes, and for one
+        that cannot be read: the reader of text states the reason.
 
     Raises
     ------
@@ -75,6 +59,8 @@ def read_binary_table(path: Path) -> LogTable:
     [('angle', [1.0, 2.0]), ('time', [0.0, 0.1])]
     """
     kind = _kind(path)
+    if kind is None:
+        return None
     size = path.stat().st_size
     if size > LARGEST_FILE:
         raise EncoderError(
@@ -84,7 +70,7 @@ def read_binary_table(path: Path) -> LogTable:
 
     readers = {"TDMS": _read_tdms, "MATLAB": _read_matlab, "HDF5": _read_hdf5}
     try:
-        found = list(readers[kind or ""](path))
+        found = list(readers[kind](path))
     except EncoderError:
         raise
     except Exception as error:  # the packages raise errors of many classes for a damaged file
@@ -92,7 +78,7 @@ def read_binary_table(path: Path) -> LogTable:
             f"Expected {path.name} to be a {kind} file; it cannot be read: "
             f"{reason_of(error)}. Export the log again."
         ) from error
-    return _make_table(path, kind or "", found)
+    return _make_table(path, kind, found)
 
 
 def _kind(path: Path) -> str | None:
@@ -247,7 +233,7 @@ def _read_hdf5(path: Path) -> _Found:
 def _check_storage(name: str, item: Any) -> None:
     """Refuse numbers of another file, and a chunk that a memory does not hold."""
     refuse_elsewhere(name, item)
-    chunk = math.prod(item.chunks or (0,)) * item.dtype.itemsize
+    chunk = chunk_size(item)
     if chunk > LARGEST_FILE:
         raise ValueError(f"numbers of {name} are in a chunk of {chunk / 1e6:.0f} MB")
 

@@ -10,6 +10,7 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError
 from erlif.core.products import EncoderLog
+from erlif.core.statistics import robust_rms
 
 # Time without rows, in usual steps, across which nothing is interpolated.
 LONGEST_GAP = 10.0
@@ -21,9 +22,6 @@ SLOPE_NOISE = 10.0
 FEWEST_SAMPLES = 4
 
 _TURN = 360.0
-
-# Standard deviation over median absolute deviation of a normal distribution.
-_GAUSSIAN = 1.4826
 
 
 @dataclass(frozen=True)
@@ -215,7 +213,7 @@ def _check_inside(log: ContinuousLog, times: Array) -> None:
 def _slopes(time: Array, angle: Array, times: Array) -> Array:
     """Slope of the angle about each time, over enough rows to exceed the noise. [degree/s]"""
     # noise from second differences, which a smooth motion leaves near zero
-    noise = _GAUSSIAN * float(np.median(np.abs(np.diff(angle, 2)))) / np.sqrt(6)
+    noise = robust_rms(np.diff(angle, 2)) / np.sqrt(6)
     usual = float(np.sqrt(np.mean(np.diff(angle) ** 2)))
     rows = 1 if usual == 0 else int(np.ceil(max(1.0, SLOPE_NOISE * noise / usual)))
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import EncoderError
-from erlif.io.ingest.logs.binary import is_binary_log, read_binary_table
+from erlif.io.ingest.logs.binary import read_binary_table
 from erlif.io.ingest.logs.table import (
     ENCODER,
     LARGEST_FILE,
@@ -74,8 +74,7 @@ def read_log_table(path: Path, wanted: Collection[str], use: LogUse = ENCODER) -
         That of `use`, if the file cannot be read or is no table.
     """
     try:
-        is_binary = is_binary_log(path)
-        table = read_binary_table(path) if is_binary else read_text_table(path, wanted)
+        table = read_binary_table(path) or read_text_table(path, wanted)
     except EncoderError as error:
         raise use.error(str(error)) from error
     return replace(table, use=use)

@@ -9,7 +9,7 @@ import pytest
 from scipy.io import savemat
 
 from erlif.core.errors import EncoderError
-from erlif.io.ingest.logs.binary import is_binary_log, read_binary_table
+from erlif.io.ingest.logs.binary import read_binary_table
 
 TIME = np.arange(5) * 0.1
 ANGLE = np.array([10.0, 11, 12, 13.5, 14])
@@ -103,7 +103,6 @@ def test_values_that_are_not_finite_are_kept_as_text(tmp_path):
 def test_a_damaged_file_is_refused_by_its_name(tmp_path, head):
     path = tmp_path / "log.bin"
     path.write_bytes(head + bytes(range(200)))
-    assert is_binary_log(path)
     with pytest.raises(EncoderError, match=r"log\.bin"):
         read_binary_table(path)
 
@@ -119,8 +118,8 @@ def test_a_header_that_claims_too_much_is_refused_before_it_is_read(tmp_path):
 
 def test_text_and_directories_are_not_binary(tmp_path):
     (tmp_path / "a.csv").write_text("frame,angle_deg\n")
-    assert not is_binary_log(tmp_path / "a.csv")
-    assert not is_binary_log(tmp_path)
+    assert read_binary_table(tmp_path / "a.csv") is None
+    assert read_binary_table(tmp_path) is None
 
 
 def test_a_truncated_tdms_file_is_refused_and_its_package_prints_nothing(tmp_path, capfd):
