@@ -33,21 +33,6 @@ _LINE_NEIGHBOURS = 3  # cells for a slope along a line
 _SURFACE_NEIGHBOURS = 13  # cells for the six terms of a parabola: a point and two rings
 
 
-class Pairing(NamedTuple):
-    """CMM points with the ratio there, and notes on what was left out.
-
-    Attributes
-    ----------
-    points : Points
-        The points that can be used.
-    notes : list[Note]
-        What was left out, and why.
-    """
-
-    points: Points
-    notes: list[Note]
-
-
 class _Pixels(NamedTuple):
     """Valid pixels of the ratio image that lie in the cell of a CMM point."""
 
@@ -65,7 +50,9 @@ class _Pixels(NamedTuple):
     """Share of the valid pixels that lie in a cell."""
 
 
-def pair_profile_with_image(ratios: RatioImages, profile: Profile, pose: Pose) -> Pairing:
+def pair_profile_with_image(
+    ratios: RatioImages, profile: Profile, pose: Pose
+) -> tuple[Points, list[Note]]:
     """Average the ratio over the pixels nearest to each point of the profile.
 
     Parameters
@@ -79,7 +66,10 @@ def pair_profile_with_image(ratios: RatioImages, profile: Profile, pose: Pose) -
 
     Returns
     -------
-    Pairing
+    Points
+        The points that can be used, with the ratio there.
+    list of Note
+        What was left out, and why.
 
     Raises
     ------
@@ -130,7 +120,7 @@ def pair_profile_with_image(ratios: RatioImages, profile: Profile, pose: Pose) -
         across_slope=across.slope[used],
         across_slope_std=across.std[used],
     )
-    return Pairing(points, notes)
+    return points, notes
 
 
 def _assign_pixels(ratios: RatioImages, position: Array, pose: Pose) -> _Pixels:

@@ -6,7 +6,6 @@ Only what the form of the profile determines is refined, see `erlif.calibration.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -24,34 +23,9 @@ _CONVERGED = 0.1  # of the standard deviation of each combination
 _MOSTLY = 0.5  # share of an element of the pose from which on it counts as determined
 
 
-class Placement(NamedTuple):
-    """The profile at its refined pose.
-
-    Attributes
-    ----------
-    points : Points
-        CMM points and ratio, paired at the refined pose.
-    freedom : Freedom
-        Combinations of offset, scale and turn that stay free in the fit that follows.
-    found : FoundPose
-        The refined pose, its change and its uncertainty.
-    """
-
-    points: Points
-    freedom: Freedom
-    found: FoundPose
-
-
-class _TurnedProfile(NamedTuple):
-    points: Points
-    pose: Pose
-    turn: float
-    """Change of direction. [rad]"""
-    turn_std: float
-    """0 where the direction was left as given. [rad]"""
-
-
-def refine_pose(ratios: RatioImages, profile: Profile, points: Points, given: Pose) -> Placement:
+def refine_pose(
+    ratios: RatioImages, profile: Profile, points: Points, given: Pose
+) -> tuple[Points, Freedom, FoundPose]:
     """Move, scale and turn the profile until the ratio fits best.
 
     The turn of a line comes from the image alone, because the film does not change across it.
@@ -71,7 +45,12 @@ def refine_pose(ratios: RatioImages, profile: Profile, points: Points, given: Po
 
     Returns
     -------
-    Placement
+    Points
+        CMM points and ratio, paired at the refined pose.
+    Freedom
+        Combinations of offset, scale and turn that stay free in the fit that follows.
+    FoundPose
+        The refined pose, its change and its uncertainty.
     """
     points, pose, turn, turn_std = _turn_line(ratios, profile, points, given)
     change = np.zeros(4)
@@ -88,7 +67,7 @@ def refine_pose(ratios: RatioImages, profile: Profile, points: Points, given: Po
         step = freedom.combinations @ fit.displacement
         change += step
         pose = pose.changed(step, freedom.middle)
-        points = pair_profile_with_image(ratios, profile, pose).points
+        points, _ = pair_profile_with_image(ratios, profile, pose)
 
     covariance = np.diag([0.0, 0.0, 0.0, turn_std**2])
     if freedom.size:
@@ -96,11 +75,17 @@ def refine_pose(ratios: RatioImages, profile: Profile, points: Points, given: Po
         covariance += scale * freedom.combinations @ fit.covariance[3:, 3:] @ freedom.combinations.T
     determined = freedom.shares >= _MOSTLY
     determined[TURN] |= turn_std > 0
-    return Placement(points, freedom, FoundPose(pose, change, covariance, determined))
+    return points, freedom, FoundPose(pose, change, covariance, determined)
 
 
-def _turn_line(ratios: RatioImages, profile: Profile, points: Points, pose: Pose) -> _TurnedProfile:
-    """Turn a line profile until the ratio is constant across it."""
+def _turn_line(
+    ratios: RatioImages, profile: Profile, points: Points, pose: Pose
+) -> tuple[Points, Pose, float, float]:
+    """Turn a line profile until the ratio is constant across it.
+
+    The change of direction and its standard deviation follow, which are 0 where the direction was
+    left as given. [rad]
+    """
     total, std = 0.0, 0.0
     for _ in range(_TURNS):
         turn = find_turn(points, pixel_pitch=pose.pixel_pitch)
@@ -109,8 +94,8 @@ def _turn_line(ratios: RatioImages, profile: Profile, points: Points, pose: Pose
         std = turn.std
         total += turn.angle
         pose = pose.changed(np.array([0.0, 0.0, 0.0, turn.angle]), np.zeros(2))
-        points = pair_profile_with_image(ratios, profile, pose).points
-    return _TurnedProfile(points, pose, total, std)
+        points, _ = pair_profile_with_image(ratios, profile, pose)
+    return points, pose, total, std
 
 
 def _freedom_at(points: Points, pose: Pose) -> Freedom:

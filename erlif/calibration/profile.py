@@ -266,8 +266,7 @@ def gradient_of_thickness(position: Array, thickness: Array, uncertainty: Array 
     weight = 1 / uncertainty if uncertainty is not None and known else np.ones(thickness.size)
 
     # products of Legendre polynomials, ordered by total degree
-    series = _list_terms(position.shape[1], thickness.size)
-    powers, terms = series.powers, series.counts
+    powers, terms = _list_terms(position.shape[1], thickness.size)
     functions = [legendre.legvander(axis, max(max(power) for power in powers)) for axis in scaled.T]
     design = np.ones((thickness.size, len(powers)))
     for axis, values in enumerate(functions):
@@ -297,15 +296,11 @@ def gradient_of_thickness(position: Array, thickness: Array, uncertainty: Array 
     return np.asarray(np.stack(slopes, axis=1) / reach)
 
 
-class _Terms(NamedTuple):
-    powers: list[tuple[int, ...]]
-    """Degree in each axis, term by term."""
-    counts: npt.NDArray[np.int_]
-    """Number of terms up to each total degree from 1 on."""
+def _list_terms(axes: int, points: int) -> tuple[list[tuple[int, ...]], npt.NDArray[np.int_]]:
+    """Terms of a polynomial in one or two axes, as many as the points can support.
 
-
-def _list_terms(axes: int, points: int) -> _Terms:
-    """Terms of a polynomial in one or two axes, as many as the points can support."""
+    The degree of each term in each axis, and the number of terms up to each total degree from 1 on.
+    """
     if axes == 1:
         powers: list[tuple[int, ...]] = [(n,) for n in range(_LINE_DEGREE + 1)]
         counts = np.arange(2, len(powers) + 1)
@@ -315,4 +310,4 @@ def _list_terms(axes: int, points: int) -> _Terms:
             [(degree + 1) * (degree + 2) // 2 for degree in range(1, _SURFACE_DEGREE + 1)]
         )
     counts = counts[counts <= max(points // _POINTS_PER_TERM, counts[0])]
-    return _Terms(powers[: int(counts[-1])], counts)
+    return powers[: int(counts[-1])], counts

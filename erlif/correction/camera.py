@@ -105,17 +105,17 @@ def measure_camera(
     # darks first: the flats are light above them
     full_scale = histogram.size - 1
     reduced = declare_darks(darks, shape) if isinstance(darks, float) else reduce_darks(darks)
-    found = reduce_flats(
+    stacks, saturation = reduce_flats(
         flats, dark=reduced.mean, full_scale=full_scale, histogram=histogram, camera=camera
     )
     dry = reduce_background(background, darks=reduced, histogram=histogram, camera=camera)
-    if not found.stacks:
-        return CameraMeasurement(reduced, full_scale, found.saturation, background=dry)
+    if not stacks:
+        return CameraMeasurement(reduced, full_scale, saturation, background=dry)
 
     # near saturation counts are clipped in some pages only, which lowers the temporal variance
     levels = []
-    for stack in found.stacks:
-        usable = stack.mean + reduced.mean < _CLEAR_OF_SATURATION * found.saturation
+    for stack in stacks:
+        usable = stack.mean + reduced.mean < _CLEAR_OF_SATURATION * saturation
         usable &= ~reduced.bad
         level = reduce_level(stack, usable)
         if level is not None:
@@ -123,10 +123,10 @@ def measure_camera(
     return CameraMeasurement(
         reduced,
         full_scale,
-        found.saturation,
+        saturation,
         tuple(levels),
-        sum_light(found.stacks),
-        sum(stack.count for stack in found.stacks),
+        sum_light(stacks),
+        sum(stack.count for stack in stacks),
         dry,
-        tuple(stack.count for stack in found.stacks),
+        tuple(stack.count for stack in stacks),
     )

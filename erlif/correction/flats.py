@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import reduce
 from typing import NamedTuple
 
@@ -31,22 +30,6 @@ _DEAD, _OVERBRIGHT = 0.5, 1.5
 _DARKEST = 0.02
 
 
-@dataclass(frozen=True)
-class FlatLevels:
-    """Flats of one camera above dark, level by level.
-
-    Attributes
-    ----------
-    stacks : list[PageStack]
-        One for each light level; empty where no flat was recorded.
-    saturation : int
-        Count at which the camera saturates. [DN]
-    """
-
-    stacks: list[PageStack]
-    saturation: int
-
-
 class FlatField(NamedTuple):
     """Response of the pixels of one camera.
 
@@ -72,7 +55,7 @@ def reduce_flats(
     full_scale: int,
     histogram: Histogram,
     camera: str,
-) -> FlatLevels:
+) -> tuple[list[PageStack], int]:
     """Sort flat pages into light levels, and find the count at which the camera saturates.
 
     Consecutive pages of one brightness form a level; they are scaled to one another, which removes
@@ -94,7 +77,10 @@ def reduce_flats(
 
     Returns
     -------
-    FlatLevels
+    list of PageStack
+        Flats above dark, one stack for each light level; empty where no flat was recorded.
+    int
+        Count at which the camera saturates. [DN]
 
     Raises
     ------
@@ -135,7 +121,7 @@ def reduce_flats(
             f"Expected flats of {camera} well above dark and below saturation ({saturation}); none "
             "is. Record flats with the light at a quarter to three quarters of full scale."
         )
-    return FlatLevels(levels, saturation)
+    return levels, saturation
 
 
 def sum_light(levels: Iterable[PageStack]) -> AnyArray:

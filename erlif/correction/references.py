@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -173,16 +174,14 @@ def make_references(
     """
     datasets, lines, notes = [], [], []
     dry = any(camera.background is not None for camera in measured)
-    for number, (one, given, estimate) in enumerate(
-        zip(measured, declared, estimated, strict=True), 1
-    ):
-        camera = f"camera{number}"
-        dataset, line, found = _characterise(one, given, estimate, camera=camera)
+    for number, sources in enumerate(zip(measured, declared, estimated, strict=True), 1):
+        camera = _Camera(f"camera{number}", *sources)
+        dataset = camera.to_dataset()
         if dry:
-            dataset = dataset.assign(_describe_background(one, dataset))
+            dataset = dataset.assign(_describe_background(camera.measured, dataset))
         datasets.append(dataset)
-        lines.append(f"{camera} {line}")
-        notes += found
+        lines.append(f"{camera.name} {camera.summary()}")
+        notes += camera.notes()
     merged = xr.concat(datasets, xr.Variable("camera", [1, 2]), combine_attrs="drop")
 
     # one number for each camera, stored once and not for every pixel
@@ -192,112 +191,210 @@ def make_references(
     return Cameras(References(merged), (both, *notes))
 
 
-def _characterise(
-    measured: CameraMeasurement,
-    declared: DeclaredNoise,
-    estimated: CameraNoise | None,
-    *,
-    camera: str,
-) -> tuple[xr.Dataset, str, list[Note]]:
-    """References of one camera, its characteristics in words, and notes."""
-    darks = measured.darks
+@dataclass(frozen=True)
+class _Camera:
+    """One camera with all that is known of its noise."""
 
-    # gain first: it turns the variance of the darks, in counts, into a read noise in electrons
-    transfer = _fit_transfer(measured, declared)
-    gain = _find_gain(transfer, measured, declared, estimated)
-    read_noise = _find_read_noise(measured, declared, estimated, gain)
-    page_var = reading_var(read_noise.value, gain.value)
+    name: str
+    measured: CameraMeasurement
+    declared: DeclaredNoise
+    estimated: CameraNoise | None
 
-    # a single dark page does not determine its variance; it has the noise of a page
-    of_mean = page_var if darks.pages == 1 else darks.mean_var
-    dark_var = np.full(darks.mean.shape, of_mean, np.float32)
-    response = _find_response(
-        measured, estimated, dark_var=dark_var, gain=gain.value, page_var=page_var
-    )
-
-    dataset = _build_dataset(measured, response, dark_var, transfer, gain, read_noise)
-    line = _summarise(measured, declared, gain, read_noise, response.spread)
-    return dataset, line, [*_find_notes(camera, measured, declared, transfer, gain, read_noise)]
-
-
-def _find_response(
-    measured: CameraMeasurement,
-    estimated: CameraNoise | None,
-    *,
-    dark_var: AnyArray,
-    gain: float,
-    page_var: float,
-) -> _Response:
-    """Response of the pixels from the flat, or its spread as estimated from the frames."""
-    bad = measured.darks.bad
-    if measured.flat_light is not None:
-        field = make_flat_field(
-            measured.flat_light,
-            measured.flat_pages,
-            dark_var=dark_var,
-            bad=bad,
-            gain=gain,
-            page_var=page_var,
+    @cached_property
+    def transfer(self) -> PhotonTransfer | None:
+        """Photon transfer curve, with the dark variance that is known best."""
+        darks, levels, read_noise = (
+            self.measured.darks,
+            self.measured.levels,
+            self.declared.read_noise,
         )
-        bad = bad | field.dead
-        spread = measure_response_spread(field.response, field.response_var, bad)
-        return _Response(field.response, field.response_var, bad, spread)
+        if darks.temporal_var is not None or read_noise is None:
+            return fit_photon_transfer(
+                levels, dark_variance=darks.temporal_var, dark_variance_std=darks.temporal_var_std
+            )
 
-    # response that is not corrected is noise, the same in every frame
-    spread = _NAN if estimated is None else estimated.response_spread
-    flat_var = np.full(bad.shape, float(np.nan_to_num(spread)) ** 2, np.float32)
-    return _Response(np.ones(bad.shape, np.float32), flat_var, bad, spread)
+        # a read noise R in electrons is the variance R^2 s^2 in counts, where s = 1/gain is the
+        # slope of the curve; the fitted slope falls in proportion to the variance that is
+        # subtracted, s = s0 - c R^2 s^2, so that s is the positive root of this equation
+        start = fit_photon_transfer(levels, dark_variance=QUANTISATION_VAR)
+        shifted = fit_photon_transfer(levels, dark_variance=QUANTISATION_VAR + _TRIAL_VAR)
+        if start is None or shifted is None:
+            return start
+        squared = (1 / start.gain - 1 / shifted.gain) / _TRIAL_VAR * read_noise**2
+        slope = 2 / start.gain / (1 + math.sqrt(1 + 4 * squared / start.gain))
+        dark_variance = (read_noise * slope) ** 2 + QUANTISATION_VAR
+        return fit_photon_transfer(levels, dark_variance=dark_variance)
 
+    @cached_property
+    def gain(self) -> _Quantity:
+        """Gain in use. [electron/DN]"""
+        # the frames are searched for a gain only where neither settings nor flats have one
+        transfer, declared, estimated = self.transfer, self.declared.gain, self.estimated
+        own, std = (transfer.gain, transfer.gain_std) if transfer else (_NAN, _NAN)
+        if transfer is None and declared is None and estimated is not None:
+            own, std = estimated.gain, estimated.gain_std
 
-def _build_dataset(
-    measured: CameraMeasurement,
-    response: _Response,
-    dark_var: AnyArray,
-    transfer: PhotonTransfer | None,
-    gain: _Quantity,
-    read_noise: _Quantity,
-) -> xr.Dataset:
-    """Images and characteristics of one camera under their names in References."""
-    darks = measured.darks
-    images = {
-        "dark": (darks.mean, "DN"),
-        "dark_var": (dark_var, "DN2"),
-        "flat": (response.flat, "1"),
-        "flat_var": (response.flat_var, "1"),
-    }
+        known = declared is not None or not np.isnan(own)
+        assumed = _ASSUMED_CAPACITY / self.measured.full_scale
+        return _Quantity(declared or (own if known else assumed), own, std, known)
 
-    # characteristics after EMVA 1288, with the values in use beside the measured ones
-    numbers = {
-        "gain": gain.value,
-        "gain_measured": gain.measured,
-        "gain_std": gain.std,
-        "bend": transfer.bend if transfer else _NAN,
-        "bend_std": transfer.bend_std if transfer else _NAN,
-        "read_noise": read_noise.value,
-        "read_noise_measured": read_noise.measured,
-        "read_noise_std": read_noise.std,
-        "full_scale": measured.saturation,
-        "dark_signal": darks.level,
-        "dark_signal_std": darks.level_std,
-        "dark_spread": darks.spread,
-        "response_spread": response.spread,
-        "saturation_capacity": (measured.saturation - darks.level) * gain.value,
-    }
+    @cached_property
+    def read_noise(self) -> _Quantity:
+        """Read noise in use. [electron]"""
+        darks, gain, declared = self.measured.darks, self.gain, self.declared.read_noise
+        own = std = _NAN
+        if darks.temporal_var is not None:
+            variance = max(darks.temporal_var - QUANTISATION_VAR, 0.0)
+            own = float(np.sqrt(variance)) * gain.value
 
-    # single precision: the images are multiplied with counts of at most 16 bits
-    return xr.Dataset(
-        {
-            name: (("y", "x"), image.astype(np.float32, copy=False), {"units": unit})
-            for name, (image, unit) in images.items()
+            # the root of a variance near zero is uncertain by the root of that variance's own
+            # standard deviation; further up linear propagation holds
+            std_of_variance = darks.temporal_var_std
+            of_root = std_of_variance / (2 * np.sqrt(max(variance, std_of_variance / 4, 1e-12)))
+            gain_std = gain.std if self.declared.gain is None and gain.known else 0.0
+            std = float(np.hypot(gain.value * of_root, own * gain_std / gain.value))
+        elif declared is None and self.estimated is not None:
+            own, std = self.estimated.read_noise, self.estimated.read_noise_std
+
+        # the declared value takes precedence; an assumed one serves until the frames are read
+        known = declared is not None or not np.isnan(own)
+        value = own if known else _ASSUMED_READ_NOISE
+        return _Quantity(value if declared is None else declared, own, std, known)
+
+    @property
+    def capacity(self) -> float:
+        """Electrons at saturation. [electron]"""
+        return (self.measured.saturation - self.measured.darks.level) * self.gain.value
+
+    @cached_property
+    def page_var(self) -> float:
+        """Variance of a page by reading. [DN2]"""
+        return reading_var(self.read_noise.value, self.gain.value)
+
+    @cached_property
+    def dark_var(self) -> AnyArray:
+        """Variance of the mean dark, (y, x). [DN2]"""
+        # a single dark page does not determine its variance; it has the noise of a page
+        darks = self.measured.darks
+        of_mean = self.page_var if darks.pages == 1 else darks.mean_var
+        return np.full(darks.mean.shape, of_mean, np.float32)
+
+    @cached_property
+    def response(self) -> _Response:
+        """Response of the pixels from the flat, or its spread as estimated from the frames."""
+        measured, bad = self.measured, self.measured.darks.bad
+        if measured.flat_light is not None:
+            field = make_flat_field(
+                measured.flat_light,
+                measured.flat_pages,
+                dark_var=self.dark_var,
+                bad=bad,
+                gain=self.gain.value,
+                page_var=self.page_var,
+            )
+            bad = bad | field.dead
+            spread = measure_response_spread(field.response, field.response_var, bad)
+            return _Response(field.response, field.response_var, bad, spread)
+
+        # response that is not corrected is noise, the same in every frame
+        spread = _NAN if self.estimated is None else self.estimated.response_spread
+        flat_var = np.full(bad.shape, float(np.nan_to_num(spread)) ** 2, np.float32)
+        return _Response(np.ones(bad.shape, np.float32), flat_var, bad, spread)
+
+    def to_dataset(self) -> xr.Dataset:
+        """Images and characteristics under their names in References."""
+        measured, darks, transfer = self.measured, self.measured.darks, self.transfer
+        gain, read_noise, response = self.gain, self.read_noise, self.response
+        images = {
+            "dark": (darks.mean, "DN"),
+            "dark_var": (self.dark_var, "DN2"),
+            "flat": (response.flat, "1"),
+            "flat_var": (response.flat_var, "1"),
         }
-        | {
-            "bad": (("y", "x"), response.bad),
-            "gain_known": ((), gain.known),
-            "read_noise_known": ((), read_noise.known),
-            "has_flat": ((), measured.has_flat),
+
+        # characteristics after EMVA 1288, with the values in use beside the measured ones
+        numbers = {
+            "gain": gain.value,
+            "gain_measured": gain.measured,
+            "gain_std": gain.std,
+            "bend": transfer.bend if transfer else _NAN,
+            "bend_std": transfer.bend_std if transfer else _NAN,
+            "read_noise": read_noise.value,
+            "read_noise_measured": read_noise.measured,
+            "read_noise_std": read_noise.std,
+            "full_scale": measured.saturation,
+            "dark_signal": darks.level,
+            "dark_signal_std": darks.level_std,
+            "dark_spread": darks.spread,
+            "response_spread": response.spread,
+            "saturation_capacity": self.capacity,
         }
-        | {name: ((), value, _CHARACTERISTICS[name]) for name, value in numbers.items()}
-    )
+
+        # single precision: the images are multiplied with counts of at most 16 bits
+        return xr.Dataset(
+            {
+                name: (("y", "x"), image.astype(np.float32, copy=False), {"units": unit})
+                for name, (image, unit) in images.items()
+            }
+            | {
+                "bad": (("y", "x"), response.bad),
+                "gain_known": ((), gain.known),
+                "read_noise_known": ((), read_noise.known),
+                "has_flat": ((), measured.has_flat),
+            }
+            | {name: ((), value, _CHARACTERISTICS[name]) for name, value in numbers.items()}
+        )
+
+    def notes(self) -> Iterator[Note]:
+        """What needs attention of gain, read noise and recordings, in this order."""
+        write = partial(_write, subject=self.name)
+        measured, gain, transfer = self.measured, self.gain, self.transfer
+        # the comparison is False where no gain was measured, because that gain is NaN
+        declared = self.declared.gain
+        if declared is not None and abs(declared / gain.measured - 1) > _TOLERATED:
+            yield write("declared_gain", gain=declared, off=100 * (declared / gain.measured - 1))
+        if not gain.known:
+            yield write("no_gain")
+
+        # variance per light of a response f is f'^2/f, which changes three times as much as f
+        if transfer is not None and transfer.is_bent:
+            yield write("bent", bend=100 * transfer.bend, std=100 * transfer.bend_std)
+
+        # the measured read noise in electrons scales with the gain: without one there is no
+        # comparison
+        own, std = self.read_noise.measured, self.read_noise.std
+        given = self.declared.read_noise if gain.known else None
+        if given is not None and abs(given - own) > _TOLERATED * own + 3 * std:
+            yield write("declared_read_noise", given=given, measured=_with_std(own, std))
+        if not self.read_noise.known:
+            yield write("no_read_noise")
+
+        dry = measured.background
+        if dry is not None:
+            yield write("background", pages=dry.pages, share=100 * dry.share)
+
+        # a pile-up below full scale comes from the sensor or from a range set in the camera
+        if measured.saturation < measured.full_scale:
+            yield write("pile_up", top=measured.saturation, full_scale=measured.full_scale)
+        if not measured.has_flat:
+            yield write("no_flat")
+
+    def summary(self) -> str:
+        """One line: what was measured, and what was declared."""
+        # in electrons these three mean nothing without a gain, and are then left out
+        measured, spread, known = self.measured, self.response.spread, self.gain.known
+        electronic = [
+            _describe("gain", self.gain, "electron/DN", self.declared.gain),
+            _describe("read noise", self.read_noise, "electron", self.declared.read_noise),
+        ]
+        parts = [
+            *(electronic if known else ["gain not known yet"]),
+            f"dark {measured.darks.level:.1f} DN",
+            *([] if np.isnan(spread) else [f"response spread {100 * spread:.1f} %"]),
+            f"saturation {measured.saturation:.0f} DN"
+            + (f" = {self.capacity / 1e3:.1f} ke" if known else ""),
+        ]
+        return ", ".join(parts)
 
 
 def _describe_background(measured: CameraMeasurement, dataset: xr.Dataset) -> xr.Dataset:
@@ -316,142 +413,6 @@ def _describe_background(measured: CameraMeasurement, dataset: xr.Dataset) -> xr
             "background_recorded": ((), background is not None),
         }
     )
-
-
-def _fit_transfer(measured: CameraMeasurement, declared: DeclaredNoise) -> PhotonTransfer | None:
-    """Photon transfer curve, with the dark variance that is known best."""
-    darks, levels = measured.darks, measured.levels
-    if darks.temporal_var is not None or declared.read_noise is None:
-        return fit_photon_transfer(
-            levels, dark_variance=darks.temporal_var, dark_variance_std=darks.temporal_var_std
-        )
-
-    # a read noise R in electrons is the variance R^2 s^2 in counts, where s = 1/gain is the slope
-    # of the curve; the fitted slope falls in proportion to the variance that is subtracted,
-    # s = s0 - c R^2 s^2, so that s is the positive root of this equation
-    start = fit_photon_transfer(levels, dark_variance=QUANTISATION_VAR)
-    shifted = fit_photon_transfer(levels, dark_variance=QUANTISATION_VAR + _TRIAL_VAR)
-    if start is None or shifted is None:
-        return start
-    squared = (1 / start.gain - 1 / shifted.gain) / _TRIAL_VAR * declared.read_noise**2
-    slope = 2 / start.gain / (1 + math.sqrt(1 + 4 * squared / start.gain))
-    dark_variance = (declared.read_noise * slope) ** 2 + QUANTISATION_VAR
-    return fit_photon_transfer(levels, dark_variance=dark_variance)
-
-
-def _find_gain(
-    transfer: PhotonTransfer | None,
-    measured: CameraMeasurement,
-    declared: DeclaredNoise,
-    estimated: CameraNoise | None,
-) -> _Quantity:
-    """Gain in use. [electron/DN]"""
-    # the frames are searched for a gain only where neither settings nor flats have one
-    own, std = (transfer.gain, transfer.gain_std) if transfer else (_NAN, _NAN)
-    if transfer is None and declared.gain is None and estimated is not None:
-        own, std = estimated.gain, estimated.gain_std
-
-    known = declared.gain is not None or not np.isnan(own)
-    assumed = _ASSUMED_CAPACITY / measured.full_scale
-    return _Quantity(declared.gain or (own if known else assumed), own, std, known)
-
-
-def _find_read_noise(
-    measured: CameraMeasurement,
-    declared: DeclaredNoise,
-    estimated: CameraNoise | None,
-    gain: _Quantity,
-) -> _Quantity:
-    """Read noise in use. [electron]"""
-    darks = measured.darks
-    own = std = _NAN
-    if darks.temporal_var is not None:
-        variance = max(darks.temporal_var - QUANTISATION_VAR, 0.0)
-        own = float(np.sqrt(variance)) * gain.value
-
-        # the root of a variance near zero is uncertain by the root of that variance's own
-        # standard deviation; further up linear propagation holds
-        std_of_variance = darks.temporal_var_std
-        of_root = std_of_variance / (2 * np.sqrt(max(variance, std_of_variance / 4, 1e-12)))
-        gain_std = gain.std if declared.gain is None and gain.known else 0.0
-        std = float(np.hypot(gain.value * of_root, own * gain_std / gain.value))
-    elif declared.read_noise is None and estimated is not None:
-        own, std = estimated.read_noise, estimated.read_noise_std
-
-    # the declared value takes precedence; an assumed one serves until the frames are read
-    known = declared.read_noise is not None or not np.isnan(own)
-    if declared.read_noise is not None:
-        value = declared.read_noise
-    else:
-        value = own if known else _ASSUMED_READ_NOISE
-    return _Quantity(value, own, std, known)
-
-
-def _find_notes(
-    camera: str,
-    measured: CameraMeasurement,
-    declared: DeclaredNoise,
-    transfer: PhotonTransfer | None,
-    gain: _Quantity,
-    read_noise: _Quantity,
-) -> Iterator[Note]:
-    """What needs attention of gain, read noise and recordings, in this order."""
-    # the comparison is False where no gain was measured, because that gain is NaN
-    if declared.gain is not None and abs(declared.gain / gain.measured - 1) > _TOLERATED:
-        off = 100 * (declared.gain / gain.measured - 1)
-        yield _write("declared_gain", subject=camera, gain=declared.gain, off=off)
-    if not gain.known:
-        yield _write("no_gain", subject=camera)
-
-    # variance per light of a response f is f'^2/f, which changes three times as much as f itself
-    if transfer is not None and transfer.is_bent:
-        yield _write("bent", subject=camera, bend=100 * transfer.bend, std=100 * transfer.bend_std)
-
-    # the measured read noise in electrons scales with the gain: without one there is no comparison
-    own, std = read_noise.measured, read_noise.std
-    given = declared.read_noise if gain.known else None
-    if given is not None and abs(given - own) > _TOLERATED * own + 3 * std:
-        yield _write(
-            "declared_read_noise", subject=camera, given=given, measured=_with_std(own, std)
-        )
-    if not read_noise.known:
-        yield _write("no_read_noise", subject=camera)
-
-    dry = measured.background
-    if dry is not None:
-        yield _write("background", subject=camera, pages=dry.pages, share=100 * dry.share)
-
-    # a pile-up below full scale comes from the sensor or from a range set in the camera
-    if measured.saturation < measured.full_scale:
-        yield _write(
-            "pile_up", subject=camera, top=measured.saturation, full_scale=measured.full_scale
-        )
-    if not measured.has_flat:
-        yield _write("no_flat", subject=camera)
-
-
-def _summarise(
-    measured: CameraMeasurement,
-    declared: DeclaredNoise,
-    gain: _Quantity,
-    read_noise: _Quantity,
-    spread: float,
-) -> str:
-    """One line about a camera: what was measured, and what was declared."""
-    # in electrons these three mean nothing without a gain, and are then left out
-    electronic = [
-        _describe("gain", gain, "electron/DN", declared.gain),
-        _describe("read noise", read_noise, "electron", declared.read_noise),
-    ]
-    capacity = (measured.saturation - measured.darks.level) * gain.value
-    parts = [
-        *(electronic if gain.known else ["gain not known yet"]),
-        f"dark {measured.darks.level:.1f} DN",
-        *([] if np.isnan(spread) else [f"response spread {100 * spread:.1f} %"]),
-        f"saturation {measured.saturation:.0f} DN"
-        + (f" = {capacity / 1e3:.1f} ke" if gain.known else ""),
-    ]
-    return ", ".join(parts)
 
 
 def _describe(what: str, quantity: _Quantity, unit: str, declared: float | None) -> str:

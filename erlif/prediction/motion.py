@@ -16,8 +16,9 @@ from erlif.kinematics.folding import crank_steps
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Motion
 
-# Steps of a turn of the crank, for the film within 0.1 %; with the fewest, a guided film is within
-# 2 % near a dead point (docs/prediction.md).
+# Steps of a turn of the crank, for the film within 0.1 %, beside one for every frame. A run of many
+# turns has fewer; with the fewest, a guided film is within 2 % near a dead point
+# (docs/prediction.md).
 STEPS_PER_CYCLE, FEWEST_STEPS = 50, 24
 
 # Steps of a run from which a turn has fewer of them, and from which it is refused.
@@ -82,7 +83,6 @@ def follow_motion(
     crank_speed: float,
     viscosity: Array | float,
     direction: int = 1,
-    steps_per_cycle: int = STEPS_PER_CYCLE,
 ) -> FrameMotion:
     """Follow the bushing from the first frame to the last.
 
@@ -104,9 +104,6 @@ def follow_motion(
         [Pa s]
     direction : int
         +1 where the bushing moves along image x while the rocker angle rises, -1 where against it.
-    steps_per_cycle : int
-        Steps of a turn of the crank; every frame has a step of its own besides. A run of many turns
-        has fewer, at least `FEWEST_STEPS`.
 
     Returns
     -------
@@ -140,7 +137,7 @@ def follow_motion(
     # a frame is a step, and between frames no step is longer than that of an even cycle
     turned = np.interp(nodes, time, crank)
     turns = float(np.ptp(turned)) / _TURN
-    per_turn = min(steps_per_cycle, max(MANY_STEPS / max(turns, 1.0), FEWEST_STEPS))
+    per_turn = min(STEPS_PER_CYCLE, max(MANY_STEPS / max(turns, 1.0), FEWEST_STEPS))
     parts = np.ceil(np.diff(turned) / _TURN * per_turn - 1e-6)
     parts = np.maximum(parts, 1).astype(np.int64)
     if parts.sum() > MOST_STEPS:

@@ -11,6 +11,9 @@ from erlif.core.arrays import Image, Mask
 # Width of the blocks whose light is averaged. [px]
 _BLOCK = 16
 
+# Width of the meniscus about a dark patch, which is marked with it. [px]
+_MARGIN = 3
+
 # Width of the surroundings whose median is the undisturbed light. [blocks]
 _REACH = 5
 
@@ -20,7 +23,7 @@ _ZERO, _ONE, _INFINITE, _NAN = (np.float32(value) for value in (0, 1, np.inf, np
 _ROUNDING = 1e-6
 
 
-def find_bubbles(one: Image, two: Image, *, share: float, margin: int = 3) -> Mask:
+def find_bubbles(one: Image, two: Image, *, share: float) -> Mask:
     """Find where fluorescence is missing from both cameras.
 
     Parameters
@@ -29,20 +32,19 @@ def find_bubbles(one: Image, two: Image, *, share: float, margin: int = 3) -> Ma
         Light of the two cameras on one grid; a pixel with NaN is not dark. [DN]
     share : float
         A pixel is dark below this share of the median light about it, over 5 x 5 blocks of 16 px.
-    margin : int
-        Width of the meniscus about a dark patch, which is marked with it. [px]
 
     Returns
     -------
     array of bool, (y, x)
+        True in dark patches and the meniscus of 3 px about them.
 
     Examples
     --------
     >>> light = np.full((48, 64), 1000, np.float32)
     >>> light[20, 30] = 50
-    >>> bubble = find_bubbles(light, light, share=0.25, margin=1)
-    >>> np.argwhere(bubble).tolist()
-    [[19, 30], [20, 29], [20, 30], [20, 31], [21, 30]]
+    >>> bubble = find_bubbles(light, light, share=0.25)
+    >>> np.flatnonzero(bubble[20]).tolist()
+    [27, 28, 29, 30, 31, 32, 33]
     """
     blocks, least = _measure_blocks(one, two, _BLOCK)
     # a block that one camera does not see must not enter a median
@@ -62,7 +64,7 @@ def find_bubbles(one: Image, two: Image, *, share: float, margin: int = 3) -> Ma
     _mark_dark(one, two, limit, near, _BLOCK, dark)
 
     # the meniscus bends the light beside a bubble
-    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * margin + 1, 2 * margin + 1))
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * _MARGIN + 1, 2 * _MARGIN + 1))
     return cv2.dilate(dark, disc).view(bool)
 
 

@@ -140,20 +140,6 @@ class NoiseFit:
         return self.response_std < _SHARP or self.response_std < min(_VAGUE, self.response / 3)
 
 
-class WeighedFit(NamedTuple):
-    """Fit for cameras whose gains may be equal or different.
-
-    Attributes
-    ----------
-    fit : NoiseFit
-    alike : float
-        Probability of equal gains. [1]
-    """
-
-    fit: NoiseFit
-    alike: float
-
-
 def fit_noise(
     cells: NoiseCells,
     references: References,
@@ -219,7 +205,7 @@ def fit_noise(
     )
 
 
-def weigh_gains(same: NoiseFit, apart: NoiseFit) -> WeighedFit:
+def weigh_gains(same: NoiseFit, apart: NoiseFit) -> tuple[NoiseFit, float]:
     """Average the fits for equal and for different gains by their probabilities.
 
     By Bayes' rule the odds are the prior odds times the ratio of densities of the observed
@@ -233,7 +219,10 @@ def weigh_gains(same: NoiseFit, apart: NoiseFit) -> WeighedFit:
 
     Returns
     -------
-    WeighedFit
+    NoiseFit
+        For cameras whose gains may be equal or different.
+    float
+        Probability of equal gains. [1]
     """
     contrast = np.array([1.0, -1.0])
     difference = contrast @ apart.slope
@@ -242,7 +231,7 @@ def weigh_gains(same: NoiseFit, apart: NoiseFit) -> WeighedFit:
 
     # without any scatter the fits decide by themselves
     if not variance > 0:
-        return WeighedFit(same, 1.0) if difference == 0 else WeighedFit(apart, 0.0)
+        return (same, 1.0) if difference == 0 else (apart, 0.0)
     share = spread / (variance + spread)
 
     pull = np.array([difference**2 / variance, difference**2 / (variance + spread)])
@@ -261,7 +250,7 @@ def weigh_gains(same: NoiseFit, apart: NoiseFit) -> WeighedFit:
     between = alike * (1 - alike) * np.outer(off, off)
     covariance = alike * same.slope_covariance + (1 - alike) * narrowed + between
     likelier = same if alike > 0.5 else apart
-    return WeighedFit(replace(likelier, slope=slope, slope_covariance=covariance), alike)
+    return replace(likelier, slope=slope, slope_covariance=covariance), alike
 
 
 def _solve(design: Array, cells: NoiseCells, known: Array) -> tuple[Array, Array]:

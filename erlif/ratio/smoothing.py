@@ -64,11 +64,6 @@ class _Window(NamedTuple):
     """Mean reduction of the weighted sum of squares by a step in white noise. [1]"""
 
 
-class _Smoothed(NamedTuple):
-    value: Image
-    variance: Image
-
-
 def smooth_ratio(ratios: RatioImages, *, resolution: float) -> RatioImages:
     """Smooth ratio images, keeping steps and holes.
 
@@ -176,8 +171,8 @@ def _gaussian_window(resolution: float) -> _Window:
 
 def _smooth_image(
     value: Image, variance: Image, shared: Image, sound: Mask, window: _Window
-) -> _Smoothed:
-    """Smooth one image."""
+) -> tuple[Image, Image]:
+    """Value and variance of one image after smoothing."""
     smooth, remaining = value.copy(), variance.copy()
     taps = window.taps
     reach = taps.shape[1] // 2
@@ -204,7 +199,7 @@ def _smooth_image(
         factor = _correlation_factor(value, variance, smooth, sound, taps[0])
 
     remaining[remaining < variance] *= factor
-    return _Smoothed(smooth, remaining)
+    return smooth, remaining
 
 
 def _correlation_factor(

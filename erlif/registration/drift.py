@@ -66,6 +66,8 @@ FEWEST_CELLS: Final = 16
 CHANCE: Final = 6.0
 # Largest number of frames on which a stored map is checked.
 FRAMES_CHECKED: Final = 8
+# Local displacements up to this, beyond the drift, are accepted in that check. [px]
+TOLERANCE: Final = 0.1
 # Part of the common field that may need another displacement before a stored map is refused.
 OFF_SHARE: Final = 0.1
 
@@ -233,8 +235,6 @@ def _find_drift(camera_map: CameraMap, pair: Pair, threads: int) -> Drift:
 def check_map(
     camera_map: CameraMap,
     pairs: Pairs,
-    *,
-    tolerance: float = 0.1,
 ) -> Array:
     """Check on a few frames of a run that a map made before still fits.
 
@@ -244,8 +244,6 @@ def check_map(
         A stored map.
     pairs : sequence
         Frames of the run, as for `register_frames`; at most eight of them, evenly spaced, are used.
-    tolerance : float
-        Local displacements up to this, beyond the drift, are accepted. [px]
 
     Returns
     -------
@@ -289,13 +287,13 @@ def check_map(
 
     # the sums of all frames show a misfit that the noise of one frame hides
     total = without_noise(total)
-    off = local.still_off(total * cell_weights(total)[..., None], STEP, tolerance=tolerance)
+    off = local.still_off(total * cell_weights(total)[..., None], STEP, tolerance=TOLERANCE)
     lit = total[..., WEIGHT] > 0
     share = off[lit].mean()
     if share > OFF_SHARE:
         raise RegistrationError(
             f"The stored camera map fits no longer: {share:.0%} of the common field needs a "
-            f"displacement that differs by more than {tolerance} px even after the drift. Register "
+            f"displacement that differs by more than {TOLERANCE} px even after the drift. Register "
             "the cameras again with this run."
         )
     return np.array(drift)

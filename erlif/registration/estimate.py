@@ -155,30 +155,17 @@ def register_frames(
     return finish_map(moved, views, fit.cells, fit.quality), drift - mean
 
 
-class Begun(NamedTuple):
-    """The first of the chosen frames that could be aligned.
-
-    Attributes
-    ----------
-    number : int
-        Its place among the chosen frames; blank frames before it do no harm.
-    pair : Pair
-        The frame.
-    surface : Surface
-        The displacement from images binned by two. [px]
-    """
-
-    number: int
-    pair: Pair
-    surface: Surface
-
-
-def start_with_any(frames: Frames) -> Begun:
+def start_with_any(frames: Frames) -> tuple[int, Pair, Surface]:
     """Find the coarse alignment from the first of a few frames that allows it.
 
     Returns
     -------
-    Begun
+    int
+        Place of this frame among the chosen ones; blank frames before it do no harm.
+    Pair
+        The frame.
+    Surface
+        The displacement from images binned by two. [px]
 
     Raises
     ------
@@ -192,7 +179,7 @@ def start_with_any(frames: Frames) -> Begun:
         except RegistrationError as error:
             failure = failure or error
             continue
-        return Begun(number, pair, align_small(pair, start, frames.settings))
+        return number, pair, align_small(pair, start, frames.settings)
     assert failure is not None
     raise failure
 
@@ -290,26 +277,26 @@ def fit_surface(views: Views, surface: Surface) -> Fit:
     settings = views.settings
 
     # without the filter: how well the cameras agree, and at which spatial frequencies
-    compared = views.compare(surface)
-    quality = check_correlation(compared.sums)
-    whitening = make_filter(compared.spectra) if settings.whiten else None
-    slope = slope_gain(compared.spectra, whitening)
+    sums, surface, spectra = views.compare(surface)
+    quality = check_correlation(sums)
+    whitening = make_filter(spectra) if settings.whiten else None
+    slope = slope_gain(spectra, whitening)
 
     # on the filtered textures of all frames: how fine the surface may be
     if whitening is not None:
         views.filter_through(whitening)
-    seen = views.look(compared.surface)
-    cells = views.cells(seen.sums, seen.surface, slope)
+    sums, surface = views.look(surface)
+    cells = views.cells(sums, surface, slope)
     model, unresolved = choose_surface(cells, settings.window)
     surface = solve_surface(equations(cells, model.elements), basis=model.basis)
 
     # once more from there; dust, which one camera alone sees, loses its weight
-    seen = views.look(surface, scale=expected_rms(seen.sums))
-    cells = views.cells(seen.sums, seen.surface, slope)
+    sums, surface = views.look(surface, scale=expected_rms(sums))
+    cells = views.cells(sums, surface, slope)
     system = equations(cells, model.elements, box=surface.box)
     surface = solve_surface(system, basis=model.basis)
     cells = moved_to(cells, surface)
-    return Fit(surface, model, cells, seen.sums, slope, quality, unresolved)
+    return Fit(surface, model, cells, sums, slope, quality, unresolved)
 
 
 def check_correlation(sums: Array) -> float:

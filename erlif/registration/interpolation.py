@@ -591,9 +591,7 @@ def warp(
     return laid_over((coefficients, bad), dx, dy, drift, threads)
 
 
-def interpolation_variance_factor(
-    displacement_x: AnyArray, displacement_y: AnyArray, drift: tuple[float, float] = (0.0, 0.0)
-) -> Image:
+def interpolation_variance_factor(displacement_x: AnyArray, displacement_y: AnyArray) -> Image:
     """Return the variance of a warped pixel over that of a pixel of camera 2.
 
     The noise is independent from pixel to pixel. The cardinal cubic spline eta weighs the pixels,
@@ -604,9 +602,7 @@ def interpolation_variance_factor(
     Parameters
     ----------
     displacement_x, displacement_y : array, (y, x)
-        Camera-2 pixel minus camera-1 pixel; NaN gives NaN. [px]
-    drift : (float, float)
-        Translation of this frame. [px]
+        Camera-2 pixel minus camera-1 pixel in this frame; NaN gives NaN. [px]
 
     Returns
     -------
@@ -618,12 +614,12 @@ def interpolation_variance_factor(
     >>> half = np.full((1, 1), 0.5)
     >>> round(float(interpolation_variance_factor(half, half)[0, 0]), 2)
     0.57
-    >>> float(interpolation_variance_factor(half, half, (0.5, -2.5))[0, 0])  # on a pixel
+    >>> float(interpolation_variance_factor(half + 0.5, half - 2.5)[0, 0])  # on a pixel
     1.0
     """
     factor = np.ones(displacement_x.shape, np.float32)
-    for displacement, offset in zip((displacement_x, displacement_y), drift, strict=True):
-        place = np.asarray(displacement, np.float32) + np.float32(offset)
+    for displacement in (displacement_x, displacement_y):
+        place = np.asarray(displacement, np.float32)
         place = np.where(np.abs(place) < FARTHEST, place, _NAN)
         fraction = place - np.floor(place)
         q = fraction * (1 - fraction)

@@ -184,23 +184,7 @@ def _catmull_rom(positions: Array, size: int) -> Image:
     return matrix
 
 
-class Response(NamedTuple):
-    """Effect of the passes together on noise that is independent from cell to cell.
-
-    Attributes
-    ----------
-    gain : float
-        Variance of a vector over that of a single pass. [1]
-    kept : float
-        Part of the variance of the scores, in sums over 3 by 3 cells, that the field leaves.
-        [1]
-    """
-
-    gain: float
-    kept: float
-
-
-def response(sigma: float, passes: int) -> Response:
+def response(sigma: float, passes: int) -> tuple[float, float]:
     """Compute how much noise iterated deformation lets through, frequency by frequency.
 
     Each pass adds to the field what its window W(k) sees of the rest, so it undoes the low-pass of
@@ -216,8 +200,10 @@ def response(sigma: float, passes: int) -> Response:
 
     Returns
     -------
-    Response
-        Variance of the vectors and of the scores.
+    gain : float
+        Variance of a vector over that of a single pass. [1]
+    kept : float
+        Part of the variance of the scores, in sums over 3 by 3 cells, that the field leaves. [1]
     """
     k = 2 * np.pi * np.fft.fftfreq(64)  # 64 cells are wide enough for all windows in use
     ky, kx = k[:, None], k[None, :]
@@ -233,7 +219,7 @@ def response(sigma: float, passes: int) -> Response:
     # the scatter is taken from sums over 3 by 3 cells; the field follows these more closely
     three = ((1 + 2 * np.cos(kx)) * (1 + 2 * np.cos(ky))) ** 2
     kept = ((1 - held) ** 2 * three).mean() / three.mean()
-    return Response(float((held**2).mean() / (window**2).mean()), float(kept))
+    return float((held**2).mean() / (window**2).mean()), float(kept)
 
 
 def window_std(sums: Array, sigma: float, passes: int) -> Array:
@@ -269,8 +255,8 @@ def window_std(sums: Array, sigma: float, passes: int) -> Array:
     )
     covariance = inverse @ spread.reshape(rows, cols, 2, 2) @ inverse
 
-    effect = response(sigma, passes)
-    variance = 0.5 * np.trace(covariance, axis1=-2, axis2=-1) * effect.gain / effect.kept
+    gain, kept = response(sigma, passes)
+    variance = 0.5 * np.trace(covariance, axis1=-2, axis2=-1) * gain / kept
     floor = np.median(variance[sound]) * STD_FLOOR if sound.any() else 0.0
     return np.where(sound, np.sqrt(np.maximum(variance, floor)), np.inf)
 

@@ -5,7 +5,6 @@ if they were one frame, each frame read at its own drift.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -112,50 +111,6 @@ def expected_rms(sums: Array) -> Array:
 
     rms = np.repeat(np.repeat(rms, 2, axis=0), 2, axis=1)
     return np.asarray(rms[: sums.shape[0], : sums.shape[1]])
-
-
-class Summed(NamedTuple):
-    """Sums over the frames at a dense displacement.
-
-    Attributes
-    ----------
-    sums : Array
-        (row, column, 11)
-    mean_drift : Array
-        (2,), x first: what the displacement must be moved by for the sums to hold. [px]
-    """
-
-    sums: Array
-    mean_drift: Array
-
-
-@dataclass(frozen=True)
-class FrameSums:
-    """Everything summed over the chosen frames at one surface.
-
-    Attributes
-    ----------
-    sums : Array
-        (row, column, 11)
-    surface : Surface
-        Where the sums hold: the given surface and the mean drift that was found. [px]
-    """
-
-    sums: Array
-    surface: Surface
-
-
-@dataclass(frozen=True)
-class FrameSpectra(FrameSums):
-    """The textures before any filter, summed over as many frames as their spectra need.
-
-    Attributes
-    ----------
-    spectra : Spectra
-        Spectra of the textures.
-    """
-
-    spectra: Spectra
 
 
 class View(NamedTuple):
@@ -282,7 +237,7 @@ class Views:
         self.drift -= mean
         return mean
 
-    def compare(self, surface: Surface) -> FrameSpectra:
+    def compare(self, surface: Surface) -> tuple[Array, Surface, Spectra]:
         """Sums and spectra of the unfiltered textures, over as many frames as the spectra need.
 
         Parameters
@@ -292,7 +247,11 @@ class Views:
 
         Returns
         -------
-        FrameSpectra
+        array, (row, column, 11)
+            Sums over the frames.
+        Surface
+            Where they hold: the given surface and the mean drift. [px]
+        Spectra
         """
         dx, dy = surface.on_pixels(self.shape)
         total = np.zeros(0)
@@ -309,10 +268,9 @@ class Views:
                 break
 
         assert spectra is not None  # the frame of the start has a drift
-        mean = self._centre_drift()
-        return FrameSpectra(total, surface.moved(float(mean[0]), float(mean[1])), spectra)
+        return total, surface.moved(*self._centre_drift()), spectra
 
-    def sums(self, dx: Image, dy: Image, scale: Array | None) -> Summed:
+    def sums(self, dx: Image, dy: Image, scale: Array | None) -> tuple[Array, Array]:
         """Go through the frames once and add up their sums.
 
         Parameters
@@ -324,19 +282,22 @@ class Views:
 
         Returns
         -------
-        Summed
+        array, (row, column, 11)
+            Sums over the frames.
+        array, (2,)
+            Mean drift, x first: what the displacement must be moved by for the sums to hold. [px]
         """
         total: Array | None = None
         for number, view in self._each(dx, dy):
             sums, _ = self._sum(number, view, dx, dy, scale)
             total = sums if total is None else total + sums
         assert total is not None  # the frame of the start has a drift
-        return Summed(total, self._centre_drift())
+        return total, self._centre_drift()
 
-    def look(self, surface: Surface, *, scale: Array | None = None) -> FrameSums:
+    def look(self, surface: Surface, *, scale: Array | None = None) -> tuple[Array, Surface]:
         """Go through the frames once, laid over each other by the surface and each one's drift."""
         total, mean = self.sums(*surface.on_pixels(self.shape), scale)
-        return FrameSums(total, surface.moved(float(mean[0]), float(mean[1])))
+        return total, surface.moved(*mean)
 
     def cells(self, sums: Array, surface: Surface, slope: float) -> Cells:
         """The cells from which a surface is made, free of the noise of the gradients."""

@@ -91,9 +91,7 @@ def measure_thickness(ratios: RatioImages, calibration: Calibration) -> Thicknes
         maps = thickness[n], std[n], std_shared[n], flags[n]
         _measure(
             images,
-            (tables.start, tables.per_step, tables.last),
-            (tables.thickness, tables.pairs),
-            tables.limits,
+            *tables,
             tuple(surroundings),
             tuple(LookUpRows.of(shape[-1])),
             near[n],

@@ -209,17 +209,15 @@ def test_uncertain_turn_widens_the_covariance_as_a_turned_fit_shifts():
     rng = np.random.default_rng(9)
     ratios, profile = turned_line(rng, along=0, scale=0, turn=0.02, film=straight)
     given = Pose((0.0, 0.0), 0.0, PITCH)
-    placed = refine_pose(
-        ratios, profile, pair_profile_with_image(ratios, profile, given).points, given
-    )
-    fit = fit_robustly(placed.points, placed.freedom)
-    std = placed.found.standard_deviations[3]
-    wider = add_uncertainty_of_turn(fit, placed.points, placed.freedom, placed.found)
+    points, _ = pair_profile_with_image(ratios, profile, given)
+    points, freedom, found = refine_pose(ratios, profile, points, given)
+    fit = fit_robustly(points, freedom)
+    std = found.standard_deviations[3]
+    wider = add_uncertainty_of_turn(fit, points, freedom, found)
     added = wider.covariance - fit.covariance
 
-    across = placed.points.mean_across
-    films = placed.points.thickness + std * placed.points.gradient[:, 0] * across
-    turned = fit_robustly(replace(placed.points, thickness=films), placed.freedom)
+    films = points.thickness + std * points.gradient[:, 0] * points.mean_across
+    turned = fit_robustly(replace(points, thickness=films), freedom)
     shift = turned.parameters - fit.parameters
     npt.assert_allclose(np.sqrt(np.diag(added)), np.abs(shift), rtol=0.05)
 
@@ -228,7 +226,7 @@ def test_a_surface_keeps_its_covariance():
     """Its turn is among the fitted combinations, so the covariance contains it already."""
     ratios, profile = turned_surface(np.random.default_rng(10), along=0, across=0, scale=0, turn=0)
     given = Pose((0.0, 0.0), 0.0, PITCH)
-    points = pair_profile_with_image(ratios, profile, given).points
+    points, _ = pair_profile_with_image(ratios, profile, given)
     freedom = Freedom.none(points)
     found = FoundPose(given, np.zeros(4), np.diag([0, 0, 0, 1e-4]), np.zeros(4, bool))
     fit = fit_robustly(points, freedom)

@@ -119,7 +119,6 @@ def test_map_of_a_turned_camera_is_refused(run):
     turned = map_with(dx - turn * (y - 79.5), dy + turn * (x - 95.5), SHAPE)
     with pytest.raises(RegistrationError, match=r"fits no longer: \d\d% .* more than 0\.1 px"):
         check_map(turned, frames)
-    assert check_map(turned, frames, tolerance=1.0).shape == (4, 2)
 
 
 def test_drift_does_not_depend_on_where_the_search_begins():

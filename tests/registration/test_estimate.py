@@ -238,9 +238,9 @@ def test_products_eight_standard_errors_above_zero_are_common_texture():
 def fit_of(truth, **chosen):
     pair = truth.reference, truth.moving, None, None
     frames = open_frames([pair], RegistrationSettings(**chosen))
-    begun = start_with_any(frames)
-    views = Views(frames, begun.pair, number=begun.number)
-    return views, fit_surface(views, begun.surface)
+    number, pair, surface = start_with_any(frames)
+    views = Views(frames, pair, number=number)
+    return views, fit_surface(views, surface)
 
 
 def test_whitening_lowers_the_error_where_camera_2_has_texture_of_its_own():

@@ -53,8 +53,8 @@ def views_of(field, *, noise=5.0):
 def fitted(views, surface, model):
     """Cells on the surface that fits the frames, and that surface."""
     for _ in range(2):
-        seen = views.look(surface)
-        cells = views.cells(seen.sums, seen.surface, 1.0)
+        sums, surface = views.look(surface)
+        cells = views.cells(sums, surface, 1.0)
         surface = solve_surface(equations(cells, model.elements), basis=model.basis)
     return moved_to(cells, surface), surface
 
@@ -118,7 +118,7 @@ def test_a_plane_is_known_best_in_the_middle(still):
 def test_windows_follow_a_ripple_that_a_plane_misses():
     views = views_of(ripple(0.5, 64.0))
     surface = translation()
-    scale = expected_rms(views.look(surface).sums)
+    scale = expected_rms(views.look(surface)[0])
     windows = solve_local(views, surface, 1.0, 10 * scale)
     y, x = np.indices(SHAPE, dtype=float)
     inner = (slice(16, -16), slice(16, -16))

@@ -87,7 +87,7 @@ def align_frames(frames, camera_map, *, drift):
             name: np.ascontiguousarray(orient(frames[name].values[1, n], turn)) for name in LIGHT
         }
         out["signal"][1, n] = warp(own["signal"], dx, dy, (x, y))
-        factor = interpolation_variance_factor(dx, dy, (x, y))
+        factor = interpolation_variance_factor(dx + np.float32(x), dy + np.float32(y))
         row, down = locate(dy, np.float32(y), own["flags"].shape[0], 0)
         column, along = locate(dx, np.float32(x), own["flags"].shape[1], 1)
         seen = (row >= 0) & (column >= 0)

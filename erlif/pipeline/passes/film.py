@@ -83,9 +83,7 @@ def measure_film(pair: PairRatio, tables: FilmTables, region: Region) -> FilmMap
     _measure(
         (pair.log_ratio, pair.variance, pair.variance_shared, pair.flags),
         np.float32(offset),
-        (tables.start, tables.per_step, tables.last),
-        (tables.thickness, tables.pairs),
-        tables.limits,
+        *tables,
         tuple(Surroundings.of(shape[1], offset=offset, variance=variance)),
         tuple(LookUpRows.of(shape[1])),
         tuple(blocks),
