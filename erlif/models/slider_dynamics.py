@@ -62,7 +62,6 @@ def simulate_slider_crank(
     crank_inertia: float = 0.0,
     contact: ContactLaw | None = None,
     eccentricity: tuple[float, float] | None = None,
-    slowest_slip: float = 1e-3,
     samples: int = 361,
     worn: xr.Dataset | None = None,
     tolerance: float = 1e-10,
@@ -97,8 +96,6 @@ def simulate_slider_crank(
         Pin centre from bushing centre at the start, along and across the line of the slider, in a
         general joint that turns with the rod. Default: the pin lies on the bushing under the force
         of the perfect joint, so that the first cycle is nearly free of a transient. [m]
-    slowest_slip : float
-        Sliding speed below which friction falls to zero, as a hyperbolic tangent. [m/s]
     samples : int
         Number of times in the result, from 0 to `duration`.
     worn : xarray.Dataset, optional
@@ -147,7 +144,7 @@ def simulate_slider_crank(
     model: SimplifiedJoint | GeneralJoint
     if contact is None and worn is not None:
         raise ModelError("contact must be given where worn profiles are: they touch by its law.")
-    links = linkage, bodies, torque, crank_inertia, slowest_slip
+    links = linkage, bodies, torque, crank_inertia
     if contact is None:
         model = SimplifiedJoint(*links)
         start = [crank_angle, crank_speed]

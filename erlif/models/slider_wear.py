@@ -87,7 +87,6 @@ def wear_slider_crank(
     cycles: int,
     extrapolation: int = 500,
     coupled: bool = True,
-    simulated: xr.Dataset | None = None,
     contact: ContactLaw | None = None,
     settling: int = 0,
     steps_per_cycle: int = 72,
@@ -113,13 +112,10 @@ def wear_slider_crank(
         Wall and wear rates.
     coupled : bool
         False keeps the joint unworn in the dynamics.
-    simulated : xarray.Dataset, optional
-        Turn of `erlif.models.slider_dynamics.simulate_slider_crank`, from its first time to its
-        last, whose forces stand for all cycles. Default: inverse dynamics of the joint with
-        continuous contact.
     contact : ContactLaw, optional
         Law of the general joint. Each computed cycle is then simulated by
         `erlif.models.slider_dynamics.simulate_slider_crank` with the profiles worn so far.
+        Default: inverse dynamics of the joint with continuous contact.
     settling : int
         Turns of the general joint before the one whose forces wear it; the source has one.
     cells : int
@@ -176,15 +172,11 @@ def wear_slider_crank(
     require_single(**vars(bodies))
     require_known(**vars(bodies))
     require_positive(pin_radius=bodies.pin_radius)
-    if contact is not None and simulated is not None:
-        raise ModelError("contact and simulated exclude each other: one of them gives the forces.")
 
     def cycle_of(clearance: float, worn: dict[str, Array]) -> _Cycle:
-        if simulated is not None:
-            return _simulated_cycle(simulated)
         if contact is not None:
             known = worn if coupled else {name: 0 * depth for name, depth in worn.items()}
-            found = simulate_slider_crank(
+            turns = simulate_slider_crank(
                 linkage,
                 bodies=bodies,
                 crank_speed=crank_speed,
@@ -198,7 +190,7 @@ def wear_slider_crank(
                 samples=(1 + settling) * steps_per_cycle + 1,
             )
             # the turn after those in which the joint settles
-            return _simulated_cycle(found.isel(time=slice(settling * steps_per_cycle, None)))
+            return _simulated_cycle(turns.isel(time=slice(settling * steps_per_cycle, None)))
         longer = replace(linkage, clearance=clearance if coupled else linkage.clearance)
         return _reaction_cycle(longer, crank_speed, bodies, steps_per_cycle)
 
@@ -237,30 +229,24 @@ def _reaction_cycle(
     return _Cycle(found.normal, direction, linkage.joint_angle(angle), sliding)
 
 
-def _simulated_cycle(found: xr.Dataset) -> _Cycle:
+def _simulated_cycle(turn: xr.Dataset) -> _Cycle:
     """Cycle of a simulation; steps lie around its samples, half a step at both ends."""
-    missing = {"normal", "contact_angle", "slip_speed", "rod_angle"} - set(found.variables)
-    if missing:
-        raise ModelError(
-            "simulated must be a result of simulate_slider_crank; it lacks "
-            f"{', '.join(sorted(missing))}."
-        )
-    step = np.diff(found.time.values)
+    step = np.diff(turn.time.values)
     share = (np.concatenate([[0.0], step]) + np.concatenate([step, [0.0]])) / 2
-    sliding = share * np.abs(found.slip_speed.values)
-    normal = found.normal.values
-    if "rubbing" in found:
-        # the friction path of the motion is kept
-        path, sampled = float(np.ptp(found.rubbing.values)), float(sliding @ normal)
-        if abs(sampled - path) > _COARSE * path:
-            raise ModelError(
-                "samples of a turn must resolve its impacts: force over sliding distance is "
-                f"{sampled:.3g} N m by the samples and {path:.3g} N m by integration. Increase "
-                "samples, or steps_per_cycle."
-            )
-        sliding = sliding * (path / sampled if sampled else 1.0)
-    turned = (found.crank_angle - found.rod_angle).values
-    return _Cycle(normal, found.contact_angle.values, turned, sliding)
+    sliding = share * np.abs(turn.slip_speed.values)
+    normal = turn.normal.values
+
+    # the friction path of the motion is kept
+    path, sampled = float(np.ptp(turn.rubbing.values)), float(sliding @ normal)
+    if abs(sampled - path) > _COARSE * path:
+        raise ModelError(
+            "samples of a turn must resolve its impacts: force over sliding distance is "
+            f"{sampled:.3g} N m by the samples and {path:.3g} N m by integration. Increase "
+            "steps_per_cycle."
+        )
+    sliding = sliding * (path / sampled if sampled else 1.0)
+    turned = (turn.crank_angle - turn.rod_angle).values
+    return _Cycle(normal, turn.contact_angle.values, turned, sliding)
 
 
 def _wear(

@@ -18,7 +18,7 @@ from erlif.models import reynolds as r
 from erlif.models.clearance_fit import fit_clearances
 from erlif.models.linkage.domain import find_domain
 from erlif.models.mechanism import CrankRocker, SliderCrank, crank_for_swing
-from erlif.models.oil_fit import fit_viscosity, iso_vg_viscosity, sae_oil
+from erlif.models.oil_fit import fit_viscosity, sae_oil
 from erlif.models.reaction import SliderCrankBodies
 from erlif.models.reynolds.full_film import FullFilm, follow_full_film
 from erlif.models.reynolds.journal import as_mount
@@ -33,9 +33,6 @@ RIG = {"crank": 0.055, "coupler": 0.44, "rocker": 0.26, "ground": 0.51}
 CRANK = SliderCrank(0.0762, 0.2032, clearance=10e-6)
 BODIES = SliderCrankBodies(0.8175, 5.5e-3, 5.5487, 525.4, 47.248, 0.15, 9.525e-3)
 JOINT = WearingJoint(8.551e-3, thickness=3e-3, modulus=0.26e9, specific_wear=5.05e-13)
-TURN = np.linspace(0, 2 * np.pi, 73)
-NAMES = ("normal", "contact_angle", "slip_speed", "rod_angle", "crank_angle")
-CYCLE = xr.Dataset(dict.fromkeys(NAMES, ("time", 1 + 0 * TURN)), {"time": TURN})
 TEMPERATURES = np.array([283.15, 298.15, 313.15, 333.15, 353.15, 373.15])
 LAW = oil.vogel_viscosity(TEMPERATURES, a=6e-5, b=950.0, c=178.0)
 PIN = r.Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
@@ -108,13 +105,11 @@ DOORS = {
         ({"clearance": 0 * FIVE}, "must differ"),
         ({"friction": FIVE * NONE}, "must not be NaN"),
         ({"friction_std": NONE}, "friction_std must be one number"),
-        ({"clearance_std": [1e-6, 1e-6]}, "clearance_std must be one number"),
         ({"known_modulus": (1e15, 0.1)}, "known_modulus must lie in"),
     ),
     "Vogel's law": (
         vogel,
         (([300.0, 300.0, 310.0], [1.0, 0.5, 0.3]), "temperatures must differ"),
-        (([300.0, 310.0], [1.0, 0.5]), "three each"),
         ((300.0, 0.5), r"three each, got shapes \(\) and \(\)"),
         (([300.0, 310.0, NONE], [1.0, 0.5, 0.3]), "must be a number"),
         (([300.0, 310.0, 320.0], [1.0, 0.8, 0.2]), "Vogel curve"),
@@ -142,7 +137,6 @@ DOORS = {
         ({"viscosities": 1e-6 + 0 * LAW, "law": "walther"}, "at least 2e-6"),
         ({"viscosities": 1e-7 * TEMPERATURES, "law": "walther"}, "must fall with temperature"),
         ({"relative_std": [0.01, 0.01]}, "one for each of 6"),
-        ({"relative_std": NONE}, "without NaN"),
     ),
     "fitted law": (
         lambda name, *first, **rest: getattr(fit_oil(), name)(*first, **rest),
@@ -150,11 +144,9 @@ DOORS = {
         (("viscosity", 150.0), "above the Vogel constant c"),
     ),
     "SAE grade": (sae_oil, ((35,), "10, 20.* of SAE, got 35")),
-    "ISO grade": (iso_vg_viscosity, ((33,), "2, 3.* of ISO VG, got 33")),
     "running in": (
         wear_bushing,
         ({"sliding_distance": [1.0, 0.5]}, "rising distances"),
-        ({"sliding_distance": []}, r"rising distances without NaN, got \[\] m"),
         ({"sliding_distance": [1e5]}, "worn through"),
         ({"cells": 40}, "Choose more cells"),
         ({"modulus": 1e5}, "presses the shaft through the wall"),
@@ -171,14 +163,10 @@ DOORS = {
     "crank-rocker": (
         CrankRocker,
         (RIG | {"crank": 0.3}, "shortest link"),
-        (RIG | {"crank": 0.25, "coupler": 0.3}, "longest"),
-        (RIG | {"ground": 0.0}, "ground must be positive"),
-        (RIG | {"crank": NONE}, "crank must be a number"),
     ),
     "slider-crank": (
         SliderCrank,
         ((0.2, 0.1), "coupler must be longer"),
-        ((0.1, 0.2, -1e-5), "clearance"),
     ),
     "encoder of the slider": (
         lambda x: CRANK.crank_angle_from_slider(x, rising=True),
@@ -192,7 +180,6 @@ DOORS = {
     "domain of linkages": (
         lambda given: find_domain(given, None),
         (({"crank": 0.3, "rocker": 0.26},), r"no crank-rocker has crank 0\.3 m, rocker 0\.26 m"),
-        (({"coupler": 0.1, "rocker": 0.1, "ground": 0.5},), "the crank must be the shortest link"),
     ),
     "synthesis": (
         linkage.synthesise_crank_rocker,
@@ -226,10 +213,8 @@ DOORS = {
         wear_crank,
         ({"bodies": replace(BODIES, pin_radius=0.0)}, "pin_radius must be positive"),
         ({"cycles": 500_000, "extrapolation": 20_000}, "worn through"),
-        ({"simulated": xr.Dataset()}, "it lacks contact_angle"),
-        ({"simulated": CYCLE, "contact": ContactLaw(1e9)}, "exclude each other"),
-        ({"simulated": CYCLE.assign(rubbing=("time", 9 * TURN))}, "impacts"),
-        ({"simulated": 0 * CYCLE}, "carries no force"),
+        ({"contact": ContactLaw(6.523e8), "steps_per_cycle": 3}, "impacts"),
+        ({"bodies": SliderCrankBodies(0.0, 0.0, 0.0, pin_radius=9.5e-3)}, "carries no force"),
     ),
     "halvings": (
         lambda factor: bound_extrapolation(factor, wear=print),
@@ -251,12 +236,9 @@ DOORS = {
     "worn bore": (
         lambda clearance, worn: WornBore(ContactLaw(6.523e8), clearance, worn),
         ((0.0, profile()), "clearance must be positive where the joint is worn"),
-        ((1e-4, profile().drop_vars("pin_depth")), "worn must be one profile"),
         ((1e-4, profile().expand_dims(cycle=2)), "isel"),
         ((1e-4, profile(cells=CELLS[:12])), "24 cells or more"),
-        ((1e-4, profile().assign_coords(angle=np.arange(36.0))), "round the bushing once"),
         ((1e-4, profile(-1e-6)), "numbers and not negative"),
-        ((1e-4, profile(NONE)), "numbers and not negative"),
     ),
     "coupled wear": (
         lambda cycles: wear.coupled_wear(
@@ -275,7 +257,6 @@ DOORS = {
         lambda slope: wear.abrasive_wear(
             1.0, sliding_distance=1.0, hardness=1e9, asperity_slope=slope
         ),
-        ((-0.1,), r"^asperity_slope must lie .* got -0\.1 rad"),
         ((2.0,), r"^asperity_slope must lie .* got 2 rad"),
     ),
     "radii": (
@@ -284,7 +265,6 @@ DOORS = {
     ),
     "Persson": (
         lambda name, *first, **rest: getattr(contact, f"persson_{name}")(*first, **rest),
-        (("group", np.pi), "half_angle"),
         (("half_angle", -1.0), "must exceed -2/pi"),
         (
             ("load", 2.0),
@@ -314,7 +294,6 @@ DOORS = {
         lambda one, two: contact.relative_radii(
             one, radius_1_across=0.1, radius_2=two, radius_2_across=0.2
         ),
-        ((0.0, 1.0), "must not be zero"),
         ((0.1, [0.2, 0.0]), "^radius_2 must not be zero"),
         (([0.1, -0.1], 0.2), "gap all round"),
     ),
@@ -349,10 +328,8 @@ DOORS = {
     "sampled pressure": (
         lambda angle, pressure: friction.torque_ratio(angle, pressure=pressure),
         (([0.5, 0.0], [1.0, 1.0]), "^angle must rise"),
-        (([0.0, 0.5], [0.0, 0.0]), "^pressure must carry a load"),
         (([2.0, 2.5], [1.0, 1.0]), "^pressure must carry a load .* got an integral of -0"),
         (([0.0, 0.5], [1.0, 1.0, 1.0]), "^angle and pressure must hold the same number"),
-        ((0.0, 1.0), "^angle and pressure must hold the same number"),
     ),
     "reversals": (
         lambda torque, direction: friction.average_reversals(
@@ -373,7 +350,6 @@ DOORS = {
         lambda **changes: r.Motion(
             **{"time": [0.0, 1.0, 2.0], "angle": [0.0, 0.0, 0.0], "load": 1.0} | changes
         ),
-        ({"time": [0.0]}, "two or more increasing"),
         ({"time": [0.0, 1.0, 1.0]}, "two or more increasing"),
         ({"angle": [0.0, 1.0]}, "angle must have one value for each of the 3 times"),
         ({"load": NONE}, "load must be finite"),
@@ -432,7 +408,6 @@ DOORS = {
     "half spaces": (
         press,
         ({"load": 1.0, "approach": 1.0}, "either a load or an approach"),
-        ({}, "either a load or an approach"),
         ({"load": 1.0, "free_tilt": True, "load_position": (0.0, 9.0)}, "outside the grid"),
         ({"gap": [0.0, NONE], "load": 1.0}, "not finite"),
         ({"gap": np.zeros((2, 2, 2)), "load": 1.0}, "got the shape"),

@@ -31,6 +31,9 @@ _FRICTION_PASSES = 8
 # Each pass gains the digits of clearance over rod.
 _REST_PASSES = 3
 
+# Sliding speed below which friction falls to zero, as a hyperbolic tangent. [m/s]
+_SLOWEST_SLIP = 1e-3
+
 # Integrals over time, at the end of each state.
 QUADRATURES = ("drive_work", "friction_loss", "impact_loss", "rubbing")
 
@@ -44,7 +47,6 @@ class Links:
         bodies: SliderCrankBodies,
         torque: Torque | None,
         crank_inertia: float,
-        slowest_slip: float,
     ) -> None:
         self.crank, self.clearance = linkage.crank, linkage.clearance
         self.half, self.coupler = linkage.coupler / 2, linkage.coupler
@@ -52,7 +54,7 @@ class Links:
         self.slider_mass, self.friction = float(bodies.slider_mass), float(bodies.friction)
         self.spring, self.preload = float(bodies.spring_stiffness), float(bodies.spring_preload)
         self.pin_radius = float(bodies.pin_radius)
-        self.torque, self.crank_inertia, self.slowest = torque, crank_inertia, slowest_slip
+        self.torque, self.crank_inertia = torque, crank_inertia
 
     def pull(self, position: float) -> float:
         """Force of the spring on the slider, outward."""
@@ -129,7 +131,7 @@ class SimplifiedJoint(Links):
             + self.rod_inertia * phi_1 * phi_2
         )
         slip = self.pin_radius * (1 - phi_1) * speed
-        sense = tanh(slip / self.slowest)
+        sense = tanh(slip / _SLOWEST_SLIP)
         share = 1 / sqrt(1 + self.friction**2)
         drive = self.torque(time, angle) if self.torque else 0.0
         acceleration = couple = 0.0
@@ -201,9 +203,9 @@ class GeneralJoint(Links):
 
     def __init__(self, law: ContactLaw, worn: xr.Dataset | None, *links: Any) -> None:
         super().__init__(*links)
-        linkage, bodies, torque, crank_inertia, slowest_slip = links
+        linkage, bodies, torque, crank_inertia = links
         self.perfect = SimplifiedJoint(
-            SliderCrank(linkage.crank, linkage.coupler), bodies, None, crank_inertia, slowest_slip
+            SliderCrank(linkage.crank, linkage.coupler), bodies, None, crank_inertia
         )
         self.bore: RoundBore | WornBore = (
             RoundBore(law, self.clearance) if worn is None else WornBore(law, self.clearance, worn)
@@ -278,7 +280,7 @@ class GeneralJoint(Links):
         arm = lever + ex * nx + ey * ny
         slip = vy * nx - vx * ny + lever * speed - arm * rate
         if self.friction:
-            rubbed = self.friction * normal * tanh(slip / self.slowest)
+            rubbed = self.friction * normal * tanh(slip / _SLOWEST_SLIP)
         force_x, force_y = normal * nx - rubbed * ny, normal * ny + rubbed * nx
 
         # Lagrange for slider and rod, with the contact at the surface of the bushing
