@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from erlif.core.tables import read_table
+from erlif.core.tables import fill_template, read_table
 from erlif.models import (
     bearing,
     contact,
@@ -158,52 +158,13 @@ def render_sources() -> str:
     >>> render_sources().splitlines()[0]
     '# Published numbers and what erlif computes'
     """
-    numbers, errata = published_numbers(), _table("sources_errata.csv")
-    agreed = sum(number.verdict == "agrees" for number in numbers)
-    differing = sum(number.verdict == "**differs**" for number in numbers)
-
-    lines = [
-        "# Published numbers and what erlif computes",
-        "",
-        "Made by `erlif.models.sources.render_sources`; a test keeps this file equal to its "
-        "result. A number agrees when the computed value rounds to the printed digits. The models "
-        "hold the corrected equations; the evidence stands beside each erratum.",
-        "",
-        f"{agreed} comparisons agree, {differing} differ; {len(errata)} formulas or words are "
-        "misprinted or ambiguous.",
-        "",
-    ]
-    for source in TITLES:
-        lines += _section(
-            source,
-            [number for number in numbers if number.source == source],
-            [row for row in errata if row["source"] == source],
-        )
-    return "\n".join(lines)
-
-
-def _section(
-    source: str, numbers: list[PublishedNumber], errata: list[dict[str, str]]
-) -> list[str]:
-    """Lines on one source: its numbers, its errata, and what cannot be computed again."""
-    lines = [
-        f"## {TITLES[source]}",
-        "",
-        "| place | quantity | printed | erlif | unit | verdict | note |",
-        "|" + "---|" * 7,
-    ]
-    for n in numbers:
-        computed = f"{n.computed:.5g}"
-        lines.append(_line(n.place, n.quantity, n.printed, computed, n.unit, n.verdict, n.note))
-
-    lines += ["", "| place | printed | correct | evidence |", "|" + "---|" * 4]
-    for row in errata:
-        lines.append(_line(row["place"], row["printed"], row["corrected"], row["evidence"]))
-    return [*lines, "", f"Not recomputed: {_SOURCES[source]['out_of_reach']}", ""]
-
-
-def _line(*cells: str) -> str:
-    return "| " + " | ".join(cells) + " |"
+    return fill_template(
+        "erlif.models",
+        "sources.txt",
+        sources=_SOURCES,
+        numbers=published_numbers(),
+        errata=_table("sources_errata.csv"),
+    )
 
 
 def _table(name: str) -> list[dict[str, Any]]:

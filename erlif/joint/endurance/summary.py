@@ -16,26 +16,6 @@ from erlif.joint.endurance.comparison import DesignComparison
 from erlif.joint.endurance.onset import FEWEST
 from erlif.joint.friction.coefficient import doubt_friction
 
-# Headings of the table of tests.
-HEADINGS = (
-    "test",
-    "stages",
-    "failed",
-    "load at failure [N]",
-    "std [N]",
-    "survived [N]",
-    "stage",
-    "onset [s]",
-    "earliest [s]",
-    "latest [s]",
-    "friction before",
-    "rise",
-    "rise std",
-    "p-value",
-    "p-value of temperature",
-    "p-value of vibration",
-)
-
 _NO_CHANCE = 1e-12  # probabilities below it depend on tails that nobody has measured
 
 
@@ -138,29 +118,32 @@ def write_test_table(found: Sequence[EnduranceResult], output: Path) -> Path:
     >>> write_test_table([example_test()], path).read_text().splitlines()[1][:12]
     'example,6,1,'
     """
-    columns = zip(*map(_row, found), strict=True)
+    rows = [_row(one) for one in found]
     with replacing(output) as scratch:
-        text = table_csv(dict(zip(HEADINGS, columns, strict=True)))
+        text = table_csv({heading: [row[heading] for row in rows] for heading in rows[0]})
         scratch.write_text(text, encoding="utf-8")
     return output
 
 
-def _row(found: EnduranceResult) -> list[str]:
+def _row(found: EnduranceResult) -> dict[str, str]:
+    """Texts of one test by the headings of the table."""
     failure, onset = found.failure, found.onset
-    row = [
-        found.name,
-        str(len(found.loaded)),
-        str(int(failure.failed)),
-        f"{failure.load:.1f}",
-        f"{failure.std:.1f}",
-        f"{failure.survived:.1f}",
-        str(failure.stage),
-    ]
-    if onset is None:
-        row += [""] * 6
-    else:
-        row += [f"{value:.2f}" for value in (onset.time, onset.earliest, onset.latest)]
-        row += [f"{value:.4f}" for value in (onset.friction_before, onset.rise, onset.rise_std)]
     chances = {sensor.name: f"{sensor.p_value:.3g}" for sensor in found.other_sensors}
-    others = [chances.get(name, "") for name in ("temperature", "vibration")]
-    return [*row, f"{found.search.p_value:.3g}", *others]
+    return {
+        "test": found.name,
+        "stages": str(len(found.loaded)),
+        "failed": str(int(failure.failed)),
+        "load at failure [N]": f"{failure.load:.1f}",
+        "std [N]": f"{failure.std:.1f}",
+        "survived [N]": f"{failure.survived:.1f}",
+        "stage": str(failure.stage),
+        "onset [s]": f"{onset.time:.2f}" if onset else "",
+        "earliest [s]": f"{onset.earliest:.2f}" if onset else "",
+        "latest [s]": f"{onset.latest:.2f}" if onset else "",
+        "friction before": f"{onset.friction_before:.4f}" if onset else "",
+        "rise": f"{onset.rise:.4f}" if onset else "",
+        "rise std": f"{onset.rise_std:.4f}" if onset else "",
+        "p-value": f"{found.search.p_value:.3g}",
+        "p-value of temperature": chances.get("temperature", ""),
+        "p-value of vibration": chances.get("vibration", ""),
+    }
