@@ -1,10 +1,17 @@
+from .hertz import (
+    THESIS_F1,
+    THESIS_F2,
+    EllipticalContact,
+    LineContact,
+    RelativeRadii,
+    hertz_ellipse,
+    hertz_line,
+    relative_radii,
+    thesis_ellipse,
+)
 from .impact import (
     impact_force,
     impact_stiffness,
-)
-from .line import (
-    LineContact,
-    hertz_line,
 )
 from .persson import (
     FULL_CONTACT,
@@ -16,15 +23,6 @@ from .persson import (
     persson_load,
     persson_peak_group,
     persson_pressure,
-)
-from .point import (
-    THESIS_F1,
-    THESIS_F2,
-    EllipticalContact,
-    RelativeRadii,
-    hertz_ellipse,
-    relative_radii,
-    thesis_ellipse,
 )
 from .prescribed import (
     projected_pressure,

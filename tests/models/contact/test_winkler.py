@@ -3,6 +3,7 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
+import xarray as xr
 from scipy.integrate import quad
 
 from erlif.models.contact import winkler_contact, winkler_load, winkler_modulus
@@ -65,3 +66,18 @@ def test_winkler_modulus_is_the_confined_one():
     E, nu = 1.1e9, 0.46
     lame, shear = E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
     npt.assert_allclose(winkler_modulus(E, poisson=nu), lame + 2 * shear)
+
+
+def test_coordinates_of_several_arguments_cross():
+    load = xr.DataArray([1e4, 1e5, 2e5], dims="stage")
+    shaft = xr.DataArray([0.0098, 0.01], dims="fit")
+    case = {"bushing_radius": 0.0102, "thickness": 0.01, "modulus": 1e12}
+    crossed = winkler_contact(load, shaft_radius=shaft, **case)
+    assert crossed.torque_ratio.dims == ("stage", "fit")
+    alone = winkler_contact(2e5, shaft_radius=0.0098, **case)
+    for name in ("half_angle", "eccentricity", "pressure", "torque_ratio"):
+        npt.assert_allclose(getattr(crossed, name)[2, 0], getattr(alone, name))
+    back = winkler_load(crossed.half_angle, shaft_radius=shaft, **case)
+    npt.assert_allclose(
+        back.transpose("stage", "fit"), np.broadcast_to(load.values[:, None], (3, 2)), rtol=1e-6
+    )

@@ -1,4 +1,4 @@
-"""Elliptical contact of Hertz: the lobed bushing of Farzaneh (2002), limits, integrals."""
+"""Contacts of Hertz: the joints of Farzaneh (2002), limits, integrals."""
 
 import numpy as np
 import numpy.testing as npt
@@ -9,6 +9,7 @@ from erlif.models.contact import (
     conformal_radius,
     contact_modulus,
     hertz_ellipse,
+    hertz_line,
     relative_radii,
     thesis_ellipse,
 )
@@ -19,6 +20,14 @@ LOBE = relative_radii(-0.03359, radius_1_across=0.2, radius_2=0.03336, radius_2_
 
 # groups of lengths and moduli near 1, or radii beyond those of machines, are no slips of units
 DIMENSIONLESS = pytest.mark.filterwarnings("ignore::erlif.core.errors.UnitWarning")
+
+
+@pytest.mark.parametrize(
+    ("load", "half_width", "pressure"), [(1e5, 10.2932e-3, 116.083e6), (1e4, 3.25498e-3, 36.7087e6)]
+)
+def test_straight_bushing_of_the_thesis(load, half_width, pressure):  # line contact over 237 mm
+    found = hertz_line(load * 4.4482216152605 / 0.237, radius=RADIUS, contact_modulus=STEEL)
+    npt.assert_allclose(found, (half_width, pressure), rtol=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -77,13 +86,3 @@ def test_relative_radii_turn_with_the_bodies():  # Farzaneh (2002), eqs. B.3 and
     assert turned[0] == turned[1]
     # the sum of the curvatures does not depend on the angle
     npt.assert_allclose(sum(1 / r for r in turned[0]), 1 / 0.1 + 1 / 0.3 + 1 / 0.2 + 1 / 0.5)
-
-
-def test_relative_radii_of_many_bodies_are_those_of_each():
-    radius, angle = np.array([0.1, 0.2]), np.array([[0.0], [0.5], [1.5]])
-    case = {"radius_1_across": 0.3, "radius_2": 0.2, "radius_2_across": np.inf}
-    found = relative_radii(radius, angle=angle, **case)
-    assert found.radius.shape == found.radius_across.shape == (3, 2)
-    for i, j in np.ndindex(3, 2):
-        one = relative_radii(float(radius[j]), angle=float(angle[i, 0]), **case)
-        assert (found.radius[i, j], found.radius_across[i, j]) == one
