@@ -2,9 +2,7 @@ from .ends import (
     edge_exponent,
     lundberg_profile,
 )
-from .half_space import (
-    solve_contact,
-)
+from .half_space import solve_contact, subsurface_stress
 from .joint import (
     Joint,
     Undercut,
@@ -12,9 +10,6 @@ from .joint import (
     search_undercut,
     section_stress,
     solve_joint,
-)
-from .stress import (
-    subsurface_stress,
 )
 
 __all__ = [

@@ -25,6 +25,7 @@ from erlif.models.edges.cylinders import (
     Section,
     compute_compliance,
 )
+from erlif.models.edges.half_space import equivalent_stress
 from erlif.models.reynolds.shapes import lobe_shape
 
 if TYPE_CHECKING:
@@ -421,7 +422,7 @@ def section_stress(
         total = found if total is None else total + found
     assert total is not None
     rr, tt, zz, rz = total
-    mises = np.sqrt(((rr - tt) ** 2 + (tt - zz) ** 2 + (zz - rr) ** 2) / 2 + 3 * rz**2)
+    mises = equivalent_stress(xx=rr, yy=tt, zz=zz, xz=rz)
     (r, z), (width_r, width_z) = solver.points, solver.sizes
     top = int(mises.argmax())
     stresses = {"von_mises": mises, "stress_rr": rr, "stress_tt": tt, "stress_zz": zz}
