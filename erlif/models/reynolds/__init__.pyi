@@ -1,8 +1,7 @@
-from .coefficients import journal_coefficients
 from .film import solve_film
 from .journal import Groove, Journal, Motion, Mount, crank_motion
 from .shapes import lobe_shape, pin_shape, roller_shape
-from .steady import steady_journal
+from .steady import journal_coefficients, steady_journal
 from .transient import solve_journal
 
 __all__ = [

@@ -1,4 +1,4 @@
-"""Contact of half spaces and the stress below it: closed forms, and tamaas where it is installed."""
+"""Contact of half spaces and the stress below it against closed forms, and against tamaas."""
 
 import numpy as np
 import numpy.testing as npt
