@@ -56,8 +56,3 @@ def test_an_interruption_names_the_way_to_go_on(series, monkeypatch):
     result = run_batch(series / "monday")
     assert result.exit_code == 130
     assert "--resume" in result.stderr
-
-
-def test_a_scheduler_that_cannot_be_used_ends_the_batch_before_its_first_run(series, refused):
-    message = refused("batch", series / "monday", "--scheduler", "somewhere")
-    assert "local:N" in message

@@ -43,13 +43,6 @@ def test_output_may_lie_elsewhere_and_the_run_be_read_only(
     assert not list(lab.run.glob("film*"))
 
 
-def without_column(lab, name):
-    log = lab.run / "encoder.csv"
-    rows = [row.split(",") for row in log.read_text().splitlines()]
-    place = rows[0].index(name)
-    log.write_text("\n".join(",".join(row[:place] + row[place + 1 :]) for row in rows) + "\n")
-
-
 VOGEL = 'vogel = { a = "0.05 mPa s", b = "1100 K", c = "-115 degC" }'
 
 

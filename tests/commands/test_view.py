@@ -14,11 +14,6 @@ from erlif.show.view import serving
 view = importlib.import_module("erlif.commands.view")  # the package exports the command
 
 
-def test_a_missing_film_is_refused(refused, tmp_path):
-    message = refused("view", tmp_path / "film.nc")
-    assert message.startswith("Expected a film file;")
-
-
 def test_a_missing_package_is_one_message(refused, tmp_path, monkeypatch):
     monkeypatch.setattr(serving, "find_spec", lambda name: None)
     message = refused("view", tmp_path / "film.nc")

@@ -36,19 +36,6 @@ def test_every_note_of_a_table_is_made_somewhere(package, name):
     assert not unused
 
 
-@pytest.mark.parametrize(
-    ("key", "given", "level", "text"),
-    [
-        ("no_uncertainty", {}, Level.NOTE, "the profile has no"),
-        ("repeated", {"subject": "wedge.csv", "count": 3}, Level.WARNING, "3 points repeat"),
-    ],
-)
-def test_a_note_has_the_level_of_its_entry_and_its_numbers(key, given, level, text):
-    note = note_writer("erlif.calibration")(key, **given)
-    assert (note.level, note.subject) == (level, given.get("subject", ""))
-    assert note.text.startswith(text)
-
-
 def test_a_note_with_a_cure_is_a_warning_where_the_cure_is_needed():
     write = note_writer("erlif.review.audit")
     assert write("overlap", overlap=0.4).level is Level.WARNING

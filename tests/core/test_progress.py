@@ -6,22 +6,9 @@ import pytest
 
 import erlif
 from erlif.core.errors import ErlifError
-from erlif.core.progress import choose_progress, silent
+from erlif.core.progress import choose_progress
 from erlif.pipeline.physics.fit import fit_film
 from erlif.review.audit.directory import audit
-
-
-def test_nothing_is_shown_unless_asked_for(capsys):
-    for asked in (None, False):
-        choose_progress(asked)("film", 1, 2)
-    assert silent("film", 2, 2) is None
-    assert capsys.readouterr() == ("", "")
-
-
-def test_a_function_is_called_as_it_is():
-    calls = []
-    choose_progress(lambda *call: calls.append(call))("film", 1, 2)
-    assert calls == [("film", 1, 2)]
 
 
 @pytest.mark.parametrize("asked", ["bar", True])

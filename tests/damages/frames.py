@@ -80,7 +80,12 @@ FRAMES = [
         "camera1 has 5, camera2 has 6",
         "--skip-bad-frames",
     ),
-    _frame("missing from camera 2", lambda b: b.frame(2, 2).unlink(), "camera2 has 5"),
+    _frame(
+        "missing from camera 2",
+        lambda b: b.frame(2, 2).unlink(),
+        "camera1 has 6, camera2 has 5",
+        "unmatched one is camera1/frame_0002.tif",
+    ),
     _frame(
         "missing from both",
         lambda b: [b.frame(2, camera).unlink() for camera in (1, 2)],
@@ -106,7 +111,8 @@ FRAMES = [
     _frame(
         "one missing from each",
         lambda b: (b.frame(2).unlink(), b.frame(4, 2).unlink()),
-        "camera1/frame_0004.tif",
+        "camera1 has 5, camera2 has 5",
+        "unmatched one is camera1/frame_0004.tif",
     ),
     _frame(
         "folder is empty",
@@ -140,7 +146,7 @@ FRAMES = [
     _content("header in a ring", lambda data: data[:4] + b"\4\0\0\0" + data[8:], "frame_0002.tif"),
     # form
     _frame("RGB", _save(lambda i: np.dstack([i] * 3), photometric="rgb"), "frame_0002.tif"),
-    _frame("cropped", _save(lambda i: i[:-2]), "frame_0002.tif", "128 x 94"),
+    _frame("cropped", _save(lambda i: i[:-2]), "uint16; camera1/frame_0002.tif is 128 x 94"),
     _frame("turned", _save(lambda i: np.rot90(i)), "frame_0002.tif", "96 x 128"),
     _frame("two pages", _save(lambda i: np.stack([i, i])), "camera1 has 7"),
     _frame("32-bit", _save(lambda i: i.astype(np.uint32)), "frame_0002.tif", "uint32"),

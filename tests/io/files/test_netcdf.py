@@ -54,12 +54,6 @@ def test_all_text_has_a_fixed_length(small_rig, film, name):
     assert texts_of_any_length(film if name == "film.nc" else small_rig.fixture / name) == []
 
 
-def test_xarray_by_itself_writes_text_of_any_length(path):
-    """The test above would see it."""
-    xr.Dataset({"a": ("x", ["b"], {"units": "1"})}).to_netcdf(path, engine="h5netcdf")
-    assert {"a", "a@units"} <= set(texts_of_any_length(path))
-
-
 def test_coordinates_of_the_film_have_no_fill_value(film):
     with h5py.File(film) as file:
         assert [name for name in ("trigger", "y", "x") if "_FillValue" in file[name].attrs] == []

@@ -44,13 +44,6 @@ def netcdf(path, variable="thickness", **attrs):
     return path
 
 
-def test_an_existing_output_is_refused_unless_it_may_be_replaced(tmp_path):
-    path = netcdf(tmp_path / "film.nc", erlif_version="0.1.0")
-    with pytest.raises(OutputError, match="--overwrite"):
-        refuse_existing(path, overwrite=False)
-    refuse_existing(path, overwrite=True)
-
-
 @pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])
 def test_a_figure_of_erlif_may_be_replaced_and_that_of_another_program_not(tmp_path, suffix):
     path = tmp_path / f"figure.{suffix}"

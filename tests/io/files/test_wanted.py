@@ -145,19 +145,3 @@ def test_a_call_that_lacks_an_argument_is_refused_as_by_python():
     with pytest.raises(TypeError, match="trigger"):
         draw(xr.Dataset())
     refuse(lambda: draw(None, trigger=3), "a film as film=, got None")
-
-
-@pytest.mark.parametrize(
-    "read",
-    [
-        erlif.files.settings_of,
-        erlif.files.region_of,
-        erlif.files.fastest_trigger,
-        erlif.files.flag_shares,
-        erlif.notebook.summarise_region,
-        erlif.conversion.trigger_columns,
-    ],
-)
-@pytest.mark.parametrize("given", ["calibration", "number"])
-def test_what_reads_a_film_refuses_another_product(products, read, given):
-    refuse(lambda: read(products[given]), "Expected a film as film=", "erlif.open_film")

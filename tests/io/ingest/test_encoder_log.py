@@ -12,8 +12,6 @@ from erlif.io.ingest.encoder_log import check_rows, read_log
 from erlif.io.ingest.logs.columns import ColumnChoice
 from erlif.io.ingest.logs.resample import ContinuousLog, find_pulses
 
-HEADER = "frame,angle_deg,load_N\n"
-
 
 @pytest.fixture
 def write_log(tmp_path):
@@ -47,60 +45,11 @@ def test_numbers_may_begin_anywhere_and_be_as_large_as_double_precision_holds(wr
     log = read_by_frame(write_log(f"frame,angle_deg\n{first},1\n{first + 1},2\n"))
     assert log.number.values.tolist() == [first, first + 1]
     assert read_by_frame(write_log("frame,angle_deg\n-1,1\n0,2\n")).number.values[0] == -1
+    with pytest.raises(EncoderError, match="whole number in row 2"):
+        read_by_frame(write_log(f"frame,angle_deg\n{first + 3},1\n"))
 
 
-# what is refused
-
-
-def by_frame(*numbers):
-    return "frame,angle_deg\n" + "".join(f"{number},1\n" for number in numbers)
-
-
-# further logs are refused by name in the catalogue of damages
-REFUSED = [
-    *(
-        (f"{HEADER}0,1,200\n\n1,{value},200\n", f"row 4, column angle_deg (1; got {got})")
-        for value, got in [
-            *(("n/a", "'n/a'"), ("1;5", "'1;5'"), ("0x10", "'0x10'")),
-        ]
-    ),
-    (by_frame(0, 1, 3), "Expected frame 2 in row 4, column frame of encoder.csv; got 3"),
-    (by_frame(5, 4), "Expected frame 6 in row 3, column frame of encoder.csv; got 4"),
-    (by_frame(2**53 + 2), "whole number in row 2"),
-    (
-        "frame,angle_deg\n0,1.5\n1,2,5\n",
-        "values in row 3 of encoder.csv, as in its header; it has 3. A decimal comma",
-    ),
-    *(
-        (f"frame,angle_deg,{name}\n0,1,2\n", f"column 3 is {name!r}, {reason}. Rename it.")
-        for name, reason in [
-            ("speed_exponent_mean_std", "which erlif uses itself"),
-            ("_energy", "which a film file cannot hold"),
-        ]
-    ),
-    (b"\xff\xfef\x00", "encoder.csv"),
-]
-
-
-def test_logs_that_cannot_be_read_are_refused_with_the_place(tmp_path):
-    path, faults = tmp_path / "encoder.csv", []
-    for content, words in REFUSED:
-        path.write_bytes(content.encode() if isinstance(content, str) else content)
-        try:
-            read_by_frame(path)
-        except EncoderError as error:
-            if words not in str(error):
-                faults.append((content, str(error)))
-        else:
-            faults.append((content, "accepted"))
-    assert not faults
-
-
-@pytest.mark.parametrize("name", ["none.csv", "."])
-def test_a_log_that_cannot_be_opened_is_refused(tmp_path, name):
-    with pytest.raises(EncoderError, match=r"cannot be read: .*file in \[encoder\]"):
-        read_by_frame(tmp_path / name)
-
+# logs that cannot be read are refused by name in the catalogue of damages
 
 # one row for each frame
 

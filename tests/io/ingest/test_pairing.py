@@ -39,10 +39,6 @@ def refusal(directory, **options):
     return str(refused.value)
 
 
-def write(path, image, **options):
-    tifffile.imwrite(path, image, **options)
-
-
 def break_data(path):
     """Compressed pixels that no decoder reads, under a sound header."""
     tifffile.imwrite(path, GREY, compression="zlib")
@@ -90,43 +86,7 @@ def test_frames_pair_in_natural_order(record, one, two):
     assert (pairs.shape, pairs.bit_depths, pairs.skipped) == (SHAPE, (12, 12), {})
 
 
-# frames that do not
-
-
-def test_the_first_frame_without_a_partner_is_named_by_its_number(record):
-    message = refusal(record(range(6), [0, 1, 3, 4, 5]))
-    assert "camera1 has 6, camera2 has 5" in message
-    assert "unmatched one is camera1/f_2.tif" in message
-
-
-def test_equal_counts_with_different_gaps_are_out_of_step(record):
-    """Both lost one frame, and not the same: from there on the pulses would not agree."""
-    message = refusal(record([0, 1, 2, 4, 5, 6], [0, 1, 2, 3, 4, 6]))
-    assert "camera1 has 6, camera2 has 6" in message
-    assert "unmatched one is camera1/f_5.tif" in message
-
-
-# kinds
-
-
-@pytest.mark.parametrize(
-    ("image", "kind"), [(GREY[:, :72], "72 x 64 uint16"), (GREY.astype(np.uint8), "80 x 64 uint8")]
-)
-@pytest.mark.parametrize("camera", [1, 2])
-def test_the_odd_file_is_named_not_the_others(record, camera, image, kind):
-    directory = record(range(3), range(3))
-    write(directory / f"camera{camera}" / "f_0.tif", image)
-    message = refusal(directory)
-    assert f"80 x 64 uint16; camera{camera}/f_0.tif is {kind}." in message
-
-
-@pytest.mark.parametrize("shape", [(63, 80), (80, 63)])
-def test_frames_of_less_than_64_pixels_are_refused(record, shape):
-    directory = record([], [])
-    for camera in (1, 2):
-        write(directory / f"camera{camera}" / "f_0.tif", np.full(shape, 900, np.uint16))
-    assert f"f_0.tif is {shape[1]} x {shape[0]}" in refusal(directory)
-
+# frames that do not pair, and odd ones, are refused by name in the catalogue of damages
 
 # damaged frames
 

@@ -69,18 +69,6 @@ def test_content_counts_before_the_suffix(tmp_path):
     file.close()
 
 
-def test_the_suffix_names_the_format_of_a_damaged_file(tmp_path):
-    (tmp_path / "a.tif").write_bytes(b"no TIFF")
-    with pytest.raises(FrameError, match="not a TIFF"):
-        open_frames(tmp_path / "a.tif")
-
-
-def test_a_device_and_a_folder_are_not_opened(tmp_path):
-    for path in (tmp_path, Path(os.devnull)):
-        with pytest.raises(FrameError, match="not an ordinary file"):
-            open_frames(path)
-
-
 def test_a_dataset_is_refused_where_the_format_has_none(tmp_path):
     tifffile.imwrite(tmp_path / "a.tif", GREY, photometric="minisblack")
     with pytest.raises(FrameError, match="TIFF file, which has no datasets"):
@@ -88,13 +76,6 @@ def test_a_dataset_is_refused_where_the_format_has_none(tmp_path):
 
 
 # other packages
-
-
-def test_a_format_of_another_package_is_read(tmp_path, foreign):
-    foreign(flat=FLAT)
-    (tmp_path / "a.bin").write_bytes(b"FLAT\x07")
-    with borrow_frames(tmp_path / "a.bin") as file:
-        np.testing.assert_array_equal(file.read(0), np.full((2, 3), 7))
 
 
 def test_another_package_cannot_change_how_a_known_file_is_read(tmp_path, foreign):

@@ -46,26 +46,6 @@ def test_hardness_in_all_its_units(text, brinell):
     assert DesignSettings.model_validate(raw).bushing.hardness == pytest.approx(brinell, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("table", "key", "text", "value"),
-    [
-        ("life", "time", "5000 h", 18e6),
-        ("bushing", "wear", "2e-9 mm3/N/m", 2e-18),
-        ("bushing", "wear", "2e-9 mm3/(N m)", 2e-18),
-        ("bushing", "pv_limit", "1.5 W/mm^2", 1.5e6),
-        ("bushing", "pv_limit", "1.5 MPa m/s", 1.5e6),
-        ("bushing", "conductivity", "39 W/(m K)", 39),
-        ("pin", "expansion", "12e-6 1/K", 12e-6),
-        ("fit", "play", "-20 um", -20e-6),
-    ],
-)
-def test_other_units(table, key, text, value):
-    raw = tomllib.loads(SMALL.replace("10 tonne_force", "1 kN"))
-    raw.setdefault(table, {})[key] = text
-    found = getattr(getattr(DesignSettings.model_validate(raw), table), key)
-    assert found == pytest.approx(value, rel=1e-12)
-
-
 def test_bad_values_are_named(tmp_path):
     for old, new, named in FAULTS["design"]:
         text = SMALL.replace(old, new).replace("10 tonne_force", "100 kN")

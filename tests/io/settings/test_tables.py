@@ -3,13 +3,20 @@
 import pytest
 
 from erlif.core.units import parse_quantity
-from erlif.io.settings import FixtureSettings, RunSettings
-from erlif.io.settings.keys import keys_of, tables_of
+from erlif.io.settings import (
+    DesignSettings,
+    EnduranceSettings,
+    FixtureSettings,
+    PlanSettings,
+    RunSettings,
+    keys_of,
+    tables_of,
+)
 
-KINDS = pytest.mark.parametrize("kind", [RunSettings, FixtureSettings])
+KINDS = (RunSettings, FixtureSettings, PlanSettings, DesignSettings, EnduranceSettings)
 
 
-@KINDS
+@pytest.mark.parametrize("kind", KINDS)
 def test_every_example_of_a_quantity_is_in_its_unit(kind):
     quantities = [key for table in tables_of(kind) for key in keys_of(table.kind) if key.unit]
     assert quantities

@@ -32,12 +32,6 @@ def refusal(*args, **choice):
     return str(refused.value)
 
 
-def test_the_documented_names_need_no_remark():
-    log, remarks = found(table("frame", "angle_deg", "time_s", "load_N", "temperature_C"))
-    assert set(log) == {"number", "angle", "time", "load", "temperature"}
-    assert remarks == []
-
-
 @pytest.mark.parametrize(
     ("name", "quantity", "unit"),
     [
