@@ -13,8 +13,6 @@ from erlif.commands.main import main
     ("change", "expected"),
     [
         (lambda lab: shutil.rmtree(lab.run), "no such directory"),
-        (lambda lab: lab.frames(1)[0].unlink(), "camera2/frame_0000.tif"),
-        (lambda lab: (lab.run / "encoder.csv").unlink(), "encoder.csv"),
         (lambda lab: lab.edit("run/run.toml", ('"580 nm"', '"560 nm"')), "560 and 610 nm"),
     ],
 )

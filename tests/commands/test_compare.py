@@ -60,9 +60,7 @@ def test_a_comparison_that_fails_leaves_the_earlier_one_whole(
 
 def test_what_cannot_be_compared_is_refused_in_one_message(tmp_path, refused):
     film = write_example(tmp_path / "a.nc")
-    assert "two films or more; got 1" in refused("compare", film)
     assert f"{film} is named 2 times" in refused("compare", film, film)
-    assert "does not exist" in refused("compare", film, tmp_path / "b.nc")
     assert "two different films from 1 to 2" in refused(
         "compare", film, write_other(tmp_path / "b.nc"), "--pair", 1, 3
     )

@@ -24,14 +24,6 @@ def test_a_chosen_trigger_is_named(own, command):
     assert (own.parent / "film_trigger3.csv").is_file()
 
 
-def test_bad_input_is_refused_in_one_message(own, small_rig, refused, command):
-    assert "does not exist" in refused("export", own.with_name("a.nc"), "--to", "csv")
-    calibration = small_rig.fixture / "calibration.nc"
-    assert "holds a calibration" in refused("export", calibration, "--to", "mat")
+def test_bad_input_is_refused_in_one_message(own, refused):
     assert "a trigger from 0 to 5" in refused("export", own, "--to", "mat", "--trigger", 9)
-    assert "Give one of them" in refused(
-        "export", own, "--to", "csv", "--trigger", 1, "--angle", 90
-    )
     assert "a name in .mat" in refused("export", own, "--to", "mat", "-o", own.with_name("a.csv"))
-    command("export", own, "--to", "csv")
-    assert "use --overwrite" in refused("export", own, "--to", "csv")

@@ -23,28 +23,24 @@ def log(tmp_path_factory):
     return path
 
 
-def run(*words):
-    return CliRunner().invoke(main, ["friction", *map(str, words)])
-
-
 GIVEN = ("--radius", "5 mm", "--vector", "--column", "cells=Fx,Fy")
 
 
-def test_a_log_gives_the_coefficient_its_budget_a_table_and_a_figure(log, tmp_path):
-    words = (*GIVEN, "--speed", "10 mm/s", "--load-std", 0.01, "--torque-ratio", 1.25)
-    result = run(log, *words, "-o", tmp_path)
-    assert result.exit_code == 0, result.output
-    assert "apparent friction coefficient: 0.1200 ± 0.0012 (6 pairs" in result.stdout
-    assert "offset of the torque: 0.0500" in result.stdout
-    assert "torque ratio of 1.25: 0.0960 ± 0.0010" in result.stdout
+def test_a_log_gives_the_coefficient_its_budget_a_table_and_a_figure(
+    log, tmp_path, command, refused
+):
+    given = (*GIVEN, "--speed", "10 mm/s", "--load-std", 0.01, "--torque-ratio", 1.25)
+    words = ("friction", log, *given, "-o", tmp_path)
+    shown = command(*words).stdout
+    assert "apparent friction coefficient: 0.1200 ± 0.0012 (6 pairs" in shown
+    assert "offset of the torque: 0.0500" in shown
+    assert "torque ratio of 1.25: 0.0960 ± 0.0010" in shown
     assert {path.name for path in tmp_path.iterdir()} == {"bushing.csv", "bushing.png"}
     rows = (tmp_path / "bushing.csv").read_text().splitlines()
     assert rows[0].startswith("time [s],friction [1],friction_std [1]")
     assert rows[0].endswith("sliding_distance [m]")
     assert len(rows) == 7
-    again = run(log, *words, "-o", tmp_path)
-    assert again.exit_code == 2
-    assert "exists already" in again.stderr
+    assert "exists already" in refused(*words)
 
 
 @pytest.mark.parametrize(
@@ -52,12 +48,12 @@ def test_a_log_gives_the_coefficient_its_budget_a_table_and_a_figure(log, tmp_pa
     [
         (("--vector",), "--radius"),
         (("--radius", "5"), "number with a unit"),
-        (("--radius", "5 mm", "--column", "cells=Fz"), "Expected column 'Fz'"),
         ((*GIVEN, "--load-std", "3"), "0<=x<=1"),
     ],
 )
 def test_what_is_missing_or_wrong_is_stated(log, tmp_path, words, message):
-    result = run(log, *words, "-o", tmp_path / "out")
+    words = ("friction", log, *words, "-o", tmp_path / "out")
+    result = CliRunner().invoke(main, [str(word) for word in words])
     assert result.exit_code == 2
     assert message in result.stderr
     assert not (tmp_path / "out").exists()

@@ -2,7 +2,7 @@
 
 import os
 
-from damages.bench import Damage
+from damages.bench import TEXTS, Damage
 
 
 def _rows(path, change):
@@ -75,6 +75,7 @@ def _scale(factor):
 
 
 LOGS = [
+    *(_log(name, _cell(*row[:3]), *row[3:]) for name, row in TEXTS["log_cells"].items()),
     _log("empty", lambda rows: b"", "header"),
     _log("header alone", lambda rows: rows[:1], "rows of numbers"),
     _log("one row", lambda rows: rows[:2], "rows"),
@@ -84,21 +85,9 @@ LOGS = [
     _log("a row twice", lambda rows: [*rows[:3], *rows[2:]], "repeats frame"),
     _log("rows in reverse", lambda rows: [rows[0], *rows[:0:-1]], "frame"),
     _log("a cell missing", lambda rows: [*rows[:3], "2,0.2,16", *rows[4:]], "row 4"),
-    _log("NaN angle", _cell(4, "angle_deg", "nan"), "row 4, column angle_deg"),
-    _log("angle as text", _cell(4, "angle_deg", "up"), "row 4, column angle_deg", "'up'"),
-    _log("infinite angle", _cell(4, "angle_deg", "inf"), "row 4, column angle_deg"),
-    _log("huge angle", _cell(4, "angle_deg", "1e300"), "angle"),
-    _log("angle out of reach", _cell(4, "angle_deg", "40"), "deg"),
     _log("constant angle", _column("angle_deg", lambda k, v: "8.0"), "angle"),
     _log("time backwards", _column("time_s", lambda k, v: f"{1 - 0.1 * k:.3f}"), "time to rise"),
     _log("time stands still", _column("time_s", lambda k, v: "1.0"), "time to rise"),
-    _log("NaN time", _cell(3, "time_s", "nan"), "row 3, column time_s"),
-    _log("load as text", _cell(3, "load_N", "full"), "row 3, column load_N"),
-    _log("negative load", _cell(3, "load_N", "-5"), "positive load"),
-    _log("huge load", _cell(3, "load_N", "1e999"), "row 3, column load_N"),
-    _log("below absolute zero", _cell(3, "temperature_C", "-300"), "-273.15"),
-    _log("as hot as the sun", _cell(3, "temperature_C", "5500"), "1000 degC"),
-    _log("frame number with a fraction", _cell(3, "frame", "1.5"), "whole number"),
     _log("no angle", lambda rows: [row.replace("angle_deg", "note") for row in rows], "angle"),
     _log("column twice", lambda rows: [rows[0].replace("time_s", "load_N"), *rows[1:]], "2 times"),
     _log(
@@ -109,9 +98,6 @@ LOGS = [
     _log("name with a stroke", _header("laser_mJ", "laser/mJ"), "column 6", "'laser/mJ'", "Rename"),
     _log("angle without a unit", _header("angle_deg", "angle"), 'units = { angle = "deg" }'),
     _log("angle in German", _header("angle_deg", "winkel"), "for the angle", 'angle = "NAME"'),
-    _log("no number in a cell", _cell(4, "angle_deg", ""), "column angle_deg", "an empty cell"),
-    _log("underscore in a number", _cell(5, "time_s", "1_0"), "row 5, column time_s", "'1_0'"),
-    _log("decimal comma in quotes", _cell(3, "angle_deg", '"1,5"'), "decimal points"),
     _log("a cell too many", lambda rows: [*rows[:3], rows[3] + ",7", *rows[4:]], "6 values"),
     _log("blank row", lambda rows: [*rows[:3], "", *_cell(4, "angle_deg", "x")(rows)[3:]], "row 5"),
     _log("no header", lambda rows: rows[1:], "header"),
@@ -152,23 +138,17 @@ LOGS = [
 """Logs, and files of another kind in the place of text."""
 
 PROFILES = [
+    *(
+        _profile(name, lambda rows, row=row: [*rows[:4], row, *rows[5:]], *words)
+        for name, (row, *words) in TEXTS["profile_rows"].items()
+    ),
     _profile("empty", lambda rows: b"", "x_mm,thickness_um"),
     _profile("header alone", lambda rows: rows[:1], "at least 8 points"),
     _profile("too short", lambda rows: rows[:7], "at least 8 points"),
     _profile("other header", lambda rows: ["x,thickness", *rows[1:]], "x_mm,thickness_um"),
     _profile("no header", lambda rows: rows[1:], "x_mm,thickness_um"),
-    _profile("NaN", lambda rows: [*rows[:4], "0.3,nan,0.1", *rows[5:]], "row 5"),
-    _profile("text", lambda rows: [*rows[:4], "0.3,thin,0.1", *rows[5:]], "row 5", "'thin'"),
-    _profile("infinite", lambda rows: [*rows[:4], "0.3,1e999,0.1", *rows[5:]], "row 5"),
-    _profile("huge", lambda rows: [*rows[:4], "0.3,1e30,0.1", *rows[5:]], "up to 100000"),
-    _profile("a cell missing", lambda rows: [*rows[:4], "0.3", *rows[5:]], "row 5"),
     _profile("semicolons", lambda rows: [row.replace(",", ";") for row in rows], "x_mm;thick"),
     _profile("decimal commas", lambda rows: [rows[0], *('0,1,"0,2",0,1',) * 9], "row 2"),
-    _profile(
-        "no uncertainty in a row",
-        lambda rows: [*rows[:4], "0.3,0.2,0", *rows[5:]],
-        "Leave the column out",
-    ),
     _profile("all at one place", lambda rows: [rows[0], *("1,2,0.1",) * 20], "x_mm to change"),
     _profile("of one thickness", lambda rows: [rows[0], *_flat(rows)], "thick at all points"),
     _profile(

@@ -138,6 +138,14 @@ CALIBRATIONS = [
 ]
 
 FILMS = [
+    *(
+        _film(name, _attribute(*row[:3]), *row[3:], command=command)
+        for name, (command, *row) in TEXTS["film_attributes"].items()
+    ),
+    *(
+        _film(name, _without(lost), *words, command=command)
+        for name, (command, lost, *words) in TEXTS["film_variables"].items()
+    ),
     _film("history is no text", _history(b"\xff\xff\x7ff"), "history", "UTF-8", command="report"),
     _film(
         "half a pair in JSON",
@@ -155,25 +163,13 @@ FILMS = [
     _bytes(
         "a heap without end", "films/film.nc", empty_heap, "report films/film.nc", "too much time"
     ),
-    _film("no thickness", _without("thickness"), "it has no variable thickness"),
-    _film("no errors", _without("thickness_std"), "it has no variable thickness_std"),
-    _film("no flags", _without("flags"), "flags", command="report"),
-    _film("no statistics", _without("film_min"), "film_min"),
-    _film("no group frames", _without("frames"), "frames"),
-    _film("no group registration", _without("registration"), "registration", command="report"),
     _film("exponent at rest", _set("rocker_speed", 0.0), "rocker_speed is zero", command="report"),
     _film("infinite film", _first("film_min", np.inf), "film_min has the value inf"),
     _film("impossible film", _first("film_mean", 1e300), "film_mean has the value"),
     _film("positions fall", lambda f: _set("x", f["x"][()][::-1])(f), "positions x do not rise"),
     _film("positions NaN", _set("y", np.nan), "y has no value"),
     _film("triggers repeat", _set("trigger", 0), "not numbered from 0"),
-    _film("later format", _attribute("format_version", 99), "later version of erlif"),
-    _film("format of text", _attribute("format_version", "new"), "film.nc is damaged"),
-    _film("settings cut", _attribute("settings", "[run"), "settings in it cannot be read"),
-    _film("calibration cut", _attribute("calibration", "{"), "no record in JSON"),
     _film("calibration of NaN", _attribute("calibration", json.dumps({"a": 1})), "calibration"),
-    _film("title is a number", _attribute("title", 5), "not text", command="report"),
-    _film("film in nm", _attribute("units", "nm", "thickness"), "is in 'nm', not in um"),
     _film(
         "values elsewhere",
         lambda f: (_without("load")(f), f.__setitem__("load", h5py.ExternalLink("a.nc", "/a"))),
