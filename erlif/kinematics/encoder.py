@@ -12,11 +12,22 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError
 from erlif.core.products import EncoderLog
-from erlif.kinematics.direction import find_direction
 from erlif.models.mechanism import CrankRocker, SliderCrank
 
 # A reading this far beyond a dead point is taken as the dead point. [rad]
 ENCODER_ERROR = math.radians(0.1)
+
+# Of the crank angle, by which the readings of a turn are described.
+HARMONICS = 3
+
+# Twice as many as the harmonics have coefficients.
+FEWEST_FRAMES = 14
+
+# Largest relative deviation of the crank speed from its setting.
+LARGEST_SLIP = 0.05
+
+# Standard deviations by which the second harmonic must differ from zero.
+SIGNIFICANT = 5.0
 
 _TURN = 2 * math.pi
 
@@ -160,7 +171,7 @@ def _read_swing(
     log: EncoderLog, mechanism: Mechanism, encoder: Encoder, crank_speed: float
 ) -> LinkAngle:
     """Angle of a link that swings."""
-    link = choose_link(mechanism, encoder)
+    link = choose_link(mechanism, encoder.mounted_on)
     low, high = link.limits
     counted = _count_on(log.angle.values)
     reading = np.radians(counted)
@@ -170,11 +181,11 @@ def _read_swing(
     sign = signs[0]
     noise = 0.0
     if "time" in log and reading.size > 1:
-        found = find_direction(log["time"].values, reading, link.angle, crank_speed=crank_speed)
-        noise = found.noise
-        if encoder.direction is not None and found.sign == -sign:
+        time = log["time"].values
+        seen, noise = find_direction(time, reading, link.angle, crank_speed=crank_speed)
+        if encoder.direction is not None and seen == -sign:
             _refuse_direction(encoder)
-        sign = found.sign or sign
+        sign = seen or sign
 
     if encoder.zero is not None:
         zero = encoder.zero
@@ -203,6 +214,77 @@ def _refuse_direction(encoder: Encoder) -> None:
     )
 
 
+def find_direction(
+    time: Array, reading: Array, link: Callable[[Array], Array], *, crank_speed: float
+) -> tuple[int, float]:
+    """Find whether the readings rise or fall while the angle of a swinging link rises.
+
+    A link dwells longer at one dead point than at the other: its angle has a second harmonic of
+    the crank angle. A reversed reading changes the sign of the first harmonic and of the second.
+    The square of the first one has lost that sign, so the product of its conjugate with the second
+    shows it, whatever the phase of the crank.
+
+    Parameters
+    ----------
+    time : array, (frame,)
+        [s]
+    reading : array, (frame,)
+        [rad]
+    link : callable
+        Crank angle to angle of the link. [rad]
+    crank_speed : float
+        As set; the log may deviate by `LARGEST_SLIP`. [rad s-1]
+
+    Returns
+    -------
+    sign : int
+        1 rising, -1 falling, 0 where the log does not show it.
+    noise : float
+        Standard deviation of the readings about their harmonics; 0 for a short log. [rad]
+
+    Examples
+    --------
+    >>> def link(crank): return np.cos(crank) + 0.2 * np.cos(2 * crank)
+    >>> time = np.linspace(0, 1, 40)
+    >>> find_direction(time, -link(8 * time + 1), link, crank_speed=8.0)[0]
+    -1
+    """
+    duration = float(np.ptp(time))
+    if time.size < FEWEST_FRAMES or duration * crank_speed < 0.9 * _TURN:
+        return 0, 0.0
+
+    # the crank speed is searched in steps by which the log slips a twentieth of a turn
+    count = int(np.ceil(LARGEST_SLIP * crank_speed * duration / (0.05 * _TURN)))
+    speeds = crank_speed * (1 + LARGEST_SLIP * np.arange(-count, count + 1) / max(count, 1))
+    fits = [_fit_harmonics(time, reading, float(speed)) for speed in speeds]
+    residual, read_first, read_second = min(fits, key=lambda fit: fit[0])
+    noise = float(np.sqrt(residual / (time.size - 1 - 2 * HARMONICS)))
+
+    # harmonics of the link itself, on a grid that is fine for all that matter
+    crank = np.arange(256) * _TURN / 256
+    wave = np.asarray(link(crank))
+    first, second = (2 * np.mean(wave * np.exp(-1j * m * crank)) for m in (1, 2))
+
+    phase = read_first / abs(read_first) * np.conj(first) / abs(first)
+    along = float((read_second * np.conj(phase**2) / second).real)
+    std = noise * np.sqrt(2 / time.size) / abs(second)
+    sure = abs(along) > SIGNIFICANT * std and 0.5 < abs(along) < 2.0
+    return int(np.sign(along)) if sure else 0, noise
+
+
+def _fit_harmonics(time: Array, reading: Array, speed: float) -> tuple[float, complex, complex]:
+    """Sum of the squared residuals, and first and second harmonic of the readings."""
+    turn = speed * (time - time[0])
+    columns = [np.ones_like(turn)]
+    for m in range(1, HARMONICS + 1):
+        columns += [np.cos(m * turn), np.sin(m * turn)]
+    design = np.stack(columns, axis=1)
+    solution = np.linalg.lstsq(design, reading, rcond=None)[0]
+    residual = float(np.sum((reading - design @ solution) ** 2))
+    one, two = (complex(solution[2 * m - 1], -solution[2 * m]) for m in (1, 2))
+    return residual, one, two
+
+
 class Link(NamedTuple):
     """A link that swings.
 
@@ -224,12 +306,29 @@ class Link(NamedTuple):
     speed: Callable[..., Array]
 
 
-def choose_link(mechanism: Mechanism, encoder: Encoder) -> Link:
-    """The link that carries the encoder and swings; the rod of a slider-crank is its coupler."""
+def choose_link(mechanism: Mechanism, mounted_on: str) -> Link:
+    """Choose the link that carries the encoder and swings.
+
+    Parameters
+    ----------
+    mechanism : CrankRocker or SliderCrank
+    mounted_on : str
+        Only "coupler" makes a difference; the rod of a slider-crank is its coupler.
+
+    Returns
+    -------
+    Link
+
+    Examples
+    --------
+    >>> rig = CrankRocker(0.055, 0.44, 0.26, 0.51)
+    >>> np.degrees(choose_link(rig, "rocker").limits).round(1)
+    array([47.4, 71.8])
+    """
     one = mechanism
     if isinstance(one, SliderCrank):
         return Link(one.limits(), one.coupler_angle, one.crank_angle, one.coupler_speed)
-    if encoder.mounted_on == "coupler":
+    if mounted_on == "coupler":
         inverse = one.crank_angle_from_coupler
         return Link(one.coupler_limits(), one.coupler_angle, inverse, one.coupler_speed)
     return Link(one.limits(), one.rocker_angle, one.crank_angle, one.rocker_speed)

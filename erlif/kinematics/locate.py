@@ -90,8 +90,8 @@ def locate_frames(
     fold = fold_frames(crank, log.assign(angle=("frame", link.reading)), encoder, mechanism)
 
     # the stroke is that of the rod of a slider-crank, or of the rocker
-    speed = _joint_speed(mechanism, crank, crank_speed)
-    angle_rate = choose_link(mechanism, Encoder()).speed(crank, crank_speed=crank_speed)
+    speed = joint_speed(mechanism, crank, crank_speed)
+    angle_rate = choose_link(mechanism, "rocker").speed(crank, crank_speed=crank_speed)
     stroke = np.where(np.asarray(angle_rate) >= 0, 1, -1).astype(np.int8)
 
     swings = encoder.mounted_on == "rocker" and not link.falling
@@ -187,8 +187,29 @@ def _describe_encoder(link: LinkAngle, encoder: Encoder) -> dict[str, str | floa
     return attrs
 
 
-def _joint_speed(mechanism: Mechanism, crank: Array, crank_speed: float) -> Array:
-    """Angular speed in the joint. [rad s-1]"""
+def joint_speed(mechanism: Mechanism, crank: Array, crank_speed: float) -> Array:
+    """Angular speed in the joint of a linkage.
+
+    Parameters
+    ----------
+    mechanism : CrankRocker or SliderCrank
+    crank : array
+        Crank angle. [rad]
+    crank_speed : float
+        [rad s-1]
+
+    Returns
+    -------
+    array
+        Like crank. [rad s-1]
+
+    Examples
+    --------
+    At a dead point the crank pin of a slider-crank has the speed of crank and rod together:
+
+    >>> joint_speed(SliderCrank(0.05, 0.2), np.array([0.0]), 10.0)
+    array([12.5])
+    """
     # the crank pin of a slider-crank turns against the rod, the rocker pin against the frame
     if isinstance(mechanism, SliderCrank):
         return np.asarray(mechanism.joint_speed(crank, crank_speed=crank_speed))
@@ -200,7 +221,7 @@ def _describe_zero_effect(
 ) -> str:
     """What the error of a fitted zero changes: it is the same for all frames."""
     std = link.zero_std or 0.0
-    carrier = choose_link(mechanism, encoder)
+    carrier = choose_link(mechanism, encoder.mounted_on)
     rising = np.asarray(carrier.speed(crank, crank_speed=crank_speed)) > 0
 
     # a dead point ends the reach of the link, where the crank angle of a reading changes fastest
@@ -210,9 +231,9 @@ def _describe_zero_effect(
     )
     turned = np.abs((after - before + math.pi) % (2 * math.pi) - math.pi) / 2
     changed = np.subtract(
-        *(np.abs(_joint_speed(mechanism, one, crank_speed)) for one in (after, before))
+        *(np.abs(joint_speed(mechanism, one, crank_speed)) for one in (after, before))
     )
-    top = float(np.abs(_joint_speed(mechanism, crank, crank_speed)).max())
+    top = float(np.abs(joint_speed(mechanism, crank, crank_speed)).max())
     return (
         f"; the crank angle changes with it by {math.degrees(float(np.median(turned))):.2f} deg, "
         f"the speed by {float(np.median(np.abs(changed))) / 2 / top:.1%} of its highest value "
@@ -224,7 +245,7 @@ def _crank_from_swing(
     link: LinkAngle, log: EncoderLog, mechanism: Mechanism, encoder: Encoder
 ) -> Array:
     """Crank angle from the angle of a link that swings. [rad]"""
-    inverse = choose_link(mechanism, encoder).crank
+    inverse = choose_link(mechanism, encoder.mounted_on).crank
     if "angle_rate" not in log:
         time = log["time"].values if "time" in log else None
         return _follow_crank(link.angle, inverse, time)

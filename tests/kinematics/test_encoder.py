@@ -9,6 +9,7 @@ from scenes.linkage import LINKAGE, OMEGA, apart, link_angles, locate, make_log
 
 from erlif.core.errors import EncoderError
 from erlif.kinematics import Encoder, encoder_notes, read_link_angle
+from erlif.kinematics.encoder import FEWEST_FRAMES, find_direction
 
 FINE = np.linspace(0, 2 * np.pi, 2001)
 ANGLES = {"rocker": 0, "coupler": 1}
@@ -106,6 +107,39 @@ def test_a_direction_that_contradicts_the_crank_is_refused():
     for direction, readings in (("falling", reading), ("rising", -reading)):
         with pytest.raises(EncoderError, match="direction"):
             locate(log_of(readings), mounted_on="crank", direction=direction)
+
+
+# direction by the second harmonic of the readings
+
+
+def wave(crank):
+    return 10 * np.cos(crank) + np.cos(2 * crank + 0.4)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("phase", [0.0, 1.7, 4.0])
+@pytest.mark.parametrize("speed", [8.0, 8.3, 7.7])
+def test_the_sign_is_found_at_any_phase_and_nearly_any_speed(sign, phase, speed):
+    time = np.linspace(0, 3, 200)
+    reading = 5 + sign * wave(speed * time + phase)
+    found, noise = find_direction(time, reading, wave, crank_speed=8.0)
+    assert found == sign
+    assert noise < 0.1
+
+
+def test_noise_leaves_the_sign_open_and_is_measured():
+    rng = np.random.default_rng(1)
+    time = np.linspace(0, 3, 200)
+    reading = 10 * np.cos(8 * time) + 0.5 * rng.standard_normal(200)
+    found, noise = find_direction(time, reading, wave, crank_speed=8.0)
+    assert found == 0
+    assert noise == pytest.approx(0.5, rel=0.15)
+
+
+@pytest.mark.parametrize(("frames", "duration"), [(FEWEST_FRAMES - 1, 3.0), (200, 0.5)])
+def test_a_short_log_leaves_the_sign_open(frames, duration):
+    time = np.linspace(0, duration, frames)
+    assert find_direction(time, wave(8 * time), wave, crank_speed=8.0)[0] == 0
 
 
 # zero

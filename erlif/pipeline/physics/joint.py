@@ -21,8 +21,6 @@ from erlif.io.settings import (
 from erlif.kinematics import (
     Encoder,
     Mechanism,
-    Rotation,
-    Sinusoid,
     entrained_stroke,
     locate_frames,
     locate_logged,
@@ -80,7 +78,8 @@ def locate_run(run: Run) -> xr.Dataset:
         case RotationSettings() as disc:
             return locate_rotation(
                 log,
-                rotation=Rotation(disc.radius, disc.speed),
+                radius=disc.radius,
+                rotation_speed=disc.speed,
                 zero=encoder.zero or 0.0,
                 triggers_per_cycle=per_cycle,
                 bins=encoder.bins,
@@ -88,7 +87,8 @@ def locate_run(run: Run) -> xr.Dataset:
         case SinusoidalSettings() as slider:
             return locate_slider(
                 log,
-                slider=Sinusoid(slider.stroke, slider.frequency),
+                travel=slider.stroke,
+                frequency=slider.frequency,
                 zero=encoder.zero,
                 triggers_per_cycle=per_cycle,
                 bins=encoder.bins,

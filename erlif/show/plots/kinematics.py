@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from erlif.core.arrays import Array
 from erlif.io.files import settings_of
 from erlif.io.settings import SinusoidalSettings
-from erlif.models.mechanism import SliderCrank
+from erlif.kinematics import choose_link, joint_speed
 from erlif.pipeline.physics.joint import build_linkage
 from erlif.show.plots import style, triggers
 from erlif.show.plots.style import COVERAGE, MEAN, MINIMUM, MUTED, ONE_COLUMN, AnyFigure, pt, styled
@@ -60,26 +60,20 @@ def linkage_cycle(film: xr.Dataset) -> LinkageCycle:
     if links is None or encoder is None:
         raise refusal("no_linkage")
     mechanism, omega = build_linkage(links), links.crank_speed
-    if isinstance(mechanism, SliderCrank):
-        angle_of, speed_of = mechanism.coupler_angle, mechanism.joint_speed
-    else:
-        angle_of, speed_of = mechanism.rocker_angle, mechanism.rocker_speed
-    speed = speed_of(_CYCLE, crank_speed=omega)
 
     sign = -1.0 if film.encoder_angle.attrs.get("direction") == "falling" else 1.0
     if encoder.mounted_on == "crank":
         reading = sign * np.degrees(_CYCLE - (encoder.zero or 0.0)) % 360
     else:
-        on_coupler = encoder.mounted_on == "coupler"
-        angle = (mechanism.coupler_angle if on_coupler else angle_of)(_CYCLE)
-        found = film.encoder_angle.attrs.get("zero")
-        zero = np.radians(found) if encoder.zero is None else encoder.zero
+        angle = choose_link(mechanism, encoder.mounted_on).angle(_CYCLE)
+        fitted = film.encoder_angle.attrs.get("zero")
+        zero = np.radians(fitted) if encoder.zero is None else encoder.zero
         reading = sign * np.degrees(angle - zero)
 
         # an encoder that starts again at 0 was counted on, by whole turns
         away = float(film.encoder_angle.mean()) - (reading.min() + reading.max()) / 2
         reading = reading + 360 * np.round(away / 360)
-    return LinkageCycle(np.degrees(_CYCLE), np.asarray(reading), np.asarray(speed))
+    return LinkageCycle(np.degrees(_CYCLE), reading, joint_speed(mechanism, _CYCLE, omega))
 
 
 def _times(factor: float) -> Callable[[npt.ArrayLike], Array]:
