@@ -382,12 +382,7 @@ def _as_variables(**values: Any) -> xr.Dataset:
 
 def _describe_tolerances(design: Design, film: Film, settings: PlanSettings) -> xr.Dataset:
     """The effect of each tolerance, the largest first; and the two ranges of the plan."""
-    sizes = {
-        name: float(value)
-        for name, value in settings.tolerances.model_dump(mode="python").items()
-        if not isinstance(value, str)
-    }
-    sizes["filter"] = float(settings.tolerances.filter)
+    sizes = {name: float(value) for name, value in settings.tolerances}
     changes = vary_tolerances(design, film, sizes)
     described = _as_variables(
         tolerance_std=[change.std for change in changes],

@@ -12,16 +12,6 @@ from erlif.planning.design import Camera, Design, log_ratio, log_ratio_slope
 from erlif.planning.optimum import FILMS, largest_error
 from erlif.planning.precision import Film, measurable_range
 
-# Tolerances by default: shares of the value, the filter in nm.
-TOLERANCES: Mapping[str, float] = {
-    "concentration": 0.05,
-    "filter": 2.0,
-    "pulse_energy": 0.10,
-    "gain": 0.05,
-    "read_noise": 0.20,
-    "full_well": 0.10,
-}
-
 
 @dataclass(frozen=True)
 class Change:
@@ -58,9 +48,7 @@ class Change:
         return float(np.nanmax(np.abs([self.std, self.film, 0.0])))
 
 
-def vary_tolerances(
-    design: Design, film: Film, tolerances: Mapping[str, float] = TOLERANCES
-) -> list[Change]:
+def vary_tolerances(design: Design, film: Film, tolerances: Mapping[str, float]) -> list[Change]:
     """Change each part of a design by its tolerance.
 
     Parameters
@@ -68,7 +56,7 @@ def vary_tolerances(
     design : Design
     film : Film
     tolerances : mapping of str to float
-        Keys as in `TOLERANCES`.
+        By its key in the table [tolerances] of a plan: shares of the value, the filter in nm.
 
     Returns
     -------
@@ -79,25 +67,53 @@ def vary_tolerances(
     Examples
     --------
     >>> from erlif.planning.design import example_design
-    >>> changes = vary_tolerances(example_design(), Film(2.0, 8.0, (0.1, 18.0)))
+    >>> names = "concentration", "filter", "pulse_energy", "gain", "read_noise", "full_well"
+    >>> sizes = dict(zip(names, (0.05, 2.0, 0.1, 0.05, 0.2, 0.1), strict=True))
+    >>> changes = vary_tolerances(example_design(), Film(2.0, 8.0, (0.1, 18.0)), sizes)
     >>> changes[0].what[:14], changes[-1].effect < 0.05
     ('gain of camera', True)
     """
+    # a shift of the ratio is no film where the ratio hardly changes
+    low, high = measurable_range(design, film)
+    first, last = max(film.thinnest, low), min(film.thickest, high)
+    if not first < last:
+        first, last = film.thinnest, film.thickest
+    films = np.geomspace(first, last, FILMS)
+    before, slope = log_ratio(design, films), log_ratio_slope(design, films)
+    error = largest_error(design, film)
+
+    def change(what: str, size: str, varied: Design) -> Change:
+        thin, thick = measurable_range(varied, film)
+        moved = log_ratio(varied, films) - before
+        # counts and not electrons are compared: the gains of both cameras are part of the ratio
+        gains = [camera.gain for camera in (*varied.cameras, *design.cameras)]
+        moved += np.log(gains[0] / gains[1] * gains[3] / gains[2])
+        return Change(
+            what,
+            size,
+            # an infinite error cannot change
+            largest_error(varied, film) / error - 1 if math.isfinite(error) else math.nan,
+            thin - low,
+            thick - high,
+            float(np.abs(moved / slope / films).max()),
+        )
+
+    # of each tolerance the sign with the larger effect
     narrow = any(dye.absorption.narrow or dye.emission.narrow for dye in design.dyes)
-    found = [
-        _worse(design, film, what, size, unit, vary)
-        for what, size, unit, vary in _variations(design, tolerances)
-        if not (narrow and unit == "nm")
-    ]
-    return sorted(found, key=lambda change: -change.effect)
+    changes = []
+    for what, size, unit, vary in _variations(design, tolerances):
+        if narrow and unit == "nm":
+            continue
+        text = f"{100 * size:.3g} %" if unit == "%" else f"{size:g} nm"
+        both = [change(what, text, vary(step)) for step in (size, -size)]
+        changes.append(max(both, key=lambda one: (one.effect, one.std)))
+    return sorted(changes, key=lambda one: -one.effect)
 
 
 _Vary = Callable[[float], Design]
 
 
-def _variations(
-    design: Design, tolerances: Mapping[str, float]
-) -> list[tuple[str, float, str, _Vary]]:
+def _variations(design: Design, size: Mapping[str, float]) -> list[tuple[str, float, str, _Vary]]:
     """Name, size, unit and the changed design of each tolerance."""
 
     def dye(n: int) -> _Vary:
@@ -105,10 +121,11 @@ def _variations(
             design.concentrations * np.where(np.arange(2) == n, 1 + step, 1.0)
         )
 
-    def camera(key: str, *numbers: int, relative: bool = True) -> _Vary:
+    def camera(key: str, *numbers: int) -> _Vary:
         def changed(one: Camera, step: float) -> Camera:
             value = getattr(one, key)
-            return replace(one, **{key: value * (1 + step) if relative else value + step})
+            # the tolerance of a filter is a shift
+            return replace(one, **{key: value + step if key == "band" else value * (1 + step)})
 
         return lambda step: replace(
             design,
@@ -120,48 +137,16 @@ def _variations(
     def energy(step: float) -> Design:
         return replace(design, energy=design.energy * (1 + step))
 
-    size = {**TOLERANCES, **tolerances}
-    found: list[tuple[str, float, str, _Vary]] = []
+    varied: list[tuple[str, float, str, _Vary]] = []
     for n in (0, 1):
-        found += [
+        varied += [
             (f"concentration of dye {n + 1}", size["concentration"], "%", dye(n)),
-            (f"filter of camera {n + 1}", size["filter"], "nm", camera("band", n, relative=False)),
+            (f"filter of camera {n + 1}", size["filter"], "nm", camera("band", n)),
             (f"gain of camera {n + 1}", size["gain"], "%", camera("gain", n)),
         ]
     return [
-        *found,
+        *varied,
         ("pulse energy", size["pulse_energy"], "%", energy),
         ("read noise", size["read_noise"], "%", camera("read_noise", 0, 1)),
         ("full well", size["full_well"], "%", camera("full_well", 0, 1)),
     ]
-
-
-def _worse(design: Design, film: Film, what: str, size: float, unit: str, vary: _Vary) -> Change:
-    """The sign with the larger effect."""
-    # a shift of the ratio is no film where the ratio hardly changes
-    low, high = measurable_range(design, film)
-    first, last = max(film.thinnest, low), min(film.thickest, high)
-    if not first < last:
-        first, last = film.thinnest, film.thickest
-    films = np.geomspace(first, last, FILMS)
-    before, slope = log_ratio(design, films), log_ratio_slope(design, films)
-    error = largest_error(design, film)
-
-    def change(step: float) -> Change:
-        varied = vary(step)
-        thin, thick = measurable_range(varied, film)
-        moved = log_ratio(varied, films) - before
-        # counts and not electrons are compared: the gains of both cameras are part of the ratio
-        gains = [camera.gain for camera in (*varied.cameras, *design.cameras)]
-        moved += np.log(gains[0] / gains[1] * gains[3] / gains[2])
-        return Change(
-            what,
-            f"{100 * size:.3g} %" if unit == "%" else f"{size:g} nm",
-            # an infinite error cannot change
-            largest_error(varied, film) / error - 1 if math.isfinite(error) else math.nan,
-            thin - low,
-            thick - high,
-            float(np.abs(moved / slope / films).max()),
-        )
-
-    return max((change(size), change(-size)), key=lambda one: (one.effect, one.std))

@@ -54,11 +54,8 @@ def test_coefficients_hold_for_their_band_alone():
     [
         (None, "cannot be read"),
         ("nm,value\n500,1\n600,2\n", "header wavelength_nm,value"),
-        ("", "an empty file"),
         ("wavelength_nm,value\n500,1\n", "rising wavelengths"),
-        ("wavelength_nm,value\n600,1\n500,2\n", "rising wavelengths"),
         ("wavelength_nm,value\n500,one\n600,2\n", "could not convert"),
-        ("wavelength_nm,value\n500,1,3\n600,2\n", "two numbers"),
         ("wavelength_nm,value\n500,-1\n600,2\n", "baseline"),
         ("wavelength_nm,value\n500,nan\n600,2\n", "finite"),
         ("wavelength_nm,value\n0.5,1\n0.6,2\n", "to nm"),
