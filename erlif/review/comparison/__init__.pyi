@@ -3,9 +3,10 @@ from .difference import PairDifference, average_difference, correct_for_many
 from .maps import difference_map
 from .records import RunRecord, read_run, refuse_unlike
 from .runs import compare
-from .table import describe_comparison
+from .table import NO_CHANCE, describe_comparison
 
 __all__ = [
+    "NO_CHANCE",
     "PairDifference",
     "RunRecord",
     "average_difference",

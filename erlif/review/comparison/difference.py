@@ -10,7 +10,7 @@ import numpy as np
 
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ErlifError
-from erlif.review.comparison.cells import calibration_var
+from erlif.review.comparison.maps import calibration_var
 from erlif.review.comparison.records import REPEATING, RunRecord
 
 _FULL_TURN = 360.0  # degree

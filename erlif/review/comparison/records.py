@@ -18,7 +18,7 @@ from erlif.core.errors import ErlifError
 from erlif.io.files import region_of, settings_of
 from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.joint import describe_joint
-from erlif.review.comparison.cells import average_cells, noise_inflation
+from erlif.review.comparison.maps import average_cells, noise_inflation
 from erlif.trend import viscosity_at
 
 # Film statistics that are compared.
@@ -210,12 +210,9 @@ def _remainder(std: Array, gradient: Array, covariance: Array) -> Array:
 
 def _beyond_range(film: xr.Dataset) -> Array:
     """Share of the region beyond the measurable range, by trigger; 0 where it is not recorded."""
-    if "share_beyond_range" in film:
-        return np.asarray(film.share_beyond_range.values, float)
-    recorded = film.film_mean.attrs.get("share_beyond_range")
-    if recorded is None or np.size(recorded) != film.sizes["trigger"]:
+    if "share_beyond_range" not in film:
         return np.zeros(film.sizes["trigger"])
-    return np.asarray(recorded, float)
+    return np.asarray(film.share_beyond_range.values, float)
 
 
 def _mean_errors(film: xr.Dataset, trigger: int, calibration: Calibration) -> tuple[float, Array]:

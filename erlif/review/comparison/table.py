@@ -6,7 +6,10 @@ import numpy as np
 import xarray as xr
 
 _NAMES = {"film_min": "minimum film", "film_mean": "mean film"}
-_NO_CHANCE = 1e-12  # probabilities below it depend on tails that nobody has measured
+
+# Probability below which tails decide that nobody has measured.
+NO_CHANCE = 1e-12
+
 _SIDES = 1.96  # standard deviations of a difference that is found in half of the cases
 
 
@@ -68,7 +71,7 @@ def _describe_pair(one: xr.Dataset, name: str) -> str:
     if not np.isfinite(value):
         return f"{runs} not comparable: no common trigger has one within the measurable range"
     chance = float(of.probability_corrected)
-    probability = "p below 1e-12" if chance < _NO_CHANCE else f"p = {chance:.2g}"
+    probability = "p below 1e-12" if chance < NO_CHANCE else f"p = {chance:.2g}"
     size = f"{value:+.3f} ± {std:.3f} um, {probability}"
     if of.differs.item():
         return f"{runs} {size}, differs"

@@ -10,9 +10,8 @@ from markupsafe import Markup
 
 from erlif.core.version import __version__
 from erlif.io.conversion import table_csv
+from erlif.review.comparison import NO_CHANCE
 from erlif.show.report.layout import Table, compose_page, render_part, save_page
-
-_NO_CHANCE = 1e-12  # probabilities below it depend on tails that nobody has measured
 
 
 def write_pair_table(found: xr.Dataset, output: Path) -> None:
@@ -69,7 +68,7 @@ def _columns(found: xr.Dataset) -> dict[str, list[str]]:
 def _page(columns: dict[str, list[str]]) -> str:
     """The table as a page; a probability below those that are known is stated as such."""
     shown = columns | {
-        name: ["below 1e-12" if float(each) < _NO_CHANCE else each for each in columns[name]]
+        name: ["below 1e-12" if float(each) < NO_CHANCE else each for each in columns[name]]
         for name in ("probability", "probability corrected")
     }
     rows = list(zip(*shown.values(), strict=True))
