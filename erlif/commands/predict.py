@@ -52,7 +52,7 @@ def predict(source: Path, output: Path | None, fitted: bool, **options: Any) -> 
     # the fit takes minutes and is asked for
     if fitted:
         from erlif.pipeline.physics.fit import fit_film
-        from erlif.show.report.fit import summarise_comparison
+        from erlif.show.report.prediction import summarise_comparison
 
         with working() as progress:
             compared = fit_film(source, progress=progress)

@@ -14,6 +14,8 @@ SAMPLED = 200_000
 # Standard deviation of a normal distribution over its median absolute deviation, 1/Phi^-1(3/4).
 MAD_TO_STD = 1.4826
 
+_WITHIN = (0.5, 99.5)  # percentiles at the ends of a colour scale
+
 
 def robust_std(values: AnyArray) -> float:
     """Standard deviation about the median, from the median absolute deviation.
@@ -54,6 +56,30 @@ def robust_rms(values: AnyArray) -> float:
     2.9652
     """
     return MAD_TO_STD * float(np.median(np.abs(values)))
+
+
+def central_range(values: AnyArray) -> tuple[float, float]:
+    """Range of all but the 0.5 % lowest and highest values, as the ends of a colour scale.
+
+    Parameters
+    ----------
+    values : array
+
+    Returns
+    -------
+    tuple of float
+        Of the finite values; 0 and 1 without any.
+
+    Examples
+    --------
+    >>> central_range(np.append(np.linspace(0, 1, 1001), [np.nan, np.inf]))
+    (0.005, 0.995)
+    """
+    known = values[np.isfinite(values)]
+    if known.size == 0:
+        return 0.0, 1.0
+    low, high = np.percentile(known, _WITHIN)
+    return float(low), float(high)
 
 
 def covariance_root(covariance: Array) -> Array:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -62,12 +61,6 @@ class FilmStatistics:
     minimum_gradient: Array
     minimum_place: Array
     beyond_range: float
-
-
-class _Mean(NamedTuple):
-    value: float
-    random_std: float
-    gradient: Array
 
 
 def summarise_film(
@@ -167,17 +160,17 @@ def summarise_blocks(
     >>> summarise_blocks(dark, curve, region=whole).mean
     nan
     """
-    mean = _average_film(sums, curve)
+    mean, mean_random, mean_gradient = _average_film(sums, curve)
     minimum = find_gap_minimum(sums, curve, region=region, sliding_along_x=sliding_along_x)
 
     covariance = curve.calibration.full_covariance
-    mean_shared = float(mean.gradient @ covariance @ mean.gradient)
+    mean_shared = float(mean_gradient @ covariance @ mean_gradient)
     minimum_shared = float(minimum.gradient @ covariance @ minimum.gradient)
     return FilmStatistics(
-        mean=mean.value,
-        mean_std=math.sqrt(mean.random_std**2 + mean_shared),
-        mean_random_std=mean.random_std,
-        mean_gradient=mean.gradient,
+        mean=mean,
+        mean_std=math.sqrt(mean_random**2 + mean_shared),
+        mean_random_std=mean_random,
+        mean_gradient=mean_gradient,
         minimum=minimum.value,
         minimum_std=math.sqrt(minimum.random_std**2 + minimum.surface_std**2 + minimum_shared),
         minimum_random_std=minimum.random_std,
@@ -189,8 +182,8 @@ def summarise_blocks(
     )
 
 
-def _average_film(sums: BlockSums, curve: FilmCurve) -> _Mean:
-    """Mean over the measurable pixels, independent of the noise of single pixels.
+def _average_film(sums: BlockSums, curve: FilmCurve) -> tuple[float, float, Array]:
+    """Mean over the measurable pixels, its random standard deviation and its gradient.
 
     The inverse h of the log ratio r is expanded about the mean log ratio m of each block,
     h(m) + h' (r - m) + h'' ((r - m)^2 - variance) / 2. The mean of this is the mean film whatever
@@ -198,7 +191,7 @@ def _average_film(sums: BlockSums, curve: FilmCurve) -> _Mean:
     """
     size = float(sums.measurable.sum())
     if size < _LEAST_PIXELS:
-        return _Mean(math.nan, math.nan, np.full(len(curve.gradient), math.nan))
+        return math.nan, math.nan, np.full(len(curve.gradient), math.nan)
     some = sums.measurable > 0
     count, ratio, squared, variance, displaced = (
         each[some]
@@ -219,4 +212,4 @@ def _average_film(sums: BlockSums, curve: FilmCurve) -> _Mean:
     # the error of the displacement is common to neighbours, the gradient of light that it acts on
     # is not: the product is correlated over about one block
     registration = math.sqrt(float((rate**2 * displaced).sum())) / size
-    return _Mean(mean, math.hypot(random, BLOCK * registration), gradient)
+    return mean, math.hypot(random, BLOCK * registration), gradient

@@ -4,8 +4,7 @@
 opens its groups, makes masks of flags and sums up a region.
 """
 
-from erlif.show.notebook.array import MapAccessor
-from erlif.show.notebook.film import FilmAccessor
+from erlif.show.notebook.film import FilmAccessor, MapAccessor
 from erlif.show.notebook.region import summarise_region
 
 __all__ = ["FilmAccessor", "MapAccessor", "summarise_region"]

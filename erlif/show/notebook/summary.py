@@ -10,11 +10,11 @@ import xarray as xr
 from erlif.core.errors import ErlifError
 from erlif.core.html import captioned, card, colour_picture, findings_list, picture_tag, rows_table
 from erlif.core.notes import Level, split_notes
+from erlif.core.statistics import central_range
 from erlif.core.units import count_of
 from erlif.io.files import describe_trigger, flag_shares, settings_of
 
 _PICTURES = 4  # maps that are shown
-_WITHIN = (0.5, 99.5)  # percentiles of the valid pixels at the ends of the colours
 _SIDE = 160  # px, width of a picture
 _QUANTITIES = {
     "load": ("load", "N", 1),
@@ -131,13 +131,12 @@ def _maps(film: xr.Dataset) -> str:
     else:
         images, captions = [film.thickness.values], ["film thickness"]
 
-    known = np.concatenate([image[np.isfinite(image)] for image in images])
-    if not known.size:
+    if not any(np.isfinite(image).any() for image in images):
         return ""
-    low, high = (float(value) for value in np.percentile(known, _WITHIN))
     # one colour scale, or the maps could not be compared
+    low, high = ends = central_range(np.stack(images))
     pictures = [
-        (picture_tag(colour_picture(image, (low, high)), alt=caption, width=_SIDE), caption)
+        (picture_tag(colour_picture(image, ends), alt=caption, width=_SIDE), caption)
         for image, caption in zip(images, captions, strict=True)
     ]
     scale = rows_table([("colours", f"{low:.2f} to {high:.2f} um; grey: no value")])

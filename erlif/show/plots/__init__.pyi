@@ -50,7 +50,6 @@ from .example import (
     write_example,
 )
 from .files import find_fixture, find_run, missing_figures, write_figures
-from .frames import band_images, band_images_figure, ratio_image
 from .friction import friction_over_reversals, write_reversal_figure
 from .kinematics import cycle_figure, film_over_cycle, speed_against_angle, speed_over_cycle
 from .linkage import (
@@ -64,8 +63,11 @@ from .linkage import (
     write_linkage,
 )
 from .maps import (
+    band_images,
+    band_images_figure,
     map_sheet_figure,
     profile_residual,
+    ratio_image,
     sliding_profile,
     thickness_figure,
     thickness_map,

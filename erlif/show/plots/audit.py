@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from erlif.core.arrays import Array
+from erlif.core.statistics import central_range
 from erlif.review.audit.cameras import Picture
 from erlif.review.audit.counts import CountSurvey
 from erlif.review.audit.log import Steps
@@ -28,7 +29,7 @@ def pair_figure(picture: Picture) -> Figure:
     figure = style.new_figure(TWO_COLUMNS, 0.38 * TWO_COLUMNS * rows / columns + _AROUND)
     panels = figure.subplots(1, 2)
     for ax, light, number in zip(panels, picture.light, (1, 2), strict=True):
-        image = style.draw_image(ax, light, style.colour_limits(light))
+        image = style.draw_image(ax, light, central_range(light))
         style.add_colour_bar(image, ax, "corrected light [DN]")
         ax.set_title(f"camera {number}, pair {picture.frame}")
         ax.set_axis_off()

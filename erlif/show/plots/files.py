@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -21,9 +21,15 @@ from erlif.io.settings import read_fixture_settings, read_run_settings
 from erlif.pipeline import restore_images
 from erlif.show.plots import style as looks
 from erlif.show.plots.calibration import calibration_figure, fixture_profile
-from erlif.show.plots.frames import band_images_figure, ratio_image
 from erlif.show.plots.kinematics import cycle_figure, speed_against_angle
-from erlif.show.plots.maps import MAP_WIDTH, image_height, map_sheet_figure, thickness_figure
+from erlif.show.plots.maps import (
+    MAP_WIDTH,
+    band_images_figure,
+    image_height,
+    map_sheet_figure,
+    ratio_image,
+    thickness_figure,
+)
 from erlif.show.plots.orbit import has_position, pin_figure
 from erlif.show.plots.prediction import has_prediction, prediction_figure, prediction_map_figure
 from erlif.show.plots.registration import registration_figure
@@ -140,6 +146,7 @@ class FigureSource:
     run_dir: Path | None
     fixture_dir: Path | None
     allow_outside: bool = False
+    _groups: dict[str, xr.Dataset] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
     def images(self) -> xr.Dataset:
@@ -176,10 +183,6 @@ class FigureSource:
         if self.fixture_dir is not None:
             files.append(self.fixture_dir / "calibration.nc")
         return files
-
-    @cached_property
-    def _groups(self) -> dict[str, xr.Dataset]:
-        return {}
 
     def group(self, name: str) -> xr.Dataset:
         """Read a group of the film into memory, once."""

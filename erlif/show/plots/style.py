@@ -96,7 +96,6 @@ _METADATA: dict[str, Mapping[str, Any]] = {
     "svg": {"Creator": "erlif", "Date": None},
 }
 
-_WITHIN = (0.5, 99.5)  # percentiles of the values at the ends of a colour scale
 _PANEL = 17.0  # width of the letter of a panel, with a gap [point]
 _BROKEN = 0.6  # part of a long label that its first line takes
 _ACROSS = 0.92  # width of laid out axes over the one before
@@ -360,15 +359,6 @@ def close_frame(ax: Axes) -> None:
     """Draw all four sides of the frame, because the edge of an image is data."""
     for side in ("top", "right"):
         ax.spines[side].set_visible(True)
-
-
-def colour_limits(values: Array | Image) -> tuple[float, float]:
-    """Ends of a colour scale for all but the 0.5 % lowest and highest values; 0 to 1 for none."""
-    known = values[np.isfinite(values)]
-    if known.size == 0:
-        return 0.0, 1.0
-    low, high = np.percentile(known, _WITHIN)
-    return float(low), float(high)
 
 
 def even_limits(difference: Array | Image, *, within: float, least: float) -> tuple[float, float]:

@@ -1,4 +1,3 @@
-from .budget import render_budget
 from .check_page import write_check_page
 from .comparison import write_pair_table
 from .design import list_materials, summarise_design
@@ -8,7 +7,7 @@ from .page import write_report
 from .plan import check_plan_output, summarise_plan, write_plan
 from .prediction import summarise_prediction
 from .runs import write_runs_report
-from .summary import describe_calibration, summarise, summarise_in_a_line
+from .summary import describe_calibration, render_budget, summarise, summarise_in_a_line
 
 __all__ = [
     "check_plan_output",

@@ -114,6 +114,13 @@ def print_units(text: str) -> Markup:
     return Markup(re.sub(r"\bum\b", "µm", re.sub(r"\bdegC\b", "°C", str(escape(text)))))
 
 
+def decimals(value: float, significant: int) -> int:
+    """Digits behind the point of so many significant ones, without an exponent."""
+    size = abs(value)
+    before = math.floor(math.log10(size)) if math.isfinite(size) and size > 0 else 0
+    return max(significant - 1 - before, 0)
+
+
 def print_rows(head: str, rows: Mapping[str, str], *, width: int = 28) -> str:
     """Lay out titles and texts for the terminal, below a first line.
 

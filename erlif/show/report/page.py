@@ -22,8 +22,7 @@ from erlif.show.plots.style import in_style
 from erlif.show.refusals import refusal
 from erlif.show.report import layout, tables
 from erlif.show.report.captions import caption_of
-from erlif.show.report.maps import embed_map
-from erlif.show.report.thinning import KeptMaps, choose_maps
+from erlif.show.report.maps import KeptMaps, choose_maps, embed_map
 from erlif.show.report.viewer import viewer_data, viewer_section
 
 # Largest size of a page, where none is given. [MB]

@@ -15,7 +15,15 @@ from erlif.io.conversion import table_csv, trigger_columns
 from erlif.io.files import motion_of, settings_of
 from erlif.show.plots.files import FigureSource
 from erlif.show.plots.maps import flag_swatch
-from erlif.show.report.layout import TABLES, Table, download_link, file_name, print_units, render
+from erlif.show.report.layout import (
+    TABLES,
+    Table,
+    decimals,
+    download_link,
+    file_name,
+    print_units,
+    render,
+)
 from erlif.show.report.prediction import carrying_sentences
 from erlif.show.report.summary import describe_film
 
@@ -29,7 +37,7 @@ def with_error(value: float, std: float, unit: str = "") -> str:
     if not (math.isfinite(std) and std > 0):
         return f"{value:.4g} {unit}".strip()
     # two digits of the error, however large the value
-    digits = max(0, 1 - math.floor(math.log10(std)))
+    digits = decimals(std, 2)
     return f"{value:.{digits}f} ± {std:.{digits}f} {unit}".strip().replace("-", "−")
 
 
@@ -173,15 +181,8 @@ def _write_cells(film: xr.Dataset, name: str, column: dict[str, Any]) -> list[st
             places = zip(values, film.film_min_y.values, strict=True)
             return [f"{x:.0f}, {y:.0f}" if math.isfinite(x) else "–" for x, y in places]
         case "significant":
-            return [with_digits(value, _decimals(value)) for value in values]
+            return [with_digits(value, decimals(value, 3)) for value in values]
     return [with_digits(column.get("scale", 1.0) * value, column["digits"]) for value in values]
-
-
-def _decimals(value: float) -> int:
-    """Digits behind the point of three significant ones, without an exponent."""
-    size = abs(value)
-    before = math.floor(math.log10(size)) if math.isfinite(size) and size > 0 else 0
-    return max(2 - before, 0)
 
 
 _ROWS = 500  # triggers of the table at most

@@ -6,7 +6,6 @@ import json
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-import numpy as np
 import xarray as xr
 from markupsafe import Markup
 
@@ -15,7 +14,7 @@ from erlif.core.flags import Flag
 from erlif.io.files import describe_trigger, region_of
 from erlif.show.plots.maps import axis_labels, common_limits, flag_swatch
 from erlif.show.plots.prediction import has_prediction, predicted_map
-from erlif.show.plots.style import FLAG_COLOURS
+from erlif.show.plots.style import FLAG_COLOURS, even_limits
 from erlif.show.report.layout import TABLES, render
 from erlif.show.report.maps import MapCoding, describe_coding
 from erlif.show.view.layers import palette
@@ -115,24 +114,22 @@ def _describe_flag(flag: Flag) -> dict[str, Any]:
 
 def _layer_limits(film: xr.Dataset, kept: Sequence[int]) -> dict[str, list[float]]:
     """Colour limits of the maps that the film has, each common to all triggers."""
+
+    def reach(maps: Iterable[Array]) -> float:
+        """Largest size among all but the largest 2 % of each map."""
+        return max(even_limits(each, within=_WITHIN, least=_LEAST_REACH)[1] for each in maps)
+
     # a sample of maps is enough for one colour scale of all
     sample = kept[:: max(1, len(kept) // _SAMPLES)]
     low, high = common_limits(film, sample)
     limits = {"thickness": [low, high]}
     for layer, name in (("std", "thickness_std"), ("std_shared", "thickness_std_shared")):
-        limits[layer] = [0.0, _reach(film[name].isel(trigger=k).values for k in sample)]
+        limits[layer] = [0.0, reach(film[name].isel(trigger=k).values for k in sample)]
 
     if has_prediction(film):
         predicted = {k: predicted_map(film, trigger=k) for k in sample}
         ends = [float(end) for one in predicted.values() for end in (one.min(), one.max())]
         limits["predicted"] = [min(low, *ends), max(high, *ends)]
-        reach = _reach(film.thickness.isel(trigger=k).values - predicted[k] for k in sample)
-        limits["difference"] = [-reach, reach]
+        most = reach(film.thickness.isel(trigger=k).values - predicted[k] for k in sample)
+        limits["difference"] = [-most, most]
     return {name: [round(limit, 3) for limit in both] for name, both in limits.items()}
-
-
-def _reach(maps: Iterable[Array]) -> float:
-    """Largest size among all but the largest 2 % of each map."""
-    known = [np.abs(each[np.isfinite(each)]) for each in maps]
-    ends = [float(np.percentile(each, _WITHIN)) for each in known if each.size]
-    return max([*ends, _LEAST_REACH])

@@ -9,22 +9,23 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
+import xarray as xr
 
 from erlif.core.arrays import Array, FlagImage, Image
 from erlif.core.errors import ErlifError
 from erlif.core.flags import FLAG_COLOURS, Flag, count_flags
+from erlif.core.statistics import central_range
+from erlif.core.tables import read_table
 from erlif.io.conversion import table_csv
 from erlif.io.files import axis_labels, fastest_trigger
 from erlif.show.refusals import refusal
 from erlif.show.view import measures
-from erlif.show.view.cycle import describe_cycle, to_list
 from erlif.show.view.exports import map_csv, map_tiff
 from erlif.show.view.films import FilmReader, check_one_grid
 from erlif.show.view.layers import DIFFERENCE, LAYERS, SIGNIFICANCE, Layer, palette
 from erlif.show.view.levels import Window, choose_step, reduce_map
 from erlif.show.view.run_settings import propose_region, write_region
 
-_WITHIN = (0.5, 99.5)  # percentiles of the valid pixels at the ends of a colour scale
 _LEAST_REACH = 1e-3  # um, half of the colour scale of equal maps
 _EVERY = 7  # a colour scale needs no more than every seventh pixel
 
@@ -285,11 +286,7 @@ def colour_limits(
     >>> round(low, 1), round(high, 1)
     (1.0, 2.0)
     """
-    sample = values.ravel()[::_EVERY]
-    sample = sample[(flags.ravel()[::_EVERY] == 0) & np.isfinite(sample)]
-    if not sample.size:
-        return (-1.0, 1.0) if symmetric else (0.0, 1.0)
-    low, high = (float(one) for one in np.percentile(sample, _WITHIN))
+    low, high = central_range(values.ravel()[::_EVERY][flags.ravel()[::_EVERY] == 0])
     if symmetric:
         reach = max(abs(low), abs(high), _LEAST_REACH)
         return -reach, reach
@@ -307,7 +304,7 @@ def send_cycle(request: Request) -> dict[str, Any]:
     Returns
     -------
     dict
-        As `erlif.show.view.cycle.describe_cycle`.
+        As `erlif.show.view.queries.describe_cycle`.
     """
     return describe_cycle(request.film().film)
 
@@ -533,3 +530,77 @@ def change_region(films: Sequence[FilmReader], body: bytes) -> dict[str, str]:
     if confirmed:
         write_region(change, before=before)
     return {"file": str(change.path), "change": change.lines, "before": change.before}
+
+
+_TABLES = read_table("erlif.show.view", "page.toml")
+_DIGITS = 6  # significant ones of the numbers that are sent
+
+
+def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
+    """Collect what is known of each trigger besides its maps.
+
+    Parameters
+    ----------
+    film : Dataset
+        As `erlif.open_film` returns it.
+
+    Returns
+    -------
+    dict
+        "axes" and "films": titles by name; "columns": a list of one number for each trigger by
+        name, None where it is not known; "stroke": +1, -1 or 0 where there are no strokes.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> cycle = describe_cycle(example_film())
+    >>> list(cycle["axes"])[:3], cycle["columns"]["trigger"]
+    (['encoder_angle', 'crank_angle', 'rocker_speed'], [0, 1, 2, 3, 4, 5])
+    """
+    axes, films = (
+        {name: title for name, title in table.items() if name in film}
+        for table in (_TABLES["axes"], _TABLES["films"])
+    )
+    stds = [f"{name}_std" for name in films if f"{name}_std" in film]
+    # numbers of triggers count from 0, whatever the film was cut from
+    count = film.sizes["trigger"]
+    columns = {name: to_list(film[name].values) for name in (*axes, *films, *stds)}
+    columns["trigger"] = list(range(count))
+
+    # the theory of a film with a transient prediction is this prediction
+    if {"film_theory", "film_predicted_min"} <= films.keys() and np.array_equal(
+        film.film_theory.values, film.film_predicted_min.values, equal_nan=True
+    ):
+        del films["film_theory"]
+    axes.setdefault("trigger", _TABLES["axes"]["trigger"])
+    stroke = np.sign(film.stroke.values) if "stroke" in film else np.zeros(count)
+    return {
+        "axes": axes,
+        "films": films,
+        "columns": columns,
+        "stroke": np.nan_to_num(stroke).astype(int).tolist(),
+    }
+
+
+def to_list(values: Array) -> list[float | None]:
+    """Numbers as JSON holds them.
+
+    Parameters
+    ----------
+    values : array, (n,)
+        Numbers; NaN where unknown.
+
+    Returns
+    -------
+    list
+        Rounded to six significant digits; None for NaN, which JSON lacks.
+
+    Examples
+    --------
+    >>> to_list(np.array([1 / 3, np.nan]))
+    [0.333333, None]
+    """
+    return [
+        float(f"{value:.{_DIGITS}g}") if np.isfinite(value) else None
+        for value in np.asarray(values, float).tolist()
+    ]

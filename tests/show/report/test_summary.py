@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 from scenes import film as scene
 
 from erlif.calibration.departure import Departure
 from erlif.show import plots
-from erlif.show.report import describe_calibration, summarise, summarise_in_a_line
+from erlif.show.report import describe_calibration, render_budget, summarise, summarise_in_a_line
 
 
 def line_of(text, title):
@@ -122,3 +123,31 @@ def test_a_mean_over_a_part_of_the_region_is_described_as_such(film):
     film["share_beyond_range"] = ("trigger", shares)
     text = line_of(summarise(film), "mean film thickness")
     assert text.count("over the 72% of the region within the calibrated range") == 1
+
+
+@pytest.fixture
+def budget():
+    """Two terms of 3 nm and 4 nm, whose sum in quadrature is 5 nm."""
+    std = np.array([[0.003, 0.0301], [0.004, np.nan], [0.005, 0.0301]])
+    return xr.Dataset(
+        {
+            "std": (("term", "quantity"), std, {"units": "um"}),
+            "kind": ("term", ["random", "shared", "sum"]),
+            "value": ("quantity", [5.0, 6.25], {"units": "um"}),
+        },
+        {"term": ["photons", "calibration", "total"], "quantity": ["mean", "pixel"]},
+        {"run": "wedge", "trigger": 2, "frames": 3},
+    )
+
+
+def test_terms_are_rows_in_nanometres(budget):
+    assert render_budget(budget).splitlines() == [
+        "Standard deviations in nm: wedge, trigger 2, 3 frame pairs.",
+        "",
+        "| term | mean | pixel | kind |",
+        "|---|---:|---:|---|",
+        "| film thickness [um] | 5.00 | 6.25 | |",
+        "| photons | 3.0 | 30 | random |",
+        "| calibration | 4.0 | - | shared |",
+        "| **total** | **5.0** | **30** |  |",
+    ]

@@ -11,7 +11,7 @@ from erlif.core.errors import ErlifError
 from erlif.show.plots import example_film
 from erlif.show.view import queries
 from erlif.show.view.films import open_films
-from erlif.show.view.queries import Request
+from erlif.show.view.queries import Request, describe_cycle
 
 MAP = {"film": "0", "trigger": "2", "layer": "thickness", "window": "0,0,64,24", "room": "640,240"}
 
@@ -138,3 +138,29 @@ def test_a_region_is_shown_before_it_is_written(film, tmp_path):
     send(confirmed=True, before=shown["before"])
     assert "roi = {x = [1.0, 6.5], y = [0.0, 5.0]}" in file.read_text()
     films[0].close()
+
+
+def test_the_numbers_are_those_of_the_film():
+    film = example_film()
+    cycle = json.loads(json.dumps(describe_cycle(film), allow_nan=False))
+    for name in ("film_mean", "film_min_std", "load", "film_theory"):
+        np.testing.assert_allclose(cycle["columns"][name], film[name].values, rtol=1e-5)
+    assert cycle["stroke"] == film.stroke.values.astype(int).tolist()
+
+
+def test_a_film_at_rest_has_the_number_of_its_triggers():
+    cycle = describe_cycle(
+        example_film()[["film_mean"]].reset_coords(drop=True).drop_vars("trigger")
+    )
+    assert cycle["axes"] == {"trigger": "trigger"}
+    assert cycle["columns"]["trigger"] == [0, 1, 2, 3, 4, 5]
+    assert cycle["stroke"] == [0] * 6
+
+
+def test_a_theory_that_is_the_transient_prediction_is_drawn_once():
+    film = example_film()
+    same = film.assign(film_theory=film.film_predicted_min)
+    other = film.assign(film_theory=film.film_predicted_min + 1)
+    assert "film_theory" not in describe_cycle(same)["films"]
+    assert "film_theory" in describe_cycle(same)["columns"]
+    assert "film_theory" in describe_cycle(other)["films"]
