@@ -7,6 +7,7 @@ is a trigger unless the settings fold the frames.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
@@ -27,11 +28,42 @@ _TURN = 360.0
 _DISC, _SLIDER = (0.0, math.pi), (-math.pi / 2, math.pi / 2)
 
 
+@dataclass(frozen=True)
+class Rotation:
+    """A disc or shaft that turns past the contact.
+
+    Attributes
+    ----------
+    radius : float
+        Distance of the contact from the axis of rotation. [m]
+    speed : float | None
+        Speed of rotation; None: from angle and time of the log. [rad/s]
+    """
+
+    radius: float
+    speed: float | None = None
+
+
+@dataclass(frozen=True)
+class Sinusoid:
+    """A slider at stroke/2 sin(2 pi frequency t).
+
+    Attributes
+    ----------
+    stroke : float
+        Travel from end to end. [m]
+    frequency : float
+        Cycles in a second. [Hz]
+    """
+
+    stroke: float
+    frequency: float
+
+
 def locate_rotation(
     log: EncoderLog,
     *,
-    radius: float,
-    rotation_speed: float | None = None,
+    rotation: Rotation,
     zero: float = 0.0,
     triggers_per_cycle: int | None = None,
     bins: int | None = None,
@@ -44,10 +76,7 @@ def locate_rotation(
         number (frame); angle (frame) [degree], time (frame) [s], angle_rate (frame) [degree/s],
         rotation_speed (frame) [rad s-1] and sliding_speed (frame) [m s-1] where they are known. A
         logged speed takes the place of that of the settings, and both of the slope of the angle.
-    radius : float
-        Distance of the contact from the axis of the disc or shaft. [m]
-    rotation_speed : float, optional
-        Default: from angle and time of the log. [rad/s]
+    rotation : Rotation
     zero : float
         Angle of the disc at reading 0. [rad]
     triggers_per_cycle : int, optional
@@ -71,7 +100,7 @@ def locate_rotation(
     A track of 20 mm radius at 10 rad/s:
 
     >>> log = EncoderLog(xr.Dataset({"number": ("frame", [0, 1])}))
-    >>> locate_rotation(log, radius=0.02, rotation_speed=10.0).sliding_speed.values
+    >>> locate_rotation(log, rotation=Rotation(0.02, 10.0)).sliding_speed.values
     array([0.2, 0.2])
     """
     require(log, "number")
@@ -80,36 +109,31 @@ def locate_rotation(
         disc = (log.angle.values + math.degrees(zero)) % _TURN
         columns["crank_angle"] = (disc, "angle of the disc")
     if "sliding_speed" not in log:
-        speed = np.abs(_choose_rate(log, rotation_speed)) * radius
+        speed = np.abs(_choose_rate(log, rotation)) * rotation.radius
         columns["sliding_speed"] = (np.broadcast_to(speed, log.sizes["frame"]), "")
     located = _describe(log, columns, triggers_per_cycle, bins)
-    return located.assign_attrs(_compare_rate(log, rotation_speed, "speed"))
+    return located.assign_attrs(_compare_rate(log, rotation.speed, "speed"))
 
 
 def locate_slider(
     log: EncoderLog,
     *,
-    travel: float,
-    frequency: float,
+    slider: Sinusoid,
     zero: float | None = None,
     triggers_per_cycle: int | None = None,
     bins: int | None = None,
 ) -> xr.Dataset:
     """Find position and speed of a sinusoidal slider at each frame.
 
-    The slider is at travel/2 sin(2 pi frequency t). The angle of its drive is 0 at mid-stroke,
-    where the position rises with the angle. It is the logged angle plus `zero`; without a logged
-    angle, 2 pi frequency time plus `zero`.
+    The angle of its drive is 0 at mid-stroke, where the position rises with the angle. It is the
+    logged angle plus `zero`; without a logged angle, 2 pi frequency time plus `zero`.
 
     Parameters
     ----------
     log : EncoderLog
         number (frame), and angle (frame) [degree] or time (frame) [s]; sliding_speed (frame)
         [m s-1] where it is logged, which takes the place of the computed one.
-    travel : float
-        Stroke from end to end. [m]
-    frequency : float
-        Cycles in a second. [Hz]
+    slider : Sinusoid
     zero : float, optional
         Angle of the drive at reading 0, or at time 0; default: 0 for a logged angle. [rad]
     triggers_per_cycle, bins
@@ -133,12 +157,12 @@ def locate_slider(
     A stroke of 10 mm at 5 Hz passes mid-stroke at 0.157 m/s:
 
     >>> log = EncoderLog(xr.Dataset({"number": ("frame", [0, 1]), "angle": ("frame", [0.0, 90.0])}))
-    >>> found = locate_slider(log, travel=0.01, frequency=5.0)
+    >>> found = locate_slider(log, slider=Sinusoid(0.01, 5.0))
     >>> found.sliding_speed.values.round(3), found.position.values
     (array([0.157, 0.   ]), array([0., 5.]))
     """
     require(log, "number")
-    logged, omega = _logged_columns(log), 2 * math.pi * frequency
+    logged, omega = _logged_columns(log), 2 * math.pi * slider.frequency
     if "angle" in log:
         drive = np.radians(log.angle.values) + (zero or 0.0)
     elif "time" in log and zero is not None:
@@ -151,8 +175,9 @@ def locate_slider(
             "speed."
         )
 
-    turned, position = np.degrees(drive) % _TURN, 1e3 * (travel / 2) * np.sin(drive)
-    speed = omega * (travel / 2) * np.abs(np.cos(drive))
+    amplitude = slider.stroke / 2
+    turned, position = np.degrees(drive) % _TURN, 1e3 * amplitude * np.sin(drive)
+    speed = omega * amplitude * np.abs(np.cos(drive))
 
     # a drive that turns backwards passes mid-stroke the other way
     sense = -1 if "angle" in log and _falls(log, np.degrees(drive)) else 1
@@ -256,7 +281,8 @@ def _compare_rate(log: EncoderLog, given: float | None, key: str) -> dict[str, s
         return {}
 
     # only steps of less than half a turn can be seen in full
-    step, time = _smallest_turn(np.diff(log.angle.values)), np.diff(log.time.values)
+    turn, time = np.diff(log.angle.values), np.diff(log.time.values)
+    step = np.abs((turn + _TURN / 2) % _TURN - _TURN / 2)
     expected = np.degrees(given) * time
     if not (expected.min() > 0 and expected.max() < _LARGEST_STEP):
         return {}
@@ -270,17 +296,12 @@ def _compare_rate(log: EncoderLog, given: float | None, key: str) -> dict[str, s
     return {"contradiction": text}
 
 
-def _smallest_turn(angle: Array) -> Array:
-    """Size of an angle to the nearest whole turn. [degree]"""
-    return np.asarray(np.abs((angle + _TURN / 2) % _TURN - _TURN / 2))
-
-
-def _choose_rate(log: EncoderLog, given: float | None) -> float | Array:
+def _choose_rate(log: EncoderLog, rotation: Rotation) -> float | Array:
     """Speed of rotation as logged, as given, or as the angle changes. [rad/s]"""
     if "rotation_speed" in log:
         return np.asarray(log.rotation_speed.values)
-    if given is not None:
-        return given
+    if rotation.speed is not None:
+        return rotation.speed
     if "angle_rate" in log:  # of a continuous log, from the rows about each frame
         return np.asarray(np.radians(log.angle_rate.values))
     return _rate_of_frames(log)

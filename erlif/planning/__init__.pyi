@@ -31,10 +31,11 @@ from .spectra import (
     read_spectrum,
     synthetic_spectra,
 )
-from .tolerances import Change, vary_tolerances
+from .tolerances import TOLERANCES, Change, vary_tolerances
 
 __all__ = [
     "SYNTHETIC",
+    "TOLERANCES",
     "Band",
     "Camera",
     "Change",

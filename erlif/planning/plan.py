@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
+from erlif.core.described import describe
 from erlif.core.errors import ConfigError
 from erlif.core.tables import read_table
 from erlif.core.units import Quantity
@@ -368,16 +369,11 @@ def _describe_design(design: Design, film: Film, films: Array, uncertainty: floa
 def _as_variables(**values: Any) -> xr.Dataset:
     """Values by name, with the dimensions, unit and meaning that the table gives them."""
     table = read_table("erlif.planning", "plan.toml")["variables"]
-    return xr.Dataset(
-        {
-            name: (
-                table[name][0].split(),
-                np.asarray(value, float),
-                dict(zip(("units", "long_name"), table[name][1:], strict=True)),
-            )
-            for name, value in values.items()
-        }
-    )
+    columns = {}
+    for name, value in values.items():
+        dims, unit, meaning = table[name]
+        columns[name] = (tuple(dims.split()), np.asarray(value, float), unit, meaning)
+    return describe(columns, {})
 
 
 def _describe_tolerances(design: Design, film: Film, settings: PlanSettings) -> xr.Dataset:

@@ -8,9 +8,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from erlif.io.settings import PlanSettings
 from erlif.planning.design import Camera, Design, log_ratio, log_ratio_slope
 from erlif.planning.optimum import FILMS, largest_error
 from erlif.planning.precision import Film, measurable_range
+
+# Tolerances by default, those of the settings: shares of the value, the filter in nm.
+TOLERANCES: Mapping[str, float] = {
+    name: float(value) for name, value in PlanSettings.model_fields["tolerances"].default
+}
 
 
 @dataclass(frozen=True)
@@ -48,7 +54,9 @@ class Change:
         return float(np.nanmax(np.abs([self.std, self.film, 0.0])))
 
 
-def vary_tolerances(design: Design, film: Film, tolerances: Mapping[str, float]) -> list[Change]:
+def vary_tolerances(
+    design: Design, film: Film, tolerances: Mapping[str, float] = TOLERANCES
+) -> list[Change]:
     """Change each part of a design by its tolerance.
 
     Parameters
@@ -56,7 +64,7 @@ def vary_tolerances(design: Design, film: Film, tolerances: Mapping[str, float])
     design : Design
     film : Film
     tolerances : mapping of str to float
-        By its key in the table [tolerances] of a plan: shares of the value, the filter in nm.
+        Keys as in `TOLERANCES`.
 
     Returns
     -------
@@ -67,9 +75,7 @@ def vary_tolerances(design: Design, film: Film, tolerances: Mapping[str, float])
     Examples
     --------
     >>> from erlif.planning.design import example_design
-    >>> names = "concentration", "filter", "pulse_energy", "gain", "read_noise", "full_well"
-    >>> sizes = dict(zip(names, (0.05, 2.0, 0.1, 0.05, 0.2, 0.1), strict=True))
-    >>> changes = vary_tolerances(example_design(), Film(2.0, 8.0, (0.1, 18.0)), sizes)
+    >>> changes = vary_tolerances(example_design(), Film(2.0, 8.0, (0.1, 18.0)))
     >>> changes[0].what[:14], changes[-1].effect < 0.05
     ('gain of camera', True)
     """
@@ -101,7 +107,7 @@ def vary_tolerances(design: Design, film: Film, tolerances: Mapping[str, float])
     # of each tolerance the sign with the larger effect
     narrow = any(dye.absorption.narrow or dye.emission.narrow for dye in design.dyes)
     changes = []
-    for what, size, unit, vary in _variations(design, tolerances):
+    for what, size, unit, vary in _variations(design, {**TOLERANCES, **tolerances}):
         if narrow and unit == "nm":
             continue
         text = f"{100 * size:.3g} %" if unit == "%" else f"{size:g} nm"

@@ -15,7 +15,7 @@ from erlif.calibration import Calibration, check_bands
 from erlif.core.arrays import Array, Mask
 from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.errors import ConfigError
-from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, ThicknessMaps
+from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.io.files import takes
 from erlif.io.ingest import open_run
@@ -76,13 +76,11 @@ _LEAST_PIXELS = 50  # pixels that represent a film thickness, at least
 
 @dataclass(frozen=True)
 class _Column:
-    """One quantity of the budget."""
+    """One quantity of the budget: a film thickness, and its standard deviation by source. [um]"""
 
     title: str
     value: float
-    """The film thickness itself. [um]"""
     terms: Mapping[str, float]
-    """Standard deviation by source. [um]"""
 
 
 @dataclass(frozen=True)
@@ -91,8 +89,8 @@ class _Sources:
 
     variances: dict[str, Array]
     ratio: RatioImages
+    # factor by which interpolation lowers the variance of a pixel of camera 2 [1]
     averaging: float
-    """Factor by which interpolation lowers the variance of a pixel of camera 2. [1]"""
 
 
 @takes(run_dir="run", calibration="calibration path")
@@ -177,7 +175,10 @@ def budget(
         region=region,
         sliding_along_x=plane.sliding_along_x,
     )
-    film = _smooth_film(maps, calibration)
+
+    # film thickness by the surroundings of each pixel
+    near = np.where(valid, maps.log_ratio_near.values, 0.0)
+    film = calibration.inverse.look_up(near)
 
     # single pixels, then the two statistics of the region
     columns = _pixel_columns(sources, film, valid, measuring, films, trigger)
@@ -284,12 +285,6 @@ def _add_sources(
                 relative = image.values[:, 0] / np.square(aligned.signal.values[:, 0], dtype=float)
             power = weight**2 if _KINDS[name] == RANDOM else weight
             variances[name] += power * np.where(weight > 0, relative, 0.0)
-
-
-def _smooth_film(maps: ThicknessMaps, calibration: Calibration) -> Array:
-    """Film thickness by the surroundings of each pixel, (y, x). [um]"""
-    valid = maps.flags.values == 0
-    return calibration.inverse.look_up(np.where(valid, maps.log_ratio_near.values, 0.0))
 
 
 def _pixel_columns(

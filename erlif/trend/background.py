@@ -203,25 +203,24 @@ def estimate_background(
 
 
 class _Point(NamedTuple):
-    """The equations at given shares, each (frame, cell)."""
+    """The equations at given shares, each (frame, cell).
+
+    Logarithm of light over that of the film, films without noise [um], and cells that are used.
+    """
 
     value: Array
-    """Logarithm of light over that of the film."""
     smooth: Array
-    """Films without noise. [um]"""
     chosen: Mask
-    """Cells that are used."""
 
 
 class _Step(NamedTuple):
-    """One linear solution."""
+    """One linear solution; the correction is to be added to the noise. [1]"""
 
     share: Array
     covariance: Array
     energies: Array
     illumination: Array
     correction: float
-    """To be added to the noise. [1]"""
     energy_std: float
 
 

@@ -10,6 +10,8 @@ import xarray as xr
 from erlif.core.errors import EncoderError
 from erlif.core.notes import Level
 from erlif.kinematics import (
+    Rotation,
+    Sinusoid,
     encoder_notes,
     locate_logged,
     locate_rotation,
@@ -29,7 +31,7 @@ def make_log(count, **columns):
 
 def test_a_disc_slides_at_speed_times_radius():
     """60 rpm at 20 mm: 2 pi 20 mm/s."""
-    found = locate_rotation(make_log(4), radius=0.02, rotation_speed=2 * math.pi)
+    found = locate_rotation(make_log(4), rotation=Rotation(0.02, 2 * math.pi))
     npt.assert_allclose(found.sliding_speed, 0.125664, rtol=1e-5)
     assert found.trigger.values.tolist() == [0, 1, 2, 3]
     assert set(found) == {"trigger", "cycle", "sliding_speed"}
@@ -41,7 +43,7 @@ def test_the_speed_of_a_disc_follows_from_angle_and_time(wrapped, sense):
     """40 degrees in 0.1 s: 6.981 rad/s, whether the encoder begins anew at 360 degrees or not."""
     angle = sense * 40.0 * np.arange(30)
     log = make_log(30, angle=angle % 360 if wrapped else angle, time=0.1 * np.arange(30))
-    found = locate_rotation(log, radius=0.02, zero=math.radians(15))
+    found = locate_rotation(log, rotation=Rotation(0.02), zero=math.radians(15))
     npt.assert_allclose(found.sliding_speed, 0.02 * math.radians(400), rtol=1e-12)
     npt.assert_allclose(found.crank_angle, (angle + 15) % 360)
     assert "stroke" not in found
@@ -51,7 +53,7 @@ def test_a_disc_that_speeds_up_has_the_derivative_of_its_angle():
     """Angle 50 t^2 degree: 100 t degree/s; central differences of a parabola are exact."""
     time = np.linspace(0, 3, 61)
     log = make_log(61, angle=50 * time**2 % 360, time=time)
-    speed = locate_rotation(log, radius=0.5).sliding_speed.values
+    speed = locate_rotation(log, rotation=Rotation(0.5)).sliding_speed.values
     npt.assert_allclose(speed[1:-1], 0.5 * np.radians(100 * time[1:-1]), rtol=1e-9)
 
 
@@ -67,22 +69,22 @@ def test_a_disc_that_speeds_up_has_the_derivative_of_its_angle():
 )
 def test_a_speed_that_the_log_does_not_determine_is_asked_for(columns, words):
     with pytest.raises(EncoderError, match=words) as refusal:
-        locate_rotation(make_log(3, **columns), radius=0.02)
+        locate_rotation(make_log(3, **columns), rotation=Rotation(0.02))
     assert 'speed = "60 rpm" in [mechanism]' in str(refusal.value)
 
 
 def test_a_logged_speed_takes_the_place_of_the_computed_one():
     log = make_log(3, sliding_speed=[0.1, -0.2, 0.3])
-    found = locate_rotation(log, radius=0.02, rotation_speed=1.0)
+    found = locate_rotation(log, rotation=Rotation(0.02, 1.0))
     assert found.sliding_speed.values.tolist() == [0.1, 0.2, 0.3]
 
 
 def test_a_logged_speed_of_rotation_and_the_slope_of_a_continuous_log_are_taken():
     """0.02 m at 3 rad/s, and at 90 degrees in a second."""
     logged = make_log(2, rotation_speed=[3.0, -3.0], angle_rate=[90.0, 90.0])
-    found = locate_rotation(logged, radius=0.02, rotation_speed=1.0)
+    found = locate_rotation(logged, rotation=Rotation(0.02, 1.0))
     npt.assert_allclose(found.sliding_speed, 0.06)
-    found = locate_rotation(logged.drop_vars("rotation_speed"), radius=0.02)
+    found = locate_rotation(logged.drop_vars("rotation_speed"), rotation=Rotation(0.02))
     npt.assert_allclose(found.sliding_speed, 0.01 * math.pi)
 
 
@@ -92,7 +94,7 @@ def test_a_logged_speed_of_rotation_and_the_slope_of_a_continuous_log_are_taken(
 def test_a_slider_has_position_and_speed_of_a_sine():
     """x = 5 mm sin(wt) at 3 Hz, v = 5 mm w cos(wt)."""
     angle = np.arange(0, 720, 25.0)
-    found = locate_slider(make_log(angle.size, angle=angle % 360), travel=0.01, frequency=3.0)
+    found = locate_slider(make_log(angle.size, angle=angle % 360), slider=Sinusoid(0.01, 3.0))
     phase, omega = np.radians(angle), 6 * math.pi
     npt.assert_allclose(found.position, 5 * np.sin(phase), atol=1e-9)
     npt.assert_allclose(
@@ -105,7 +107,7 @@ def test_a_slider_has_position_and_speed_of_a_sine():
 def test_a_slider_without_an_encoder_follows_the_time_from_its_zero():
     """At 2 Hz and from 30 degrees on, 0.125 s is a quarter of a cycle."""
     log = make_log(3, time=[0.0, 0.125, 0.25])
-    found = locate_slider(log, travel=0.01, frequency=2.0, zero=math.radians(30))
+    found = locate_slider(log, slider=Sinusoid(0.01, 2.0), zero=math.radians(30))
     npt.assert_allclose(found.crank_angle, [30, 120, 210])
     npt.assert_allclose(found.position, [2.5, 2.5 * math.sqrt(3), -2.5])
     assert "encoder_angle" not in found
@@ -114,7 +116,7 @@ def test_a_slider_without_an_encoder_follows_the_time_from_its_zero():
 @pytest.mark.parametrize("columns", [{}, {"time": [0.0, 1.0]}])
 def test_a_slider_of_unknown_phase_is_refused(columns):
     with pytest.raises(EncoderError, match=r"angle_deg.*zero in \[encoder\]"):
-        locate_slider(make_log(2, **columns), travel=0.01, frequency=2.0)
+        locate_slider(make_log(2, **columns), slider=Sinusoid(0.01, 2.0))
 
 
 # without a mechanism
@@ -135,7 +137,7 @@ def test_a_speed_that_the_log_contradicts_is_reported(rpm, seen):
     """60 degrees in 0.1 s are 100 rpm."""
     log = make_log(12, angle=np.arange(12) * 60.0 % 360, time=0.1 * np.arange(12))
     speed = rpm * math.pi / 30
-    notes = encoder_notes(locate_rotation(log, radius=0.02, rotation_speed=speed))
+    notes = encoder_notes(locate_rotation(log, rotation=Rotation(0.02, speed)))
     assert [note.level for note in notes] == [Level.WARNING] * seen
     if seen:
         assert f"{100 / rpm:.3g} times the speed in [mechanism]" in notes[0].text
@@ -144,15 +146,15 @@ def test_a_speed_that_the_log_contradicts_is_reported(rpm, seen):
 def test_a_frequency_that_the_log_contradicts_is_reported():
     """60 degrees in 0.1 s are 1.667 Hz."""
     log = make_log(12, angle=np.arange(12) * 60.0 % 360, time=0.1 * np.arange(12))
-    assert not encoder_notes(locate_slider(log, travel=0.01, frequency=5 / 3))
-    (note,) = encoder_notes(locate_slider(log, travel=0.01, frequency=1.0))
+    assert not encoder_notes(locate_slider(log, slider=Sinusoid(0.01, 5 / 3)))
+    (note,) = encoder_notes(locate_slider(log, slider=Sinusoid(0.01, 1.0)))
     assert "1.67 times the frequency" in note.text
 
 
 def test_steps_of_more_than_half_a_turn_contradict_nothing():
     """At 500 rpm the disc turns by 300 degrees from frame to frame, which look like -60."""
     log = make_log(12, angle=np.arange(12) * 300.0 % 360, time=0.1 * np.arange(12))
-    found = locate_rotation(log, radius=0.02, rotation_speed=500 * math.pi / 30)
+    found = locate_rotation(log, rotation=Rotation(0.02, 500 * math.pi / 30))
     assert not encoder_notes(found)
 
 
@@ -161,7 +163,7 @@ def test_steps_of_more_than_half_a_turn_contradict_nothing():
 
 def test_turns_of_a_disc_fold_onto_one():
     log = make_log(12, angle=np.arange(12) * 90.0)
-    found = locate_rotation(log, radius=0.02, rotation_speed=1.0, triggers_per_cycle=4)
+    found = locate_rotation(log, rotation=Rotation(0.02, 1.0), triggers_per_cycle=4)
     assert found.trigger.values.tolist() == [0, 1, 2, 3] * 3
     assert found.cycle.values.tolist() == [0] * 4 + [1] * 4 + [2] * 4
 
@@ -169,7 +171,7 @@ def test_turns_of_a_disc_fold_onto_one():
 def test_bins_of_a_slider_keep_the_strokes_apart():
     """Three cycles of 50.7 frames; the strokes turn at 90 and 270 degrees."""
     log = make_log(152, angle=np.arange(152) * 360 / 50.7)
-    found = locate_slider(log, travel=0.01, frequency=5.0, bins=10)
+    found = locate_slider(log, slider=Sinusoid(0.01, 5.0), bins=10)
     assert int(found.trigger.max()) == 9
     for trigger in range(10):
         members = found.trigger.values == trigger
@@ -182,7 +184,7 @@ def test_cycles_are_counted_in_either_sense(sense):
     """30 degrees from frame to frame: 24 frames are two turns, whichever way the disc turns."""
     angle = (5.0 + sense * 30.0 * np.arange(24)) % 360
     log = make_log(24, angle=angle)
-    found = locate_rotation(log, radius=0.02, rotation_speed=5.0, bins=4)
+    found = locate_rotation(log, rotation=Rotation(0.02, 5.0), bins=4)
     assert np.bincount(found.trigger).tolist() == [6, 6, 6, 6]
     passed = np.floor((5.0 + 30.0 * np.arange(24)) / 360)
     if sense < 0:
@@ -195,7 +197,7 @@ def test_cycles_are_counted_in_either_sense(sense):
 def test_the_stroke_of_a_slider_is_that_of_its_position(sense, rated):
     angle = (4.0 + sense * 20.0 * np.arange(40)) % 360
     rate = {"angle_rate": np.full(40, sense * 100.0)} if rated else {}
-    found = locate_slider(make_log(40, angle=angle, **rate), travel=0.01, frequency=5.0, bins=10)
+    found = locate_slider(make_log(40, angle=angle, **rate), slider=Sinusoid(0.01, 5.0), bins=10)
 
     # position half a step later
     later = 5.0 * np.sin(np.radians(angle + sense * 0.01))
@@ -207,4 +209,4 @@ def test_the_stroke_of_a_slider_is_that_of_its_position(sense, rated):
 
 def test_bins_without_an_angle_are_refused():
     with pytest.raises(EncoderError, match="remove bins"):
-        locate_rotation(make_log(4), radius=0.02, rotation_speed=1.0, bins=4)
+        locate_rotation(make_log(4), rotation=Rotation(0.02, 1.0), bins=4)

@@ -9,19 +9,10 @@ import pytest
 from erlif.planning import Film, Spectrum, log_ratio, vary_tolerances
 from erlif.planning.optimum import FILMS
 
-SIZES = {
-    "concentration": 0.05,
-    "filter": 2.0,
-    "pulse_energy": 0.1,
-    "gain": 0.05,
-    "read_noise": 0.2,
-    "full_well": 0.1,
-}
-
 
 @pytest.fixture(scope="module")
 def changes(design, film):
-    return vary_tolerances(design, film, SIZES)
+    return vary_tolerances(design, film)
 
 
 def test_the_largest_effect_is_first_and_noise_leaves_the_film_alone(changes):
@@ -40,14 +31,14 @@ def test_gain_of_a_camera_moves_the_film_by_its_logarithm(design, film, changes)
     moved = np.interp(log_ratio(design, films) + np.log(1.0005), log_ratio(design, table), table)
     expected = float(np.abs(moved / films - 1).max())
 
-    small = vary_tolerances(design, film, SIZES | {"gain": 0.0005})
+    small = vary_tolerances(design, film, {"gain": 0.0005})
     found = next(change for change in small if change.what == "gain of camera 1")
     assert found.film == pytest.approx(expected, rel=0.01)
 
 
 def test_more_light_extends_the_range(design):
     narrow = Film(2.0, 8.0, (0.1, 18.0))
-    found = {one.what: one for one in vary_tolerances(design, narrow, SIZES | {"gain": 0.005})}
+    found = {one.what: one for one in vary_tolerances(design, narrow, {"gain": 0.005})}
     change = found["pulse energy"]
     assert change.std == pytest.approx(1 / np.sqrt(0.9) - 1, abs=0.01)  # less light
     assert change.thinnest > 0 > change.thickest
@@ -56,7 +47,7 @@ def test_more_light_extends_the_range(design):
 
 def test_effects_are_in_order_where_the_error_is_infinite(design):
     """The slope of the ratio of a film of 10 mm is zero to the last digit."""
-    found = vary_tolerances(design, Film(2.0, 10e3, (0.1, 20e3)), SIZES)
+    found = vary_tolerances(design, Film(2.0, 10e3, (0.1, 20e3)))
     assert all(np.isnan(change.std) for change in found)
     films = [change.film for change in found]
     assert films == sorted(films, reverse=True)
@@ -72,6 +63,6 @@ def test_dyes_by_coefficients_have_no_shift_of_a_filter(design, film):
         )
         for dye in design.dyes
     )
-    found = vary_tolerances(replace(design, dyes=narrow), film, SIZES)
+    found = vary_tolerances(replace(design, dyes=narrow), film)
     assert not [change for change in found if "filter" in change.what]
     assert len(found) == 7

@@ -21,6 +21,8 @@ from erlif.io.settings import (
 from erlif.kinematics import (
     Encoder,
     Mechanism,
+    Rotation,
+    Sinusoid,
     entrained_stroke,
     locate_frames,
     locate_logged,
@@ -78,8 +80,7 @@ def locate_run(run: Run) -> xr.Dataset:
         case RotationSettings() as disc:
             return locate_rotation(
                 log,
-                radius=disc.radius,
-                rotation_speed=disc.speed,
+                rotation=Rotation(disc.radius, disc.speed),
                 zero=encoder.zero or 0.0,
                 triggers_per_cycle=per_cycle,
                 bins=encoder.bins,
@@ -87,8 +88,7 @@ def locate_run(run: Run) -> xr.Dataset:
         case SinusoidalSettings() as slider:
             return locate_slider(
                 log,
-                travel=slider.stroke,
-                frequency=slider.frequency,
+                slider=Sinusoid(slider.stroke, slider.frequency),
                 zero=encoder.zero,
                 triggers_per_cycle=per_cycle,
                 bins=encoder.bins,

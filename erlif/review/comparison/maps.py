@@ -14,6 +14,7 @@ import xarray as xr
 
 from erlif.calibration import Calibration, calibration_of
 from erlif.core.arrays import Array, FlagImage
+from erlif.core.described import describe
 from erlif.core.errors import ErlifError
 from erlif.io.files import describe_trigger, settings_of
 
@@ -312,28 +313,24 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
         describe_trigger(film, k, by_crank=True)
         for film, k in zip((one, other), triggers, strict=True)
     ]
-    return xr.Dataset(
+    middles = {
+        axis: 0.5 * (edges[f"{axis}_edges"][1:] + edges[f"{axis}_edges"][:-1]) for axis in "xy"
+    }
+    mapped = describe(
         {
-            "difference": (dims, difference, {"units": "um"}),
-            "difference_std": (dims, std, {"units": "um"}),
-            "significance": (dims, significance, {"units": "1"}),
-            "differs": (dims, _significant(significance), {"units": "1"}),
+            "difference": (dims, difference, "um", ""),
+            "difference_std": (dims, std, "um", ""),
+            "significance": (dims, significance, "1", ""),
+            "differs": (dims, _significant(significance), "1", ""),
         },
-        {
-            name: (
-                name,
-                0.5 * (edges[f"{name}_edges"][1:] + edges[f"{name}_edges"][:-1]),
-                {"units": "mm"},
-            )
-            for name in ("x", "y")
-        },
-        {
-            "first": described[0],
-            "second": described[1],
-            "first_trigger": triggers[0],
-            "second_trigger": triggers[1],
-            "same_calibration": int(same),
-        },
+        {axis: (axis, middle, "mm", "") for axis, middle in middles.items()},
+    )
+    return mapped.assign_attrs(
+        first=described[0],
+        second=described[1],
+        first_trigger=triggers[0],
+        second_trigger=triggers[1],
+        same_calibration=int(same),
     )
 
 

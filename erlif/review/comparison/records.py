@@ -161,7 +161,7 @@ def read_run(film: xr.Dataset) -> RunRecord:
         name=settings.name,
         settings=settings,
         calibration=calibration,
-        calibration_key=_hash(film.attrs["calibration"]),
+        calibration_key=hashlib.sha256(film.attrs["calibration"].encode()).hexdigest(),
         frames_key=_frames_key(film, settings),
         identity=str(film.attrs.get("identity", "")),
         angle=np.asarray(angle, float),
@@ -243,10 +243,6 @@ def _block_edges(position: Array) -> Array:
     pitch = float(np.ptp(position)) / (position.size - 1)
     count = position.size // _BLOCK
     return np.asarray(position.min() - pitch / 2 + _BLOCK * pitch * np.arange(count + 1))
-
-
-def _hash(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _frames_key(film: xr.Dataset, settings: RunSettings) -> str:

@@ -96,7 +96,10 @@ def compare(
         for k, film in enumerate(opened):
             records.append(read_run(film))
             progress("films", k + 1, len(opened))
-        labels = label_films([record.name for record in records], _files_of(opened))
+        # a film that is in memory only has no file
+        sources = [film.encoding.get("source") for film in opened]
+        files = [Path(source) if source else None for source in sources]
+        labels = label_films([record.name for record in records], files)
         records = [
             replace(record, name=label) for record, label in zip(records, labels, strict=True)
         ]
@@ -131,12 +134,6 @@ def _open(film: xr.Dataset | str | Path, stack: ExitStack) -> xr.Dataset:
     opened = stack.enter_context(open_film(film))
     stack.enter_context(reading_film(film))
     return opened
-
-
-def _files_of(films: Sequence[xr.Dataset]) -> list[Path | None]:
-    """Files of the films; None for one that is in memory only."""
-    sources = [film.encoding.get("source") for film in films]
-    return [Path(source) if source else None for source in sources]
 
 
 def _check_pair(pair: tuple[int, int], count: int) -> tuple[int, int]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -47,7 +47,7 @@ _LEAST_SPAN = 0.1  # relative range of speed over load below which it shows no t
 _SAME = 1e-9  # relative difference of parameters that a text file of them may leave
 
 
-def find_run(film_path: Path, film: xr.Dataset, given: Path | None = None) -> Path | None:
+def find_run(film_path: Path, film: xr.Dataset) -> Path | None:
     """Find the run directory of a film.
 
     Parameters
@@ -56,13 +56,11 @@ def find_run(film_path: Path, film: xr.Dataset, given: Path | None = None) -> Pa
         The file of the film.
     film : xarray.Dataset
         The film.
-    given : Path, optional
-        The run directory where it is known.
 
     Returns
     -------
     Path or None
-        `given`, else the directory of the film if its run.toml has the name of the run, else None.
+        The directory of the film if its run.toml has the name of the run.
 
     Examples
     --------
@@ -74,9 +72,6 @@ def find_run(film_path: Path, film: xr.Dataset, given: Path | None = None) -> Pa
     ...     find_run(Path(directory) / "film.nc", example_film()) is None
     True
     """
-    if given is not None:
-        return given
-
     # another run.toml can lie beside a film that was moved; the name of the run decides
     beside = film_path.parent
     try:
@@ -85,7 +80,7 @@ def find_run(film_path: Path, film: xr.Dataset, given: Path | None = None) -> Pa
         return None
 
 
-def find_fixture(film: xr.Dataset, run_dir: Path | None, given: Path | None = None) -> Path | None:
+def find_fixture(film: xr.Dataset, run_dir: Path | None) -> Path | None:
     """Find the fixture directory of a film.
 
     Parameters
@@ -94,14 +89,11 @@ def find_fixture(film: xr.Dataset, run_dir: Path | None, given: Path | None = No
         The film.
     run_dir : Path or None
         Its run directory, from `find_run`.
-    given : Path, optional
-        The fixture directory where it is known.
 
     Returns
     -------
     Path or None
-        `given`, else the directory of the calibration in run.toml if it holds fixture.toml, else
-        None.
+        The directory of the calibration in run.toml if it holds fixture.toml.
 
     Examples
     --------
@@ -111,8 +103,6 @@ def find_fixture(film: xr.Dataset, run_dir: Path | None, given: Path | None = No
     >>> find_fixture(example_film(), Path("run")) is None
     True
     """
-    if given is not None:
-        return given
     named = stored.settings_of(film).calibration
     if named is None or run_dir is None:
         return None
@@ -348,14 +338,16 @@ def find_source(
     trigger: int | None,
     run_dir: str | Path | None,
     fixture_dir: str | Path | None,
+    *,
+    allow_outside: bool = False,
 ) -> FigureSource:
     """Find the directories a film was made from; raises ErlifError if it has no such trigger."""
     if trigger is None:
         trigger = stored.fastest_trigger(film)
     stored.check_trigger(film, trigger)
-    run = find_run(film_path, film, None if run_dir is None else Path(run_dir))
-    fixture = find_fixture(film, run, None if fixture_dir is None else Path(fixture_dir))
-    return FigureSource(film_path, film, trigger, run, fixture)
+    run = find_run(film_path, film) if run_dir is None else Path(run_dir)
+    fixture = find_fixture(film, run) if fixture_dir is None else Path(fixture_dir)
+    return FigureSource(film_path, film, trigger, run, fixture, allow_outside)
 
 
 def write_figures(
@@ -438,8 +430,10 @@ def write_figures(
     out_dir = Path(out_dir)
     written: list[Path] = []
     with stored.reading_film(film_path), stored.open_film(film_path) as film, looks.in_style(style):
-        source = find_source(Path(film_path), film, trigger, run_dir, fixture_dir)
-        source = replace(source, allow_outside=allow_outside)
+        directories = (run_dir, fixture_dir)
+        source = find_source(
+            Path(film_path), film, trigger, *directories, allow_outside=allow_outside
+        )
         wanted = [name for name in DRAWN if only is None or name in only]
         reasons = {name: reason_missing(name, source) for name in wanted}
         names = [name for name, reason in reasons.items() if reason is None]

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -76,10 +75,6 @@ def linkage_cycle(film: xr.Dataset) -> LinkageCycle:
     return LinkageCycle(np.degrees(_CYCLE), reading, joint_speed(mechanism, _CYCLE, omega))
 
 
-def _times(factor: float) -> Callable[[npt.ArrayLike], Array]:
-    return lambda values: np.asarray(values, float) * factor
-
-
 @styled
 def speed_against_angle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw joint speed against encoder angle, and sliding speed on a second axis.
@@ -137,7 +132,9 @@ def _draw_joint_speed(
     joint = settings_of(film).joint
     if joint is not None:
         radius = joint.pin_radius * 1e3  # mm
-        second = ax.secondary_yaxis("right", functions=(_times(radius), _times(1 / radius)))
+        second = ax.secondary_yaxis(
+            "right", functions=(partial(np.multiply, radius), partial(np.multiply, 1 / radius))
+        )
         second.set_ylabel("sliding speed [mm/s]")
         ax.spines["right"].set_visible(False)
     return [*curve, *points]

@@ -105,8 +105,10 @@ def write_report(
     with files.reading_film(film_path), files.open_film(film_path) as film:
         chosen = _check_range(film, triggers)
         opening = chosen[files.fastest_trigger(film.isel(trigger=slice(chosen[0], chosen[-1] + 1)))]
-        source = find_source(Path(film_path), film, opening, run_dir, fixture_dir)
-        source = replace(source, allow_outside=allow_outside)
+        directories = (run_dir, fixture_dir)
+        source = find_source(
+            Path(film_path), film, opening, *directories, allow_outside=allow_outside
+        )
         text = _make_page(source, chosen, max_size, report)
     return layout.save_page(text, out_path)
 

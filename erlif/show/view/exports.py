@@ -11,7 +11,7 @@ from erlif.io.conversion import table_csv
 
 
 def map_tiff(
-    values: Image, flags: FlagImage, *, x: Array, y: Array, title: str, unit: str
+    values: Image, flags: FlagImage, *, pitch: tuple[float, float], title: str, unit: str
 ) -> bytes:
     """Write a map as a TIFF of single precision that ImageJ opens with its scale.
 
@@ -21,8 +21,8 @@ def map_tiff(
         A map.
     flags : array, (y, x)
         Its flags; flagged pixels become NaN.
-    x, y : array
-        Positions of columns and rows. [mm]
+    pitch : tuple of float
+        Distance of columns, and of rows. [mm]
     title : str
         What it shows.
     unit : str
@@ -36,11 +36,9 @@ def map_tiff(
     Examples
     --------
     >>> import tifffile
-    >>> position = np.array([0.0, 0.5])
     >>> flags = np.array([[0, 1], [0, 0]], np.uint8)
-    >>> content = map_tiff(
-    ...     np.ones((2, 2), np.float32), flags, x=position, y=position, title="film", unit="um"
-    ... )
+    >>> values = np.ones((2, 2), np.float32)
+    >>> content = map_tiff(values, flags, pitch=(0.5, 0.5), title="film", unit="um")
     >>> tifffile.imread(io.BytesIO(content)).tolist()
     [[1.0, nan], [1.0, 1.0]]
     """
@@ -48,7 +46,6 @@ def map_tiff(
 
     file = io.BytesIO()
     # ImageJ takes pixels per unit of length
-    pitch = (_pitch(x), _pitch(y))
     tifffile.imwrite(
         file,
         np.where(flags == 0, values, np.nan).astype(np.float32),
@@ -58,13 +55,6 @@ def map_tiff(
         metadata={"unit": "mm", "Info": f"{title} [{unit}]".encode("ascii", "replace").decode()},
     )
     return file.getvalue()
-
-
-def _pitch(position: Array) -> float:
-    """Distance of two pixels. [mm]"""
-    if position.size < 2:
-        return 1.0
-    return float(position[-1] - position[0]) / (position.size - 1)
 
 
 def map_csv(values: Image, flags: FlagImage, *, x: Array, y: Array, name: str) -> bytes:

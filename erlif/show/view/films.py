@@ -56,16 +56,11 @@ class FilmReader:
 
     def __init__(self, path: Path, run_dir: Path | None = None) -> None:
         self.path = path
-        """File of the film."""
         self.film: xr.Dataset = files.open_film(path)
-        """The film; its maps are not in memory."""
         settings = files.settings_of(self.film)
         self.name = settings.name
-        """Name of the run, as the settings state it; `open_films` adds what distinguishes films."""
         self.region: RegionOfInterest = files.region_of(self.film)
-        """Region of interest that the film was made with."""
         self.run_dir = _find_run(path, run_dir)
-        """Run directory; None where it is not known."""
         # the few numbers of a description, in memory: to select from the film takes much longer
         names = [name for name in _DESCRIBING if name in self.film]
         self._numbers = self.film[names].load()

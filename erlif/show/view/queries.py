@@ -462,7 +462,8 @@ def _export_map(request: Request, kind: str) -> Export:
         heading = layer.name if unit == "1" else f"{layer.name}_{unit}"
         return _name_file(request, what, kind, map_csv(values, flags, name=heading, **place))
     title = f"{request.film().name}, {layer.title}, {chosen.text}"
-    content = map_tiff(values, flags, title=title, unit=unit, **place)
+    pitch = (chosen.reader.axis("x")[1], chosen.reader.axis("y")[1])
+    content = map_tiff(values, flags, title=title, unit=unit, pitch=pitch)
     return _name_file(request, what, kind, content)
 
 

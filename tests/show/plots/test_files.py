@@ -170,7 +170,6 @@ def test_run_directory_is_recognised_by_the_name_of_the_run(film_path, film, tmp
     assert plots.find_run(tmp_path / "film.nc", film) is None
     (tmp_path / "run.toml").write_text(scene.RUN_TOML.replace("known", "other"))
     assert plots.find_run(tmp_path / "film.nc", film) is None
-    assert plots.find_run(tmp_path / "film.nc", film, film_path.parent) == film_path.parent
 
 
 def test_fixture_is_found_where_the_settings_name_its_calibration(with_settings, tmp_path):
@@ -182,7 +181,6 @@ def test_fixture_is_found_where_the_settings_name_its_calibration(with_settings,
     (tmp_path / "wedge" / "fixture.toml").write_text("")
     assert plots.find_fixture(named, run).resolve() == tmp_path / "wedge"
     assert plots.find_fixture(named, None) is None
-    assert plots.find_fixture(named, run, tmp_path) == tmp_path
 
 
 def test_points_of_the_calibration_are_drawn_if_it_is_that_of_the_film(

@@ -15,7 +15,7 @@ FLAGS[3, 4] = 128
 
 
 def test_a_tiff_holds_every_value_and_the_scale():
-    content = map_tiff(VALUES, FLAGS, x=X, y=Y, title="film µ", unit="um")
+    content = map_tiff(VALUES, FLAGS, pitch=(0.06, 0.06), title="film µ", unit="um")
     with tifffile.TiffFile(io.BytesIO(content)) as file:
         npt.assert_array_equal(file.asarray(), np.where(FLAGS == 0, VALUES, np.nan))
         over, under = file.pages[0].tags["XResolution"].value
