@@ -13,7 +13,6 @@ from erlif.models.reaction import (
     SliderCrankBodies,
     coupler_force,
     joint_reaction,
-    rod_stress,
     rolling_bearing_life,
     warn_of_compression,
 )
@@ -121,7 +120,6 @@ def test_compression_of_the_worn_joint_is_reported_by_its_crank_angles():
 def test_link_force_of_the_thesis():  # Farzaneh (2002), appendix A.3: 8.2 kN
     rig = CrankRocker(0.055, 0.44, 0.26, 0.51)
     force = coupler_force(rig, crank_angle=TURN, rocker_torque=2118.5)
-    npt.assert_allclose(2118.5 / 0.26, 8.15e3, atol=5)
     # the transmission angle runs from 76.30 to 104.69 degrees; the end further from 90 is worse
     npt.assert_allclose(
         force[[0, 360]], 2118.5 / 0.26 / np.sin(np.radians([76.3035, 104.6909])), rtol=1e-6
@@ -153,17 +151,8 @@ def test_several_friction_coefficients_give_the_reaction_of_each():
         npt.assert_allclose(found.crank_torque[:, k], alone.crank_torque[:, 0], rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("exponent", "load", "hours"),
-    [(10 / 3, 4.1e3, 52119), (10 / 3, 8.2e3, 5171), (3, 4.1e3, 28960), (3, 8.2e3, 3620)],
-)
-def test_bearing_life_of_the_thesis(exponent, load, hours):  # Farzaneh (2002), appendix A.4.1
-    speed = 114 * 2 * np.pi / 60
-    life = rolling_bearing_life(load, rating=23.9e3, speed=speed, exponent=exponent)
-    npt.assert_allclose(life / 3600, hours, rtol=5e-5)
-
-
-def test_threaded_rod_of_the_thesis():
-    """Farzaneh (2002), appendix A.4.1, prints 16 MPa: the diameter in the place of the radius."""
-    npt.assert_allclose(rod_stress(8.2e3, diameter=0.0127) / 1e6, 64.7, atol=0.05)
-    npt.assert_allclose(rod_stress(8.2e3, diameter=2 * 0.0127) / 1e6, 16.2, atol=0.05)
+def test_bearing_life_of_the_thesis():  # Farzaneh (2002), appendix A.4.1
+    case = {"rating": 23.9e3, "speed": 114 * 2 * np.pi / 60}
+    for exponent, hours in ((10 / 3, [52119, 5171]), (3, [28960, 3620])):
+        life = rolling_bearing_life([4.1e3, 8.2e3], exponent=exponent, **case)
+        npt.assert_allclose(life / 3600, hours, rtol=5e-5)
