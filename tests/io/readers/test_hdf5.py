@@ -11,7 +11,7 @@ import xarray as xr
 from scenes.reading import read, refusal
 
 from erlif.core.errors import FrameError
-from erlif.io.readers import FrameKind, open_frames
+from erlif.io.readers import open_frames
 
 COUNTS = np.random.default_rng(5).integers(0, 4096, (4, 64, 80), dtype=np.uint16)
 
@@ -19,6 +19,11 @@ COUNTS = np.random.default_rng(5).integers(0, 4096, (4, 64, 80), dtype=np.uint16
 @pytest.fixture
 def path(tmp_path):
     return tmp_path / "a.h5"
+
+
+def times_of(path, dataset=""):
+    with closing(open_frames(path, dataset=dataset)) as file:
+        return file.times
 
 
 @pytest.mark.parametrize(
@@ -37,11 +42,10 @@ def test_the_only_array_of_frames_is_used(path, options, dtype):
         file.create_dataset("camera1/counts", data=COUNTS.astype(dtype), **options)
         file["angle"] = np.arange(4.0)
         file["name"] = "run"
-    np.testing.assert_array_equal(read(path), COUNTS)
-    opened = open_frames(path)
-    assert list(opened.kinds) == [FrameKind((64, 80), np.dtype(dtype).newbyteorder("=").name)] * 4
-    assert opened.times is None
-    opened.close()
+    found = read(path)
+    np.testing.assert_array_equal(found, COUNTS)
+    assert found.dtype == np.dtype(dtype).newbyteorder("=")
+    assert times_of(path) is None
 
 
 def test_an_array_is_chosen_by_its_path(path):
@@ -49,11 +53,8 @@ def test_an_array_is_chosen_by_its_path(path):
         file["camera1/counts"], file["camera2/counts"] = COUNTS, COUNTS[::-1]
     np.testing.assert_array_equal(read(path, dataset="/camera2/counts"), COUNTS[::-1])
     np.testing.assert_array_equal(read(path, dataset="camera1/counts"), COUNTS)
-    for message in (
-        refusal(path),
-        refusal(path, dataset="/camera3"),
-        refusal(path, dataset="/camera1"),
-    ):
+    for dataset in ("", "/camera3", "/camera1"):
+        message = refusal(path, dataset=dataset)
         assert "/camera1/counts (4 x 64 x 80 uint16), /camera2/counts" in message
         assert message.endswith('for example dataset = "/camera1/counts".')
 
@@ -76,9 +77,7 @@ def test_times_of_netcdf_are_those_of_its_coordinate(tmp_path, unit, factor):
     with h5py.File(tmp_path / "a.nc", "a") as file:
         file["time"].attrs["units"] = np.bytes_(unit)
     np.testing.assert_array_equal(read(tmp_path / "a.nc"), COUNTS)
-    file = open_frames(tmp_path / "a.nc")
-    np.testing.assert_allclose(file.times, factor * np.array([0, 1, 3, 7]))
-    file.close()
+    np.testing.assert_allclose(times_of(tmp_path / "a.nc"), factor * np.array([0, 1, 3, 7]))
 
 
 def test_times_of_hdf5_stand_beside_the_frames(path):
@@ -88,15 +87,11 @@ def test_times_of_hdf5_stand_beside_the_frames(path):
         file["camera1/stamp"].attrs["units"] = np.bytes_("ms")
         file["other"] = np.arange(4.0)
         file["other"].attrs["units"] = np.bytes_("s")
-    opened = open_frames(path)
-    np.testing.assert_allclose(opened.times, [0, 0.01, 0.03, 0.07])
-    opened.close()
+    np.testing.assert_allclose(times_of(path), [0, 0.01, 0.03, 0.07])
     with h5py.File(path, "a") as file:
         file["camera1/delay"] = np.arange(4.0)
         file["camera1/delay"].attrs["units"] = np.bytes_("s")
-    opened = open_frames(path)
-    assert opened.times is None  # two arrays of times: which one is meant is not clear
-    opened.close()
+    assert times_of(path) is None  # two arrays of times: which one is meant is not clear
 
 
 def test_times_of_xarray_keep_their_nanoseconds(tmp_path):
@@ -108,9 +103,8 @@ def test_times_of_xarray_keep_their_nanoseconds(tmp_path):
     frames.to_netcdf(tmp_path / "a.nc", engine="h5netcdf", encoding=encoding)
     with h5py.File(tmp_path / "a.nc") as file:
         assert h5py.h5a.open(file["time"].id, b"units").get_type().is_variable_str()
-    file = open_frames(tmp_path / "a.nc", dataset="counts")
-    np.testing.assert_allclose(file.times, [0, 7e-9, 0.020000033, 90.000000001], rtol=1e-12)
-    file.close()
+    found = times_of(tmp_path / "a.nc", "counts")
+    np.testing.assert_allclose(found, [0, 7e-9, 0.020000033, 90.000000001], rtol=1e-12)
 
 
 # what is refused
@@ -196,9 +190,7 @@ def times_beside(path, fill):
     with h5py.File(path, "w") as file:
         file["counts"] = COUNTS
         fill(file)
-    opened = open_frames(path, dataset="/counts")
-    opened.close()
-    return opened.times
+    return times_of(path, "/counts")
 
 
 def seconds(dataset):
@@ -249,14 +241,13 @@ def test_a_frame_that_was_never_written_is_refused(path, chunks, missing):
             data[index] = COUNTS[index]
         if chunks == (1, 32, 40):
             data[2, :30] = COUNTS[2, :30]  # a part of the frame
-    opened = open_frames(path)
-    for index in range(4):
-        if index in missing:
-            with pytest.raises(FrameError, match="not in the file"):
-                opened.read(index)
-        else:
-            np.testing.assert_array_equal(opened.read(index), COUNTS[index])
-    opened.close()
+    with closing(open_frames(path)) as opened:
+        for index in range(4):
+            if index in missing:
+                with pytest.raises(FrameError, match="not in the file"):
+                    opened.read(index)
+            else:
+                np.testing.assert_array_equal(opened.read(index), COUNTS[index])
 
 
 @pytest.mark.parametrize("shape", [(4, 64, 80), (64, 80)])
@@ -273,10 +264,7 @@ def test_a_frame_marked_as_plain_is_read_only_where_it_is_plain(path, packed):
         data = file.create_dataset("counts", data=COUNTS, chunks=(1, 64, 80), compression="gzip")
         chunk = zlib.compress(COUNTS[2].tobytes()) if packed else COUNTS[2].tobytes()
         data.id.write_direct_chunk((2, 0, 0), chunk, filter_mask=1)
-    with closing(open_frames(path)) as opened:
-        np.testing.assert_array_equal(opened.read(1), COUNTS[1])
-        if packed:
-            with pytest.raises(FrameError, match="not in the file"):
-                opened.read(2)
-        else:
-            np.testing.assert_array_equal(opened.read(2), COUNTS[2])
+    if packed:
+        assert "not in the file" in refusal(path)
+    else:
+        np.testing.assert_array_equal(read(path), COUNTS)

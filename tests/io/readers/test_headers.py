@@ -20,6 +20,7 @@ from scenes.camera_files import (
     write_spe2,
     write_spe3,
 )
+from scenes.reading import refusal
 
 from erlif.core.errors import FrameError
 from erlif.io.readers import open_frames
@@ -56,15 +57,6 @@ WRITERS = {
     **{f"im7 {n}": (partial(write_im7, packing=n), "a.im7") for n in range(4)},
 }
 """Writers of the recordings in headers.toml, with the names of their files."""
-
-
-def refusal(path) -> str:
-    """The message with which a recording is refused; empty where it is opened."""
-    try:
-        with closing(open_frames(path)):
-            return ""
-    except FrameError as error:
-        return str(error)
 
 
 def test_a_header_that_contradicts_its_file_is_refused(tmp_path):

@@ -6,7 +6,7 @@ from scenes.camera_files import random_frames, write_mraw
 
 from erlif.core.errors import FrameError
 from erlif.io.readers import open_frames
-from erlif.io.readers.photron import open_photron, read_photron_header
+from erlif.io.readers.photron import open_photron
 
 
 def test_upper_case_names_belong_together(tmp_path):
@@ -29,13 +29,6 @@ def test_a_missing_half_is_named(tmp_path):
     path.unlink()
     with pytest.raises(FrameError, match=r"Put a\.mraw beside it\.$"):
         open_photron(header)
-
-
-def test_a_header_without_a_rate_has_no_times():
-    text = "Total Frame : 1\nImage Width : 4\nImage Height : 4\nColor Bit : 8\n"
-    assert read_photron_header(text).interval is None
-    for rate in ("0", "1e-320", "-5"):
-        assert read_photron_header(text + f"Record Rate(fps) : {rate}\n").interval is None
 
 
 def test_entities_of_the_header_are_not_followed(tmp_path):

@@ -51,6 +51,7 @@ def test_types_and_byte_orders(opened, order, code):
     assert file.read(0).flags.c_contiguous
 
 
-@pytest.mark.parametrize("rate", [0.0, -1.0, 1e-320, 10**400, float("inf"), float("nan")])
+# 5e-324 was found by damaging files at random: its reciprocal overflows
+@pytest.mark.parametrize("rate", [0.0, -1.0, 5e-324, 10**400, float("inf"), float("nan")])
 def test_a_rate_that_no_camera_has_gives_no_times(rate):
     assert frame_interval(rate) is None

@@ -1,10 +1,11 @@
 """TIFF files against tifffile and libtiff, which wrote them."""
 
 import struct
-import threading
 import time
 import tracemalloc
 import zlib
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -12,8 +13,6 @@ import tifffile
 from PIL import Image
 from scenes.reading import read, refusal
 
-from erlif.core.errors import FrameError
-from erlif.io.readers import FrameKind
 from erlif.io.readers.tiff import TIFF
 
 GREY = np.random.default_rng(5).integers(0, 4096, (3, 64, 80), dtype=np.uint16)
@@ -97,10 +96,9 @@ def test_an_imagej_stack_is_read_with_and_without_its_directories(tmp_path, orde
         path.write_bytes(content)
 
     np.testing.assert_array_equal(read(path), counts.reshape(-1, 64, 80))
-    file = TIFF.open(path)
-    assert list(file.channels) == [1, 2] * 3
-    np.testing.assert_allclose(file.times, [0, 0, 0.5, 0.5, 1, 1])
-    file.close()
+    with closing(TIFF.open(path)) as file:
+        assert list(file.channels) == [1, 2] * 3
+        np.testing.assert_allclose(file.times, [0, 0, 0.5, 0.5, 1, 1])
 
 
 @pytest.mark.parametrize("options", [{}, {"compression": "zlib"}, {"byteorder": ">"}])
@@ -110,10 +108,9 @@ def test_an_ome_file_has_channels_and_times(tmp_path, options):
     metadata = {"axes": "CTYX", "Plane": {"DeltaT": [1.0, 2, 4, 1, 2, 4]}}
     tifffile.imwrite(path, counts, ome=True, metadata=metadata, **options)
     np.testing.assert_array_equal(read(path), counts.reshape(-1, 64, 80))
-    file = TIFF.open(path)
-    assert list(file.channels) == [1, 1, 1, 2, 2, 2]
-    np.testing.assert_allclose(file.times, [0, 1, 3, 0, 1, 3])
-    file.close()
+    with closing(TIFF.open(path)) as file:
+        assert list(file.channels) == [1, 1, 1, 2, 2, 2]
+        np.testing.assert_allclose(file.times, [0, 1, 3, 0, 1, 3])
 
 
 # what is no stack of counts
@@ -131,10 +128,7 @@ def test_colours_are_the_last_axis(tmp_path, planar):
     image = np.random.default_rng(1).integers(0, 255, (64, 80, 3), dtype=np.uint8)
     stored = image if planar == "contig" else np.moveaxis(image, 2, 0)
     tifffile.imwrite(tmp_path / "a.tif", stored, photometric="rgb", planarconfig=planar)
-    file = TIFF.open(tmp_path / "a.tif")
-    assert list(file.kinds) == [FrameKind((64, 80, 3), "uint8")]
-    np.testing.assert_array_equal(file.read(0), image)
-    file.close()
+    np.testing.assert_array_equal(read(tmp_path / "a.tif"), image[None])
 
 
 @pytest.mark.parametrize(
@@ -172,22 +166,9 @@ def test_nothing_is_printed_about_a_damaged_file(tmp_path, capfd):
 @pytest.mark.parametrize("options", [{}, {"tile": (16, 16)}], ids=["plain", "tiles"])
 def test_threads_read_different_pages_at_once(tmp_path, options):
     tifffile.imwrite(tmp_path / "a.tif", GREY, photometric="minisblack", **options)
-    file = TIFF.open(tmp_path / "a.tif")
-    faults = []
-
-    def work(first):
-        for n in range(60):
-            index = (first + n) % 3
-            if not np.array_equal(file.read(index), GREY[index]):
-                faults.append(index)
-
-    threads = [threading.Thread(target=work, args=(k,)) for k in range(3)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    file.close()
-    assert not faults
+    with closing(TIFF.open(tmp_path / "a.tif")) as file, ThreadPoolExecutor(3) as threads:
+        found = list(threads.map(file.read, [0, 1, 2] * 60))
+    np.testing.assert_array_equal(found, np.tile(GREY, (60, 1, 1)))
 
 
 # damages
@@ -200,9 +181,8 @@ def test_a_tile_of_a_terabyte_is_refused(tmp_path, compression):
     table = b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in entries.items())
     head = b"II*\0" + struct.pack("<IH", 8, len(entries)) + table + bytes(4)
     path = tmp_path / "a.tif"
-    path.write_bytes(head.ljust(200, b"\0") + bytes(20_000))
-    with pytest.raises(FrameError, match="bytes cannot hold 1 frame of 1048576 x 1048576"):
-        TIFF.open(path)
+    content = head.ljust(200, b"\0") + bytes(20_000)
+    assert "bytes cannot hold 1 frame of 1048576 x 1048576" in refusal(path, content)
 
 
 @pytest.fixture
@@ -243,9 +223,7 @@ def test_a_chain_that_was_cut_off_keeps_the_pages_before(tmp_path):
     path = tmp_path / "a.tif"
     tifffile.imwrite(path, np.zeros((3, 64, 80), np.uint16), photometric="minisblack")
     path.write_bytes(path.read_bytes()[:-50])
-    file = TIFF.open(path)
-    assert 1 <= len(file.kinds) < 3
-    file.close()
+    assert 1 <= len(read(path)) < 3
 
 
 def entries_of(entries: int, following: int, kind: int = 3, count: int = 1) -> bytes:
@@ -271,13 +249,8 @@ REFUSED = [
 
 
 def test_damaged_chains_and_other_files_are_refused(tmp_path):
-    accepted = []
     for content, reason in REFUSED:
-        (tmp_path / "a.tif").write_bytes(content)
-        message = refusal(tmp_path / "a.tif")
-        if reason not in message:
-            accepted.append((content[:40], message))
-    assert not accepted
+        assert reason in refusal(tmp_path / "a.tif", content), content[:40]
 
 
 def test_directories_through_the_pixels_are_refused_at_once(tmp_path):
