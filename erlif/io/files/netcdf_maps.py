@@ -163,13 +163,9 @@ class NetcdfMaps:
 
         Raises
         ------
-        ValueError
-            If the trigger is not the next one.
         OSError
             If the chunks cannot be written; the triggers put before are intact.
         """
-        if trigger != len(self._numbers):
-            raise ValueError(f"Expected trigger {len(self._numbers)}, the next one; got {trigger}.")
         self._reserve(sum(map(len, chunks.values())))
 
         found: dict[str, list[int]] = {}

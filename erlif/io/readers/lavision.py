@@ -19,14 +19,7 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import (
-    MOST_FRAMES,
-    Format,
-    FrameFile,
-    FrameKind,
-    check_claim,
-    read_header,
-)
+from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim, read_header
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 from erlif.io.readers.unpack import Packing, unpack
@@ -161,8 +154,6 @@ class SetFrames(FrameFile):
             kinds += file.kinds
             stamps.append(_read_stamps(path, len(file.kinds)))
             self.places += [(number, index) for index in range(len(file.kinds))]
-            if len(kinds) > MOST_FRAMES:
-                raise FrameError(f"its folder holds more than {MOST_FRAMES} frames")
 
         self.kinds = kinds
         known = [times for times in stamps if times is not None]

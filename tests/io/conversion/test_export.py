@@ -28,13 +28,6 @@ def test_the_same_film_gives_the_same_bytes_and_is_replaced_on_request(kind, fil
     assert list(tmp_path.iterdir()) == [output]
 
 
-def test_a_table_of_a_map_is_replaced_as_well(film_path, tmp_path):
-    output = tmp_path / "map.csv"
-    for angle in (70, 110):
-        export(film_path, output, angle=angle, overwrite=True)
-    assert output.read_text().count("\n") == 24 * 64 + 1
-
-
 def test_a_folder_with_other_files_is_never_replaced(film_path, tmp_path):
     output = tmp_path / "film_vtk"
     export(film_path, output, to="vtk", trigger=1)

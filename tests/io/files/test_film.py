@@ -4,7 +4,6 @@ import json
 import tomllib
 from dataclasses import replace
 
-import h5netcdf
 import numpy as np
 import pytest
 import xarray as xr
@@ -37,14 +36,6 @@ def opened(film):
         return dataset.load()
 
 
-def test_film_has_its_sizes_and_the_column_of_the_log_that_erlif_does_not_know(opened):
-    """Names, dims, types and units are held to the table by the test of docs/files.md."""
-    assert "laser_mJ" in opened
-    maps = {"trigger": 6, "y": 96, "x": 128, "flag": 8}
-    position = {"axis": 2, "parameter": 4, "parameter_other": 4, "calibration_parameter": 3}
-    assert dict(opened.sizes) == maps | position
-
-
 @pytest.mark.parametrize("missing", LEFT_OUT)
 def test_film_without_a_table_lacks_what_needs_it(small_rig, missing):
     """The log gives the load, and the joint belongs to the oil."""
@@ -70,11 +61,9 @@ def test_names_of_the_film_are_reserved_in_the_log(opened):
     assert set(map(str, opened.variables)) - {"laser_mJ"} <= _RESERVED
 
 
-def test_film_has_the_documented_groups(film):
+def test_frames_have_the_names_of_their_files(film):
     with erlif.open_film(film, group="frames") as frames:
         assert frames.file_camera1.values.tolist() == [f"frame_{k:04d}.tif" for k in range(6)]
-    with h5netcdf.File(film, "r") as file:
-        assert set(file.groups) == {"frames", "registration"}
 
 
 def test_thickness_is_nan_exactly_where_flags_are_set(opened):

@@ -36,14 +36,6 @@ def resume(directory, expected):
     return contents(finish(store))
 
 
-def test_triggers_are_put_in_their_order(tmp_path):
-    store = open_store("netcdf", tmp_path)
-    put(store, 0)
-    with pytest.raises(ValueError, match="Expected trigger 1, the next one; got 2"):
-        put(store, 2)
-    store.close()
-
-
 def test_chunks_of_a_killed_process_are_copied_to_the_same_film(left, whole):
     assert resume(left, [True, True, True, False]) == whole
     assert sorted(path.name for path in left.iterdir()) == ["journal", "maps_1.nc"]

@@ -2,7 +2,6 @@
 
 import json
 import shutil
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +9,6 @@ import tifffile
 
 from erlif.core.errors import FrameError
 from erlif.io.ingest import open_run, read_frames
-from erlif.io.ingest.recording import number_frames
 
 
 def test_a_run_has_settings_frames_and_log(lab):
@@ -35,17 +33,6 @@ def test_absolute_patterns_and_unusual_directory_names_are_found(lab, tmp_path):
     (tmp_path / "camera1" / "frame_0003.tif").write_bytes(b"")
     with pytest.raises(FrameError, match=r"frame_0003\.tif: the file is empty"):
         open_run(unusual, allow_outside=True)
-
-
-@pytest.mark.parametrize("timed", [True, False])
-def test_without_a_log_frames_have_numbers_and_the_times_of_the_camera(small_rig, timed):
-    pairs = open_run(small_rig.run).pairs
-    times = np.arange(6) * 0.01
-    log = number_frames(replace(pairs, times=times if timed else None))
-    assert log.number.values.tolist() == [0, 1, 2, 3, 4, 5]
-    assert ("time" in log) == timed
-    if timed:
-        assert log.time.values.tolist() == times.tolist()
 
 
 def test_a_run_without_an_encoder_opens(lab):

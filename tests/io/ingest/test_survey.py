@@ -72,45 +72,35 @@ def test_a_number_that_both_cameras_share_is_not_a_wavelength(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("dark", "flat"),
+    ("dark", "flat", "dry"),
     [
-        ("camera{}_dark.tif", "camera{}_flat.tif"),
-        ("camera{}/Dark.tif", "camera{}/White.tif"),
-        ("darks/cam{}.tif", "flats/cam{}.tif"),
-        ("Cam{}BlackFrames.tif", "Cam{}Uniform.tif"),
+        ("camera{}_dark.tif", "camera{}_flat.tif", "camera{}_dry.tif"),
+        ("camera{}/Dark.tif", "camera{}/White.tif", "camera{}/background.tif"),
+        ("darks/cam{}.tif", "flats/cam{}.tif", "background/cam{}.tif"),
+        ("Cam{}BlackFrames.tif", "Cam{}Uniform.tif", "Cam{}Dry.tif"),
     ],
 )
-def test_darks_and_flats_are_assigned_to_their_camera_by_name(tmp_path, dark, flat):
+def test_darks_and_flats_are_assigned_to_their_camera_by_name(tmp_path, dark, flat, dry):
     for camera in (1, 2):
         photograph(tmp_path, *numbered(f"camera{camera}/frame_{{}}.tif"))
-        photograph(tmp_path, dark.format(camera), pages=4)
-        photograph(tmp_path, flat.format(camera), pages=6)
+        for pages, name in ((4, dark), (6, flat), (2, dry)):
+            photograph(tmp_path, name.format(camera), pages=pages)
     survey = survey_directory(tmp_path)
     assert survey.unassigned == ()
     for number, camera in enumerate(survey.cameras, 1):
-        assert camera.frames.pages == 3
-        assert (camera.darks.pages, camera.flats.pages) == (4, 6)
-        assert camera.darks.pattern == dark.format(number)
+        sets = (camera.frames, camera.darks, camera.flats, camera.backgrounds)
+        assert [one.pages for one in sets] == [3, 4, 6, 2]
+        assert [one.pattern for one in sets[1:]] == [
+            name.format(number) for name in (dark, flat, dry)
+        ]
         assert set(tmp_path.glob(camera.frames.pattern)) == set(camera.frames.files)
-
-
-@pytest.mark.parametrize("name", ["camera{}_dry.tif", "background/cam{}.tif"])
-def test_frames_of_the_dry_joint_are_assigned_to_their_camera(tmp_path, name):
-    for camera in (1, 2):
-        photograph(tmp_path, *numbered(f"camera{camera}/frame_{{}}.tif"))
-        photograph(tmp_path, name.format(camera), pages=2)
-    for number, camera in enumerate(survey_directory(tmp_path).cameras, 1):
-        assert camera.frames.pages == 3
-        assert camera.backgrounds.pattern == name.format(number)
 
 
 def test_darks_of_left_and_right_are_found_in_their_own_folder(tmp_path):
     photograph(tmp_path, *numbered("left/{}.tif"), *numbered("right/{}.tif"))
-    photograph(tmp_path, "darks/left.tif", "darks/right.tif")
-    assert [camera.darks.pattern for camera in survey_directory(tmp_path).cameras] == [
-        "darks/left.tif",
-        "darks/right.tif",
-    ]
+    darks = ["darks/left.tif", "darks/right.tif"]
+    photograph(tmp_path, *darks)
+    assert [camera.darks.pattern for camera in survey_directory(tmp_path).cameras] == darks
 
 
 def test_a_photograph_of_the_scale_is_not_a_frame(tmp_path):

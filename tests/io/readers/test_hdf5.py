@@ -250,14 +250,6 @@ def test_a_frame_that_was_never_written_is_refused(path, chunks, missing):
                 np.testing.assert_array_equal(opened.read(index), COUNTS[index])
 
 
-@pytest.mark.parametrize("shape", [(4, 64, 80), (64, 80)])
-@pytest.mark.parametrize("chunks", [None, True])
-def test_an_array_without_any_counts_is_refused(path, shape, chunks):
-    with h5py.File(path, "w") as file:
-        file.create_dataset("counts", shape, "u2", chunks=chunks)
-    assert "not in the file" in refusal(path)
-
-
 @pytest.mark.parametrize("packed", [True, False])
 def test_a_frame_marked_as_plain_is_read_only_where_it_is_plain(path, packed):
     with h5py.File(path, "w") as file:

@@ -62,13 +62,6 @@ def foreign(monkeypatch):
     registry._foreign_formats.cache_clear()
 
 
-def test_content_counts_before_the_suffix(tmp_path):
-    tifffile.imwrite(tmp_path / "a.png", GREY, photometric="minisblack")
-    file = open_frames(tmp_path / "a.png")
-    np.testing.assert_array_equal(file.read(2), GREY[2])
-    file.close()
-
-
 def test_a_dataset_is_refused_where_the_format_has_none(tmp_path):
     tifffile.imwrite(tmp_path / "a.tif", GREY, photometric="minisblack")
     with pytest.raises(FrameError, match="TIFF file, which has no datasets"):

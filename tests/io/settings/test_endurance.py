@@ -31,16 +31,8 @@ def test_tables_are_read_in_si_units(tmp_path):
     assert settings.galling.significance == 0.01
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ('arm = "30 cm"', "arm = 30", "arm"),
-        ("pin_radius", "pin_radus", "pin_radius"),
-        ('"kN"', '"bar"', "cells"),
-    ],
-)
-def test_what_cannot_be_used_is_named(tmp_path, old, new, message):
+def test_what_cannot_be_used_is_named(tmp_path):
     path = tmp_path / "endurance.toml"
-    path.write_text(TEXT.replace(old, new), encoding="utf-8")
-    with pytest.raises(ConfigError, match=message):
+    path.write_text(TEXT.replace('"kN"', '"bar"'), encoding="utf-8")
+    with pytest.raises(ConfigError, match="cells"):
         read_endurance_settings(path)

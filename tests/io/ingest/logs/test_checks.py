@@ -2,29 +2,10 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from erlif.core.errors import EncoderError
-from erlif.io.ingest.logs.checks import check_values, leave_out_bad_rows
+from erlif.io.ingest.logs.checks import leave_out_bad_rows
 from erlif.io.ingest.logs.table import LogColumn, LogTable
-
-UNITS = {"time": "s", "temperature": "degree_Celsius", "load": "N", "pulse_energy": "mJ"}
-
-
-def check(quantity, *values):
-    column = LogColumn(f"{quantity}_x", "", np.array(values))
-    log = xr.Dataset({quantity: ("frame", column.values, {"units": UNITS[quantity]})})
-    rows = range(2, 2 + len(values))
-    check_values(log, {quantity: column}, LogTable("log.csv", (column,), rows))
-
-
-@pytest.mark.parametrize(
-    ("quantity", "values"),
-    [("time", (-1.0, 0.0, 1e9)), ("temperature", (-273.15, 1000.0)), ("load", (1e-9,))],
-)
-def test_possible_values_pass(quantity, values):
-    check(quantity, *values)
-
 
 LOAD = LogColumn("load", "N", np.array([1.0, np.nan, 3.0, np.nan]), {1: "", 3: "broken"})
 NOTE = LogColumn("note", "", np.full(4, np.nan), {0: "a", 1: "b", 2: "c", 3: "d"})
@@ -48,9 +29,3 @@ def test_columns_that_are_not_used_may_hold_text():
 def test_a_column_without_any_number_is_not_to_be_skipped():
     with pytest.raises(EncoderError, match="Choose another column"):
         leave_out_bad_rows(TABLE, [LOAD, NOTE], skip=False)
-
-
-def test_a_pulse_without_energy_is_refused():
-    """Further numbers are refused by name in the catalogue of damages."""
-    with pytest.raises(EncoderError, match="positive pulse energy in row 2"):
-        check("pulse_energy", 0.0, 5.0)
