@@ -9,7 +9,6 @@ cameras are exchanged, whatever their ratio.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import cv2
@@ -75,16 +74,6 @@ class PatternShare(NamedTuple):
     def is_missing(self) -> bool:
         """Whether the frames do not have this structure."""
         return self.std < _LARGEST_STD and self.value < _MISSING
-
-
-@dataclass(frozen=True)
-class _Structure:
-    """Fine structure of an image."""
-
-    values: Image
-    """Logarithm less that of the surroundings, (y, x). [1]"""
-    sound: Mask
-    """Pixels that are compared, (y, x)."""
 
 
 def find_reference_faults(
@@ -260,11 +249,11 @@ def find_share(
     window = view.window
     response = references.flat.values[flat][window]
     bad = references.bad.values[flat][window] | measured.darks.bad[window]
-    frames = _fine_structure(view.centre - measured.darks.mean[window], bad)
-    pattern = _fine_structure(response, bad)
-    sound = frames.sound & pattern.sound
+    frames, in_frames = _fine_structure(view.centre - measured.darks.mean[window], bad)
+    pattern, in_pattern = _fine_structure(response, bad)
+    sound = in_frames & in_pattern
 
-    x, y = pattern.values[sound].astype(float), frames.values[sound].astype(float)
+    x, y = pattern[sound].astype(float), frames[sound].astype(float)
     noise = float(np.mean(references.flat_var.values[flat][window][sound]))
     true = float(np.mean(x * x)) - noise * _KEPT
     if x.size < BLOCKS**2 or true <= 0:
@@ -278,8 +267,8 @@ def find_share(
 _KEPT = 8 / 9
 
 
-def _fine_structure(light: AnyArray, bad: Mask) -> _Structure:
-    """Logarithm of the light less its mean over 3 x 3 pixels, without dust and bad pixels."""
+def _fine_structure(light: AnyArray, bad: Mask) -> tuple[Image, Mask]:
+    """Logarithm of the light less its mean over 3 x 3 pixels, and where no dust or bad pixel is."""
     usable = (light > 0) & ~bad
     logarithm = np.log(np.where(usable, light, 1)).astype(np.float32)
     values = logarithm - cv2.blur(logarithm, (3, 3))
@@ -287,4 +276,4 @@ def _fine_structure(light: AnyArray, bad: Mask) -> _Structure:
     # a bad pixel spoils the mean of its neighbours
     usable = cv2.erode(usable.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
     spread = robust_std(values[usable]) if usable.any() else 0.0
-    return _Structure(np.asarray(values), np.asarray(usable & (np.abs(values) < _CLEAR * spread)))
+    return values, usable & (np.abs(values) < _CLEAR * spread)

@@ -9,7 +9,8 @@ the message names the orientation or the offset at which they would fit.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -19,9 +20,9 @@ from erlif.core.arrays import AnyArray, Array, Image, Mask
 from erlif.core.errors import RegistrationError
 from erlif.core.statistics import robust_rms
 from erlif.registration.blocks import FEWEST, agree, match_blocks
-from erlif.registration.interpolation import NOTHING_BAD, laid_over, spline_coefficients
+from erlif.registration.interpolation import laid_over
 from erlif.registration.normalise import binned, normalise
-from erlif.registration.pairs import Pair
+from erlif.registration.pairs import Pair, Textures
 from erlif.registration.settings import ORIENTATIONS, RegistrationSettings, orient
 
 # The frames are binned by powers of two until their longer side is at most this. [px]
@@ -148,9 +149,9 @@ class Peak:
 
 
 def _textures(image: AnyArray, weight: AnyArray | None, factor: int) -> tuple[AnyArray, AnyArray]:
-    """Texture of a frame after binning, and its weight."""
-    small, sound = binned(image, weight, factor)
-    return normalise(small, sound, reach=TEXTURE_REACH)
+    """Texture of a frame after binning, clipped, and its weight."""
+    texture, weight = normalise(*binned(image, weight, factor), reach=TEXTURE_REACH)
+    return np.clip(texture, -CLIPPED, CLIPPED), weight
 
 
 def _centre(shape: tuple[int, int]) -> AnyArray:
@@ -172,32 +173,24 @@ class CoarsePair:
 
     Attributes
     ----------
-    a : Image
-        Texture of camera 1 and, as ``wa``, its weight.
-    wa : Image
-    b : Image
-        Texture of camera 2 and, as ``wb``, its weight.
-    wb : Image
-    coefficients : Image
-        Spline coefficients of ``b``.
-    bad : Mask
-        Pixels of camera 2 without weight; of size 0 if there are none.
+    textures : Textures
+        Of both cameras, binned and clipped.
     factor : int
         Binning of the frames. [px]
     """
 
-    a: Image
-    wa: Image
-    b: Image
-    wb: Image
-    coefficients: Image
-    bad: Mask
+    textures: Textures
     factor: int
 
     @property
     def shape(self) -> tuple[int, int]:
         """Rows and columns of camera 1. [binned px]"""
-        return self.a.shape[0], self.a.shape[1]
+        return self.textures.a.shape[0], self.textures.a.shape[1]
+
+    @cached_property
+    def spline(self) -> tuple[Image, Mask]:
+        """Spline of camera 2, see `Textures.spline`."""
+        return self.textures.spline(1)
 
     def turned(self, linear: Array, shift: Array) -> tuple[AnyArray, AnyArray]:
         """Texture and weight of camera 2 at ``linear @ (x - centre) + centre + shift``.
@@ -212,52 +205,34 @@ class CoarsePair:
         dy = linear[1, 0] * x + (linear[1, 1] - 1) * y + offset[1]
 
         fields = dx.astype(np.float32), dy.astype(np.float32)
-        out = laid_over((self.coefficients, self.bad), *fields, (0.0, 0.0), 1)
+        out = laid_over(self.spline, *fields, (0.0, 0.0), 1)
         sound = np.isfinite(out)
         return np.where(sound, out, np.float32(0)), sound.astype(np.float32)
 
     def with_second(self, moving: AnyArray, weight: AnyArray | None) -> CoarsePair:
         """The same camera 1 with another image of camera 2."""
-        b, wb = _textures(moving, weight, self.factor)
-        return coarse_pair(self.a, self.wa, b, wb, self.factor)
-
-
-def coarse_pair(a: AnyArray, wa: AnyArray, b: AnyArray, wb: AnyArray, factor: int) -> CoarsePair:
-    """Clip the textures and prepare camera 2 for interpolation.
-
-    Parameters
-    ----------
-    a, wa, b, wb : array, (y, x), float32
-        Textures of camera 1 and camera 2 with their weights. [1]
-    factor : int
-        Binning of the frames.
-
-    Returns
-    -------
-    CoarsePair
-    """
-    a, b = np.clip(a, -CLIPPED, CLIPPED), np.clip(b, -CLIPPED, CLIPPED)
-    bad = NOTHING_BAD if wb.all() else wb == 0
-    return CoarsePair(a, wa, b, wb, spline_coefficients(b), bad, factor)
+        b, weight_b = _textures(moving, weight, self.factor)
+        return replace(self, textures=replace(self.textures, b=b, weight_b=weight_b))
 
 
 class Correlator:
     """Cross-correlation of camera 1 with camera 2, turned in any way, at every offset at once."""
 
     def __init__(self, coarse: CoarsePair, search: float) -> None:
-        h, w = self.shape = coarse.a.shape
+        h, w = self.shape = coarse.shape
         self.search = search
+        both = coarse.textures
 
         # twice the size, so that the far sides do not meet
-        larger = (max(a, b) for a, b in zip(coarse.a.shape, coarse.b.shape, strict=True))
+        larger = (max(a, b) for a, b in zip(both.a.shape, both.b.shape, strict=True))
         rows, cols = (fft.next_fast_len(2 * n, real=True) for n in larger)
         self.size = (rows, cols)
-        self.spectrum = np.conj(fft.rfft2(coarse.a, self.size))
+        self.spectrum = np.conj(fft.rfft2(both.a, self.size))
         self.offset_y = fft.fftfreq(self.size[0], 1 / self.size[0])[:, None]
         self.offset_x = fft.fftfreq(self.size[1], 1 / self.size[1])[None, :]
 
         # pixels that both cameras see at each offset; turning by a few degrees changes them little
-        weights = fft.rfft2(coarse.wb, self.size) * np.conj(fft.rfft2(coarse.wa, self.size))
+        weights = fft.rfft2(both.weight_b, self.size) * np.conj(fft.rfft2(both.weight, self.size))
         shared = fft.irfft2(weights, self.size)
         self.enough = shared > SHARED * h * w
         self.scale = np.where(self.enough, 1 / np.sqrt(np.maximum(shared, 1)), 0).astype(np.float32)
@@ -320,7 +295,7 @@ def _refine(coarse: CoarsePair, peak: Peak) -> Start | None:
     agreement = 0.0
     for reach in (REACH, REACH // 2):
         b, wb = coarse.turned(linear, shift)
-        centres, vectors, strength = match_blocks(coarse.a, b, wb, reach)
+        centres, vectors, strength = match_blocks(coarse.textures.a, b, wb, reach)
         matrix, offset, agreement = agree(centres - centre, vectors, strength)
         if agreement * len(centres) < FEWEST:
             return None
@@ -345,7 +320,7 @@ def _search_unturned(coarse: CoarsePair, correlator: Correlator) -> tuple[Start 
     """Try the frame as it is, without the bank of rotations and scales."""
     best = NO_PEAK
     for blur in (SHARP, BROAD):
-        significance, offset = correlator.peak(coarse.b, blur)
+        significance, offset = correlator.peak(coarse.textures.b, blur)
         if significance > best.significance:
             best = Peak(significance, np.eye(2), offset)
         if best.significance > CLEAR:
@@ -414,7 +389,7 @@ def find_start(pair: Pair, settings: RegistrationSettings) -> Start:
     factor = coarse_binning(pair.smaller)
     a, wa = _textures(pair.reference, pair.weight_reference, factor)
     b, wb = _textures(pair.moving, pair.weight_moving, factor)
-    coarse = coarse_pair(a, wa, b, wb, factor)
+    coarse = CoarsePair(Textures(a, wa, b, wb), factor)
     _check_light(coarse)
 
     correlator = Correlator(coarse, settings.search)
@@ -439,7 +414,8 @@ def find_start(pair: Pair, settings: RegistrationSettings) -> Start:
 
 def _check_light(coarse: CoarsePair) -> None:
     """Refuse frames without light, and name the camera."""
-    for camera, weight in ((1, coarse.wa), (2, coarse.wb)):
+    both = coarse.textures
+    for camera, weight in ((1, both.weight), (2, both.weight_b)):
         if not (weight > 0).mean() > LIT:
             raise RegistrationError(
                 "Registration needs light on both cameras, but hardly any pixel of "

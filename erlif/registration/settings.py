@@ -9,17 +9,6 @@ import numpy as np
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import RegistrationError
 
-Orientation = Literal[
-    "normal",
-    "mirrored_x",
-    "mirrored_y",
-    "rotated_90",
-    "rotated_180",
-    "rotated_270",
-    "transposed",
-    "antitransposed",
-]
-
 _TURNS: Final[dict[str, Callable[[AnyArray], AnyArray]]] = {
     "normal": lambda image: image,
     "mirrored_x": lambda image: image[:, ::-1],
@@ -97,7 +86,7 @@ class RegistrationSettings:
         ``"surface"``: a smooth surface, as fine as the data support; ``"local"``: one
         displacement for each window; ``"auto"``: the surface, unless the distortion is finer
         than any surface.
-    orientation : Orientation
+    orientation : str
         How the image of camera 2 is turned before it looks like that of camera 1, one of
         ``ORIENTATIONS``. ``"rotated_90"`` turns it counter-clockwise as seen on the screen, as
         `numpy.rot90` does.
@@ -121,7 +110,7 @@ class RegistrationSettings:
     step: int = 8
     passes: int = 3
     model: Literal["auto", "surface", "local"] = "auto"
-    orientation: Orientation = "normal"
+    orientation: str = "normal"
     whiten: bool = True
     search: float = 0.27
     frames_for_map: int = 32

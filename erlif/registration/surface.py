@@ -29,9 +29,7 @@ ROWS: Final = 32
 PRODUCT: Final = 2**18
 
 
-def spline_weights(
-    positions: AnyArray, start: float, stop: float, elements: int
-) -> tuple[AnyArray, Array]:
+def design(positions: AnyArray, start: float, stop: float, elements: int) -> Array:
     """Return the cubic B-spline weights of positions on an interval cut into equal elements.
 
     Parameters
@@ -45,10 +43,8 @@ def spline_weights(
 
     Returns
     -------
-    first : array, (n,), int
-        Index of the first of the four coefficients.
-    weights : array, (n, 4)
-        Their weights, which add up to 1.
+    array, (n, elements + 3)
+        Weights of the coefficients, four of them at each position, which add up to 1.
     """
     # positions beyond the interval stay in the outer element, with u below 0 or above 1
     t = (np.asarray(positions, float) - start) * (elements / (stop - start))
@@ -62,15 +58,8 @@ def spline_weights(
         )
         / 6
     )
-    return first, weights
-
-
-def design(positions: AnyArray, start: float, stop: float, elements: int) -> Array:
-    """The weights of `spline_weights` as a full matrix (position, coefficient)."""
-    first, weights = spline_weights(positions, start, stop, elements)
     matrix = np.zeros((len(first), elements + 3))
-    for k in range(4):
-        matrix[np.arange(len(first)), first + k] = weights[:, k]
+    np.put_along_axis(matrix, first[:, None] + np.arange(4), weights, axis=1)
     return matrix
 
 

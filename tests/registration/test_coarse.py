@@ -9,8 +9,8 @@ from scenes.registration import Scene, expose, smooth_map
 
 from erlif.core.errors import RegistrationError
 from erlif.registration import RegistrationSettings, orient
-from erlif.registration.coarse import Correlator, coarse_binning, coarse_pair, find_start
-from erlif.registration.pairs import Pair
+from erlif.registration.coarse import CoarsePair, Correlator, coarse_binning, find_start
+from erlif.registration.pairs import Pair, Textures
 
 SHAPE = (256, 320)
 SMALL = (96, 112)  # for refusals, which try every orientation first
@@ -88,13 +88,13 @@ def noise_pair(offset=(0, 0), *, weight=None):
     a = np.random.default_rng(5).standard_normal(SMALL).astype(np.float32)
     ones = np.ones(SMALL, np.float32)
     b = np.roll(a, offset[::-1], (0, 1))
-    return coarse_pair(a, ones, b, ones if weight is None else weight, 1)
+    return Textures(a, ones, b, ones if weight is None else weight)
 
 
 def test_the_height_of_a_peak_is_the_root_of_the_number_of_pixels():
     """Sum of n squares over the scatter of a sum of n products, both of unit variance."""
     pair = noise_pair()
-    significance, offset = Correlator(pair, 0.27).peak(pair.b, 0.0)
+    significance, offset = Correlator(CoarsePair(pair, 1), 0.27).peak(pair.b, 0.0)
     npt.assert_allclose(significance, np.sqrt(96 * 112), rtol=0.05)
     npt.assert_array_equal(offset, 0)
 
@@ -104,12 +104,13 @@ def test_offsets_at_which_hardly_any_pixel_is_shared_do_not_count():
     weight = np.ones(SMALL, np.float32)
     weight[60:] = 0
     pair = noise_pair(weight=weight)
-    known = coarse_pair(pair.a, pair.wa, pair.b * weight, weight, 1)
-    significance, offset = Correlator(known, 0.27).peak(known.b, 0.0)
+    known = pair.b * weight
+    both = CoarsePair(replace(pair, b=known), 1)
+    significance, offset = Correlator(both, 0.27).peak(known, 0.0)
     npt.assert_array_equal(offset, 0)
     npt.assert_allclose(significance, np.sqrt(60 * 112), rtol=0.1)
-    blind = coarse_pair(pair.a, pair.wa, pair.b, 0 * weight, 1)
-    assert Correlator(blind, 0.27).peak(blind.b, 0.0)[0] == 0
+    blind = CoarsePair(replace(pair, weight_b=0 * weight), 1)
+    assert Correlator(blind, 0.27).peak(pair.b, 0.0)[0] == 0
 
 
 # binning ----------------------------------------------------------------------------------------
