@@ -13,7 +13,6 @@ from erlif.registration import check_map, estimate_drift, orient
 from erlif.registration.drift import (
     FARTHEST,
     beyond_chance,
-    binned_field,
     fold_quarters,
     shift_std,
     whole_pixels,
@@ -160,19 +159,6 @@ def test_opposite_edges_of_the_frame_are_kept_apart():
     for a, b, move in ((left, right, 1), (first, second, 2)):
         npt.assert_array_equal(whole_pixels(a, b), (move, 0))
         npt.assert_array_equal(whole_pixels(a.T, b.T), (0, move))
-
-
-@pytest.mark.parametrize("binning", [1, 2, 4])
-def test_binned_field_is_the_displacement_at_the_centres_of_binned_pixels(binning):
-    """An affine field: pixel k of the binned image is centred at binning k + (binning - 1)/2."""
-    y, x = np.indices((33, 47)).astype(np.float32)
-    field = 3 + 0.02 * x - 0.05 * y
-    binned = binned_field(field, binning)
-    h, w = 33 // binning, 47 // binning
-    assert binned.shape == (h, w)
-    centre = (binning - 1) / 2
-    v, u = np.indices((h, w)) * binning + centre
-    npt.assert_allclose(binned, (3 + 0.02 * u - 0.05 * v) / binning, rtol=1e-5)
 
 
 def test_mean_product_of_seven_standard_errors_is_beyond_chance():

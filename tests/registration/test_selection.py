@@ -11,7 +11,6 @@ from erlif.registration.selection import (
     attainable_gain,
     choose_model,
     disagreement,
-    elements_of,
     excesses,
     is_unresolved,
     left_over,
@@ -56,24 +55,6 @@ def cells_of(dx, dy, *, noise=1.0, seed=0):
 def noise_only(seed=0, **options):
     x, _ = grid(**options)
     return cells_of(0 * x, 0 * x, seed=seed)
-
-
-# models -----------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("longer", "box", "elements"),
-    [
-        (4, BOX, (4, 3)),
-        (8, BOX, (8, 6)),
-        (8, (0.0, 256.0, 0.0, 320.0), (6, 8)),
-        (3, (0.0, 100.0, 0.0, 100.0), (3, 3)),
-        (2, (50.0, 1050.0, 20.0, 70.0), (2, 1)),
-        (2, (0.0, 50.0, 0.0, 1000.0), (1, 2)),
-    ],
-)
-def test_elements_are_nearly_square(longer, box, elements):
-    assert elements_of(longer, box) == elements
 
 
 # what a surface leaves --------------------------------------------------------------------------

@@ -7,7 +7,7 @@ from scenes.registration import Blobs, Scene, map_views, smooth_map, translation
 
 from erlif.core.errors import RegistrationError
 from erlif.registration.matching import AA, BX, BY, EE, GXX, GXY, GYY, SUMS, WEIGHT, solve_shift
-from erlif.registration.views import expected_rms, make_cells
+from erlif.registration.views import make_cells
 from erlif.registration.whitening import make_filter
 
 SHAPE = (128, 160)
@@ -54,16 +54,6 @@ def test_a_surface_needs_sixteen_cells():
     sums.reshape(-1, SUMS)[15, WEIGHT] = 0
     with pytest.raises(RegistrationError, match="needs 16 cells of 8 px, got 15"):
         make_cells(sums, 8, translation())
-
-
-# expected differences ---------------------------------------------------------------------------
-
-
-def test_the_expected_difference_is_the_rms_of_the_surroundings():
-    sums = np.zeros((8, 10, SUMS))
-    sums[..., WEIGHT] = 64
-    sums[..., EE] = 64 * 0.3**2
-    npt.assert_allclose(expected_rms(sums), 0.3)
 
 
 # one frame --------------------------------------------------------------------------------------

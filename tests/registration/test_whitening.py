@@ -11,7 +11,6 @@ from erlif.registration.whitening import (
     Spectra,
     make_filter,
     measure_spectra,
-    padded_size,
     slope_gain,
     whiten,
 )
@@ -128,16 +127,6 @@ def test_weight_ends_where_the_filter_reaches_beyond_the_frame():
     assert inner.sum() == inner.size - 1
     assert kept.sum() == inner.sum()
     assert weight.sum() == weight.size - 1
-
-
-def test_a_frame_of_an_awkward_size_is_padded_for_the_transform():
-    size = padded_size((197, 263))
-    assert size == (200, 270)  # of factors 2, 3 and 5
-    open_filter = Filter(np.ones(33), 1 / 64).on_grid(size)
-    texture = noise((197, 263))
-    filtered, _ = whiten(texture, ones((197, 263)), open_filter)
-    assert filtered.shape == (197, 263)
-    npt.assert_allclose(np.corrcoef(filtered.ravel(), texture.ravel())[0, 1], 1, atol=1e-6)
 
 
 # the slope of the score -------------------------------------------------------------------------
