@@ -6,10 +6,11 @@ import importlib
 import os
 import shutil
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
+import xarray as xr
 
 # As in the commands, before numpy is loaded: pytest-xdist has a process for each core, and threads
 # of linear algebra that wait for each other triple the processor time of a fit.
@@ -54,6 +55,28 @@ class Laboratory:
     def film(self) -> Path:
         return self.run / "film.nc"
 
+    @classmethod
+    def simulated(cls, directory: Path, *, seed: int, rig: RigSettings) -> "Laboratory":
+        """A run of the rig and its fixture, which is calibrated."""
+        lab = cls(directory)
+        simulate(directory, seed=seed, rig=rig)
+        erlif.save_calibration(erlif.calibrate(lab.fixture), lab.fixture / "calibration.nc")
+        return lab
+
+    @functools.cached_property
+    def truth(self) -> xr.Dataset:
+        """Film, displacement and all other inputs of the rig."""
+        with xr.open_dataset(self.directory / "truth.nc", engine="h5netcdf") as dataset:
+            return dataset.load()
+
+    def copy_run(self, name: str, *changes: tuple[str, str], add: str = "") -> Path:
+        """Another run directory with the same frames and other settings."""
+        shutil.copytree(self.run, self.directory / name)
+        self.edit(f"{name}/run.toml", *changes)
+        with (self.directory / name / "run.toml").open("a", encoding="utf-8") as settings:
+            settings.write(add)
+        return self.directory / name
+
     def edit(self, file: str, *changes: tuple[str, str]) -> None:
         """Replace text in a file, each piece once."""
         path = self.directory / file
@@ -70,19 +93,14 @@ class Laboratory:
 @pytest.fixture(scope="session")
 def small_rig(tmp_path_factory) -> Laboratory:
     """Never to be changed; take `lab` for a copy."""
-    lab = Laboratory(tmp_path_factory.mktemp("rig"))
-    simulate(lab.directory, seed=11, rig=SMALL)
-    erlif.save_calibration(erlif.calibrate(lab.fixture), lab.fixture / "calibration.nc")
-    return lab
+    return Laboratory.simulated(tmp_path_factory.mktemp("rig"), seed=11, rig=SMALL)
 
 
 @pytest.fixture(scope="session")
 def two_cycles(tmp_path_factory) -> Laboratory:
     """The same rig over two turns of the crank, not calibrated; never to be changed."""
     lab = Laboratory(tmp_path_factory.mktemp("cycles"))
-    simulate(
-        lab.directory, seed=12, rig=RigSettings(**{**vars(SMALL), "cycles": 2, "fixture_frames": 1})
-    )
+    simulate(lab.directory, seed=12, rig=replace(SMALL, cycles=2, fixture_frames=1))
     return lab
 
 

@@ -1,7 +1,6 @@
 """The small rig's run, opened and prepared once."""
 
 import pytest
-import xarray as xr
 
 import erlif
 from erlif.core.progress import silent
@@ -28,5 +27,4 @@ def calibration(small_rig):
 @pytest.fixture(scope="session")
 def truth(small_rig):
     """Film, displacement and all other inputs of the rig."""
-    with xr.open_dataset(small_rig.directory / "truth.nc", engine="h5netcdf") as dataset:
-        return dataset.load()
+    return small_rig.truth

@@ -4,10 +4,10 @@ import shutil
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import erlif
-from erlif.rig import RigSettings, simulate
+from conftest import Laboratory
+from erlif.rig import RigSettings
 
 RIG = RigSettings(
     width=128,
@@ -24,30 +24,24 @@ RIG = RigSettings(
 
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory):
-    out = simulate(tmp_path_factory.mktemp("background") / "lab", seed=31, rig=RIG)
-    erlif.save_calibration(erlif.calibrate(out / "fixture"), out / "fixture" / "calibration.nc")
-    return out
+    return Laboratory.simulated(tmp_path_factory.mktemp("background"), seed=31, rig=RIG)
 
 
 @pytest.fixture(scope="module")
 def plain(lab):
     """The same run, processed as if there were no background."""
-    copy = shutil.copytree(lab / "run", lab / "plain")
-    settings = copy / "run.toml"
-    lines = settings.read_text().splitlines(keepends=True)
-    settings.write_text("".join(line for line in lines if not line.startswith("background =")))
-    return erlif.process(copy, workers=1)
+    changes = [("\nbackground =", "\n# background =")] * 2
+    return erlif.process(lab.copy_run("plain", *changes), workers=1)
 
 
 @pytest.fixture(scope="module")
 def corrected(lab):
-    return erlif.process(lab / "run", workers=1)
+    return erlif.process(lab.run, workers=1)
 
 
 def errors(film, lab):
     """Film less true film of the valid pixels, of which those of 3 to 4 um; and their std. [um]"""
-    with xr.open_dataset(lab / "truth.nc", engine="h5netcdf") as truth:
-        true = truth.film.values
+    true = lab.truth.film.values
     inside = (film["flags"].values == 0) & (true > 3) & (true < 4)
     error = (film.thickness.values - true)[inside]
     return error, np.hypot(film.thickness_std, film.thickness_std_shared).values[inside]
@@ -64,7 +58,7 @@ def test_frames_of_the_dry_joint_take_the_bias_away(lab, plain, corrected):
 
 
 def test_budget_has_the_frames_of_the_dry_joint(lab, corrected):
-    budget = erlif.budget(lab / "run", trigger=4, films=(8.0,))
+    budget = erlif.budget(lab.run, trigger=4, films=(8.0,))
     one = corrected.isel(trigger=4)
     near = np.abs(one.thickness.values / 8.0 - 1) < 0.05
     column = budget["std"].isel(quantity=0)
@@ -73,8 +67,8 @@ def test_budget_has_the_frames_of_the_dry_joint(lab, corrected):
     assert random == pytest.approx(float(np.median(one.thickness_std.values[near])), rel=0.05)
 
 
-def test_background_of_the_wrong_frames_is_refused(lab, tmp_path):
-    copy = shutil.copytree(lab / "run", tmp_path / "run")
+def test_background_of_the_wrong_frames_is_refused(lab):
+    copy = lab.copy_run("wrong")
     shutil.copy(copy / "camera1" / "frame_0005.tif", copy / "camera1_background.tif")
     with pytest.raises(erlif.ErlifError, match="dry or dye-free joint"):
-        erlif.process(copy, calibration=lab / "fixture" / "calibration.nc", workers=1)
+        erlif.process(copy, workers=1)

@@ -1,15 +1,14 @@
 """`erlif process` killed at random moments: the film is the same, and nothing is left over."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scenes.processes import start_command
 from scenes.stores import contents
 
-import erlif
 from conftest import FULL, SMALL, Laboratory
-from erlif.rig import RigSettings, simulate
 
 KILLS = 10 if FULL else 3
 """Of each kind of file; a fault that half of the moments bring out is missed by three with 13 %, by
@@ -19,14 +18,8 @@ ten with 0.1 %."""
 @pytest.fixture(scope="module")
 def laboratory(tmp_path_factory):
     """A cycle of 24 triggers, or 50 in full, so that most moments lie among the triggers."""
-    lab = Laboratory(tmp_path_factory.mktemp("killed"))
-    simulate(
-        lab.directory,
-        seed=13,
-        rig=RigSettings(**{**vars(SMALL), "spacing": 0.96 if FULL else 1.92}),
-    )
-    erlif.save_calibration(erlif.calibrate(lab.fixture), lab.fixture / "calibration.nc")
-    return lab
+    rig = replace(SMALL, spacing=0.96 if FULL else 1.92)
+    return Laboratory.simulated(tmp_path_factory.mktemp("killed"), seed=13, rig=rig)
 
 
 class Command:

@@ -15,7 +15,6 @@ import erlif
 from conftest import SMALL, Laboratory
 from erlif.io.settings import RunSettings
 from erlif.pipeline.film import predict_theory
-from erlif.rig import simulate
 
 KINDS = ("rotation", "sinusoidal", "static")
 GAPS = {
@@ -46,17 +45,14 @@ class Case(NamedTuple):
 @pytest.fixture(scope="module", params=KINDS)
 def case(request, tmp_path_factory):
     """A small run whose settings are written by erlif init and filled in by hand."""
-    lab = Laboratory(tmp_path_factory.mktemp(request.param))
     rig = replace(SMALL, mechanism=request.param, pictures=8, load_swing=0.3)
-    simulate(lab.directory, seed=31, rig=rig)
-    erlif.save_calibration(erlif.calibrate(lab.fixture), lab.fixture / "calibration.nc")
+    lab = Laboratory.simulated(tmp_path_factory.mktemp(request.param), seed=31, rig=rig)
     (lab.run / "run.toml").unlink()
     erlif.init(lab.run, kind=request.param)
     fill_gaps(lab.run / "run.toml")
 
     film = erlif.process(lab.run, output=lab.film).load()
-    with xr.open_dataset(lab.directory / "truth.nc", engine="h5netcdf") as truth:
-        return Case(request.param, lab, film, truth.load())
+    return Case(request.param, lab, film, lab.truth)
 
 
 def fill_gaps(path: Path) -> None:

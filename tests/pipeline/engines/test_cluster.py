@@ -17,14 +17,13 @@ from scenes.stores import contents
 from scenes.workers import Checked, Deadly, Faulty, Squares, serve
 
 import erlif
-from conftest import FULL, SMALL
+from conftest import FULL, SMALL, Laboratory
 from erlif.core.errors import ClusterError, FrameError
 from erlif.io.files import ZarrMaps
 from erlif.pipeline.engines import cluster as module
 from erlif.pipeline.engines.cluster import Cluster
 from erlif.pipeline.engines.engine import open_engine
 from erlif.pipeline.engines.triggers import TriggerWork
-from erlif.rig import simulate
 
 distributed = pytest.importorskip("distributed")
 dask = pytest.importorskip("dask")
@@ -298,12 +297,10 @@ def test_a_worker_that_does_not_see_the_run_is_refused(two_workers, tmp_path):
 @pytest.fixture(scope="module")
 def long_run(tmp_path_factory):
     """A run of 24 triggers with its calibration, and its films as a single thread makes them."""
-    folder = tmp_path_factory.mktemp("long")
-    simulate(folder, seed=14, rig=RIG)
-    erlif.save_calibration(erlif.calibrate(folder / "fixture"), folder / "fixture/calibration.nc")
+    lab = Laboratory.simulated(tmp_path_factory.mktemp("long"), seed=14, rig=RIG)
     for name in ("film.nc", "film.zarr"):
-        erlif.process(folder / "run", output=folder / name, workers=1).close()
-    return folder
+        erlif.process(lab.run, output=lab.directory / name, workers=1).close()
+    return lab.directory
 
 
 class Killer:

@@ -1,7 +1,5 @@
 """A background that the run itself shows: reported, and subtracted on request."""
 
-import shutil
-
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -9,10 +7,11 @@ import xarray as xr
 from scenes.pin import fit_true_film
 
 import erlif
+from conftest import Laboratory
 from erlif.pipeline.engines.results import FrameResult
 from erlif.pipeline.physics.light import find_bleaching
 from erlif.ratio import NO_CELLS
-from erlif.rig import RigSettings, simulate
+from erlif.rig import RigSettings
 
 SHARE = 0.06
 RIG = RigSettings(
@@ -23,29 +22,24 @@ RIG = RigSettings(
 
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory):
-    out = simulate(tmp_path_factory.mktemp("light") / "lab", seed=41, rig=RIG)
-    erlif.save_calibration(erlif.calibrate(out / "fixture"), out / "fixture" / "calibration.nc")
-    return out
+    return Laboratory.simulated(tmp_path_factory.mktemp("light"), seed=41, rig=RIG)
 
 
 @pytest.fixture(scope="module")
 def reported(lab):
-    return erlif.process(lab / "run", workers=2)
+    return erlif.process(lab.run, workers=2)
 
 
 @pytest.fixture(scope="module")
 def corrected(lab):
-    copy = shutil.copytree(lab / "run", lab / "corrected")
-    with (copy / "run.toml").open("a") as settings:
-        settings.write('\n[light]\nbackground = "correct"\n')
-        settings.write('[reference]\nregion = { x = [4, 8], y = [4, 8] }\nthickness = "3 um"\n')
+    patch = '[reference]\nregion = { x = [4, 8], y = [4, 8] }\nthickness = "3 um"\n'
+    copy = lab.copy_run("corrected", add=f'\n[light]\nbackground = "correct"\n{patch}')
     return erlif.process(copy, workers=1)
 
 
 @pytest.fixture(scope="module")
 def truth(lab):
-    with xr.open_dataset(lab / "truth.nc", engine="h5netcdf") as file:
-        return file.load()
+    return lab.truth
 
 
 def test_background_is_found_within_its_error(reported):
@@ -111,7 +105,7 @@ def test_error_of_the_subtracted_background_is_in_that_of_the_patch(reported, co
 
 
 def test_the_film_does_not_depend_on_the_number_of_threads(lab, corrected):
-    again = erlif.process(lab / "corrected", workers=3)
+    again = erlif.process(lab.directory / "corrected", workers=3)
     xr.testing.assert_identical(again.drop_attrs(), corrected.drop_attrs())
     assert again.attrs["notes"] == corrected.attrs["notes"]
 
@@ -119,7 +113,7 @@ def test_the_film_does_not_depend_on_the_number_of_threads(lab, corrected):
 @pytest.mark.parametrize("name", ["run", "corrected"])
 def test_budget_has_the_background_and_adds_up(lab, reported, corrected, name):
     film = {"run": reported, "corrected": corrected}[name]
-    budget = erlif.budget(lab / name, trigger=10)
+    budget = erlif.budget(lab.directory / name, trigger=10)
     for quantity, variable in (("mean film", "film_mean"), ("minimum film", "film_min")):
         column = budget["std"].sel(quantity=quantity)
         assert float(column.sel(term="background")) > 0
