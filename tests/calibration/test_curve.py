@@ -50,15 +50,6 @@ def test_prediction_is_the_integrated_ratio(exact):
     npt.assert_allclose(exact.predict(1e3), K * P / Q, rtol=1e-12)
 
 
-def test_departure_is_added_to_the_logarithm(exact, departing):
-    film = np.linspace(0.3, 14, 50)
-    npt.assert_allclose(
-        departing.predict_log(film) - exact.predict_log(film),
-        departing.departure.predict(film),
-        atol=1e-14,
-    )
-
-
 @pytest.mark.parametrize("name", ["exact", "departing"])
 def test_slope_is_the_derivative(name, request):
     calibration = request.getfixturevalue(name)

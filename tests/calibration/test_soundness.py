@@ -78,9 +78,7 @@ def swell(file):
     ("change", "words"),
     [
         (put("ratio_at_zero", np.nan), "ratio_at_zero is nan, not a positive number"),
-        (put("ratio_at_zero", -0.6), "ratio_at_zero is -0.6, not a positive number"),
         (put("ratio_at_zero", 1e9), "ratio_at_zero is 1e+09, outside"),
-        (put("attenuation_camera1", np.inf), "attenuation_camera1 is inf"),
         (put("attenuation_camera2", 0.0), "attenuation_camera2 is 0, not a positive number"),
         (exchange_p_and_q, "the two look exchanged"),
         (attribute("units", "mm-1", "attenuation_camera1"), "is in mm-1, not in um-1"),
@@ -91,8 +89,6 @@ def swell(file):
         (correlate_beyond_one, "covariance is not positive definite"),
         (put("thickness_range", [12.0, 0.1]), "thickness_range is 12 to 0.1 um"),
         (put("thickness_range", [0.1, 1e9]), "thickness_range is 0.1 to 1e+09 um"),
-        (put("thickness_range", [0.1, np.nan]), "thickness_range is 0.1 to nan um"),
-        (put("thickness_range", [-3.0, 12.0]), "thickness_range is -3 to 12 um"),
         (attribute("band_camera1_nm", 0.58), "a band is at 0.58 nm"),
         (put("curve_thickness", np.nan, 3), "curve_thickness has values that are not finite"),
         (put("curve_ratio", -1.0, 3), "curve_ratio has a value of -1"),

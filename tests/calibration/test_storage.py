@@ -50,12 +50,6 @@ def test_pose_survives_the_file(tmp_path):
     npt.assert_array_equal(back.pose.covariance, calibration.pose.covariance)
 
 
-def test_fixture_file_names_its_profile_among_the_input_hashes(lab):
-    calibration = open_calibration(lab.fixture / "calibration.nc")
-    assert calibration.profile_file == "profile.csv"
-    assert len(calibration.input_hashes[calibration.profile_file]) == 64  # SHA-256
-
-
 def test_existing_file_is_replaced_on_request_only(wedge, departing, tmp_path):
     path = save_calibration(wedge, tmp_path / "calibration.nc")
     with pytest.raises(OutputError, match=r"calibration\.nc"):

@@ -9,7 +9,6 @@ import pytest
 import xarray as xr
 from click.testing import CliRunner
 from scenes.processes import end_command, kill_at_the_end, limit_the_size_of_files
-from scenes.stores import GRID, VARIABLES
 
 import erlif
 from erlif.commands.main import main
@@ -188,10 +187,3 @@ def test_a_disk_too_full_for_a_zarr_leaves_the_previous_one(lab, monkeypatch):
     assert "could not be written: No space left on device" in result.stderr
     assert {path.name for path in output.iterdir()} == {"zarr.json", "thickness"}
     assert not list(lab.run.glob("**/*.unfinished*"))
-
-
-def test_a_second_process_on_the_same_output_is_refused(lab, refused):
-    """The lock is held, as by a process that is still at work."""
-    with PartialFilm(lab.film, "key of the first", GRID, VARIABLES):
-        message = refused("process", lab.run)
-    assert "another erlif process is writing it" in message

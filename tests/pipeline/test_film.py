@@ -17,7 +17,6 @@ from erlif.io.ingest import FramePairs, open_run
 from erlif.io.ingest.images import Page
 from erlif.io.settings import RunSettings
 from erlif.pipeline.film import (
-    _mean_column,
     describe_exponents,
     describe_film,
     describe_frames,
@@ -221,12 +220,3 @@ def test_frames_that_were_left_out_have_no_drift(cycles):
     frames = describe_frames(run, cycle, results, np.zeros(2))
     assert np.flatnonzero(np.isnan(frames.drift_x)).tolist() == [7]
     assert "damaged" in frames.attrs["skipped_frames"]
-
-
-@pytest.mark.parametrize("mounted", [{"mounted_on": "crank"}, {}])
-def test_the_mean_angle_of_a_turning_encoder_passes_over_zero(mounted):
-    """350, 359 and 6 degrees, the last one as 726 two turns later."""
-    angles = xr.DataArray(np.array([350.0, 359.0, 726.0]), dims="frame", name="encoder_angle")
-    assert _mean_column(angles.assign_attrs(mounted), [0, 1, 2]) == pytest.approx(358 + 1 / 3)
-    swing = angles.assign_attrs(mounted_on="rocker")
-    assert _mean_column(swing, [0, 1]) == 354.5

@@ -58,11 +58,3 @@ def test_noise_of_dark_and_flat_is_part_of_the_variance_and_stands_beside_it(lig
     ratios = compute_ratio(frames)
     npt.assert_allclose(ratios.log_ratio_var_fixed, 5e-4, rtol=1e-5)
     npt.assert_allclose(ratios.log_ratio_var, ratios.log_ratio_var_fixed, rtol=1e-5)
-
-
-def test_coordinates_of_the_frames_stay(light):
-    frames = aligned(*light).assign_coords(angle=("frame", [1.0, 2.0, 3.0]))
-    ratios = compute_ratio(frames)
-    npt.assert_array_equal(ratios.angle, [1.0, 2.0, 3.0])
-    assert "camera" not in ratios.coords
-    npt.assert_array_equal(ratios.signal_camera1, frames.signal.sel(camera=1))

@@ -5,12 +5,10 @@ import math
 import numpy as np
 import numpy.testing as npt
 import pytest
-import xarray as xr
 from scenes.gap import known_calibration
 from scenes.gap import true_log_ratio as log_ratio_of
 from scenes.pair import ratio_images
 
-import erlif
 from erlif.core.errors import ModelError
 from erlif.core.flags import Flag
 from erlif.ratio import smooth_ratio
@@ -157,16 +155,3 @@ def test_correlated_noise_of_neighbours_raises_the_remaining_variance():
 def test_a_resolution_below_two_pixels_is_refused(resolution):
     with pytest.raises(ModelError, match="at least 2 px"):
         smooth_ratio(noisy(SMOOTH_FILM, 1), resolution=resolution)
-
-
-def test_a_run_is_smoothed_on_request_and_records_it(lab, film):
-    lab.edit("run/run.toml", ("[thickness]\n", "[thickness]\nsmoothing = 5\n"))
-    smoothed, plain = erlif.process(lab.run, workers=1), erlif.open_film(film).load()
-    assert smoothed.attrs["smoothing"] == 5
-    assert "smoothing = 5" in smoothed.attrs["settings"]
-    good = (smoothed.flags.values == 0) & (plain.flags.values == 0)
-    before, after = (np.median(each.thickness_std.values[good]) for each in (plain, smoothed))
-    assert after < before / 3
-    # the statistics take independent pixels, before smoothing
-    for name in ("film_min", "film_min_std", "film_mean", "film_mean_std"):
-        xr.testing.assert_equal(smoothed[name], plain[name])

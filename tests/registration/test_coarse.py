@@ -9,7 +9,7 @@ from scenes.registration import Scene, expose, smooth_map
 
 from erlif.core.errors import RegistrationError
 from erlif.registration import RegistrationSettings, orient
-from erlif.registration.coarse import CoarsePair, Correlator, coarse_binning, find_start
+from erlif.registration.coarse import CoarsePair, Correlator, find_start
 from erlif.registration.pairs import Pair, Textures
 
 SHAPE = (256, 320)
@@ -111,26 +111,6 @@ def test_offsets_at_which_hardly_any_pixel_is_shared_do_not_count():
     npt.assert_allclose(significance, np.sqrt(60 * 112), rtol=0.1)
     blind = CoarsePair(replace(pair, weight_b=0 * weight), 1)
     assert Correlator(blind, 0.27).peak(pair.b, 0.0)[0] == 0
-
-
-# binning ----------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("shape", "binning"),
-    [
-        ((200, 256), 1),
-        ((200, 257), 2),
-        ((257, 200), 2),
-        ((400, 512), 2),
-        ((400, 513), 4),
-        ((2048, 2048), 8),
-        ((95, 1000), 1),  # half of 95 is less than 48
-        ((96, 1000), 2),
-    ],
-)
-def test_images_are_binned_to_256_px_but_not_below_48(shape, binning):
-    assert coarse_binning(shape) == binning
 
 
 # orientations -----------------------------------------------------------------------------------

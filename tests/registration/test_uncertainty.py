@@ -8,7 +8,7 @@ from scenes.registration import texture_sums
 from erlif.registration.matching import BX, BY
 from erlif.registration.selection import Model, moved_to
 from erlif.registration.surface import Cells, equations, solve_surface
-from erlif.registration.uncertainty import blocks_of, surface_covariance, surface_std
+from erlif.registration.uncertainty import surface_covariance, surface_std
 
 STEP = 8
 SHAPE = (64, 80)
@@ -64,22 +64,6 @@ def test_noise_that_neighbouring_cells_share_widens_the_standard_deviation():
         found["own"].append(fit(cells_with(rng.normal(size=(*SHAPE, 2))), model)[1])
     ratio = np.sqrt(np.mean(np.square(found["shared"])) / np.mean(np.square(found["own"])))
     assert ratio == pytest.approx(2, rel=0.12)
-
-
-@pytest.mark.parametrize(
-    ("model", "side"),
-    [(Model((1, 1), 2), 32), (Model((4, 4)), 32), (Model((5, 4)), 16)],
-    ids=["polynomial", "49 coefficients", "56 coefficients"],
-)
-def test_blocks_of_many_coefficients_are_smaller(model, side):
-    cells = cells_with(np.zeros((*SHAPE, 2)))
-    block = blocks_of(cells, model, BOX)
-    n = side // STEP
-    assert len(np.unique(block)) == 512 * 640 // side**2
-    for row, column in ((0, 0), (n, 2 * n), (64 - n, 80 - n)):
-        inside = block[row : row + n, column : column + n]
-        assert (inside == inside[0, 0]).all()
-        assert (block == inside[0, 0]).sum() == n * n
 
 
 @pytest.mark.parametrize(("component", "variance"), [(0, 4.0), (1, 9.0)])

@@ -234,17 +234,20 @@ class Scene:
         ratio = 1 + 0.4 * np.sin(2.5 * u + 0.4) * np.cos(3 * v - 0.3)
         return self.brightness(x, y) * ratio * np.exp(self.private * self.alone(x, y))
 
-    def photograph(self, field: Field, *, peak: float = 2500.0) -> Views:
-        """One exposure by both cameras, camera 2 displaced by ``field``.
+    def light(self, field: Field, peak: float) -> tuple[Array, Array]:
+        """Counts of both cameras without noise, camera 2 displaced by ``field``.
 
         The brightest thousandth of the pixels reaches ``peak`` counts.
         """
-        h, w = self.shape
-        y, x = np.mgrid[:h, :w].astype(float)
-        first = self.brightness(x, y)
-        first *= peak / np.percentile(first, 99.9)
-        second = self.second(*inverse(field, x, y))
-        second *= peak / np.percentile(second, 99.9)
+        y, x = np.indices(self.shape, dtype=float)
+        both = self.brightness(x, y), self.second(*inverse(field, x, y))
+        first, second = (image * (peak / np.percentile(image, 99.9)) for image in both)
+        return first, second
+
+    def photograph(self, field: Field, *, peak: float = 2500.0) -> Views:
+        """One exposure by both cameras, see `light`."""
+        first, second = self.light(field, peak)
+        y, x = np.indices(self.shape, dtype=float)
         dx, dy = field(x, y)
         return Views(expose(first, self.rng), expose(second, self.rng), dx, dy, first, second)
 
@@ -298,17 +301,11 @@ def drifting_frames(
     smooth = smooth_map(shape)
     rng = np.random.default_rng(seed)
     drift = rng.normal(0, rms, (count, 2))
-    h, w = shape
-    y, x = np.mgrid[:h, :w].astype(float)
-    first = scene.brightness(x, y)
-    first *= peak / np.percentile(first, 99.9)
     frames = []
-    for sx, sy in drift:
-        second = scene.second(
-            *inverse(lambda a, b, sx=sx, sy=sy: np.add(smooth(a, b), [[[sx]], [[sy]]]), x, y)
-        )
-        second *= peak / np.percentile(second, 99.9)
-        frames.append((expose(first, rng), expose(second, rng), None, None))
+    for step in drift[:, :, None, None]:
+        both = scene.light(lambda x, y, step=step: np.add(smooth(x, y), step), peak)
+        frames.append((*(expose(light, rng) for light in both), None, None))
+    y, x = np.indices(shape, dtype=float)
     dx, dy = smooth(x, y)
     mean = drift.mean(0)
     return frames, drift - mean, dx + mean[0], dy + mean[1]
