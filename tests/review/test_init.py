@@ -318,12 +318,30 @@ def write_log(name, text):
             lambda folder: photograph(folder, "darks/A.tif", "darks/B.tif", highest=100),
             ["there are darks/A.tif, darks/B.tif: in [camera1], write dark ="],
         ),
+        (
+            lambda folder: (folder / "cam1_580nm" / "2.tif").write_bytes(b"no image"),
+            ["camera1", "2.tif"],
+        ),
+        (
+            lambda folder: photograph(folder, "cam1_580nm/4.tif", shape=(70, 90)),
+            ["the frames differ in size or type: 80 x 64 uint16, 90 x 70 uint16"],
+        ),
+        (
+            write_log("encoder.csv", "frame,angle_deg\n0,1\n1,2\n2,x\n3,4\n"),
+            ["encoder log", "row 4"],
+        ),
     ],
 )
 def test_what_does_not_fit_is_reported(folder, change, words):
     change(folder)
     text = warnings(erlif.init(folder))
     assert all(word in text for word in words)
+
+
+def test_a_fixture_whose_profile_is_no_table_of_numbers_is_reported(folder):
+    photograph(folder, "fixture/cam1_580nm/0.tif", "fixture/cam2_610nm/0.tif")
+    (folder / "fixture" / "wedge.csv").write_text("x_mm,thickness_um\n0,1\n1,x\n")
+    assert "wedge.csv" in warnings(erlif.init(folder / "fixture", fixture=True))
 
 
 def test_a_failure_while_writing_leaves_the_old_settings(folder, monkeypatch):

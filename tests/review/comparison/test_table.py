@@ -1,9 +1,13 @@
 """A comparison in words."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from erlif.calibration import save_calibration
 from erlif.review.comparison import compare, describe_comparison
+from erlif.show.plots import example_calibration
 
 
 def same(film, other):
@@ -41,3 +45,16 @@ def test_the_conclusion_states_what_differs_or_could_be_found(film, other, secon
     text = "\n".join(describe_comparison(compare([film, second(film, other)])))
     assert all(word in text for word in words)
     assert ("regions" in text) == (second is whole)
+
+
+def test_charts_name_the_runs_beyond_their_limits_and_judge_the_calibrations(film, other, tmp_path):
+    first = example_calibration()
+    later = replace(first, ratio_at_zero=1.05 * first.ratio_at_zero, date="2026-12-01")
+    save_calibration(later, tmp_path / "later.nc")
+    found = compare([film, other], calibrations=[tmp_path / "later.nc"])
+    chart = {"patch_ratio": ("run", [1.0, 1.1]), "patch_centre": 1.0, "patch_limit": 0.01}
+    text = "\n".join(describe_comparison(found.assign(chart)))
+    assert "reference patch: beyond the limits: example (2)" in text
+    assert "calibration of 2026-12-01: drifted from" in text
+    steady = found.assign(chart | {"patch_ratio": ("run", [1.0, 1.0])})
+    assert "all runs within the limits" in "\n".join(describe_comparison(steady))

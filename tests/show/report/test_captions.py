@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
-from erlif.show.plots.files import DRAWN
-from erlif.show.report.captions import CAPTIONS
+import re
+
+import pytest
+from scenes.motion import slider_film, static_film
+
+from erlif.show import plots
+from erlif.show.plots.files import DRAWN, FigureSource
+from erlif.show.report.captions import CAPTIONS, caption_of
 
 
 def test_every_figure_has_a_caption_that_is_a_sentence():
@@ -12,3 +18,39 @@ def test_every_figure_has_a_caption_that_is_a_sentence():
         assert caption.text.endswith(".")
         assert not caption.title.endswith(".")
         assert caption.kind in ("svg", "png")
+
+
+@pytest.fixture(scope="module")
+def source(tmp_path_factory):
+    """The example with the images of its second trigger."""
+    path = plots.write_example(tmp_path_factory.mktemp("example") / "film.nc")
+    film = plots.example_film()
+    source = FigureSource(path, film, 1, None, None)
+    source.__dict__["images"] = plots.example_images(film, trigger=1)
+    return source
+
+
+@pytest.mark.parametrize("name", sorted(set(DRAWN) - {"fixture_profile"}))
+def test_letters_of_a_caption_are_those_of_the_panels_that_are_drawn(name, source):
+    figure = DRAWN[name](source)
+    titles = " ".join(ax.get_title(loc="left") for ax in figure.axes)
+    groups = re.findall(r"\(([a-d](?:, [a-d])*)\)", CAPTIONS[name].text)
+    named = {letter for group in groups for letter in group.split(", ")}
+    assert named in (set(), set(re.findall(r"\(([a-d])\)", titles)))
+
+
+@pytest.mark.parametrize(
+    ("film", "titles", "absent"),
+    [
+        (static_film, ("Maps of the run", "Film thickness over the run"), "speed"),
+        (slider_film, ("Maps of the cycle", "Film thickness and speed"), "rocker"),
+    ],
+)
+def test_captions_of_other_motions_name_what_their_figures_show(film, titles, absent):
+    shown = film()
+    captions = [caption_of(name, shown) for name in ("map_sheet", "film_over_cycle")]
+    assert tuple(caption.title for caption in captions) == titles
+    assert not any(absent in caption.text for caption in captions)
+    against = caption_of("film_against_speed", shown).text
+    assert "(b)" not in against
+    assert caption_of("speed_against_angle", shown).title == CAPTIONS["sliding_speed"].title
