@@ -143,6 +143,31 @@ def test_coefficients_and_files_give_the_plan_of_the_spectra(tmp_path):
         design_of(settings, tmp_path / "elsewhere")
 
 
+def test_coefficients_give_the_plan_of_spectra_that_are_flat_in_each_band(tmp_path):
+    edges = np.array([500, 556, 556.001, 595, 595.001, 640])
+    inline, by_file = [], []
+    for number, absorbed, emitted in (
+        (605, (4e4, 8e3, 100), (3, 2)),
+        (650, (3e3, 5e4, 4e4), (1, 4)),
+    ):
+        laser, one, two = absorbed
+        share = np.array(emitted) / (emitted[0] * 95 + emitted[1] * 45)
+        named = {"absorption": np.repeat(absorbed, 2), "emission": np.repeat(emitted, [4, 2])}
+        for kind, value in named.items():
+            rows = "".join(f"{nm},{each}\n" for nm, each in zip(edges, value, strict=True))
+            (tmp_path / f"{number}_{kind}.csv").write_text(f"wavelength_nm,value\n{rows}")
+        synthetic = f'spectra = "synthetic {number}"'
+        files = "\n".join(f'{kind} = "{number}_{kind}.csv"' for kind in named)
+        by_file.append((synthetic, files))
+        keys = {"laser": laser, "camera1": one, "camera2": two}
+        keys = [f'{key} = "{value} L/mol/cm"' for key, value in keys.items()]
+        keys += [f'emission{n} = "{each} 1/nm"' for n, each in enumerate(share, 1)]
+        inline.append((synthetic, f"coefficients = {{ {', '.join(keys)} }}"))
+    films = np.array([1.0, 5.0, 12.0])
+    given, read = (design_of(settings_of(*changes), tmp_path) for changes in (inline, by_file))
+    npt.assert_allclose(log_ratio(given, films), log_ratio(read, films), rtol=2e-3)
+
+
 def test_light_follows_from_optics():
     table = '[optics]\npixel_pitch = "60 um"\nnumerical_aperture = 0.02\n\n[references]'
     settings = settings_of(

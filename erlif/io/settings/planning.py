@@ -25,7 +25,7 @@ LARGEST_CONCENTRATION = 0.5
 
 Concentration = Annotated[float, *quantity("concentration", "0.008 mol/L", "mol/L", Gt(0))]
 MolarAbsorption = Annotated[
-    float, *quantity("molar absorption coefficient, decadic,", "2e4 L/mol/cm", "L/mol/cm", Ge(0))
+    float, *quantity("decadic molar absorption coefficient", "2e4 L/mol/cm", "L/mol/cm", Ge(0))
 ]
 EmissionDensity = Annotated[
     float, *quantity("share of the photons per wavelength", "0.012 1/nm", "1/nm", Ge(0))
