@@ -11,8 +11,8 @@ import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from erlif.core.errors import FrameError
 from erlif.io.ingest.images import match_files
+from erlif.io.ingest.refusals import refusal
 from erlif.io.settings import FixtureSettings, RunSettings
 
 # Endings of files that are read together with others of their name.
@@ -73,7 +73,7 @@ def refuse_outside(directory: Path, names: Iterable[str]) -> None:
     inside: dict[Path, bool] = {}
     for name in names:
         if not (home / os.path.normpath(directory.resolve() / name)).is_relative_to(home):
-            raise FrameError(_refusal(directory, f"{name} leaves the directory"))
+            raise refusal("outside", directory=directory, what=f"{name} leaves the directory")
 
         matched = match_files(directory, name)
         for path in (file for found in matched for file in _with_companions(found)):
@@ -83,15 +83,8 @@ def refuse_outside(directory: Path, names: Iterable[str]) -> None:
             if not inside[path.parent] or (
                 path.is_symlink() and not path.resolve().is_relative_to(home)
             ):
-                shown = os.path.relpath(path, directory)
-                raise FrameError(_refusal(directory, f"{shown} is a link to {path.resolve()}"))
-
-
-def _refusal(directory: Path, what: str) -> str:
-    return (
-        f"Expected the files of {directory} within it; {what}. Copy them there, or use "
-        "--allow-outside."
-    )
+                what = f"{os.path.relpath(path, directory)} is a link to {path.resolve()}"
+                raise refusal("outside", directory=directory, what=what)
 
 
 def _with_companions(path: Path) -> Iterator[Path]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Counts
-from erlif.core.errors import FrameError
+from erlif.io.ingest.refusals import refusal
 
 # Highest count: a camera has at most 16 bits.
 _MOST = 65535
@@ -85,11 +85,8 @@ def convert_counts(image: AnyArray) -> Counts:
         valid &= image == np.rint(image)
     if not valid.all():
         row, column = np.unravel_index(int(np.argmin(valid)), image.shape)
-        raise FrameError(
-            f"its {image.dtype.name} values are no counts: {image[row, column]:g} in row {row}, "
-            f"column {column}. Save the raw counts of the camera, whole numbers from 0 to {_MOST} "
-            "without scaling, correction or averaging."
-        )
+        place = {"value": image[row, column], "row": row, "column": column}
+        raise refusal("no_counts", image=image, most=_MOST, **place)
     return image.astype(np.uint16)
 
 
@@ -123,8 +120,6 @@ def align_right(counts: Counts, shift: int) -> Counts:
     low = counts & np.uint16((1 << shift) - 1) if counts.dtype == np.uint16 else counts
     if low.any():
         row, column = np.unravel_index(int(np.argmax(low != 0)), counts.shape)
-        raise FrameError(
-            f"its counts are not left-aligned: {counts[row, column]} in row {row}, column {column} "
-            f"is no multiple of {1 << shift}. Remove alignment, or correct bit_depth."
-        )
+        place = {"count": counts[row, column], "row": row, "column": column}
+        raise refusal("not_left_aligned", step=1 << shift, **place)
     return counts >> np.uint16(shift)

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from erlif.core.errors import EncoderError
 from erlif.core.notes import Level, Note
 from erlif.core.products import EncoderLog
 from erlif.io.ingest.images import Page, is_one_file
@@ -18,6 +17,7 @@ from erlif.io.ingest.logs.resample import FEWEST_SAMPLES, ContinuousLog, unwrap_
 from erlif.io.ingest.logs.table import LogColumn, LogTable
 from erlif.io.ingest.logs.text import read_log_table
 from erlif.io.ingest.pairing import frame_numbers
+from erlif.io.ingest.refusals import refusal
 
 
 class ReadLog(NamedTuple):
@@ -118,13 +118,8 @@ def read_log(
     by_frame = "frame" in columns or len(table.rows) == frames
     in_time = in_time or "pulse" in columns or (not by_frame and "time" in columns)
     if not in_time and not by_frame:
-        raise EncoderError(
-            f"Expected one row of {table.file} for each frame, or a log in time; it has "
-            f"{len(table.rows)} rows for {frames} frames, and no column is known as frame or time. "
-            f"Choose the column of the times in [encoder] of run.toml, time = "
-            f'"name in the header", or that of frame numbers, frame = "name in the header"; the '
-            f"header is {', '.join(table.names)}."
-        )
+        names, rows = ", ".join(table.names), len(table.rows)
+        raise refusal("rows_of_neither", table=table, rows=rows, frames=frames, names=names)
 
     read = _in_time if in_time else _by_frame
     log, remarks = read(table, choice, found, needs_angle=needs_angle)
@@ -167,10 +162,7 @@ def check_rows(log: EncoderLog, pages: Sequence[Page], name: str) -> None:
             "To leave a frame out, put an empty file of its name into both camera folders and use "
             "--skip-bad-frames; or take out row and files and number the rows anew"
         )
-    raise EncoderError(
-        f"Expected one row of {name} per frame; {name} has {rows} rows, the cameras have {frames} "
-        f"frames each: {extra}. {cure}."
-    )
+    raise refusal("rows_of_frames", name=name, rows=rows, frames=frames, extra=extra, cure=cure)
 
 
 def _first_without_file(logged: list[int], numbers: list[int], name: str) -> str:
@@ -220,10 +212,7 @@ def _in_time(
         if quantity not in found:
             missing_column(quantity, table)
     if len(table.rows) < FEWEST_SAMPLES:
-        raise EncoderError(
-            f"Expected a log over the time of the frames in {table.file}; it has "
-            f"{len(table.rows)} rows. Export the whole log."
-        )
+        raise refusal("short_log", table=table, rows=len(table.rows))
 
     # a count of frames is no quantity to interpolate
     found = {quantity: column for quantity, column in found.items() if quantity != "frame"}

@@ -24,6 +24,7 @@ from erlif.io.ingest.counts import (
     convert_counts,
     count_padding,
 )
+from erlif.io.ingest.refusals import refusal
 from erlif.io.ingest.selection import WHOLE, Selection
 from erlif.io.readers import FrameKind, borrow_frames, open_frames
 from erlif.io.readers.base import TRUNCATED, describe_shape
@@ -181,10 +182,7 @@ def find_pages(
     """
     paths = match_files(directory, pattern)
     if not paths:
-        raise FrameError(
-            f"Expected files {pattern} of {what} in {directory}; there is none. "
-            "Put them there, or correct the name in the settings."
-        )
+        raise refusal("no_files", pattern=pattern, what=what, directory=directory)
     return read_headers(paths, selection)
 
 
@@ -274,11 +272,8 @@ def read_content(
 
     image = content.counts
     if image.shape != shape or image.dtype.name not in STORED_TYPES:
-        raise FrameError(
-            f"Expected grey counts of {describe_shape(shape)} pixels in {name}; it is "
-            f"{image.dtype} of {describe_shape(image.shape)}. Record frames, darks and flats with "
-            "the same region of interest."
-        )
+        wanted, found = describe_shape(shape), describe_shape(image.shape)
+        raise refusal("other_shape", shape=wanted, name=name, image=image, found=found)
     try:
         counts = align_right(convert_counts(image), page.selection.shift)
     except FrameError as error:
@@ -343,15 +338,11 @@ def check_depth(counts: Counts, *, bit_depth: int, name: str) -> None:
             if container == 16
             else f"Divide the counts by {1 << unused}, save them again and set bit_depth = {depth}."
         )
-        raise FrameError(
-            f"Expected counts of {bit_depth} bits; {name} holds multiples of {1 << unused} up to "
-            f"{top}: {depth}-bit counts, left-aligned. {todo}"
-        )
+        numbers = {"step": 1 << unused, "top": top, "depth": depth}
+        raise refusal("left_aligned", bit_depth=bit_depth, name=name, todo=todo, **numbers)
     if top > full_scale:
-        raise FrameError(
-            f"Expected counts up to {full_scale} (bit_depth = {bit_depth}); {name} reaches {top}: "
-            f"bit_depth = {top.bit_length()} fits. Set the bit depth of the camera."
-        )
+        depths = {"bit_depth": bit_depth, "fits": top.bit_length()}
+        raise refusal("above_full_scale", full_scale=full_scale, name=name, top=top, **depths)
 
 
 def depth_warning(highest: int, *, bit_depth: int, camera: int) -> Note | None:

@@ -21,6 +21,7 @@ from erlif.io.ingest.images import (
     read_page,
     with_advice,
 )
+from erlif.io.ingest.refusals import refusal
 from erlif.io.ingest.selection import WHOLE, Selection, may_share_files
 from erlif.io.readers import FrameKind
 from erlif.io.readers.base import describe_shape
@@ -135,23 +136,15 @@ def _check_kinds(
         for k in good:
             if files.kinds[k] != usual:
                 name = name_page(files.pages[k], directory, camera)
-                raise FrameError(
-                    f"Expected frames of one size and type, {usual}; {name} is {files.kinds[k]}. "
-                    "Set the same region of interest and depth for all frames of both cameras."
-                )
+                raise refusal("odd_frame", usual=usual, name=name, found=files.kinds[k])
 
     first = cameras[0].pages[good[0]].name
     if len(usual.shape) != 2 or usual.dtype not in STORED_TYPES:
         colour = f" in {usual.shape[2]} colours" if len(usual.shape) == 3 else ""
-        raise FrameError(
-            f"Expected grey frames of whole counts; {first} holds {usual.dtype}{colour}. Save the "
-            "raw counts of the cameras, one channel each."
-        )
+        raise refusal("no_grey_counts", first=first, usual=usual, colour=colour)
     if min(usual.shape) < _SMALLEST:
-        raise FrameError(
-            f"Expected frames of at least {_SMALLEST} x {_SMALLEST} pixels; {first} is "
-            f"{describe_shape(usual.shape)}. Record a larger region of interest."
-        )
+        shape = describe_shape(usual.shape)
+        raise refusal("small_frames", least=_SMALLEST, first=first, shape=shape)
     rows, columns = usual.shape
     return rows, columns
 
@@ -178,11 +171,7 @@ def _check_files_differ(one: Sequence[Page], two: Sequence[Page]) -> None:
     if not shared or may_share_files(one[0].selection, two[0].selection):
         return
     name = next(page.path.name for page in one if page.path in shared)
-    raise FrameError(
-        f"Expected frames of two cameras; both [camera1] and [camera2] name {name}. Correct files "
-        "in one of them. Where one file holds both cameras, give both tables their part, for "
-        'example part = "left" and part = "right".'
-    )
+    raise refusal("shared_files", name=name)
 
 
 def _check_pairs(
@@ -205,11 +194,8 @@ def _check_pairs(
             "--skip-bad-frames, or take it out of this one"
             f"{', and its row out of the encoder log' * has_log}."
         )
-    raise FrameError(
-        "Expected as many frames of camera 2 as of camera 1, pair by pair; camera1 has "
-        f"{len(one)}, camera2 has {len(two)}. The first unmatched one is "
-        f"{name_page(page, directory, camera)}. {cure}"
-    )
+    name = name_page(page, directory, camera)
+    raise refusal("unmatched", one=len(one), two=len(two), name=name, cure=cure)
 
 
 def _first_unmatched(one: Sequence[Page], two: Sequence[Page]) -> tuple[int, Page] | None:

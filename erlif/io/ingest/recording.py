@@ -11,7 +11,6 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.errors import EncoderError, FrameError
 from erlif.core.notes import Note
 from erlif.core.products import EncoderLog
 from erlif.io.ingest.containment import named_files, refuse_outside
@@ -20,6 +19,7 @@ from erlif.io.ingest.frames import FramePairs
 from erlif.io.ingest.logs.columns import MEANINGS, ColumnChoice
 from erlif.io.ingest.logs.resample import ContinuousLog, find_pulses, sample_log
 from erlif.io.ingest.pairing import pair_cameras
+from erlif.io.ingest.refusals import refusal
 from erlif.io.ingest.selection import select_counts
 from erlif.io.settings import (
     CameraSettings,
@@ -202,21 +202,14 @@ def _open_log(
     since = _times_after_first(encoder, pairs, log)
     if encoder.start == "fit":
         if find_start is None:
-            raise EncoderError(
-                'Expected the time of the first frame as start = "0.25 s" in [encoder]; "fit" is '
-                "found by the commands alone. Give the time itself."
-            )
+            raise refusal("start_is_fitted")
         found = find_start(settings, pairs, log, since)
         sampled = sample_log(log, since + found.value)
         sampled["time"].attrs |= {"start": found.value, "start_std": found.std}
         return sampled, [*notes, found.note]
     if encoder.start is None:
         first, last = log.span
-        raise EncoderError(
-            f"Expected the time of the first frame on the clock of {log.file}, which runs from "
-            f'{first:.6g} to {last:.6g} s; got none. Add start = "{first:.6g} s" to [encoder] of '
-            'run.toml, or start = "fit" to find it from the motion.'
-        )
+        raise refusal("no_start", log=log, first=first, last=last)
     return sample_log(log, since + encoder.start), notes
 
 
@@ -246,19 +239,12 @@ def _times_after_first(encoder: EncoderSettings, pairs: FramePairs, log: Continu
     if encoder.frame_rate is not None:
         return np.asarray(np.arange(len(pairs.pages[0])) / encoder.frame_rate)
     if pairs.times is None:
-        raise EncoderError(
-            f"Expected the times of the frames, because {log.file} is a log in time, "
-            f"{log.samples.sizes['sample']} rows for {len(pairs.pages[0])} frames; the camera "
-            'files have none. Add to [encoder] of run.toml pulse = "column of the trigger", or '
-            'frame_rate = "500 Hz" and start = "0.25 s" (start = "fit" finds it).'
-        )
+        rows, frames = log.samples.sizes["sample"], len(pairs.pages[0])
+        raise refusal("no_times", log=log, rows=rows, frames=frames)
     if not (np.isfinite(pairs.times).all() and (np.diff(pairs.times) > 0).all()):
         k = int(np.argmin(np.append(np.diff(pairs.times), np.inf) > 0))
-        raise EncoderError(
-            f"Expected the times in the headers of the camera files to rise; frame {k + 1} has "
-            f"{pairs.times[min(k + 1, pairs.times.size - 1)]:.9g} s after {pairs.times[k]:.9g} s. "
-            'Give the rate of the frames: frame_rate = "500 Hz" in [encoder] of run.toml.'
-        )
+        later = pairs.times[min(k + 1, pairs.times.size - 1)]
+        raise refusal("times_fall", frame=k + 1, found=later, before=pairs.times[k])
     return pairs.times
 
 
@@ -297,11 +283,7 @@ def _open_pairs(
     # the ratio is camera 2 over camera 1: exchanged bands would turn its sign
     one, two = settings.camera1, settings.camera2
     if one.band >= two.band:
-        raise FrameError(
-            "Expected the band that dye 2 reabsorbs, the shorter wavelength, on camera 1; got "
-            f"{one.band:g} nm on camera 1 and {two.band:g} nm on camera 2. The cameras look "
-            "swapped: exchange the two tables."
-        )
+        raise refusal("bands_exchanged", one=one, two=two)
     encoder = settings.encoder if isinstance(settings, RunSettings) else None
     return pair_cameras(
         directory,

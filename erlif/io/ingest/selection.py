@@ -8,6 +8,7 @@ from typing import Literal
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError
+from erlif.io.ingest.refusals import refusal
 from erlif.io.readers import FrameFile
 from erlif.io.settings import CameraSettings
 
@@ -47,10 +48,7 @@ class Selection:
             found: Sequence[int] = every[self.part == "even" :: 2]
         elif self.part.startswith("channel"):
             if file.channels is None:
-                raise FrameError(
-                    f'it has no channels, and part = "{self.part}" asks for one. For alternating '
-                    'pages use part = "odd" and part = "even".'
-                )
+                raise refusal("no_channels", part=self.part)
             wanted = int(self.part.split()[1])
             found = [k for k, channel in enumerate(file.channels) if channel == wanted]
         else:

@@ -23,6 +23,7 @@ from erlif.core.errors import FrameError
 from erlif.io.ingest.counts import FEW_LEVELS, count_padding
 from erlif.io.ingest.images import Page, match_files, natural_key, read_headers, read_page
 from erlif.io.ingest.logs.proposal import LOG_SUFFIXES
+from erlif.io.ingest.refusals import refusal
 from erlif.io.ingest.selection import WHOLE, Selection
 from erlif.io.ingest.shared import SharedFile, find_cameras_in_file
 from erlif.io.readers.hdf5 import list_datasets
@@ -243,16 +244,10 @@ def survey_directory(directory: Path) -> Survey:
     ()
     """
     if not directory.is_dir():
-        raise FrameError(
-            f"Expected a directory with frames; {directory} is not a directory. Name the folder "
-            "that holds the frames of both cameras."
-        )
+        raise refusal("no_directory", directory=directory)
     files = list(islice(_walk(directory, DEEPEST), MOST_FILES + 1))
     if len(files) > MOST_FILES:
-        raise FrameError(
-            f"Expected the directory of one run; {directory} holds more than {MOST_FILES} files. "
-            "Name the folder of one run."
-        )
+        raise refusal("many_files", directory=directory, most=MOST_FILES)
 
     tables = [_read_table(path) for path in sorted(files) if path.suffix.lower() == ".csv"]
     found = tuple(table for table in tables if table is not None)

@@ -10,7 +10,6 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.errors import EncoderError
 from erlif.core.units import count_of
 from erlif.io.ingest.logs.table import LogColumn, LogTable
 
@@ -49,20 +48,15 @@ def check_values(log: xr.Dataset, found: Mapping[str, LogColumn], table: LogTabl
         check_temperature(log["temperature"].values, found["temperature"].name, table)
 
     # theory divides by the load
-    for quantity, cure in (
-        (
-            "load",
-            "Correct the zero of the load cell, or leave the column out and give the load in "
-            "[joint] of run.toml.",
-        ),
-        ("pulse_energy", "Correct the zero of the meter, or leave pulse_energy out of [encoder]."),
-    ):
+    for quantity in ("load", "pulse_energy"):
         if quantity in log and log[quantity].values.min() <= 0:
             n = int(np.argmin(log[quantity].values))
-            raise EncoderError(
-                f"Expected a positive {quantity.replace('_', ' ')} in row {table.rows[n]}, column "
-                f"{found[quantity].name} of {table.file}; got {log[quantity].values[n]:g} "
-                f"{log[quantity].units}. {cure}"
+            raise table.refusal(
+                f"positive_{quantity}",
+                row=table.rows[n],
+                column=found[quantity],
+                value=log[quantity].values[n],
+                unit=log[quantity].units,
             )
 
 
@@ -86,11 +80,14 @@ def check_time(time: Array, name: str, table: LogTable) -> None:
     still = np.flatnonzero(np.diff(time) <= 0)
     if still.size:
         n = int(still[0]) + 1
-        what = "repeats" if time[n] == time[n - 1] else "comes after"
-        raise table.use.error(
-            f"Expected time to rise from row to row; row {table.rows[n]}, column {name} of "
-            f"{table.file}: {time[n]:.9g} s {what} {time[n - 1]:.9g} s of row {table.rows[n - 1]}. "
-            "Export the log with more digits and in the order of time, or take the column out."
+        raise table.refusal(
+            "time_rises",
+            name=name,
+            row=table.rows[n],
+            late=time[n],
+            what="repeats" if time[n] == time[n - 1] else "comes after",
+            early=time[n - 1],
+            before=table.rows[n - 1],
         )
 
 
@@ -101,11 +98,14 @@ def check_temperature(temperature: Array, name: str, table: LogTable) -> None:
     """
     off = np.flatnonzero((temperature < ABSOLUTE_ZERO) | (temperature > HOTTEST))
     if off.size:
-        unit = table.use.unit.format(quantity="temperature", choice="degF")
-        raise table.use.error(
-            f"Expected a temperature from {ABSOLUTE_ZERO:g} to {HOTTEST:g} degC in row "
-            f"{table.rows[off[0]]}, column {name} of {table.file}; got {temperature[off[0]]:g} "
-            f"degC. Correct the unit, {unit}, or the value."
+        raise table.refusal(
+            "temperature",
+            low=ABSOLUTE_ZERO,
+            high=HOTTEST,
+            row=table.rows[off[0]],
+            name=name,
+            value=temperature[off[0]],
+            unit=table.use.unit.format(quantity="temperature", choice="degF"),
         )
 
 
@@ -119,20 +119,12 @@ def check_frame_numbers(number: Sequence[int], name: str, table: LogTable) -> No
     for n, (row, one) in enumerate(zip(table.rows, number, strict=True)):
         where = f"row {row}, column {name}"
         if one in seen:
-            raise EncoderError(
-                f"Expected each frame once in {table.file}; {where}, repeats frame {one} of "
-                f"row {seen[one]}. Delete one of the two rows; or, if this is a log in time that "
-                f'counts the frames, write pulse = "{name}" in [encoder] of run.toml.'
-            )
+            raise table.refusal("frame_twice", where=where, frame=one, first=seen[one], name=name)
         seen[one] = row
 
         expected = number[0] + n
         if one != expected:
-            raise EncoderError(
-                f"Expected frame {expected} in {where} of {table.file}; got {one}: a frame "
-                "is missing. Put its row back, or, if its frame files are missing too, number the "
-                "rows anew."
-            )
+            raise table.refusal("frame_missing", expected=expected, where=where, frame=one)
 
 
 def leave_out_bad_rows(
@@ -225,8 +217,11 @@ def refuse_bad_rows(table: LogTable, used: Sequence[LogColumn]) -> None:
             "Choose another column, or export the log with numbers; times may be HH:MM:SS, with "
             "the date before them."
         )
-    have = "has" if len(places) == 1 else "have"
-    raise table.use.error(
-        f"Expected finite numbers in {table.file}; {count_of(len(places), 'row')} of "
-        f"{len(table.rows)} {have} none: {'; '.join(found)}. {cure}"
+    raise table.refusal(
+        "no_number",
+        rows=count_of(len(places), "row"),
+        all=len(table.rows),
+        have="has" if len(places) == 1 else "have",
+        listed="; ".join(found),
+        cure=cure,
     )

@@ -15,7 +15,6 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.errors import EncoderError
 from erlif.core.variables import FILM
 from erlif.io.ingest.logs.checks import refuse_bad_rows
 from erlif.io.ingest.logs.table import NAMES, LogColumn, LogTable, name_patterns, split_unit
@@ -83,21 +82,11 @@ def choose_column(quantity: str, name: str, table: LogTable) -> LogColumn:
     if len(near) == 1:
         return near[0]
     if near:
-        raise table.use.error(
-            f"Expected one column {name!r} in {table.file}; there are {len(near)}. Rename one, or "
-            f"choose another; {_list_names(table)}."
-        )
+        raise table.refusal("one_column", name=name, count=len(near))
     guess = difflib.get_close_matches(name, table.names, n=1, cutoff=0.5)
     hint = f" Did you mean {guess[0]!r}?" if guess else ""
     chosen = table.use.column.format(quantity=quantity, choice=guess[0] if guess else "NAME")
-    raise table.use.error(
-        f"Expected column {name!r} in {table.file}, chosen as {quantity}; {_list_names(table)}."
-        f"{hint} Choose one of them: {chosen}."
-    )
-
-
-def _list_names(table: LogTable) -> str:
-    return f"its columns are {', '.join(repr(one) for one in table.names[:20] if one)}"
+    raise table.refusal("no_such_column", name=name, quantity=quantity, hint=hint, chosen=chosen)
 
 
 def refuse_several(quantity: str, fitting: Sequence[LogColumn], table: LogTable) -> None:
@@ -117,10 +106,7 @@ def refuse_several(quantity: str, fitting: Sequence[LogColumn], table: LogTable)
     """
     listed = " and ".join(repr(column.name) for column in fitting)
     chosen = table.use.column.format(quantity=quantity, choice=fitting[0].name)
-    raise table.use.error(
-        f"Expected one column of {table.file} for the {quantity}; {listed} may be meant. Choose "
-        f"one: {chosen}."
-    )
+    raise table.refusal("several_columns", quantity=quantity, listed=listed, chosen=chosen)
 
 
 def missing_column(quantity: str, table: LogTable) -> None:
@@ -139,10 +125,7 @@ def missing_column(quantity: str, table: LogTable) -> None:
     """
     comma = "" if len(table.names) > 1 else " Separate the columns with commas, semicolons or tabs."
     chosen = table.use.column.format(quantity=quantity.partition(" ")[0], choice="NAME")
-    raise table.use.error(
-        f"Expected a column for the {quantity} in {table.file}; {_list_names(table)}.{comma} "
-        f"Choose one: {chosen}."
-    )
+    raise table.refusal("missing_column", quantity=quantity, comma=comma, chosen=chosen)
 
 
 def find_unit(column: LogColumn, quantity: str, units: Mapping[str, str]) -> str:
@@ -192,11 +175,13 @@ def require_scale(unit: str, quantity: str, kind: str, column: LogColumn, table:
     scale = find_scale(kind, unit)
     if scale is not None:
         return scale
-    chosen = table.use.unit.format(quantity=quantity, choice=UNITS[kind][0])
-    raise table.use.error(
-        f"Expected the unit of column {column.name} of {table.file}, the {quantity}; got "
-        f"{repr(unit) if unit else 'none in its header'}. Choose another column if this is no "
-        f"{quantity}, or give its unit: {chosen}; units are {', '.join(UNITS[kind])}."
+    raise table.refusal(
+        "unknown_unit",
+        column=column,
+        quantity=quantity,
+        got=repr(unit) if unit else "none in its header",
+        chosen=table.use.unit.format(quantity=quantity, choice=UNITS[kind][0]),
+        units=", ".join(UNITS[kind]),
     )
 
 
@@ -353,10 +338,7 @@ def convert_column(
         return column.values * scale.factor + scale.offset, scale.unit
 
     if choice.ticks_per_turn is None:
-        raise EncoderError(
-            f"Expected the number of ticks in a turn, because column {column.name} of {table.file} "
-            "counts ticks; got none. Write ticks_per_turn = 3600 in [encoder] of run.toml."
-        )
+        raise table.refusal("ticks", column=column)
     return column.values * (360.0 / choice.ticks_per_turn), "degree"
 
 
@@ -431,24 +413,16 @@ def _name_fault(name: str, counts: Counter[str]) -> str:
 def _refuse_name(name: str, place: int, fault: str, table: LogTable) -> None:
     if fault == "twice":
         _refuse_twice(name, table)
-    raise EncoderError(
-        f"Expected a column of {table.file} to be one of {', '.join(CONTRACT)} or to have a name "
-        f"of its own that begins with a letter or digit; column {place} is {name!r}, {fault}. "
-        "Rename it."
-    )
+    known = ", ".join(CONTRACT)
+    raise table.refusal("column_name", known=known, place=place, name=name, fault=fault)
 
 
 def _refuse_twice(name: str, table: LogTable) -> None:
-    raise EncoderError(
-        f"Expected each column of {table.file} once; {name} comes {table.names.count(name)} times. "
-        "Rename one."
-    )
+    raise table.refusal("column_twice", name=name, count=table.names.count(name))
 
 
 def _check_whole(values: Array, column: LogColumn, table: LogTable) -> None:
     off = np.flatnonzero((values != np.round(values)) | (np.abs(values) > _LARGEST_EXACT))
     if off.size:
-        raise EncoderError(
-            f"Expected a whole number in row {table.rows[off[0]]}, column {column.name} of "
-            f"{table.file}; got {values[off[0]]:g}. Number the rows 0, 1, 2, ..."
-        )
+        row, value = table.rows[off[0]], values[off[0]]
+        raise table.refusal("whole_number", row=row, column=column, value=value)
