@@ -15,15 +15,6 @@ def run(code):
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
 
-NAMES = sorted(name.rpartition(".")[2] for name in MODULES)
-
-
-def test_every_module_loads_on_first_use():
-    uses = "".join(f"erlif.models.{name}\n" for name in NAMES)
-    code = f"import erlif\n{uses}print(erlif.models.film.film_parameter.__module__)"
-    assert run(code) == "erlif.models.film"
-
-
 def test_modules_are_not_loaded_before_their_use():
     code = (
         "import sys, erlif.models\n"
