@@ -529,8 +529,7 @@ def least_open_prong_height(
     >>> print(f"{h * 1e3:.2f} mm, {(bending**2 + 3 * shear**2) ** 0.5 / 1e6:.1f} MPa")
     24.84 mm, 300.0 MPa
     """
-    plate = {"thickness": thickness, "length": length, "yield_stress": yield_stress}
-    return _prong_height(load, moment=1.0, shear=1.0, safety=safety, **plate)
+    return _prong_height(load, length, yield_stress * thickness / safety)
 
 
 @formula(load="signed load")
@@ -554,48 +553,40 @@ def end_force_of_closed_lock(load: Values) -> Values:
 
 @formula()
 def least_closed_prong_height(
-    load: Values,
-    *,
-    thickness: Values,
-    length: Values,
-    yield_stress: Values,
-    safety: Values,
-    root_shear: Values = CLOSED_LOCK_SHEAR,
+    load: Values, *, thickness: Values, length: Values, yield_stress: Values, safety: Values
 ) -> Values:
     """Compute the minimum prong height of a closed lock plate. Strand (2005), eqs. 19 and 20.
 
-    Bending and shear at the root, where the moment is 11 F L / 16.
+    Bending and shear at the root, where the moment is 11 F L / 16 and the shear 27 F / 32.
 
     Parameters
     ----------
     load : float or array
         Lock force F, see `lock_force`. [N]
-    thickness, length, yield_stress, root_shear : float or array
-        Plate thickness t [m], lever L of the force [m], yield stress sigma_y of the plate [Pa],
-        share of the force that shears the root [1].
+    thickness, length, yield_stress : float or array
+        Plate thickness t [m], lever L of the force [m], yield stress sigma_y of the plate [Pa].
 
     Returns: Minimum height h. [m]
 
     Notes
     -----
     The source takes F/2 for the shear; with 5F/32 taken at the closed end the root carries 27F/32.
-    `root_shear=0.5` gives its equation.
 
     Examples
     --------
-    As printed, with half of the force in shear:
+    With 27/32 of the force in shear, and as printed with half of it:
     sqrt(6F (F + sqrt(F^2 + 121 S^2 t^2 L^2))) / (4 S t).
 
     >>> from math import sqrt
     >>> plate = {"thickness": 0.01, "length": 0.03, "yield_stress": 600e6, "safety": 2.0}
-    >>> height = least_closed_prong_height(10e3, root_shear=0.5, **plate)
+    >>> height = least_closed_prong_height(10e3, **plate)
     >>> St, F = 300e6 * 0.01, 10e3
     >>> printed = sqrt(6 * F * (F + sqrt(F**2 + 121 * (St * 0.03) ** 2))) / (4 * St)
     >>> print(f"{height * 1e3:.3f} mm, {printed * 1e3:.3f} mm")
-    20.413 mm, 20.413 mm
+    20.604 mm, 20.413 mm
     """
-    plate = {"thickness": thickness, "length": length, "yield_stress": yield_stress}
-    return _prong_height(load, moment=CLOSED_LOCK_MOMENT, shear=root_shear, safety=safety, **plate)
+    allowed = yield_stress * thickness / safety
+    return _prong_height(load, length, allowed, CLOSED_LOCK_MOMENT, CLOSED_LOCK_SHEAR)
 
 
 @formula(load="number")
@@ -631,18 +622,10 @@ def least_closed_end_width(
 
 
 def _prong_height(
-    load: Values,
-    *,
-    moment: float,
-    shear: Values,
-    thickness: Values,
-    length: Values,
-    yield_stress: Values,
-    safety: Values,
+    load: Values, length: Values, allowed: Values, moment: float = 1.0, shear: float = 1.0
 ) -> Values:
     """Height [m] at which a bending moment and a shear, over F L and F, reach yield at the root."""
     # von Mises: (bent / h^2)^2 + sheared / h^2 = allowed^2, a quadratic in h^2
-    allowed = yield_stress * thickness / safety
     sheared = 3 * (shear * load) ** 2
     bent = 6 * moment * load * length
     return np.sqrt((sheared + np.sqrt(sheared**2 + (2 * allowed * bent) ** 2)) / 2) / allowed

@@ -13,15 +13,6 @@ def bent(**changes):
     return assessed(GOLD, **changes).step("pin_bending")
 
 
-@pytest.mark.parametrize(
-    ("key", "diameter"), [("pin_shear", 19.17166e-3), ("pin_bending", 37.06722e-3)]
-)
-def test_the_margin_vanishes_at_the_least_diameter(key, diameter):
-    step = assessed(GOLD, pin_diameter=diameter).step(key)
-    assert step.margin == pytest.approx(0, abs=1e-6)
-    assert step.number("least diameter") == pytest.approx(diameter * 1e3, rel=1e-6)
-
-
 @pytest.mark.parametrize("hole", [1e-3, 30e-3])
 def test_the_least_diameter_keeps_the_hole(hole):
     """Just enough with the hole as it is, from a pin of another diameter."""
