@@ -59,14 +59,3 @@ def test_pauses_of_the_log_and_stuck_sensors_are_stated():
         "vibration reads 0.4 throughout",
     ):
         assert part in text
-
-
-def test_a_friction_that_no_bearing_has_is_doubted_with_the_lengths_it_comes_from():
-    """An arm of 30 m for 30 cm, and a radius of 40 cm for an arm of 30 cm."""
-    result = example_test()
-    assert "warning" not in text_of(result)
-    test = result.test.assign(friction=100 * result.test.friction).assign_attrs(arm=30.0)
-    assert "warning: a friction coefficient of 1" in text_of(result, test=test)
-    assert "the arm of 30 m" in text_of(result, test=test)
-    wide = result.test.assign_attrs(pin_radius=0.4)
-    assert "warning: the arm of 0.3 m" in text_of(result, test=wide)

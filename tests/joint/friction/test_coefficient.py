@@ -16,13 +16,6 @@ def log_of(time, **columns):
     return xr.Dataset({"cells": cells, **members}, {"time": time})
 
 
-def test_friction_is_torque_over_load_and_radius():
-    time = np.arange(100.0)
-    found = measure_friction(log_of(time, torque=np.full(100, 160.0)), pin_radius=0.04)
-    npt.assert_allclose(found["load"], 40e3)
-    npt.assert_allclose(found.friction, 160 / (40e3 * 0.04))
-
-
 def test_tare_arm_and_torque_ratio():
     time = np.arange(100.0)
     log = log_of(time, arm_force=np.full(100, -400.0))

@@ -44,14 +44,6 @@ def test_names_of_another_language_and_units_are_chosen(tmp_path):
     npt.assert_allclose(log.temperature[0], (25 - 32) / 1.8)
 
 
-@pytest.mark.parametrize("unit", ["N m", "Nm", "kN m", "lbf ft"])
-def test_units_of_torque(tmp_path, unit):
-    header = ["Time [s]", "Load [N]", f"Torque [{unit}]"]
-    log = read_torque_log(write(tmp_path / "run.csv", header, [row[:3] for row in ROWS]))
-    factor = {"N m": 1, "Nm": 1, "kN m": 1e3, "lbf ft": 1.3558179483314}[unit]
-    npt.assert_allclose(log.torque, 17e3 * factor)
-
-
 @pytest.mark.parametrize(
     ("header", "columns", "message"),
     [

@@ -97,12 +97,6 @@ def test_the_budget_adds_up():
     npt.assert_allclose(found.budget["load"], 0.02 * found.friction)
 
 
-@pytest.mark.parametrize("torque", [1.0, np.nan])
-def test_a_log_without_reversals_is_refused(torque):
-    with pytest.raises(EnduranceError, match="reverses at least three times"):
-        analysed(torque=np.full(6000, torque))
-
-
 def test_a_torque_without_its_sign_is_pointed_out():
     """The size of the torque, as some instruments log it, or an offset above the friction."""
     log = make_log(np.random.default_rng(0), offset=0.0)
@@ -152,19 +146,29 @@ def test_friction_that_falls_to_a_seventh_is_followed():
     npt.assert_allclose(found.pairs.friction, 0.2 * np.exp(-found.pairs.time / 300), rtol=0.02)
 
 
-@pytest.mark.parametrize("kept", [0.0, 0.9])
-@pytest.mark.parametrize("level", [0.0, 0.12])
-def test_noise_is_no_friction(kept, level):
-    """White or correlated noise, about zero or about the torque of one direction."""
-    noise = lfilter([1], [1, -kept], np.random.default_rng(1).normal(size=TIME.size))
-    with pytest.raises(EnduranceError, match="as noise does"):
-        analysed(torque=level + 0.01 * noise)
+def noise(kept):
+    """White or correlated noise."""
+    return 0.01 * lfilter([1], [1, -kept], np.random.default_rng(1).normal(size=TIME.size))
 
 
-def test_a_scatter_of_zero_is_stated():
-    lines = describe_friction(analysed(torque=0.12 * np.where(TIME % 20 < 10, 1, -1)))
-    assert any(line.startswith("  scatter: ") for line in lines)
-    assert not any("not stated" in line and "scatter" in line for line in lines)
+@pytest.mark.parametrize(
+    ("columns", "message"),
+    [
+        ({"torque": np.ones(6000)}, "reverses at least three times"),
+        ({"torque": np.full(6000, np.nan)}, "reverses at least three times"),
+        # about zero and about the torque of one direction
+        ({"torque": noise(0.0)}, "as noise does"),
+        ({"torque": 0.12 + noise(0.9)}, "as noise does"),
+        ({"cells": np.where((TIME > 100) & (TIME < 110), 0.0, LOAD)}, "load above 0"),
+    ],
+    ids=["constant", "missing", "white noise", "noise about a level", "unloaded"],
+)
+def test_logs_without_friction_are_refused(columns, message):
+    log = make_log(np.random.default_rng(0))
+    for name, values in columns.items():
+        log[name] = log[name] * 0 + xr.DataArray(values, {"time": TIME})
+    with pytest.raises(EnduranceError, match=message):
+        analysed(log)
 
 
 def test_a_force_needs_its_arm():
@@ -173,18 +177,3 @@ def test_a_force_needs_its_arm():
         analyse_friction(log, shaft_radius=RADIUS)
     found = analyse_friction(log, shaft_radius=RADIUS, arm=0.5, vector=True)
     npt.assert_allclose(found.friction, 0.06, rtol=0.01)
-
-
-def test_unloaded_motion_is_refused():
-    log = make_log(np.random.default_rng(0))
-    log["cells"][:, 1000:1100] = -1.0
-    with pytest.raises(EnduranceError, match="load above 0"):
-        analyse_friction(log, shaft_radius=RADIUS)
-
-
-def test_a_coefficient_that_no_bushing_has_is_doubted():
-    """A radius in m for mm."""
-    log = make_log(np.random.default_rng(0), noise=0.0)
-    assert "warning" not in "\n".join(describe_friction(analyse_friction(log, shaft_radius=RADIUS)))
-    text = "\n".join(describe_friction(analyse_friction(log, shaft_radius=1e3 * RADIUS)))
-    assert "is implausible (0.005 to 1.5 expected). Check the radius of 5 m" in text
