@@ -11,7 +11,7 @@ from scipy.special import log_ndtr
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import EnduranceError
-from erlif.joint.endurance.failure import FailureLoad
+from erlif.joint.endurance.analysis import FailureLoad
 
 # Scatter of the logarithm of the load that is possible: no bearings are more alike. [1]
 SCATTERS = (0.01, 2.0)

@@ -14,9 +14,8 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.notes import Note, note_writer
 from erlif.core.statistics import robust_std
-from erlif.joint.endurance.blocks import RESTART, StageFriction
-from erlif.joint.endurance.pauses import LogClock
-from erlif.joint.endurance.posterior import Onset
+from erlif.joint.endurance.blocks import RESTART, LogClock, StageFriction
+from erlif.joint.endurance.onset import Onset
 
 # Samples of a stage whose level is compared.
 FEWEST_LEVEL = 12

@@ -11,7 +11,7 @@ from scipy.special import stdtr
 
 from erlif.core.arrays import Array
 from erlif.joint.endurance.noise import fit_noise, whiten
-from erlif.joint.endurance.posterior import Onset
+from erlif.joint.endurance.onset import Onset
 from erlif.joint.endurance.stages import Stage
 
 # p-value below which a sensor confirms the onset. [1]

@@ -11,7 +11,7 @@ from scipy.ndimage import uniform_filter1d
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Note, note_writer
 from erlif.core.statistics import robust_std
-from erlif.joint.endurance.pauses import find_pauses
+from erlif.joint.endurance.blocks import find_pauses
 from erlif.joint.friction.stretches import running_median
 
 # Share of a load by which it may change within a stage. [1]
