@@ -20,9 +20,8 @@ from erlif.models.reynolds import Journal
 from erlif.prediction.pin_motion import find_pin_motion
 from erlif.prediction.pressure import find_pressures
 from erlif.rig import cavitation
-from erlif.rig.film import crank_at, rocker_angle, rocker_range, rocker_speed
+from erlif.rig.film import crank_at, cycle_time, rocker_angle, rocker_range, rocker_speed
 from erlif.rig.journal import follow_pin
-from erlif.rig.motion import cycle_time
 from erlif.rig.orbit import Bearing
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))

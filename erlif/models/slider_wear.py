@@ -27,8 +27,7 @@ from erlif.models.arguments import (
 )
 from erlif.models.mechanism import SliderCrank
 from erlif.models.reaction import SliderCrankBodies, joint_reaction
-from erlif.models.slider.contact import ContactLaw
-from erlif.models.slider.wall import PinCells, Wall
+from erlif.models.slider.contact import ContactLaw, PinCells, Wall
 from erlif.models.slider_dynamics import simulate_slider_crank
 
 if TYPE_CHECKING:

@@ -15,12 +15,12 @@ from erlif.rig.film import (
     Marks,
     Triggers,
     crank_at,
+    cycle_time,
     rocker_angle,
     rocker_range,
     rocker_speed,
 )
 from erlif.rig.logger import frame_times
-from erlif.rig.motion import cycle_time
 from erlif.rig.orbit import Bearing, follow_orbit, lowest_pressure
 from erlif.rig.settings import RigSettings
 

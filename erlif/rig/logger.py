@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.rig.film import Triggers, coupler_angle, crank_at, rocker_angle
-from erlif.rig.motion import cycle_time
+from erlif.rig.film import Triggers, coupler_angle, crank_at, cycle_time, rocker_angle
 from erlif.rig.settings import RigSettings
 
 # Rows of the log in time per second. [Hz]

@@ -22,10 +22,10 @@ from erlif.rig.film import (
     draw_bubbles,
     draw_marks,
     lay_patch,
+    list_pictures,
 )
 from erlif.rig.journal import list_gaps
 from erlif.rig.logger import TICKS, frame_times, read_encoder, write_log_in_time, write_table
-from erlif.rig.motion import list_pictures
 from erlif.rig.scene import mix_grains
 from erlif.rig.settings import RigSettings
 from erlif.rig.setup import Setup, Shot, build_setup, photograph, random_stream

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from erlif.core.arrays import Array
 from erlif.core.tables import read_table
 from erlif.rig.camera import displacement, vignetting
-from erlif.rig.film import Gap, Triggers, Wedge, lay_patch
+from erlif.rig.film import Gap, Triggers, Wedge, cycle_time, lay_patch
 from erlif.rig.journal import JournalGap, load_at
 from erlif.rig.logger import frame_times
-from erlif.rig.motion import cycle_time
 from erlif.rig.settings import RigSettings
 from erlif.rig.setup import Setup
 

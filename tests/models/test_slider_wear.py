@@ -14,7 +14,7 @@ from erlif.models.contact import winkler_modulus
 from erlif.models.mechanism import SliderCrank
 from erlif.models.reaction import SliderCrankBodies, joint_reaction
 from erlif.models.running_in import run_in_bushing
-from erlif.models.slider.wall import Wall
+from erlif.models.slider.contact import Wall
 from erlif.models.slider_dynamics import ContactLaw, simulate_slider_crank
 from erlif.models.slider_wear import (
     WearingJoint,

@@ -5,9 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from erlif.rig.film import crank_at, rocker_angle, rocker_range, rocker_speed
+from erlif.rig.film import crank_at, cycle_time, rocker_angle, rocker_range, rocker_speed
 from erlif.rig.journal import follow_pin
-from erlif.rig.motion import cycle_time
 from erlif.rig.orbit import Bearing, solve_squeeze
 from erlif.rig.settings import RigSettings
 

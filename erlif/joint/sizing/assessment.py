@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from erlif.core.errors import UnitWarning
 from erlif.core.tables import read_table
 from erlif.joint.sizing import fit, heat, lock, pin, pressure
-from erlif.joint.sizing.joint import Joint
-from erlif.joint.sizing.quantities import warn_of_units
+from erlif.joint.sizing.joint import Joint, warn_of_units
 from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result, Step, make_step
 

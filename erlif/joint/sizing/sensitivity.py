@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from erlif.joint.sizing.assessment import Assessment, assess_joint, margin_of
-from erlif.joint.sizing.joint import Joint
+from erlif.joint.sizing.joint import Joint, Number, numbers_of
 from erlif.joint.sizing.materials import Material
-from erlif.joint.sizing.quantities import Number, numbers_of
 from erlif.joint.sizing.steps import Step
 
 # Relative step of the central differences; the margins are smooth to nine digits. [1]

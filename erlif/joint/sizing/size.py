@@ -16,10 +16,9 @@ from typing import Any
 
 from erlif.core.errors import ConfigError, UnitWarning
 from erlif.joint.sizing.assessment import EQUATIONS
-from erlif.joint.sizing.joint import DIMENSIONS, Joint
+from erlif.joint.sizing.joint import DIMENSIONS, Joint, warn_of_units
 from erlif.joint.sizing.lock import size_lock
 from erlif.joint.sizing.practice import Series, round_up
-from erlif.joint.sizing.quantities import warn_of_units
 from erlif.joint.sizing.state import JointState
 from erlif.models.bearing import (
     LARGEST_HOLE_RATIO,

@@ -1,5 +1,7 @@
 from .design import (
     LinkageDesign,
+    Sensitivity,
+    link_sensitivity,
     measure_linkage,
 )
 from .measures import (
@@ -21,10 +23,6 @@ from .strength import (
 from .synthesis import (
     Synthesis,
     synthesise_crank_rocker,
-)
-from .tolerance import (
-    Sensitivity,
-    link_sensitivity,
 )
 
 __all__ = [

@@ -6,11 +6,13 @@ import pytest
 import xarray as xr
 from scipy.integrate import quad
 
-from erlif.models.slider.contact import ContactLaw, RoundBore, WornBore
+from erlif.models.slider.contact import ContactLaw, PinCells, RoundBore, Wall, WornBore
 
 LAW = ContactLaw(6.523e8)
 GAP = 1e-4
 PER_ANGLE = 3 / (4 * np.sqrt(2)) * 6.523e8 * np.sqrt(GAP)  # N/m per rad, from eq. 13
+
+WALL = Wall(1e-5, cells=180, area=2e-6, stiffness=8e10)
 
 
 def profile(cells, depth=0.0, pin_depth=0.0):
@@ -84,3 +86,48 @@ def test_pin_rests_where_the_contact_carries_the_force(phi):
         angles = (np.cos(phi), np.sin(phi), 1.3)
         found = bore.press(*bore.rest(-80.0, 30.0, *angles), *angles)
         npt.assert_allclose((found.force * found.x, found.force * found.y), (-80.0, 30.0))
+
+
+@pytest.mark.parametrize("softened", [1.0, 50.0])
+@pytest.mark.parametrize(
+    "worn",
+    [
+        np.zeros(180),
+        1e-4 * (1 + np.cos(2 * WALL.angle)),
+        np.maximum(6e-4 * np.cos(WALL.angle) - 1e-5, 0.0),
+    ],
+    ids=["unworn", "two sides", "pocket"],
+)
+def test_pressure_carries_every_load_from_any_start(worn, softened):
+    rng = np.random.default_rng(5)
+    angle, size = rng.uniform(-np.pi, np.pi, 60), 10 ** rng.uniform(0, 3, 60)
+    force = size[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    worn = np.broadcast_to(worn, (60, 180))
+    place, pressure = WALL.balance(worn, force, softened, 1e-5 * np.ones((60, 2)))
+    carried = WALL.area * np.einsum("nc,ic->ni", pressure, WALL.normal)
+    npt.assert_allclose(carried, force, atol=1e-11 * size.max())
+
+    # each cell bears its own overlap
+    overlap = place @ WALL.normal - 1e-5 - worn
+    npt.assert_allclose(pressure, 8e10 / softened * np.maximum(overlap, 0.0), rtol=1e-9)
+
+
+def test_indentation_of_a_round_pocket_is_the_load_over_its_stiffness():
+    """A pocket of the shape of the pin over half of the bushing: stiffness area / cell pi/2."""
+    pocket = np.maximum(1e-3 * np.cos(WALL.angle), 0.0) - 1e-5
+    place, _ = WALL.balance(pocket[None], np.array([[100.0, 0.0]]), 1.0, np.array([[1.1e-3, 0.0]]))
+    expected = 100.0 / (8e10 * 2e-6 / WALL.cell * np.pi / 2)
+    npt.assert_allclose(place[0], [1e-3 + expected, 0.0], atol=1e-12)
+
+
+def test_wear_of_the_pin_is_kept_whatever_its_turn():
+    cells = PinCells(WALL, np.array([0.0, 1.234, -7.5]))
+    worn = np.random.default_rng(3).random((3, 180))
+    npt.assert_allclose(cells.scatter(worn).sum(), worn.sum(), rtol=1e-13)
+
+    # a depth of one place is seen where the pin has turned to: 2 radians further on
+    mark = np.exp(-((WALL.angle / 0.2) ** 2))
+    seen = PinCells(WALL, np.array([2.0])).gather(mark)[0]
+    npt.assert_allclose(
+        seen, np.exp(-(((WALL.angle - 2.0) / 0.2) ** 2)), atol=0.008
+    )  # linear: h^2 f'' / 8

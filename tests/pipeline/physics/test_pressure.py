@@ -11,9 +11,8 @@ import xarray as xr
 import erlif
 from erlif.core.errors import ConfigError, ErlifError, ModelError
 from erlif.pipeline.physics.pressure import pressure_from_film, state_balance, weigh_loads
-from erlif.rig.film import crank_at, rocker_speed
+from erlif.rig.film import crank_at, cycle_time, rocker_speed
 from erlif.rig.journal import follow_pin
-from erlif.rig.motion import cycle_time
 from erlif.rig.settings import RigSettings
 from erlif.show.plots import example_film
 
