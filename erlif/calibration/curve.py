@@ -30,7 +30,10 @@ DIRECTION = "camera2/camera1"
 FITTED_POINTS = ("curve_thickness", "curve_ratio", "curve_ratio_std", "curve_residual")
 
 # K, p and q by their names in the file.
-_PARAMETERS = ("ratio_at_zero", "attenuation_camera1", "attenuation_camera2")
+PARAMETERS = ("ratio_at_zero", "attenuation_camera1", "attenuation_camera2")
+
+# Entries of the table of the inverse.
+_ENTRIES = 20001
 
 # Points of the curve in a notebook.
 _CURVE_POINTS = 60
@@ -204,7 +207,7 @@ class Calibration:
     def to_dataset(self) -> xr.Dataset:
         """Variables of ``calibration.nc``."""
         values: dict[str, npt.ArrayLike] = {
-            **{name: getattr(self, name) for name in (*_PARAMETERS, "reduced_chi_square")},
+            **{name: getattr(self, name) for name in (*PARAMETERS, "reduced_chi_square")},
             "covariance": self.covariance,
             "thickness_range": list(self.thickness_range),
         }
@@ -212,7 +215,7 @@ class Calibration:
             values |= self.departure.variables()
 
         dataset = self.curve.assign({name: CALIBRATION[name].fill(values[name]) for name in values})
-        return dataset.assign_coords(parameter=("parameter", list(_PARAMETERS)))
+        return dataset.assign_coords(parameter=("parameter", list(PARAMETERS)))
 
     @property
     def attributes(self) -> dict[str, Any]:
@@ -308,17 +311,17 @@ class InverseTable:
     calibration_std: Array
 
     @classmethod
-    def of(cls, calibration: Calibration, entries: int = 20001) -> InverseTable:
+    def of(cls, calibration: Calibration) -> InverseTable:
         """Tabulate the inverse over the range of the fixture.
 
-        With the default number of entries, linear interpolation is good to 1e-5 um.
+        Linear interpolation in it is good to 1e-5 um.
         """
         low, high = calibration.covered_range
         first, last = calibration.predict_log([low, high])
-        grid = np.linspace(first, last, entries)
+        grid = np.linspace(first, last, _ENTRIES)
 
         # Newton's steps from a dense direct table: the curve is monotonic and smooth
-        dense = np.linspace(low, high, entries)
+        dense = np.linspace(low, high, _ENTRIES)
         thickness = np.interp(grid, calibration.predict_log(dense), dense)
         for _ in range(3):  # quadratic from an error of 1e-3 um: the third reaches rounding
             thickness -= (calibration.predict_log(thickness) - grid) / calibration.slope(thickness)

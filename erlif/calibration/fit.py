@@ -153,26 +153,27 @@ def fit_calibration(
     best = fit if candidate is None else candidate
 
     # the calibrated range follows from the slope of the finished curve
-    covered = _calibrated_range(calibration, best.true_thickness[kept], points, kept, frames)
-    if covered.limited:
-        thickest = points.thickness.max()
-        notes.append(_make_note("range_ends", thickest=thickest, end=covered.high, useful=USEFUL))
+    films = best.true_thickness[kept]
+    thickness_range, limited = _calibrated_range(calibration, films, points, kept, frames)
+    if limited:
+        thickest, end = points.thickness.max(), thickness_range[1]
+        notes.append(_make_note("range_ends", thickest=thickest, end=end, useful=USEFUL))
     notes += _describe_unresolved(calibration)
     moved = freedom.displacement @ best.displacement
-    _refuse_nonsense(calibration, covered, points, moved)
+    _refuse_nonsense(calibration, thickness_range, points, moved)
     return replace(
         calibration,
-        thickness_range=(covered.low, covered.high),
+        thickness_range=thickness_range,
         curve=_describe_curve(calibration, points, kept, moved, fit.thickness_std),
         notes=(*profile.notes, *notes),
     )
 
 
 def _refuse_nonsense(
-    calibration: Calibration, covered: _Range, points: Points, moved: Array
+    calibration: Calibration, thickness_range: tuple[float, float], points: Points, moved: Array
 ) -> None:
     """Refuse a curve that does not follow the points, those far off it included."""
-    films = places((covered.low, covered.high))[1:]  # the error of no film is not relative
+    films = places(thickness_range)[1:]  # the error of no film is not relative
     fitted = calibration.predict_log(np.maximum(points.thickness + moved, 0.0))
     check_fit(
         calibration.thickness_std(films) / films,
@@ -375,19 +376,13 @@ def _describe_largest(fit: Fit, candidate: Candidate) -> str:
     )
 
 
-class _Range(NamedTuple):
-    low: float
-    """[um]"""
-    high: float
-    """[um]"""
-    limited: bool
-    """Whether noise ends the range below the thickest film of the fixture."""
-
-
 def _calibrated_range(
     calibration: Calibration, covered: Array, points: Points, kept: Mask, frames: int
-) -> _Range:
-    """Thickness covered by the fixture, up to where the noise of a single pixel is too large."""
+) -> tuple[tuple[float, float], bool]:
+    """Thickness covered by the fixture, up to where the noise of a single pixel is too large. [um]
+
+    And whether noise ends it below the thickest film of the fixture.
+    """
     low, high = max(float(covered.min()), 0.0), float(covered.max())
     order = np.argsort(points.thickness[kept])
     grid = np.linspace(low, high, 2001)[1:]
@@ -403,7 +398,7 @@ def _calibrated_range(
     # averages over pixels resolve them.
     useful = relative <= max(USEFUL, DIM_LIGHT * float(relative.min()))
     thickest = float(grid[useful][-1])
-    return _Range(low, thickest, thickest < grid[-1])
+    return (low, thickest), bool(thickest < grid[-1])
 
 
 def _describe_given_origin(points: Points, pixel_pitch: float) -> Note:

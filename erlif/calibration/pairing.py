@@ -83,15 +83,15 @@ def pair_profile_with_image(
     used = count >= _MINIMUM_PIXELS
     notes = _describe_coverage(pixels, used)
 
-    cells = _robust_cell_mean(cell, pixels.log_ratio, total)
-    mean, gradient = _carry_to_points(cells.mean, pixels, position, used)
+    mean, variance, keep = _robust_cell_mean(cell, pixels.log_ratio, total)
+    mean, gradient = _carry_to_points(mean, pixels, position, used)
 
     # the scatter within a cell counts where it exceeds the stated variance
     total_var, fixed_var = (
         np.bincount(cell, values, total) / np.maximum(count, 1)
         for values in (pixels.variance, pixels.fixed)
     )
-    std = np.sqrt(np.maximum(cells.variance, total_var) / np.maximum(count, 1))
+    std = np.sqrt(np.maximum(variance, total_var) / np.maximum(count, 1))
 
     uncertainty = profile.uncertainty
     if uncertainty is None:
@@ -99,11 +99,10 @@ def pair_profile_with_image(
         uncertainty = np.full(total, math.nan)
 
     if position.shape[1] == 1:
-        across = _slope_across(pixels, gradient, position, cells.keep)
+        middle, slope, slope_std = _slope_across(pixels, gradient, position, keep)
         thickness_gradient = gradient_of_thickness(position, profile.thickness, uncertainty)
     else:
-        unknown = np.full(total, math.nan)
-        across = _Across(np.zeros(total), unknown, unknown)
+        middle, slope, slope_std = np.zeros(total), *np.full((2, total), math.nan)
         thickness_gradient = profile.surface_gradient
 
     points = Points(
@@ -116,9 +115,9 @@ def pair_profile_with_image(
         position=position[used],
         gradient=thickness_gradient[used],
         ratio_gradient=gradient[used],
-        mean_across=across.middle[used],
-        across_slope=across.slope[used],
-        across_slope_std=across.std[used],
+        mean_across=middle[used],
+        across_slope=slope[used],
+        across_slope_std=slope_std[used],
     )
     return points, notes
 
@@ -197,17 +196,8 @@ def thin_out(profile: Profile, *, pixel_pitch: float) -> Profile:
     return replace(profile, position=position, thickness=thickness, uncertainty=uncertainty)
 
 
-class _CellMean(NamedTuple):
-    mean: Array
-    """Mean of each cell, (cell,)."""
-    variance: Array
-    """Variance of its pixels, (cell,)."""
-    keep: Mask
-    """Pixels that are no outliers of their cell, (pixel,)."""
-
-
-def _robust_cell_mean(cell: Cells, values: Array, cells: int) -> _CellMean:
-    """Mean and variance of the values of each cell, without outliers."""
+def _robust_cell_mean(cell: Cells, values: Array, cells: int) -> tuple[Array, Array, Mask]:
+    """Mean and variance of the values of each cell without outliers, and which values are none."""
     keep = np.ones(cell.size, bool)
     mean, variance = np.zeros(cells), np.zeros(cells)
     for _ in range(_OUTLIER_PASSES):
@@ -217,20 +207,15 @@ def _robust_cell_mean(cell: Cells, values: Array, cells: int) -> _CellMean:
             cell[keep], (values[keep] - mean[cell[keep]]) ** 2, cells
         ) / np.maximum(count - 1, 1)
         keep = np.abs(values - mean[cell]) <= _OUTLIER * np.sqrt(variance[cell])
-    return _CellMean(mean, variance, keep)
+    return mean, variance, keep
 
 
-class _Across(NamedTuple):
-    middle: Array
-    """Mean position of the pixels across the profile, (cell,). [mm]"""
-    slope: Array
-    """Slope of the values over it, (cell,). [1/mm]"""
-    std: Array
-    """Standard deviation of the slope, (cell,). [1/mm]"""
-
-
-def _slope_across(pixels: _Pixels, gradient: Array, position: Array, keep: Mask) -> _Across:
+def _slope_across(
+    pixels: _Pixels, gradient: Array, position: Array, keep: Mask
+) -> tuple[Array, Array, Array]:
     """Slope of the ratio across a line in each cell; the image determines the turn by it.
+
+    After the mean position across [mm] come the slope and its standard deviation. [1/mm]
 
     The slope along the line is removed first. The error comes from the scatter about the slope.
     """
@@ -248,7 +233,7 @@ def _slope_across(pixels: _Pixels, gradient: Array, position: Array, keep: Mask)
             count - 2, 1
         )
         std = np.sqrt(scatter / spread)
-    return _Across(middle, slope, std)
+    return middle, slope, std
 
 
 def _carry_to_points(

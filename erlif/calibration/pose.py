@@ -325,29 +325,22 @@ def find_turn(points: Points, *, pixel_pitch: float) -> Turn:
     # a turned line shows a slope across it that is proportional to the slope along it
     along, across, std = along[good], across[good], std[good]
     for _ in range(_OUTLIER_PASSES):
-        line = _line_through_zero(along, across, std)
-        near = np.abs(across - line.slope * along) <= _OUTLIER * max(1.0, line.spread) * std
+        slope, slope_std, spread = _line_through_zero(along, across, std)
+        near = np.abs(across - slope * along) <= _OUTLIER * max(1.0, spread) * std
         along, across, std = along[near], across[near], std[near]
 
     reach = float(np.ptp(points.position)) / 2
-    if line.std * reach > pixel_pitch or abs(line.slope) < _SIGNIFICANT * line.std:
+    if slope_std * reach > pixel_pitch or abs(slope) < _SIGNIFICANT * slope_std:
         return AS_GIVEN
-    return Turn(line.slope, line.std)
+    return Turn(slope, slope_std)
 
 
-class _Line(NamedTuple):
-    """A line through zero."""
+def _line_through_zero(x: Array, y: Array, std: Array) -> tuple[float, float, float]:
+    """Slope of a weighted line of y over x, its standard deviation, and the scatter about it.
 
-    slope: float
-    std: float
-    """Standard deviation of the slope."""
-    spread: float
-    """Scatter about the line, in units of the stated standard deviation."""
-
-
-def _line_through_zero(x: Array, y: Array, std: Array) -> _Line:
-    """Weighted line of y over x; scatter above the stated one widens the slope's error."""
+    Scatter above the stated one, of which it is given in units, widens the error of the slope.
+    """
     information = float(((x / std) ** 2).sum())
     slope = float((x * y / std**2).sum()) / information
     spread = math.sqrt(float((((y - slope * x) / std) ** 2).sum()) / max(x.size - 1, 1))
-    return _Line(slope, max(spread, 1.0) / math.sqrt(information), spread)
+    return slope, max(spread, 1.0) / math.sqrt(information), spread

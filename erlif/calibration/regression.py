@@ -146,12 +146,11 @@ def _fit_once(points: Points, thickness_std: Array, kept: Mask, freedom: Freedom
     solution = _regress(points, thickness_std, kept, freedom)
     displacement = freedom.displacement[kept]
     beta = solution.beta
-    K, q = math.exp(beta[0]), math.exp(beta[2])
     moved = displacement @ beta[3:]
     true_thickness = points.thickness + freedom.displacement @ beta[3:]
     true_thickness[kept] = np.asarray(solution.xplusd) + moved
     fit = Fit(
-        parameters=np.array([K, q + math.exp(beta[1]), q]),
+        parameters=_parameters_of(beta),
         displacement=np.array(beta[3:]),
         covariance=np.empty((0, 0)),
         chi_square=float(solution.sum_square),
@@ -178,14 +177,7 @@ def _regress(points: Points, thickness_std: Array, kept: Mask, freedom: Freedom)
     displacement = freedom.displacement[kept]
 
     def model(x: Array, beta: Array) -> Array:
-        q = math.exp(beta[2])
-        p = q + math.exp(beta[1])
-        film = x + displacement @ beta[3:]
-        return np.asarray(
-            log_band_ratio(
-                film, ratio_at_zero=math.exp(beta[0]), attenuation_camera1=p, attenuation_camera2=q
-            )
-        )
+        return Reabsorption(_parameters_of(beta)).predict(x + displacement @ beta[3:])
 
     lowest, highest = _ATTENUATION_BOUNDS
     reach = np.full(freedom.size, _DISPLACEMENT_BOUND)
@@ -205,6 +197,12 @@ def _regress(points: Points, thickness_std: Array, kept: Mask, freedom: Freedom)
         for start in _starts(t, y)
     ]
     return min(trials, key=lambda trial: float(trial.sum_square))
+
+
+def _parameters_of(beta: Array) -> Array:
+    """K, p and q of the searched ln K, ln(p - q) and ln q."""
+    K, difference, q = (math.exp(value) for value in beta[:3])
+    return np.array([K, q + difference, q])
 
 
 def _starts(thickness: Array, log_ratio: Array) -> list[list[float]]:

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 import xarray as xr
 
-from erlif.calibration.curve import Calibration
+from erlif.calibration.curve import PARAMETERS, Calibration
 from erlif.calibration.departure import Departure
 from erlif.calibration.profile import THICKEST
 from erlif.core.arrays import Array, Image
@@ -195,8 +195,7 @@ def places(thickness_range: tuple[float, float]) -> Array:
 
 
 def _parameter_faults(parameters: Array) -> Iterator[str]:
-    names = ("ratio_at_zero", "attenuation_camera1", "attenuation_camera2")
-    for name, value in zip(names, parameters, strict=True):
+    for name, value in zip(PARAMETERS, parameters, strict=True):
         if not (np.isfinite(value) and value > 0):
             yield f"{name} is {value:g}, not a positive number"
     K, p, q = parameters

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from erlif.calibration.curve import Calibration, foreign_file
+from erlif.calibration.curve import PARAMETERS, Calibration, foreign_file
 from erlif.calibration.departure import Departure
 from erlif.calibration.soundness import check_calibration, check_displacements, check_file
 from erlif.core.errors import (
@@ -188,13 +188,9 @@ def record_calibration(calibration: Calibration) -> str:
     >>> json.loads(record_calibration(calibration))["thickness_range"]
     [0.1, 12.0]
     """
-    K, p, q = calibration.parameters
-    kept = {
+    kept = dict(zip(PARAMETERS, calibration.parameters, strict=True)) | {
         "fixture": calibration.fixture,
         "date": calibration.date,
-        "ratio_at_zero": K,
-        "attenuation_camera1": p,
-        "attenuation_camera2": q,
         "covariance": calibration.covariance.tolist(),
         "thickness_range": list(calibration.thickness_range),
         "covered_range": list(calibration.covered_range),
@@ -264,9 +260,7 @@ def _read_record(kept: dict[str, Any], settings: RunSettings) -> Calibration:
         )
 
     return Calibration(
-        ratio_at_zero=float(kept["ratio_at_zero"]),
-        attenuation_camera1=float(kept["attenuation_camera1"]),
-        attenuation_camera2=float(kept["attenuation_camera2"]),
+        **{name: float(kept[name]) for name in PARAMETERS},
         covariance=np.asarray(kept["covariance"], float),
         thickness_range=(float(low), float(high)),
         bands=(settings.camera1.band, settings.camera2.band),

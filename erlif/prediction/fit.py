@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -250,13 +249,8 @@ def _search(problem: Problem, unknowns: Unknowns, profiles: bool) -> MotionFit:
     """Fit, with the orbits of a held pin corrected where the fit ends."""
     free = isinstance(problem.orbits, FreeOrbits)
 
-    def pose(tolerance: float) -> LeastSquares:
-        model = partial(problem.predict, unknowns=unknowns)
-        observed = problem.observations()
-        return LeastSquares(observed, unknowns, model, tolerance)
-
     # a held pin is searched from coarse cells first, to a rough tolerance
-    least = pose(CONVERGED if free else _HELD_NEAR)
+    least = problem.pose(unknowns, CONVERGED if free else _HELD_NEAR)
     found = (None if free else _begin(problem, unknowns)) or least.solve()
     smallest = float(np.sqrt(np.diagonal(least.observed.random_cov, axis1=1, axis2=2).min()))
     orbits = problem.orbits
@@ -280,7 +274,7 @@ def _search(problem: Problem, unknowns: Unknowns, profiles: bool) -> MotionFit:
         # the same search with the corrected model, from where it ended
         problem = replace(problem, orbits=orbits)
         unknowns = replace(unknowns, start=start)
-        least = pose(_HELD_CONVERGED)
+        least = problem.pose(unknowns, _HELD_CONVERGED)
         found = least.solve()
         if change < _NEAR * smallest * found.inflation:
             break
@@ -307,10 +301,8 @@ def _begin(problem: Problem, unknowns: Unknowns) -> Minimum | None:
         if found is not None and corrected:
             orbits = orbits.corrected(_of_orbit(unknowns.one_by_name(found.value)))
         brief = replace(problem, orbits=orbits, frames=kept)
-        model = partial(brief.predict, unknowns=unknowns)
         try:
-            least = LeastSquares(brief.observations(), unknowns, model, _FIRST_CONVERGED)
-            found = least.solve()
+            found = brief.pose(unknowns, _FIRST_CONVERGED).solve()
         except ModelError:
             return found
         unknowns = replace(unknowns, start=found.value)

@@ -384,9 +384,13 @@ class LeastSquares:
                 fixed.append(one)
 
         # one step of the others with the derivatives of the minimum corrects for the curvature
+        def chi_squares(sets: Array, misses: Array) -> list[float]:
+            both = zip(misses, sets, strict=True)
+            return [self.reduced(miss, value, found.inflation)[0] for miss, value in both]
+
         trial = np.array(sets)
         misses = self.misses(trial)
-        first = [self.reduced(m, v, found.inflation)[0] for m, v in zip(misses, trial, strict=True)]
+        first = chi_squares(trial, misses)
         again = trial.copy()
         for k, one in enumerate(fixed):
             if not np.isfinite(misses[k]).all():
@@ -398,14 +402,9 @@ class LeastSquares:
             step = np.linalg.lstsq(matrix[:, others], right, rcond=1e-12)[0]
             again[k, others[: count - 1]] += step[: count - 1]
         again = np.clip(again, unknowns.low, unknowns.high)
-        misses = self.misses(again)
-        second = [
-            self.reduced(m, v, found.inflation)[0] for m, v in zip(misses, again, strict=True)
-        ]
-        least = self.reduced(self.misses(found.value[np.newaxis])[0], found.value, found.inflation)[
-            0
-        ]
-        rise = np.fmin(first, second) - least
+        second = chi_squares(again, self.misses(again))
+        here = found.value[np.newaxis]
+        rise = np.fmin(first, second) - chi_squares(here, self.misses(here))
 
         curves, middle = [], len(targets) // 2
         for n, one in enumerate(which):

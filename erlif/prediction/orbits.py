@@ -372,10 +372,7 @@ def lead_of(motion: Motion, crank: Array) -> Motion | None:
     if turned[-1] < 2 * np.pi * (1 - 1e-9):
         return None
     period = float(np.interp(2 * np.pi, turned, motion.time)) - motion.time[0]
-    kept = motion.time < motion.time[0] + period * (1 - 1e-9)
-    if kept.sum() < 2:
-        return None
-    first = motion.at(kept)
+    first = motion.at(motion.time < motion.time[0] + period * (1 - 1e-9))
     return replace(first, time=first.time - period)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy.typing as npt
 
 from erlif.core.arrays import Array
 from erlif.models.reynolds.full_film import FullFilm
-from erlif.prediction.least_squares import Observations, Unknowns
+from erlif.prediction.least_squares import CONVERGED, LeastSquares, Observations, Unknowns
 from erlif.prediction.measured import MeasuredMotion
 from erlif.prediction.orbits import (
     ATMOSPHERE,
@@ -22,26 +23,16 @@ from erlif.prediction.orbits import (
     film_change,
 )
 
-
-@dataclass(frozen=True)
-class _Kind:
-    """Step of an unknown for derivatives, and its bounds."""
-
-    step: float
-    low: float = -np.inf
-    high: float = np.inf
-
-
+# Step of each unknown for derivatives, and its lower and upper bound.
 _KINDS = {
-    "fluidity": _Kind(1e-3, low=0.0, high=1e3),
-    "start_film": _Kind(1e-3, low=-23.0),
-    "start_attitude": _Kind(1e-4, low=-1.5, high=1.5),
-    "rest": _Kind(1e-4, low=-0.9, high=0.9),
-    "stiffness": _Kind(2e-2, low=2.0, high=12.0),
-    "cavitation_pressure": _Kind(1e-2, low=0.0, high=100.0),
-    "load_line": _Kind(1e-4, low=-1.0, high=1.0),
+    "fluidity": (1e-3, 0.0, 1e3),
+    "start_film": (1e-3, -23.0, np.inf),
+    "start_attitude": (1e-4, -1.5, 1.5),
+    "rest": (1e-4, -0.9, 0.9),
+    "stiffness": (2e-2, 2.0, 12.0),
+    "cavitation_pressure": (1e-2, 0.0, 100.0),
+    "load_line": (1e-4, -1.0, 1.0),
 }
-
 
 # Standard deviation of the direction of a pin on a spring at the start of its lead. [rad]
 _ATTITUDE_STD = 0.3
@@ -145,12 +136,12 @@ class Problem:
             names += ["load_line"] if load_line_std > 0 else []
         if "cavitation_pressure" in fitted and self.sideways != "free":
             names += ["cavitation_pressure"]
-        kinds = [_KINDS[name] for name in names]
+        step, low, high = np.array([_KINDS[name] for name in names]).T
+        high[names.index("start_film")] = np.log(0.9999 * self.orbits.journal.clearance)
         line = load_line_std / self.orbits.journal.radius
         known = {"load_line": line}
         if isinstance(self.orbits, HeldOrbits) and self.orbits.lead is not None:
             known["start_attitude"] = _ATTITUDE_STD  # the lead may leave nothing of it
-        highest = {"start_film": float(np.log(0.9999 * self.orbits.journal.clearance))}
         fixed = {"fluidity": 1.0, "load_line": 0.0}
         if self.sideways != "guided":
             fixed["start_attitude"] = start["start_attitude"]
@@ -159,9 +150,9 @@ class Problem:
         return Unknowns(
             names=tuple(names),
             start=np.array([start[name] for name in names]),
-            step=np.array([kind.step for kind in kinds]),
-            low=np.array([kind.low for kind in kinds]),
-            high=np.array([highest.get(name, _KINDS[name].high) for name in names]),
+            step=step,
+            low=low,
+            high=high,
             expected=np.zeros(len(names)),
             expected_std=np.array([known.get(name, np.inf) for name in names]),
             fixed={name: value for name, value in fixed.items() if name not in names},
@@ -227,6 +218,11 @@ class Problem:
         cosine, sine = np.cos(line)[:, np.newaxis], np.sin(line)[:, np.newaxis]
         x, y = orbit[..., 0], orbit[..., 1]
         return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
+
+    def pose(self, unknowns: Unknowns, tolerance: float = CONVERGED) -> LeastSquares:
+        """The search of some unknowns, which ends at a tolerance of chi-square."""
+        model = partial(self.predict, unknowns=unknowns)
+        return LeastSquares(self.observations(), unknowns, model, tolerance)
 
     def predict(self, sets: Array, unknowns: Unknowns) -> Array:
         """What is expected of each measured trigger, (case, trigger, axis). [m]"""
