@@ -103,25 +103,23 @@ def integral(values: Image) -> Array:
     return np.asarray(cv2.integral(values, sdepth=cv2.CV_64F))
 
 
-class _Ends(NamedTuple):
-    """First pixel (block, offset) of blocks along one axis, and the one after the last."""
+def _ends(blocks: int, size: int, offsets: AnyArray) -> tuple[AnyArray, AnyArray]:
+    """First pixel (block, offset) of blocks along an axis of this size, and the one after the last.
 
-    start: AnyArray
-    stop: AnyArray
-
-
-def _ends(blocks: int, size: int, offsets: AnyArray) -> _Ends:
-    """Ends of the blocks along an axis of this size, moved by the offsets and cut at the image."""
+    The blocks are moved by the offsets and cut at the image.
+    """
     start = np.arange(blocks) * STRIDE
     stop = np.minimum(start + BLOCK, size)
-    return _Ends(*(np.clip(end[:, None] + offsets, 0, size) for end in (start, stop)))
+    first, last = (np.clip(end[:, None] + offsets, 0, size) for end in (start, stop))
+    return first, last
 
 
-def _sum_blocks(sums: Array, y: _Ends, x: _Ends) -> Array:
+def _sum_blocks(sums: Array, y: tuple[AnyArray, AnyArray], x: tuple[AnyArray, AnyArray]) -> Array:
     """Sums (row, column, offset y, offset x) over the blocks, from an integral image."""
-    start, stop = (end[:, None, :, None] for end in y)
-    rows: Array = sums[stop, x.stop[:, None]] - sums[start, x.stop[:, None]]
-    return rows - sums[stop, x.start[:, None]] + sums[start, x.start[:, None]]
+    top, bottom = (end[:, None, :, None] for end in y)
+    left, right = (end[:, None] for end in x)
+    rows: Array = sums[bottom, right] - sums[top, right]
+    return rows - sums[bottom, left] + sums[top, left]
 
 
 def _correlate_blocks(a: Image, b: Image, weight: Image, reach: int) -> Image:
@@ -142,8 +140,8 @@ def _correlate_blocks(a: Image, b: Image, weight: Image, reach: int) -> Image:
 
     # sums over blocks that overlap are a matrix product along each axis
     down, across = (
-        ((ends.start <= pixel) & (pixel < ends.stop)).astype(np.float32)
-        for ends, pixel in (
+        ((start <= pixel) & (pixel < stop)).astype(np.float32)
+        for (start, stop), pixel in (
             (_ends(rows, h, still), np.arange(h)),
             (_ends(cols, w, still), np.arange(w)),
         )
@@ -187,10 +185,7 @@ def match_blocks(a: Image, b: Image, weight: Image, reach: int) -> Blocks:
     j, i = np.divmod(best, n)
     height = np.take_along_axis(flat, best[..., None], -1)[..., 0]
     valid = np.where(flat > KNOWN, flat, np.nan)[usable]
-    if usable.any():
-        chance = np.sqrt(np.nanmedian(valid**2, axis=-1)) / NORMAL_MEDIAN
-    else:
-        chance = np.zeros(0)
+    chance = np.sqrt(np.nanmedian(valid**2, axis=-1)) / NORMAL_MEDIAN
 
     vectors = np.stack([i - reach, j - reach], axis=-1) + _fractions(scores, j, i)
     y, x = np.meshgrid(np.arange(rows), np.arange(cols), indexing="ij")

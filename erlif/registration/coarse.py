@@ -19,7 +19,7 @@ from scipy import fft
 from erlif.core.arrays import AnyArray, Array, Image, Mask
 from erlif.core.errors import RegistrationError
 from erlif.core.statistics import robust_rms
-from erlif.registration.blocks import FEWEST, agree, match_blocks
+from erlif.registration.blocks import FEWEST, Agreement, agree, match_blocks
 from erlif.registration.interpolation import laid_over
 from erlif.registration.normalise import binned, normalise
 from erlif.registration.pairs import Pair, Textures
@@ -108,25 +108,6 @@ def combined_orientation(first: str, second: str) -> str:
     probe = np.arange(6).reshape(2, 3)
     both = orient(orient(probe, first), second)
     return next(name for name in ORIENTATIONS if np.array_equal(orient(probe, name), both))
-
-
-@dataclass(frozen=True)
-class Start:
-    """An affine displacement d(x) = matrix @ x + offset, x from the origin of the full frame.
-
-    Attributes
-    ----------
-    matrix : Array
-        (2, 2), x first. [1]
-    offset : Array
-        (2,), x first. [px]
-    agreement : float
-        Part of the blocks that agree with it. [1]
-    """
-
-    matrix: Array
-    offset: Array
-    agreement: float
 
 
 @dataclass(frozen=True)
@@ -288,7 +269,7 @@ def _gaussian(frequency: AnyArray, blur: float) -> AnyArray:
     return np.asarray(np.exp(-0.5 * (2 * np.pi * frequency * blur) ** 2), np.float32)
 
 
-def _refine(coarse: CoarsePair, peak: Peak) -> Start | None:
+def _refine(coarse: CoarsePair, peak: Peak) -> Agreement | None:
     """Match blocks about a peak, twice, and keep the affine map if enough of them agree."""
     centre = _centre(coarse.shape)
     linear, shift = peak.linear, peak.shift
@@ -310,13 +291,13 @@ def _refine(coarse: CoarsePair, peak: Peak) -> Start | None:
     f = coarse.factor
     middle = f * centre + (f - 1) / 2
     matrix = linear - np.eye(2)
-    return Start(matrix, f * shift - matrix @ middle, agreement)
+    return Agreement(matrix, f * shift - matrix @ middle, agreement)
 
 
 NO_PEAK: Final = Peak(0.0, np.eye(2), np.zeros(2))
 
 
-def _search_unturned(coarse: CoarsePair, correlator: Correlator) -> tuple[Start | None, Peak]:
+def _search_unturned(coarse: CoarsePair, correlator: Correlator) -> tuple[Agreement | None, Peak]:
     """Try the frame as it is, without the bank of rotations and scales."""
     best = NO_PEAK
     for blur in (SHARP, BROAD):
@@ -328,7 +309,7 @@ def _search_unturned(coarse: CoarsePair, correlator: Correlator) -> tuple[Start 
 
     if best.significance > SIGNIFICANT:
         start = _refine(coarse, best)
-        if start is not None and start.agreement > AGREEMENT_UNTURNED:
+        if start is not None and start.part > AGREEMENT_UNTURNED:
             return start, best
     return None, best
 
@@ -346,7 +327,7 @@ def _peaks_of_bank(
     return peaks
 
 
-def _search_bank(coarse: CoarsePair, correlator: Correlator) -> tuple[Start | None, Peak]:
+def _search_bank(coarse: CoarsePair, correlator: Correlator) -> tuple[Agreement | None, Peak]:
     """Try the bank of rotations and scales."""
     peaks = _peaks_of_bank(coarse, correlator)
     for peak in peaks[:BEST_OF_BANK]:
@@ -359,13 +340,13 @@ def _search_bank(coarse: CoarsePair, correlator: Correlator) -> tuple[Start | No
 
 
 # The searches, the quick one first.
-SEARCHES: Final[tuple[Callable[[CoarsePair, Correlator], tuple[Start | None, Peak]], ...]] = (
+SEARCHES: Final[tuple[Callable[[CoarsePair, Correlator], tuple[Agreement | None, Peak]], ...]] = (
     _search_unturned,
     _search_bank,
 )
 
 
-def find_start(pair: Pair, settings: RegistrationSettings) -> Start:
+def find_start(pair: Pair, settings: RegistrationSettings) -> Agreement:
     """Find camera 2's offset, rotation and scale against camera 1.
 
     Parameters
@@ -377,7 +358,7 @@ def find_start(pair: Pair, settings: RegistrationSettings) -> Start:
 
     Returns
     -------
-    Start
+    Agreement
         The affine displacement in pixels of the full frame.
 
     Raises
@@ -430,7 +411,7 @@ def _refuse_turned(pair: Pair, settings: RegistrationSettings, coarse: CoarsePai
         for other in ORIENTATIONS[1:]:
             trial = coarse.with_second(*pair.turned(other))
             start, peak = search(trial, Correlator(trial, settings.search))
-            agreement = 0.0 if start is None else start.agreement
+            agreement = 0.0 if start is None else start.part
             if agreement < AGREEMENT_TURNED or peak.significance < SIGNIFICANT:
                 continue
 

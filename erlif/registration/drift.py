@@ -232,10 +232,7 @@ def _find_drift(camera_map: CameraMap, pair: Pair, threads: int) -> Drift:
     return found
 
 
-def check_map(
-    camera_map: CameraMap,
-    pairs: Pairs,
-) -> Array:
+def check_map(camera_map: CameraMap, pairs: Pairs) -> Array:
     """Check on a few frames of a run that a map made before still fits.
 
     Parameters
@@ -378,7 +375,8 @@ def _find_start(views: Textures, field: tuple[Image, Image], threads: int) -> Ar
     for count in range(COARSE_STEPS):
         if shift.any():
             b = _parts_laid_over(spline, field, shift, part, threads)
-        before, step = step, _step(cell_sums(views.a, views.weight, b, STEP, only=part)[part])
+        sums = without_noise(cell_sums(views.a, views.weight, b, STEP, only=part)[part])
+        before, step = step, np.array(solve_shift(sums))
         shift = shift + (step / _step_ratio(before, before - step) if count else step)
     return np.asarray(shift)
 
@@ -424,11 +422,6 @@ def _parts_laid_over(
         return laid_over(spline, *field, drift, threads)
     bands = [(max(r * STEP - EDGE, 0), min((r + 1) * STEP + EDGE, height)) for r in part]
     return laid_over(spline, *field, drift, threads, only=bands)
-
-
-def _step(sums: Array) -> Array:
-    """Translation (dx, dy) that the sums ask for. [px]"""
-    return np.array(solve_shift(without_noise(sums)))
 
 
 def _step_ratio(step: Array, moved: Array) -> float:

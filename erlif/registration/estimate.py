@@ -11,8 +11,9 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import RegistrationError
+from erlif.registration.blocks import Agreement
 from erlif.registration.camera_map import CameraMap
-from erlif.registration.coarse import Start, coarse_binning, find_start
+from erlif.registration.coarse import coarse_binning, find_start
 from erlif.registration.drift import FEWEST_CELLS, DriftSearch
 from erlif.registration.interpolation import laid_over
 from erlif.registration.matching import cell_sums, correlation, products_of
@@ -184,14 +185,14 @@ def start_with_any(frames: Frames) -> tuple[int, Pair, Surface]:
     raise failure
 
 
-def align_small(pair: Pair, start: Start, settings: RegistrationSettings) -> Surface:
+def align_small(pair: Pair, start: Agreement, settings: RegistrationSettings) -> Surface:
     """Go from the coarse affine map to a cubic surface, binning by binning down to two.
 
     Parameters
     ----------
     pair : Pair
         Any frame of the run.
-    start : Start
+    start : Agreement
         Its coarse affine map.
     settings : RegistrationSettings
         Gives the side of the cells and the threads.

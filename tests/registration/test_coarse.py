@@ -59,14 +59,14 @@ def test_an_affine_map_is_found_within_a_binned_pixel(field):
     views = views_of(**field)
     start = start_of(views)
     assert error_of(start, views) < 1.0
-    assert start.agreement > 0.8
+    assert start.part > 0.8
 
 
 def test_cameras_of_different_size_are_aligned(views):
     """Camera 2 with 40 columns fewer on its left: the same point lies 40 px further left."""
     narrow = replace(views, moving=np.ascontiguousarray(views.moving[:, 40:]))
     start = start_of(narrow)
-    assert error_of(replace(start, offset=start.offset + np.array([40, 0])), views) < 1.0
+    assert error_of(start._replace(offset=start.offset + np.array([40, 0])), views) < 1.0
 
 
 def test_pixels_without_weight_do_not_decide():
