@@ -14,13 +14,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.errors import FrameError
+from erlif.core.errors import ErlifError, FrameError
+from erlif.core.refusals import refusal_writer
 from erlif.core.tables import read_table
 from erlif.io.readers.source import Source
 
 # Frames of one file above which its header is damaged: a day at 46 frames a second.
 MOST_FRAMES = 4_000_000
 
+
+refusal = refusal_writer("erlif.io.readers")
 
 # Layouts of the headers of camera files.
 LAYOUTS = read_table("erlif.io.readers", "headers.toml")
@@ -145,12 +148,9 @@ def describe_shape(shape: tuple[int, ...]) -> str:
     return " x ".join(str(n) for n in reversed(shape))
 
 
-def colour_camera(what: str = "recording") -> FrameError:
+def colour_camera(what: str = "recording") -> ErlifError:
     """The refusal of a recording, or of another thing, of a colour camera."""
-    return FrameError(
-        f"the {what} is of a colour camera. Film thickness needs counts of one band in each pixel: "
-        "record with a monochrome camera."
-    )
+    return refusal("colour_camera", what=what)
 
 
 def read_header(source: Source, name: str, start: int = 0, *, size: int | None = None) -> Any:

@@ -12,7 +12,7 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim
+from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim, refusal
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 
@@ -97,10 +97,7 @@ def _dtype(cards: dict[str, str], bits: int, layout: FrameLayout) -> str:
         return layout.kind.dtype
     if scale == 1 and name and zero == half:
         return name
-    raise FrameError(
-        f"its values are scaled (BSCALE = {scale:g}, BZERO = {zero:g}) and no longer counts. Save "
-        "the raw counts of the camera."
-    )
+    raise refusal("scaled_fits", scale=scale, zero=zero)
 
 
 def _read_header(source: Source, place: int) -> tuple[dict[str, str], int]:

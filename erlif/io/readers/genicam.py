@@ -23,7 +23,7 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import Format, FrameFile
+from erlif.io.readers.base import Format, FrameFile, refusal
 from erlif.io.readers.raw import FrameLayout, RawFrames, count_frames
 from erlif.io.readers.source import find_beside, read_text
 from erlif.io.readers.unpack import Packing
@@ -58,10 +58,7 @@ def open_raw(path: Path) -> FrameFile:
     """
     beside = find_beside(path, (".toml", ".json"))
     if beside is None:
-        raise FrameError(
-            f"the format of raw frames stands in no file. Put {path.stem}.toml beside them, with "
-            f"{_EXAMPLE}."
-        )
+        raise refusal("no_description", stem=path.stem, example=_EXAMPLE)
     given = _read_description(beside)
     shape = given.height, given.width
     name = _FORMAT.fullmatch(given.pixel_format)

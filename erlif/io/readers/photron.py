@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import LAYOUTS, Format, FrameFile, colour_camera
+from erlif.io.readers.base import LAYOUTS, Format, FrameFile, colour_camera, refusal
 from erlif.io.readers.raw import FrameLayout, RawFrames, frame_interval
 from erlif.io.readers.source import find_beside, read_text
 from erlif.io.readers.unpack import Packing
@@ -78,19 +78,13 @@ def read_photron_header(text: str) -> PhotronHeader:
     """
     entries = _find_entries(text)
     if entries.get("format", "mraw").lower() not in ("mraw", "raw", ""):
-        raise FrameError(
-            f"the Photron header describes {entries['format']} files. Save the recording as MRAW, "
-            "or name the image files themselves."
-        )
+        raise refusal("no_mraw", format=entries["format"])
     if entries.get("colour", "mono").lower().startswith(("color", "colour", "bayer", "rgb")):
         raise colour_camera()
 
     stored = _whole(entries, "stored")
     if stored not in (8, 12, 16):
-        raise FrameError(
-            f"the Photron header names {stored} bits for each pixel; 8, 12 and 16 are read. Save "
-            "the recording again with one of them."
-        )
+        raise refusal("photron_bits", stored=stored)
     depth = _whole(entries, "depth") if entries.get("depth") else stored
     if not 1 <= depth <= 16:
         raise FrameError(f"the Photron header is damaged: it names {depth} effective bits")
@@ -117,16 +111,11 @@ def open_photron(path: Path) -> FrameFile:
     if path.suffix.lower() in _HEADERS:
         header_path, counts_path = path, find_beside(path, (".mraw",))
         if counts_path is None:
-            raise FrameError(
-                f"the counts of this header are missing. Put {path.stem}.mraw beside it."
-            )
+            raise refusal("no_counts", stem=path.stem)
     else:
         found, counts_path = find_beside(path, _HEADERS), path
         if found is None:
-            raise FrameError(
-                f"the header of these counts is missing. Put {path.stem}.cihx or {path.stem}.cih, "
-                "which the camera's program saved with them, beside the file."
-            )
+            raise refusal("no_header", stem=path.stem)
         header_path = found
 
     header = read_photron_header(read_text(header_path))

@@ -10,7 +10,7 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError, reason_of
-from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim
+from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim, refusal
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 
@@ -113,10 +113,7 @@ def bitmap_layout(header: bytes) -> FrameLayout:
         return FrameLayout((abs(height), width), "|u1")
     if size < 40 or codec != bytes(4) or depth != 8:
         name = codec.decode("latin-1").strip("\0 ") or f"{depth} bits"
-        raise FrameError(
-            f"its images are compressed or in colours ({name}), and no counts. Save the raw "
-            "counts of the camera, one channel, as grey TIFF."
-        )
+        raise refusal("packed_pictures", name=name)
     palette = np.frombuffer(header[size:][: 4 * (used or 256)], np.uint8)
     check_grey_palette(palette[: palette.size // 4 * 4].reshape(-1, 4))
     row = -(-width // 4) * 4  # rows end at a multiple of four bytes
@@ -189,10 +186,7 @@ def _lossy_name(head: bytes) -> str:
 def _refuse(path: Path) -> FrameFile:
     with path.open("rb") as file:
         name = _lossy_name(file.read(12)) or path.suffix
-    raise FrameError(
-        f"it is a {name} image, compressed with losses or with a palette: its values are no "
-        "counts. Save the raw counts as TIFF."
-    )
+    raise refusal("lossy", name=name)
 
 
 PNG = Format("PNG", (".png",), lambda path, head: head[:8] == _PNG_START, PngPicture)

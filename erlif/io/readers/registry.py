@@ -14,7 +14,7 @@ from pathlib import Path
 from erlif.core.errors import FrameError
 from erlif.core.guarded import file_stamp
 from erlif.io.readers.avi import AVI
-from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile
+from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile, refusal
 from erlif.io.readers.fits import FITS
 from erlif.io.readers.genicam import GENICAM
 from erlif.io.readers.hdf5 import HDF5
@@ -122,10 +122,7 @@ def find_format(path: Path, head: bytes) -> Format:
         if path.suffix.lower() in entry.suffixes:
             return entry
     known = ", ".join(entry.name for entry in (*FORMATS, *foreign) if entry is not LOSSY)
-    raise FrameError(
-        f"its format is none of those that are read: {known}. Convert it to TIFF, or install a "
-        f"package that has a reader for it.{''.join(faults)}"
-    )
+    raise refusal("unknown", known=known, faults="".join(faults))
 
 
 @contextmanager
@@ -195,9 +192,7 @@ def _read_head(path: Path) -> bytes:
 
 def _open(found: Format, path: Path, dataset: str) -> FrameFile:
     if dataset and found.open_dataset is None:
-        raise FrameError(
-            f"it is a {found.name} file, which has no datasets. Remove the key dataset for it."
-        )
+        raise refusal("no_datasets", name=found.name)
     try:
         if dataset and found.open_dataset is not None:
             file = found.open_dataset(path, dataset)

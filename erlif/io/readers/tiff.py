@@ -17,7 +17,15 @@ import tifffile
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError, reason_of
-from erlif.io.readers.base import MOST_FRAMES, TRUNCATED, Format, FrameFile, FrameKind, check_claim
+from erlif.io.readers.base import (
+    MOST_FRAMES,
+    TRUNCATED,
+    Format,
+    FrameFile,
+    FrameKind,
+    check_claim,
+    refusal,
+)
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 from erlif.io.readers.tiff_metadata import read_description
@@ -213,15 +221,10 @@ def _find_directories(source: Source) -> list[int]:
 def _kind_of(page: tifffile.TiffPage, size: int) -> FrameKind:
     """Kind of a page; refuses values that are no counts, and sizes that no memory holds."""
     if page.photometric == _PALETTE:
-        raise FrameError(
-            "it is a palette image, whose values are no counts. Save the raw counts as grey TIFF."
-        )
+        raise refusal("palette")
     lossy = _LOSSY.get(int(page.compression))
     if lossy is not None:
-        raise FrameError(
-            f"its images are compressed with {lossy}, which may change the counts. Save them "
-            "uncompressed, or with LZW or deflate."
-        )
+        raise refusal("lossy_tiff", lossy=lossy)
     if page.dtype is None or page.imagedepth != 1:
         raise FrameError("its images have a type that is not read. Save them as 16-bit grey TIFF.")
 

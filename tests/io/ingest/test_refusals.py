@@ -1,14 +1,13 @@
 """The table of refusals of recordings and logs."""
 
-import re
-from importlib.resources import files
-
-from erlif.core.tables import read_table
+from erlif.core.errors import FrameError
+from erlif.io.ingest.refusals import refusal
 
 
-def test_every_refusal_of_the_table_is_raised_somewhere():
-    places = [*files("erlif.io.ingest").glob("*.py"), *files("erlif.io.ingest.logs").glob("*.py")]
-    source = "".join(path.read_text("utf-8") for path in places)
-    source += '"positive_load" "positive_pulse_energy"'  # named after their quantity
-    keys = read_table("erlif.io.ingest", "refusals.toml")
-    assert not [key for key in keys if not re.search(rf'"{key}"', source)]
+def test_a_refusal_names_what_was_expected():
+    error = refusal("outside", directory="run", what="a.tif leads out of it")
+    assert type(error) is FrameError
+    assert str(error) == (
+        "Expected the files of run within it; a.tif leads out of it. Copy them there, or use "
+        "--allow-outside."
+    )
