@@ -121,12 +121,6 @@ def test_a_bleached_dye_1_dims_both_bands_and_a_bleached_dye_2_clears_camera_1()
     assert faded < fresh
 
 
-def test_each_dye_absorbs_in_proportion_to_what_is_left():
-    wavelength = np.linspace(520, 620, 50)
-    one, two = (absorption(wavelength, left) for left in ((1.0, 0.0), (0.0, 1.0)))
-    npt.assert_allclose(absorption(wavelength, (0.3, 0.9)), 0.3 * one + 0.9 * two, rtol=1e-12)
-
-
 # given spectra
 
 

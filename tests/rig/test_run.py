@@ -13,7 +13,7 @@ from scenes.rig import QUICK, read_frames
 
 from erlif.rig import RigSettings, simulate
 from erlif.rig.film import Wedge, list_triggers
-from erlif.rig.run import run_toml, write_encoder_log, write_pages, write_profile
+from erlif.rig.run import run_toml, write_encoder_log, write_profile
 
 # what is written
 
@@ -102,15 +102,6 @@ def test_bubbles_are_dark_in_the_frame_and_masked_in_truth_nc(written, truth):
 
 
 # single files
-
-
-def test_pages_are_lossless_and_their_bytes_repeat(tmp_path):
-    pages = np.random.default_rng(1).integers(0, 4096, (3, 20, 30)).astype(np.uint16)
-    for name in ("one", "two"):
-        write_pages(tmp_path / name / "pages.tif", pages)
-    npt.assert_array_equal(tifffile.imread(tmp_path / "one" / "pages.tif"), pages)
-    one, two = ((tmp_path / name / "pages.tif").read_bytes() for name in ("one", "two"))
-    assert one == two
 
 
 def test_readings_of_the_profile_scatter_by_the_stated_uncertainty(tmp_path):

@@ -49,16 +49,6 @@ def test_one_grain_is_a_gaussian_of_the_blurred_width():
         npt.assert_allclose(found, 1 + peak * np.exp(-(away**2) / (2 * s2)), atol=2e-6)
 
 
-def test_each_cell_holds_one_grain():
-    rig = RigSettings(width=50, height=40)
-    grains = draw_grains(rig, 5, np.random.default_rng(3))
-    assert grains.x.shape == (50, 60)
-    rows, columns = np.indices(grains.x.shape) - 5
-    npt.assert_array_equal(np.rint(grains.x), columns)
-    npt.assert_array_equal(np.rint(grains.y), rows)
-    npt.assert_allclose(grains.brightness.std(), 1, atol=4 / np.sqrt(2 * 3000))
-
-
 def test_pulses_share_the_fixed_part_of_the_speckle():
     """Correlation of two pulses: the fixed variance over the whole."""
     rig = RigSettings(width=200, height=200, speckle_fixed=0.06, speckle_new=0.08)

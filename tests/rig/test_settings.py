@@ -3,7 +3,6 @@
 import dataclasses
 import math
 
-import numpy as np
 import pytest
 
 from erlif.core.errors import ModelError
@@ -50,16 +49,6 @@ def test_a_rig_that_cannot_work_is_refused():
     for wrong in IMPOSSIBLE:
         with pytest.raises(ModelError):
             RigSettings(**wrong)
-
-
-def test_what_follows_from_the_settings():
-    """1/R of pin and bushing is 0.2053 um/mm2 in the thesis."""
-    assert RigSettings().pitch == pytest.approx(0.06)
-    assert RigSettings(width=640).pitch == pytest.approx(0.03)
-    assert 1e3 / RigSettings().relative_radius == pytest.approx(0.2053, rel=3e-4)
-    rig = RigSettings(width=41, height=33)
-    assert rig.centre == (20, 16)
-    assert rig.half_diagonal == pytest.approx(np.hypot(20, 16))
 
 
 @pytest.mark.parametrize(("width", "height"), [(320, 256), (96, 80), (64, 200)])

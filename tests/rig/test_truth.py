@@ -5,11 +5,9 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import xarray as xr
-from scenes.rig import QUICK, SMALL
+from scenes.rig import QUICK
 
 from erlif.rig import simulate
-from erlif.rig.camera import displacement
-from erlif.rig.film import list_triggers
 
 
 def test_truth_holds_the_inputs_of_the_simulation(truth):
@@ -47,23 +45,6 @@ def test_settings_are_attributes_and_absent_ones_are_left_out(truth, tmp_path):
     with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as again:
         npt.assert_array_equal(again.attrs["rig_film_table"], films)
         npt.assert_array_equal(again.film_min, films)
-
-
-def test_motion_and_geometry_are_those_of_linkage_and_cameras(truth):
-    triggers = list_triggers(SMALL)
-    y, x = np.indices((80, 96), dtype=float)
-    dx, dy = displacement(x, y, SMALL)
-    for name, expected in (
-        ("encoder_angle", triggers.reading),
-        ("rocker_angle", triggers.zero + triggers.reading),
-        ("rocker_speed", triggers.speed),
-        ("load", triggers.load),
-        ("frame_trigger", np.arange(50)),
-        ("displacement_x", dx),
-        ("displacement_y", dy),
-    ):
-        npt.assert_array_equal(truth[name], expected)
-    npt.assert_allclose(truth.x, np.arange(96) * 0.2, rtol=1e-12)
 
 
 def test_values_are_rounded_below_what_a_camera_resolves(truth):
