@@ -6,7 +6,7 @@ import numpy.testing as npt
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal, Motion, crank_motion, solve_journal
 from erlif.models.reynolds.full_film import FullFilm, follow_full_film
-from erlif.rig.orbit import Bearing, Mobility, follow_orbit
+from erlif.rig.orbit import Bearing, Mobility
 
 RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
 SPEED = 114 * 2 * np.pi / 60
@@ -28,18 +28,6 @@ def test_dampings_of_a_finite_film_are_those_of_chebyshev_collocation():
     found = FullFilm.of(JOINT).damping(FILMS)
     rig = Mobility(Bearing(JOINT.radius, JOINT.clearance, JOINT.length, JOINT.viscosity))
     npt.assert_allclose(found, [rig.damping(1 - film) for film in FILMS], rtol=1e-4)
-
-
-def test_swinging_joint_sinks_as_the_virtual_rig():
-    motion = crank_motion(RIG, crank_speed=SPEED, load=222.4, cycles=6, steps_per_cycle=100)
-    found = follow_full_film(JOINT, motion, start=np.zeros((1, 2)))[0]
-    orbit = follow_orbit(
-        Bearing(JOINT.radius, JOINT.clearance, JOINT.length, JOINT.viscosity),
-        motion.time,
-        load=lambda time: 222.4,
-        rotation=lambda time: float(RIG.rocker_speed(SPEED * time, crank_speed=SPEED)),
-    )
-    npt.assert_allclose(found, orbit, atol=5e-8)
 
 
 def test_orbit_and_transient_film_agree_where_nothing_ruptures():

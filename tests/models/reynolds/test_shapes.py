@@ -3,7 +3,6 @@
 import numpy as np
 import numpy.testing as npt
 
-from erlif.models.reynolds import Journal, Motion, solve_journal
 from erlif.models.reynolds.shapes import lobe_shape, pin_shape, roller_shape
 
 
@@ -20,18 +19,3 @@ def test_lobe_of_the_source_ends_where_its_circle_meets_the_bore():
     axial = np.linspace(-0.02, 0.02, 40001)
     inside = axial[lobe_shape(axial, centres=[0.0], radius=0.2, height=2.4e-4) < 0]
     npt.assert_allclose(np.ptp(inside), 2 * np.sqrt(0.2**2 - (0.2 - 2.4e-4) ** 2), rtol=1e-3)
-
-
-def test_lobed_bushing_sinks_faster_than_a_straight_one_of_the_same_gap():
-    """The film between the lobes is thick and carries little."""
-    length, half = 0.237, 24
-    axial = np.linspace(-0.5, 0.5, 401) * length
-    lobes = lobe_shape(axial, centres=[-0.06, 0.06], radius=2.0, height=2.1e-4)
-    bore = 0.03336 + 4.4e-4
-    lobed = Journal(0.03336, bore, length, viscosity=0.12, axial_shape=lobes)
-    straight = Journal(0.03336, bore - 2.1e-4, length, viscosity=0.12)
-    time = np.linspace(0.0, 0.5, 26)
-    motion = Motion(time, 0 * time, 222.4)
-    found = [solve_journal(each, motion, cells=(48, half)) for each in (lobed, straight)]
-    npt.assert_allclose(found[0].film_min[0], found[1].film_min[0], rtol=0.02)
-    assert float(found[0].film_min[-1]) < 0.8 * float(found[1].film_min[-1])
