@@ -100,9 +100,7 @@ def find_stretches(torque: Array) -> list[Stretch]:
     parts = [_split(torque[a : b + 1] * (1 if up else -1), half) for a, b, up in runs]
 
     # dwell belongs to the machine: it is in most stretches, or in none
-    before, after = (
-        float(np.mean([part[k] > 0 for part in parts])) > 0.5 if parts else False for k in (0, 1)
-    )
+    before, after = (float(np.mean([part[k] > 0 for part in parts])) > 0.5 for k in (0, 1))
     found = []
     for (first, last, up), (lead, tail) in zip(runs, parts, strict=True):
         dwell = (lead if before else 0, tail if after else 0)
@@ -137,8 +135,6 @@ def running_median(values: Array) -> Array:
 
 def _level_nearby(away: Array, runs: list[tuple[int, int, bool]]) -> Array:
     """Distance from the middle that the stretches nearby have, for each sample."""
-    if not runs:
-        return np.zeros(away.size)
     sizes = np.array([np.percentile(np.abs(away[a : b + 1]), 75) for a, b, _ in runs])
     levels = median_filter(sizes, _NEARBY, mode="nearest")
     centres = [0.5 * (a + b) for a, b, _ in runs]
@@ -148,8 +144,6 @@ def _level_nearby(away: Array, runs: list[tuple[int, int, bool]]) -> Array:
 def _runs(away: Array, beyond: Array | float) -> list[tuple[int, int, bool]]:
     """First and last sample of each run of one direction, and whether it is the higher one."""
     clear = np.flatnonzero(np.abs(away) > beyond)
-    if not clear.size:
-        return []
     up = away[clear] > 0
     turns = np.flatnonzero(np.diff(up.astype(int))) + 1
     # it begins where the torque leaves the middle for it; a dwell ends the run before

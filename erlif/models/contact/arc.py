@@ -34,9 +34,6 @@ _ITERATIONS = 60
 # Relative change of the angle after which the next one is below rounding.
 _TOLERANCE = 1e-8
 
-# From 0 to 90 degrees; Newton's method then takes one or two steps.
-_SPLINE_ANGLES = 1025
-
 # Angles that are searched at once; their arrays stay in the cache.
 _BLOCK = 1 << 14
 
@@ -97,31 +94,18 @@ def arc_of_load(supported: Values, *, fit: Values) -> tuple[Values, Values]:
     """
     angle, ratio = np.empty(np.shape(supported)), np.empty(np.shape(supported))
     wanted, fits = supported.reshape(-1), fit.reshape(-1)
-    guess = _first_angles(wanted, fits)
     for start in range(0, wanted.size, _BLOCK):
         block = slice(start, start + _BLOCK)
-        found = _search(wanted[block], fits[block], guess[block])
+        found = _search(wanted[block], fits[block])
         angle.reshape(-1)[block] = found
         ratio.reshape(-1)[block] = rubbed_by_arc(found, fit=fits[block]) / wanted[block]
     return angle, ratio
 
 
-def _first_angles(supported: Values, fit: Values) -> Values:
-    """Where the search begins: narrow arcs, or, for many loads of one fit, a spline of its arcs."""
-    if supported.size > _BLOCK and np.ptp(fit) == 0:
-        from scipy.interpolate import CubicSpline  # at use, as all solvers of the theories
-
-        angles = np.linspace(0.0, np.pi / 2, _SPLINE_ANGLES)
-        roots = np.cbrt(supported_by_arc(angles, fit=np.full(angles.shape, fit[0])))
-        guess = CubicSpline(roots, angles)(np.cbrt(supported))
-        return np.clip(guess, _SMALLEST_ANGLE, np.pi / 2)
-    return np.clip(np.cbrt(1.5 * supported / (fit * (1 - fit))), _SMALLEST_ANGLE, 1.3)
-
-
-def _search(supported: Values, fit: Values, angle: Values) -> Values:
+def _search(supported: Values, fit: Values) -> Values:
     """Newton's method on the cube root, which is almost linear while the arc is narrow."""
-    wanted, found = np.cbrt(supported), angle.copy()
-    left = np.arange(angle.size)
+    wanted, left = np.cbrt(supported), np.arange(supported.size)
+    found = np.clip(np.cbrt(1.5 * supported / (fit * (1 - fit))), _SMALLEST_ANGLE, 1.3)
 
     for _ in range(_ITERATIONS):
         before, fits = found[left], fit[left]
