@@ -15,7 +15,7 @@ _WIDTH = 9
 # Step between the pixels whose median is the offset of the sums; a prime, to avoid columns.
 _SAMPLE = 97
 
-_ZERO, _ONE, _NAN = np.float32(0), np.float32(1), np.float32(np.nan)
+_NAN = np.float32(np.nan)
 
 
 class RatioSum:
@@ -98,50 +98,23 @@ class RatioSum:
 
 def _weigh(pair: PairRatio) -> Image:
     """Weights of the pixels of a frame; sums over squares from OpenCV's box filter."""
+    sound = pair.flags == 0
+    values = pair.variance - pair.variance_fixed
+
     # differences from the median: in single precision, sums of large values lose digits
-    sample = _sample_variance(pair.variance, pair.variance_fixed, pair.flags, _SAMPLE)
-    middle = np.float32(np.median(sample)) if sample.size else _ZERO
-    values: Image = np.empty(pair.flags.shape, np.float32)
-    count = np.empty_like(values)
-    _split(pair.variance, pair.variance_fixed, pair.flags, middle, values, count)
+    sample = values[sound][::_SAMPLE]
+    middle = np.median(sample) if sample.size else np.float32(0)
+    values -= middle
+    values[~sound] = 0
+    count = sound.astype(np.float32)
     for image in (values, count):
         size, border = (_WIDTH, _WIDTH), cv2.BORDER_CONSTANT
         cv2.boxFilter(image, -1, size, dst=image, normalize=False, borderType=border)
-    _invert_mean(values, count, pair.flags, middle)
-    return values
 
-
-@numba.njit(nogil=True, cache=True, error_model="numpy")
-def _sample_variance(variance, fixed, flags, step):  # type: ignore[no-untyped-def]
-    """The new variance of every so many sound pixels."""
-    sample = np.empty(flags.size // step + 1, np.float32)
-    sound = 0
-    for i in range(flags.shape[0]):
-        for j in range(flags.shape[1]):
-            if flags[i, j] == 0:
-                if sound % step == 0:
-                    sample[sound // step] = variance[i, j] - fixed[i, j]
-                sound += 1
-    return sample[: (sound + step - 1) // step]
-
-
-@numba.njit(nogil=True, cache=True, error_model="numpy")
-def _split(variance, fixed, flags, middle, values, count):  # type: ignore[no-untyped-def]
-    """The new variance of sound pixels less the middle, and 1 for each of them."""
-    for i in range(flags.shape[0]):
-        for j in range(flags.shape[1]):
-            sound = flags[i, j] == 0
-            values[i, j] = (variance[i, j] - fixed[i, j]) - middle if sound else _ZERO
-            count[i, j] = _ONE if sound else _ZERO
-
-
-@numba.njit(nogil=True, cache=True, error_model="numpy")
-def _invert_mean(values, count, flags, middle):  # type: ignore[no-untyped-def]
-    """Replace sums over squares by one over the mean variance; 0 at flagged pixels."""
-    for i in range(flags.shape[0]):
-        for j in range(flags.shape[1]):
-            expected = middle + values[i, j] / max(count[i, j], _ONE)
-            values[i, j] = _ONE / expected if flags[i, j] == 0 else _ZERO
+    # one over the mean variance of the surroundings
+    values /= np.maximum(count, 1, out=count)
+    values += middle
+    return np.divide(1, values, out=np.zeros_like(values), where=sound)
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")

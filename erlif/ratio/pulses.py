@@ -256,18 +256,16 @@ def _slopes(light: Array, again: Array, ratio: Array) -> Array:
 def _find_order(light: Array, other: Array, wrong: AnyArray) -> PulseFault:
     """How camera 2 has to be moved so that most pulses agree."""
     count = len(light)
-    orders = {f"lag {n}": np.arange(count) - n for n in range(-_FARTHEST, _FARTHEST + 1) if n}
-    orders["reversed"] = np.arange(count)[::-1]
+    orders = {n: np.arange(count) - n for n in range(-_FARTHEST, _FARTHEST + 1) if n}
+    orders[0] = np.arange(count)[::-1]  # no lag, but the reverse order
 
-    agreement = {name: _agreement(light, other, order) for name, order in orders.items()}
-    best = max(agreement, key=lambda name: np.nan_to_num(agreement[name], nan=-1.0))
+    agreement = {lag: _agreement(light, other, order) for lag, order in orders.items()}
+    best = max(agreement, key=lambda lag: np.nan_to_num(agreement[lag], nan=-1.0))
     frames = tuple(int(k) for k in wrong)
     if not agreement[best] > _COMMON:
         return PulseFault("unknown", frames, tuple(_find_partner(light, other[k]) for k in wrong))
     partners = tuple(int(k) for k in orders[best][wrong])
-    if best == "reversed":
-        return PulseFault("reversed", frames, partners)
-    return PulseFault("late", frames, partners, int(best.removeprefix("lag ")))
+    return PulseFault("late" if best else "reversed", frames, partners, best)
 
 
 def _agreement(light: Array, other: Array, order: AnyArray) -> float:

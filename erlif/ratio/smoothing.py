@@ -21,7 +21,6 @@ scikit-image and OpenCV take neither a variance for each pixel nor missing pixel
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import cv2
 import numba
@@ -55,13 +54,6 @@ _CORRELATED = 3
 
 # Residual of a pixel beyond which it gives no correlation: marks, steps. [std]
 _OUTLIER = 5.0
-
-
-class _Window(NamedTuple):
-    taps: Image
-    """The window along one axis, (8, position), as `erlif.ratio.planes` reads it."""
-    step_noise: float
-    """Mean reduction of the weighted sum of squares by a step in white noise. [1]"""
 
 
 def smooth_ratio(ratios: RatioImages, *, resolution: float) -> RatioImages:
@@ -113,7 +105,7 @@ def smooth_ratio(ratios: RatioImages, *, resolution: float) -> RatioImages:
             f"Smoothing needs a resolution of at least 2 px; got {resolution:g}. Leave it out for "
             "no smoothing."
         )
-    window = _gaussian_window(resolution)
+    taps, step_noise = _gaussian_window(resolution)
     images = (-1, *ratios.log_ratio.shape[-2:])
     value, variance, shared = (
         np.ascontiguousarray(ratios[name].values, np.float32).reshape(images)
@@ -125,7 +117,7 @@ def smooth_ratio(ratios: RatioImages, *, resolution: float) -> RatioImages:
     for n in range(value.shape[0]):
         if sound[n].any():
             smooth[n], remaining[n] = _smooth_image(
-                value[n], variance[n], shared[n], sound[n], window
+                value[n], variance[n], shared[n], sound[n], taps, step_noise
             )
 
     smoothed = {"log_ratio": smooth, "log_ratio_var": remaining}
@@ -144,8 +136,11 @@ def smooth_ratio(ratios: RatioImages, *, resolution: float) -> RatioImages:
     )
 
 
-def _gaussian_window(resolution: float) -> _Window:
-    """Window of a full width at half maximum [px], with the noise of a step in it."""
+def _gaussian_window(resolution: float) -> tuple[Image, float]:
+    """Window of a full width at half maximum [px], as `erlif.ratio.planes` reads it.
+
+    And the mean reduction of the weighted sum of squares by a step in white noise. [1]
+    """
     sigma = resolution / math.sqrt(8 * math.log(2))
     reach = math.ceil(_REACH * sigma)
     d = np.arange(-reach, reach + 1, dtype=float)
@@ -166,21 +161,20 @@ def _gaussian_window(resolution: float) -> _Window:
     noise = (
         (window**2).sum() / window.sum() * (window**2 * rest**2).sum() / (window * rest**2).sum()
     )
-    return _Window(taps.astype(np.float32), float(noise))
+    return taps.astype(np.float32), float(noise)
 
 
 def _smooth_image(
-    value: Image, variance: Image, shared: Image, sound: Mask, window: _Window
+    value: Image, variance: Image, shared: Image, sound: Mask, taps: Image, step_noise: float
 ) -> tuple[Image, Image]:
     """Value and variance of one image after smoothing."""
     smooth, remaining = value.copy(), variance.copy()
-    taps = window.taps
     reach = taps.shape[1] // 2
     middle = np.median(value[sound][::97])  # single precision is kept for the differences
     planes = weigh_pixels(value, variance, shared, sound, middle, reach)
 
     suspect = np.zeros(value.shape, np.uint8)
-    limit = _SUSPECT**2 * window.step_noise
+    limit = _SUSPECT**2 * step_noise
     fit_planes(planes, taps, limit, middle, smooth, remaining, suspect)
     factor = _correlation_factor(value, variance, smooth, sound, taps[0])
 

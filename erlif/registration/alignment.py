@@ -6,11 +6,10 @@ bilinearly, and every flag reaches all pixels that depend on the flagged one.
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 import xarray as xr
 
-from erlif.core.arrays import AnyArray, Array
+from erlif.core.arrays import Array, FlagImage
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.products import AlignedFrames, CorrectedFrames, require
 from erlif.registration.camera_map import CameraMap
@@ -119,22 +118,9 @@ def align_frames(
     )
 
 
-@numba.njit(nogil=True, cache=True)
-def spread_flags(flags: AnyArray, out: AnyArray) -> None:
+def spread_flags(flags: FlagImage, out: FlagImage) -> None:
     """All flags of the 4 x 4 pixels whose second row and second column is this pixel."""
     height, width = flags.shape
-    along = np.empty(width + 3, np.uint8)
-    four = np.empty((4, width), np.uint8)
-    for i in range(-1, height + 2):
-        # along x, the outermost pixels repeated; each row is kept until three more are known
-        y, kept = min(max(i, 0), height - 1), (i + 1) % 4
-        along[0] = flags[y, 0]
-        along[width + 1] = along[width + 2] = flags[y, width - 1]
-        for j in range(width):
-            along[j + 1] = flags[y, j]
-        for j in range(width):
-            four[kept, j] = along[j] | along[j + 1] | along[j + 2] | along[j + 3]
-
-        if i >= 2:
-            for j in range(width):
-                out[i - 2, j] = four[0, j] | four[1, j] | four[2, j] | four[3, j]
+    near = np.pad(flags, (1, 2), mode="edge")
+    along = near[:, :width] | near[:, 1 : width + 1] | near[:, 2 : width + 2] | near[:, 3:]
+    out[:] = along[:height] | along[1 : height + 1] | along[2 : height + 2] | along[3:]
