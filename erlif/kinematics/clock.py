@@ -210,8 +210,7 @@ def _beside(columns: Array, values: Array) -> Array:
 
 
 def _squares(columns: Array, values: Array) -> float:
-    solution = np.linalg.lstsq(columns, values, rcond=None)[0]
-    return float(np.sum((values - columns @ solution) ** 2))
+    return float(np.sum(_beside(columns, values) ** 2))
 
 
 def _minima(residual: Array) -> list[int]:

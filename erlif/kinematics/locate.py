@@ -9,7 +9,6 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.errors import EncoderError, ModelError
 from erlif.core.notes import Level, Note
 from erlif.core.products import EncoderLog, require
 from erlif.core.variables import FILM
@@ -263,13 +262,7 @@ def _follow_crank(angle: Array, inverse: Callable[..., Array], time: Array | Non
     logged: near a dead point a single step does not determine whether the stroke has turned, its
     neighbours do.
     """
-    try:
-        options = np.stack([inverse(angle, rising=True), inverse(angle, rising=False)])
-    except ModelError as error:
-        raise EncoderError(
-            f"{str(error).rstrip('.')}. Correct the links, mounted_on or zero in run.toml, or the "
-            "angles of the log."
-        ) from error
+    options = np.stack([inverse(angle, rising=True), inverse(angle, rising=False)])
     if angle.size == 1:
         return np.asarray(options[0])
 

@@ -7,17 +7,11 @@ from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
+from scipy import constants
 
 from erlif.core.arrays import Array
 from erlif.models.fluorescence import band_signal
 from erlif.planning.spectra import SYNTHETIC, Dye, synthetic_spectra
-
-# [J s]
-PLANCK = 6.62607015e-34
-# [m/s]
-LIGHT_SPEED = 299792458.0
-# [1/mol]
-AVOGADRO = 6.02214076e23
 
 # Of the integration over a filter; spectra are smooth over 10 nm.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
@@ -406,7 +400,7 @@ def scale_of_optics(
     >>> round(scale / 1e9, 2)
     1.34
     """
-    photon = PLANCK * LIGHT_SPEED / (wavelength * 1e-9)
+    photon = constants.h * constants.c / (wavelength * 1e-9)
     on_pixel = pulse_energy / photon * pixel_pitch**2 / (np.pi / 4 * beam_diameter**2)
     inside = numerical_aperture / refractive_index  # sine of the half angle in the oil
     collected = (1 - np.sqrt(1 - inside**2)) / 2
@@ -434,6 +428,6 @@ def saturation_fluence(design: Design) -> float:
     0.0011
     """
     largest = max(float(dye.absorption.at(design.laser)) for dye in design.dyes)
-    cross_section = np.log(10) * 1e3 * largest / AVOGADRO  # cm2
-    photon = PLANCK * LIGHT_SPEED / (design.laser * 1e-9)
+    cross_section = np.log(10) * 1e3 * largest / constants.Avogadro  # cm2
+    photon = constants.h * constants.c / (design.laser * 1e-9)
     return float(photon / cross_section)

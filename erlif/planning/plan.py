@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.described import describe
+from erlif.core.described import Columns, describe
 from erlif.core.errors import ConfigError
 from erlif.core.tables import read_table
 from erlif.core.units import Quantity
@@ -369,7 +369,7 @@ def _describe_design(design: Design, film: Film, films: Array, uncertainty: floa
 def _as_variables(**values: Any) -> xr.Dataset:
     """Values by name, with the dimensions, unit and meaning that the table gives them."""
     table = read_table("erlif.planning", "plan.toml")["variables"]
-    columns = {}
+    columns: Columns = {}
     for name, value in values.items():
         dims, unit, meaning = table[name]
         columns[name] = (tuple(dims.split()), np.asarray(value, float), unit, meaning)

@@ -17,7 +17,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ErlifError, FrameError, OutputError
 from erlif.core.notes import Note, list_some, note_writer
 from erlif.core.products import EncoderLog
-from erlif.io.files import replacing, takes
+from erlif.io.files import takes, write_file
 from erlif.io.ingest import read_encoder_log
 from erlif.io.ingest.logs.proposal import LogProposal, propose_log
 from erlif.io.ingest.survey import CameraSurvey, CountsSample, Survey, TextTable, survey_directory
@@ -147,15 +147,10 @@ def init(
     forms = {"mechanism": kind}
     left_out = draft.leave_out
     text = write_template(settings, draft.values, draft.remarks, forms=forms, leave_out=left_out)
-    _write(output, text)
+    write_file(output, text)
     schema = output.with_suffix(".schema.json")
-    _write(schema, json.dumps(json_schema(settings), indent=2, ensure_ascii=False) + "\n")
+    write_file(schema, json.dumps(json_schema(settings), indent=2, ensure_ascii=False) + "\n")
     return draft.notes
-
-
-def _write(path: Path, text: str) -> None:
-    with replacing(path) as scratch:
-        scratch.write_text(text, encoding="utf-8")
 
 
 # cameras

@@ -154,7 +154,7 @@ def _iterate(blocks: BlockMeans, curve: FilmCurve, shapes: Array, base: float) -
     response = trust
     surface = 0.0  # variance of the film about a smooth gap beyond that of the noise [um2]
     for step in range(_MOST_STEPS):
-        film = np.clip(base + amplitudes @ shapes, *curve.limits)
+        film = np.clip(base + amplitudes @ shapes, *curve.films[[0, -1]])
         predicted, slope = curve.predict(film)
         residual = value - predicted
 

@@ -26,10 +26,10 @@ class FilmCurve:
     ----------
     calibration : Calibration
         What is tabulated.
-    limits : tuple[float, float]
-        First and last film of the table. [um]
+    films : Array
+        Evenly spaced films beyond both ends of the calibrated range, (film,). [um]
     log_ratio : Array
-        Log ratio of evenly spaced films between the limits, (film,). [1]
+        Their log ratio, (film,). [1]
     slope : Array
         Its derivative by the film, (film,). [1/um]
     bins : tuple[float, float]
@@ -46,7 +46,7 @@ class FilmCurve:
     """
 
     calibration: Calibration
-    limits: tuple[float, float]
+    films: Array = field(repr=False)
     log_ratio: Array = field(repr=False)
     slope: Array = field(repr=False)
     bins: tuple[float, float]
@@ -68,8 +68,7 @@ class FilmCurve:
         FilmCurve
         """
         low, high = calibration.thickness_range
-        limits = low - _BELOW, _ABOVE * high
-        films = np.linspace(*limits, _FILMS)
+        films = np.linspace(low - _BELOW, _ABOVE * high, _FILMS)
 
         # film, slope, curvature and gradient change slowly with the ratio: once per bin is enough
         first, last = (float(end) for end in calibration.predict_log([low, high]))
@@ -78,7 +77,7 @@ class FilmCurve:
         rate = 1 / calibration.slope(film)
         return cls(
             calibration,
-            limits,
+            films,
             calibration.predict_log(films),
             calibration.slope(films),
             (first, last),
@@ -94,7 +93,7 @@ class FilmCurve:
         Parameters
         ----------
         film : array
-            Films; those beyond the limits are taken for the nearest limit. [um]
+            Films; those beyond the table are taken for its nearest end. [um]
 
         Returns
         -------
@@ -111,15 +110,7 @@ class FilmCurve:
         >>> bool(np.allclose(log_ratio, calibration.predict_log([2.0, 5.0]), atol=1e-8))
         True
         """
-        low, high = self.limits
-        place = (np.clip(film, low, high) - low) * ((_FILMS - 1) / (high - low))
-        below = np.minimum(place.astype(np.intp), _FILMS - 2)
-        part = place - below
-        above = below + 1
-        return (
-            self.log_ratio[below] + part * (self.log_ratio[above] - self.log_ratio[below]),
-            self.slope[below] + part * (self.slope[above] - self.slope[below]),
-        )
+        return np.interp(film, self.films, self.log_ratio), np.interp(film, self.films, self.slope)
 
     def find_bins(self, log_ratio: Array) -> tuple[npt.NDArray[np.intp], Array]:
         """Bins of log ratios, and the distance from the middle of their bins.

@@ -5,10 +5,10 @@ import re
 
 import numpy as np
 import pytest
-from scenes.linkage import LINKAGE, OMEGA, apart, link_angles, locate, make_log
+from scenes.linkage import OMEGA, apart, link_angles, locate, make_log
 
 from erlif.core.errors import EncoderError
-from erlif.kinematics import Encoder, encoder_notes, read_link_angle
+from erlif.kinematics import encoder_notes
 from erlif.kinematics.encoder import FEWEST_FRAMES, find_direction
 
 FINE = np.linspace(0, 2 * np.pi, 2001)
@@ -18,10 +18,6 @@ CURVES = {link: np.degrees([link_angles(t)[n] for t in FINE]) for link, n in ANG
 
 def angle_of(link, crank):
     return np.interp(np.asarray(crank) % (2 * np.pi), FINE, CURVES[link])
-
-
-def log_of(angle, time=None):
-    return make_log(angle) if time is None else make_log(angle, time=time)
 
 
 CYCLE = np.radians(7.0 + np.arange(0, 360, 4.0))
@@ -34,7 +30,7 @@ CYCLE = np.radians(7.0 + np.arange(0, 360, 4.0))
 @pytest.mark.parametrize("zero", [0.0, 33.3])
 def test_crank_and_joint_speed_are_the_same_from_either_link(link, zero):
     reading = angle_of(link, CYCLE) - zero
-    found = locate(log_of(reading), mounted_on=link, zero=math.radians(zero))
+    found = locate(make_log(reading), mounted_on=link, zero=math.radians(zero))
     assert apart(found.crank_angle, np.degrees(CYCLE)).max() < 0.2
     step = 1e-3
     speed = (angle_of("rocker", CYCLE + step) - angle_of("rocker", CYCLE - step)) / (2 * step)
@@ -53,7 +49,7 @@ def test_an_encoder_that_starts_again_at_zero_is_one_stroke(link, given):
     reading = (angle_of(link, CYCLE) + turned) % 360
     assert np.ptp(reading) > 300
     zero = -math.radians(turned) if given else None
-    found = locate(log_of(reading), mounted_on=link, zero=zero)
+    found = locate(make_log(reading), mounted_on=link, zero=zero)
     assert np.abs(np.diff(found.encoder_angle)).max() < 2
     tolerance = 0.2 if given else 2.0  # the extremes are no dead points exactly
     assert apart(found.crank_angle, np.degrees(CYCLE)).max() < tolerance
@@ -70,7 +66,7 @@ def test_the_direction_is_found_from_the_times_of_the_log(link, sign, speed):
     rng = np.random.default_rng(3)
     crank = 1.0 + np.arange(120) * 2 * np.pi / 49.7
     reading = sign * angle_of(link, crank) + 0.02 * rng.standard_normal(crank.size)
-    found = locate(log_of(reading, crank / (speed * OMEGA)), mounted_on=link)
+    found = locate(make_log(reading, time=crank / (speed * OMEGA)), mounted_on=link)
     assert found.encoder_angle.direction == {1: "rising", -1: "falling"}[sign]
     assert np.median(apart(found.crank_angle, np.degrees(crank))) < 1
     far = np.abs(np.gradient(angle_of("rocker", crank))) > 0.2
@@ -82,7 +78,7 @@ def test_the_direction_is_found_from_the_times_of_the_log(link, sign, speed):
 @pytest.mark.parametrize("direction", ["falling", None])
 def test_a_falling_reading_is_stated_or_follows_from_the_reach(direction):
     reading = 100.0 - angle_of("rocker", CYCLE)
-    found = locate(log_of(reading), zero=math.radians(100.0), direction=direction)
+    found = locate(make_log(reading), zero=math.radians(100.0), direction=direction)
     assert apart(found.crank_angle, np.degrees(CYCLE)).max() < 0.2
     notes = [str(note) for note in encoder_notes(found)]
     assert len(notes) == (direction is None)
@@ -91,22 +87,10 @@ def test_a_falling_reading_is_stated_or_follows_from_the_reach(direction):
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_direction_that_contradicts_the_times_is_refused(sign):
     crank = 1.0 + np.arange(120) * 2 * np.pi / 49.7
-    log = log_of(sign * angle_of("rocker", crank), crank / OMEGA)
+    log = make_log(sign * angle_of("rocker", crank), time=crank / OMEGA)
     stated = {1: "falling", -1: "rising"}[sign]
     with pytest.raises(EncoderError, match=f"{stated}, because of direction .* Leave direction"):
         locate(log, direction=stated)
-
-
-def test_without_times_the_reading_is_taken_as_rising():
-    found = locate(log_of(-angle_of("rocker", CYCLE)))
-    assert found.encoder_angle.direction == "rising"
-
-
-def test_a_direction_that_contradicts_the_crank_is_refused():
-    reading = np.arange(0, 360, 10.0)
-    for direction, readings in (("falling", reading), ("rising", -reading)):
-        with pytest.raises(EncoderError, match="direction"):
-            locate(log_of(readings), mounted_on="crank", direction=direction)
 
 
 # direction by the second harmonic of the readings
@@ -160,7 +144,7 @@ def test_the_standard_deviation_of_a_fitted_zero_covers_its_error(noise):
         crank = np.unwrap(np.concatenate([up, down]))
         true = rng.uniform(-20, 20)
         reading = swing - true + noise * rng.standard_normal(swing.size)
-        found = locate(log_of(reading, crank / OMEGA)).encoder_angle
+        found = locate(make_log(reading, time=crank / OMEGA)).encoder_angle
         assert found.direction == "rising"
         pulls.append((found.zero - true) / found.zero_std)
     assert np.abs(pulls).max() < 3
@@ -176,32 +160,21 @@ def sorted_branch(start, stop):
     return angle[order], crank[order]
 
 
-def test_a_fitted_zero_is_reported_with_its_standard_deviation():
-    low, high = CURVES["rocker"].min(), CURVES["rocker"].max()
-    reading = np.concatenate(
-        [np.arange(low + 0.3, high, 1.0), np.arange(low + 0.3, high, 1.0)[::-1]]
-    )
-    slack = (high - low) - np.ptp(reading)
-    found = locate(log_of(reading))
-    assert found.encoder_angle.zero_std == pytest.approx(slack / math.sqrt(12), rel=1e-3)
-    note = str(encoder_notes(found)[0])
-    assert note.startswith(
-        "encoder: zero fitted to the dead points of the linkage, "
-        f"{found.encoder_angle.zero:.3f} ± {slack / math.sqrt(12):.3f} deg; "
-    )
-    given = locate(log_of(reading), zero=0.0)
-    assert "zero_std" not in given.encoder_angle.attrs
-    assert encoder_notes(given) == []
-
-
-def test_the_effect_of_a_fitted_zero_on_crank_angle_and_speed_is_stated():
-    """By the slope and the curvature of the rocker angle over the crank angle."""
+def test_a_fitted_zero_is_reported_with_its_standard_deviation_and_effect():
+    """The effect by the slope and the curvature of the rocker angle over the crank angle."""
     low, high = CURVES["rocker"].min(), CURVES["rocker"].max()
     marks = np.arange(low + 0.3, high, 1.0)
-    found = locate(log_of(np.concatenate([marks, marks[::-1]])))
+    log = make_log(np.concatenate([marks, marks[::-1]]))
+    found = locate(log)
+    std = (high - low - np.ptp(marks)) / math.sqrt(12)
+    assert found.encoder_angle.zero_std == pytest.approx(std, rel=1e-3)
     note = str(encoder_notes(found)[0])
-    turned, changed = (float(one) for one in re.findall(r"by (\d+\.\d+)", note))
+    assert (
+        f"fitted to the dead points of the linkage, {found.encoder_angle.zero:.3f} ± {std:.3f}"
+        in note
+    )
 
+    turned, changed = (float(one) for one in re.findall(r"by (\d+\.\d+)", note))
     crank = np.degrees(FINE)
     slope = np.gradient(CURVES["rocker"], crank)
     shift = found.encoder_angle.zero_std / np.abs(np.interp(found.crank_angle, crank, slope))
@@ -209,26 +182,26 @@ def test_the_effect_of_a_fitted_zero_on_crank_angle_and_speed_is_stated():
     assert turned == pytest.approx(np.median(shift), rel=0.05)
     assert changed == pytest.approx(100 * np.median(bend * shift) / np.abs(slope).max(), rel=0.1)
 
-
-# refusals
-
-
-@pytest.mark.parametrize("link", ["rocker", "crank", "coupler"])
-def test_an_angle_that_does_not_change_is_refused(link):
-    with pytest.raises(EncoderError, match=rf"a moving {link} in the log; it is 55 deg in all 7"):
-        locate(log_of([55.0] * 7), mounted_on=link)
+    given = locate(log, zero=0.0)
+    assert "zero_std" not in given.encoder_angle.attrs
+    assert encoder_notes(given) == []
 
 
-def test_a_swing_that_the_linkage_does_not_make_is_refused():
-    """Ten degrees to and fro, on a linkage that swings by 24.43."""
-    reading = 5 * np.sin(np.linspace(0, 4 * np.pi, 60))
-    with pytest.raises(
-        EncoderError, match=r"24\.426 deg, because zero is not given; .* spans 9\.9"
-    ):
-        locate(log_of(reading))
-
-
-def test_readings_that_jump_by_several_turns_are_no_swing():
-    log = log_of([55.0, 1e5, 56.0])
-    with pytest.raises(EncoderError, match="cannot reach"):
-        read_link_angle(log, LINKAGE, Encoder(zero=0.0), crank_speed=OMEGA)
+@pytest.mark.parametrize(
+    ("reading", "stated", "words"),
+    [
+        (
+            [55.0] * 7,
+            {"mounted_on": "coupler"},
+            "a moving coupler in the log; it is 55 deg in all 7",
+        ),
+        ([55.0] * 7, {"mounted_on": "crank"}, "a moving crank in the log; it is 55 deg in all 7"),
+        (np.arange(0, 360, 10.0), {"mounted_on": "crank", "direction": "falling"}, "direction"),
+        (-np.arange(0, 360, 10.0), {"mounted_on": "crank", "direction": "rising"}, "direction"),
+        # ten degrees to and fro, on a linkage that swings by 24.43
+        (5 * np.sin(np.linspace(0, 4 * np.pi, 60)), {}, r"24\.426 deg, because zero .* spans 9\.9"),
+    ],
+)
+def test_readings_that_contradict_the_linkage_are_refused(reading, stated, words):
+    with pytest.raises(EncoderError, match=words):
+        locate(make_log(reading), **stated)

@@ -75,14 +75,6 @@ def test_several_cycles_fold_onto_one(per_cycle):
     assert found.cycle.values.tolist() == [0] * 12 + [1] * 12 + [2] * 12
 
 
-def test_without_a_zero_the_extremes_are_the_dead_points():
-    crank = np.arange(0, 360, 2.0)
-    angle = np.array([rocker_angle(c) for c in crank])
-    found = locate(make_log(angle - 12.3), zero=None)
-    assert apart(found.crank_angle, crank).max() < 0.5
-    np.testing.assert_array_equal(found.encoder_angle, angle - 12.3)
-
-
 def test_an_encoder_on_the_crank_is_read_as_it_is():
     reading = np.arange(24) * 30.0  # counts on over two turns
     found = locate(make_log(reading), on="crank", zero=math.radians(20))

@@ -46,12 +46,6 @@ def test_solubility_limits_a_concentration_and_is_reported(design, film, best):
     assert found.error > best.error
 
 
-def test_light_fills_the_cameras_no_further_than_asked(design, film):
-    bright = replace(design, energy=10.0)
-    found = find_optimum(bright, film, fill=0.5)
-    assert found.design.energy < 10.0
-
-
 def test_a_dye_that_does_not_absorb_the_laser_has_a_best_concentration(design, film):
     """The ideal dye 2 reabsorbs and adds no light of its own."""
     nm = np.array([532.0, 580.0, 620.0])

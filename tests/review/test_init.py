@@ -14,7 +14,6 @@ from scenes.camera_files import random_frames, write_im7, write_mraw
 
 import erlif
 from conftest import SMALL
-from erlif.core.errors import OutputError
 from erlif.core.notes import Level
 from erlif.rig import RigSettings, simulate
 
@@ -342,19 +341,6 @@ def test_a_fixture_whose_profile_is_no_table_of_numbers_is_reported(folder):
     photograph(folder, "fixture/cam1_580nm/0.tif", "fixture/cam2_610nm/0.tif")
     (folder / "fixture" / "wedge.csv").write_text("x_mm,thickness_um\n0,1\n1,x\n")
     assert "wedge.csv" in warnings(erlif.init(folder / "fixture", fixture=True))
-
-
-def test_a_failure_while_writing_leaves_the_old_settings(folder, monkeypatch):
-    (folder / "run.toml").write_text("mine")
-
-    def fail(*arguments, **options):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(Path, "write_text", fail)
-    with pytest.raises(OutputError, match="No space left"):
-        erlif.init(folder, overwrite=True)
-    assert (folder / "run.toml").read_text() == "mine"
-    assert len(list(folder.iterdir())) == 3  # two folders of frames, and nothing unfinished
 
 
 # what is left to do

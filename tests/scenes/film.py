@@ -7,10 +7,12 @@ import math
 from pathlib import Path
 
 import numpy as np
+import pytest
 import tifffile
 import xarray as xr
 
 from erlif.core.flags import FLAG_ATTRS, Flag
+from erlif.io.files import open_film
 from erlif.io.settings import RunSettings, read_run_settings, to_toml
 from erlif.registration import CameraMap, MapKind
 
@@ -335,3 +337,22 @@ def registration_group() -> xr.Dataset:
     return camera_map.to_dataset().assign_attrs(
         blur_difference=[0.0, 0.0], blur_difference_std=[0.0, 0.0]
     )
+
+
+@pytest.fixture(scope="package")
+def film_path(tmp_path_factory):
+    """The film in its run directory."""
+    return make_film(tmp_path_factory.mktemp("run"))
+
+
+@pytest.fixture(scope="package")
+def film(film_path):
+    """The film of `film_path`; never to be changed."""
+    with open_film(film_path) as film:
+        yield film
+
+
+@pytest.fixture
+def changed(film):
+    """A copy of the film that a test may change."""
+    return film.load().copy(deep=True)

@@ -23,7 +23,7 @@ def test_log_ratio_and_slope_are_those_of_the_formula(curve):
 
 
 def test_films_beyond_the_table_are_taken_for_its_ends(curve):
-    ends = np.array(curve.limits)
+    ends = curve.films[[0, -1]]
     npt.assert_array_equal(curve.predict(np.add(ends, [-3.0, 9.0])), curve.predict(ends))
     npt.assert_allclose(ends, [RANGE[0] - 0.5, 1.5 * RANGE[1]])
 

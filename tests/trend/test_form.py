@@ -60,27 +60,25 @@ def test_circles_of_the_settings_have_no_deviation():
     npt.assert_allclose(form.films, (1.5, 7.0), atol=0.1)
 
 
-def test_wrong_radii_are_recognised():
-    form = judge(small_clearance, clearance_std=ROUNDED)
-    assert form.cause is Cause.RADII
-    npt.assert_allclose(form.excess, -0.05, atol=0.01)
-    assert abs(form.excess_change) < 3 * form.excess_change_std
-
-
-def test_wrong_scale_of_the_calibration_is_recognised_where_the_radii_are_known():
-    """Attenuations that are 5 % too small make every film 5 % too thick."""
-    form = judge(true_gap, known_calibration(K, P / 1.05, Q / 1.05), clearance_std=0.4)
-    assert form.cause is Cause.CALIBRATION
-    npt.assert_allclose(form.excess, 0.05, atol=0.01)
-    assert abs(form.excess_change) < 3 * form.excess_change_std
-
-
-@pytest.mark.parametrize("clearance_std", [0.0, ROUNDED])
-def test_ratio_with_an_offset_is_recognised_by_its_change_with_the_film(clearance_std):
-    """As a background leaves it: 5 % of K move thick films more than thin ones."""
-    form = judge(true_gap, known_calibration(1.05 * K, P, Q), clearance_std=clearance_std)
-    assert form.cause is Cause.CALIBRATION
-    assert abs(form.excess_change) > 3 * form.excess_change_std
+@pytest.mark.parametrize(
+    ("gap", "factors", "clearance_std", "cause", "excess"),
+    [
+        (small_clearance, (1, 1), ROUNDED, Cause.RADII, -0.05),
+        # attenuations that are 5 % too small make every film 5 % too thick
+        (true_gap, (1, 1.05), 0.4, Cause.CALIBRATION, 0.05),
+        # as a background leaves it: 5 % of K move thick films more than thin ones
+        (true_gap, (1.05, 1), 0.0, Cause.CALIBRATION, None),
+        (true_gap, (1.05, 1), ROUNDED, Cause.CALIBRATION, None),
+    ],
+)
+def test_wrong_radii_and_calibrations_are_recognised(gap, factors, clearance_std, cause, excess):
+    """By the change with the film where the ratio has an offset."""
+    calibration = known_calibration(factors[0] * K, P / factors[1], Q / factors[1])
+    form = judge(gap, calibration, clearance_std=clearance_std)
+    assert form.cause is cause
+    assert (abs(form.excess_change) > 3 * form.excess_change_std) == (excess is None)
+    if excess is not None:
+        npt.assert_allclose(form.excess, excess, atol=0.01)
 
 
 def test_bent_pin_is_recognised():

@@ -64,13 +64,6 @@ def white_noise(seed, std=NOISE):
 # the profile
 
 
-def test_profile_of_a_parabola_is_the_parabola():
-    profile = average_across_sliding(make_film(parabola()), trigger=0)
-    npt.assert_array_equal(profile.position, X)
-    npt.assert_allclose(profile.thickness, parabola()[0], atol=1e-3)
-    assert profile.thickness.attrs["units"] == "um"
-
-
 def test_profile_averages_the_axial_extent_of_the_region():
     """Rows outside are 5 um thicker; a tilt averages to its value at the middle row."""
     tilt = np.where(INSIDE, 0.02 * (Y - Y[INSIDE].mean()), 5.0)
@@ -151,14 +144,6 @@ def test_gap_of_two_cylinders_comes_back(centre):
     npt.assert_allclose(gap.radius, 4.872010, rtol=1e-6)  # m, Farzaneh (2002)
     npt.assert_allclose(gap.curvature, 0.20347, rtol=0.01)  # um/mm2, 228 um/(33.36 x 33.59 mm2)
     npt.assert_allclose(gap.rigid_curvature, 0.20347, rtol=1e-4)
-
-
-def test_minimum_beside_the_measured_part_is_extrapolated():
-    film = make_film(parabola(2.0, centre=5.0))
-    film.flags.values[:, :, X < 8] = Flag.NO_FILM
-    gap = fit(film)
-    npt.assert_allclose(gap.minimum, 2.0, atol=0.02)
-    npt.assert_allclose(gap.position_of_minimum, 5.0, atol=0.03)
 
 
 @pytest.mark.parametrize("radius", [3.0, 10.0])

@@ -14,8 +14,6 @@ from scenes.gap import (
     true_log_ratio,
 )
 
-from erlif.core.errors import ErlifError
-from erlif.core.products import RatioImages
 from erlif.thickness import measure_thickness
 from erlif.trend import Region, summarise_film
 
@@ -40,14 +38,6 @@ def test_mean_has_no_bias_where_the_inverse_is_curved():
     raw = float(measure_thickness(ratios, known_calibration()).thickness.mean()) - 6.0
     assert raw > 0.05
     assert abs(summarise(ratios).mean - 6.0) < 0.25 * raw
-
-
-def test_random_error_bar_of_the_mean_is_its_scatter():
-    found = [summarise(noisy_ratios(EVEN, 0.01, np.random.default_rng([4, n]))) for n in range(60)]
-    scatter = np.std([one.mean for one in found], ddof=1)
-    npt.assert_allclose(
-        np.mean([one.mean_random_std for one in found]), scatter, rtol=0.3
-    )  # 60 values give the scatter to 9 %
 
 
 def test_random_error_of_independent_pixels_falls_with_the_root_of_their_number():
@@ -119,11 +109,3 @@ def test_mean_remains_where_the_minimum_is_not_determined():
     found = summarise(ratios)
     assert np.isnan([found.minimum, found.minimum_std]).all()
     assert np.isfinite([found.mean, found.mean_std]).all()
-
-
-def test_missing_variance_is_refused_by_name():
-    ratios = noisy_ratios(EVEN, 0.01, np.random.default_rng(1))
-    maps = measure_thickness(ratios, known_calibration())
-    without = RatioImages(ratios.drop_vars("log_ratio_var"))
-    with pytest.raises(ErlifError, match="log_ratio_var"):
-        summarise_film(without, maps, known_calibration(), region=WHOLE)

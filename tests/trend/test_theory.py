@@ -58,21 +58,11 @@ def test_contact_wider_than_the_stroke_has_a_note():
 
 
 def test_film_parameter_is_film_over_combined_roughness():
-    predicted = predict_film(at([0.08], [222.0], film_min=[1.0]), joint())
-    npt.assert_allclose(predicted.film_parameter, 1.0 / (0.2 * np.sqrt(2)))
-
-
-def test_film_parameter_of_a_negative_film_is_zero():
-    """Noise may leave the fitted minimum below zero."""
-    predicted = predict_film(at([0.08], [222.0], film_min=[-0.1]), joint())
-    assert float(predicted.film_parameter[0]) == 0
-
-
-@pytest.mark.parametrize(
-    ("solid", "more"), [(Solid(2.7e9, 0.37), {"film_min": 1.0}), (ACRYLIC, {})]
-)
-def test_film_parameter_needs_roughness_and_film(solid, more):
-    assert "film_parameter" not in predict_film(at(0.08, 222.0, **more), joint(solid))
+    """Noise may leave the fitted minimum below zero, where the parameter is zero."""
+    predicted = predict_film(at([0.08] * 2, [222.0] * 2, film_min=[1.0, -0.1]), joint())
+    npt.assert_allclose(predicted.film_parameter, [1.0 / (0.2 * np.sqrt(2)), 0.0])
+    for solid, more in ((Solid(2.7e9, 0.37), {"film_min": 1.0}), (ACRYLIC, {})):
+        assert "film_parameter" not in predict_film(at(0.08, 222.0, **more), joint(solid))
 
 
 VOGEL = VogelLaw(0.0001, 900.0, -100.0)
@@ -85,8 +75,5 @@ def test_viscosity_by_vogels_law_follows_the_temperature():
     )
     cold, warm = predicted.film_theory.values
     npt.assert_allclose(cold / warm, np.exp(900 / 125 - 900 / 140), rtol=1e-6)
-
-
-def test_vogels_law_without_a_temperature_is_refused():
     with pytest.raises(ConfigError, match="temperature_C"):
         predict_film(at(SPEED, 222.4), joint(viscosity=VOGEL))

@@ -15,7 +15,7 @@ from .film import describe_hashes, open_film, reading_film, write_dataset, write
 from .labels import label_films, refuse_repeated
 from .netcdf import fix_text, has_group, open_netcdf
 from .netcdf_maps import NetcdfMaps
-from .replacement import refuse_existing, replacing, replacing_set
+from .replacement import refuse_existing, replacing, replacing_set, write_file
 from .unfinished import MapStore, PartialFilm, remove_remains
 from .wanted import take, takes, takes_products
 from .zarr_maps import ZarrMaps
@@ -53,5 +53,6 @@ __all__ = [
     "takes",
     "takes_products",
     "write_dataset",
+    "write_file",
     "write_film",
 ]

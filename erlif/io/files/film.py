@@ -17,7 +17,7 @@ from erlif.io.files.coordinates import set_coordinates
 from erlif.io.files.headers import check_netcdf, check_zarr
 from erlif.io.files.kinds import KINDS, kind_of
 from erlif.io.files.netcdf import fix_text, open_netcdf, write_netcdf
-from erlif.io.files.replacement import replacing, take_name, write_error
+from erlif.io.files.replacement import take_name, write_error, write_file
 from erlif.io.files.soundness import check_film, check_frames, check_registration
 from erlif.io.files.unfinished import PartialFilm
 
@@ -58,8 +58,7 @@ def write_dataset(
     write_netcdf(fix_text(set_coordinates(dataset)), buffer)
     for name, group in (groups or {}).items():
         write_netcdf(fix_text(set_coordinates(group)), buffer, mode="a", group=name)
-    with replacing(output) as scratch:
-        scratch.write_bytes(buffer.getvalue())
+    write_file(output, buffer.getvalue())
 
 
 def write_film(partial: PartialFilm, film: xr.Dataset, groups: Mapping[str, xr.Dataset]) -> None:

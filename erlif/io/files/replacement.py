@@ -165,6 +165,26 @@ def replacing(output: Path) -> Iterator[Path]:
         remove(scratch)
 
 
+def write_file(output: Path, content: str | bytes) -> Path:
+    """Write a file, complete or not at all, as `replacing` does.
+
+    Returns
+    -------
+    Path
+        Its path.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     write_file(Path(folder, "table.csv"), "complete").read_text()
+    'complete'
+    """
+    with replacing(output) as scratch:
+        scratch.write_bytes(content.encode() if isinstance(content, str) else content)
+    return output
+
+
 @contextmanager
 def replacing_set(folder: Path, names: Sequence[str]) -> Iterator[Path]:
     """Write files that belong together, and give them their names when all are complete.

@@ -10,7 +10,7 @@ import numpy as np
 from erlif.core.tables import fill_template
 from erlif.core.units import count_of
 from erlif.io.conversion import table_csv
-from erlif.io.files import replacing
+from erlif.io.files import write_file
 from erlif.joint.endurance.analysis import EnduranceResult
 from erlif.joint.endurance.comparison import DesignComparison
 from erlif.joint.endurance.onset import FEWEST
@@ -119,10 +119,8 @@ def write_test_table(found: Sequence[EnduranceResult], output: Path) -> Path:
     'example,6,1,'
     """
     rows = [_row(one) for one in found]
-    with replacing(output) as scratch:
-        text = table_csv({heading: [row[heading] for row in rows] for heading in rows[0]})
-        scratch.write_text(text, encoding="utf-8")
-    return output
+    text = table_csv({heading: [row[heading] for row in rows] for heading in rows[0]})
+    return write_file(output, text)
 
 
 def _row(found: EnduranceResult) -> dict[str, str]:

@@ -14,7 +14,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import EnduranceError
 from erlif.core.tables import fill_template
 from erlif.io.conversion import table_csv
-from erlif.io.files import replacing
+from erlif.io.files import write_file
 from erlif.joint.friction.coefficient import doubt_friction, require_option, torque_of
 from erlif.joint.friction.stretches import Stretch, find_stretches
 from erlif.models.friction import friction_coefficient
@@ -436,6 +436,4 @@ def write_friction_table(found: ReversalSeries, output: Path) -> Path:
     text = table_csv(
         {f"{one.name} [{one.attrs['units']}]": one.values for one in columns}, digits=6
     )
-    with replacing(output) as scratch:
-        scratch.write_text(text, encoding="utf-8")
-    return output
+    return write_file(output, text)

@@ -94,13 +94,10 @@ def fit_runs(records: list[RunRecord], duties: list[Array], statistic: str) -> l
 
 def _fit(records: list[RunRecord], duties: list[Array], statistic: str) -> Exponent:
     """One power for all triggers of some runs."""
-    keys = list(dict.fromkeys(record.calibration_key for record in records))
-    sizes = {
-        record.calibration_key: record.calibration.full_covariance.shape[0] for record in records
-    }
-    starts = dict(zip(keys, np.cumsum([0, *(sizes[key] for key in keys)]), strict=False))
-    shared = sum(sizes.values())
     covariances = {record.calibration_key: record.calibration.full_covariance for record in records}
+    ends = np.cumsum([len(one) for one in covariances.values()])
+    end_of = dict(zip(covariances, ends, strict=True))
+    shared = ends[-1]
     marks = statistic == "film_min"
 
     film, std, duty, rows = [], [], [], []
@@ -110,10 +107,8 @@ def _fit(records: list[RunRecord], duties: list[Array], statistic: str) -> Expon
         known = np.isfinite(each) & (each > 0)
         fast = known & (speed >= SLOWEST * np.max(speed, where=known, initial=0.0))
         gradient = np.zeros((fast.sum(), shared + len(records)))
-        first = starts[record.calibration_key]
-        gradient[:, first : first + sizes[record.calibration_key]] = record.gradient[statistic][
-            fast
-        ]
+        own_gradient, end = record.gradient[statistic][fast], end_of[record.calibration_key]
+        gradient[:, end - own_gradient.shape[1] : end] = own_gradient
         own = record.own_std[statistic][fast]
         if marks:  # the same at every trigger of a run
             gradient[:, shared + n] = own
@@ -122,7 +117,7 @@ def _fit(records: list[RunRecord], duties: list[Array], statistic: str) -> Expon
         std.append(_SMALL * record.value[statistic][fast] if marks else own)
         duty.append(each[fast])
     # calibrations are independent of each other, and so are the marks of two runs
-    covariance = scipy.linalg.block_diag(*(covariances[key] for key in keys), np.eye(len(records)))
+    covariance = scipy.linalg.block_diag(*covariances.values(), np.eye(len(records)))
     one = np.concatenate(film)
     if one.size == 0:
         return Exponent(math.nan, math.nan, math.nan, 0)

@@ -40,7 +40,7 @@ class CellMeans:
     noise_var : Array
         The part of it that is noise of the pixels. [um2]
     gradient : Array
-        Change of the film with the parameters of the calibration, (parameter, row, column).
+        Change of the film with the parameters of the calibration, (row, column, parameter).
     count : Array
         Valid pixels, (row, column).
     """
@@ -74,11 +74,12 @@ def calibration_var(
     """
     first, second = (each.full_covariance for each in calibrations)
     if same:
-        return _quadratic(other - one, first)
-    return _quadratic(one, first) + _quadratic(other, second)
+        return quadratic(other - one, first)
+    return quadratic(one, first) + quadratic(other, second)
 
 
-def _quadratic(gradient: Array, covariance: Array) -> Array:
+def quadratic(gradient: Array, covariance: Array) -> Array:
+    """Variance of values whose change with the parameters is the last axis of the gradient."""
     return np.asarray(np.einsum("...i,ij,...j->...", gradient, covariance, gradient))
 
 
@@ -173,10 +174,8 @@ def average_cells(
         return np.asarray(found.reshape(shape), float)
 
     count = total()
-    pixels = (
-        np.bincount(row[(row >= 0) & (row < shape[0])], minlength=shape[0])[:, None]
-        * (np.bincount(column[(column >= 0) & (column < shape[1])], minlength=shape[1])[None, :])
-    )
+    axes = (film.y.values, y_edges), (film.x.values, x_edges)
+    pixels = np.outer(*(np.histogram(position, edges)[0] for position, edges in axes))
     enough = (count >= _LEAST_SHARE * pixels) & (count > 0)
     count = np.where(enough, count, np.nan)
     mean = total(value[inside]) / count
@@ -188,8 +187,8 @@ def average_cells(
     bend = (calibration.slope(at + _STEP) - calibration.slope(at - _STEP)) / (2 * _STEP)
     mean = mean + 0.5 * bend / slope * variance
 
-    gradient = calibration.film_gradient(at)
-    common = np.einsum("iyx,ij,jyx->yx", gradient, calibration.full_covariance, gradient)
+    gradient = np.moveaxis(calibration.film_gradient(at), 0, -1)
+    common = quadratic(gradient, calibration.full_covariance)
     registration = np.maximum(total(shared[inside]) / count - common, 0.0)
     noise_var = noise_inflation(value, noise) * variance / count
     return CellMeans(mean, noise_var + registration, noise_var, gradient, count)
@@ -302,8 +301,7 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
         for film, trigger, calibration in zip((one, other), triggers, calibrations, strict=True)
     )
     same = one.attrs["calibration"] == other.attrs["calibration"]
-    of_a, of_b = (np.moveaxis(each.gradient, 0, -1) for each in (a, b))
-    shared = calibration_var(of_a, of_b, calibrations, same=same)
+    shared = calibration_var(a.gradient, b.gradient, calibrations, same=same)
 
     difference = b.film - a.film
     std = np.where(np.isfinite(difference), np.sqrt(a.own_var + b.own_var + shared), np.nan)

@@ -18,7 +18,13 @@ from erlif.core.errors import ErlifError
 from erlif.io.files import region_of, settings_of
 from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.joint import describe_joint
-from erlif.review.comparison.maps import average_cells, noise_inflation
+from erlif.review.comparison.maps import (
+    CELL,
+    average_cells,
+    cell_edges,
+    noise_inflation,
+    quadratic,
+)
 from erlif.trend import viscosity_at
 
 # Film statistics that are compared.
@@ -30,7 +36,6 @@ STATISTICS = ("film_min", "film_mean")
 REPEATING = {"film_min": 1.0, "film_mean": 0.08}
 
 _SAMPLED = 12  # triggers from whose maps the errors of the mean are taken
-_BLOCK = 8  # pixels, of the means at which the gradient of the calibration is taken
 _BEYOND = 0.02  # largest share of the region beyond the measurable range
 _RESIDUAL = 0.1  # of the variance of a mean that its known parts may leave unexplained
 _LEAST_OWN = 0.1  # of a standard deviation is not that of the calibration, at least
@@ -204,7 +209,7 @@ def _conditions(
 
 def _remainder(std: Array, gradient: Array, covariance: Array) -> Array:
     """Standard deviation without the part of the calibration."""
-    shared = np.einsum("ti,ij,tj->t", gradient, covariance, gradient)
+    shared = quadratic(gradient, covariance)
     return np.asarray(np.sqrt(np.maximum(std**2 - shared, (_LEAST_OWN * std) ** 2)))
 
 
@@ -228,21 +233,14 @@ def _mean_errors(film: xr.Dataset, trigger: int, calibration: Calibration) -> tu
     variance = one.thickness_std.values.astype(float) ** 2
     valid = np.isfinite(value)
     parameters = calibration.full_covariance.shape[0]
-    if min(value.shape) < _BLOCK or not valid.any():
+    if min(value.shape) < 2 * CELL or not valid.any():
         return float("nan"), np.full(parameters, np.nan)
     noise = noise_inflation(value, variance) * float(variance[valid].sum())
-    edges = [_block_edges(inside[axis].values) for axis in ("x", "y")]
-    cells = average_cells(inside, trigger, calibration, x_edges=edges[0], y_edges=edges[1])
+    edges = {f"{axis}_edges": cell_edges([inside], axis) for axis in ("x", "y")}
+    cells = average_cells(inside, trigger, calibration, **edges)
     weight = np.nan_to_num(cells.count) * np.isfinite(cells.film)
-    change = (cells.gradient * weight).sum(axis=(1, 2)) / max(float(weight.sum()), 1.0)
+    change = (cells.gradient * weight[..., None]).sum(axis=(0, 1)) / max(float(weight.sum()), 1.0)
     return float(np.sqrt(noise) / valid.sum()), change
-
-
-def _block_edges(position: Array) -> Array:
-    """Edges of blocks of pixels; the last pixels that fill no block are left out."""
-    pitch = float(np.ptp(position)) / (position.size - 1)
-    count = position.size // _BLOCK
-    return np.asarray(position.min() - pitch / 2 + _BLOCK * pitch * np.arange(count + 1))
 
 
 def _frames_key(film: xr.Dataset, settings: RunSettings) -> str:

@@ -20,7 +20,7 @@ from matplotlib.lines import Line2D
 from PIL import Image
 
 from erlif.core.progress import ShowProgress, choose_progress
-from erlif.io.files import describe_trigger, open_film, refuse_existing, replacing
+from erlif.io.files import describe_trigger, open_film, refuse_existing, write_file
 from erlif.show.plots import maps
 from erlif.show.plots import style as looks
 from erlif.show.plots.kinematics import film_over_cycle
@@ -208,10 +208,7 @@ def check_movie(path: Path, speed: float, suffixes: Sequence[str]) -> None:
 def write_pictures(frames: list[Image.Image], path: Path, speed: float) -> Path:
     """Write pictures as the movie that the suffix of `path` names, whole or not at all."""
     encode = _encode_mp4 if path.suffix == ".mp4" else _encode_gif
-    content = encode(frames, speed)
-    with replacing(path) as scratch:
-        scratch.write_bytes(content)
-    return path
+    return write_file(path, encode(frames, speed))
 
 
 _Place = TypeVar("_Place", int, float)

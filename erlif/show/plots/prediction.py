@@ -13,11 +13,11 @@ from erlif.core.arrays import Array, Image
 from erlif.io.files import check_trigger, describe_trigger, settings_of
 from erlif.pipeline.physics.prediction import film_along_sliding
 from erlif.pipeline.plane import ObjectPlane
-from erlif.prediction import speed_correlation
 from erlif.show.plots import style, triggers
 from erlif.show.plots.maps import common_limits, figure_of_maps, joint_image, state_reason
 from erlif.show.plots.style import MINIMUM, OUTWARD, TWO_COLUMNS, AnyFigure, pt, styled
 from erlif.show.refusals import refusal
+from erlif.show.report.prediction import describe_correlations
 
 _TALL = 0.36  # height by width of the two panels over cycle and run
 _THIRD = 0.26  # of two columns, for each of three maps
@@ -26,7 +26,6 @@ _WITHIN = 99.5  # percentile of the differences at the ends of their colour scal
 _LEAST_REACH = 0.01  # um; equal maps still need a scale
 _LINES = (2.0, 5.0)  # of text below and above the films
 _LEAST_SPAN = 0.02  # of the film; a smaller range is noise
-_MINIMA = ("film_min", "film_predicted_min")
 _PREDICTED: dict[str, Any] = {"colour": OUTWARD, "width": 1.0, "zorder": 2}
 
 
@@ -154,12 +153,8 @@ def prediction_figure(
     left, right = figure.subplots(1, 2)
     film_and_prediction(film, ax=left)
     film_over_run(film, frames, ax=right)
-    if "rocker_speed" in film:
-        speed = film.rocker_speed.values
-        found = (speed_correlation(film[name].values, speed) for name in _MINIMA)
-        measured, predicted = (style.signed(one) if np.isfinite(one) else "none" for one in found)
-        text = f"correlation with |speed|: measured {measured}, predicted {predicted}"
-        style.write_inside(left, text, (0.02, 0.02))
+    if found := describe_correlations(film).replace("-", "−"):
+        style.write_inside(left, f"correlation with |speed|: {found}", (0.02, 0.02))
     style.letter_panels(left, right)
     return figure
 

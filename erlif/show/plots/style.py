@@ -39,7 +39,7 @@ from matplotlib.transforms import Bbox, ScaledTranslation
 
 from erlif.core.arrays import Array, Image
 from erlif.core.flags import FLAG_COLOURS as FLAG_COLOURS
-from erlif.io.files import replacing, takes_products
+from erlif.io.files import takes_products, write_file
 from erlif.show.plots.naming import name_film
 from erlif.show.refusals import refusal
 
@@ -631,9 +631,7 @@ def save_figure(figure: AnyFigure, path: Path, *, dpi: float | None = None) -> P
     b'PNG'
     """
     content = figure_bytes(figure, kind=path.suffix.removeprefix("."), dpi=dpi)
-    with replacing(path) as scratch:
-        scratch.write_bytes(content)
-    return path
+    return write_file(path, content)
 
 
 def figure_bytes(figure: AnyFigure, *, kind: str, dpi: float | None = None) -> bytes:

@@ -10,8 +10,9 @@ from markupsafe import Markup
 
 from erlif.core.version import __version__
 from erlif.io.conversion import table_csv
+from erlif.io.files import write_file
 from erlif.review.comparison import NO_CHANCE
-from erlif.show.report.layout import Table, compose_page, render_part, save_page
+from erlif.show.report.layout import Table, compose_page, render_part
 
 
 def write_pair_table(found: xr.Dataset, output: Path) -> None:
@@ -42,7 +43,7 @@ def write_pair_table(found: xr.Dataset, output: Path) -> None:
     'example (1),example (2),film_min,0.5000,'
     """
     columns = _columns(found)
-    save_page(_page(columns) if output.suffix == ".html" else table_csv(columns), output)
+    write_file(output, _page(columns) if output.suffix == ".html" else table_csv(columns))
 
 
 def _columns(found: xr.Dataset) -> dict[str, list[str]]:

@@ -16,7 +16,7 @@ from jinja2 import Environment, select_autoescape
 from markupsafe import Markup, escape
 
 from erlif.core.tables import read_table, text_templates
-from erlif.io.files import refuse_existing, replacing
+from erlif.io.files import refuse_existing, write_file
 
 if TYPE_CHECKING:
     from erlif.show.plots.style import AnyFigure
@@ -184,14 +184,7 @@ def write_page(make: Callable[[], str], out_path: str | Path, *, overwrite: bool
     """Make a page and write it; an existing one is refused before it is made."""
     path = Path(out_path)
     refuse_existing(path, overwrite=overwrite)
-    return save_page(make(), path)
-
-
-def save_page(text: str, out_path: Path) -> Path:
-    """Write a page, complete or not at all."""
-    with replacing(out_path) as scratch:
-        scratch.write_text(text, encoding="utf-8")
-    return out_path
+    return write_file(path, make())
 
 
 def read_resource(name: str, *, of: str = "erlif.show.report") -> Markup:

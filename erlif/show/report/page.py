@@ -110,7 +110,7 @@ def write_report(
             Path(film_path), film, opening, *directories, allow_outside=allow_outside
         )
         text = _make_page(source, chosen, max_size, report)
-    return layout.save_page(text, out_path)
+    return files.write_file(out_path, text)
 
 
 def check_size(max_size: float) -> None:

@@ -107,7 +107,7 @@ def write_runs_report(
         subtitle=f"Oil-film thickness from two-camera fluorescence, erlif {__version__}; "
         "± is one standard deviation, random and shared",
     )
-    return layout.save_page(text, out_path)
+    return files.write_file(out_path, text)
 
 
 def _describe_run(film: xr.Dataset) -> tuple[list[str], dict[str, Any]]:

@@ -58,6 +58,8 @@
     difference: (column, row) =>
       thicknessAt(row * width + column) - predictedAt(row * width + column),
   };
+  const flagColours = triples(film.flags.map((flag) => flag.colour.slice(1)).join(""));
+  const firstFlag = (flags) => film.flags.findIndex((flag) => flags & flag.bit);
   const flagsIn = (flags) => film.flags.filter((flag) => flags & flag.bit);
   const colours = () => palettes[chooser.value === "difference" ? "signed" : "even"];
 
@@ -70,7 +72,7 @@
       const flags = chooser.value === "predicted" ? 0 : flagsAt(n);
       const share = (value(n % width, Math.floor(n / width)) - low) / (high - low);
       const step = Math.max(0, Math.min(255, Math.floor(share * 256)));
-      const colour = flags ? flagsIn(flags)[0].rgb : palette[step] || [128, 128, 128];
+      const colour = flags ? flagColours[firstFlag(flags)] : palette[step] || [128, 128, 128];
       small.data.set([colour[0], colour[1], colour[2], 255], 4 * n);
     }
     picture = document.createElement("canvas");

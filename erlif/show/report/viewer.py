@@ -10,14 +10,13 @@ import xarray as xr
 from markupsafe import Markup
 
 from erlif.core.arrays import Array
-from erlif.core.flags import Flag
 from erlif.io.files import describe_trigger, region_of
 from erlif.show.plots.maps import axis_labels, common_limits, flag_swatch
 from erlif.show.plots.prediction import has_prediction, predicted_map
 from erlif.show.plots.style import FLAG_COLOURS, even_limits
 from erlif.show.report.layout import TABLES, render
 from erlif.show.report.maps import MapCoding, describe_coding
-from erlif.show.view.layers import palette
+from erlif.show.view.layers import describe_flags, palette
 
 _SAMPLES = 12  # maps that the limits of the colour scales are taken from
 _WITHIN = 98.0  # percent of the pixels of a sample whose values have colours of their own
@@ -96,7 +95,7 @@ def viewer_data(
         "limits": _layer_limits(film, kept),
         "layers": LAYERS,
         "palettes": {"even": palette("batlow"), "signed": palette("vik")},
-        "flags": [_describe_flag(flag) for flag in FLAG_COLOURS],
+        "flags": describe_flags(),
         "numbers": list(kept),
         "triggers": [describe_trigger(numbers, k).capitalize() for k in kept],
     }
@@ -104,12 +103,6 @@ def viewer_data(
     # "</script>" in a name must not end the element
     text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))
     return text.replace("<", "\\u003c")
-
-
-def _describe_flag(flag: Flag) -> dict[str, Any]:
-    """Bit, name and colour of a flag."""
-    rgb = [int(flag_swatch(flag)[n : n + 2], 16) for n in (1, 3, 5)]
-    return {"bit": int(flag), "name": flag.title, "rgb": rgb}
 
 
 def _layer_limits(film: xr.Dataset, kept: Sequence[int]) -> dict[str, list[float]]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import cmap
 import numpy as np
 
+from erlif.core.flags import FLAG_COLOURS
 from erlif.core.tables import read_table
 
 _COLOURS = 256  # of a palette
@@ -56,3 +57,11 @@ def palette(name: str) -> str:
     """
     colours = np.asarray(cmap.Colormap(name)(np.linspace(0, 1, _COLOURS)))[:, :3]
     return "".join(f"{part:02x}" for part in np.rint(255 * colours).astype(int).ravel().tolist())
+
+
+def describe_flags() -> list[dict[str, int | str]]:
+    """Bit, name and colour of each flag, for the script of a page."""
+    return [
+        {"bit": int(flag), "name": flag.title, "colour": colour}
+        for flag, colour in FLAG_COLOURS.items()
+    ]

@@ -22,7 +22,14 @@ from erlif.show.refusals import refusal
 from erlif.show.view import measures
 from erlif.show.view.exports import map_csv, map_tiff
 from erlif.show.view.films import FilmReader, check_one_grid
-from erlif.show.view.layers import DIFFERENCE, LAYERS, SIGNIFICANCE, Layer, palette
+from erlif.show.view.layers import (
+    DIFFERENCE,
+    LAYERS,
+    SIGNIFICANCE,
+    Layer,
+    describe_flags,
+    palette,
+)
 from erlif.show.view.levels import Window, choose_step, reduce_map
 from erlif.show.view.run_settings import propose_region, write_region
 
@@ -102,10 +109,7 @@ def list_films(request: Request) -> dict[str, Any]:
     return {
         "films": [_describe_film(reader) for reader in request.films],
         "layers": [vars(layer) for layer in layers],
-        "flags": [
-            {"bit": int(flag), "name": flag.title, "colour": colour}
-            for flag, colour in FLAG_COLOURS.items()
-        ],
+        "flags": describe_flags(),
         "palettes": {layer.palette: palette(layer.palette) for layer in layers},
     }
 

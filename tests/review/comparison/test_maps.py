@@ -4,7 +4,6 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from scenes.plain import invert
 
 from erlif.core.errors import ErlifError
 from erlif.review.comparison import difference_map
@@ -132,20 +131,6 @@ def test_a_cell_with_few_valid_pixels_has_no_film():
     cells = cells_of(film)
     assert np.isnan(cells.film[0, 0])
     assert np.isfinite(cells.film[0, 1])
-
-
-def test_the_gradient_is_that_of_the_inverse_curve():
-    calibration = example_calibration()
-    step = 1e-4
-    from dataclasses import replace
-
-    changed = replace(calibration, ratio_at_zero=calibration.ratio_at_zero + step)
-    log_ratio = calibration.predict_log([3.0, 7.0])
-    npt.assert_allclose(
-        (invert(changed, log_ratio) - [3.0, 7.0]) / step,
-        calibration.film_gradient(np.array([3.0, 7.0]))[0],
-        rtol=1e-2,
-    )
 
 
 def test_correlated_neighbours_enlarge_the_error_of_a_mean():

@@ -34,8 +34,6 @@ def test_groups_of_a_film_come_from_its_file(film):
 
 
 def test_a_map_is_drawn_with_y_downwards_in_the_axes_given(example):
-    from matplotlib.figure import Figure
-
     ax = Figure().subplots()
     drawn = example.erlif.plot_map("thickness_std", trigger=1, ax=ax)
     assert drawn.get_cmap() == erlif.plots.thickness_map(example, trigger=1).get_cmap()
@@ -43,6 +41,8 @@ def test_a_map_is_drawn_with_y_downwards_in_the_axes_given(example):
     assert drawn.axes is ax
     assert ax.yaxis_inverted()
     assert ax.get_aspect() == 1
+    upwards = example.erlif.plot_map(trigger=1, ax=Figure().subplots(), yincrease=True, vmax=3.0)
+    assert not upwards.axes.yaxis_inverted()
 
 
 @pytest.mark.parametrize(
@@ -71,8 +71,6 @@ def test_any_dataset_can_be_shown():
 
 
 def test_axes_have_the_long_names_and_units_of_a_film_from_a_file(film):
-    import erlif
-
     with erlif.open_film(film) as opened:
         ax = Figure().subplots()
         opened.thickness.isel(trigger=1).erlif.plot(ax=ax, add_colorbar=False)
@@ -83,9 +81,3 @@ def test_axes_have_the_long_names_and_units_of_a_film_from_a_file(film):
         opened.film_min.plot(x="crank_angle", ax=line)
         assert line.get_xlabel() == "crank angle [degree]"
         assert line.get_ylabel() == "minimum film thickness [um]"
-
-
-def test_a_style_of_the_caller_wins():
-    ax = Figure().subplots()
-    example_film().thickness.isel(trigger=0).erlif.plot(ax=ax, yincrease=True, vmax=3.0)
-    assert not ax.yaxis_inverted()

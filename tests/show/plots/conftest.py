@@ -1,28 +1,15 @@
 """A film and a calibration by formula, for all figures."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr
 from scenes import film as scene
+from scenes.film import changed as changed
+from scenes.film import film as film
+from scenes.film import film_path as film_path
 
 from erlif.calibration import Calibration
 from erlif.core.notes import Level, Note
-from erlif.io.files import open_film
-
-
-@pytest.fixture(scope="package")
-def film_path(tmp_path_factory):
-    """The film in its run directory."""
-    return scene.make_film(tmp_path_factory.mktemp("run"))
-
-
-@pytest.fixture(scope="package")
-def film(film_path):
-    """The film of `film_path`; never to be changed."""
-    with open_film(film_path) as film:
-        yield film
 
 
 @pytest.fixture(scope="package")

@@ -1,15 +1,13 @@
 """Figures of a calibration: points, fit, band, range and residuals are those of the calibration."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
 import numpy.testing as npt
 from scenes import film as scene
-from scenes.pictures import labels_of
+from scenes.pictures import labels_of, picture, without_texts
 
-from erlif.calibration import Profile, calibration_of
+from erlif.calibration import Profile
 from erlif.calibration.departure import Departure
 from erlif.show import plots
 
@@ -57,17 +55,6 @@ def test_spline_is_named_and_the_model_alone_is_drawn(calibration):
     assert labels_of(alone.axes) == ["fit, 95 % band", "model alone"]
 
 
-def test_curve_of_a_film_is_drawn_without_points(film):
-    """A film stores the curve and its range, and no points."""
-    kept = calibration_of(film)
-    artists = plots.ratio_against_thickness(kept)
-    assert len(artists) == 2
-    npt.assert_allclose(artists[0].get_ydata(), scene.true_ratio(artists[0].get_xdata()))
-    npt.assert_allclose(artists[0].get_xdata()[[0, -1]], [0.2, 16.0])
-    assert "χ²" not in artists[0].axes.texts[0].get_text()
-    assert len(plots.ratio_residuals(kept)) == 2
-
-
 def test_profile_of_a_surface_is_drawn_as_coloured_points():
     x, y = (grid.ravel() for grid in np.meshgrid(np.arange(4.0), np.arange(3.0)))
     surface = Profile(np.stack([x, y], axis=1), x + y, None)
@@ -78,3 +65,11 @@ def test_profile_of_a_surface_is_drawn_as_coloured_points():
     assert ax.get_aspect() == 1
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("profile x [mm]", "profile y [mm]")
     assert [bar.get_ylabel() for bar in ax.child_axes] == ["thickness by CMM [µm]"]
+
+
+@picture
+def test_fixture_profile(calibration):
+    wedge = calibration.curve.curve_thickness.values
+    profile = Profile(wedge / 0.8, wedge, 0.02 * wedge)
+    points, *_ = plots.fixture_profile(profile, calibration=calibration)
+    return without_texts(points.axes.get_figure())

@@ -1,5 +1,7 @@
 """Figures of runs compared."""
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -44,8 +46,6 @@ def test_a_map_shows_the_difference_on_a_symmetric_scale(found):
 
 
 def test_a_chart_marks_what_is_beyond_its_limits():
-    from dataclasses import replace
-
     one = replace(example_calibration(), date="2026-01-01")
     later = replace(one, ratio_at_zero=0.8, date="2026-04-01")
     points, marked = control_chart_of(control_chart([], [one, later]), "calibration")

@@ -100,16 +100,5 @@ def test_the_best_undercut_is_circled(search):
 
 
 @picture
-def test_picture_of_the_pressure_of_a_joint(joint):
-    return without_texts(plots.contact_pressure_map(joint).axes.get_figure())
-
-
-@picture
 def test_picture_of_a_stressed_section(section):
     return without_texts(plots.stress_section(section).axes.get_figure())
-
-
-@picture
-def test_picture_of_a_search_for_an_undercut(search):
-    first, *_ = plots.undercut_pressure(search)
-    return without_texts(first.axes.get_figure())

@@ -63,11 +63,6 @@ def test_picture_of_a_test():
     return without_texts(endurance_figure(example_test()))
 
 
-@picture
-def test_picture_of_a_failure():
-    return without_texts(failure_figure(example_test()))
-
-
 def test_runs_that_survived_are_drawn_open_and_the_table_states_the_interval():
     uncut = [FailureLoad(load, 0.1, load - 18e3, True, 6) for load in (106e3, 124e3, 124e3)]
     undercut = [FailureLoad(160e3, 0.1, 142e3, True, 8)] * 2

@@ -1,11 +1,8 @@
 """The film of the documentation follows from the formulas that it is described by."""
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes import film as scene
 
 from erlif.show import plots
 from erlif.trend import average_across_sliding, rigid_gap
@@ -14,13 +11,6 @@ from erlif.trend import average_across_sliding, rigid_gap
 @pytest.fixture(scope="module")
 def film():
     return plots.example_film()
-
-
-def test_speed_is_the_derivative_of_the_angle(film):
-    """Kinematics of the crank-rocker by the scene of the tests, which shares no code with erlif."""
-    npt.assert_allclose(film.rocker_speed, scene.rocker_speed(film.crank_angle.values), rtol=1e-5)
-    angle = scene.rocker_angle(film.crank_angle.values) - 47.4095
-    npt.assert_allclose(film.encoder_angle, angle, atol=1e-6)
 
 
 def test_gap_is_that_of_two_cylinders(film):

@@ -1,7 +1,5 @@
 """The set of figures: which are drawn, from which directories, and what is written."""
 
-from __future__ import annotations
-
 import logging
 import re
 import shutil

@@ -1,7 +1,5 @@
 """Speed and film thickness over a cycle: curves are the linkage, points are the triggers."""
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -88,17 +86,6 @@ def test_legend_covers_no_film(film, draw, thinnest):
     bands = [path.vertices for band in ax.collections for path in band.get_paths()]
     points = ax.transData.transform(np.concatenate([*curves, *bands]))
     assert not any(box.contains(*xy) for xy in points)
-
-
-def test_dotted_lines_stand_at_the_dead_points(film):
-    figure = plots.cycle_figure(film)
-    crank = np.arange(0.0, 360.0, 0.1)
-    speed = scene.rocker_speed(crank)
-    turns = crank[1:][np.diff(np.sign(speed)) != 0]
-    assert turns.size == 2
-    for ax in figure.axes:
-        dotted = [line.get_xdata()[0] for line in ax.lines if line.get_linestyle() == ":"]
-        npt.assert_allclose(dotted, turns, atol=0.5)
 
 
 def test_joint_of_a_slider_crank_turns_by_crank_less_rod(with_settings):

@@ -1,7 +1,5 @@
 """Maps and profiles: what is drawn is the film, at its place, with its flags and its error bars."""
 
-from __future__ import annotations
-
 import matplotlib.pyplot as plt
 import numpy as np
 import numpy.testing as npt
@@ -11,16 +9,8 @@ from scenes import film as scene
 from erlif.core.flags import Flag
 from erlif.pipeline import restore_images
 from erlif.show import plots
-from erlif.show.plots.maps import common_limits, pixel_edges
+from erlif.show.plots.maps import pixel_edges
 from erlif.trend import average_across_sliding
-
-
-def test_colour_scale_leaves_half_a_per_cent_beyond_either_end(film):
-    low, high = common_limits(film, [0])
-    values = film.thickness.values[0][np.isfinite(film.thickness.values[0])]
-    assert 0.001 < (values < low).mean() < 0.01
-    assert 0.001 < (values > high).mean() < 0.01
-    assert plots.thickness_map(film, trigger=0).get_clim() == (low, high)
 
 
 def test_profile_is_drawn_with_its_error_bars(film):
@@ -87,20 +77,6 @@ def test_large_maps_of_a_sheet_are_thinned_to_what_print_resolves(film):
     image = plots.map_sheet_figure(wide).axes[0].images[0]
     assert image.get_array().shape == (3, 240)
     npt.assert_allclose(image.get_extent(), pixel_edges(wide))
-
-
-def test_profile_of_a_film_that_slides_along_y_is_that_of_the_turned_film(film, with_settings):
-    """A film that is mirrored at its diagonal has the same profile along y as along x before."""
-    turned = with_settings(
-        ('x_axis = "sliding"', 'x_axis = "axial"'),
-        ("x = [3.0, 13.0]", "x = [1.0, 11.0]"),
-        ("y = [1.0, 11.0]", "y = [3.0, 13.0]"),
-    )
-    turned = turned.rename({"x": "y", "y": "x"}).transpose("trigger", "y", "x", ...)
-    line, *_ = plots.sliding_profile(film, trigger=1)
-    other, *_ = plots.sliding_profile(turned, trigger=1)
-    npt.assert_allclose(other.get_ydata(), line.get_ydata())
-    assert other.axes.get_xlabel() == "y (sliding) [mm]"
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ import pytest
 from PIL import Image
 from scenes import film as scene
 from scenes.motion import slider_film, static_film
+from scenes.pictures import picture, without_texts
 
 from erlif.core.errors import OutputError
 from erlif.show import plots
@@ -77,3 +78,8 @@ def test_ffmpeg_that_is_missing_or_fails_is_one_message(film, tmp_path, monkeypa
     with pytest.raises(OutputError, match="Unknown encoder"):
         plots.cycle_movie(film.isel(trigger=[0, 1]), tmp_path / "cycle.mp4")
     assert not (tmp_path / "cycle.mp4").exists()
+
+
+@picture
+def test_frame_of_the_movie(film):
+    return without_texts(plots.cycle_view(film, trigger=1).figure)

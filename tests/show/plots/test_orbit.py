@@ -1,7 +1,5 @@
 """The orbit of the pin: points, ellipses and clearance are where the positions are."""
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.testing as npt
 from matplotlib.patches import Ellipse
@@ -41,9 +39,8 @@ def test_ellipses_cover_95_per_cent(film):
         npt.assert_allclose(sorted([ellipse.width, ellipse.height]), sorted(expected), rtol=2e-3)
 
 
-def test_ellipse_of_correlated_errors_is_turned(film):
+def test_ellipse_of_correlated_errors_is_turned(changed):
     """Equal variances with a positive correlation lie along the diagonal."""
-    changed = film.load().copy(deep=True)
     changed.pin_position_cov_random.values[:, :2, :2] = [[1.0, 0.6], [0.6, 1.0]]
     *_, last = plots.pin_orbit(changed)
     npt.assert_allclose(last.angle % 180, 45)

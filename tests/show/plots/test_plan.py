@@ -26,8 +26,6 @@ def test_curves_are_those_of_the_plan(planned):
     for number, line in enumerate(plots.plan_signal(planned), start=1):
         npt.assert_allclose(line.get_ydata(), planned.signal.sel(camera=number) / 1e3)
 
-
-def test_several_frames_have_a_curve_of_their_own(planned):
     several = planned.assign_attrs(frames=4, average=8)
     labels = [line.get_label() for line in plots.plan_precision(several)]
     assert labels[1] == "8 × 8 pixels, 4 frames"

@@ -8,7 +8,6 @@ from erlif.show.plots import (
     example_frames,
     film_over_run,
     predicted_map,
-    prediction_figure,
     prediction_map_figure,
 )
 
@@ -28,17 +27,6 @@ def test_a_trigger_of_several_frames_lies_at_their_mean_turn():
     drawn = line.get_xdata()
     npt.assert_array_equal(drawn[np.isfinite(drawn)], np.sort(turns))
     assert np.isnan(drawn).sum() == 3  # at the dead points of both turns
-
-
-def test_the_figure_states_both_correlations():
-    left = prediction_figure(FILM, FRAMES).axes[0]
-    speed = np.abs(FILM.rocker_speed.values)
-    measured, predicted = (
-        np.corrcoef(speed, FILM[name].values)[0, 1] for name in ("film_min", "film_predicted_min")
-    )
-    measured, predicted = (round(float(value), 2) for value in (measured, predicted))
-    text = left.texts[0].get_text().replace("−", "-")
-    assert text.endswith(f"measured {measured:+.2f}, predicted {predicted:+.2f}")
 
 
 def test_measured_and_predicted_map_have_one_scale_and_the_difference_one_about_zero():

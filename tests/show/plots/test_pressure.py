@@ -2,6 +2,7 @@
 
 import numpy.testing as npt
 import pytest
+from scenes.pictures import picture, without_texts
 
 from erlif.show import plots
 from erlif.show.plots.pressure import best_trigger
@@ -50,3 +51,8 @@ def test_the_figure_shows_the_trigger_that_is_known_best(found):
     assert best_trigger(found) == 1
     assert plots.pressure_figure(found).axes[0].get_title() == "trigger 1"
     assert plots.pressure_figure(found, trigger=2).axes[0].get_title() == "trigger 2"
+
+
+@picture
+def test_pressure():
+    return without_texts(plots.pressure_figure(plots.example_pressure()))

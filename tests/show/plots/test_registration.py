@@ -1,7 +1,5 @@
 """Displacement and drift are drawn as the film stores them, in pixels."""
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.testing as npt
 import pytest

@@ -1,7 +1,5 @@
 """The look of the figures and their files: nothing depends on the day or changes the caller."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

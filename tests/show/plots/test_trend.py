@@ -1,7 +1,5 @@
 """Film thickness against speed over load: points, bars, powers and theory are those of the film."""
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -20,21 +18,6 @@ def points_of(artists, colour):
     y = np.concatenate([line.get_ydata() for line in artists if line.get_color() == colour])
     order = np.argsort(x)
     return x[order], y[order]
-
-
-@pytest.fixture
-def changed(film):
-    """A copy of the film that a test may change."""
-    return film.load().copy(deep=True)
-
-
-def test_bars_are_one_standard_deviation(film):
-    ax = plots.film_against_speed(film)[0].axes
-    half = set()
-    for box in ax.containers:
-        segments = np.array([path.vertices for path in box.lines[2][0].get_paths()])
-        half |= set(np.round(np.ptp(segments[:, :, 1], axis=1) / 2, 6))
-    assert half == {0.02, 0.03}
 
 
 def test_drawn_power_goes_through_the_films(film):

@@ -1,16 +1,15 @@
 """A film by formula, its report with a few figures, and a reader of pages."""
 
-from __future__ import annotations
-
 import base64
 import csv
 import io
 from html.parser import HTMLParser
 
 import pytest
-from scenes import film as scene
+from scenes.film import changed as changed
+from scenes.film import film as film
+from scenes.film import film_path as film_path
 
-from erlif.io.files import open_film
 from erlif.show.report import page as pages
 from erlif.show.report import write_report
 
@@ -53,25 +52,6 @@ class Page(HTMLParser):
         (link,) = [attrs for attrs in self.all("a") if attrs["href"].startswith(CSV)]
         text = base64.b64decode(link["href"].removeprefix(CSV)).decode("utf-8")
         return link["download"], list(csv.DictReader(io.StringIO(text)))
-
-
-@pytest.fixture(scope="package")
-def film_path(tmp_path_factory):
-    """The film in its run directory."""
-    return scene.make_film(tmp_path_factory.mktemp("run"))
-
-
-@pytest.fixture(scope="package")
-def film(film_path):
-    """The film of `film_path`; never to be changed."""
-    with open_film(film_path) as film:
-        yield film
-
-
-@pytest.fixture
-def changed(film):
-    """A copy of the film that a test may change."""
-    return film.load().copy(deep=True)
 
 
 @pytest.fixture(scope="package")

@@ -1,7 +1,5 @@
 """Every figure has a caption that names its panels."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """Embedded maps read back as the film, to the rounding that the page names."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np
@@ -52,35 +50,32 @@ def test_prediction_that_is_not_known_stays_unknown(film):
     assert decoded(film, 0).predicted is None
 
 
-def test_standard_deviations_are_medians_of_blocks(film):
+def test_standard_deviations_are_medians_of_blocks(film, changed):
     """Codes keep a standard deviation to 3 %."""
     found = decoded(film, 0)
     block = film.thickness_std.values[0][8:12, 20:24]
     median = np.sort(block.ravel())[7]  # the lower one of sixteen
     npt.assert_allclose(found.std[2, 5], median, rtol=0.03)
     npt.assert_allclose(found.std_shared[2, 5], 0.02, rtol=0.03)
-    changed = film.load().copy(deep=True)
     for std in (1e-4, 100.0):  # over six decades
         changed.thickness_std.values[:] = std
         npt.assert_allclose(decoded(changed, 0).std[5, 5], std, rtol=0.03)
 
 
-def test_block_without_valid_pixels_has_no_standard_deviation(film):
+def test_block_without_valid_pixels_has_no_standard_deviation(film, changed):
     found = decoded(film, 1)
     assert np.isnan(found.thickness[20:24, 30:34]).all()
-    changed = film.load().copy(deep=True)
     changed.flags.values[1, 20:24, 28:32] = 128
     found = decoded(changed, 1)
     assert np.isnan(found.std[5, 7])
     assert np.isfinite(found.std[5, 5])
 
 
-def test_steps_grow_where_sixteen_bits_would_not_reach(film):
+def test_steps_grow_where_sixteen_bits_would_not_reach(changed):
     assert finest_coding(60.0) == FINE
     coding = finest_coding(400.0)
     assert 65535 * coding.step > 400.0
     assert 65535 * (coding.step - 1e-3) < 400.0 * 1.01
-    changed = film.load().copy(deep=True)
     changed.thickness.values[:] = 399.9
     found = decoded(changed, 0, coding).thickness
     npt.assert_allclose(found[np.isfinite(found)], 399.9, atol=0.51 * coding.step)

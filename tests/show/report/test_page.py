@@ -1,7 +1,5 @@
 """The page is well formed, loads nothing, and is the same for the same film."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

@@ -34,18 +34,6 @@ def test_correlations_are_those_with_the_size_of_the_speed():
     assert describe_correlations(film.drop_vars("rocker_speed")) == ""
 
 
-def test_a_prediction_is_summarised_beside_the_measured_film():
-    film = films(
-        rocker_speed=SPEED, film_min=[4.0, 5.0, 5.5, 6.0], film_predicted_min=[4.5, 4.4, 4.3, 4.2]
-    )
-    lines = summarise_prediction(film).splitlines()
-    assert lines[0] == "test: transient Reynolds, pin guided, 4 triggers"
-    assert lines[1].endswith("4.2 to 4.5 um")
-    assert lines[2].endswith("4 to 6 um")
-    assert lines[3].endswith("4.5 um, fitted to the measured minima")
-    assert len(lines) == 6
-
-
 def held(sideways):
     """Settings of a joint whose pin is held so."""
     table = f"[prediction]\nsideways = {sideways}\n[joint]"

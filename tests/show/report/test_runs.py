@@ -1,7 +1,5 @@
 """A page about several runs: table, comparison and maps, with the numbers of the films."""
 
-from __future__ import annotations
-
 import json
 import re
 

@@ -1,7 +1,5 @@
 """The lines for the terminal: numbers of the film in plain words."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -49,14 +47,6 @@ def test_displacement_of_the_pin_is_given_over_the_cycle(film):
     )
     assert "displacement of the pin" not in summarise(film.drop_vars("pin_displacement"))
     assert "displacement of the pin" not in summarise(scene.without_valid_pixels(film))
-
-
-def test_shares_of_valid_and_flagged_pixels_are_those_of_the_maps(film):
-    text = summarise(film)
-    valid = 100 * (film.flags.values == 0).mean()
-    assert line_of(text, "valid pixels") == f"{valid:.1f}%"
-    assert "outside_overlap 3.75%" in line_of(text, "flagged pixels")
-    assert "saturated" not in text
 
 
 def test_a_power_that_is_not_known_is_given_in_words(film):

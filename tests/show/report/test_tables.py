@@ -1,7 +1,5 @@
 """Tables of the report: numbers are those of the film, with units and standard deviations."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np
@@ -11,9 +9,7 @@ from scenes import film as scene
 
 from erlif.core.flags import Flag
 from erlif.io.files import open_film
-from erlif.show.plots.files import find_source
 from erlif.show.report.tables import (
-    calibration_table,
     flag_table,
     registration_table,
     results_table,
@@ -73,15 +69,6 @@ def test_results_are_rows_of_the_summary_and_stand_against_theory(film):
     assert sentences["limits"] == ["fitted to the minima", "rigid bodies"]
     assert sentences["carried"][0].startswith("Assumed: pin free sideways")
     assert theory_sentences(film.drop_vars("film_predicted_min"))["carried"] == []
-
-
-def test_calibration_is_described_with_units(film_path, film):
-    source = find_source(film_path, film, None, None, None)
-    rows = dict(calibration_table(source).rows)
-    assert rows["Calibrated range"] == "0.20 to 16.00 µm"
-    assert rows["Attenuation of camera 1, p"] == "0.3900 ± 0.0020 µm⁻¹"
-    assert rows["Ratio"] == "610 nm over 580 nm (camera 2 over camera 1)"
-    assert "Reduced χ²" not in rows  # a film does not store it
 
 
 def test_drift_is_its_length(groups):

@@ -1,7 +1,5 @@
 """The viewer has the axes, colours and flags of the film."""
 
-from __future__ import annotations
-
 import json
 import re
 from importlib import resources
