@@ -2,8 +2,6 @@
 
 import re
 import warnings
-from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -25,27 +23,6 @@ from erlif.models.arguments import (
 LOADS = xr.DataArray([1.0, 2.0], dims="load", coords={"load": [50, 100]})
 
 
-@formula()
-def half(value):
-    return value / 2
-
-
-@pytest.mark.parametrize("value", [1, 1.0, np.float64(1), np.int32(1), np.array(1), np.array(1.0)])
-def test_scalar_gives_python_float(value):
-    assert type(half(value)) is float
-    assert half(value) == 0.5
-
-
-def test_sequences_and_data_arrays_broadcast():
-    @formula()
-    def product(one, *, other):
-        return one * other
-
-    np.testing.assert_array_equal(product([[1], [2]], other=[3, 4]), [[3, 4], [6, 8]])
-    np.testing.assert_array_equal(product((1, 2), other=range(3, 5)), [3, 8])
-    assert product(LOADS, other=2).dims == ("load",)
-
-
 def test_flags_and_objects_reach_the_formula_unchanged():
     @formula()
     def received(*, rising, linkage, stroke=None):
@@ -58,27 +35,6 @@ def test_flags_and_objects_reach_the_formula_unchanged():
     assert stroke is None
     assert received(rising=True, linkage=None)[0] is True
     assert received(rising=[True, False], linkage=None)[0].dtype == bool
-
-
-def test_scalars_in_tuples_and_dataclasses_become_floats():
-    class Pair(NamedTuple):
-        one: float
-        two: float
-
-    @dataclass(frozen=True)
-    class Contact:
-        width: float
-        name: str
-
-    @formula()
-    def all_kinds(value):
-        value = np.float64(value)
-        return Pair(value, value), (value, 1), Contact(value, np.str_("wide"))
-
-    pair, plain, contact = all_kinds(1)
-    assert isinstance(pair, Pair)
-    assert {type(v) for v in (*pair, plain[0], contact.width)} == {float}
-    assert type(contact.name) is str
 
 
 @pytest.mark.parametrize(
