@@ -1,8 +1,8 @@
 from .assessment import Assessment, assess_joint
+from .design import BearingDesign
 from .heat import FRICTION
 from .joint import DIMENSIONS, Dimensions, Joint, Lock, dimensions_of
 from .materials import Material, read_materials
-from .outcome import BearingDesign
 from .practice import round_up
 from .sensitivity import Sensitivity, Substitute, sensitivities, substitutes
 from .size import size_joint

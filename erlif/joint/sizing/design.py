@@ -1,4 +1,4 @@
-"""From joint.toml to a sized and checked pin joint."""
+"""From joint.toml to a sized and checked pin joint, and what its weakest margin depends on."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import difflib
 import tomllib
 import warnings
 from collections.abc import Mapping
-from dataclasses import fields, replace
-from functools import cache
+from dataclasses import dataclass, fields, replace
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -23,16 +23,78 @@ from erlif.io.settings import (
     to_toml,
     write_example,
 )
-from erlif.joint.sizing import (
-    DIMENSIONS,
-    BearingDesign,
-    Joint,
-    Lock,
-    Material,
-    assess_joint,
-    read_materials,
-    size_joint,
-)
+from erlif.joint.sizing.assessment import Assessment, assess_joint
+from erlif.joint.sizing.joint import DIMENSIONS, Joint, Lock, dimensions_of
+from erlif.joint.sizing.materials import Material, read_materials
+from erlif.joint.sizing.practice import practice_notes
+from erlif.joint.sizing.sensitivity import Sensitivity, Substitute, sensitivities, substitutes
+from erlif.joint.sizing.size import size_joint
+
+
+@dataclass(frozen=True, repr=False)
+class BearingDesign:
+    """A designed joint.
+
+    Attributes
+    ----------
+    name : str
+        Name of the joint.
+    assessment : Assessment
+        All steps of the guide.
+    chosen : tuple[str, ...]
+        Dimensions that were chosen, in the order of `erlif.joint.sizing.DIMENSIONS`.
+    series : str
+        Preferred numbers to which they were rounded up; ``"none"`` for the least ones.
+    settings : str
+        The joint with all its dimensions, TOML.
+    materials : tuple[Material, ...]
+        The table of materials.
+    assumed : tuple[str, ...]
+        Parts whose material was not given and is the default.
+    """
+
+    name: str
+    assessment: Assessment
+    chosen: tuple[str, ...]
+    series: str
+    settings: str
+    materials: tuple[Material, ...]
+    assumed: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        size, weakest = dimensions_of(self.joint), self.assessment.weakest
+        sizes = f"pin {size.pin * 1e3:.4g} mm, bushing {size.width * 1e3:.4g} mm"
+        verdict = "no limit known"
+        if weakest is not None:
+            failed = len(self.assessment.failed)
+            verdict = "all limits hold" if self.sound else f"limits exceeded: {failed}"
+            verdict += f"; weakest {weakest.title}, margin {100 * weakest.margin:+.3g} %"
+        return f"<BearingDesign {self.name!r}: {sizes}; {verdict}>"
+
+    @property
+    def joint(self) -> Joint:
+        """The joint with all dimensions. SI units."""
+        return self.assessment.joint
+
+    @property
+    def sound(self) -> bool:
+        """Whether all limits hold."""
+        return self.assessment.sound
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the guide does not check, and sizes that are unusual in practice."""
+        return practice_notes(self.joint, chosen=self.chosen)
+
+    @cached_property
+    def sensitivities(self) -> tuple[Sensitivity, ...]:
+        """What the weakest margin depends on, the largest first."""
+        return sensitivities(self.assessment)
+
+    @cached_property
+    def substitutes(self) -> tuple[Substitute, ...]:
+        """Other bushings of the table at the same dimensions."""
+        return substitutes(self.joint, self.materials)
 
 
 def example_joint_file() -> str:

@@ -23,8 +23,6 @@ from .persson import (
     persson_load,
     persson_peak_group,
     persson_pressure,
-)
-from .prescribed import (
     projected_pressure,
     sinusoidal_pressure,
 )

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scipy.integrate import quad
 
 from erlif.models.contact import (
     persson_contact,
@@ -13,6 +14,8 @@ from erlif.models.contact import (
     persson_load,
     persson_peak_group,
     persson_pressure,
+    projected_pressure,
+    sinusoidal_pressure,
 )
 
 TABLE = [
@@ -22,6 +25,16 @@ TABLE = [
     .splitlines()[5:]
 ]
 FINITE = TABLE[:-1]
+
+
+def test_sinusoidal_pressure_over_half_the_pin_carries_the_load():
+    peak = sinusoidal_pressure(3e5, pin_diameter=0.08)
+    carried = quad(lambda angle: peak * np.cos(angle) ** 2 * 0.04, -np.pi / 2, np.pi / 2)[0]
+    npt.assert_allclose(carried, 3e5, rtol=1e-12)
+
+
+def test_projected_pressure_over_the_diameter_carries_the_load():
+    npt.assert_allclose(projected_pressure(3e5, pin_diameter=0.08) * 0.08, 3e5, rtol=1e-15)
 
 
 def half_unit(printed):
