@@ -26,16 +26,6 @@ def test_vogel_constants_come_back_from_three_points(a, b, c):
     npt.assert_allclose(fit_vogel(T, viscosities=eta), (a, b, c), rtol=1e-6)
 
 
-def test_barus_exponents_of_the_thesis_joint():
-    # alpha p0 at 116 MPa in the steel joint and 0.31 MPa in the acrylic one
-    npt.assert_allclose(
-        np.log(barus_viscosity(116.083e6, viscosity=1.0, pressure_viscosity=2e-8)), 2.32, atol=5e-3
-    )
-    npt.assert_allclose(
-        np.log(barus_viscosity(0.31e6, viscosity=1.0, pressure_viscosity=2e-8)), 0.0062, atol=5e-5
-    )
-
-
 @given(st.floats(1e-3, 10.0), st.floats(1e-8, 3e-8))
 def test_roelands_starts_like_barus_and_stays_below(viscosity, alpha):
     oil = {"viscosity": viscosity, "pressure_viscosity": alpha}

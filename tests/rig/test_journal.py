@@ -70,17 +70,6 @@ def test_the_minimum_is_that_of_the_region(gaps):
     )
 
 
-def test_a_film_doubles_its_time_with_the_viscosity():
-    """Squeeze depends on load times time over viscosity; rotation hardly matters."""
-    thick = replace(RIG, viscosity=0.24, elapsed=20.0)
-    thin = replace(RIG, elapsed=10.0)
-    films = [
-        rig.clearance - 1e6 * np.hypot(*follow_pin(np.array([0.0]), rig)[0])
-        for rig in (thick, thin)
-    ]
-    npt.assert_allclose(*films, rtol=0.01)
-
-
 def test_a_guided_pin_keeps_its_line_from_the_moment_of_loading_on():
     guided, held, free = (
         1e6 * follow_pin(np.array([0.0, 0.05]), replace(RIG, sideways=sideways, elapsed=0.2))

@@ -1,6 +1,5 @@
 """Encoders and logs of the virtual rig, against the geometry of its linkage."""
 
-import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +11,6 @@ from scenes.rig import QUICK
 from erlif.rig import RigSettings, simulate
 from erlif.rig.film import list_triggers, rocker_angle
 from erlif.rig.logger import TICKS, frame_times, read_encoder, write_log_in_time
-from erlif.rig.run import run_toml
 
 
 def pins(crank, rig):
@@ -68,18 +66,6 @@ def test_the_log_in_time_rises_at_each_frame(tmp_path):
     npt.assert_allclose(np.diff(rises), np.diff(frame_times(triggers, rig)), atol=1.01e-4)
     at_rise = np.interp(rises, data[:, 0], data[:, 1])
     npt.assert_allclose(at_rise, triggers.reading, atol=0.02)  # 0.1 ms at 146 degree/s
-
-
-def test_the_table_of_the_encoder_names_its_columns():
-    rig = RigSettings(log="continuous", reading="ticks", encoder="coupler", pulses_per_cycle=9.5)
-    table = tomllib.loads(run_toml(rig, list_triggers(rig)))["encoder"]
-    zero = float(table.pop("zero").removesuffix(" deg"))
-    assert zero == pytest.approx(read_encoder(np.zeros(1), list_triggers(rig), rig).zero, abs=1e-6)
-    assert table == {
-        "file": "encoder.csv", "mounted_on": "coupler",
-        "angle": "Encoder", "time": "Time", "load": "Force", "temperature": "Oil",
-        "pulse": "Trigger", "ticks_per_turn": TICKS,
-    }  # fmt: skip
 
 
 def test_a_run_with_a_divider_has_a_film_for_each_frame(tmp_path):

@@ -14,6 +14,9 @@ import numpy as np
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ModelError
 
+# Steps after which the search is given up.
+MOST_ITERATIONS = 2000
+
 
 @dataclass(frozen=True)
 class Contact:
@@ -49,7 +52,6 @@ def solve_active_set(
     motion: Array | None = None,
     start: Array | None = None,
     tolerance: float = 1e-5,
-    most_iterations: int = 2000,
 ) -> Contact:
     """Find the pressure of a frictionless contact of given load or given motion.
 
@@ -73,8 +75,6 @@ def solve_active_set(
         First pressure. [Pa]
     tolerance : float
         Residual at which the search ends. [1]
-    most_iterations : int
-        Steps after which the search is given up.
 
     Returns
     -------
@@ -112,7 +112,7 @@ def solve_active_set(
     direction, deflection = np.zeros(gap.shape), np.zeros(gap.shape)
     last_square, keep, known, shrunk = 1.0, False, False, False
 
-    for step in range(most_iterations + 1):
+    for step in range(MOST_ITERATIONS + 1):
         # the gap that the pressure leaves, less the motion of the body: given, or the best one
         touching = pressure > 0
         if not known:
@@ -173,7 +173,7 @@ def solve_active_set(
             pressure = np.maximum(pressure * factor, 0.0)
             deflection = deflection * factor
     raise ModelError(
-        f"The contact has not settled after {most_iterations} iterations (residual {error:.1e}, "
+        f"The contact has not settled after {MOST_ITERATIONS} iterations (residual {error:.1e}, "
         f"asked for {tolerance:.1e}); use fewer cells or a larger tolerance."
     )
 

@@ -35,16 +35,6 @@ def test_a_temperature_is_changed_by_1_kelvin():
     assert by_name["temperature of the grease"] == pytest.approx(1 / 0.7292, rel=1e-3)
 
 
-def test_first_order_changes_are_those_of_a_small_finite_one():
-    weakest, by_name = changes(example_joint())
-    for name, change in (
-        ("pin diameter", {"pin_diameter": 0.08 * 1.0001}),
-        ("lever of the lock", {"lock": {"lever": 0.08 * 1.0001}}),
-    ):
-        finite = assessed(**change).step(weakest.key).margin - weakest.margin
-        assert by_name[name] == pytest.approx(100 * finite, rel=1e-3)
-
-
 def test_an_incompressible_bushing_has_sensitivities_and_a_joint_without_limits_none():
     assert "load" in changes(altered(bushing={"poissons_ratio": 0.5}))[1]
     unknown = ("yield_stress", "ultimate_stress", "hardness_low", "hardness_high", "youngs_modulus")

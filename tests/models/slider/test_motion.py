@@ -105,25 +105,6 @@ def test_simplified_joint_is_that_of_inverse_dynamics(clearance):
         npt.assert_allclose(found[name], getattr(inverse, name), atol=1e-9)
 
 
-@pytest.mark.filterwarnings("ignore::erlif.core.errors.RangeWarning")
-def test_torque_of_inverse_dynamics_holds_the_speed():
-    def torque(_time, angle):
-        return joint_reaction(
-            linkage(1e-4), crank_angle=angle, crank_speed=25.0, bodies=RUBBED
-        ).crank_torque
-
-    found = simulate_slider_crank(
-        linkage(1e-4),
-        bodies=RUBBED,
-        crank_speed=25.0,
-        duration=0.1,
-        torque=torque,
-        crank_inertia=CRANK_INERTIA,
-        samples=11,
-    )
-    npt.assert_allclose(found.crank_speed, 25.0, rtol=1e-8)
-
-
 def test_general_joint_becomes_the_perfect_one_as_it_stiffens():
     """Without clearance the joint differs by its penetration, (F/K)^(2/3)."""
     case = {"bodies": SliderCrankBodies(**BODIES), "crank_speed": 12.0, "duration": 0.05}
