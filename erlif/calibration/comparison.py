@@ -248,14 +248,10 @@ def _common_range(calibration: Calibration, earlier: Calibration) -> tuple[float
 class _Change(NamedTuple):
     """Change of the curve and its test against chance."""
 
-    difference: Array
-    """Change of the logarithm of the ratio, (film,). [1]"""
-    std: Array
-    """Its standard deviation, (film,). [1]"""
-    probability: float
-    """Probability of such a change by chance."""
-    bends: bool
-    """Whether it is significantly other than a constant."""
+    difference: Array  # change of the logarithm of the ratio, (film,). [1]
+    std: Array  # its standard deviation, (film,). [1]
+    probability: float  # probability of such a change by chance
+    bends: bool  # whether it is significantly other than a constant
 
 
 def _test_curves(calibration: Calibration, earlier: Calibration, film: Array) -> _Change:
@@ -286,12 +282,9 @@ def _test_curves(calibration: Calibration, earlier: Calibration, film: Array) ->
 class _Pairs(NamedTuple):
     """CMM points that two calibrations share."""
 
-    position: Array
-    """(point, axis) [mm]"""
-    thickness: Array
-    """By the CMM, (point,). [um]"""
-    change: Array
-    """Change of the logarithm of the ratio, new less earlier, (point,). [1]"""
+    position: Array  # (point, axis) [mm]
+    thickness: Array  # by the CMM, (point,). [um]
+    change: Array  # change of the logarithm of the ratio, new less earlier, (point,). [1]
 
 
 def _match_points(calibration: Calibration, earlier: Calibration) -> _Pairs | None:

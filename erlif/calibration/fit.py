@@ -268,10 +268,8 @@ class _Settled(NamedTuple):
     """The curve that is used, model alone or with a spline."""
 
     fit: Fit
-    candidate: Candidate | None
-    """The spline; None where the model stands alone."""
-    inflation: float
-    """Factor by which correlated errors widen the covariance."""
+    candidate: Candidate | None  # the spline; None where the model stands alone
+    inflation: float  # factor by which correlated errors widen the covariance
     notes: list[Note]
 
 

@@ -37,17 +37,12 @@ class _Pixels(NamedTuple):
     """Valid pixels of the ratio image that lie in the cell of a CMM point."""
 
     cell: Cells
-    place: Array
-    """Position on the profile, (pixel, axis). [mm]"""
-    across: Array
-    """Position across the profile, (pixel,). [mm]"""
+    place: Array  # position on the profile, (pixel, axis). [mm]
+    across: Array  # position across the profile, (pixel,). [mm]
     log_ratio: Array
-    variance: Array
-    """Variance of `log_ratio`, (pixel,)."""
-    fixed: Array
-    """Its part that repeats from frame to frame, (pixel,)."""
-    covered: float
-    """Share of the valid pixels that lie in a cell."""
+    variance: Array  # variance of `log_ratio`, (pixel,)
+    fixed: Array  # its part that repeats from frame to frame, (pixel,)
+    covered: float  # share of the valid pixels that lie in a cell
 
 
 def pair_profile_with_image(

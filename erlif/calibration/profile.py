@@ -180,8 +180,7 @@ def _sort_and_merge(
 
 class _Table(NamedTuple):
     header: list[str]
-    values: Array
-    """(row, column)"""
+    values: Array  # (row, column)
 
 
 def _read_table(path: Path) -> _Table:

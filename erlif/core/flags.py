@@ -16,22 +16,14 @@ class Flag(IntFlag):
     ['DIM', 'NO_FILM']
     """
 
-    SATURATED = 1
-    """A camera reads full scale."""
-    DIM = 2
-    """A camera has too little light above its dark level for a ratio."""
-    BAD_PIXEL = 4
-    """Hot, dead or noisy pixel of a camera."""
-    OUTSIDE_OVERLAP = 8
-    """Seen by one camera only."""
-    BELOW_RANGE = 16
-    """Film thinner than the calibrated or the measurable range."""
-    ABOVE_RANGE = 32
-    """Film thicker than the calibrated or the measurable range."""
-    POOR_REGISTRATION = 64
-    """The registration is not good enough for a ratio."""
-    NO_FILM = 128
-    """Bubble or bare wall: the fluorescence of both bands is missing."""
+    SATURATED = 1  #: a camera reads full scale
+    DIM = 2  #: a camera has too little light above its dark level for a ratio
+    BAD_PIXEL = 4  #: hot, dead or noisy pixel of a camera
+    OUTSIDE_OVERLAP = 8  #: seen by one camera only
+    BELOW_RANGE = 16  #: film thinner than the calibrated or the measurable range
+    ABOVE_RANGE = 32  #: film thicker than the calibrated or the measurable range
+    POOR_REGISTRATION = 64  #: the registration is not good enough for a ratio
+    NO_FILM = 128  #: bubble or bare wall: the fluorescence of both bands is missing
 
     @property
     def title(self) -> str:

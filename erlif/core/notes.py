@@ -13,12 +13,9 @@ from erlif.core.tables import read_table
 class Level(StrEnum):
     """Consequence of a finding."""
 
-    NOTE = "note"
-    """A measured value or a choice that was made."""
-    WARNING = "warning"
-    """A result is affected, or an input looks wrong."""
-    ERROR = "error"
-    """The input cannot be used."""
+    NOTE = "note"  #: a measured value or a choice that was made
+    WARNING = "warning"  #: a result is affected, or an input looks wrong
+    ERROR = "error"  #: the input cannot be used
 
 
 @dataclass(frozen=True)

@@ -114,27 +114,19 @@ class Cameras:
 class _Quantity:
     """A characteristic of a camera, in use and as measured."""
 
-    value: float
-    """In use."""
-    measured: float
-    """NaN where it was not measured."""
-    std: float
-    """Standard deviation of the measured value."""
-    known: bool
-    """Whether the value in use is more than an assumption."""
+    value: float  # in use
+    measured: float  # NaN where it was not measured
+    std: float  # standard deviation of the measured value
+    known: bool  # whether the value in use is more than an assumption
 
 
 class _Response(NamedTuple):
     """Flat of one camera in use, and its bad pixels."""
 
-    flat: AnyArray
-    """Response relative to the mean, (y, x); 1 without a flat. [1]"""
-    flat_var: AnyArray
-    """Its variance, (y, x). [1]"""
-    bad: Mask
-    """Hot, noisy and dead pixels, (y, x)."""
-    spread: float
-    """Standard deviation over the pixels (PRNU); NaN where it is not known. [1]"""
+    flat: AnyArray  # response relative to the mean, (y, x); 1 without a flat. [1]
+    flat_var: AnyArray  # its variance, (y, x). [1]
+    bad: Mask  # hot, noisy and dead pixels, (y, x)
+    spread: float  # standard deviation over the pixels (PRNU); NaN where it is not known. [1]
 
 
 def make_references(

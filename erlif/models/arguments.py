@@ -215,11 +215,9 @@ class _Scale:
     """Orders of magnitude that a quantity takes in machines, and the units it is often given in."""
 
     unit: str
-    lowest: float
-    """Smallest plausible size; zero is always plausible."""
+    lowest: float  # smallest plausible size; zero is always plausible
     highest: float
-    others: str
-    """Units that a value outside the range is probably in."""
+    others: str  # units that a value outside the range is probably in
 
 
 @dataclass(frozen=True)
@@ -269,11 +267,10 @@ class _Kind:
     """What a declared argument is checked for."""
 
     requires: tuple[Callable[..., None], ...]
-    refused: str
-    """What is refused beside infinite values, in words."""
+    refused: str  # what is refused beside infinite values, in words
     scale: _Scale | None
+    # Floats from here to `high` pass all checks: fits call a formula thousands of times.
     low: float
-    """Floats from here to `high` pass all checks: fits call a formula thousands of times."""
     high: float
 
     def passes(self, value: Values) -> bool:

@@ -28,14 +28,11 @@ _SUFFIXES = (".nc", ".zarr")
 class RunState(StrEnum):
     """What became of a run of a batch."""
 
-    FINISHED = "finished"
-    """Processed now."""
+    FINISHED = "finished"  #: processed now
+    #: Its film existed, made from the same inputs and settings by the same version.
     FINISHED_BEFORE = "finished before"
-    """Its film existed, made from the same inputs and settings by the same version."""
-    REFUSED = "refused"
-    """Its input or its output cannot be used."""
-    DEFECT = "defect"
-    """A fault of erlif itself."""
+    REFUSED = "refused"  #: its input or its output cannot be used
+    DEFECT = "defect"  #: a fault of erlif itself
 
 
 @dataclass(frozen=True)

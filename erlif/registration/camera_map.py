@@ -24,10 +24,8 @@ from erlif.registration.settings import RegistrationSettings
 class MapKind(Enum):
     """What the displacement of a camera map is made of. The values are the words of the files."""
 
-    SURFACE = "surface"
-    """A polynomial or spline surface over the whole frame."""
-    LOCAL = "local windows"
-    """One displacement for each window, interpolated between the windows."""
+    SURFACE = "surface"  #: a polynomial or spline surface over the whole frame
+    LOCAL = "local windows"  #: one displacement for each window, interpolated between the windows
 
 
 @dataclass(frozen=True, repr=False)

@@ -98,20 +98,13 @@ def relax_pressure(
 class _Grid:
     """Nodes of one half of the length in the frame of half the bushing; lengths over the radius."""
 
-    angle: Array
-    """From the load line at the middle of the stroke, (around,). [rad]"""
-    face: Array
-    """Half-way between each node and the next, (around,). [rad]"""
-    area: Array
-    """Of the cells, (around, along)."""
-    reach: Array
-    """Distance to the next node round the circumference, (around, 1)."""
-    width: Array
-    """Of the cells along the axis, (along,)."""
-    pitch: Array
-    """Distance to the next node along the axis, (along - 1,)."""
-    held: Array
-    """1 at the end and along the line opposite to the load, (around, along)."""
+    angle: Array  # from the load line at the middle of the stroke, (around,). [rad]
+    face: Array  # half-way between each node and the next, (around,). [rad]
+    area: Array  # of the cells, (around, along)
+    reach: Array  # distance to the next node round the circumference, (around, 1)
+    width: Array  # of the cells along the axis, (along,)
+    pitch: Array  # distance to the next node along the axis, (along - 1,)
+    held: Array  # 1 at the end and along the line opposite to the load, (around, along)
 
 
 def _lay_grid(bearing: Bearing) -> _Grid:

@@ -123,8 +123,8 @@ class _Series(NamedTuple):
 
     point: Array  # Sommerfeld's variable, 0 to pi, (point,) [rad]
     weight: Array  # of an integral over half the circumference, (point,) [rad]
+    # Values with first and second derivatives, (point, term) each, even and odd.
     terms: tuple[tuple[Array, Array, Array], tuple[Array, Array, Array]]
-    """Values with first and second derivatives, (point, term) each, even and odd."""
 
 
 @cache

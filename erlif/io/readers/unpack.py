@@ -19,18 +19,12 @@ from erlif.core.arrays import AnyArray, Counts
 class Packing(Enum):
     """Order of the bits of packed pixels."""
 
-    HIGH_12 = 0
-    """12 bits, the highest first."""
-    LOW_12 = 1
-    """12 bits, the lowest first: Mono12p."""
-    SPLIT_12 = 2
-    """12 bits, the low four of two pixels in a byte between: Mono12Packed."""
-    HIGH_10 = 3
-    """10 bits, the highest first."""
-    LOW_10 = 4
-    """10 bits, the lowest first: Mono10p."""
-    SPLIT_10 = 5
-    """10 bits, the low two of two pixels in a byte between: Mono10Packed."""
+    HIGH_12 = 0  #: 12 bits, the highest first
+    LOW_12 = 1  #: 12 bits, the lowest first: Mono12p
+    SPLIT_12 = 2  #: 12 bits, the low four of two pixels in a byte between: Mono12Packed
+    HIGH_10 = 3  #: 10 bits, the highest first
+    LOW_10 = 4  #: 10 bits, the lowest first: Mono10p
+    SPLIT_10 = 5  #: 10 bits, the low two of two pixels in a byte between: Mono10Packed
 
     @property
     def bits(self) -> int:

@@ -212,8 +212,8 @@ class RoundBore:
     angle and `turned` is the angle of the crank against the rod. [m, rad]
     """
 
+    #: Share of the penetration by which the sliding surface lies within the pin: the bore.
     sunk = 1.0
-    """Share of the penetration by which the sliding surface lies within the pin: the bore."""
 
     def __init__(self, law: ContactLaw, clearance: float) -> None:
         self.stiffness, self.clearance = law.stiffness, clearance
@@ -248,8 +248,7 @@ class WornBore:
     `RoundBore`.
     """
 
-    sunk = 0.0
-    """The wall yields to the pin, so that they slide on the surface of the pin."""
+    sunk = 0.0  #: the wall yields to the pin, so that they slide on the surface of the pin
 
     def __init__(self, law: ContactLaw, clearance: float, worn: xr.Dataset) -> None:
         depth, pin_depth, angle = _profiles(worn)

@@ -96,22 +96,15 @@ def restore_images(
 class _Stored:
     """What a film stores of the stages before its maps."""
 
-    settings: RunSettings
-    """Settings of the run."""
-    camera_map: CameraMap
-    """Camera map, with the mean drift taken up."""
-    blur: BlurDifference
-    """Difference of sharpness. [px2]"""
-    trigger_of: npt.NDArray[np.int64]
-    """(frame,): trigger of each frame."""
+    settings: RunSettings  # settings of the run
+    camera_map: CameraMap  # camera map, with the mean drift taken up
+    blur: BlurDifference  # difference of sharpness. [px2]
+    trigger_of: npt.NDArray[np.int64]  # (frame,): trigger of each frame
+    # (frame, axis x y): drift on top of the camera map; NaN where it is not known. [px]
     drift: Array
-    """(frame, axis x y): drift on top of the camera map; NaN where it is not known. [px]"""
-    files: tuple[list[str], list[str]]
-    """File of each frame, camera 1 and camera 2."""
-    x: xr.DataArray
-    """Columns in the object plane. [mm]"""
-    y: xr.DataArray
-    """Rows in the object plane. [mm]"""
+    files: tuple[list[str], list[str]]  # file of each frame, camera 1 and camera 2
+    x: xr.DataArray  # columns in the object plane. [mm]
+    y: xr.DataArray  # rows in the object plane. [mm]
 
 
 def _read_stored(film_path: Path, trigger: int) -> _Stored:
