@@ -3,13 +3,9 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.orbits import RIG, SPEED
 
-from erlif.models.mechanism import CrankRocker, SliderCrank
-
-RIG = CrankRocker(
-    crank=0.055, coupler=0.44, rocker=0.26, ground=0.51
-)  # Farzaneh (2002), appendix A.2
-SPEED = 114 * 2 * np.pi / 60
+from erlif.models.mechanism import SliderCrank
 
 
 def test_rocker_angle_against_pylinkage():

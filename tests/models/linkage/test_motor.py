@@ -2,12 +2,10 @@
 
 import numpy as np
 import numpy.testing as npt
+from scenes.orbits import RIG, SPEED
 
 from erlif.models.linkage import choose_motor, drive_power
-from erlif.models.mechanism import CrankRocker
 
-RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
-SPEED = 114 * np.pi / 30
 HP = 745.7  # W
 TORQUE = 0.15 * 1e5 * 4.4482216152605 * 1.25 * 0.0254  # Farzaneh (2002), appendix A.3
 

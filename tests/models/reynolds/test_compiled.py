@@ -3,17 +3,11 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.orbits import RIG
 
-from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Groove, Journal, Mount, crank_motion, solve_journal
 
-MOTION = crank_motion(
-    CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51),
-    crank_speed=12.0,
-    load=222.4,
-    cycles=0.6,
-    steps_per_cycle=60,
-)
+MOTION = crank_motion(RIG, crank_speed=12.0, load=222.4, cycles=0.6, steps_per_cycle=60)
 CASES = {
     "free": ({}, {}),
     "long, guided, with cavities": (

@@ -2,15 +2,13 @@
 
 import numpy as np
 import numpy.testing as npt
+from scenes.orbits import RIG, SPEED
+from scenes.orbits import STATED as JOINT
 
-from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal, Motion, crank_motion, solve_journal
 from erlif.models.reynolds.full_film import FullFilm, follow_full_film
 from erlif.rig.orbit import Bearing, Mobility
 
-RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
-SPEED = 114 * 2 * np.pi / 60
-JOINT = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
 LONG = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
 FILMS = np.array([1.0, 0.7, 0.2, 0.05, 0.01, 0.002])
 

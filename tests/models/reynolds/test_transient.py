@@ -2,14 +2,12 @@
 
 import numpy as np
 import numpy.testing as npt
+from scenes.orbits import RIG, SPEED
 from scipy.integrate import solve_ivp
 
-from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal, Motion, crank_motion, solve_journal
 
-RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
 LOAD = 50 * 4.4482216152605  # N
-SPEED = 114 * 2 * np.pi / 60
 FULL = -1e9  # cavitation pressure of a film that never ruptures [Pa]
 
 
