@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from damages.bench import copy_rig
 from damages.frames import FRAMES
 from damages.logs import LOGS, PROFILES
-from damages.products import CALIBRATIONS, FILMS, OUTPUTS, TABLES, USAGE
+from damages.products import CALIBRATIONS, FILMS, OUTPUTS, PLACES, TABLES, USAGE
 from damages.settings import SETTINGS
 from scenes.film import make_film
 from scenes.messages import STEPS
@@ -26,7 +26,8 @@ from erlif.commands.main import main
 pytestmark = pytest.mark.slow
 
 CATALOGUE = [
-    *(*SETTINGS, *FRAMES, *LOGS, *PROFILES, *CALIBRATIONS, *FILMS, *OUTPUTS, *USAGE, *TABLES)
+    *(*SETTINGS, *FRAMES, *LOGS, *PROFILES, *CALIBRATIONS, *FILMS, *OUTPUTS, *USAGE, *TABLES),
+    *PLACES,
 ]
 
 LONGEST = 20.0

@@ -1,7 +1,5 @@
 """Damaged frames, darks and flats."""
 
-import os
-
 import numpy as np
 import tifffile
 from PIL import Image
@@ -50,16 +48,6 @@ def _picture(suffix, mode=None):
         bench.edit(bench.run / "run.toml", ("camera1/*.tif", f"camera1/*{suffix}"))
 
     return damage
-
-
-def _fifo(bench):
-    bench.frame(2).unlink()
-    os.mkfifo(bench.frame(2))
-
-
-def _device(bench):
-    bench.frame(2).unlink()
-    bench.frame(2).symlink_to("/dev/zero")
 
 
 def _dark(name, change, *words, flat=False):
@@ -120,13 +108,6 @@ FRAMES = [
         "there is none",
     ),
     _frame(
-        "folder in place of a frame",
-        lambda b: (b.frame(2).unlink(), b.frame(2).mkdir()),
-        "camera1 has 5, camera2 has 6",
-    ),
-    _frame("pipe", _fifo, "frame_0002.tif", "ordinary file"),
-    _frame("link to a device", _device, "--allow-outside"),
-    _frame(
         "link to nowhere",
         lambda b: (b.frame(2).unlink(), b.frame(2).symlink_to("nowhere.tif")),
         "frame_0002.tif",
@@ -180,8 +161,6 @@ FRAMES = [
     _frame("small", lambda b: b.all_frames(lambda i: i[:40, :40]), "at least 64 x 64 pixels"),
     # darks and flats
     _dark("cut", lambda b, p: b.write(p, p.read_bytes()[:9000]), "camera1_dark.tif"),
-    _dark("empty", lambda b, p: b.write(p, b""), "camera1_dark.tif", "empty"),
-    _dark("text", lambda b, p: b.write(p, "dark"), "camera1_dark.tif", "damaged"),
     _dark("missing", lambda b, p: p.unlink(), "camera1_dark.tif", "Put them there"),
     _dark("other shape", lambda b, p: b.pages(p, lambda i: i[:-1]), "camera1_dark.tif"),
     _dark("as bright as the frames", lambda b, p: b.pages(p, lambda i: i * 0 + 3900), "dark"),

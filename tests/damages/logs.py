@@ -1,7 +1,5 @@
 """Damaged encoder logs and profiles."""
 
-import os
-
 from damages.bench import TEXTS, Damage
 
 
@@ -18,21 +16,6 @@ def _rows(path, change):
 
 def _log(name, change, *words):
     return Damage(f"log: {name}", _rows("run/encoder.csv", change), "process run", words)
-
-
-def _special(name, path, make, command, *words):
-    """Another kind of file in the place of one."""
-
-    def damage(bench):
-        (bench.directory / path).unlink()
-        make(bench.directory / path)
-
-    return Damage(f"{path}: {name}", damage, command, words)
-
-
-def _sparse(path):
-    with path.open("wb") as file:
-        file.truncate(300_000_000)
 
 
 def _cell(row, column, value):
@@ -76,7 +59,7 @@ def _scale(factor):
 
 LOGS = [
     *(_log(name, _cell(*row[:3]), *row[3:]) for name, row in TEXTS["log_cells"].items()),
-    _log("empty", lambda rows: b"", "header"),
+    *(_log(name, _header(*row[:2]), *row[2:]) for name, row in TEXTS["log_headers"].items()),
     _log("header alone", lambda rows: rows[:1], "rows of numbers"),
     _log("one row", lambda rows: rows[:2], "rows"),
     _log("a row missing in the middle", lambda rows: [*rows[:3], *rows[4:]], "missing"),
@@ -88,21 +71,9 @@ LOGS = [
     _log("constant angle", _column("angle_deg", lambda k, v: "8.0"), "angle"),
     _log("time backwards", _column("time_s", lambda k, v: f"{1 - 0.1 * k:.3f}"), "time to rise"),
     _log("time stands still", _column("time_s", lambda k, v: "1.0"), "time to rise"),
-    _log("no angle", lambda rows: [row.replace("angle_deg", "note") for row in rows], "angle"),
-    _log("column twice", lambda rows: [rows[0].replace("time_s", "load_N"), *rows[1:]], "2 times"),
-    _log(
-        "name of a result",
-        lambda rows: [rows[0].replace("laser_mJ", "thickness"), *rows[1:]],
-        "Rename",
-    ),
-    _log("name with a stroke", _header("laser_mJ", "laser/mJ"), "column 6", "'laser/mJ'", "Rename"),
-    _log("angle without a unit", _header("angle_deg", "angle"), 'units = { angle = "deg" }'),
-    _log("angle in German", _header("angle_deg", "winkel"), "for the angle", 'angle = "NAME"'),
     _log("a cell too many", lambda rows: [*rows[:3], rows[3] + ",7", *rows[4:]], "6 values"),
     _log("blank row", lambda rows: [*rows[:3], "", *_cell(4, "angle_deg", "x")(rows)[3:]], "row 5"),
     _log("no header", lambda rows: rows[1:], "header"),
-    _log("JSON", lambda rows: b'{"angle_deg": [1, 2, 3]}', "encoder.csv"),
-    _log("web page", lambda rows: b"<html>\n<body>\n</body>\n</html>\n", "encoder.csv"),
     _log("bytes of zero", lambda rows: bytes(4000), "bytes of zero"),
     _log("binary", lambda rows: bytes(range(1, 256)) * 20, "encoder.csv"),
     _log(
@@ -113,36 +84,13 @@ LOGS = [
     _log("decimal commas", lambda rows: [row.replace(".", ",") for row in rows], "decimal"),
     _log("one line of 2 MB", lambda rows: b"frame," * 350_000, "encoder.csv"),
     _log("quote without an end", lambda rows: [rows[0], '"' + rows[1], *rows[2:]], "encoder.csv"),
-    _special("pipe", "run/encoder.csv", os.mkfifo, "process run", "pipe", "file in"),
-    _special(
-        "link to an endless device",
-        "run/encoder.csv",
-        lambda path: path.symlink_to("/dev/zero"),
-        "process run --allow-outside",
-        "it is a device",
-    ),
-    _special(
-        "link out of the run",
-        "run/encoder.csv",
-        lambda path: path.symlink_to("/etc/hostname"),
-        "process run",
-        "--allow-outside",
-    ),
-    _special("300 MB of nothing", "run/encoder.csv", _sparse, "process run", "MB"),
-    _special("folder", "run/encoder.csv", os.mkdir, "process run", "encoder.csv"),
-    _special("pipe", "run/run.toml", os.mkfifo, "process run", "it is a pipe"),
-    _special("folder", "run/run.toml", os.mkdir, "process run", "it is a directory"),
-    _special("300 MB of nothing", "run/run.toml", _sparse, "process run", "at most 1 MB"),
-    _special("pipe", "fixture/fixture.toml", os.mkfifo, "calibrate fixture --overwrite", "a pipe"),
 ]
-"""Logs, and files of another kind in the place of text."""
 
 PROFILES = [
     *(
         _profile(name, lambda rows, row=row: [*rows[:4], row, *rows[5:]], *words)
         for name, (row, *words) in TEXTS["profile_rows"].items()
     ),
-    _profile("empty", lambda rows: b"", "x_mm,thickness_um"),
     _profile("header alone", lambda rows: rows[:1], "at least 8 points"),
     _profile("too short", lambda rows: rows[:7], "at least 8 points"),
     _profile("other header", lambda rows: ["x,thickness", *rows[1:]], "x_mm,thickness_um"),
@@ -162,19 +110,6 @@ PROFILES = [
     _profile("thickness in mm for um", _scale(1e-3), "film"),
     _profile("thickness in nm for um", _scale(1e3), "numbers in nm"),
     _profile("upside down", _scale(-1.0), "thickness"),
-    _special(
-        "pipe", "fixture/profile.csv", os.mkfifo, "calibrate fixture --overwrite", "it is a pipe"
-    ),
-    _special(
-        "link to an endless device",
-        "fixture/profile.csv",
-        lambda path: path.symlink_to("/dev/zero"),
-        "calibrate fixture --overwrite --allow-outside",
-        "it is a device",
-    ),
-    _special(
-        "300 MB of nothing", "fixture/profile.csv", _sparse, "calibrate fixture --overwrite", "MB"
-    ),
 ]
 
 

@@ -126,8 +126,6 @@ CALIBRATIONS = [
     _calibration("later format", _attribute("format_version", 99), "later version of erlif"),
     _calibration("inverse ratio", _attribute("ratio_direction", "camera1/camera2"), "again"),
     _bytes("cut", "fixture/calibration.nc", lambda d: d[:4000], INTO, "erlif calibrate"),
-    _bytes("empty", "fixture/calibration.nc", b"", INTO, "erlif calibrate"),
-    _bytes("text", "fixture/calibration.nc", b"K = 0.3", INTO, "erlif calibrate"),
     _bytes(
         "a film",
         "fixture/calibration.nc",
@@ -180,22 +178,8 @@ FILMS = [
         lambda f: (_without("load")(f), f.create_dataset("load", (10**9,), "f8", chunks=(9,))),
         "claims 8.0 GB",
     ),
-    _bytes("empty", "films/film.nc", b"", "figures films/film.nc", "erlif process"),
-    _bytes("text", "films/film.nc", b"film", "report films/film.nc", "erlif process"),
     _bytes("cut", "films/film.nc", lambda d: d[: len(d) // 2], "figures films/film.nc", "process"),
     _bytes("head alone", "films/film.nc", lambda d: d[:100], "report films/film.nc", "process"),
-    _state(
-        "film: pipe",
-        lambda b: (b.film.unlink(), os.mkfifo(b.film)),
-        "figures films/film.nc",
-        "not a regular file",
-    ),
-    _state(
-        "film: zarr without a description",
-        lambda b: (b.run / "film.zarr").mkdir(),
-        "figures run/film.zarr",
-        "zarr.json",
-    ),
     _state(
         "film: zarr of nonsense",
         lambda b: ((b.run / "film.zarr").mkdir(), b.write(b.run / "film.zarr/zarr.json", "[]")),
@@ -221,64 +205,16 @@ OUTPUTS = [
         "process run",
         "--overwrite",
     ),
-    _state(
-        "output: somebody's page in the place of the film",
-        lambda b: b.write(b.run / "film.nc", "my page"),
-        "process run --overwrite",
-        "does not replace",
-    ),
-    _state(
-        "output: folder in the place of the film",
-        lambda b: (b.run / "film.nc").mkdir(),
-        "process run --overwrite",
-        "does not replace",
-    ),
     _state("output: foreign work under its name", _foreign_partial, "process run", "partial"),
-    _state(
-        "output: a file in the place of the partial film",
-        lambda b: b.write(b.run / "film.nc.partial", "mine"),
-        "process run",
-        "partial",
-    ),
-    _state(
-        "output: a file in the place of the folder of figures",
-        lambda b: b.write(b.directory / "films/figures", "mine"),
-        "figures films/film.nc",
-        "is a file",
-    ),
-    _state(
-        "output: somebody's page in the place of the report",
-        lambda b: b.write(b.directory / "films/report.html", "<p>mine</p>"),
-        "report films/film.nc --overwrite",
-        "does not replace",
-    ),
-    _state(
-        "output: somebody's file in the place of the calibration",
-        lambda b: b.write(b.calibration, "mine"),
-        "calibrate fixture --overwrite",
-        "does not replace",
-    ),
 ]
 
 USAGE = [
     *(_state(name, _nothing, *row) for name, row in TEXTS["usage"].items()),
     _state(
-        "usage: page of check over a report",
-        lambda b: b.write(b.directory / "a.html", "<p>mine</p>"),
-        "check run --html a.html",
-        "--overwrite",
-    ),
-    _state(
         "usage: scheduler file of nonsense",
         lambda b: b.write(b.directory / "dask.json", "[" * 100_000),
         "process run --scheduler dask.json",
         "dask scheduler --scheduler-file",
-    ),
-    _state(
-        "usage: scheduler file is a pipe",
-        lambda b: os.mkfifo(b.directory / "dask.json"),
-        "process run --scheduler dask.json",
-        "it is a pipe",
     ),
 ]
 
@@ -295,10 +231,39 @@ def _table(name, content, *words):
 TABLES = [
     *(_table(name, *row) for name, row in TEXTS["runs"].items()),
     _table("binary", bytes(range(128, 256)), "UTF-8"),
-    _state(
-        "table of runs: pipe",
-        lambda b: os.mkfifo(b.directory / "runs.csv"),
-        "batch runs.csv",
-        "it is a pipe",
-    ),
 ]
+
+
+def _written(name, path, content, command, *words):
+    return Damage(name, lambda b: b.write(b.directory / path, content), command, words)
+
+
+def _nothing_in_it(path):
+    with path.open("wb") as file:
+        file.truncate(300_000_000)
+
+
+KINDS = {
+    "pipe": os.mkfifo,
+    "folder": os.mkdir,
+    "device": lambda path: path.symlink_to("/dev/zero"),
+    "link": lambda path: path.symlink_to("/etc/hostname"),
+    "nothing": _nothing_in_it,
+}
+
+
+def _special(name, path, kind, command, *words):
+    """Another kind of file in the place of one."""
+
+    def damage(bench):
+        (bench.directory / path).unlink(missing_ok=True)
+        KINDS[kind](bench.directory / path)
+
+    return Damage(name, damage, command, words)
+
+
+PLACES = [
+    *(_written(name, *row) for name, row in TEXTS["written"].items()),
+    *(_special(name, *row) for name, row in TEXTS["special"].items()),
+]
+"""Something else in the place of a file, or in the way of an output."""
