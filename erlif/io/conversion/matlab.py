@@ -126,7 +126,8 @@ def _append_map(file: BinaryIO, name: str, maps: _Maps, images: Iterator[AnyArra
         struct.pack("<IIII", _UINT32, 8, kind, 0)
         + struct.pack("<IIiiii", _INT32, 12, rows, columns, maps.number, 0)
         + struct.pack("<II", _INT8, len(letters))
-        + _padded(letters)
+        + letters
+        + bytes(-len(letters) % 8)
         + struct.pack("<II", stored, maps.size)
     )
     fill = -maps.size % 8
@@ -143,11 +144,6 @@ def _append_map(file: BinaryIO, name: str, maps: _Maps, images: Iterator[AnyArra
     file.seek(start)
     file.write(struct.pack("<II", _COMPRESSED, end - start - 8))
     file.seek(end)
-
-
-def _padded(content: bytes) -> bytes:
-    """Bytes up to the next multiple of eight."""
-    return content + bytes(-len(content) % 8)
 
 
 def _header_text(version: str) -> bytes:

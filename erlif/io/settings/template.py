@@ -101,7 +101,8 @@ def write_template(
     for table in tables_of(kind):
         # a table with several forms is written in one of them; optional inner tables are
         # written in one line with the keys of the table around them
-        if table.title in seen or not _is_written(table) or table.path[:1] in left_out:
+        inner = not table.required and len(table.path) > 1
+        if table.title in seen or inner or table.path[:1] in left_out:
             continue
         if _form_of(table) != (forms or {}).get(table.title, _form_of(table)):
             continue
@@ -141,10 +142,6 @@ def write_example(
         for key, value in keys.items()
     }
     return write_template(kind, values, {}, leave_out=leave_out, head=table["head"])
-
-
-def _is_written(table: Table) -> bool:
-    return table.required or len(table.path) <= 1
 
 
 def _form_of(table: Table) -> str:

@@ -109,10 +109,9 @@ def _make_table(path: Path, kind: str, found: list[tuple[str, str, AnyArray]]) -
 
 def _texts(values: AnyArray) -> tuple[Any, Mapping[int, str]]:
     """Numbers, and the places of those that are not finite."""
-    numbers = np.asarray(values, np.float64)
+    numbers = np.array(values, np.float64)
     off = np.flatnonzero(~np.isfinite(numbers))
     texts = {int(place): str(numbers[place]) for place in off}
-    numbers = numbers.copy()
     numbers[off] = np.nan
     return numbers, texts
 
@@ -210,18 +209,13 @@ def _read_hdf5(path: Path) -> _Found:
         _check_size(sum(int(item.size) for _, item in datasets), path)
         for name, item in datasets:
             if item.dtype.kind in "fiubV":
-                _check_storage(name, item)
+                refuse_elsewhere(name, item)
+                if chunk_size(item) > LARGEST_FILE:
+                    held = f"a chunk of {chunk_size(item) / 1e6:.0f} MB"
+                    raise ValueError(f"numbers of {name} are in {held}")
                 if item.size and not find_chunks(item).all():
                     raise ValueError(f"numbers of {name} are not in the file")
                 yield from _vectors(name, item[()], _unit(item.attrs))
-
-
-def _check_storage(name: str, item: Any) -> None:
-    """Refuse numbers of another file, and a chunk that a memory does not hold."""
-    refuse_elsewhere(name, item)
-    chunk = chunk_size(item)
-    if chunk > LARGEST_FILE:
-        raise ValueError(f"numbers of {name} are in a chunk of {chunk / 1e6:.0f} MB")
 
 
 def _unit(attributes: Mapping[str, Any]) -> str:

@@ -206,22 +206,16 @@ def refuse_bad_rows(table: LogTable, used: Sequence[LogColumn]) -> None:
     if not places:
         return
 
-    cure = table.use.bad_rows
+    key = "no_number"
     if _COMMA.fullmatch(got):
-        cure = (
-            "A comma within quotes may be decimal or separate thousands: write decimal points, or "
-            "separate the columns with semicolons."
-        )
+        key = "quoted_comma"
     elif len(places) == len(table.rows):
-        cure = (
-            "Choose another column, or export the log with numbers; times may be HH:MM:SS, with "
-            "the date before them."
-        )
+        key = "no_number_at_all"
     raise table.refusal(
-        "no_number",
+        key,
         rows=count_of(len(places), "row"),
         all=len(table.rows),
         have="has" if len(places) == 1 else "have",
         listed="; ".join(found),
-        cure=cure,
+        cure=table.use.bad_rows,
     )

@@ -275,8 +275,8 @@ def find_columns(table: LogTable, choice: ColumnChoice) -> tuple[dict[str, LogCo
     remarks = [f"{quantity} from column {column.name!r}" for quantity, column in found.items()]
     for name, (quantity, _) in CONTRACT.items():
         if quantity not in found and name in by_name and by_name[name] not in found.values():
-            if table.names.count(name) > 1:
-                _refuse_twice(name, table)
+            if (count := table.names.count(name)) > 1:
+                raise table.refusal("column_twice", name=name, count=count)
             found[quantity] = by_name[name]
     for quantity, pattern in _OBVIOUS.items():
         if quantity in found:
@@ -390,7 +390,12 @@ def convert_columns(
             continue
         fault = _name_fault(column.name, counts)
         if fault and strict and not choice.names:
-            _refuse_name(column.name, place, fault, table)
+            if counts[column.name] > 1:
+                raise table.refusal("column_twice", name=column.name, count=counts[column.name])
+            known = ", ".join(CONTRACT)
+            raise table.refusal(
+                "column_name", known=known, place=place, name=column.name, fault=fault
+            )
         if fault:
             left_out.append(column.name)
         else:
@@ -408,17 +413,6 @@ def _name_fault(name: str, counts: Counter[str]) -> str:
     if name in _RESERVED:
         return "which erlif uses itself"
     return "" if _FURTHER_COLUMN.fullmatch(name) else "which a film file cannot hold"
-
-
-def _refuse_name(name: str, place: int, fault: str, table: LogTable) -> None:
-    if fault == "twice":
-        _refuse_twice(name, table)
-    known = ", ".join(CONTRACT)
-    raise table.refusal("column_name", known=known, place=place, name=name, fault=fault)
-
-
-def _refuse_twice(name: str, table: LogTable) -> None:
-    raise table.refusal("column_twice", name=name, count=table.names.count(name))
 
 
 def _check_whole(values: Array, column: LogColumn, table: LogTable) -> None:

@@ -231,16 +231,15 @@ def _find_layout(text: io.TextIOWrapper, wanted: Collection[str], path: Path) ->
         number, names = found
         return _Layout(separator, names, [split_unit(name)[1] for name in names], number, number)
 
-    # rows of units between header and numbers
+    # a row of units between header and numbers
     number, names = plain[header]
     units = [split_unit(name)[1] for name in names]
-    for row, cells in plain[header + 1 : first]:
-        if not _is_unit_row(cells, names):
-            break
-        for place, cell in enumerate(cells[: len(units)]):
+    last = number
+    if header + 1 < first and _is_unit_row(plain[header + 1][1], names):
+        last, cells = plain[header + 1]
+        for place, cell in enumerate(cells):
             units[place] = cell.strip("[]()<> ") or units[place]
-        return _Layout(separator, names, units, number, row)
-    return _Layout(separator, names, units, number, number)
+    return _Layout(separator, names, units, number, last)
 
 
 def _score(rows: Sequence[_Row], separator: str, wanted: Collection[str]) -> int:
@@ -379,7 +378,9 @@ def _read_rows(
         while len(cells) > width and not cells[-1]:  # a separator at the end of the row
             cells.pop()
         if len(cells) != width:
-            _refuse_length(number, len(cells), layout, path)
+            longer = len(cells) > width and separator == ","
+            key = "decimal_commas" if longer else "row_length"
+            raise refusal(key, path=path, width=width, number=number, length=len(cells))
 
         place = len(rows)
         rows.append(number)
@@ -401,17 +402,6 @@ def _read_rows(
     if not rows:
         raise refusal("few_rows", path=path, count=1)
     return builders, rows.tolist()
-
-
-def _refuse_length(number: int, length: int, layout: _Layout, path: Path) -> None:
-    width = len(layout.names)
-    comma = ""
-    if length > width and layout.separator == ",":
-        comma = (
-            " A decimal comma makes two values of one: separate the columns with semicolons, or "
-            "write decimal points."
-        )
-    raise refusal("row_length", path=path, width=width, number=number, length=length, comma=comma)
 
 
 def _check_decimals(builders: Sequence[_Builder], path: Path) -> str:
