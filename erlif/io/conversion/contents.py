@@ -11,10 +11,10 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import AnyArray
-from erlif.core.errors import ErlifError
 from erlif.core.progress import Progress
 from erlif.core.variables import FILM
 from erlif.io.files import check_trigger, takes
+from erlif.io.refusals import refusal
 
 # Maps of a film, in the order in which they are written.
 MAPS = ("thickness", "thickness_std", "thickness_std_shared", "flags")
@@ -200,10 +200,7 @@ def choose_trigger(
     3
     """
     if trigger is not None and angle is not None:
-        raise ErlifError(
-            f"Expected a trigger or an angle; got trigger {trigger} and angle {angle:g}. Give one "
-            "of them."
-        )
+        raise refusal("trigger_and_angle", trigger=trigger, angle=angle)
     if trigger is not None:
         check_trigger(film, trigger)
         return trigger
@@ -214,10 +211,7 @@ def _nearest(film: xr.Dataset, angle: float) -> int:
     """Trigger nearest to an angle. [degree]"""
     name = next((each for each in ("crank_angle", "encoder_angle") if each in film), None)
     if name is None:
-        raise ErlifError(
-            f"Expected a film with angles to find the trigger at {angle:g} degree; this one has "
-            "none. Choose the trigger by its number."
-        )
+        raise refusal("no_angles", angle=angle)
     angles = film[name].values.astype(float)
     distance = np.abs(angles - angle)
     if name == "crank_angle":  # it starts again after a turn
@@ -226,9 +220,8 @@ def _nearest(film: xr.Dataset, angle: float) -> int:
     nearest = int(np.nanargmin(distance))
     steps = np.diff(np.unique(angles[np.isfinite(angles)]))
     if distance[nearest] > (np.median(steps) if steps.size else _NEAR):
-        raise ErlifError(
-            f"Expected the {name.replace('_', ' ')} of a trigger; got {angle:g} degree. Choose an "
-            f"angle near it; of all triggers, that at {angles[nearest]:.2f} degree is the nearest."
+        raise refusal(
+            "angle_of_no_trigger", name=name.replace("_", " "), angle=angle, nearest=angles[nearest]
         )
     return nearest
 

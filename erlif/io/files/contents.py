@@ -8,11 +8,12 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.errors import ErlifError, OutputError
+from erlif.core.errors import OutputError
 from erlif.core.flags import count_flags
 from erlif.io.files.film import open_film
 from erlif.io.files.soundness import read_settings
 from erlif.io.files.wanted import takes
+from erlif.io.refusals import refusal
 from erlif.io.settings import RegionOfInterest, RunSettings
 
 
@@ -45,10 +46,7 @@ def settings_of(film: xr.Dataset) -> RunSettings:
         return read_settings(str(film.attrs["settings"]))
     except (KeyError, ValueError) as error:
         reason = "there are none" if isinstance(error, KeyError) else error
-        raise OutputError(
-            f"Expected the settings among the attributes of the film, as erlif process writes "
-            f"them; {reason}. Make the film again with: erlif process RUN_DIR"
-        ) from error
+        raise refusal("film_settings", reason=reason) from error
 
 
 @takes(film="part of a film")
@@ -151,10 +149,7 @@ Choose one of them.
     """
     count = film.sizes["trigger"]
     if not 0 <= trigger < count:
-        raise ErlifError(
-            f"Expected a trigger from 0 to {count - 1}, as many as the film has; got {trigger}. "
-            "Choose one of them."
-        )
+        raise refusal("no_such_trigger", most=count - 1, trigger=trigger)
 
 
 @takes(film="part of a film")

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from erlif.io.ingest.images import match_files
-from erlif.io.ingest.refusals import refusal
+from erlif.io.refusals import refusal
 from erlif.io.settings import FixtureSettings, RunSettings
 
 # Endings of files that are read together with others of their name.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Counts
-from erlif.io.ingest.refusals import refusal
+from erlif.io.refusals import refusal
 
 # Highest count: a camera has at most 16 bits.
 _MOST = 65535

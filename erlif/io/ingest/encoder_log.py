@@ -17,7 +17,7 @@ from erlif.io.ingest.logs.resample import FEWEST_SAMPLES, ContinuousLog, unwrap_
 from erlif.io.ingest.logs.table import LogColumn, LogTable
 from erlif.io.ingest.logs.text import read_log_table
 from erlif.io.ingest.pairing import frame_numbers
-from erlif.io.ingest.refusals import refusal
+from erlif.io.refusals import refusal
 
 
 class ReadLog(NamedTuple):

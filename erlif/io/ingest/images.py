@@ -24,10 +24,10 @@ from erlif.io.ingest.counts import (
     convert_counts,
     count_padding,
 )
-from erlif.io.ingest.refusals import refusal
 from erlif.io.ingest.selection import WHOLE, Selection
 from erlif.io.readers import FrameKind, borrow_frames, open_frames
 from erlif.io.readers.base import TRUNCATED, describe_shape
+from erlif.io.refusals import refusal
 
 
 @dataclass(frozen=True)

@@ -21,10 +21,10 @@ from erlif.io.ingest.images import (
     read_page,
     with_advice,
 )
-from erlif.io.ingest.refusals import refusal
 from erlif.io.ingest.selection import WHOLE, Selection, may_share_files
 from erlif.io.readers import FrameKind
 from erlif.io.readers.base import describe_shape
+from erlif.io.refusals import refusal
 
 # Least width and height of a frame: registration needs several windows along each axis. [px]
 _SMALLEST = 64

@@ -19,8 +19,8 @@ from erlif.io.ingest.frames import FramePairs
 from erlif.io.ingest.logs.columns import MEANINGS, ColumnChoice
 from erlif.io.ingest.logs.resample import ContinuousLog, find_pulses, sample_log
 from erlif.io.ingest.pairing import pair_cameras
-from erlif.io.ingest.refusals import refusal
 from erlif.io.ingest.selection import select_counts
+from erlif.io.refusals import refusal
 from erlif.io.settings import (
     CameraSettings,
     EncoderSettings,

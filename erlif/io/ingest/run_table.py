@@ -8,7 +8,7 @@ from pathlib import Path
 
 from erlif.core.bounded import read_rows
 from erlif.core.errors import ConfigError
-from erlif.io.ingest.refusals import refusal
+from erlif.io.refusals import refusal
 
 _COLUMNS = ("run_dir", "calibration", "output")
 

@@ -8,8 +8,8 @@ from typing import Literal
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError
-from erlif.io.ingest.refusals import refusal
 from erlif.io.readers import FrameFile
+from erlif.io.refusals import refusal
 from erlif.io.settings import CameraSettings
 
 # Parts of one file that belong to two cameras; any two channels do as well.

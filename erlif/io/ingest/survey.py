@@ -23,10 +23,10 @@ from erlif.core.errors import FrameError
 from erlif.io.ingest.counts import FEW_LEVELS, count_padding
 from erlif.io.ingest.images import Page, match_files, natural_key, read_headers, read_page
 from erlif.io.ingest.logs.proposal import LOG_SUFFIXES
-from erlif.io.ingest.refusals import refusal
 from erlif.io.ingest.selection import WHOLE, Selection
 from erlif.io.ingest.shared import SharedFile, find_cameras_in_file
 from erlif.io.readers.hdf5 import list_datasets
+from erlif.io.refusals import refusal
 
 # Formats in which cameras store grey counts, and which erlif has a reader for.
 IMAGE_SUFFIXES = frozenset(

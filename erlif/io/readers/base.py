@@ -15,15 +15,13 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import ErlifError, FrameError
-from erlif.core.refusals import refusal_writer
 from erlif.core.tables import read_table
 from erlif.io.readers.source import Source
+from erlif.io.refusals import refusal
 
 # Frames of one file above which its header is damaged: a day at 46 frames a second.
 MOST_FRAMES = 4_000_000
 
-
-refusal = refusal_writer("erlif.io.readers")
 
 # Layouts of the headers of camera files.
 LAYOUTS = read_table("erlif.io.readers", "headers.toml")

@@ -12,9 +12,10 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim, refusal
+from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
+from erlif.io.refusals import refusal
 
 # Sizes of the blocks of a file and of the entries of a header. [byte]
 _BLOCK, _CARD = 2880, 80

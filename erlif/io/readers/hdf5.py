@@ -12,7 +12,8 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Array, Mask
 from erlif.core.errors import FrameError, reason_of
 from erlif.core.hdf5 import SIGNATURE, chunk_count, chunk_size, filters_of, find_chunks, open_hdf5
-from erlif.io.readers.base import SECONDS, Format, FrameFile, FrameKind, check_claim, refusal
+from erlif.io.readers.base import SECONDS, Format, FrameFile, FrameKind, check_claim
+from erlif.io.refusals import refusal
 
 # Decoded bytes per byte of a file that deflate can reach.
 _DENSEST = 1100

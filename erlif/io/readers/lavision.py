@@ -19,10 +19,11 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim, read_header, refusal
+from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim, read_header
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 from erlif.io.readers.unpack import Packing, unpack
+from erlif.io.refusals import refusal
 
 _HEADER_SIZE = 256
 

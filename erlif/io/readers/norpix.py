@@ -16,16 +16,10 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import (
-    MOST_FRAMES,
-    Format,
-    FrameFile,
-    colour_camera,
-    read_header,
-    refusal,
-)
+from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile, colour_camera, read_header
 from erlif.io.readers.raw import FrameLayout, RawFrames, count_frames, frame_interval
 from erlif.io.readers.source import Source
+from erlif.io.refusals import refusal
 
 _MAGIC = b"\xed\xfe\0\0"
 

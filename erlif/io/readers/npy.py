@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import Format, FrameFile, check_claim, refusal
+from erlif.io.readers.base import Format, FrameFile, check_claim
 from erlif.io.readers.raw import FrameLayout, RawFrames
+from erlif.io.refusals import refusal
 
 _START = b"\x93NUMPY"
 

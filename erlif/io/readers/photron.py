@@ -15,10 +15,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import LAYOUTS, Format, FrameFile, colour_camera, refusal
+from erlif.io.readers.base import LAYOUTS, Format, FrameFile, colour_camera
 from erlif.io.readers.raw import FrameLayout, RawFrames, frame_interval
 from erlif.io.readers.source import find_beside, read_text
 from erlif.io.readers.unpack import Packing
+from erlif.io.refusals import refusal
 
 # Endings of the headers, the newer form first.
 _HEADERS = (".cihx", ".cih")
@@ -111,11 +112,11 @@ def open_photron(path: Path) -> FrameFile:
     if path.suffix.lower() in _HEADERS:
         header_path, counts_path = path, find_beside(path, (".mraw",))
         if counts_path is None:
-            raise refusal("no_counts", stem=path.stem)
+            raise refusal("no_mraw_beside", stem=path.stem)
     else:
         found, counts_path = find_beside(path, _HEADERS), path
         if found is None:
-            raise refusal("no_header", stem=path.stem)
+            raise refusal("no_cihx_beside", stem=path.stem)
         header_path = found
 
     header = read_photron_header(read_text(header_path))

@@ -10,9 +10,10 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError, reason_of
-from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim, refusal
+from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
+from erlif.io.refusals import refusal
 
 # Decoded bytes per byte of a file that deflate can reach.
 _DENSEST = 1100

@@ -14,7 +14,7 @@ from pathlib import Path
 from erlif.core.errors import FrameError
 from erlif.core.guarded import file_stamp
 from erlif.io.readers.avi import AVI
-from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile, refusal
+from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile
 from erlif.io.readers.fits import FITS
 from erlif.io.readers.genicam import GENICAM
 from erlif.io.readers.hdf5 import HDF5
@@ -27,6 +27,7 @@ from erlif.io.readers.photron import PHOTRON
 from erlif.io.readers.pictures import BMP, LOSSY, PGM, PNG
 from erlif.io.readers.princeton import PRINCETON
 from erlif.io.readers.tiff import TIFF
+from erlif.io.refusals import refusal
 
 # The formats of erlif, in the order in which a file is compared with them.
 FORMATS: tuple[Format, ...] = (

@@ -17,18 +17,11 @@ import tifffile
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError, reason_of
-from erlif.io.readers.base import (
-    MOST_FRAMES,
-    TRUNCATED,
-    Format,
-    FrameFile,
-    FrameKind,
-    check_claim,
-    refusal,
-)
+from erlif.io.readers.base import MOST_FRAMES, TRUNCATED, Format, FrameFile, FrameKind, check_claim
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 from erlif.io.readers.tiff_metadata import read_description
+from erlif.io.refusals import refusal
 
 # faults of a file are raised; without a handler Python would print what tifffile logs about them
 logging.getLogger("tifffile").addHandler(logging.NullHandler())

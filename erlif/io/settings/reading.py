@@ -15,6 +15,7 @@ from pydantic_core import ErrorDetails
 
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import ConfigError
+from erlif.io.refusals import refusal
 from erlif.io.settings.design import DesignSettings
 from erlif.io.settings.endurance import EnduranceSettings
 from erlif.io.settings.keys import Key, keys_of, tables_in
@@ -179,9 +180,7 @@ def settings_of(
     if isinstance(source, Settings):
         return source, folder or Path()
     if not isinstance(source, str | os.PathLike):
-        raise ConfigError(
-            f"Expected the name of a file, or settings; got {type(source).__name__}. Name the file."
-        )
+        raise refusal("no_settings", kind=type(source).__name__)
     path = Path(source)
     return read(path), folder or path.parent
 
@@ -216,9 +215,7 @@ def _load(path: Path, kind: type[_Settings]) -> _Settings:
     head = ["and correct these:"] if faults else []
     listed = "\n".join([*(f"  {_explain_gap(gap, kind)}" for gap in gaps), *head, *lines])
     gap_count = "1 gap is" if len(gaps) == 1 else f"{len(gaps)} gaps are"
-    raise ConfigError(
-        f"Expected a value for every key of {path}; {gap_count} left. Replace each ??:\n{listed}"
-    )
+    raise refusal("gaps", path=path, gap_count=gap_count, listed=listed)
 
 
 def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
@@ -228,9 +225,7 @@ def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
         hint = " Name the directory of the recording."
         if directory.name == name:
             hint = f" Name the directory that holds it: {directory.parent}"
-        raise ConfigError(
-            f"Expected a directory with {name} in it; {directory} is not a directory.{hint}"
-        )
+        raise refusal("no_folder", name=name, directory=directory, hint=hint)
     if not path.exists():
         other = {"run.toml": "fixture.toml", "fixture.toml": "run.toml"}[name]
         option = " --fixture" if name == "fixture.toml" else ""
@@ -246,15 +241,9 @@ def _read_toml(path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(read_bounded(path, largest=_LARGEST_FILE).decode("utf-8-sig"))
     except OSError as error:
-        raise ConfigError(
-            f"Expected settings in {path}; it cannot be read: {error.strerror}. Put a "
-            "settings file there, or make one with erlif init."
-        ) from error
+        raise refusal("settings_unreadable", path=path, reason=error.strerror) from error
     except (ValueError, RecursionError) as error:
-        raise ConfigError(
-            f"Expected valid TOML in {path}; got {error}. "
-            "Correct that place; text and quantities stand in double quotes."
-        ) from error
+        raise refusal("no_toml", path=path, reason=error) from error
 
 
 def _find_gaps(table: dict[str, Any], path: _Location = ()) -> Iterator[_Location]:

@@ -15,7 +15,7 @@ from erlif.core.errors import EncoderError, reason_of
 from erlif.core.guarded import read_matlab
 from erlif.core.hdf5 import SIGNATURE, chunk_size, find_chunks, open_hdf5, refuse_elsewhere
 from erlif.io.ingest.logs.table import LARGEST_FILE, MOST_CELLS, LogColumn, LogTable, split_unit
-from erlif.io.ingest.refusals import refusal
+from erlif.io.refusals import refusal
 
 _TDMS = b"TDSm"
 _MATLAB_5 = b"MATLAB 5.0 MAT-file"

@@ -10,7 +10,7 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.products import EncoderLog
 from erlif.core.statistics import robust_rms
-from erlif.io.ingest.refusals import refusal
+from erlif.io.refusals import refusal
 
 # Time without rows, in usual steps, across which nothing is interpolated.
 LONGEST_GAP = 10.0

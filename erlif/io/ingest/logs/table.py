@@ -12,7 +12,7 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import EncoderError, ErlifError
 from erlif.core.tables import read_table
-from erlif.io.ingest.refusals import refusal
+from erlif.io.refusals import refusal
 
 # Size above which the file of a log is not read: an hour of four columns at 2 kHz. [byte]
 LARGEST_FILE = 256 * 2**20

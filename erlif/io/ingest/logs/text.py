@@ -30,7 +30,7 @@ from erlif.io.ingest.logs.table import (
     split_unit,
 )
 from erlif.io.ingest.logs.units import is_unit
-from erlif.io.ingest.refusals import refusal
+from erlif.io.refusals import refusal
 
 # Rows at the head of a file in which separator and header are looked for.
 SAMPLE = 400

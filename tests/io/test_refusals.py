@@ -1,7 +1,8 @@
-"""The table of refusals of recordings and logs."""
+"""The table of refusals of files."""
+
+from erlif.io.refusals import refusal
 
 from erlif.core.errors import FrameError
-from erlif.io.ingest.refusals import refusal
 
 
 def test_a_refusal_names_what_was_expected():
