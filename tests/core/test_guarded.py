@@ -7,7 +7,6 @@ import contextlib
 import os
 import random
 import resource
-import struct
 from concurrent.futures import ThreadPoolExecutor
 
 import h5py
@@ -15,53 +14,20 @@ import numpy as np
 import pytest
 from scipy.io import loadmat, savemat
 
-from erlif.core import guarded
 from erlif.core.guarded import check_hdf5, read_matlab
-
-HEAD = 16
-"""Length of the head of a heap, and of each object in it, for lengths of eight bytes."""
-
-ENDED = "ended, or took too much time or memory"
 
 
 def write(path, **options):
-    """A file with text of variable length, and a chunked dataset that holds the mark of a heap."""
+    """A file with text of variable length."""
     with h5py.File(path, "w", **options) as file:
         file.attrs["unit"] = "degree"
         file["vector"] = np.arange(5.0)
-        mark = np.frombuffer(b"GCOL\x01" + bytes(27), "u1")
-        file.create_dataset("counts", data=mark.reshape(4, 8), chunks=(4, 8))
     return path
-
-
-def heap_of(content):
-    """Place of the collection that h5py wrote: the only one of 4096 bytes."""
-    place = content.find(b"GCOL")
-    while struct.unpack_from("<Q", content, place + 8)[0] != 4096:
-        place = content.find(b"GCOL", place + 1)
-    return place
-
-
-def damage(path, change):
-    content = bytearray(path.read_bytes())
-    change(content)
-    path.write_bytes(content)
 
 
 @pytest.mark.parametrize("options", [{}, {"libver": "latest"}, {"userblock_size": 512}])
 def test_a_whole_file_is_accepted(tmp_path, options):
     check_hdf5(write(tmp_path / "a.h5", **options))
-
-
-def test_a_heap_in_which_the_library_searches_without_end_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(guarded, "LONGEST", 1.0)
-    path = write(tmp_path / "a.h5")
-    damage(
-        path, lambda content: struct.pack_into("<HHIQ", content, heap_of(content) + HEAD, *4 * [0])
-    )
-    with pytest.raises(ValueError, match=ENDED):
-        check_hdf5(path)
-    check_hdf5(write(tmp_path / "b.h5"))
 
 
 def test_a_length_that_ends_the_process_ends_that_of_the_child_alone(tmp_path):
@@ -71,25 +37,12 @@ def test_a_length_that_ends_the_process_ends_that_of_the_child_alone(tmp_path):
         space = h5py.h5s.create_simple((1,))
         kind = h5py.h5t.py_create(h5py.vlen_dtype("i4"), logical=True)
         h5py.h5a.create(file.id, b"a", kind, space)
-
-    def change(content):
-        content[content.index(b"\x19\x00\0\0\x10") + 1] |= 8
-
-    damage(path, change)
-    with pytest.raises(ValueError, match=ENDED):
+    content = bytearray(path.read_bytes())
+    content[content.index(b"\x19\x00\0\0\x10") + 1] |= 8
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match="ended, or took too much time or memory"):
         check_hdf5(path)
-
-
-def test_a_block_of_a_driver_that_claims_gigabytes_is_refused(tmp_path):
-    path = write(tmp_path / "a.h5")
-
-    def change(content):
-        struct.pack_into("<Q", content, 48, len(content))  # section II.A, version 0
-        content += b"\0\0\0\0" + struct.pack("<I", 2**31) + bytes(8)
-
-    damage(path, change)
-    with pytest.raises((ValueError, OSError)):
-        check_hdf5(path)
+    check_hdf5(write(tmp_path / "b.h5"))
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no forks on this system")

@@ -1,8 +1,7 @@
 """The table of refusals of files."""
 
-from erlif.io.refusals import refusal
-
 from erlif.core.errors import FrameError
+from erlif.io.refusals import refusal
 
 
 def test_a_refusal_names_what_was_expected():

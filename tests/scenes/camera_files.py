@@ -7,11 +7,14 @@ from __future__ import annotations
 
 import json
 import struct
+import tomllib
 import zlib
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+
+_HEADERS = tomllib.loads(Path(__file__).with_name("headers.toml").read_text(encoding="utf-8"))
 
 BIT_ORDERS = {
     "HIGH_12": ("big", 12),
@@ -82,34 +85,16 @@ def write_mraw(
 
     count, rows, columns = frames.shape
     count = count if claimed is None else claimed
+    values = {"rate": rate, "count": count, "step": step, "columns": columns, "rows": rows}
+    values |= {"stored": stored, "depth": depth, "side": side, "empty": ""}
     if header == "cih":
-        text = (
-            "#Camera Information Header\r\nDate : 2026/11/22\r\nCamera Type : FASTCAM SA-Z\r\n"
-            f"Record Rate(fps) : {rate}\r\nShutter Speed(s) : 1/800000\r\nTrigger Mode : Start\r\n"
-            f"Original Total Frame : 677\r\nTotal Frame : {count}\r\nStart Frame : 49300\r\n"
-            f"Save Step : {step}\r\nImage Width : {columns}\r\nImage Height : {rows}\r\n"
-            f"Color Type : Mono\r\nColor Bit : {stored}\r\nFile Format : MRaw\r\n"
-            f"EffectiveBit Depth : {depth}\r\nEffectiveBit Side : {side}\r\n"
-            "Comment Text : \r\n\r\n#Photron Fastcam Viewer Version Information (Resave):\r\n"
-            "Saved Date : 2026/11/22\r\nD1024PCI.dll : 2.0.0.0\r\n"
-        ).encode() + b"Comment : \x83\x65\x83\x58\x83\x67\r\n"  # in the code page of Japan
+        comment = b"Comment : \x83\x65\x83\x58\x83\x67\r\n"  # in the code page of Japan
+        text = _HEADERS["cih"].format(**values).replace("\n", "\r\n").encode() + comment
         path.with_suffix(".cih").write_bytes(text)
         return path
 
-    size = f"<resolution>\n<width>{columns}</width>\n<height>{rows}</height>\n</resolution>"
-    xml = (
-        '<?xml version="1.0" encoding="utf-8"?>\n<cih>\n<fileInfo><version>1.0</version></fileInfo>'
-        f"<imageFileInfo><fileFormat>Mraw</fileFormat>{size}</imageFileInfo>\n"
-        f"<imageDataInfo>{size}<colorInfo><type>Raw</type><bit>{stored}</bit></colorInfo>\n"
-        f"<effectiveBit><depth>{depth}</depth><side>{side}</side></effectiveBit></imageDataInfo>\n"
-        f"<frameInfo><recordedFrame>2000</recordedFrame><totalFrame>{count}</totalFrame>"
-        f"<startFrame>52</startFrame><skipFrame>{step}</skipFrame></frameInfo>\n"
-        f"<recordInfo><recordRate>{rate}</recordRate><shutterSpeed>50000</shutterSpeed>"
-        "<shutterSpeedNsec>20000</shutterSpeedNsec></recordInfo>\n"
-        "<deviceInfo><recordRate>1</recordRate><resolution><width>1</width><height>1</height>"
-        "</resolution></deviceInfo>\n</cih>\n"
-    ).encode()
     preamble = b"!!! This file can not be edited. !!!\0\0\0\0CIHX\0\0\0\0"
+    xml = _HEADERS["cihx"].format(**values).encode()
     path.with_suffix(".cihx").write_bytes(preamble + xml)
     return path
 
@@ -308,15 +293,13 @@ def write_spe3(
     data = b"".join(
         frame.astype("<u2").tobytes() + end for frame, end in zip(frames, ends, strict=True)
     )
-    size = frames[0].size * 2
-    region = (
-        f'<DataBlock type="Region" count="1" width="{columns}" height="{rows}" size="{size}" />'
-    )
-    text = (
-        '<SpeFormat version="3.0" xmlns="http://www.princetoninstruments.com/spe/2009"><DataFormat>'
-        f'<DataBlock type="Frame" count="{count}" pixelFormat="MonochromeUnsigned16" '
-        f'size="{size}" stride="{size + stamp}">{region * regions}</DataBlock></DataFormat>'
-        f"{meta}</SpeFormat>"
+    region = _HEADERS["spe_region"].format(columns=columns, rows=rows, size=frames[0].size * 2)
+    text = _HEADERS["spe"].format(
+        count=count,
+        size=frames[0].size * 2,
+        stride=frames[0].size * 2 + stamp,
+        regions=region * regions,
+        meta=meta,
     )
     header = bytearray(4100)
     struct.pack_into("<Q", header, 678, 4100 + len(data))
