@@ -252,6 +252,7 @@ def _no_record(reason: str) -> OutputError:
 def _read_record(kept: dict[str, Any], settings: RunSettings) -> Calibration:
     """A calibration from the record that `record_calibration` writes."""
     low, high = kept["thickness_range"]
+    parameters: dict[str, Any] = {name: float(kept[name]) for name in PARAMETERS}
     departure = None
     if "departure" in kept:
         spline = kept["departure"]
@@ -260,7 +261,7 @@ def _read_record(kept: dict[str, Any], settings: RunSettings) -> Calibration:
         )
 
     return Calibration(
-        **{name: float(kept[name]) for name in PARAMETERS},
+        **parameters,
         covariance=np.asarray(kept["covariance"], float),
         thickness_range=(float(low), float(high)),
         bands=(settings.camera1.band, settings.camera2.band),

@@ -164,7 +164,8 @@ def make_references(
     >>> cameras.references.gain.values
     array([4.4, 4.4])
     """
-    datasets, lines, notes = [], [], []
+    datasets, lines = [], []
+    notes: list[Note] = []
     dry = any(camera.background is not None for camera in measured)
     for number, sources in enumerate(zip(measured, declared, estimated, strict=True), 1):
         camera = _Camera(f"camera{number}", *sources)

@@ -114,7 +114,8 @@ def _weigh(pair: PairRatio) -> Image:
     # one over the mean variance of the surroundings
     values /= np.maximum(count, 1, out=count)
     values += middle
-    return np.divide(1, values, out=np.zeros_like(values), where=sound)
+    weights: Image = np.divide(1, values, out=np.zeros_like(values), where=sound)
+    return weights
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")

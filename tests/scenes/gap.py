@@ -8,9 +8,8 @@ import xarray as xr
 from erlif.calibration import Calibration
 from erlif.core.products import RatioImages
 from erlif.trend import PinView, Region
-from scenes.fixture import image
+from scenes.fixture import K, P, Q, image
 
-K, P, Q = 0.65, 0.40, 0.25
 RANGE = (0.2, 16.0)  # um
 RADIUS = 4.872  # m, R1 R2/(R1 - R2) of 33.59 and 33.36 mm (Farzaneh 2002)
 TILT = 0.2  # um over the height of the image
@@ -23,10 +22,24 @@ TURNED = Region(slice(0, X.size), slice(0, Y.size))  # of images with x and y ex
 VIEW = PinView(PIN * 1e-3, BORE * 1e-3, X[1], LOAD_LINE, AXIAL_ORIGIN)
 
 
-def known_calibration(k: float = K, p: float = P, q: float = Q) -> Calibration:
-    """Calibration of the model that the ratios follow, with correlated errors of 0.2 %."""
+def known_calibration(
+    k: float = K,
+    p: float = P,
+    q: float = Q,
+    *,
+    valid: tuple[float, float] = RANGE,
+    thickest: float | None = None,
+    covariance: np.ndarray | None = None,
+) -> Calibration:
+    """Calibration of the model that the ratios follow, with correlated errors of 0.2 % by default.
+
+    The films of the fixture end at the thickest one. [um]
+    """
     root = 1e-3 * np.array([[1.4, 0.0, 0.0], [-1.9, 0.8, 0.0], [-0.6, 0.6, 0.3]])
-    return Calibration(k, p, q, root @ root.T, RANGE, (580.0, 610.0), xr.Dataset(), 1.0, "given")
+    covariance = root @ root.T if covariance is None else covariance
+    films = {} if thickest is None else {"curve_thickness": ("bin", np.array([valid[0], thickest]))}
+    curve, bands = xr.Dataset(films), (580.0, 610.0)
+    return Calibration(k, p, q, covariance, valid, bands, curve, 1.0, "given")
 
 
 def true_log_ratio(film: np.ndarray) -> np.ndarray:

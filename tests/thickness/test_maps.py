@@ -3,12 +3,10 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
-import xarray as xr
 from scenes.gap import K, P, Q, known_calibration
 from scenes.gap import true_log_ratio as log_ratio_of
 from scenes.pair import ratio_images
 
-from erlif.calibration import Calibration
 from erlif.core.flags import Flag
 from erlif.thickness import measure_thickness
 
@@ -48,9 +46,7 @@ def test_shared_part_is_that_of_calibration_and_registration(calibration):
 
 def test_error_bars_at_the_thin_limit_are_those_of_thin_films():
     """Pixels above the limit in surroundings below it have the slope of a thin film."""
-    calibration = Calibration(
-        K, P, Q, 1e-8 * np.eye(3), (1.0, 16.0), (580.0, 610.0), xr.Dataset(), 1.0, "given"
-    )
+    calibration = known_calibration(valid=(1.0, 16.0), covariance=1e-8 * np.eye(3))
     rng = np.random.default_rng(3)
     film = np.clip(1.25 + 0.25 * rng.standard_normal((200, 200)), 0.3, None)
     maps = measure_thickness(ratio_images(log_ratio_of(film), variance=1e-6), calibration)

@@ -3,11 +3,10 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
-import xarray as xr
-from scenes.fixture import K, P, Q, log_ratio
+from scenes.fixture import log_ratio
+from scenes.gap import known_calibration
 from scenes.pair import ratio_images
 
-from erlif.calibration import Calibration
 from erlif.core.flags import Flag
 from erlif.thickness import CLEAR, measure_thickness
 
@@ -17,8 +16,7 @@ SHAPE = (400, 600)
 @pytest.fixture(scope="module")
 def calibration():
     """Without error, calibrated up to 12 um, covered up to 18 um."""
-    curve = xr.Dataset({"curve_thickness": ("bin", np.array([0.1, 18.0]))})
-    return Calibration(K, P, Q, 1e-14 * np.eye(3), (0.1, 12.0), (580.0, 610.0), curve, 1.0, "given")
+    return known_calibration(valid=(0.1, 12.0), thickest=18.0, covariance=1e-14 * np.eye(3))
 
 
 RAMP = np.linspace(0.5, 13.0, SHAPE[1]) * np.ones(SHAPE)

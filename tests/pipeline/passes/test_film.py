@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
-import xarray as xr
+from scenes.gap import P, known_calibration, true_log_ratio
 from scenes.plain import measure_thickness
 
-from erlif.calibration import Calibration
 from erlif.core.flags import Flag
 from erlif.core.products import RatioImages
 from erlif.pipeline.passes import measure_film, measure_pulse
@@ -16,7 +15,6 @@ from erlif.ratio import PairRatio
 from erlif.thickness import FilmTables, measure_pulse_energy
 from erlif.trend import Region, sum_blocks
 
-K, P, Q = 0.65, 0.40, 0.25
 EPS = float(np.finfo(np.float32).eps)
 """A single operation in single precision is rounded by at most half of this."""
 
@@ -28,9 +26,7 @@ WHOLE = Region(slice(0, SHAPE[0]), slice(0, SHAPE[1]))
 @pytest.fixture(scope="module")
 def calibration():
     """Calibrated from 0.5 to 12 um, covered up to 14 um."""
-    curve = xr.Dataset({"curve_thickness": ("bin", np.array([0.5, 14.0]))})
-    root = 1e-3 * np.array([[1.4, 0.0, 0.0], [-1.9, 0.8, 0.0], [-0.6, 0.6, 0.3]])
-    return Calibration(K, P, Q, root @ root.T, (0.5, 12.0), (580.0, 610.0), curve, 1.0, "given")
+    return known_calibration(valid=(0.5, 12.0), thickest=14.0)
 
 
 def pair_of(shape=SHAPE, noise=0.0135, seed=1):
@@ -38,7 +34,7 @@ def pair_of(shape=SHAPE, noise=0.0135, seed=1):
     rng = np.random.default_rng(seed)
     y, x = np.indices(shape)
     film = 0.3 + 14.5 * x / shape[1] + 0.4 * y / shape[0]
-    log_ratio = np.log(K * P / Q * (1 - np.exp(-Q * film)) / (1 - np.exp(-P * film)))
+    log_ratio = true_log_ratio(film)
     noise = noise * (1 + 0.5 * y / shape[0])
     log_ratio += noise * rng.standard_normal(shape)
     variance = noise**2 * rng.uniform(0.8, 1.2, shape)
