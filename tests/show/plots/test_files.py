@@ -4,6 +4,7 @@ import logging
 import re
 import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import matplotlib
 import numpy as np
@@ -17,7 +18,7 @@ from erlif.core.errors import ErlifError, FrameError, OutputError
 from erlif.pipeline import restore_images
 from erlif.show import plots
 from erlif.show.plots import files as plot_files
-from erlif.show.plots.files import DRAWN, find_source, reason_missing
+from erlif.show.plots.files import DRAWN, FigureSource, find_source, reason_missing
 from erlif.show.plots.style import figure_bytes
 from erlif.show.report.captions import CAPTIONS
 
@@ -149,6 +150,19 @@ def test_missing_figures_have_reasons(alone, film_path, fixture_dir):
     assert set(plots.missing_figures(alone, run_dir=film_path.parent)) == {"fixture_profile"}
     given = {"run_dir": film_path.parent, "fixture_dir": fixture_dir}
     assert plots.missing_figures(alone, **given) == {}
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "reason"),
+    [
+        ("film_over_cycle", lambda film: film.isel(trigger=[0]), "a single trigger"),
+        ("pin_orbit", lambda film: film.drop_vars("pin_displacement"), "it needs [joint]"),
+        ("prediction_map", lambda film: film.drop_vars("film_predicted_min"), "[joint] and [oil]"),
+    ],
+)
+def test_figures_without_their_variables_have_reasons(name, change, reason):
+    film = change(plots.example_film())
+    assert reason in reason_missing(name, FigureSource(Path("film.nc"), film, 0, None, None))
 
 
 def test_frames_of_another_run_are_the_reason_of_their_figures(film_path, film, tmp_path):

@@ -30,3 +30,13 @@ def test_slider_and_disc_are_drawn_simply_and_a_film_at_rest_not():
     disc = draw_mechanism(film_of(DISC), trigger=0)
     npt.assert_allclose(np.hypot(*np.array(disc.links.get_data())), [0, 0.02], atol=1e-12)
     assert draw_mechanism(static_film(), trigger=0) is None
+
+
+def test_slider_of_a_slider_crank_is_at_the_end_of_its_coupler():
+    links = {"kind": "slider-crank", "crank": "5 cm", "coupler": "20 cm", "crank_speed": "60 rpm"}
+    view = draw_mechanism(film_of(links, crank_angle=np.full(6, 40.0)), trigger=0)
+    x, y = view.links.get_data()
+    turned = np.radians(40)
+    slider = 0.05 * np.cos(turned) + np.sqrt(0.2**2 - (0.05 * np.sin(turned)) ** 2)
+    npt.assert_allclose(x, [0, 0.05 * np.cos(turned), slider], atol=1e-12)
+    npt.assert_allclose(y, [0, 0.05 * np.sin(turned), 0], atol=1e-12)

@@ -1,12 +1,9 @@
 """Every figure has a caption that names its panels."""
 
-import re
-
 import pytest
 from scenes.motion import slider_film, static_film
 
-from erlif.show import plots
-from erlif.show.plots.files import DRAWN, FigureSource
+from erlif.show.plots.files import DRAWN
 from erlif.show.report.captions import CAPTIONS, caption_of
 
 
@@ -16,25 +13,6 @@ def test_every_figure_has_a_caption_that_is_a_sentence():
         assert caption.text.endswith(".")
         assert not caption.title.endswith(".")
         assert caption.kind in ("svg", "png")
-
-
-@pytest.fixture(scope="module")
-def source(tmp_path_factory):
-    """The example with the images of its second trigger."""
-    path = plots.write_example(tmp_path_factory.mktemp("example") / "film.nc")
-    film = plots.example_film()
-    source = FigureSource(path, film, 1, None, None)
-    source.__dict__["images"] = plots.example_images(film, trigger=1)
-    return source
-
-
-@pytest.mark.parametrize("name", sorted(set(DRAWN) - {"fixture_profile"}))
-def test_letters_of_a_caption_are_those_of_the_panels_that_are_drawn(name, source):
-    figure = DRAWN[name](source)
-    titles = " ".join(ax.get_title(loc="left") for ax in figure.axes)
-    groups = re.findall(r"\(([a-d](?:, [a-d])*)\)", CAPTIONS[name].text)
-    named = {letter for group in groups for letter in group.split(", ")}
-    assert named in (set(), set(re.findall(r"\(([a-d])\)", titles)))
 
 
 @pytest.mark.parametrize(
