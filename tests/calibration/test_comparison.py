@@ -169,12 +169,6 @@ def recorded(calibration, hashes=WEDGE_A, *, places=True, profile=""):
     ("new", "old", "same", "words"),
     [
         ({}, {}, True, "rest on the same CMM readings, whose error cancels"),
-        (
-            {"hashes": {}},
-            {"hashes": {}},
-            True,
-            "rest on the same CMM readings, whose error cancels",
-        ),
         ({"hashes": {}}, {"hashes": {}, "places": False}, None, "is not recorded; they were taken"),
         ({}, {"hashes": WEDGE_B, "places": False}, False, "the CMM readings differ"),
         ({}, {"places": False}, True, "CMM readings, but not on the same points of them"),

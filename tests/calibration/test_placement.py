@@ -24,7 +24,7 @@ from scenes.plain import invert
 from erlif.calibration import Profile
 from erlif.calibration.pairing import pair_profile_with_image
 from erlif.calibration.placement import add_uncertainty_of_turn, refine_pose
-from erlif.calibration.pose import FoundPose, Freedom, Pose
+from erlif.calibration.pose import Pose
 from erlif.calibration.regression import fit_robustly
 
 COLUMN, ROW = np.meshgrid(np.arange(SHAPE[1]) * PITCH, np.arange(SHAPE[0]) * PITCH)
@@ -220,17 +220,6 @@ def test_uncertain_turn_widens_the_covariance_as_a_turned_fit_shifts():
     turned = fit_robustly(replace(points, thickness=films), freedom)
     shift = turned.parameters - fit.parameters
     npt.assert_allclose(np.sqrt(np.diag(added)), np.abs(shift), rtol=0.05)
-
-
-def test_a_surface_keeps_its_covariance():
-    """Its turn is among the fitted combinations, so the covariance contains it already."""
-    ratios, profile = turned_surface(np.random.default_rng(10), along=0, across=0, scale=0, turn=0)
-    given = Pose((0.0, 0.0), 0.0, PITCH)
-    points, _ = pair_profile_with_image(ratios, profile, given)
-    freedom = Freedom.none(points)
-    found = FoundPose(given, np.zeros(4), np.diag([0, 0, 0, 1e-4]), np.zeros(4, bool))
-    fit = fit_robustly(points, freedom)
-    assert add_uncertainty_of_turn(fit, points, freedom, found) is fit
 
 
 def test_a_misplaced_straight_wedge_shifts_all_films_by_what_the_note_states():

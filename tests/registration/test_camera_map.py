@@ -47,7 +47,6 @@ def assert_same(one, other):
 @pytest.mark.parametrize(
     ("kind", "resolution", "stored", "drift", "text"),
     [
-        (MapKind.SURFACE, "degree 2", False, None, "surface, degree 2"),
         (MapKind.SURFACE, "4 x 3", True, None, "surface, 4 x 3, stored with the calibration"),
         (
             MapKind.LOCAL,
@@ -57,7 +56,6 @@ def assert_same(one, other):
             "local windows, 32 px, stored with the calibration; the mean drift taken up is "
             "(0.250, -1.500) px",
         ),
-        (MapKind.SURFACE, "", True, None, "surface, stored with the calibration"),
         (MapKind.SURFACE, "", False, None, "surface"),
     ],
 )

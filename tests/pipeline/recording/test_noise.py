@@ -145,26 +145,6 @@ def test_response_of_camera_1_alone_without_a_flat_is_not_estimated(laboratory):
     assert any("no flat; vignetting and pixel response are not corrected" in line for line in one)
 
 
-def test_cameras_nearly_at_rest_leave_the_spread_of_the_response_open(tmp_path):
-    """A pattern at rest cancels in the differences of frames; little motion determines nothing."""
-    simulate(
-        tmp_path / "rig",
-        seed=813,
-        rig=RigSettings(
-            width=160, height=128, spacing=6.0, fixture_frames=1, light=0.5, vibration=0.05
-        ),
-    )
-    run = tmp_path / "rig" / "run"
-    forget(run / "run.toml", "flat")
-    prepared = estimate(run)
-    references = prepared.chain.references
-    npt.assert_array_equal(references.response_spread, np.nan)
-    npt.assert_array_equal(references.flat_var, 0.0)
-    assert "pixel response is neither corrected" in texts(prepared, Level.WARNING)
-    assert "response spread" not in texts(prepared)
-    assert "varies by" not in texts(prepared)
-
-
 PAIR = (96, 128)
 
 
