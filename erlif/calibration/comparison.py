@@ -211,7 +211,7 @@ def compare_calibrations(calibration: Calibration, earlier: Calibration) -> Comp
     change = (
         _test_curves(calibration, earlier, film)
         if pairs is None
-        else _test_pairs(calibration, film, pairs)
+        else _test_pairs(calibration, film, *pairs)
     )
 
     slope = calibration.slope(film)
@@ -279,16 +279,14 @@ def _test_curves(calibration: Calibration, earlier: Calibration, film: Array) ->
     return _Change(difference, np.sqrt(np.diag(covariance)), probability, bends)
 
 
-class _Pairs(NamedTuple):
-    """CMM points that two calibrations share."""
+def _match_points(
+    calibration: Calibration, earlier: Calibration
+) -> tuple[Array, Array, Array] | None:
+    """CMM points that both calibrations share; None where they rest on other readings.
 
-    position: Array  # (point, axis) [mm]
-    thickness: Array  # by the CMM, (point,). [um]
-    change: Array  # change of the logarithm of the ratio, new less earlier, (point,). [1]
-
-
-def _match_points(calibration: Calibration, earlier: Calibration) -> _Pairs | None:
-    """Points that both calibrations share; None where they rest on other readings."""
+    Position (point, axis) [mm], thickness by the CMM [um], and change of the logarithm of the
+    ratio, new less earlier. [1]
+    """
     names = [name for name in _POSITIONS if name in calibration.curve]
     if not names or names != [name for name in _POSITIONS if name in earlier.curve]:
         return None
@@ -304,7 +302,7 @@ def _match_points(calibration: Calibration, earlier: Calibration) -> _Pairs | No
         calibration.curve.curve_ratio.values[shared]
         / earlier.curve.curve_ratio.values[other[shared]]
     )
-    return _Pairs(position=ones[shared, :-1], thickness=ones[shared, -1], change=change)
+    return ones[shared, :-1], ones[shared, -1], change
 
 
 def _share_readings(calibration: Calibration, earlier: Calibration, *, paired: bool) -> bool | None:
@@ -331,10 +329,11 @@ def _profile_hashes(calibration: Calibration) -> set[str]:
     return {value for name, value in hashes.items() if name.lower().endswith(tables)}
 
 
-def _test_pairs(calibration: Calibration, film: Array, pairs: _Pairs) -> _Change:
+def _test_pairs(
+    calibration: Calibration, film: Array, position: Array, thickness: Array, change: Array
+) -> _Change:
     """Fit a smooth change to that of the points and test it against their scatter."""
-    change = pairs.change
-    design = calibration.gradient(pairs.thickness).T
+    design = calibration.gradient(thickness).T
     scale = np.linalg.norm(design, axis=0)
 
     # functions that the films cannot separate are used once
@@ -355,7 +354,7 @@ def _test_pairs(calibration: Calibration, film: Array, pairs: _Pairs) -> _Change
     count, points = int(resolved.sum()), int(use.sum())
     freedom = points - count
     variance = max(float((residual[use] ** 2).sum()) / freedom, _SMALLEST_VARIANCE)
-    correlation = find_correlation(pairs.position[use], residual[use])
+    correlation = find_correlation(position[use], residual[use])
     if correlation.significance > _CORRELATED:
         r = correlation.coefficient
         variance *= correlation.inflation

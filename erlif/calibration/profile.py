@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -102,11 +101,11 @@ def read_profile(path: Path) -> Profile:
     >>> profile.thickness[[0, -1]]
     array([0. , 3.5])
     """
-    table = _read_table(path)
-    stated = table.header[-1] == "uncertainty_um"
-    _check_table(table, path.name, stated=stated)
+    header, values = _read_table(path)
+    stated = header[-1] == "uncertainty_um"
+    _check_table(header, values, path.name, stated=stated)
     notes: list[Note] = []
-    values, axes = _find_axes(table, path.name, notes)
+    values, axes = _find_axes(header, values, path.name, notes)
     values = _sort_and_merge(values, axes, path.name, notes, stated=stated)
 
     if len(values) < MINIMUM_POINTS:
@@ -119,15 +118,15 @@ def read_profile(path: Path) -> Profile:
     return Profile(position, values[:, axes], uncertainty, tuple(notes))
 
 
-def _check_table(table: _Table, name: str, *, stated: bool) -> None:
+def _check_table(header: list[str], values: Array, name: str, *, stated: bool) -> None:
     """Refuse uncertainties that are none, and thicknesses in another unit, row by row as read."""
-    if stated and np.any(table.values[:, -1] <= 0):
+    if stated and np.any(values[:, -1] <= 0):
         raise CalibrationError(
             f"Expected positive values of uncertainty_um in {name}; "
-            f"row {int(np.argmax(table.values[:, -1] <= 0)) + 2} has none. "
+            f"row {int(np.argmax(values[:, -1] <= 0)) + 2} has none. "
             "Leave the column out if the uncertainty is not known."
         )
-    thickness = table.values[:, table.header.index("thickness_um")]
+    thickness = values[:, header.index("thickness_um")]
     if thickness.size and np.median(thickness) > THICKEST:
         raise CalibrationError(
             f"Expected films of at most {THICKEST:g} um in {name}; half of them are thicker than "
@@ -135,9 +134,9 @@ def _check_table(table: _Table, name: str, *, stated: bool) -> None:
         )
 
 
-def _find_axes(table: _Table, name: str, notes: list[Note]) -> tuple[Array, int]:
+def _find_axes(header: list[str], values: Array, name: str, notes: list[Note]) -> tuple[Array, int]:
     """Columns without a constant y, and the number of axes: one for a line, two for a surface."""
-    values, surface = table.values, "y_mm" in table.header
+    surface = "y_mm" in header
     if len(values) < MINIMUM_POINTS:
         return values, 1 + surface  # refused later, with the count that remains after averaging
 
@@ -178,13 +177,8 @@ def _sort_and_merge(
     return merged
 
 
-class _Table(NamedTuple):
-    header: list[str]
-    values: Array  # (row, column)
-
-
-def _read_table(path: Path) -> _Table:
-    """Numbers of the CSV file under one of the four headers."""
+def _read_table(path: Path) -> tuple[list[str], Array]:
+    """Header of the CSV file, one of four, and the numbers (row, column) under it."""
     try:
         table = [row for _, row in read_rows(path, largest=LARGEST_FILE)]
     except (OSError, ValueError) as error:
@@ -216,7 +210,7 @@ def _read_table(path: Path) -> _Table:
                     f"Expected a number up to {LARGEST_VALUE:g} in row {n + 2}, column {name} of "
                     f"{path.name}; got {got}. Correct the cell, or leave the row out."
                 )
-    return _Table(header, values)
+    return header, values
 
 
 def gradient_of_thickness(position: Array, thickness: Array, uncertainty: Array | None) -> Array:
