@@ -313,12 +313,10 @@ def _bound_guided(problem: Problem, load_line_std: float) -> _Fitted:
     """
     observed = problem.observations()
     load, side = observed.value.T
-    names = ("rest", "load_line") if load_line_std > 0 else ("rest",)
-    columns = np.stack([np.ones_like(load), load], axis=1)[:, : len(names)]
-    known = np.array([np.inf, load_line_std / problem.orbits.journal.radius])[: len(names)]
-    unknowns = replace(
-        _plain_unknowns(names, [float(side.mean()), 0.0][: len(names)]), expected_std=known
-    )
+    start = {"rest": float(side.mean())} | ({"load_line": 0.0} if load_line_std > 0 else {})
+    columns = np.stack([np.ones_like(load), load], axis=1)[:, : len(start)]
+    known = np.array([np.inf, load_line_std / problem.orbits.journal.radius])[: len(start)]
+    unknowns = replace(_plain_unknowns(start), expected_std=known)
     covariance = observed.random_cov
     alone = Observations(side[:, np.newaxis], covariance[:, 1:, 1:], observed.shared[:, 1:])
     found = LeastSquares(alone, unknowns, lambda sets: (sets @ columns.T)[..., np.newaxis]).solve()
@@ -327,16 +325,16 @@ def _bound_guided(problem: Problem, load_line_std: float) -> _Fitted:
     along = -0.5 * float(np.log(2 * np.pi * variance).sum())
     miss = np.stack([0 * side, side - found.predicted[:, 0]], axis=1)
     residual = np.stack([0 * side, found.residual], axis=1)
-    count = len(names) + 2  # viscosity and start film of the course
+    count = len(start) + 2  # viscosity and start film of the course
     return _Fitted(ANY_GUIDED, found.log_likelihood + along, count, found.inflation, miss, residual)
 
 
-def _plain_unknowns(names: Sequence[str], start: Sequence[float]) -> Unknowns:
+def _plain_unknowns(start: Mapping[str, float]) -> Unknowns:
     """Unknowns of a closed form, unbounded."""
-    ones = np.ones(len(names))
+    ones = np.ones(len(start))
     return Unknowns(
-        names=tuple(names),
-        start=np.array(start, dtype=float),
+        names=tuple(start),
+        start=np.array(list(start.values())),
         step=1e-4 * ones,
         low=-np.inf * ones,
         high=np.inf * ones,
@@ -353,13 +351,13 @@ def _pointed(problem: Problem, distance: Array, direction: Array) -> Array:
     return np.stack([distance * np.cos(angle), distance * np.sin(angle)], axis=-1)
 
 
-def _distances(problem: Problem) -> tuple[Array, float]:
-    """Measured displacements, and their mean direction."""
+def _distances(problem: Problem) -> tuple[Array, dict[str, float]]:
+    """Measured displacements, and their mean direction by its name, where positions have one."""
     value = problem.measured.value[problem.frames.measured]
     if not problem.measured.is_position:
-        return value[:, 0], 0.0
+        return value[:, 0], {}
     mean = value.mean(axis=0)
-    return np.hypot(*value.T), float(np.arctan2(mean[1], mean[0]))
+    return np.hypot(*value.T), {"direction": float(np.arctan2(mean[1], mean[0]))}
 
 
 def _steady(problem: Problem, film: Array) -> tuple[Unknowns, Predict]:
@@ -369,15 +367,12 @@ def _steady(problem: Problem, film: Array) -> tuple[Unknowns, Predict]:
     shape = np.nan_to_num(np.asarray(film, dtype=float)[problem.frames.measured])
     mean = max(float(shape.mean()), 1e-12)
     factor = max(float((clearance - distance).mean()), 1e-9) / mean
-    names, start = ["factor"], [float(np.log(factor))]
-    if problem.measured.is_position:
-        names, start = [*names, "direction"], [*start, direction]
 
     def predict(sets: Array) -> Array:
         films = np.exp(np.minimum(sets[:, :1], 50.0)) * shape
         return _pointed(problem, clearance - films, sets[:, -1])
 
-    return _plain_unknowns(names, start), predict
+    return _plain_unknowns({"factor": float(np.log(factor)), **direction}), predict
 
 
 def _squeeze(problem: Problem) -> tuple[Unknowns, Predict]:
@@ -390,9 +385,6 @@ def _squeeze(problem: Problem) -> tuple[Unknowns, Predict]:
     ratio = eccentricity / np.sqrt(1 - eccentricity**2)
     at = problem.frames.average(impulse[np.newaxis])[0, problem.frames.measured]
     slope, first = np.polyfit(at / scale, ratio, 1, w=(1 - eccentricity) ** 1.5)
-    names, start = ["start", "slope"], [float(first), float(slope)]
-    if problem.measured.is_position:
-        names, start = [*names, "direction"], [*start, direction]
 
     def predict(sets: Array) -> Array:
         ratios = sets[:, :1] + sets[:, 1:2] * impulse / scale
@@ -400,4 +392,5 @@ def _squeeze(problem: Problem) -> tuple[Unknowns, Predict]:
         found = problem.frames.average(frames)[:, problem.frames.measured]
         return _pointed(problem, found, sets[:, -1])
 
-    return _plain_unknowns(names, start), predict
+    start = {"start": float(first), "slope": float(slope), **direction}
+    return _plain_unknowns(start), predict
