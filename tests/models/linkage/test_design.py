@@ -14,7 +14,6 @@ RPM = np.pi / 30
 
 def test_a_design_holds_the_measures_of_the_rig():
     found = measure_linkage(RIG, crank_speed=114 * RPM)
-    npt.assert_allclose(np.degrees(found.swing), 24.4260, atol=5e-5)
     npt.assert_allclose(found.rocker_speed, 2.552104, rtol=1e-6)
     npt.assert_allclose(found.time_ratio, 1.0014, atol=5e-5)
     npt.assert_allclose(np.degrees(found.least_transmission), 75.31, atol=5e-3)
