@@ -299,7 +299,8 @@ def _pixel_columns(
     rate = 1 / calibration.slope(film)
     displaced = np.sqrt(sources.ratio.log_ratio_var_shared.values)
     columns = []
-    for wanted in films or _typical_films(film[valid]):
+    typical = {float(f"{value:.3g}") for value in np.percentile(film[valid], [10, 50, 90])}
+    for wanted in films or sorted(typical):
         # a film thickness is represented by the median of the pixels near it
         near = valid & (np.abs(film / wanted - 1) < _NEAR)
         if near.sum() < _LEAST_PIXELS:
@@ -319,11 +320,6 @@ def _pixel_columns(
         terms |= split_calibration(calibration.film_gradient(wanted), calibration)
         columns.append(_Column(f"pixel of {wanted:g} um", wanted, terms))
     return columns
-
-
-def _typical_films(film: Array) -> tuple[float, ...]:
-    """Three percentiles, to three digits."""
-    return tuple(sorted({float(f"{value:.3g}") for value in np.percentile(film, [10, 50, 90])}))
 
 
 def _mean_column(

@@ -125,7 +125,9 @@ def survey_cameras(recording: Run | Fixture) -> CameraSurvey:
             frames.append(FrameResult.of(frame, pair))
             lights.append(_median_light(pair.light_one, pair.log_ratio, pair.flags))
             if frame in shown:
-                kept.append(_valid(pair.log_ratio, pair.flags))
+                step = max(int(np.sqrt(pair.flags.size / _PIXELS)), 1)
+                some = pair.flags[::step, ::step] == 0
+                kept.append(np.asarray(pair.log_ratio[::step, ::step][some], float))
             if frame == middle:
                 picture = _draw(frame, pair)
     return CameraSurvey(
@@ -159,11 +161,6 @@ def _median_light(light: Image, log_ratio: Image, flags: AnyArray) -> tuple[floa
     return float(np.median(one)), float(np.median(one * ratio))
 
 
-def _valid(log_ratio: Image, flags: AnyArray) -> Array:
-    step = max(int(np.sqrt(log_ratio.size / _PIXELS)), 1)
-    return np.asarray(log_ratio[::step, ::step][flags[::step, ::step] == 0], float)
-
-
 def _draw(frame: int, pair: PairRatio) -> Picture:
     """The pair as it is shown on the page."""
     # flagged pixels hold numbers that mean nothing
@@ -173,19 +170,14 @@ def _draw(frame: int, pair: PairRatio) -> Picture:
     two = one * np.exp(clean)
 
     # the film is smooth over 9 pixels, what registration leaves is not
-    rest = np.where(valid, clean - _mean_of_surroundings(clean, valid), np.nan)
+    weight, total = (cv2.blur(np.asarray(one, np.float32), (9, 9)) for one in (valid, clean))
+    rest = np.where(valid, clean - total / np.maximum(weight, 1e-6), np.nan)
     step = -(-one.shape[1] // _WIDTH)
     return Picture(
         frame,
         (one[::step, ::step], two[::step, ::step]),
         rest[::step, ::step].astype(np.float32),
     )
-
-
-def _mean_of_surroundings(values: Image, valid: AnyArray) -> Image:
-    weight = cv2.blur(valid.astype(np.float32), (9, 9))
-    total = cv2.blur(values, (9, 9))  # 0 where not valid
-    return np.asarray(total / np.maximum(weight, 1e-6))
 
 
 def note_registration(survey: CameraSurvey) -> Iterator[Note]:

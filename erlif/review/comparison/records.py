@@ -138,8 +138,9 @@ def read_run(film: xr.Dataset) -> RunRecord:
         std[name] = film[f"{name}_std"].values.astype(float)
 
     # a mean over less than the region is not that of the same place
-    shares = _beyond_range(film)
-    value["film_mean"] = np.where(shares > _BEYOND, np.nan, value["film_mean"])
+    if "share_beyond_range" in film:
+        partial = film.share_beyond_range.values > _BEYOND
+        value["film_mean"] = np.where(partial, np.nan, value["film_mean"])
 
     gradient["film_min"] = calibration.film_gradient(value["film_min"]).T
     own["film_min"] = _remainder(std["film_min"], gradient["film_min"], covariance)
@@ -162,12 +163,13 @@ def read_run(film: xr.Dataset) -> RunRecord:
     own["film_mean"] = np.sqrt(own["film_mean"] ** 2 + np.where(large, left, 0.0))
 
     angle = film.crank_angle.values if by_angle else np.arange(triggers)
+    hashes = json.loads(str(film.attrs.get("input_hashes", "{}")))
     return RunRecord(
         name=settings.name,
         settings=settings,
         calibration=calibration,
         calibration_key=hashlib.sha256(film.attrs["calibration"].encode()).hexdigest(),
-        frames_key=_frames_key(film, settings),
+        frames_key=str(hashes.get(settings.camera1.files, "")),
         identity=str(film.attrs.get("identity", "")),
         angle=np.asarray(angle, float),
         by_angle=by_angle,
@@ -213,13 +215,6 @@ def _remainder(std: Array, gradient: Array, covariance: Array) -> Array:
     return np.asarray(np.sqrt(np.maximum(std**2 - shared, (_LEAST_OWN * std) ** 2)))
 
 
-def _beyond_range(film: xr.Dataset) -> Array:
-    """Share of the region beyond the measurable range, by trigger; 0 where it is not recorded."""
-    if "share_beyond_range" not in film:
-        return np.zeros(film.sizes["trigger"])
-    return np.asarray(film.share_beyond_range.values, float)
-
-
 def _mean_errors(film: xr.Dataset, trigger: int, calibration: Calibration) -> tuple[float, Array]:
     """Noise of the mean film of one map, and its change with the parameters of the calibration."""
     region = region_of(film)
@@ -241,11 +236,6 @@ def _mean_errors(film: xr.Dataset, trigger: int, calibration: Calibration) -> tu
     weight = np.nan_to_num(cells.count) * np.isfinite(cells.film)
     change = (cells.gradient * weight[..., None]).sum(axis=(0, 1)) / max(float(weight.sum()), 1.0)
     return float(np.sqrt(noise) / valid.sum()), change
-
-
-def _frames_key(film: xr.Dataset, settings: RunSettings) -> str:
-    hashes = json.loads(str(film.attrs.get("input_hashes", "{}")))
-    return str(hashes.get(settings.camera1.files, ""))
 
 
 def refuse_unlike(records: Sequence[RunRecord]) -> None:

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from erlif.joint.sizing import FRICTION, BearingDesign, JointState, Step
+from erlif.joint.sizing import FRICTION, BearingDesign, JointState
 from erlif.show.plots import style
 from erlif.show.plots.style import MEAN, MUTED, ONE_COLUMN, OUTWARD, RETURN, TWO_COLUMNS, styled
 
@@ -58,7 +58,7 @@ def design_margins(design: BearingDesign, *, ax: Axes | None = None) -> list[Art
     ax = style.given_or_new(ax, height=_BAR * len(steps) + 0.6)
     bars: list[Artist] = []
     for row, step in enumerate(steps):
-        used = _used(step)
+        used = math.inf if step.margin <= -1 else 1 / (1 + step.margin)  # the wrong sign
         colour = RETURN if not step.holds else OUTWARD if step.kind == "limit" else MUTED
         # a step outside of its validity is hatched
         face = {"color": colour} if step.valid else {"color": "white", "hatch": _INVALID["hatch"]}
@@ -79,11 +79,6 @@ def design_margins(design: BearingDesign, *, ax: Axes | None = None) -> list[Art
     handles = [Patch(label=name, **look) for wanted, look, name in shown if wanted]
     ax.legend(handles=handles, ncols=4, columnspacing=1.0, **_OVER)
     return bars
-
-
-def _used(step: Step) -> float:
-    """Part of what is allowed that is used: 1 at the limit, infinite for the wrong sign."""
-    return math.inf if step.margin <= -1 else 1 / (1 + step.margin)
 
 
 @styled

@@ -11,7 +11,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from erlif.core.arrays import Array
 from erlif.io.files import refuse_existing
 from erlif.models.linkage import LinkageDesign, measure_linkage
 from erlif.models.linkage.measures import swept_box
@@ -105,9 +104,10 @@ def linkage_positions(
 
     # the limits: folded and stretched
     ends = 1e3 * pin_places(linkage, np.array(linkage.dead_points()))
-    for links, colour, name in zip(ends, (RETURN, OUTWARD), ("smallest", "largest"), strict=True):
+    angles, names = np.degrees(linkage.limits()), ("smallest", "largest")
+    for links, angle, colour, name in zip(ends, angles, (RETURN, OUTWARD), names, strict=True):
         x, y = links.T
-        label = f"{name} rocker angle {_rocker_degrees(links):.2f}°"
+        label = f"{name} rocker angle {angle:.2f}°"
         style.draw_line(ax, x, y, colour, form="--", width=0.9, zorder=2, label=label)
 
     wide = f"links {1e3 * design.link_width:.4g} mm wide"
@@ -132,12 +132,6 @@ def _rising(linkage: CrankRocker) -> float:
     """Crank angle half-way from the smallest to the largest rocker angle. [rad]"""
     at_smallest, at_largest = linkage.dead_points()
     return (at_smallest + at_largest + 2 * np.pi) / 2
-
-
-def _rocker_degrees(links: Array) -> float:
-    """Interior angle at the rocker pivot. [degree]"""
-    x, y = links[2] - links[3]
-    return float(np.degrees(np.arctan2(y, -x)))
 
 
 @styled
