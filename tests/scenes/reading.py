@@ -24,6 +24,12 @@ def read(path: Path, content: bytes | None = None, *, dataset: str = "") -> np.n
     return np.stack(found[::-1])
 
 
+def times_of(path: Path, *, dataset: str = "") -> np.ndarray | None:
+    """Times of the frames; None where the file has none."""
+    with closing(open_frames(path, dataset=dataset)) as file:
+        return file.times
+
+
 def refusal(path: Path, content: bytes | None = None, *, dataset: str = "") -> str:
     """The message."""
     with pytest.raises(FrameError) as refused:

@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
-from scenes.reading import read, refusal
+from scenes.reading import read, refusal, times_of
 
 from erlif.core.errors import FrameError
 from erlif.io.readers import open_frames
@@ -19,11 +19,6 @@ COUNTS = np.random.default_rng(5).integers(0, 4096, (4, 64, 80), dtype=np.uint16
 @pytest.fixture
 def path(tmp_path):
     return tmp_path / "a.h5"
-
-
-def times_of(path, dataset=""):
-    with closing(open_frames(path, dataset=dataset)) as file:
-        return file.times
 
 
 @pytest.mark.parametrize(
@@ -103,7 +98,7 @@ def test_times_of_xarray_keep_their_nanoseconds(tmp_path):
     frames.to_netcdf(tmp_path / "a.nc", engine="h5netcdf", encoding=encoding)
     with h5py.File(tmp_path / "a.nc") as file:
         assert h5py.h5a.open(file["time"].id, b"units").get_type().is_variable_str()
-    found = times_of(tmp_path / "a.nc", "counts")
+    found = times_of(tmp_path / "a.nc", dataset="counts")
     np.testing.assert_allclose(found, [0, 7e-9, 0.020000033, 90.000000001], rtol=1e-12)
 
 
@@ -190,7 +185,7 @@ def times_beside(path, fill):
     with h5py.File(path, "w") as file:
         file["counts"] = COUNTS
         fill(file)
-    return times_of(path, "/counts")
+    return times_of(path, dataset="/counts")
 
 
 def seconds(dataset):

@@ -5,15 +5,10 @@ from contextlib import closing
 import numpy as np
 import numpy.testing as npt
 from scenes.camera_files import random_frames, write_seq
-from scenes.reading import read
+from scenes.reading import read, times_of
 
 from erlif.io.readers import open_frames
 from erlif.io.readers.base import TRUNCATED
-
-
-def times_of(path):
-    with closing(open_frames(path)) as file:
-        return file.times
 
 
 def test_time_stamps_to_the_microsecond(tmp_path):

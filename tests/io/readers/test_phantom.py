@@ -1,35 +1,29 @@
 """Phantom CINE."""
 
 import struct
+from contextlib import closing
 
 import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes.camera_files import random_frames, write_cine
+from scenes.reading import read, times_of
 
 from erlif.core.errors import FrameError
 from erlif.io.readers import open_frames
 from erlif.io.readers.base import TRUNCATED
-from erlif.io.readers.phantom import open_phantom, phantom_table
+from erlif.io.readers.phantom import phantom_table
 
 START = 1_700_000_000.0
 """A second of 2023, in which double precision resolves 0.2 us."""
 
 
-def read_all(path):
-    """All frames of a file, its depth and its times."""
-    file = open_frames(path)
-    try:
-        return np.array([file.read(k) for k in range(len(file.kinds))]), file.bits, file.times
-    finally:
-        file.close()
-
-
 def test_ten_bits_are_expanded_to_twelve_by_the_table_of_the_camera(tmp_path):
     values = np.arange(1024).reshape(1, 32, 32)
-    found, bits, _ = read_all(write_cine(tmp_path / "a.cine", values, stored="packed 10"))
-    npt.assert_array_equal(found[0].reshape(-1), phantom_table())
-    assert bits == 12
+    path = write_cine(tmp_path / "a.cine", values, stored="packed 10")
+    npt.assert_array_equal(read(path)[0].reshape(-1), phantom_table())
+    with closing(open_frames(path)) as file:
+        assert file.bits == 12
 
 
 def test_the_table_follows_the_transfer_curve_of_television():
@@ -47,13 +41,13 @@ def test_the_table_follows_the_transfer_curve_of_television():
 def test_time_stamps_of_the_camera_go_before_the_rate(tmp_path):
     frames = random_frames(np.random.default_rng(1))
     times = START + np.array([0.9, 0.9 + 1e-4, 1.9])
-    _, _, found = read_all(write_cine(tmp_path / "a.cine", frames, times=times))
+    found = times_of(write_cine(tmp_path / "a.cine", frames, times=times))
     npt.assert_allclose(found, [0, 1e-4, 1], atol=1e-6)
 
-    _, _, found = read_all(write_cine(tmp_path / "b.cine", frames, rate=90_000, decimation=10))
+    found = times_of(write_cine(tmp_path / "b.cine", frames, rate=90_000, decimation=10))
     npt.assert_allclose(found, np.arange(3) / 9000)
     stopped = np.full(3, START)
-    _, _, found = read_all(write_cine(tmp_path / "c.cine", frames, times=stopped, rate=500))
+    found = times_of(write_cine(tmp_path / "c.cine", frames, times=stopped, rate=500))
     npt.assert_allclose(found, [0, 0.002, 0.004])
 
 
@@ -63,7 +57,7 @@ def test_frames_beyond_four_gigabytes(tmp_path):
     if path.stat().st_blocks * 512 > 2**20:
         path.unlink()
         pytest.skip("this file system has no holes")
-    npt.assert_array_equal(read_all(path)[0], frames)
+    npt.assert_array_equal(read(path), frames)
 
 
 def test_a_wrong_place_or_size_of_one_frame_leaves_the_others(tmp_path):
@@ -77,7 +71,7 @@ def test_a_wrong_place_or_size_of_one_frame_leaves_the_others(tmp_path):
     struct.pack_into("<I", data, places[2] + 4, 95)  # a byte too few
     path.write_bytes(data)
 
-    file = open_phantom(path)
+    file = open_frames(path)
     assert [kind == TRUNCATED for kind in file.kinds] == [True, False, False, False]
     with pytest.raises(FrameError, match="header of the frame is damaged"):
         file.read(1)
