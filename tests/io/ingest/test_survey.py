@@ -1,5 +1,6 @@
 """Frames, darks, flats and tables found by their names, as laboratories name them."""
 
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from erlif.core.errors import FrameError
 from erlif.io.ingest.survey import survey_directory
 
 GREY = np.full((64, 80), 1000, np.uint16)
+NAMES = tomllib.loads(Path(__file__).with_name("names.toml").read_text(encoding="utf-8"))
 
 
 def photograph(directory: Path, *names: str, image=GREY, pages: int = 1) -> None:
@@ -27,29 +29,7 @@ def numbered(pattern: str, count: int = 3) -> list[str]:
     return [pattern.format(number) for number in range(count)]
 
 
-@pytest.mark.parametrize(
-    ("one", "two", "patterns"),
-    [
-        (
-            "camera1/frame_{:04d}.tif",
-            "camera2/frame_{:04d}.tif",
-            ["camera1/*.tif", "camera2/*.tif"],
-        ),
-        ("Camera_1/{}.TIF", "Camera_2/{}.TIF", ["Camera_1/*.TIF", "Camera_2/*.TIF"]),
-        ("C1_{:04d}.tif", "C2_{:04d}.tif", ["C1_*.tif", "C2_*.tif"]),
-        ("shotCam0_{}.tiff", "shotCam1_{}.tiff", ["shotCam0_*.tiff", "shotCam1_*.tiff"]),
-        ("580/{}.tif", "610/{}.tif", ["580/*.tif", "610/*.tif"]),
-        ("run_{}_580nm.tif", "run_{}_610nm.tif", ["*_580nm.tif", "*_610nm.tif"]),
-        ("left/{}.tif", "right/{}.tif", ["left/*.tif", "right/*.tif"]),
-        ("left_{}.tif", "right_{}.tif", ["left_*.tif", "right_*.tif"]),
-        (
-            "raw [7]/cam a/{}.tif",
-            "raw [7]/cam b/{}.tif",
-            ["raw [[]7]/cam a/*.tif", "raw [[]7]/cam b/*.tif"],
-        ),
-        ("cam1/part_{}/x.tif", "cam2/part_{}/x.tif", ["cam1/*/*.tif", "cam2/*/*.tif"]),
-    ],
-)
+@pytest.mark.parametrize(("one", "two", "patterns"), NAMES["cameras"])
 def test_two_cameras_are_distinguished_by_the_names_of_their_files(tmp_path, one, two, patterns):
     photograph(tmp_path, *numbered(one), *numbered(two))
     cameras = survey_directory(tmp_path).cameras
@@ -71,15 +51,7 @@ def test_a_number_that_both_cameras_share_is_not_a_wavelength(tmp_path):
     assert [camera.wavelength for camera in survey_directory(tmp_path).cameras] == [None, None]
 
 
-@pytest.mark.parametrize(
-    ("dark", "flat", "dry"),
-    [
-        ("camera{}_dark.tif", "camera{}_flat.tif", "camera{}_dry.tif"),
-        ("camera{}/Dark.tif", "camera{}/White.tif", "camera{}/background.tif"),
-        ("darks/cam{}.tif", "flats/cam{}.tif", "background/cam{}.tif"),
-        ("Cam{}BlackFrames.tif", "Cam{}Uniform.tif", "Cam{}Dry.tif"),
-    ],
-)
+@pytest.mark.parametrize(("dark", "flat", "dry"), NAMES["references"])
 def test_darks_and_flats_are_assigned_to_their_camera_by_name(tmp_path, dark, flat, dry):
     for camera in (1, 2):
         photograph(tmp_path, *numbered(f"camera{camera}/frame_{{}}.tif"))

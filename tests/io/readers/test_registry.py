@@ -4,8 +4,8 @@ import functools
 import os
 import re
 import sys
-import threading
 import tomllib
+from concurrent.futures import ThreadPoolExecutor
 from importlib import metadata
 from pathlib import Path
 
@@ -119,59 +119,56 @@ def test_each_extra_in_the_table_exists():
 # files kept open
 
 
-def test_a_file_stays_open_for_the_next_frame(tmp_path, foreign):
+@pytest.fixture
+def flats(tmp_path, foreign):
+    """Six files of the other format, each with its number as the level."""
     foreign(flat=FLAT)
-    (tmp_path / "a.flat").write_bytes(b"FLAT\x01")
-    with borrow_frames(tmp_path / "a.flat") as one, borrow_frames(tmp_path / "a.flat") as two:
+    paths = [tmp_path / f"{n}.flat" for n in range(6)]
+    for n, path in enumerate(paths):
+        path.write_bytes(bytes([*b"FLAT", n]))
+    return paths
+
+
+def test_a_file_stays_open_for_the_next_frame(flats):
+    with borrow_frames(flats[1]) as one, borrow_frames(flats[1]) as two:
         assert one is two
     assert not one.closed
     registry._keep.cache_clear()
     assert one.closed
 
 
-def test_few_files_are_open_at_once(tmp_path, foreign, monkeypatch):
-    foreign(flat=FLAT)
+def test_few_files_are_open_at_once(flats, monkeypatch):
     monkeypatch.setattr(registry, "_keep", functools.lru_cache(2)(registry._Kept))
     files = []
-    for n in range(5):
-        (tmp_path / f"{n}.flat").write_bytes(bytes([*b"FLAT", n]))
-        with borrow_frames(tmp_path / f"{n}.flat") as file:
+    for path in flats[:5]:
+        with borrow_frames(path) as file:
             files.append(file)
     assert [file.closed for file in files] == [True, True, True, False, False]
 
 
-def test_a_file_in_use_is_closed_after_its_use(tmp_path, foreign):
-    foreign(flat=FLAT)
-    (tmp_path / "a.flat").write_bytes(b"FLAT\x01")
-    with borrow_frames(tmp_path / "a.flat") as file:
+def test_a_file_in_use_is_closed_after_its_use(flats):
+    with borrow_frames(flats[1]) as file:
         registry._keep.cache_clear()
         assert not file.closed
         assert file.read(0)[0, 0] == 1
     assert file.closed
 
 
-def test_threads_share_the_open_files(tmp_path, foreign, monkeypatch):
-    foreign(flat=FLAT)
+def test_threads_share_the_open_files(flats, monkeypatch):
     monkeypatch.setattr(registry, "_keep", functools.lru_cache(2)(registry._Kept))
-    paths = []
-    for n in range(6):
-        paths.append(tmp_path / f"{n}.flat")
-        paths[-1].write_bytes(bytes([*b"FLAT", n]))
-    faults = []
 
     def work(seed):
+        faults = []
         for n in np.random.default_rng(seed).integers(0, 6, 200):
-            with borrow_frames(paths[n]) as file:
+            with borrow_frames(flats[n]) as file:
                 if file.closed or file.read(0)[0, 0] != n:
                     faults.append(n)
+        return faults
 
     interval = sys.getswitchinterval()
     sys.setswitchinterval(1e-6)
-    threads = [threading.Thread(target=work, args=(seed,)) for seed in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    with ThreadPoolExecutor(4) as threads:
+        faults = [n for one in threads.map(work, range(4)) for n in one]
     sys.setswitchinterval(interval)
     assert not faults
 
