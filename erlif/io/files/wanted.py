@@ -127,7 +127,7 @@ def takes(**wanted: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
                 bound = signature.bind(*args, **kwargs)
             except TypeError:  # the call itself names what is missing or too much
                 return function(*args, **kwargs)
-            for name in wanted.keys() & bound.arguments.keys():
+            for name in [name for name in wanted if name in bound.arguments]:
                 # None stands for what may be left out
                 value = bound.arguments[name]
                 if value is not None or signature.parameters[name].default is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import stat
+import threading
 import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -160,7 +161,8 @@ def borrow_frames(path: Path, *, dataset: str = "") -> Iterator[FrameFile]:
         stamp = file_stamp(path)
     except OSError as error:
         raise FrameError(f"the file cannot be read: {error.strerror or error}") from error
-    kept = _keep(path, dataset, *stamp)
+    with _opening:  # of several threads the second waits and finds the file open
+        kept = _keep(path, dataset, *stamp)
     yield kept.file
 
 
@@ -172,12 +174,22 @@ class _Kept:
         weakref.finalize(self, self.file.close)
 
 
+_opening = threading.Lock()
+
 # The files of this process that stay open; the one unused for longest is dropped first.
 _keep = lru_cache(maxsize=_MOST_OPEN)(_Kept)
 
+
+def _begin_anew() -> None:
+    """Forget the open files of another process, and its lock."""
+    global _opening
+    _opening = threading.Lock()
+    _keep.cache_clear()
+
+
 if hasattr(os, "register_at_fork"):  # not on Windows, where no process is forked
-    # a forked process shares the places in the files of its parent
-    os.register_at_fork(after_in_child=_keep.cache_clear)
+    # a forked process shares the places in the files of its parent, and a lock that may be taken
+    os.register_at_fork(after_in_child=_begin_anew)
 
 
 def _read_head(path: Path) -> bytes:

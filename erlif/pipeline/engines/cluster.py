@@ -66,6 +66,9 @@ _WAIT_FOR_WORKERS = 60
 # Time between two looks at the workers while a result is waited for. [s]
 _LOOK = 5
 
+# States of a job that needs no worker any more.
+_ENDED = ("finished", "error", "cancelled")
+
 # Items in work or waiting for each thread of the workers: a worker gets its next item before it
 # asks, and uncollected results do not grow with the run.
 _AHEAD = 4
@@ -181,21 +184,23 @@ class Cluster:
 
     def _obtain(self, job: Any) -> Any:
         """The result of a job; a warning where there is no worker to compute it."""
+        from distributed import wait
+
         warned = False
-        while True:
+        while job.status not in _ENDED:
             try:
-                return job.result(timeout=_LOOK)
+                wait(job, timeout=_LOOK)
             except TimeoutError:
-                if job.status == "error":  # an error of the work itself
-                    raise
                 if warned or self._client.nthreads():
                     continue
-            warned = True
-            _logger.warning(
-                "%s has no worker any more; the run goes on when one comes: %s",
-                self.scheduler,
-                self._start_a_worker(),
-            )
+                warned = True
+                _logger.warning(
+                    "%s has no worker any more; the run goes on when one comes: %s",
+                    self.scheduler,
+                    self._start_a_worker(),
+                )
+        # without a limit: a result that takes longer to arrive is not asked for again
+        return job.result()
 
     def _connect(self) -> None:
         """Connect to the scheduler, or start one with workers on this machine."""

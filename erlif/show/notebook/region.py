@@ -84,7 +84,8 @@ def summarise_region(
 
 def _find_region(film: xr.Dataset, x: Interval | None, y: Interval | None) -> Region:
     across, down = film.x.values, film.y.values
-    roi = x or (float(across[0]), float(across[-1])), y or (float(down[0]), float(down[-1]))
+    whole = (float(across[0]), float(across[-1])), (float(down[0]), float(down[-1]))
+    roi = whole[0] if x is None else x, whole[1] if y is None else y
     try:
         return find_region(across, down, roi=roi)
     except ConfigError as error:

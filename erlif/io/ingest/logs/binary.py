@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import logging
 import stat
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -150,15 +151,19 @@ def _read_tdms(path: Path) -> _Found:
     except ImportError as error:
         raise refusal("no_nptdms", path=path) from error
 
-    # the package logs a truncated or damaged file as a warning and reads what is left; it leaves a
-    # file open that it refuses
-    text = io.StringIO()
-    usual = log_manager.console_handler.setStream(text)
+    # the package logs a truncated or damaged file as a warning and reads what is left
+    text, handler, level = io.StringIO(), log_manager.console_handler, log_manager.log_level
+    usual = handler.setStream(text)
+    handler.setFormatter(None)
+    log_manager.set_level(logging.WARNING)
     try:
+        # it leaves a file open that it refuses, but not one that it is given
         with path.open("rb") as raw, TdmsFile.open(raw) as file:
             found = list(_list_channels(file, path))
     finally:
-        log_manager.console_handler.setStream(usual)
+        log_manager.set_level(level)
+        handler.setFormatter(log_manager.formatter)
+        handler.setStream(usual)
     if text.getvalue():
         raise ValueError(text.getvalue().strip())
     yield from found
