@@ -1,6 +1,8 @@
 """Text files as loggers write them, and what is no table."""
 
+import tomllib
 import tracemalloc
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ import pytest
 from erlif.core.errors import EncoderError
 from erlif.io.ingest.logs.text import read_text_table
 
+FORMS = tomllib.loads(Path(__file__).with_name("forms.toml").read_text("utf-8"))["forms"]
 NUMBERS = {"time": [0.0, 0.1, 0.2], "angle": [1.5, -2.25, 3.0]}
 
 
@@ -21,23 +24,7 @@ def numbers(table):
     return {column.name: column.values.tolist() for column in table.columns}
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "time,angle\n0,1.5\n0.1,-2.25\n0.2,3\n",
-        "time;angle\n0;1.5\n0.1;-2.25\n0.2;3\n",
-        "time;angle\n0,0;1,5\n0,1;-2,25\n0,2;3,0\n",
-        "time\tangle\n0,0\t1,5\n0,1\t-2,25\n0,2\t3\n",
-        "time;angle;\n0,0;1,5;\n0,1;-2,25;\n0,2;3;\n",
-        "# logger 3\n% more\ntime,angle\n0,1.5\n# pause\n0.1,-2.25\n0.2,3\n",
-        "# logger 3\n# time,angle\n0,1.5\n0.1,-2.25\n0.2,3\n",
-        "Logger 3\nDate;22.11.2026;10:04\n\ntime;angle\n0;1,5\n0,1;-2,25\n0,2;3\n",
-        "time,angle\ns,deg\n0,1.5\n0.1,-2.25\n0.2,3\n",
-        "time,angle\n[s],[deg]\n\n0,1.5\n0.1,-2.25\n0.2,3\n",
-        '"time","angle"\r\n"0","1.5"\r\n"0.1","-2.25"\r\n"0.2","3"\r\n',
-        " time , angle \n 0 , 1.5 \n1e-1,-2.25e0,\n.2,+3\n",
-    ],
-)
+@pytest.mark.parametrize("text", FORMS)
 @pytest.mark.parametrize("wanted", [("angle",), ()])
 def test_every_usual_form_gives_the_same_numbers(tmp_path, text, wanted):
     found = numbers(read(tmp_path, text, wanted))
