@@ -1,4 +1,4 @@
-from .accumulation import RatioSum
+from .accumulation import RatioSum, combine_frames
 from .bubbles import find_bubbles
 from .camera_noise import NoiseEstimate, NoiseView, estimate_camera_noise
 from .cells import NO_CELLS, LightCells, cell_places, sample_cells
@@ -23,6 +23,7 @@ __all__ = [
     "PulseSample",
     "RatioSum",
     "cell_places",
+    "combine_frames",
     "compute_ratio",
     "estimate_camera_noise",
     "find_bubbles",

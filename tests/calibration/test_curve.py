@@ -7,7 +7,6 @@ import numpy.testing as npt
 import pytest
 import xarray as xr
 from scenes.fixture import FILMS, K, P, Q, log_ratio
-from scenes.plain import invert
 
 from erlif.calibration import Calibration, check_bands, share_bands
 from erlif.calibration.departure import Departure
@@ -104,7 +103,11 @@ def test_table_of_the_inverse_agrees_with_root_finding(name, request):
     first, last = np.interp(calibration.thickness_range, table.thickness, entries)
     place = np.random.default_rng(0).uniform(first, last, 200)
     values = table.start + table.step * place
-    film = invert(calibration, values)
+    film = calibration.invert(values)
+    npt.assert_allclose(calibration.predict_log(film), values, atol=1e-9)
+    low, high = calibration.thickness_range
+    beyond = calibration.predict_log([[low - 0.01], [high + 0.01]])
+    npt.assert_array_equal(calibration.invert(beyond), [[np.nan], [np.nan]])
     npt.assert_allclose(np.interp(place, entries, table.thickness), film, atol=2e-5)
     npt.assert_allclose(
         np.interp(place, entries, table.per_log_ratio), 1 / calibration.slope(film), rtol=1e-4

@@ -19,7 +19,6 @@ from scenes.fixture import (
     make_points,
     wedge_profile,
 )
-from scenes.plain import invert
 
 from erlif.calibration import Profile
 from erlif.calibration.departure import Correlation, Departure, find_correlation, fit_departure
@@ -147,7 +146,7 @@ def test_films_measured_with_a_departure_cover(noise):
     for _ in range(40):
         calibration = calibrate_wedge(rng, noise=noise, background=BACKGROUND)
         assert calibration.departure is not None
-        pulls.append((invert(calibration, read) - FILMS) / calibration.thickness_std(FILMS))
+        pulls.append((calibration.invert(read) - FILMS) / calibration.thickness_std(FILMS))
     assert_covers(pulls)
 
 

@@ -19,7 +19,6 @@ from scenes.fixture import (
     log_ratio,
     wedge_profile,
 )
-from scenes.plain import invert
 
 from erlif.calibration import Profile
 from erlif.calibration.pairing import pair_profile_with_image
@@ -102,12 +101,12 @@ def pulls_of_surface(rng):
 
 def pulls_of_curve(calibration):
     parameters = (calibration.parameters - [K, P, Q]) / calibration.standard_deviations
-    films = (invert(calibration, log_ratio(FILMS)) - FILMS) / calibration.thickness_std(FILMS)
+    films = (calibration.invert(log_ratio(FILMS)) - FILMS) / calibration.thickness_std(FILMS)
     return [*parameters, *films]
 
 
 def film_error(calibration):
-    return np.abs(invert(calibration, log_ratio(FILMS)) - FILMS)
+    return np.abs(calibration.invert(log_ratio(FILMS)) - FILMS)
 
 
 # profiles with form

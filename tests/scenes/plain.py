@@ -6,7 +6,6 @@ One step for each idea, in double precision where that is simplest. The tests ho
 
 import cv2
 import numpy as np
-import scipy.optimize
 import xarray as xr
 
 from erlif.core.detector import QUANTISATION_VAR
@@ -252,19 +251,3 @@ def sum_over_square(image, width):
         image, -1, (width, width), normalize=False, borderType=cv2.BORDER_CONSTANT
     )
     return np.asarray(summed, np.float32)
-
-
-def invert(calibration, log_ratio):
-    """Thickness of log ratios by root finding; NaN beyond the calibrated range. [um]"""
-    low, high = calibration.thickness_range
-    first, last = calibration.predict_log([low, high])
-
-    def find(goal):
-        if not first <= goal <= last:
-            return np.nan
-        return scipy.optimize.brentq(
-            lambda film: float(calibration.predict_log(film)) - goal, low, high, xtol=1e-10
-        )
-
-    values = np.asarray(log_ratio, float)
-    return np.array([find(goal) for goal in values.ravel()]).reshape(values.shape)

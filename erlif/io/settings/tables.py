@@ -59,13 +59,26 @@ def _write_quantity(value: float, unit: str) -> str:
     )
 
 
-def quantity(name: str, example: str, unit: str, *bounds: Gt | Ge | Le) -> Any:
-    """Annotations of a field that is written with its unit and kept as a float in `unit`."""
+def quantity(
+    name: str, example: str, unit: str, *bounds: Gt | Ge | Le, between: tuple[str, ...] = ()
+) -> Any:
+    """Annotations of a field that is written with its unit and kept as a float in `unit`.
+
+    A value beyond the range `between` is refused with both ends as they are written here.
+    """
+
+    def read(text: object) -> float:
+        value = parse_quantity(text, unit)
+        ends = [parse_quantity(end, unit) for end in between]
+        if ends and not ends[0] <= value <= ends[1]:
+            raise ValueError(f"expected {' to '.join(between)}; got {text!r}")
+        return value
+
     schema = {"type": "string", "pattern": QUANTITY_PATTERN, "examples": [example]}
     # Bounds are checked on the converted float. The schema is last: it replaces what pydantic would
     # derive from the float, since the file holds text.
     return (
-        BeforeValidator(lambda text: parse_quantity(text, unit)),
+        BeforeValidator(read),
         *bounds,
         WrapValidator(lambda text, check: Quantity(check(text), " ".join(text.split()))),
         PlainSerializer(lambda value: _write_quantity(value, unit), return_type=str),
@@ -86,9 +99,9 @@ PressureViscosity = Annotated[
 ]
 Wavelength = Annotated[float, *quantity("wavelength", "580 nm", "nm", Gt(0))]
 # wavelengths that cameras and filters cover: a band in um in place of nm is no light
-Band = Annotated[float, *quantity("wavelength", "580 nm", "nm", Ge(200), Le(2000))]
+Band = Annotated[float, *quantity("wavelength", "580 nm", "nm", between=("200 nm", "2000 nm"))]
 # pixels in the object plane, from those of a microscope to an image of metres
-PixelPitch = Annotated[float, *quantity("length", "60 um", "m", Ge(50e-9), Le(5e-3))]
+PixelPitch = Annotated[float, *quantity("length", "60 um", "m", between=("50 nm", "5 mm"))]
 Counts = Annotated[float, *quantity("counts", "64 DN", "DN", Ge(0))]
 Gain = Annotated[float, *quantity("gain", "4.4 electron/DN", "electron/DN", Gt(0))]
 Electrons = Annotated[float, *quantity("electrons", "9 electron", "electron", Gt(0))]
