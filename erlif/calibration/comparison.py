@@ -322,8 +322,8 @@ def _profile_hashes(calibration: Calibration) -> set[str]:
     """Hash of the CMM profile, or of all inputs that can be one where its name is not recorded."""
     hashes = calibration.input_hashes
     if calibration.profile_file:
-        found = hashes.get(calibration.profile_file)
-        return set() if found is None else {found}
+        profile = hashes.get(calibration.profile_file)
+        return set() if profile is None else {profile}
     # a fixture's other inputs are its settings and frames, which no text table can be
     tables = (".csv", ".txt")
     return {value for name, value in hashes.items() if name.lower().endswith(tables)}

@@ -132,24 +132,24 @@ def fit_calibration(
     _refuse_constant_thickness(points)
     _refuse_swapped_cameras(points)
 
-    freedom, found = Freedom.none(points), None
+    freedom, refined_pose = Freedom.none(points), None
     if align:
-        points, freedom, found = refine_pose(ratios, profile, points, pose)
-        notes += found.describe(points)
+        points, freedom, refined_pose = refine_pose(ratios, profile, points, pose)
+        notes += refined_pose.describe(points)
 
-    if found is None or not found.determined[ALONG]:
+    if refined_pose is None or not refined_pose.determined[ALONG]:
         notes.append(_describe_given_origin(points, pixel_pitch))
 
     fit = fit_robustly(points, freedom)
-    if found is not None:
-        fit = add_uncertainty_of_turn(fit, points, freedom, found)
+    if refined_pose is not None:
+        fit = add_uncertainty_of_turn(fit, points, freedom, refined_pose)
     settled = _settle_departure(points, fit, freedom)
     fit, candidate, kept = settled.fit, settled.candidate, settled.fit.kept
     notes += settled.notes
     if not kept.all():
         notes.append(_make_note("points_left_out", count=int((~kept).sum()), total=kept.size))
 
-    calibration = _make_curve(settled, found, bands=bands, fixture=fixture)
+    calibration = _make_curve(settled, refined_pose, bands=bands, fixture=fixture)
     best = fit if candidate is None else candidate
 
     # the calibrated range follows from the slope of the finished curve
@@ -184,7 +184,7 @@ def _refuse_nonsense(
 
 
 def _make_curve(
-    settled: _Settled, found: FoundPose | None, *, bands: tuple[float, float], fixture: str
+    settled: _Settled, pose: FoundPose | None, *, bands: tuple[float, float], fixture: str
 ) -> Calibration:
     """The calibration without range and points, with the error bars of the actual scatter."""
     fit, candidate = settled.fit, settled.candidate
@@ -209,7 +209,7 @@ def _make_curve(
         reduced_chi_square=noise,
         fixture=fixture,
         departure=departure,
-        pose=found,
+        pose=pose,
     )
 
 

@@ -116,7 +116,7 @@ def _freedom_at(points: Points, pose: Pose) -> Freedom:
     return freedom
 
 
-def add_uncertainty_of_turn(fit: Fit, points: Points, freedom: Freedom, found: FoundPose) -> Fit:
+def add_uncertainty_of_turn(fit: Fit, points: Points, freedom: Freedom, pose: FoundPose) -> Fit:
     """Add the uncertainty of a line's turn to the covariance of K, p and q.
 
     Parameters
@@ -127,7 +127,7 @@ def add_uncertainty_of_turn(fit: Fit, points: Points, freedom: Freedom, found: F
         What was fitted.
     freedom : Freedom
         Changes of the pose that were free in the fit.
-    found : FoundPose
+    pose : FoundPose
         The refined pose with the standard deviation of its turn.
 
     Returns
@@ -145,5 +145,5 @@ def add_uncertainty_of_turn(fit: Fit, points: Points, freedom: Freedom, found: F
 
     # linear response of the parameters to a turn by one standard deviation
     moved: Array = (slope * points.gradient[:, 0] * points.mean_across / variance)[fit.kept]
-    response = fit.covariance @ design.T @ moved * found.standard_deviations[TURN]
+    response = fit.covariance @ design.T @ moved * pose.standard_deviations[TURN]
     return replace(fit, covariance=fit.covariance + np.outer(response, response))

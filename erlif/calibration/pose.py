@@ -129,11 +129,11 @@ class FoundPose:
         if not points.on_surface:
             del given[ACROSS]  # a line has no position across
 
-        found = [text for element, text in refined.items() if self.determined[element]]
+        changes = [text for element, text in refined.items() if self.determined[element]]
         left = [name for element, name in given.items() if not self.determined[element]]
         notes = []
-        if found:
-            notes.append(_make_note("pose_refined", found=", ".join(found)))
+        if changes:
+            notes.append(_make_note("pose_refined", found=", ".join(changes)))
         if left:
             notes.append(_make_note("pose_given", left=", ".join(left)))
         return notes

@@ -276,9 +276,9 @@ def gradient_of_thickness(position: Array, thickness: Array, uncertainty: Array 
     ) + terms * math.log(thickness.size)
     used = int(terms[np.argmin(criterion)])
 
-    found = np.linalg.lstsq(design[:, :used] * weight[:, None], thickness * weight, rcond=None)[0]
+    slope = np.linalg.lstsq(design[:, :used] * weight[:, None], thickness * weight, rcond=None)[0]
     coefficients = np.zeros([values.shape[1] for values in functions])
-    coefficients[tuple(np.transpose(powers[:used]))] = found
+    coefficients[tuple(np.transpose(powers[:used]))] = slope
     if position.shape[1] == 1:
         slopes = [legendre.legval(scaled[:, 0], legendre.legder(coefficients))]
     else:

@@ -47,19 +47,19 @@ def read_bounded(path: Path, *, largest: int) -> bytes:
     """
     # opening a pipe without this would wait for its other end
     handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
-    found = os.fstat(handle)
-    if not stat.S_ISREG(found.st_mode):
+    state = os.fstat(handle)
+    if not stat.S_ISREG(state.st_mode):
         os.close(handle)
-        kind = _KINDS.get(stat.S_IFMT(found.st_mode), "something else")
+        kind = _KINDS.get(stat.S_IFMT(state.st_mode), "something else")
         raise OSError(errno.EINVAL, f"it is {kind}, not a regular file", str(path))
 
     with os.fdopen(handle, "rb") as file:
         # a file may grow while it is read, and some of no size have contents without end
-        content = file.read(min(found.st_size, largest) + 1)
-        if len(content) > found.st_size:
+        content = file.read(min(state.st_size, largest) + 1)
+        if len(content) > state.st_size:
             content += file.read(largest + 1 - len(content))
         if len(content) > largest:
-            size = max(found.st_size, len(content)) / 1e6
+            size = max(state.st_size, len(content)) / 1e6
             raise OSError(
                 errno.EFBIG,
                 f"it holds {size:.1f} MB or more; at most {largest / 1e6:.0f} MB are read",

@@ -96,8 +96,8 @@ def reason_of(error: BaseException) -> str:
     """
     first = str(error).strip().partition("\n")[0].rstrip(".")
     for text, meaning in _PLAIN:
-        found = re.fullmatch(text, first[: 5 * LONGEST_REASON])
-        if found is not None:
-            first = found.expand(meaning)
+        match = re.fullmatch(text, first[: 5 * LONGEST_REASON])
+        if match is not None:
+            first = match.expand(meaning)
             break
     return first[:LONGEST_REASON] or type(error).__name__

@@ -34,8 +34,8 @@ def is_later(attrs: Mapping[Any, Any]) -> bool:
     >>> is_later({}), is_later({"format_version": FORMAT_VERSION + 1})
     (False, True)
     """
-    found = attrs.get(ATTRIBUTE, FORMAT_VERSION)
-    number = int(found)
-    if number != found or number < 1:
-        raise ValueError(f"{ATTRIBUTE} is {found!r}, no whole number from 1 on")
+    version = attrs.get(ATTRIBUTE, FORMAT_VERSION)
+    number = int(version)
+    if number != version or number < 1:
+        raise ValueError(f"{ATTRIBUTE} is {version!r}, no whole number from 1 on")
     return number > FORMAT_VERSION

@@ -39,8 +39,8 @@ def file_stamp(path: Path) -> tuple[int, int, int]:
 
     A copy that takes the name of a file may have its size and time, but has another place.
     """
-    found = path.stat()
-    return found.st_size, found.st_mtime_ns, found.st_ino
+    state = path.stat()
+    return state.st_size, state.st_mtime_ns, state.st_ino
 
 
 def check_hdf5(path: Path) -> None:
@@ -92,8 +92,8 @@ def read_matlab(path: Path) -> list[tuple[str, Any]]:
     >>> [(name, values.tolist()) for name, values in read_matlab(path)]
     [('angle', [[1.0, 2.0]])]
     """
-    found: list[tuple[str, Any]] = _child.ask("matlab", str(path.absolute()))
-    return found
+    variables: list[tuple[str, Any]] = _child.ask("matlab", str(path.absolute()))
+    return variables
 
 
 class _Child:

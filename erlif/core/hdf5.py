@@ -113,7 +113,7 @@ def find_chunks(data: Any) -> Mask:
     if data.chunks is None:
         return np.array(data.id.get_storage_size() >= data.size * data.dtype.itemsize)
 
-    found = np.zeros(_chunk_grid(data), np.int64)
+    stored = np.zeros(_chunk_grid(data), np.int64)
     plain = chunk_size(data)
     skipped = (1 << len(filters_of(data))) - 1
 
@@ -129,11 +129,11 @@ def find_chunks(data: Any) -> Mask:
     # a chunk that no filter has changed has its own size
     whole = (table[:, -2] & skipped != skipped) | (table[:, -1] == plain)
     whole &= ~between.any(axis=1)
-    inside = ((places >= 0) & (places < found.shape)).all(axis=1)
+    inside = ((places >= 0) & (places < stored.shape)).all(axis=1)
 
     # a place that is named twice belongs to no chunk for sure
-    np.add.at(found, tuple(places[inside].T), np.where(whole[inside], 1, 2))
-    once: Mask = found == 1
+    np.add.at(stored, tuple(places[inside].T), np.where(whole[inside], 1, 2))
+    once: Mask = stored == 1
     return once
 
 

@@ -212,6 +212,6 @@ def list_some(items: Iterable[object], *, most: int = 10) -> str:
     >>> list_some([3, 5, 8], most=2)
     '3, 5 and 1 more'
     """
-    found = [str(item) for item in items]
-    more = f" and {len(found) - most} more" if len(found) > most else ""
-    return ", ".join(found[:most]) + more
+    words = [str(item) for item in items]
+    more = f" and {len(words) - most} more" if len(words) > most else ""
+    return ", ".join(words[:most]) + more

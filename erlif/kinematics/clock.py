@@ -129,9 +129,9 @@ def find_clock_offset(
     residual = np.array([model.residual(offset) for offset in offsets])
     minima = _minima(residual)
     refined = [_refine(model, offsets, place) for place in minima]
-    found = min(refined, key=model.residual)
+    best = min(refined, key=model.residual)
 
-    least = model.residual(found)
+    least = model.residual(best)
     variance = least / (since.size - _Model.PARAMETERS - 1)
     explained = 1 - least / model.without_motion
     if explained < EXPLAINED:
@@ -143,12 +143,12 @@ def find_clock_offset(
 
     # other minima of the same depth: the other stroke, and whole cycles apart
     alike = [one for one in refined if model.residual(one) - least < EQUAL * variance]
-    phases = [((one - found) / period) % 1.0 for one in alike]
+    phases = [((one - best) / period) % 1.0 for one in alike]
     same = sum(phase < 0.25 or phase > 0.75 for phase in phases)
-    stretch, stretch_std = model.fit_stretch(found, variance)
+    stretch, stretch_std = model.fit_stretch(best, variance)
     return ClockOffset(
-        found,
-        model.std(found, variance),
+        best,
+        model.std(best, variance),
         explained,
         same < len(alike),
         same,

@@ -163,8 +163,8 @@ def _read_crank(log: EncoderLog, encoder: Encoder) -> LinkAngle:
 
     zero = encoder.zero or 0.0
     angle = ((-reading if falls else reading) + zero) % _TURN
-    found = encoder.direction is None and falls
-    return LinkAngle(np.asarray(angle), log.angle.values, zero, None, falls, found)
+    falling = encoder.direction is None and falls
+    return LinkAngle(np.asarray(angle), log.angle.values, zero, None, falls, falling)
 
 
 def _read_swing(

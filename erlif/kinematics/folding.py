@@ -314,8 +314,8 @@ def describe_frames(fold: Fold, columns: FrameColumns, *, cycle: str) -> xr.Data
     'turn'
     """
     numbers: FrameColumns = {"trigger": (fold.trigger, ""), "cycle": (fold.cycle, cycle)}
-    found = xr.Dataset(coords={"frame": np.arange(fold.trigger.size)})
+    frames = xr.Dataset(coords={"frame": np.arange(fold.trigger.size)})
     for name, (values, words) in (numbers | columns).items():
         known = {**FILM, **FRAMES}[name].attrs
-        found[name] = ("frame", values, {**known, "long_name": words or known["long_name"]})
-    return found
+        frames[name] = ("frame", values, {**known, "long_name": words or known["long_name"]})
+    return frames

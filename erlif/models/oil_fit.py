@@ -371,7 +371,7 @@ def _fit_vogel(T: Values, viscosity: Values, spread: Values) -> tuple[Values, Va
         inverse = 1 / (T - x[2])
         return np.stack([np.ones(T.shape), inverse, x[1] * inverse**2], axis=1) / spread[:, None]
 
-    found = least_squares(
+    fit = least_squares(
         residuals,
         [constant[best], slope[best], coldest - distance[best]],
         derivatives,
@@ -381,7 +381,7 @@ def _fit_vogel(T: Values, viscosity: Values, spread: Values) -> tuple[Values, Va
         ftol=1e-14,
         gtol=1e-14,
     )
-    return found.x, derivatives(found.x), found.fun
+    return fit.x, derivatives(fit.x), fit.fun
 
 
 def _line(x: Values, y: Values, spread: Values) -> tuple[Values, Values, Values]:
@@ -412,20 +412,20 @@ def _fit_walther(T: Values, viscosity: Values, spread: Values) -> tuple[Values, 
         slope = _walther_slope(line[0] - line[1] * x)
         return np.stack([slope, -x * slope], axis=1) / spread[:, None]
 
-    found = least_squares(
+    fit = least_squares(
         residuals, [constant, slope], derivatives, xtol=1e-14, ftol=1e-14, gtol=1e-14
     )
     # from the centre, where both are independent, to 1 K
-    B = found.x[1]
+    B = fit.x[1]
     if not B > 0:
         raise ModelError(
             "viscosities must fall with temperature for Walther's law, and these do not. Check "
             "which viscosity belongs to which temperature."
         )
-    values = np.array([found.x[0] + B * np.log10(_CENTRE), B])
-    slopes = derivatives(found.x)
+    values = np.array([fit.x[0] + B * np.log10(_CENTRE), B])
+    slopes = derivatives(fit.x)
     slopes[:, 1] -= np.log10(_CENTRE) * slopes[:, 0]
-    return values, slopes, found.fun
+    return values, slopes, fit.fun
 
 
 def _walther(w: Values) -> Values:

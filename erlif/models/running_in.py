@@ -200,7 +200,7 @@ def _wear(wall: _Wall, distances: Array, specific_wear: float) -> list[tuple[flo
     place, pressure = wall.balance(depth, 1.0, start)
     _require_resolved(wall, place, pressure)
 
-    at, found = 0.0, []
+    at, stages = 0.0, []
     step = _SHORTEST * distances[-1]
     for wanted in distances:
         while at < wanted:
@@ -219,8 +219,8 @@ def _wear(wall: _Wall, distances: Array, specific_wear: float) -> list[tuple[flo
                 )
             at = wanted if trial == wanted - at else at + trial
             step = max(step, trial) * (2 if change < allowed / 2 else 1)
-        found.append((place, pressure, depth))
-    return found
+        stages.append((place, pressure, depth))
+    return stages
 
 
 def _step(wall: _Wall, place: float, depth: Array, reach: float) -> tuple[float, Array, Array]:
@@ -255,8 +255,10 @@ def _require_resolved(wall: _Wall, place: float, pressure: Array) -> None:
         )
 
 
-def _describe(wall: _Wall, distances: Array, found: list[tuple[float, Array, Array]]) -> xr.Dataset:
-    places, pressures, depths = (np.array(column) for column in zip(*found, strict=True))
+def _describe(
+    wall: _Wall, distances: Array, stages: list[tuple[float, Array, Array]]
+) -> xr.Dataset:
+    places, pressures, depths = (np.array(column) for column in zip(*stages, strict=True))
     along, both = ("sliding_distance",), ("sliding_distance", "angle")
     # the edge lies where the last two cells that carry load point to, half a cell on at least
     half = np.array([_edge(wall, pressure) for pressure in pressures])
@@ -364,8 +366,8 @@ def _opened_ratio(group: Array) -> Array:
 
 def _group_of(half_angle: Array) -> Array:
     """Clearance in units of q t / (E' R) at which a contact has a half angle."""
-    found: Array = np.cos(half_angle) / (half_angle - np.sin(half_angle) * np.cos(half_angle))
-    return found
+    group: Array = np.cos(half_angle) / (half_angle - np.sin(half_angle) * np.cos(half_angle))
+    return group
 
 
 @cache

@@ -155,7 +155,7 @@ def simulate_slider_crank(
     states, impact_speeds, touches = _integrate(model, start, times, crank_speed, tolerance)
 
     rows = [model.describe(*one) for one in zip(times, states, impact_speeds, strict=True)]
-    found = describe(
+    result = describe(
         {
             name: ("time", np.array([row[name] for row in rows]), unit, text)
             for name, (unit, text) in _VARIABLES.items()
@@ -163,9 +163,11 @@ def simulate_slider_crank(
         {"time": ("time", times, "s", "time")},
     )
     if contact is None and linkage.clearance > 0:
-        pull = -found.force_x * np.cos(found.rod_angle) - found.force_y * np.sin(found.rod_angle)
-        warn_of_compression(found.crank_angle.values, pull=pull.values)
-    return found.assign_attrs(touches=touches)
+        pull = -result.force_x * np.cos(result.rod_angle) - result.force_y * np.sin(
+            result.rod_angle
+        )
+        warn_of_compression(result.crank_angle.values, pull=pull.values)
+    return result.assign_attrs(touches=touches)
 
 
 def _integrate(
@@ -192,7 +194,7 @@ def _integrate(
     time, touches = 0.0, 0
     kept, speeds = [state], [impact_speed]
     while len(kept) < times.size:
-        found = solve(
+        solution = solve(
             lambda time, state, model, speed: model.rates(time, state, speed),
             (time, times[-1]),
             state,
@@ -204,18 +206,18 @@ def _integrate(
             atol=_ABSOLUTE * tolerance,
             max_step=longest,
         )
-        if found.status < 0 or touches > _MOST_TOUCHES:
+        if solution.status < 0 or touches > _MOST_TOUCHES:
             raise ModelError(
                 f"The motion could not be followed to {times[-1]:g} s, {touches} touches were: "
-                f"{found.message} Check torque, stiffness and inertia."
+                f"{solution.message} Check torque, stiffness and inertia."
             )
-        kept.extend(np.reshape(found.y, (state.size, -1)).T)
+        kept.extend(np.reshape(solution.y, (state.size, -1)).T)
         speeds.extend([impact_speed] * (len(kept) - len(speeds)))
-        if found.status == 0:
+        if solution.status == 0:
             break
 
         # a touch begins with the speed at which the gap closes
-        time, state = float(found.t_events[0][0]), found.y_events[0][0]
+        time, state = float(solution.t_events[0][0]), solution.y_events[0][0]
         touches += not impact_speed
         impact_speed = 0.0 if impact_speed else max(model.approach(state), model.slowest_impact)
     return np.array(kept), np.array(speeds), touches

@@ -217,15 +217,15 @@ def _reaction_cycle(
 ) -> _Cycle:
     # the end of a cycle is the start of the next, so it is not sampled twice
     angle = np.linspace(0, 2 * np.pi, steps, endpoint=False)
-    found = joint_reaction(linkage, crank_angle=angle, crank_speed=crank_speed, bodies=bodies)
+    reaction = joint_reaction(linkage, crank_angle=angle, crank_speed=crank_speed, bodies=bodies)
     rate = linkage.joint_speed(angle, crank_speed=crank_speed)
 
     # friction turns the force away from the normal
     phi = linkage.coupler_angle(angle)
-    direction = np.arctan2(-found.force_y, -found.force_x) - phi
+    direction = np.arctan2(-reaction.force_y, -reaction.force_x) - phi
     direction -= np.sign(rate) * np.arctan(bodies.friction)
     sliding = bodies.pin_radius * np.abs(rate) * 2 * np.pi / crank_speed / steps
-    return _Cycle(found.normal, direction, linkage.joint_angle(angle), sliding)
+    return _Cycle(reaction.normal, direction, linkage.joint_angle(angle), sliding)
 
 
 def _simulated_cycle(turn: xr.Dataset) -> _Cycle:
@@ -384,7 +384,7 @@ def bound_extrapolation(
         )
     factors = [extrapolation // 2**k for k in range(halvings + 1)]
     ends = [wear(factor).isel(cycle=-1) for factor in factors]
-    found: dict[str, Values] = {}
+    errors: dict[str, Values] = {}
     for name, unit in (("worn_volume", "m3"), ("greatest_depth", "m")):
         values = np.array([float(end[name]) for end in ends])
         earlier, last = values[-3] - values[-2], values[-2] - values[-1]
@@ -394,8 +394,8 @@ def bound_extrapolation(
         # by the first order the last change is what is left
         limit = values[-1] - last
         bound = (_SAFETY if as_expected else _CAUTION) * np.maximum(abs(values - limit), abs(last))
-        found[name] = ("extrapolation", values, {"units": unit})
-        found[f"{name}_limit"] = ((), limit, {"units": unit})
-        found[f"{name}_order"] = ((), order, {"units": "1"})
-        found[f"{name}_bound"] = ("extrapolation", bound, {"units": unit})
-    return xr.Dataset(found, {"extrapolation": ("extrapolation", factors, {"units": "1"})})
+        errors[name] = ("extrapolation", values, {"units": unit})
+        errors[f"{name}_limit"] = ((), limit, {"units": unit})
+        errors[f"{name}_order"] = ((), order, {"units": "1"})
+        errors[f"{name}_bound"] = ("extrapolation", bound, {"units": unit})
+    return xr.Dataset(errors, {"extrapolation": ("extrapolation", factors, {"units": "1"})})

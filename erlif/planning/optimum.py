@@ -124,15 +124,15 @@ def find_optimum(
         finish=None,
     )
     best = fmin(error, np.asarray(coarse), xtol=_CLOSE, ftol=_CLOSE, disp=False)
-    found = prepared(np.asarray(best))
-    reached = largest_error(found, film)
+    best_design = prepared(np.asarray(best))
+    reached = largest_error(best_design, film)
     if not np.isfinite(reached):
         raise ModelError(
             "Expected two bands whose ratio rises with thickness for some concentrations; none "
             "was found. Exchange the cameras, or choose filters of which dye 2 absorbs only one."
         )
-    limited = found.concentrations > 0.999 * largest
-    return Optimum(found, reached, (bool(limited[0]), bool(limited[1])))
+    limited = best_design.concentrations > 0.999 * largest
+    return Optimum(best_design, reached, (bool(limited[0]), bool(limited[1])))
 
 
 def _attenuation_per_molar(design: Design, dye: Dye) -> float:

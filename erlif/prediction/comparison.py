@@ -208,7 +208,7 @@ def compare_models(
     for done, held in enumerate(transient):
         progress("fit", done, total)
         try:
-            found = fit_motion(
+            fit = fit_motion(
                 measured,
                 journal,
                 motion,
@@ -222,11 +222,11 @@ def compare_models(
         except ModelError as error:
             failures.append(str(error))
             continue
-        fits[HELD[held]] = found
-        predicted = found.predicted[frames.measured]
+        fits[HELD[held]] = fit
+        predicted = fit.predicted[frames.measured]
         if not measured.is_position:
             predicted = np.hypot(*predicted.T)[:, np.newaxis]
-        fitted.append(_Fitted.of(HELD[held], problem, found.minimum, predicted))
+        fitted.append(_Fitted.of(HELD[held], problem, fit.minimum, predicted))
 
     # closed forms take no time beside the transient films
     simple = [(STEADY[name], *_steady(problem, film)) for name, film in (steady or {}).items()]

@@ -251,15 +251,15 @@ def _search(problem: Problem, unknowns: Unknowns, profiles: bool) -> MotionFit:
 
     # a held pin is searched from coarse cells first, to a rough tolerance
     least = problem.pose(unknowns, CONVERGED if free else _HELD_NEAR)
-    found = (None if free else _begin(problem, unknowns)) or least.solve()
+    minimum = (None if free else _begin(problem, unknowns)) or least.solve()
     smallest = float(np.sqrt(np.diagonal(least.observed.random_cov, axis1=1, axis2=2).min()))
     orbits = problem.orbits
     for _ in range(_ROUNDS if isinstance(orbits, HeldOrbits) else 0):
         assert isinstance(orbits, HeldOrbits)
-        columns = _of_orbit(unknowns.one_by_name(found.value))
+        columns = _of_orbit(unknowns.one_by_name(minimum.value))
 
         # the lead is repeated until the film no longer depends on how its cavities began
-        start = found.value.copy()
+        start = minimum.value.copy()
         for _ in range(_MOST_TURNS - orbits.turns):
             longer, film, memory = orbits.lengthened(columns)
             if memory < _NEAR * smallest:
@@ -275,10 +275,10 @@ def _search(problem: Problem, unknowns: Unknowns, profiles: bool) -> MotionFit:
         problem = replace(problem, orbits=orbits)
         unknowns = replace(unknowns, start=start)
         least = problem.pose(unknowns, _HELD_CONVERGED)
-        found = least.solve()
-        if change < _NEAR * smallest * found.inflation:
+        minimum = least.solve()
+        if change < _NEAR * smallest * minimum.inflation:
             break
-    return _describe(problem, least, found, profiles)
+    return _describe(problem, least, minimum, profiles)
 
 
 def _of_orbit(columns: dict[str, _Column]) -> dict[str, _Column]:
@@ -296,17 +296,17 @@ def _begin(problem: Problem, unknowns: Unknowns) -> Minimum | None:
     orbits = replace(orbits, motion=orbits.motion.at(slice(_FIRST_STEPS)))
     kept = Frames(frames.steps[inside], frames.trigger[inside], whole, frames.count)
 
-    found = None
+    minimum = None
     for corrected in (False, True):
-        if found is not None and corrected:
-            orbits = orbits.corrected(_of_orbit(unknowns.one_by_name(found.value)))
+        if minimum is not None and corrected:
+            orbits = orbits.corrected(_of_orbit(unknowns.one_by_name(minimum.value)))
         brief = replace(problem, orbits=orbits, frames=kept)
         try:
-            found = brief.pose(unknowns, _FIRST_CONVERGED).solve()
+            minimum = brief.pose(unknowns, _FIRST_CONVERGED).solve()
         except ModelError:
-            return found
-        unknowns = replace(unknowns, start=found.value)
-    return found
+            return minimum
+        unknowns = replace(unknowns, start=minimum.value)
+    return minimum
 
 
 def _check(measured: MeasuredMotion, frames: Frames, sideways: str, fitted: Sequence[str]) -> None:
@@ -338,21 +338,21 @@ def _check(measured: MeasuredMotion, frames: Frames, sideways: str, fitted: Sequ
 def _describe(
     problem: Problem,
     least: LeastSquares,
-    found: Minimum,
+    minimum: Minimum,
     profiles: bool,
 ) -> MotionFit:
     """The minimum in physical quantities, with intervals and notes."""
     names, journal, motion = least.unknowns.names, problem.orbits.journal, problem.orbits.motion
-    std = np.sqrt(np.diag(found.covariance))
+    std = np.sqrt(np.diag(minimum.covariance))
     ends = [
         (value - 1.96 * one, value + 1.96 * one)
-        for value, one in zip(found.value, std, strict=True)
+        for value, one in zip(minimum.value, std, strict=True)
     ]
     low, high = least.unknowns.low, least.unknowns.high
     if profiles:
         wanted = [k for k, name in enumerate(names) if name != "load_line"]
         few = _FEW if isinstance(problem.orbits, HeldOrbits) else TARGETS
-        for k, curve in zip(wanted, least.profiles(found, wanted, few), strict=True):
+        for k, curve in zip(wanted, least.profiles(minimum, wanted, few), strict=True):
             ends[k] = interval(*curve, TWO_SIDED)
             if not np.isfinite(ends[k]).all():
                 one_sided = interval(*curve, ONE_SIDED)
@@ -367,35 +367,35 @@ def _describe(
         for k, (a, b) in enumerate(ends)
     ]
     estimates: dict[str, Estimate] = {}
-    for name, value, one, (a, b) in zip(names, found.value, std, ends, strict=True):
+    for name, value, one, (a, b) in zip(names, minimum.value, std, ends, strict=True):
         estimates |= _estimate(name, float(value), float(one), a, b, journal, motion)
 
     if isinstance(problem.orbits, HeldOrbits) and problem.orbits.lead is not None:
         estimates.pop("start_attitude", None)
-        estimates["start_film"] = _first_film(problem, least, found)
-    frames = problem.frame_positions(found.value[np.newaxis], least.unknowns)[0]
+        estimates["start_film"] = _first_film(problem, least, minimum)
+    frames = problem.frame_positions(minimum.value[np.newaxis], least.unknowns)[0]
     return MotionFit(
         sideways=problem.sideways,
         estimates=estimates,
         names=names,
-        minimum=found,
+        minimum=minimum,
         predicted=problem.frames.average(frames[np.newaxis])[0],
         frames=frames,
-        notes=(*_notes(estimates, found), *_note_rupture(problem, least, found)),
+        notes=(*_notes(estimates, minimum), *_note_rupture(problem, least, minimum)),
     )
 
 
-def _first_film(problem: Problem, least: LeastSquares, found: Minimum) -> Estimate:
+def _first_film(problem: Problem, least: LeastSquares, minimum: Minimum) -> Estimate:
     """The film at the first step of the motion, where the search has that of the lead."""
     orbits, clearance = problem.orbits, problem.orbits.journal.clearance
     assert isinstance(orbits, HeldOrbits)
     shift = None if orbits.shift is None else orbits.shift[:3]
     brief = replace(orbits, motion=orbits.motion.at(slice(3)), shift=shift)
-    sets = least.neighbours(found.value)
+    sets = least.neighbours(minimum.value)
     orbit = brief.follow(_of_orbit(least.unknowns.by_name(sets)))
     film = clearance - np.hypot(*orbit[:, 0].T)
-    slope = (film[1:] - film[0]) / np.diag(sets[1:] - found.value)
-    std = float(np.sqrt(slope @ found.covariance @ slope))
+    slope = (film[1:] - film[0]) / np.diag(sets[1:] - minimum.value)
+    std = float(np.sqrt(slope @ minimum.covariance @ slope))
     value = float(film[0])
     return Estimate(value, std, value - 1.96 * std, value + 1.96 * std, "m")
 
@@ -416,8 +416,8 @@ def _estimate(
         low_eta = journal.viscosity / high if np.isfinite(high) else 0.0
         high_eta = journal.viscosity / low if low > 0 else np.inf
         time = journal.squeeze_constant / journal.viscosity / float(motion.load.mean())
-        found = Estimate(eta, eta * std / safe, low_eta, high_eta, "Pa s")
-        return {"viscosity": found, "squeeze_time": found.times(time, "s")}
+        estimate = Estimate(eta, eta * std / safe, low_eta, high_eta, "Pa s")
+        return {"viscosity": estimate, "squeeze_time": estimate.times(time, "s")}
     if name == "start_film":
         film = float(np.exp(value))
         return {name: Estimate(film, film * std, float(np.exp(low)), float(np.exp(high)), "m")}
@@ -434,7 +434,7 @@ def _estimate(
     return {name: Estimate(value, std, low, high, unit).times(scale, unit)}
 
 
-def _notes(estimates: Mapping[str, Estimate], found: Minimum) -> list[Note]:
+def _notes(estimates: Mapping[str, Estimate], minimum: Minimum) -> list[Note]:
     """What limits the result."""
     notes = []
     viscosity = estimates.get("viscosity")
@@ -442,17 +442,17 @@ def _notes(estimates: Mapping[str, Estimate], found: Minimum) -> list[Note]:
         notes.append(_note("viscosity", low=viscosity.low))
     if {"viscosity", "cavitation_pressure"} <= set(estimates):
         notes.append(_note("alike"))
-    if found.inflation > MISFIT:
-        notes.append(_note("misfit", factor=found.inflation))
+    if minimum.inflation > MISFIT:
+        notes.append(_note("misfit", factor=minimum.inflation))
     return notes
 
 
-def _note_rupture(problem: Problem, least: LeastSquares, found: Minimum) -> list[Note]:
+def _note_rupture(problem: Problem, least: LeastSquares, minimum: Minimum) -> list[Note]:
     """A film that is taken as full and would rupture at the stated cavitation pressure."""
     orbits = problem.orbits
     if not isinstance(orbits, FreeOrbits):
         return []
-    (orbit,) = orbits.follow(least.unknowns.by_name(found.value[np.newaxis]))
+    (orbit,) = orbits.follow(least.unknowns.by_name(minimum.value[np.newaxis]))
     lowest, rupture = orbits.lowest_pressure(orbit), orbits.journal.cavitation_pressure
     if not lowest < rupture:
         return []

@@ -69,8 +69,8 @@ class Observations:
         array, (..., observation)
         """
         inverse = np.linalg.inv(np.linalg.cholesky(self.random_cov))
-        found = np.einsum("gij,...gj->...gi", inverse, values)
-        return np.asarray(found.reshape(*values.shape[:-2], self.size))
+        white = np.einsum("gij,...gj->...gi", inverse, values)
+        return np.asarray(white.reshape(*values.shape[:-2], self.size))
 
     @property
     def size(self) -> int:

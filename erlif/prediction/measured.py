@@ -185,9 +185,9 @@ def _share_marks(covariances: Array, seen: Array) -> Array:
     what it sees, scaled to its own covariance.
     """
     known = np.isfinite(seen).all(axis=1) & np.isfinite(covariances).all(axis=(1, 2))
-    found = np.full((len(seen), 2, _PLACES), np.nan)
+    shares = np.full((len(seen), 2, _PLACES), np.nan)
     if not known.any():
-        return found[:, :, :0]
+        return shares[:, :, :0]
 
     places = np.linspace(seen[known, 0].min(), seen[known, 1].max(), _PLACES)
     shapes = np.stack([np.cos(places), np.sin(places)], axis=1)
@@ -197,15 +197,15 @@ def _share_marks(covariances: Array, seen: Array) -> Array:
         inside = np.minimum(places - seen[k, 0], seen[k, 1] - places) / width + 0.5
         weight = np.clip(inside, 0.0, 1.0)[:, np.newaxis]
         fit = np.linalg.pinv(shapes * weight).T * weight
-        found[k] = (
+        shares[k] = (
             symmetric_root(covariances[k]) @ np.linalg.inv(symmetric_root(fit.T @ fit)) @ fit.T
         )
 
     # a few sources hold nearly all of it
-    rows = found[known].reshape(-1, _PLACES)
+    rows = shares[known].reshape(-1, _PLACES)
     _, size, axes = np.linalg.svd(rows, full_matrices=False)
     kept = axes[size**2 > _NEGLIGIBLE_MARKS * np.sum(size**2)]
-    return np.asarray(found @ kept.T)
+    return np.asarray(shares @ kept.T)
 
 
 def _roots(covariances: Array) -> Array:
@@ -214,7 +214,7 @@ def _roots(covariances: Array) -> Array:
     safe = np.where(first > 0, first, 1.0)
     mixed = np.where(first > 0, covariances[:, 1, 0] / safe, 0.0)
     second = np.sqrt(np.maximum(covariances[:, 1, 1] - mixed**2, 0.0))
-    found = np.zeros((len(covariances), 2, 2))
-    found[:, 0, 0], found[:, 1, 0], found[:, 1, 1] = first, mixed, second
-    large = np.nanmax(np.nan_to_num(found) ** 2, axis=(0, 1), initial=0.0)
-    return found[:, :, large > _NEGLIGIBLE * large.max(initial=0.0)]
+    roots = np.zeros((len(covariances), 2, 2))
+    roots[:, 0, 0], roots[:, 1, 0], roots[:, 1, 1] = first, mixed, second
+    large = np.nanmax(np.nan_to_num(roots) ** 2, axis=(0, 1), initial=0.0)
+    return roots[:, :, large > _NEGLIGIBLE * large.max(initial=0.0)]

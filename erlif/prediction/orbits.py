@@ -195,9 +195,9 @@ class HeldOrbits:
             return self
         each = np.stack(changes, axis=-1)
         doubts = np.concatenate([_UNEVEN * each, self._smooth(each)], axis=2)
-        found = replace(self, shift=shift, doubts=doubts)
-        found.followed.update(self.followed)  # without the shift
-        return found
+        orbits = replace(self, shift=shift, doubts=doubts)
+        orbits.followed.update(self.followed)  # without the shift
+        return orbits
 
     def _smooth(self, changes: Array) -> Array:
         """Errors of the size of some changes that are smooth, (step, axis, source).
@@ -212,8 +212,8 @@ class HeldOrbits:
         if self.lead is not None:
             turn = 2 * np.pi * time / (self.motion.time[0] - self.lead.time[0])
             modes += [np.sqrt(2) * np.cos(turn), np.sqrt(2) * np.sin(turn)]
-        found = np.stack(modes, axis=1)[:, np.newaxis, np.newaxis] * np.diag(size)[..., np.newaxis]
-        return np.asarray(found.reshape(*changes.shape[:2], -1))
+        smooth = np.stack(modes, axis=1)[:, np.newaxis, np.newaxis] * np.diag(size)[..., np.newaxis]
+        return np.asarray(smooth.reshape(*changes.shape[:2], -1))
 
     def _known(self, cells: tuple[int, int], stride: int, unknowns: dict[str, float]) -> Array:
         """`follow_one`, once for each set of unknowns."""

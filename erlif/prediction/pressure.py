@@ -342,7 +342,7 @@ def find_pressures(
     ) -> list[dict[str, Array]]:
         rows = []
         for k in range(motion.turning.size):
-            found = _find_one(
+            solved = _find_one(
                 replace(journal, viscosity=float(viscosity[k])),
                 np.concatenate([motion.position[k], motion.rate[k]]),
                 float(motion.turning[k]),
@@ -353,7 +353,7 @@ def find_pressures(
                 {grid: void[k] for grid, void in voids.items()},
                 _voids_about(voids, older, k),
             )
-            rows.append(found)
+            rows.append(solved)
             what = "pressure with cavities" if voids else "pressure"
             progress(what, k + 1, motion.turning.size)
         return rows
@@ -388,7 +388,7 @@ def _collect(rows: list[dict[str, Array]], view: _View) -> xr.Dataset:
         "pressure_profile": ("trigger", "place"),
         "pressure_profile_std": ("trigger", "place"),
     }
-    found = xr.Dataset(
+    pressures = xr.Dataset(
         {
             name: (dims.get(name, ("trigger",)), np.array([row[name] for row in rows]))
             for name in rows[0]
@@ -396,7 +396,7 @@ def _collect(rows: list[dict[str, Array]], view: _View) -> xr.Dataset:
         },
         {"place": view.place, "axial": view.axial},
     )
-    return found.assign(load_cov=(("trigger", "trigger_other"), _load_covariance(rows)))
+    return pressures.assign(load_cov=(("trigger", "trigger_other"), _load_covariance(rows)))
 
 
 _LOAD_PARTS = ("load_root", "load_own")

@@ -160,11 +160,11 @@ def smooth_path(time: Array, position: Array, covariance: Array) -> SmoothPath:
 
     both = np.stack([basis, slope])  # value, rate
     weights = np.einsum("dti,kimn->tdkmn", both, gain)
-    found = np.einsum("tdkmn,mn->dtk", weights, position - middle)
+    path = np.einsum("tdkmn,mn->dtk", weights, position - middle)
     spread = np.einsum("dti,kic->tdkc", both, causes)
     return SmoothPath(
-        value=found[0] + middle,
-        rate=found[1],
+        value=path[0] + middle,
+        rate=path[1],
         root=spread.reshape(count, 2 * parameters, -1),
         weights=weights.reshape(count, 2 * parameters, count, parameters),
         noise_scale=scale,

@@ -240,12 +240,12 @@ def find_steps(planes, distances, places, limit):  # type: ignore[no-untyped-def
     array of bool, (pixel,)
     """
     taps = distances.shape[1]
-    found = np.zeros(places.shape[0], np.bool_)
+    steps = np.zeros(places.shape[0], np.bool_)
     for n in range(places.shape[0]):
         i, j = places[n]
         surroundings = planes[:, i : i + taps, j : j + taps]
-        found[n] = _cut_at_step(surroundings, distances, limit, surroundings[0] > 0.0)
-    return found
+        steps[n] = _cut_at_step(surroundings, distances, limit, surroundings[0] > 0.0)
+    return steps
 
 
 @numba.njit(nogil=True, cache=True)

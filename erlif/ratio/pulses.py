@@ -273,16 +273,16 @@ def _agreement(light: Array, other: Array, order: AnyArray) -> float:
     inside = (order >= 0) & (order < len(light))
     if 2 * inside.sum() < len(light):
         return float("nan")  # too few pairs would be left to judge by
-    found = [_correlation(light[n], other[k]) for k, n in enumerate(order) if inside[k]]
-    known = [one for one in found if np.isfinite(one)]
+    correlations = [_correlation(light[n], other[k]) for k, n in enumerate(order) if inside[k]]
+    known = [one for one in correlations if np.isfinite(one)]
     return float(np.median(known)) if known else float("nan")
 
 
 def _find_partner(light: Array, other: Array) -> int:
     """Frame of camera 1 that shows the pulse of an image of camera 2; -1 where none does."""
-    found = np.nan_to_num([_correlation(one, other) for one in light], nan=-1.0)
-    best = int(np.argmax(found))
-    return best if found[best] > _COMMON else -1
+    correlations = np.nan_to_num([_correlation(one, other) for one in light], nan=-1.0)
+    best = int(np.argmax(correlations))
+    return best if correlations[best] > _COMMON else -1
 
 
 def _correlation(one: Array, two: Array) -> float:

@@ -221,15 +221,15 @@ def _find_drift(camera_map: CameraMap, pair: Pair, threads: int) -> Drift:
         )
 
     search = DriftSearch.of(camera_map.displacement_x, camera_map.displacement_y)
-    found = search.find(textures(pair, search.binning, threads), threads=threads)
-    if np.isnan(found.dx):
+    drift = search.find(textures(pair, search.binning, threads), threads=threads)
+    if np.isnan(drift.dx):
         raise RegistrationError(
             "This frame does not fit the camera map: after alignment, the images of the two "
-            f"cameras have a correlation coefficient of {found.quality:.3f}, no more than chance "
+            f"cameras have a correlation coefficient of {drift.quality:.3f}, no more than chance "
             "gives. Leave the frame out if the pulse misfired, or register the cameras again if "
             "they have been moved."
         )
-    return found
+    return drift
 
 
 def check_map(camera_map: CameraMap, pairs: Pairs) -> Array:
@@ -456,8 +456,8 @@ def rough_drift(
         sums = cell_sums(small.a, small.weight, b, ROUGH_STEP, threads=threads)
         shift = shift + np.array(solve_shift(without_noise(sums)))
 
-    found = beyond_chance(products_of(sums))
-    return binning * shift if found else np.full(2, np.nan)
+    correlation = beyond_chance(products_of(sums))
+    return binning * shift if correlation else np.full(2, np.nan)
 
 
 def shift_std(sums: Array) -> tuple[float, float]:

@@ -92,10 +92,10 @@ def register(
     True
     """
     settings = RegistrationSettings() if settings is None else settings
-    found, _ = register_frames(
+    camera_map, _ = register_frames(
         [(reference, moving, weight_reference, weight_moving)], settings=settings
     )
-    return found
+    return camera_map
 
 
 def register_frames(
@@ -385,6 +385,6 @@ def measure_drift(frames: Frames, camera_map: CameraMap) -> Array:
     search = DriftSearch.of(camera_map.displacement_x, camera_map.displacement_y)
     drift, threads = np.empty((frames.count, 2)), frames.settings.threads
     for number, pair in enumerate(frames.pick(range(frames.count))):
-        found = search.find(textures(pair, search.binning, threads), threads=threads)
-        drift[number] = found.dx, found.dy
+        one = search.find(textures(pair, search.binning, threads), threads=threads)
+        drift[number] = one.dx, one.dy
     return drift

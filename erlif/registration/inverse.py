@@ -123,14 +123,14 @@ class MapNodes:
         return cls(camera_map.shape, camera_map.settings.orientation, x, y, field)
 
 
-def compare_with_inverse(stored: CameraMap | MapNodes, found: CameraMap) -> InverseComparison:
+def compare_with_inverse(stored: CameraMap | MapNodes, camera_map: CameraMap) -> InverseComparison:
     """Decide whether a map found on a run is a stored map or the inverse of it.
 
     Parameters
     ----------
     stored : CameraMap or MapNodes
         The map of the calibration, from its camera 1 to its camera 2.
-    found : CameraMap
+    camera_map : CameraMap
         The map found on the run, from the run's camera 1 to the run's camera 2.
 
     Returns
@@ -157,13 +157,13 @@ def compare_with_inverse(stored: CameraMap | MapNodes, found: CameraMap) -> Inve
     nodes = MapNodes.of(stored) if isinstance(stored, CameraMap) else stored
     own, x, y = nodes.field, nodes.x, nodes.y
     same = exchanged = None
-    if nodes.shape == found.shape and nodes.orientation == found.settings.orientation:
-        same = _sample(MapField.of(found), x, y)
+    if nodes.shape == camera_map.shape and nodes.orientation == camera_map.settings.orientation:
+        same = _sample(MapField.of(camera_map), x, y)
 
     # the turn of the run's camera 2 undoes that of the stored map's camera 2
     turn = _turn(nodes.orientation)
-    if (turn @ _turn(found.settings.orientation) == np.eye(2)).all():
-        exchanged = _sample(_exchange(found, nodes.orientation), x + own.dx, y + own.dy)
+    if (turn @ _turn(camera_map.settings.orientation) == np.eye(2)).all():
+        exchanged = _sample(_exchange(camera_map, nodes.orientation), x + own.dx, y + own.dy)
 
     # one set of points for both candidates, so that their misfits can be compared
     known = own.known
@@ -210,13 +210,13 @@ def judge(misfit: float, misfit_inverse: float, *, apart: float, std: float) -> 
     )
 
 
-def _exchange(found: CameraMap, orientation: str) -> MapField:
+def _exchange(camera_map: CameraMap, orientation: str) -> MapField:
     """The map of a run on the pixels of the stored map's camera 2, after its orientation.
 
     The turn of camera 2 applies to camera 1 of the run if the cameras are exchanged: both the image
     of the displacement and its vectors are turned.
     """
-    own, turn = MapField.of(found), _turn(orientation)
+    own, turn = MapField.of(camera_map), _turn(orientation)
     dx, dy, std, known = (orient(a, orientation) for a in (own.dx, own.dy, own.std, own.known))
     return MapField(
         turn[0, 0] * dx + turn[0, 1] * dy, turn[1, 0] * dx + turn[1, 1] * dy, std, known

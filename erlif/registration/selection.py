@@ -185,14 +185,14 @@ def excesses(cells: Cells) -> list[Excess]:
     if not len(small) or not small.mean() > 0:
         return []
 
-    found = []
+    selected = []
     for factor in TILES:
         large = disagreement(cells, factor)
         if len(large) < FEWEST_TILES:
             continue
         limit = LEFT_BETWEEN if factor == 2 else LEFT_OVER / float(np.sqrt(len(large)))
-        found.append(Excess(factor, float(large.mean() / small.mean()) - 1, limit))
-    return found
+        selected.append(Excess(factor, float(large.mean() / small.mean()) - 1, limit))
+    return selected
 
 
 def left_over(cells: Cells) -> float:

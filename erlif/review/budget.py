@@ -155,8 +155,8 @@ def budget(
     # light that is not film needs the whole run, as the film had it
     options = settings.light
     lights = measure_lights(chain, plane.patch)
-    found = find_light(lights, calibration, cycle.trigger.values, read_energies(run.log))
-    chain, measuring = correct_light(chain, calibration, found, options)
+    findings = find_light(lights, calibration, cycle.trigger.values, read_energies(run.log))
+    chain, measuring = correct_light(chain, calibration, findings, options)
 
     sources = _split_variance(chain, frames)
     maps = measure_thickness(sources.ratio, measuring)
@@ -191,7 +191,7 @@ def budget(
     ]
     pulse = np.array([np.mean(frames)])
     for column in whole:
-        errors = remaining_errors(found, options, np.array([column.value]), pulse, calibration)
+        errors = remaining_errors(findings, options, np.array([column.value]), pulse, calibration)
         more = {term: float(error[0]) for term, error in errors.items()}
         columns.append(replace(column, terms={**column.terms, **more}))
     return _as_dataset(columns, settings.name, trigger, len(frames))

@@ -310,10 +310,10 @@ def _draft_optional_log(draft: _Draft, survey: Survey) -> set[str]:
         # a speed of sliding and one of rotation serve alike
         names = set() if log is None else set(map(str, log))
         return names | {"speed"} if {"sliding_speed", "rotation_speed"} & names else names
-    found = propose_log(survey.logs, survey.cameras[0].frames.pages)
-    if found is not None:
-        _draft_proposal(draft, survey, found)
-        return {*found.columns, *map(str, found.values)}
+    proposal = propose_log(survey.logs, survey.cameras[0].frames.pages)
+    if proposal is not None:
+        _draft_proposal(draft, survey, proposal)
+        return {*proposal.columns, *map(str, proposal.values)}
     _report_missing_table(draft, survey, "encoder log", "frame", needed=False)
     draft.leave_out.append("encoder")
     return set()
@@ -353,56 +353,56 @@ def _draft_log(draft: _Draft, survey: Survey) -> None:
 def _draft_foreign_log(draft: _Draft, survey: Survey) -> None:
     """A log whose header is not that of erlif: the columns that its names suggest."""
     frames = survey.cameras[0].frames.pages
-    found = propose_log(survey.logs, frames, unnamed=True)
-    if found is None:
+    proposal = propose_log(survey.logs, frames, unnamed=True)
+    if proposal is None:
         draft.set("encoder.file", GAP)
         _report_missing_table(draft, survey, "encoder log", "frame, angle_deg")
         return
 
-    _draft_proposal(draft, survey, found)
-    _ask_for_columns(draft, found)
-    if "load" not in found.columns:
+    _draft_proposal(draft, survey, proposal)
+    _ask_for_columns(draft, proposal)
+    if "load" not in proposal.columns:
         draft.set("joint.load", GAP, "The encoder log has no column of the load.")
 
-    if "angle" not in found.values:
+    if "angle" not in proposal.values:
         return
-    angle, time = found.values["angle"].values, found.values.get("time")
-    if not found.in_time:
+    angle, time = proposal.values["angle"].values, proposal.values.get("time")
+    if not proposal.in_time:
         _draft_cycle(draft, find_cycle(angle), None if time is None else time.values)
         return
     _draft_mount(draft, float(np.ptp(np.unwrap(angle, period=360.0))) > WHOLE_TURN)
 
 
-def _draft_proposal(draft: _Draft, survey: Survey, found: LogProposal) -> None:
+def _draft_proposal(draft: _Draft, survey: Survey, proposal: LogProposal) -> None:
     """Columns of the log by their names, and how its frames lie in time."""
     frames = survey.cameras[0].frames.pages
-    rows, names = len(found.table.rows), [name for name in found.table.names if name]
-    listed = "; ".join(found.table.remarks)
-    draft.set("encoder.file", os.path.relpath(found.path, survey.directory), listed)
-    draft.note("log", name=found.path.name, rows=rows, columns=", ".join(names))
-    for quantity, name in found.columns.items():
+    rows, names = len(proposal.table.rows), [name for name in proposal.table.names if name]
+    listed = "; ".join(proposal.table.remarks)
+    draft.set("encoder.file", os.path.relpath(proposal.path, survey.directory), listed)
+    draft.note("log", name=proposal.path.name, rows=rows, columns=", ".join(names))
+    for quantity, name in proposal.columns.items():
         draft.set(f"encoder.{quantity}", name, "By its name; check that it is this quantity.")
-    for quantity in found.without_unit:
-        draft.note("no_unit", column=found.columns[quantity], quantity=quantity)
-    if not found.in_time:
+    for quantity in proposal.without_unit:
+        draft.note("no_unit", column=proposal.columns[quantity], quantity=quantity)
+    if not proposal.in_time:
         return
-    if found.pulse is not None:
-        draft.set("encoder.pulse", found.pulse, "By its name: it must rise at each frame.")
+    if proposal.pulse is not None:
+        draft.set("encoder.pulse", proposal.pulse, "By its name: it must rise at each frame.")
     else:
         draft.note("log_in_time", rows=rows, frames=frames)
 
 
-def _ask_for_columns(draft: _Draft, found: LogProposal) -> None:
+def _ask_for_columns(draft: _Draft, proposal: LogProposal) -> None:
     """Leave gaps for columns that are needed and that no name of the log shows."""
-    needed = ["angle", "time"] if found.in_time else ["angle"]
-    missing = [quantity for quantity in needed if quantity not in found.known]
+    needed = ["angle", "time"] if proposal.in_time else ["angle"]
+    missing = [quantity for quantity in needed if quantity not in proposal.known]
     if not missing:
         return
-    names = ", ".join(repr(name) for name in found.table.names if name)
+    names = ", ".join(repr(name) for name in proposal.table.names if name)
     for quantity in missing:
         draft.set(f"encoder.{quantity}", GAP, f"One of the columns {names}.")
     unknown = " or ".join(missing)
-    draft.note("unknown_columns", name=found.path.name, missing=unknown, columns=names)
+    draft.note("unknown_columns", name=proposal.path.name, missing=unknown, columns=names)
 
 
 def _draft_cycle(draft: _Draft, cycle: Cycle, time: Array | None) -> None:
@@ -475,13 +475,13 @@ def _report_missing_table(
 
 def _draft_calibration(draft: _Draft, survey: Survey) -> None:
     """The calibration or the fixture that lies nearest, and what it states about the cameras."""
-    found = list(_calibrations_near(survey.directory.resolve()))[:MOST_CALIBRATIONS]
-    if not found:
+    calibrations = list(_calibrations_near(survey.directory.resolve()))[:MOST_CALIBRATIONS]
+    if not calibrations:
         draft.note("no_calibration")
         return
-    names = [os.path.relpath(path, survey.directory.resolve()) for path in found]
+    names = [os.path.relpath(path, survey.directory.resolve()) for path in calibrations]
     name = Path(names[0]).as_posix()
-    made = "exists" if found[0].exists() else "is made from its fixture by erlif process"
+    made = "exists" if calibrations[0].exists() else "is made from its fixture by erlif process"
     remark = f"This file {made}."
     if len(names) > 1:
         remark += f" Others near: {', '.join(names[1:])}."
@@ -490,7 +490,7 @@ def _draft_calibration(draft: _Draft, survey: Survey) -> None:
     draft.note("calibration", name=name, made=made)
 
     # the same optics as a rule, but not for certain: a hint, not a value
-    for key, text in _fixture_hints(found[0]).items():
+    for key, text in _fixture_hints(calibrations[0]).items():
         if key not in draft.values:
             draft.remarks[key] = f"The calibration has {text}; the same, if nothing was changed."
 

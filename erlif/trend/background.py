@@ -413,16 +413,18 @@ class _Fit:
         prior = np.zeros((unknowns, unknowns))
         prior[2:, 2:] = np.linalg.inv(self.calibration.full_covariance)
         covariance = np.linalg.inv(normal[:-1, :-1] + prior)
-        found = covariance @ normal[:-1, -1]
+        solution = covariance @ normal[:-1, -1]
 
-        energies = solved[:, -1] - solved[:, :-1] @ found
-        constant = means[-1] - found @ means[:-1] - (weight * energies[:, None]).sum(axis=0) / safe
-        rest = value - np.einsum("i,ifc->fc", found, design) - constant
+        energies = solved[:, -1] - solved[:, :-1] @ solution
+        constant = (
+            means[-1] - solution @ means[:-1] - (weight * energies[:, None]).sum(axis=0) / safe
+        )
+        rest = value - np.einsum("i,ifc->fc", solution, design) - constant
         left = np.where(chosen, rest - energies[:, None], 0.0)
         freedom = int(chosen.sum()) - int(chosen.any(axis=0).sum()) - frames
         reduced = float((weight * left**2).sum()) / max(freedom, 1)
         return _Step(
-            found[:2],
+            solution[:2],
             covariance,
             energies,
             constant,

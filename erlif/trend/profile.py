@@ -234,6 +234,6 @@ def _scatter(values: Array, std: Array) -> float:
     """
     difference = values[:-2] - 2 * values[1:-1] + values[2:]
     expected = np.sqrt(std[:-2] ** 2 + 4 * std[1:-1] ** 2 + std[2:] ** 2)
-    found = np.abs(difference / expected)
-    found = found[np.isfinite(found)]
-    return max(1.0, robust_rms(found)) if found.size > 8 else 1.0
+    deviation = np.abs(difference / expected)
+    deviation = deviation[np.isfinite(deviation)]
+    return max(1.0, robust_rms(deviation)) if deviation.size > 8 else 1.0

@@ -147,9 +147,9 @@ def format_of(output: Path, to: str | None) -> str:
     'tiff'
     """
     if to is None:
-        found = [kind for kind, form in FORMATS.items() if output.suffix in form.suffixes]
-        if found and output.suffix:
-            return found[0]
+        kinds = [kind for kind, form in FORMATS.items() if output.suffix in form.suffixes]
+        if kinds and output.suffix:
+            return kinds[0]
         raise refusal("no_suffix", output=output, formats=", ".join(FORMATS))
     if to not in FORMATS:
         raise refusal("no_format", to=to, formats=", ".join(FORMATS))

@@ -72,9 +72,9 @@ def _per_mm(place: AnyArray) -> float:
 
 def _ranges(film: xr.Dataset, triggers: list[int]) -> tuple[float, ...]:
     """Smallest and largest displayed value of each channel, from the trigger in the middle."""
-    found: list[float] = []
+    limits: list[float] = []
     for name, image in maps_of(film, triggers[len(triggers) // 2]):
         known = image[np.isfinite(image)]
         low, high = np.percentile(known, _DISPLAYED) if known.size else (0.0, 1.0)
-        found += (0.0, _ALL_FLAGS) if name == "flags" else (float(low), float(high))
-    return tuple(found)
+        limits += (0.0, _ALL_FLAGS) if name == "flags" else (float(low), float(high))
+    return tuple(limits)

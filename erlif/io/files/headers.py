@@ -89,24 +89,24 @@ def check_zarr(path: Path) -> None:
         name = place.relative_to(path).as_posix()
         text = read_bounded(description, largest=_LARGEST_DESCRIPTION)
         try:
-            found = json.loads(text)
+            header = json.loads(text)
         except (ValueError, RecursionError) as error:
             raise ValueError(f"{name}/zarr.json is no JSON") from error
-        if not isinstance(found, dict):
+        if not isinstance(header, dict):
             raise ValueError(f"{name}/zarr.json describes no array")
-        if found.get("node_type") == "array":
-            _check_array(place, name, found)
+        if header.get("node_type") == "array":
+            _check_array(place, name, header)
 
 
-def _check_array(place: Path, name: str, found: dict[str, Any]) -> None:
+def _check_array(place: Path, name: str, header: dict[str, Any]) -> None:
     """Refuse an array of a zarr store by its description."""
-    codecs = [codec.get("name") for codec in found["codecs"]]
+    codecs = [codec.get("name") for codec in header["codecs"]]
     if not _CODECS.issuperset(codecs):
         raise ValueError(f"{name} has the codecs {codecs}")
 
-    shape = [int(length) for length in found["shape"]]
-    chunks = [int(length) for length in found["chunk_grid"]["configuration"]["chunk_shape"]]
-    kind = found["data_type"]
+    shape = [int(length) for length in header["shape"]]
+    chunks = [int(length) for length in header["chunk_grid"]["configuration"]["chunk_shape"]]
+    kind = header["data_type"]
     itemsize = np.dtype(kind).itemsize if isinstance(kind, str) and kind != "string" else 1
     if len(chunks) != len(shape) or min([*shape, *chunks], default=1) < 1:
         raise ValueError(f"{name} has the shape {shape} in chunks of {chunks}")
@@ -115,7 +115,7 @@ def _check_array(place: Path, name: str, found: dict[str, Any]) -> None:
 
     # a chunk that is missing would be read as the fill value; other programs leave out chunks of
     # zeros, and name chunks in another way
-    separator = found["chunk_key_encoding"].get("configuration", {}).get("separator")
+    separator = header["chunk_key_encoding"].get("configuration", {}).get("separator")
     if name in MAPS and separator == ".":
         for trigger in range(shape[0]):
             if not (place / f"c.{trigger}.0.0").is_file():

@@ -59,8 +59,8 @@ def kind_of(value: Any) -> str:
     if isinstance(value, str | PathLike):
         return "path"
     if isinstance(value, xr.Dataset):
-        found = (name for name, kind in KINDS.items() if any(mark in value for mark in kind.marks))
-        return next(found, "dataset")
+        kinds = (name for name, kind in KINDS.items() if any(mark in value for mark in kind.marks))
+        return next(kinds, "dataset")
     if {"ratio_at_zero", "attenuation_camera1", "thickness_range"} <= set(dir(value)):
         return "calibration"
     return ""

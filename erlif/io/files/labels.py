@@ -81,9 +81,9 @@ def _distinguish(paths: Sequence[Path | None]) -> list[str]:
     # the nearest folder first: it is the run directory in most cases
     folders = [file.parent.parts[1:] for file in files]
     for depth in range(1, min(len(each) for each in folders) + 1):
-        found = [each[-depth] for each in folders]
-        if len(set(found)) == len(found):
-            return found
+        parts = [each[-depth] for each in folders]
+        if len(set(parts)) == len(parts):
+            return parts
 
     shared = Path(commonpath([file.parent for file in files]))
     below = [file.parent.relative_to(shared).as_posix() for file in files]

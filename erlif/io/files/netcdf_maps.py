@@ -168,14 +168,14 @@ class NetcdfMaps:
         """
         self._reserve(sum(map(len, chunks.values())))
 
-        found: dict[str, list[int]] = {}
+        places: dict[str, list[int]] = {}
         for name, target in self._targets.items():
             chunk = chunks[name]
             offset = self._write(target, (trigger, 0, 0), chunk)
-            found[name] = [offset, len(chunk), checksum(chunk)]
+            places[name] = [offset, len(chunk), checksum(chunk)]
 
         # the trigger is finished when its line is complete, and not before
-        self._journal.write(write_record(trigger, numbers, found))
+        self._journal.write(write_record(trigger, numbers, places))
         self._numbers.append({name: np.asarray(value) for name, value in numbers.items()})
 
     def _write(self, target: Any, place: tuple[int, int, int], chunk: bytes) -> int:

@@ -216,7 +216,7 @@ def replacing_set(folder: Path, names: Sequence[str]) -> Iterator[Path]:
     ['a.csv']
     """
     scratch, previous = folder / ".unfinished", folder / ".previous"
-    found = folder.is_dir()
+    existed = folder.is_dir()
     try:
         remove(scratch)
         scratch.mkdir(parents=True)
@@ -242,7 +242,7 @@ def replacing_set(folder: Path, names: Sequence[str]) -> Iterator[Path]:
     finally:
         remove(scratch)
         remove(previous)
-        if not found:
+        if not existed:
             with suppress(OSError):  # it holds files where the work was completed
                 folder.rmdir()
 

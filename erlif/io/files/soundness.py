@@ -248,24 +248,24 @@ def _check_film_attributes(film: xr.Dataset) -> None:
 
 
 def _expect_text(attrs: Mapping[Any, Any], name: str) -> None:
-    found = attrs.get(name)
-    if not isinstance(found, str) or len(found) > LARGEST_TEXT:
-        raise ValueError(f"its attribute {name} is {_show(found)}, not text")
+    value = attrs.get(name)
+    if not isinstance(value, str) or len(value) > LARGEST_TEXT:
+        raise ValueError(f"its attribute {name} is {_show(value)}, not text")
 
 
 def _expect_number(
     attrs: Mapping[Any, Any], name: str, variable: str, *, optional: bool = False
 ) -> None:
-    found = attrs.get(name)
-    if found is None and optional:
+    value = attrs.get(name)
+    if value is None and optional:
         return
-    if not _is_number(found):
-        raise ValueError(f"the attribute {name} of {variable} is {_show(found)}, not a number")
+    if not _is_number(value):
+        raise ValueError(f"the attribute {name} of {variable} is {_show(value)}, not a number")
 
 
-def _is_number(found: object) -> bool:
+def _is_number(given: object) -> bool:
     """Whether an attribute is one real number, NaN included: what could not be fitted is NaN."""
-    value = np.asarray(found)
+    value = np.asarray(given)
     return value.size == 1 and value.dtype.kind in "iuf" and not np.isinf(value).any()
 
 
@@ -276,6 +276,6 @@ def _read_json(text: str) -> Any:
         return None
 
 
-def _show(found: object) -> str:
+def _show(value: object) -> str:
     """The start of a value, for a message."""
-    return "missing" if found is None else repr(found)[:40]
+    return "missing" if value is None else repr(value)[:40]

@@ -63,12 +63,12 @@ def take(value: Any, kind: str, *, where: str = "") -> Any:
     erlif.core.errors.ErlifError: Expected a film as film=, got the group frames of a film. \
 erlif.open_film("film.nc") opens one, erlif.process(RUN_DIR) makes one.
     """
-    found, wanted = kind_of(value), KINDS[kind]
-    if found == "path" and wanted.group is not None:
+    kind_given, wanted = kind_of(value), KINDS[kind]
+    if kind_given == "path" and wanted.group is not None:
         return open_film(value, group=wanted.group or None)
-    if found and found in (kind, wanted.form):
+    if kind_given and kind_given in (kind, wanted.form):
         return value
-    if kind == "calibration path" and found in ("calibration", "path"):
+    if kind == "calibration path" and kind_given in ("calibration", "path"):
         return value
     if kind == "part of a film" and isinstance(value, xr.Dataset):
         return value
@@ -78,7 +78,7 @@ erlif.open_film("film.nc") opens one, erlif.process(RUN_DIR) makes one.
     hint = f"{wanted.way}."
     if source and kind in ("film file", "run or film", "path"):
         hint = f"Name its file: {source}."
-    given = _describe(value, found)
+    given = _describe(value, kind_given)
     raise ErlifError(f"Expected {wanted.words}{argument}, got {given}. {hint}")
 
 

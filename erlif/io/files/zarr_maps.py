@@ -151,13 +151,13 @@ class ZarrMaps:
         OutputError
             If they cannot be written; the triggers put before are intact.
         """
-        found = {name: [len(chunk), checksum(chunk)] for name, chunk in chunks.items()}
+        sums = {name: [len(chunk), checksum(chunk)] for name, chunk in chunks.items()}
         try:
             if self.key and (self.directory / "key").read_text(encoding="utf-8") != self.key:
                 raise FileNotFoundError(errno.ENOENT, "the work has ended")
             for name, path in self._chunks(trigger).items():
                 self._write(path, chunks[name])
-            self._write(self._record(trigger), write_record(trigger, numbers, found))
+            self._write(self._record(trigger), write_record(trigger, numbers, sums))
         except OSError as error:
             output = self.directory.with_name(self.directory.name.removesuffix(".partial"))
             raise write_error(output, error) from error

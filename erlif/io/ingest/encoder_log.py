@@ -73,10 +73,10 @@ def read_encoder_log(path: Path, *, needs_angle: bool = True) -> EncoderLog:
     """
     choice = ColumnChoice()
     table = read_log_table(path, choice.wanted)
-    found = find_columns(table, choice)
-    if "frame" not in found[0]:
+    columns = find_columns(table, choice)
+    if "frame" not in columns[0]:
         missing_column("frame", table)
-    return _by_frame(table, choice, found, needs_angle=needs_angle)[0]
+    return _by_frame(table, choice, columns, needs_angle=needs_angle)[0]
 
 
 def read_log(
@@ -113,8 +113,8 @@ def read_log(
         As `read_encoder_log`.
     """
     table = read_log_table(path, choice.wanted)
-    found = find_columns(table, choice)
-    columns, _ = found
+    known = find_columns(table, choice)
+    columns, _ = known
     by_frame = "frame" in columns or len(table.rows) == frames
     in_time = in_time or "pulse" in columns or (not by_frame and "time" in columns)
     if not in_time and not by_frame:
@@ -122,7 +122,7 @@ def read_log(
         raise refusal("rows_of_neither", table=table, rows=rows, frames=frames, names=names)
 
     read = _in_time if in_time else _by_frame
-    log, remarks = read(table, choice, found, needs_angle=needs_angle)
+    log, remarks = read(table, choice, known, needs_angle=needs_angle)
     notes = [Note(Level.NOTE, table.file, "; ".join(remarks))] if remarks else []
     return ReadLog(log, notes)
 
@@ -190,16 +190,16 @@ def _by_frame(
     table: LogTable, choice: ColumnChoice, columns: _Found, *, needs_angle: bool
 ) -> tuple[EncoderLog, list[str]]:
     """A log with one row for each frame."""
-    found, remarks = columns
-    if needs_angle and "angle" not in found:
+    by_name, remarks = columns
+    if needs_angle and "angle" not in by_name:
         missing_column("angle", table)
-    log, more = convert_columns(table, found, choice, dim="frame")
-    if "frame" in found:
-        check_frame_numbers(log["number"].values.tolist(), found["frame"].name, table)
+    log, more = convert_columns(table, by_name, choice, dim="frame")
+    if "frame" in by_name:
+        check_frame_numbers(log["number"].values.tolist(), by_name["frame"].name, table)
     else:
         log["number"] = ("frame", np.arange(len(table.rows)))
         remarks.append(f"no column of frame numbers; row k of {len(table.rows)} is frame k")
-    check_values(log, found, table)
+    check_values(log, by_name, table)
     return EncoderLog(log), [*table.remarks, *remarks, *more]
 
 
@@ -207,17 +207,17 @@ def _in_time(
     table: LogTable, choice: ColumnChoice, columns: _Found, *, needs_angle: bool
 ) -> tuple[ContinuousLog, list[str]]:
     """A log in time."""
-    found, remarks = columns
+    by_name, remarks = columns
     for quantity in ("time", "angle") if needs_angle else ("time",):
-        if quantity not in found:
+        if quantity not in by_name:
             missing_column(quantity, table)
     if len(table.rows) < FEWEST_SAMPLES:
         raise refusal("short_log", table=table, rows=len(table.rows))
 
     # a count of frames is no quantity to interpolate
-    found = {quantity: column for quantity, column in found.items() if quantity != "frame"}
-    samples, more = convert_columns(table, found, choice, dim="sample")
-    check_values(samples, found, table)
+    by_name = {quantity: column for quantity, column in by_name.items() if quantity != "frame"}
+    samples, more = convert_columns(table, by_name, choice, dim="sample")
+    check_values(samples, by_name, table)
     if "angle" in samples:
         angle = unwrap_angle(samples["angle"].values, table.file)
         if not np.array_equal(angle, samples["angle"].values):

@@ -70,8 +70,8 @@ def hash_files_beside_frames(recording: Run | Fixture) -> dict[Path, str]:
     ['encoder.csv', 'run.toml']
     """
     files = {path for paths in _files_beside_frames(recording).values() for path in paths}
-    found = {path: _hash_file(path) for path in sorted(files)}
-    return {path: digest for path, digest in found.items() if digest is not None}
+    hashes = {path: _hash_file(path) for path in sorted(files)}
+    return {path: digest for path, digest in hashes.items() if digest is not None}
 
 
 def sign_inputs(recording: Run | Fixture, known: Digests) -> str:

@@ -199,12 +199,12 @@ def read_headers(paths: Sequence[Path], selection: Selection = WHOLE) -> CameraF
     -------
     CameraFiles
     """
-    found = CameraFiles()
+    read = CameraFiles()
     depths: set[int | None] = set()
     times: list[Array | None] = []
     for path in paths:
         # a pattern may match a file of counts and the header beside it, which are one recording
-        if path in found.companions:
+        if path in read.companions:
             continue
         try:
             file = _read_header(path, selection)
@@ -214,17 +214,17 @@ def read_headers(paths: Sequence[Path], selection: Selection = WHOLE) -> CameraF
             page = Page(path, 0, selection=selection)
             file = CameraFiles([page], [UNREADABLE], {0: str(error)})
 
-        found.faults |= {len(found.pages) + k: reason for k, reason in file.faults.items()}
-        found.pages += file.pages
-        found.kinds += file.kinds
-        found.companions += file.companions
-        found.warning = found.warning or file.warning
+        read.faults |= {len(read.pages) + k: reason for k, reason in file.faults.items()}
+        read.pages += file.pages
+        read.kinds += file.kinds
+        read.companions += file.companions
+        read.warning = read.warning or file.warning
         times.append(file.times)
-    found.bits = depths.pop() if len(depths) == 1 else None
+    read.bits = depths.pop() if len(depths) == 1 else None
 
     # the clocks of two recordings may have started at different times
-    found.times = times[0] if len(times) == 1 else None
-    return found
+    read.times = times[0] if len(times) == 1 else None
+    return read
 
 
 def read_page(page: Page, directory: Path, shape: tuple[int, ...]) -> Counts:
@@ -272,8 +272,8 @@ def read_content(
 
     image = content.counts
     if image.shape != shape or image.dtype.name not in STORED_TYPES:
-        wanted, found = describe_shape(shape), describe_shape(image.shape)
-        raise refusal("other_shape", shape=wanted, name=name, image=image, found=found)
+        wanted, stored = describe_shape(shape), describe_shape(image.shape)
+        raise refusal("other_shape", shape=wanted, name=name, image=image, found=stored)
     try:
         counts = align_right(convert_counts(image), page.selection.shift)
     except FrameError as error:
@@ -442,16 +442,16 @@ def read_reference_pages(
     (256, 320)
     """
     # headers of all pages first: a fault in the last one is reported before any work
-    found = find_pages(directory, pattern, what, selection)
-    if found.faults:
-        first = min(found.faults)
-        name, reason = found.pages[first].name, found.faults[first]
+    references = find_pages(directory, pattern, what, selection)
+    if references.faults:
+        first = min(references.faults)
+        name, reason = references.pages[first].name, references.faults[first]
         raise FrameError(
             f"Expected readable {what} pages; {name}: "
             f"{with_advice(reason, 'Record them again, or take the file out.')}"
         )
 
-    for page in found.pages:
+    for page in references.pages:
         counts = read_page(page, directory, shape)
         check_depth(counts, bit_depth=bit_depth, name=page.name)
         yield counts

@@ -203,10 +203,10 @@ def _open_log(
     if encoder.start == "fit":
         if find_start is None:
             raise refusal("start_is_fitted")
-        found = find_start(settings, pairs, log, since)
-        sampled = sample_log(log, since + found.value)
-        sampled["time"].attrs |= {"start": found.value, "start_std": found.std}
-        return sampled, [*notes, found.note]
+        started = find_start(settings, pairs, log, since)
+        sampled = sample_log(log, since + started.value)
+        sampled["time"].attrs |= {"start": started.value, "start_std": started.std}
+        return sampled, [*notes, started.note]
     if encoder.start is None:
         first, last = log.span
         raise refusal("no_start", log=log, first=first, last=last)

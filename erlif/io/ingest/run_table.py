@@ -83,8 +83,8 @@ def read_run_table(path: Path) -> list[RunEntry]:
         cells = dict(zip(header, row, strict=True))
         if not cells["run_dir"]:
             raise refusal("no_run_dir", number=number, path=path)
-        found = {name: path.parent / cell for name, cell in cells.items() if cell}
-        entries.append(RunEntry(**found))
+        named = {name: path.parent / cell for name, cell in cells.items() if cell}
+        entries.append(RunEntry(**named))
     return entries
 
 

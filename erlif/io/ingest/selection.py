@@ -45,20 +45,20 @@ class Selection:
         """
         every = range(len(file.kinds))
         if self.part in ("odd", "even"):
-            found: Sequence[int] = every[self.part == "even" :: 2]
+            chosen: Sequence[int] = every[self.part == "even" :: 2]
         elif self.part.startswith("channel"):
             if file.channels is None:
                 raise refusal("no_channels", part=self.part)
             wanted = int(self.part.split()[1])
-            found = [k for k, channel in enumerate(file.channels) if channel == wanted]
+            chosen = [k for k, channel in enumerate(file.channels) if channel == wanted]
         else:
             return every
-        if not found:
+        if not chosen:
             raise FrameError(
                 f'it has no frame that belongs to part = "{self.part}". Correct part in the '
                 "settings."
             )
-        return found
+        return chosen
 
     def crop_shape(self, shape: tuple[int, ...]) -> tuple[int, ...]:
         """Shape of the part of a frame; the middle row or column of an odd number is left out."""

@@ -250,7 +250,7 @@ def survey_directory(directory: Path) -> Survey:
         raise refusal("many_files", directory=directory, most=MOST_FILES)
 
     tables = [_read_table(path) for path in sorted(files) if path.suffix.lower() == ".csv"]
-    found = tuple(table for table in tables if table is not None)
+    read = tuple(table for table in tables if table is not None)
     images = sorted((path for path in files if _is_image(path)), key=natural_key)
     groups, unassigned = _group_by_camera(images, directory)
     cameras = [_describe_camera(label, group, directory) for label, group in groups.items()]
@@ -258,11 +258,11 @@ def survey_directory(directory: Path) -> Survey:
     cameras.sort(key=lambda camera: (camera.wavelength or 0, natural_key(Path(camera.label))))
     if len(groups) == 1:
         label, group = groups.popitem()
-        separated = _separate(label, group, unassigned, directory, found)
+        separated = _separate(label, group, unassigned, directory, read)
         cameras, unassigned = separated or (cameras, unassigned)
 
     logs = tuple(path for path in sorted(files) if path.suffix.lower() in LOG_SUFFIXES)
-    return Survey(directory, tuple(cameras), tuple(unassigned), found, logs)
+    return Survey(directory, tuple(cameras), tuple(unassigned), read, logs)
 
 
 # files
@@ -338,8 +338,8 @@ def _plain_name(path: Path, directory: Path) -> str:
 
 
 def _purpose(name: str) -> str:
-    found = (purpose for purpose, words in _PURPOSES.items() if words.search(name))
-    return next(found, "frames")
+    purposes = (purpose for purpose, words in _PURPOSES.items() if words.search(name))
+    return next(purposes, "frames")
 
 
 def _choose_rule(names: Sequence[str]) -> _KeyRule:
@@ -349,13 +349,13 @@ def _choose_rule(names: Sequence[str]) -> _KeyRule:
     fewest = 1 << 30
     for rule in rules:
         labels = [label for name in names if (label := rule(name)) is not None]
-        found = len(set(labels))
-        if len(labels) < COVERED * len(names) or not found:
+        groups = len(set(labels))
+        if len(labels) < COVERED * len(names) or not groups:
             continue
-        if found == 2:
+        if groups == 2:
             return rule
-        if found < fewest:
-            best, fewest = rule, found
+        if groups < fewest:
+            best, fewest = rule, groups
     return best
 
 
@@ -458,24 +458,24 @@ def _describe_set(
     files: Sequence[Path], directory: Path, selection: Selection = WHOLE
 ) -> tuple[ImageSet, list[tuple[Page, tuple[int, ...]]]]:
     """Headers of the files, and the readable grey pages with their shapes."""
-    found = read_headers(files, selection)
+    headers = read_headers(files, selection)
     faults = [
-        f"{os.path.relpath(found.pages[k].path, directory)}: {reason}"
-        for k, reason in found.faults.items()
+        f"{os.path.relpath(headers.pages[k].path, directory)}: {reason}"
+        for k, reason in headers.faults.items()
     ]
     readable = [
         (page, kind)
-        for k, (page, kind) in enumerate(zip(found.pages, found.kinds, strict=True))
-        if k not in found.faults
+        for k, (page, kind) in enumerate(zip(headers.pages, headers.kinds, strict=True))
+        if k not in headers.faults
     ]
     kinds = Counter(str(kind) for _, kind in readable)
     described = ImageSet(
         tuple(files),
         _find_pattern(files, directory),
-        len(found.pages),
+        len(headers.pages),
         tuple(kind for kind, _ in kinds.most_common()),
         tuple(faults),
-        found.bits,
+        headers.bits,
     )
     return described, [(page, kind.shape) for page, kind in readable]
 
@@ -563,7 +563,7 @@ def _common_wavelength(names: Sequence[str]) -> int | None:
 
 def _drop_common_wavelength(cameras: Sequence[CameraSurvey]) -> list[CameraSurvey]:
     """A number that all cameras share is none of a filter ("run_500")."""
-    found = {camera.wavelength for camera in cameras}
-    if len(found) == len(cameras) and None not in found:
+    wavelengths = {camera.wavelength for camera in cameras}
+    if len(wavelengths) == len(cameras) and None not in wavelengths:
         return list(cameras)
     return [replace(camera, wavelength=None) for camera in cameras]

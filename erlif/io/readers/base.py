@@ -174,12 +174,12 @@ def read_header(source: Source, name: str, start: int = 0, *, size: int | None =
     FrameError
         With the bare reason, if the file ends before.
     """
-    found: dict[str, Any] = {}
+    fields: dict[str, Any] = {}
     for field, (code, place) in LAYOUTS[name].items():
         length = struct.calcsize(code)
         there = size is None or place + length <= size
-        found[field] = struct.unpack(code, source.read(start + place, length))[0] if there else 0
-    return SimpleNamespace(**found)
+        fields[field] = struct.unpack(code, source.read(start + place, length))[0] if there else 0
+    return SimpleNamespace(**fields)
 
 
 def check_claim(frames: int, kind: FrameKind, size: int, *, packing: float = 1.0) -> None:

@@ -80,9 +80,9 @@ class Hdf5Frames(FrameFile):
         import h5py
 
         if name:
-            found = _follow(self._file, name)
-            if isinstance(found, h5py.Dataset) and found.ndim in (2, 3):
-                return found
+            item = _follow(self._file, name)
+            if isinstance(item, h5py.Dataset) and item.ndim in (2, 3):
+                return item
             raise FrameError(f"it has no frames at dataset = {name!r}; {self._list()}")
 
         candidates = _candidates(self._file, 3) or _candidates(self._file, 2)
@@ -93,17 +93,19 @@ class Hdf5Frames(FrameFile):
 
     def _list(self) -> str:
         """The datasets that may hold frames, for a message."""
-        found = _candidates(self._file, 3) + _candidates(self._file, 2)
-        if not found:
+        candidates = _candidates(self._file, 3) + _candidates(self._file, 2)
+        if not candidates:
             return "no dataset of two or three dimensions holds numbers. Choose another file."
         names = []
-        for name in found[:_MOST_LISTED]:
+        for name in candidates[:_MOST_LISTED]:
             data = self._file[name]
             names.append(f"{name} ({' x '.join(map(str, data.shape))} {data.dtype})")
-        more = f" and {len(found) - _MOST_LISTED} more" if len(found) > _MOST_LISTED else ""
+        more = (
+            f" and {len(candidates) - _MOST_LISTED} more" if len(candidates) > _MOST_LISTED else ""
+        )
         return (
             f"it has {', '.join(names)}{more}. Choose one with dataset, for example dataset = "
-            f'"{found[0]}".'
+            f'"{candidates[0]}".'
         )
 
     def _check(self, size: int) -> None:
@@ -155,18 +157,18 @@ def _candidates(file: Any, ndim: int) -> list[str]:
     """Paths of the datasets of that many dimensions; links are not followed."""
     import h5py
 
-    found: list[str] = []
+    names: list[str] = []
     visited = 0
 
     def visit(name: str, item: object) -> bool | None:
         nonlocal visited
         visited += 1
         if isinstance(item, h5py.Dataset) and item.ndim == ndim and item.dtype.kind in "iuf":
-            found.append(f"/{name}")
+            names.append(f"/{name}")
         return True if visited > _MOST_VISITED else None
 
     file.visititems(visit)
-    return found
+    return names
 
 
 def _follow(file: Any, name: str) -> Any:
@@ -189,10 +191,10 @@ def _stored_frames(data: Any) -> Mask:
     frames = data.shape[0] if data.ndim == 3 else 1
     if data.chunks is not None and chunk_count(data) > _MOST_CHUNKS:
         raise FrameError(f"it has {chunk_count(data)} chunks, more than {_MOST_CHUNKS}")
-    found = find_chunks(data)
+    chunks = find_chunks(data)
     if data.chunks is None or data.ndim == 2:
-        return np.full(frames, found.all())
-    stored: Mask = np.asarray(found.all(axis=(1, 2)))
+        return np.full(frames, chunks.all())
+    stored: Mask = np.asarray(chunks.all(axis=(1, 2)))
     return np.repeat(stored, data.chunks[0])[:frames]
 
 
@@ -209,7 +211,7 @@ def _check_filters(data: Any) -> None:
 
 def _times(data: Any) -> Array | None:
     """Time of each frame from the only array of times beside the frames."""
-    found: list[Array] = []
+    times: list[Array] = []
     for name in data.parent:
         item = _array_beside(data, name)
         factor = None if item is None else SECONDS.get(_read_unit(item))
@@ -219,8 +221,8 @@ def _times(data: Any) -> Array | None:
         # nanoseconds since 1970 are whole numbers that floating point does not resolve
         stamps = np.asarray(item[()])
         stamps = stamps.astype(np.int64 if stamps.dtype.kind in "iu" else np.float64)
-        found.append(factor * (stamps - stamps[0]))
-    return found[0] if len(found) == 1 else None
+        times.append(factor * (stamps - stamps[0]))
+    return times[0] if len(times) == 1 else None
 
 
 def _read_unit(item: Any) -> str:

@@ -217,14 +217,14 @@ def _read_stamps(path: Path, frames: int) -> Array | None:
     with Source(path) as source:
         start = min(max(source.size - _LONGEST_END, _HEADER_SIZE), source.size)
         end = source.read(start, source.size - start)
-    found = {
+    stamps = {
         int(number): float(value) * 1e-6
         for number, value, unit in _TIME.findall(end)
         if unit in _MICROSECONDS
     }
-    if not all(frame in found for frame in range(frames)):
+    if not all(frame in stamps for frame in range(frames)):
         return None
-    return np.array([found[frame] for frame in range(frames)])
+    return np.array([stamps[frame] for frame in range(frames)])
 
 
 def open_set(path: Path) -> FrameFile:

@@ -114,10 +114,10 @@ def open_photron(path: Path) -> FrameFile:
         if counts_path is None:
             raise refusal("no_mraw_beside", stem=path.stem)
     else:
-        found, counts_path = find_beside(path, _HEADERS), path
-        if found is None:
+        beside, counts_path = find_beside(path, _HEADERS), path
+        if beside is None:
             raise refusal("no_cihx_beside", stem=path.stem)
-        header_path = found
+        header_path = beside
 
     header = read_photron_header(read_text(header_path))
     layout = FrameLayout(header.shape, "|u1" if header.stored_bits == 8 else "<u2")
@@ -142,9 +142,9 @@ def _find_entries(text: str) -> dict[str, str]:
     if start < 0:
         # the first line counts: versions of programs and cameras follow under the same keys
         lines = [line.partition(":") for line in text.splitlines()]
-        found = {_plain(key): value.strip() for key, _, value in reversed(lines)}
+        entries = {_plain(key): value.strip() for key, _, value in reversed(lines)}
         return {
-            name: found[_plain(key)] for name, (key, *_) in keys.items() if _plain(key) in found
+            name: entries[_plain(key)] for name, (key, *_) in keys.items() if _plain(key) in entries
         }
     return {
         name: value

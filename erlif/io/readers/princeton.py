@@ -119,7 +119,7 @@ def _find_stamp(text: str, start: int, end: int) -> tuple[int, float] | None:
     blocks = re.findall(r"<MetaBlock\b[^<>]*>(.*?)</MetaBlock>", text, re.DOTALL)
     if len(blocks) != 1:
         return None
-    found: dict[str, tuple[int, float]] = {}
+    columns: dict[str, tuple[int, float]] = {}
     place = start
     for name, tag in re.findall(r"<([A-Za-z]+)\b([^<>]*)>", blocks[0]):
         entries = _attributes(tag)
@@ -128,11 +128,11 @@ def _find_stamp(text: str, start: int, end: int) -> tuple[int, float] | None:
             return None
         whole = entries.get("type") == "Int64" and re.fullmatch(r"[1-9][0-9]{0,11}", rate)
         if name == "TimeStamp" and whole:
-            found[entries.get("event", "")] = place, 1 / int(rate)
+            columns[entries.get("event", "")] = place, 1 / int(rate)
         place += int(bits) // 8
 
     # padding may follow
-    stamps = [found[event] for event in _EVENTS if event in found]
+    stamps = [columns[event] for event in _EVENTS if event in columns]
     return stamps[0] if stamps and place <= end else None
 
 

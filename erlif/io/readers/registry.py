@@ -81,8 +81,8 @@ def open_frames(path: Path, *, dataset: str = "") -> FrameFile:
     """
     try:
         head = _read_head(path)
-        found = find_format(path, head)
-        return _open(found, path, dataset)
+        form = find_format(path, head)
+        return _open(form, path, dataset)
     except OSError as error:
         raise FrameError(f"the file cannot be read: {error.strerror or error}") from error
 
@@ -194,25 +194,25 @@ if hasattr(os, "register_at_fork"):  # not on Windows, where no process is forke
 
 def _read_head(path: Path) -> bytes:
     """First bytes of an ordinary file; a pipe or a device is not opened."""
-    found = path.stat()
-    if not stat.S_ISREG(found.st_mode):
+    state = path.stat()
+    if not stat.S_ISREG(state.st_mode):
         raise FrameError("it is not an ordinary file. Put the recording itself in its place.")
-    if not found.st_size:
+    if not state.st_size:
         raise FrameError("the file is empty")
     with path.open("rb", buffering=0) as file:
         return file.read(_HEAD)
 
 
-def _open(found: Format, path: Path, dataset: str) -> FrameFile:
-    if dataset and found.open_dataset is None:
-        raise refusal("no_datasets", name=found.name)
+def _open(form: Format, path: Path, dataset: str) -> FrameFile:
+    if dataset and form.open_dataset is None:
+        raise refusal("no_datasets", name=form.name)
     try:
-        if dataset and found.open_dataset is not None:
-            file = found.open_dataset(path, dataset)
+        if dataset and form.open_dataset is not None:
+            file = form.open_dataset(path, dataset)
         else:
-            file = found.open(path)
+            file = form.open(path)
     except ModuleNotFoundError as error:
-        raise FrameError(_missing(found, error.name or "")) from error
+        raise FrameError(_missing(form, error.name or "")) from error
     if not 0 < len(file.kinds) <= MOST_FRAMES:
         count = len(file.kinds)
         file.close()
@@ -220,11 +220,11 @@ def _open(found: Format, path: Path, dataset: str) -> FrameFile:
     return file
 
 
-def _missing(found: Format, package: str) -> str:
+def _missing(form: Format, package: str) -> str:
     """The package that a reader lacks, and the command that installs it."""
-    advice = f"'erlif[{found.extra}]'" if found.extra else package
+    advice = f"'erlif[{form.extra}]'" if form.extra else package
     return (
-        f"the reader of {found.name} needs the Python package {package}, which is not installed. "
+        f"the reader of {form.name} needs the Python package {package}, which is not installed. "
         f"Install it with: pip install {advice}."
     )
 

@@ -84,8 +84,8 @@ def _read_imagej(text: str) -> Description:
     times = None
     if interval > 0 and sizes["frames"] > 1 and steps * sizes["frames"] == images:
         times = interval * (np.arange(images, dtype=np.float64) // steps)
-    found = [k % channels + 1 for k in range(images)] if channels > 1 else [1] * images
-    return Description(images, found, times)
+    channel = [k % channels + 1 for k in range(images)] if channels > 1 else [1] * images
+    return Description(images, channel, times)
 
 
 def _read_ome(text: bytes, name: str, pages: int) -> Description:
@@ -139,9 +139,9 @@ def _read_pixels(
         )
         for n in range(min(_whole(block.get("PlaneCount"), rest), len(channels) - first)):
             plane = _divide(start + n, [sizes[axis] for axis in order])
-            found = dict(zip(order, plane, strict=True))
-            channels[first + n] = found["C"] + 1
-            stamps[first + n] = delays.get(tuple(str(found[axis]) for axis in "ZCT"), np.nan)
+            by_axis = dict(zip(order, plane, strict=True))
+            channels[first + n] = by_axis["C"] + 1
+            stamps[first + n] = delays.get(tuple(str(by_axis[axis]) for axis in "ZCT"), np.nan)
 
 
 def _divide(number: int, sizes: Sequence[int]) -> list[int]:

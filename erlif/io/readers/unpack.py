@@ -97,5 +97,5 @@ def unpack(
         else:
             word = stored[byte] | stored[byte + 1] << 8
             counts[:, pixel] = word >> bit & ((1 << bits) - 1)
-    found = counts.reshape(-1)[:pixels]
-    return found if table is None else table[found]
+    image = counts.reshape(-1)[:pixels]
+    return image if table is None else table[image]

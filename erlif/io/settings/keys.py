@@ -200,9 +200,9 @@ def meaning_of(kind: type[Settings], name: str) -> tuple[str, Any]:
     '60 um'
     """
     for one in kind.__mro__:  # a pin has the keys of any part
-        found = read_table("erlif.io.settings", "keys.toml").get(one.__name__, {}).get(name)
-        if found is not None:
-            return " ".join(found["meaning"].split()), found.get("example")
+        text = read_table("erlif.io.settings", "keys.toml").get(one.__name__, {}).get(name)
+        if text is not None:
+            return " ".join(text["meaning"].split()), text.get("example")
     return "", None
 
 

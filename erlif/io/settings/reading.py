@@ -200,8 +200,8 @@ def _load(path: Path, kind: type[_Settings]) -> _Settings:
     try:
         settings = kind.model_validate(raw)
     except ValidationError as error:
-        found: list[ErrorDetails] = error.errors()
-        faults = [fault for fault in found if _location(fault) not in gaps]
+        details: list[ErrorDetails] = error.errors()
+        faults = [fault for fault in details if _location(fault) not in gaps]
     else:
         if not gaps:
             return settings

@@ -248,14 +248,14 @@ class Candidate:
 
 def fits(records: Sequence[Record], candidate: Candidate | None) -> list[StageFit]:
     """Collect what the noise is fitted to: the stages, the candidate as a column of its stage."""
-    found = []
+    stages = []
     for k, record in enumerate(records):
         columns = record.background
         if candidate is not None and candidate.record == k:
             rise = rises(record.samples, np.array([candidate.onset]), candidate.rise)
             columns = np.column_stack([columns, record.average(rise)])
-        found.append((record.time, columns, record.friction))
-    return found
+        stages.append((record.time, columns, record.friction))
+    return stages
 
 
 def rises(time: Array, onsets: Array, constant: float) -> Array:

@@ -251,15 +251,15 @@ def _log_rank(first: Sequence[FailureLoad], second: Sequence[FailureLoad]) -> tu
     scores = np.split(_scores(loads, failed), [len(first)])
 
     # rounded, so that equal sums of scores in another order are equal
-    found = permutation_test(
+    test = permutation_test(
         scores,
         lambda one, _, axis: np.round(np.abs(one.sum(axis=axis)), _DECIMALS),
         n_resamples=_MOST_PERMUTATIONS,
         alternative="greater",
         rng=np.random.default_rng(0),
     )
-    sums = found.null_distribution
-    return float(found.pvalue), float(np.mean(sums == sums.max()))
+    sums = test.null_distribution
+    return float(test.pvalue), float(np.mean(sums == sums.max()))
 
 
 def _scores(loads: Array, failed: AnyArray) -> Array:

@@ -173,7 +173,7 @@ def fit_noise(stages: Sequence[StageFit], *, interval: float) -> Noise:
     low, high = np.log(_CORRELATION_TIMES)
     starts = [np.array([np.log(time), white]) for time in _STARTS for white in (0.0, 0.3)]
     start = min(starts, key=cost)
-    found = minimize(
+    minimum = minimize(
         cost,
         start,
         method="Nelder-Mead",
@@ -185,7 +185,7 @@ def fit_noise(stages: Sequence[StageFit], *, interval: float) -> Noise:
             "initial_simplex": [start, start + _FIRST_STEPS[0], start + _FIRST_STEPS[1]],
         },
     )
-    return make(found.x)
+    return make(minimum.x)
 
 
 _FEWEST = 2  # other stages that show how unlike stages are

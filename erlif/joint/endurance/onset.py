@@ -313,10 +313,10 @@ def find_onset(
             _scan(record, noise, spread) for record, spread in zip(records, spreads, strict=True)
         ]
         place = max(range(len(scans)), key=lambda k: scans[k].statistic)
-        found = Candidate(place, scans[place].onset, scans[place].rise)
-        if found == candidate:
+        chosen = Candidate(place, scans[place].onset, scans[place].rise)
+        if chosen == candidate:
             break
-        candidate = found
+        candidate = chosen
 
     level = _normal_quantile(scans[place])
     p_value = min(1.0, sum(_exceedance(level, scan.correlation) for scan in scans))
@@ -407,12 +407,12 @@ def _scan_with(record: Record, noise: Noise, spread: Spread, deviation: float) -
 
 def _tree(rises: Sequence[Array]) -> Array:
     """Correlation of each statistic, but the first, with the most similar one before it."""
-    found = [np.einsum("ij,ij->j", rises[0][:, 1:], rises[0][:, :-1])]
+    sums = [np.einsum("ij,ij->j", rises[0][:, 1:], rises[0][:, :-1])]
     for slower, faster in zip(rises[1:], rises[:-1], strict=True):
         along = np.einsum("ij,ij->j", slower[:, :-1], slower[:, 1:])
         across = np.einsum("ij,ij->j", slower, faster)
-        found.append(np.maximum(across, np.append(along, -1.0)))
-    return np.asarray(np.clip(np.concatenate(found), -1.0, 1.0))
+        sums.append(np.maximum(across, np.append(along, -1.0)))
+    return np.asarray(np.clip(np.concatenate(sums), -1.0, 1.0))
 
 
 def _normal_quantile(scan: _Scan) -> float:

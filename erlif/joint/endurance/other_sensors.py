@@ -89,7 +89,7 @@ def check_other_sensors(test: xr.Dataset, stage: Stage, onset: Onset) -> tuple[S
     time = test["time"].values[stage.samples]
     clear = (time < onset.earliest) | (time > onset.latest)
     time = time[clear]
-    found: list[SensorChange] = []
+    changes: list[SensorChange] = []
     if time.size < _FEWEST:
         return ()
     for name in _SENSORS:
@@ -109,8 +109,8 @@ def check_other_sensors(test: xr.Dataset, stage: Stage, onset: Onset) -> tuple[S
         size, error, p_value = fit
         ends = np.array([size, size - 1.96 * error, size + 1.96 * error])
         change, low, high = ends * 60 if name == "temperature" else np.exp(ends)
-        found.append(SensorChange(name, float(change), float(low), float(high), p_value))
-    return tuple(found)
+        changes.append(SensorChange(name, float(change), float(low), float(high), p_value))
+    return tuple(changes)
 
 
 def unusable_sensors(
@@ -138,21 +138,21 @@ def unusable_sensors(
     >>> unusable_sensors(test, [Stage(1, 0, 99, 0.0, 99.0, 36e3)], None)
     {'temperature': 'reads 30 throughout'}
     """
-    found = {}
+    reasons = {}
     for name in _SENSORS:
         if name not in test:
             continue
         values = test[name].values
         if all(_stands_still(values[stage.samples]) for stage in stages):
-            found[name] = f"reads {values[stages[0].first]:g} throughout"
+            reasons[name] = f"reads {values[stages[0].first]:g} throughout"
         elif onset is not None and _stands_still(values[stages[onset.stage].samples]):
             stage = stages[onset.stage]
-            found[name] = f"reads {values[stage.first]:g} throughout stage {stage.number}"
+            reasons[name] = f"reads {values[stage.first]:g} throughout stage {stage.number}"
         elif name == "vibration" and onset is not None:
             inside = values[stages[onset.stage].samples]
             if np.any(inside <= 0):
-                found[name] = "is not positive throughout, so that it has no level"
-    return found
+                reasons[name] = "is not positive throughout, so that it has no level"
+    return reasons
 
 
 def _stands_still(values: Array) -> bool:

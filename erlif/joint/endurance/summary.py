@@ -19,12 +19,12 @@ from erlif.joint.friction.coefficient import doubt_friction
 _NO_CHANCE = 1e-12  # probabilities below it depend on tails that nobody has measured
 
 
-def describe_test(found: EnduranceResult) -> list[str]:
+def describe_test(result: EnduranceResult) -> list[str]:
     """Describe an endurance test in lines of text.
 
     Parameters
     ----------
-    found : EnduranceResult
+    result : EnduranceResult
         From `erlif.analyse_endurance`.
 
     Returns
@@ -37,16 +37,16 @@ def describe_test(found: EnduranceResult) -> list[str]:
     >>> print(describe_test(example_test())[0])
     example: 6 stages and 6 idle runs in 4424 s
     """
-    test, loaded, search = found.test, found.loaded, found.search
+    test, loaded, search = result.test, result.loaded, result.search
     places = np.concatenate([np.arange(one.first, one.last + 1) for one in loaded])
     level = float(test["friction"][places].median())
-    left_out = [found.whole[place] for place in search.left_out]
+    left_out = [result.whole[place] for place in search.left_out]
     text = fill_template(
         "erlif.joint.endurance",
         "test.txt",
-        found=found,
+        found=result,
         count_of=count_of,
-        idle=sum(stage.is_idle and stage.part == 1 for stage in found.stages),
+        idle=sum(stage.is_idle and stage.part == 1 for stage in result.stages),
         duration=float(test["time"][-1]) - float(test["time"][0]),
         doubts=doubt_friction(
             level, radius=test.attrs.get("pin_radius"), arm=test.attrs.get("arm")
@@ -123,13 +123,13 @@ def write_test_table(found: Sequence[EnduranceResult], output: Path) -> Path:
     return write_file(output, text)
 
 
-def _row(found: EnduranceResult) -> dict[str, str]:
+def _row(result: EnduranceResult) -> dict[str, str]:
     """Texts of one test by the headings of the table."""
-    failure, onset = found.failure, found.onset
-    chances = {sensor.name: f"{sensor.p_value:.3g}" for sensor in found.other_sensors}
+    failure, onset = result.failure, result.onset
+    chances = {sensor.name: f"{sensor.p_value:.3g}" for sensor in result.other_sensors}
     return {
-        "test": found.name,
-        "stages": str(len(found.loaded)),
+        "test": result.name,
+        "stages": str(len(result.loaded)),
         "failed": str(int(failure.failed)),
         "load at failure [N]": f"{failure.load:.1f}",
         "std [N]": f"{failure.std:.1f}",
@@ -141,7 +141,7 @@ def _row(found: EnduranceResult) -> dict[str, str]:
         "friction before": f"{onset.friction_before:.4f}" if onset else "",
         "rise": f"{onset.rise:.4f}" if onset else "",
         "rise std": f"{onset.rise_std:.4f}" if onset else "",
-        "p-value": f"{found.search.p_value:.3g}",
+        "p-value": f"{result.search.p_value:.3g}",
         "p-value of temperature": chances.get("temperature", ""),
         "p-value of vibration": chances.get("vibration", ""),
     }

@@ -101,13 +101,13 @@ def measure_friction(
     units = {"load": "N", "torque": "N m", "temperature": "degree_Celsius", "vibration": "1"}
     if "vibration" in log:
         units["vibration"] = log["vibration"].attrs.get("units", "1")
-    found = xr.Dataset(
+    measured = xr.Dataset(
         {name: ("time", values, {"units": units[name]}) for name, values in columns.items()},
         {"time": ("time", time, {"units": "s"})},
         attributes,
     )
-    found["friction"] = ("time", friction, {"units": "1"})
-    return found
+    measured["friction"] = ("time", friction, {"units": "1"})
+    return measured
 
 
 def require_option(**options: float) -> None:

@@ -156,10 +156,10 @@ def read_torque_log(
         for quantity, one in used.items()
     }
     table, left_out = leave_out_bad_rows(table, members, skip=skip_bad_rows)
-    found = {name: [table.columns[n] for n in one] for name, one in places.items()}
+    by_name = {name: [table.columns[n] for n in one] for name, one in places.items()}
 
     log = xr.Dataset()
-    for quantity, members in found.items():
+    for quantity, members in by_name.items():
         values, unit = _convert(members, quantity, table, columns)
         if quantity == "time":
             log["time"] = ("time", values[0], {"units": "s"})
@@ -168,11 +168,11 @@ def read_torque_log(
             log["cells"] = (("cell", "time"), sign * np.array(values), {"units": "N"})
         else:
             log[quantity] = ("time", np.mean(values, axis=0), {"units": unit})
-    _check(log, found, table, vector=vector)
+    _check(log, by_name, table, vector=vector)
     log.attrs["file"] = path.name
     log.attrs["columns"] = ", ".join(
         f"{quantity} from {' and '.join(repr(column.name) for column in members)}"
-        for quantity, members in found.items()
+        for quantity, members in by_name.items()
     )
     log.attrs["unused"] = ", ".join(repr(name) for name in others if name)
     log.attrs["left_out"] = left_out
@@ -253,14 +253,16 @@ def _any_temperature(
     return similar if len({_base(column.name) for column in similar}) == 1 else []
 
 
-def _taken(found: dict[str, list[LogColumn]]) -> list[LogColumn]:
+def _taken(by_name: dict[str, list[LogColumn]]) -> list[LogColumn]:
     """The columns that belong to a quantity already."""
-    return [column for columns in found.values() for column in columns]
+    return [column for columns in by_name.values() for column in columns]
 
 
-def _matching(pattern: str, table: LogTable, found: dict[str, list[LogColumn]]) -> list[LogColumn]:
+def _matching(
+    pattern: str, table: LogTable, columns: dict[str, list[LogColumn]]
+) -> list[LogColumn]:
     """Columns of such a name that belong to no quantity yet."""
-    taken = _taken(found)
+    taken = _taken(columns)
     return [
         column
         for column in table.columns
@@ -305,7 +307,7 @@ def _convert(
 
 def _check(
     log: xr.Dataset,
-    found: Mapping[str, Sequence[LogColumn]],
+    columns: Mapping[str, Sequence[LogColumn]],
     table: LogTable,
     *,
     vector: bool,
@@ -317,7 +319,7 @@ def _check(
             f"Expected at least {_FEWEST} rows in {table.file}; it has {time.size}. Export the "
             "whole log."
         )
-    check_time(time, found["time"][0].name, table)
+    check_time(time, columns["time"][0].name, table)
     cells = log["cells"].values
     load = np.sqrt((cells**2).sum(axis=0)) if vector else cells.sum(axis=0)
     if not np.percentile(load, 95) > 0:
@@ -328,4 +330,4 @@ def _check(
             "--compression-negative; else correct their sign, or choose other columns."
         )
     if "temperature" in log:
-        check_temperature(log["temperature"].values, found["temperature"][0].name, table)
+        check_temperature(log["temperature"].values, columns["temperature"][0].name, table)

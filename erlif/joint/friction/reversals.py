@@ -277,30 +277,30 @@ def analyse_friction(
 def _pairs(time: Array, torque: Array, load: Array, radius: float) -> xr.Dataset:
     """One value for each two neighbouring stretches of opposite direction."""
     stretches = [_level(time, torque, load, one, radius) for one in find_stretches(torque)]
-    found = []
+    pairs = []
     index = 0
     while index + 1 < len(stretches):
         one, other = stretches[index], stretches[index + 1]
         if one.forward == other.forward:  # what lay between them was too short
             index += 1
             continue
-        found.append((one, other))
+        pairs.append((one, other))
         index += 2
-    if len(found) < 2:
+    if len(pairs) < 2:
         raise EnduranceError(
             f"Expected a torque that reverses at least three times; got {len(stretches)} stretches "
             "of one direction. Log the torque with its sign, over two reversals of the motor and "
             "back; for a motion of one direction take erlif endurance."
         )
-    half = np.array([0.5 * abs(a.ratio - b.ratio) for a, b in found])
-    middle = np.array([0.5 * (a.ratio + b.ratio) for a, b in found])
-    scatter = np.array([0.5 * np.hypot(a.std, b.std) for a, b in found])
-    at = np.array([0.5 * (a.time + b.time) for a, b in found])
-    carried = np.array([0.5 * (a.load + b.load) for a, b in found])
-    rested = np.array([a.dwell + b.dwell for a, b in found])
+    half = np.array([0.5 * abs(a.ratio - b.ratio) for a, b in pairs])
+    middle = np.array([0.5 * (a.ratio + b.ratio) for a, b in pairs])
+    scatter = np.array([0.5 * np.hypot(a.std, b.std) for a, b in pairs])
+    at = np.array([0.5 * (a.time + b.time) for a, b in pairs])
+    carried = np.array([0.5 * (a.load + b.load) for a, b in pairs])
+    rested = np.array([a.dwell + b.dwell for a, b in pairs])
 
     # a drift of the offset within a pair adds to one direction what it takes from the other
-    apart = np.array([(a.time - b.time) * (1 if a.forward else -1) for a, b in found])
+    apart = np.array([(a.time - b.time) * (1 if a.forward else -1) for a, b in pairs])
     half -= 0.5 * apart * np.gradient(middle, at)
     return xr.Dataset(
         {

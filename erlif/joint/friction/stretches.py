@@ -101,15 +101,15 @@ def find_stretches(torque: Array) -> list[Stretch]:
 
     # dwell belongs to the machine: it is in most stretches, or in none
     before, after = (float(np.mean([part[k] > 0 for part in parts])) > 0.5 for k in (0, 1))
-    found = []
+    stretches = []
     for (first, last, up), (lead, tail) in zip(runs, parts, strict=True):
         dwell = (lead if before else 0, tail if after else 0)
         first, last = first + dwell[0], last - dwell[1]
         cut = int(_TRIM * (last - first + 1))
         if last - first + 1 - 2 * cut >= _FEWEST:
-            found.append(Stretch(up, first + cut, last - cut, dwell))
-    _require_levels(torque, found)
-    return found
+            stretches.append(Stretch(up, first + cut, last - cut, dwell))
+    _require_levels(torque, stretches)
+    return stretches
 
 
 def running_median(values: Array) -> Array:
@@ -223,13 +223,13 @@ def _split(values: Array, half: float) -> tuple[int, int]:
 
     level = blocks[i:j].mean()
     error = np.sqrt(max(left[best], 0.0) / max(size - 3, 1))
-    found = []
+    turns = []
     for part in (blocks[:i], blocks[j:]):
         # a shorter part is the speeding up, and cut off with it
         lower = level - part.mean() if part.size > _TRIM * size else 0.0
         counts = lower > _DROP * half and lower > _CLEAR * error / np.sqrt(max(part.size, 1))
-        found.append(counts)
-    return int(edges[i]) * bool(found[0]), int(values.size - edges[j]) * bool(found[1])
+        turns.append(counts)
+    return int(edges[i]) * bool(turns[0]), int(values.size - edges[j]) * bool(turns[1])
 
 
 def _require_levels(torque: Array, stretches: list[Stretch]) -> None:

@@ -187,10 +187,10 @@ def _least_pin(
         if width is None and joint.housing_diameter is None:
             return None
         step = (high - low) / _LADDER
-        found = next((n for n in range(1, _LADDER) if enough(low + n * step)), None)
-        if found is None:
+        rung = next((n for n in range(1, _LADDER) if enough(low + n * step)), None)
+        if rung is None:
             return None
-        low, high = low + (found - 1) * step, low + found * step
+        low, high = low + (rung - 1) * step, low + rung * step
 
     for _ in range(_HALVINGS):
         middle = (low + high) / 2

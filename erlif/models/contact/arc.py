@@ -66,13 +66,13 @@ def rubbed_by_arc(half_angle: Values, *, fit: Values) -> Values:
     e = eccentricity_of_arc(half_angle, fit=fit)
     sine, cosine = np.sin(half_angle), np.cos(half_angle)
     w = e * sine
-    found = np.empty(np.shape(w))
+    share = np.empty(np.shape(w))
 
     wide = w > _FEW_BELOW
     A = half_angle[wide]
     root = np.sqrt(1 - w[wide] ** 2)
-    found[wide] = e[wide] * (sine[wide] - A * cosine[wide])
-    found[wide] -= special.ellipeinc(A, e[wide] ** 2) - A * root
+    share[wide] = e[wide] * (sine[wide] - A * cosine[wide])
+    share[wide] -= special.ellipeinc(A, e[wide] ** 2) - A * root
 
     # the difference above cancels for a small w; the integrand is a short polynomial there
     A, e, w2 = half_angle[~wide], e[~wide], w[~wide] ** 2
@@ -83,8 +83,8 @@ def rubbed_by_arc(half_angle: Values, *, fit: Values) -> Values:
         part = np.sin(A * (node / 2)) ** 2
         here = 4 * e**2 * part * (1 - part)
         total += weight * (2 * e * (half - part) + here / (1 + np.sqrt(1 - here)) - edge)
-    found[~wide] = A * total
-    return 2 * fit * found
+    share[~wide] = A * total
+    return 2 * fit * share
 
 
 def arc_of_load(supported: Values, *, fit: Values) -> tuple[Values, Values]:
@@ -96,9 +96,9 @@ def arc_of_load(supported: Values, *, fit: Values) -> tuple[Values, Values]:
     wanted, fits = supported.reshape(-1), fit.reshape(-1)
     for start in range(0, wanted.size, _BLOCK):
         block = slice(start, start + _BLOCK)
-        found = _search(wanted[block], fits[block])
-        angle.reshape(-1)[block] = found
-        ratio.reshape(-1)[block] = rubbed_by_arc(found, fit=fits[block]) / wanted[block]
+        solution = _search(wanted[block], fits[block])
+        angle.reshape(-1)[block] = solution
+        ratio.reshape(-1)[block] = rubbed_by_arc(solution, fit=fits[block]) / wanted[block]
     return angle, ratio
 
 
@@ -136,13 +136,13 @@ def _segments(angle: Values, w: Values) -> tuple[Values, Values]:
 def _without_sine(x: Values) -> Values:
     """x - sin x without cancellation."""
     x = np.asarray(x)
-    found = np.asarray(x - np.sin(x))
+    excess = np.asarray(x - np.sin(x))
     narrow = x < _SERIES_BELOW
     if not np.any(narrow):
-        return found
+        return excess
     square = x[narrow] ** 2
     total = np.ones(square.shape)
     for n in range(_SERIES_TERMS, 0, -1):
         total = 1 - square * total / ((2 * n + 2) * (2 * n + 3))
-    found[narrow] = x[narrow] * square / 6 * total
-    return found
+    excess[narrow] = x[narrow] * square / 6 * total
+    return excess

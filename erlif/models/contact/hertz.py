@@ -275,8 +275,8 @@ def thesis_ellipse(
     >>> print(f"{found.pressure / 1e6:.0f} MPa")
     1024 MPa
     """
-    found = {"axis_ratio": (radius / radius_across) ** (2 / 3), "F1": THESIS_F1, "F2": THESIS_F2}
-    return _ellipse(load, radius, radius_across, contact_modulus, **found)
+    table = {"axis_ratio": (radius / radius_across) ** (2 / 3), "F1": THESIS_F1, "F2": THESIS_F2}
+    return _ellipse(load, radius, radius_across, contact_modulus, **table)
 
 
 def _ellipse(

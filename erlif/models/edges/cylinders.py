@@ -187,8 +187,8 @@ def _stiffness(basis: Any, elasticity: Array) -> tuple[Any, Any, Any]:
 
     # one matrix for each power of n
     def product(i: int, j: int) -> Array:
-        found: Array = (np.swapaxes(strain[i], -1, -2) @ stress[j]).sum(axis=1)
-        return found
+        energy: Array = (np.swapaxes(strain[i], -1, -2) @ stress[j]).sum(axis=1)
+        return energy
 
     rows = np.repeat(basis.element_dofs.T[:, :, None], count, axis=2)
     columns = np.swapaxes(rows, 1, 2)
@@ -256,9 +256,9 @@ class HarmonicSolver:
             diag_pivot_thresh=0.0,
             options={"SymmetricMode": True},
         )
-        found = np.zeros((self.size, loads.shape[1]))
-        found[kept] = factor.solve(np.ascontiguousarray(loads[kept]))
-        return found
+        moved = np.zeros((self.size, loads.shape[1]))
+        moved[kept] = factor.solve(np.ascontiguousarray(loads[kept]))
+        return moved
 
     @property
     def points(self) -> Array:

@@ -122,7 +122,7 @@ def solve_contact(
     motion = None if approach is None else np.array([approach, 0.0, 0.0])[: len(modes)]
     cell = float(np.prod(steps))
 
-    found = solve_active_set(
+    balance = solve_active_set(
         deflect,
         heights,
         diagonal=diagonal,
@@ -133,24 +133,24 @@ def solve_contact(
         tolerance=tolerance,
     )
     motions = np.zeros(3)
-    motions[: len(modes)] = found.motion
-    remaining = heights + found.deflection - np.tensordot(found.motion, modes, 1)
+    motions[: len(modes)] = balance.motion
+    remaining = heights + balance.deflection - np.tensordot(balance.motion, modes, 1)
     dims = ("x", "z")[: heights.ndim]
     words = read_table("erlif.models", "variables.toml")
     return describe_by(
         words["half_space"] | (words["plane"] if plane else {}),
         {
-            "pressure": (dims, found.pressure),
-            "deflection": (dims, found.deflection),
+            "pressure": (dims, balance.pressure),
+            "deflection": (dims, balance.deflection),
             "gap": (dims, remaining),
-            "force": ((), found.pressure.sum() * cell),
+            "force": ((), balance.pressure.sum() * cell),
             "approach": ((), motions[0]),
             "tilt_x": ((), motions[1]),
             "tilt_z": ((), motions[2]),
-            "peak_pressure": ((), found.pressure.max()),
-            "area": ((), np.count_nonzero(found.pressure) * cell),
-            "iterations": ((), found.iterations),
-            "residual": ((), found.residual),
+            "peak_pressure": ((), balance.pressure.max()),
+            "area": ((), np.count_nonzero(balance.pressure) * cell),
+            "iterations": ((), balance.iterations),
+            "residual": ((), balance.residual),
         },
         {dim: (dim, middle) for dim, middle in zip(dims, middles, strict=True)},
     )

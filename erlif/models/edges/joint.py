@@ -325,7 +325,7 @@ def solve_joint(
     diagonal = np.einsum("n,nii->i", weights, matrices) / around
     area = np.broadcast_to(lengths * joint.pin_radius * 2 * np.pi / around, gap.shape)
     modes = np.array([round_pin + 0 * middles, round_pin * middles])[: targets.size]
-    found = solve_active_set(
+    balance = solve_active_set(
         lambda pressure: _multiply(matrices, pressure),
         gap,
         diagonal=np.broadcast_to(diagonal, gap.shape),
@@ -336,11 +336,11 @@ def solve_joint(
         tolerance=tolerance,
     )
     motion = np.zeros(2)
-    motion[: targets.size] = found.motion
+    motion[: targets.size] = balance.motion
 
     # what a reader asks for
-    pressure = found.pressure
-    remaining = gap + found.deflection - np.tensordot(found.motion, modes, 1)
+    pressure = balance.pressure
+    remaining = gap + balance.deflection - np.tensordot(balance.motion, modes, 1)
     row, column = np.unravel_index(int(pressure.argmax()), gap.shape)
     line = around // 2
     bending = bent - _multiply(pin_matrices, pressure)[line] + motion[1] * middles
@@ -360,8 +360,8 @@ def solve_joint(
             "patch_pressure": ((), _largest_mean(pressure, lengths, patch)),
             "displacement": ((), float(motion[0] + mean_bending)),
             "tilt": ((), float(motion[1])),
-            "iterations": ((), found.iterations),
-            "residual": ((), found.residual),
+            "iterations": ((), balance.iterations),
+            "residual": ((), balance.residual),
         },
         {"angle": ("angle", angle), "z": ("z", middles)},
     )
@@ -516,8 +516,8 @@ def search_undercut(
     uncut = solve_joint(straight, load=load, patch=patch)
     peak, mean = np.full(shape, np.nan), np.full(shape, np.nan)
     for place, cut in fitting.items():
-        found = solve_joint(prepared(cut, straight.pin), load=load, patch=patch)
-        peak[place], mean[place] = found["peak_pressure"], found["patch_pressure"]
+        solved = solve_joint(prepared(cut, straight.pin), load=load, patch=patch)
+        peak[place], mean[place] = solved["peak_pressure"], solved["patch_pressure"]
     best = np.unravel_index(int(np.nanargmin(mean)), shape)
     names = {"depth": depths, "width": widths, "lip": lips}
     chosen = {

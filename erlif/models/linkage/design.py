@@ -130,7 +130,7 @@ def measure_linkage(
     slower: Stroke = "rising" if excess > 0 else "falling"
     smallest, largest = measures.transmission_limits(links)
     along, across = measures.space(links, link_width)
-    found = LinkageDesign(
+    design = LinkageDesign(
         linkage=linkage,
         swing=float(measures.swing(links)),
         speed_ratio=float(max(measures.speed_ratio(links, rising=up) for up in (True, False))),
@@ -143,10 +143,10 @@ def measure_linkage(
     )
 
     if crank_speed is not None:
-        return replace(found, crank_speed=float(crank_speed))
+        return replace(design, crank_speed=float(crank_speed))
     if rocker_speed is not None:
-        return replace(found, crank_speed=float(rocker_speed) / found.speed_ratio)
-    return found
+        return replace(design, crank_speed=float(rocker_speed) / design.speed_ratio)
+    return design
 
 
 @dataclass(frozen=True)

@@ -311,10 +311,10 @@ def _zeros(deviation: Callable[[Values], Values], axis: Array, values: Array) ->
 
 def _lowest(function: Callable[[float], Values], low: float, high: float) -> float:
     """Place of the minimum of a function between two places."""
-    found = scipy.optimize.minimize_scalar(
+    minimum = scipy.optimize.minimize_scalar(
         function, bounds=(low, high), method="bounded", options={"xatol": 1e-12}
     )
-    return float(found.x)
+    return float(minimum.x)
 
 
 def _best_on_line(domain: Domain, limits: _Limits) -> Array:
@@ -363,22 +363,22 @@ def _least_squares(
     domain: Domain, branch: list[_Target], deviations: Callable[[Array], Array]
 ) -> list[Array]:
     """All zeros of several functions, or the least sum of their squares."""
-    found: list[tuple[float, float, Array]] = []
+    ends: list[tuple[float, float, Array]] = []
 
     def refine(starts: list[Array], calls: int) -> None:
         for start in starts:
             fit = _fit(deviations, start, calls)
-            found.append((float(np.abs(fit.fun).max()), float(fit.cost), fit.x))
+            ends.append((float(np.abs(fit.fun).max()), float(fit.cost), fit.x))
 
     # a minimum far from zero is refined only where nothing else is found
     crossings, minima = _starts(domain, branch, deviations)
     refine(crossings, MOST_CALLS)
     refine(minima, CALLS)
-    solved = [place for worst, _, place in found if worst < ATTAINED]
+    solved = [place for worst, _, place in ends if worst < ATTAINED]
     if not solved:
-        refine([np.clip(_nearest(found), 2 * EDGE, 1 - 2 * EDGE)], MOST_CALLS)
-        solved = [place for worst, _, place in found if worst < ATTAINED]
-    return solved or [_nearest(found)]
+        refine([np.clip(_nearest(ends), 2 * EDGE, 1 - 2 * EDGE)], MOST_CALLS)
+        solved = [place for worst, _, place in ends if worst < ATTAINED]
+    return solved or [_nearest(ends)]
 
 
 def _fit(deviations: Callable[[Array], Values], start: Array, calls: int) -> Any:
@@ -394,9 +394,9 @@ def _fit(deviations: Callable[[Array], Values], start: Array, calls: int) -> Any
     )
 
 
-def _nearest(found: list[tuple[float, float, Array]]) -> Array:
+def _nearest(minima: list[tuple[float, float, Array]]) -> Array:
     """Place with the least sum of squares."""
-    return min(found, key=lambda entry: entry[1])[2]
+    return min(minima, key=lambda entry: entry[1])[2]
 
 
 def _starts(
@@ -461,21 +461,23 @@ def _departures(
     design: LinkageDesign, targets: dict[str, float], limits: _Limits
 ) -> tuple[str, ...]:
     """Targets and limits that a design misses."""
-    found = []
+    departures = []
     for name, wanted in targets.items():
         got = getattr(design, name)
         if abs(got / wanted - 1) > ATTAINED:
-            found.append(f"{name.replace('_', ' ')} {_text(name, got)}, not {_text(name, wanted)}")
+            departures.append(
+                f"{name.replace('_', ' ')} {_text(name, got)}, not {_text(name, wanted)}"
+            )
     angle = design.least_transmission
     if angle < limits.transmission - ATTAINED:
         least = np.degrees(limits.transmission)
-        found.append(f"transmission angle {np.degrees(angle):.2f} degrees, below {least:g}")
+        departures.append(f"transmission angle {np.degrees(angle):.2f} degrees, below {least:g}")
     for side, limit, way in zip(design.space, limits.size, ("along", "across"), strict=True):
         if side > limit * (1 + ATTAINED):
-            found.append(f"{1e3 * side:.1f} mm {way} the ground link, above {1e3 * limit:g}")
+            departures.append(f"{1e3 * side:.1f} mm {way} the ground link, above {1e3 * limit:g}")
     if design.folds_flat:
-        found.append("all links fold onto one line")
-    return tuple(found)
+        departures.append("all links fold onto one line")
+    return tuple(departures)
 
 
 def _text(name: str, value: float) -> str:

@@ -410,12 +410,12 @@ class _Newton:
                 change -= self.crossing * (direction.along[1:] - direction.along[:-1])
         unknown = (self.full & ~step.supplied) if self.still else ~step.supplied
         right *= unknown
-        found = solve_ring(self.coefficients(unknown), right)
+        moved = solve_ring(self.coefficients(unknown), right)
 
         # displacements that restore the forces, with the change of pressure that follows
-        shift = self.shift(found)
-        delta = found[0]
-        for part, change in zip(shift, found[1:], strict=True):
+        shift = self.shift(moved)
+        delta = moved[0]
+        for part, change in zip(shift, moved[1:], strict=True):
             delta += part * change
         share = self.allowed(shift, delta)
         self.position = self.position + share * shift

@@ -84,12 +84,12 @@ class Grid:
         """
         if self.across == 1:
             return (1.0, 0.0), (1.0, 0.0)
-        found = []
+        weights = []
         for first, second in ((self.dz[0], self.dz[1]), (self.dz[-1], self.dz[-2])):
             ratio = 3 + 3 * second / first + (second / first) ** 2
             beta = 1 / (ratio * first / 2 - first - second / 2)
-            found.append((float(0.5 * first * ratio * beta), float(0.5 * first * beta)))
-        return found[0], found[1]
+            weights.append((float(0.5 * first * ratio * beta), float(0.5 * first * beta)))
+        return weights[0], weights[1]
 
 
 @dataclass(frozen=True)

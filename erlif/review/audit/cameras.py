@@ -182,9 +182,11 @@ def _draw(frame: int, pair: PairRatio) -> Picture:
 
 def note_registration(survey: CameraSurvey) -> Iterator[Note]:
     """Displacement, correlation and overlap."""
-    found = survey.chain.camera_map
-    overlap, quality = float(found.overlap.mean()), found.quality
-    x, y = (float(np.nanmedian(one)) for one in (found.displacement_x, found.displacement_y))
+    camera_map = survey.chain.camera_map
+    overlap, quality = float(camera_map.overlap.mean()), camera_map.quality
+    x, y = (
+        float(np.nanmedian(one)) for one in (camera_map.displacement_x, camera_map.displacement_y)
+    )
     yield _note("registration", x=x, y=y, quality=quality, overlap=overlap)
     found_again = [one for one in survey.frames if np.isfinite(one.drift).all()]
     for one in found_again[:: max(len(found_again) // SHOWN, 1)][:SHOWN]:
@@ -202,15 +204,15 @@ def note_registration(survey: CameraSurvey) -> Iterator[Note]:
 
 def note_textures(survey: CameraSurvey) -> Iterator[Note]:
     """Whether the flats show a texture of the joint, which both cameras see."""
-    references, found = survey.chain.correct.references, survey.chain.camera_map
+    references, camera_map = survey.chain.correct.references, survey.chain.camera_map
     if not bool(references.has_flat.values.all()):
         return
     correlation = correlate_flats(
         references.flat.values,
         references.bad.values,
-        found.displacement_x,
-        found.displacement_y,
-        orientation=found.settings.orientation,
+        camera_map.displacement_x,
+        camera_map.displacement_y,
+        orientation=camera_map.settings.orientation,
     )
     if correlation > _SHARED:
         yield _note("flats", correlation=correlation)

@@ -96,7 +96,7 @@ def survey_counts(pairs: FramePairs, frames: Sequence[int]) -> CountSurvey:
     CountSurvey
     """
     one, two = (np.zeros(full_scale + 1, np.int64) for full_scale in pairs.full_scales)
-    found = []
+    surveys = []
     for frame in frames:
         measured = []
         for image, histogram in zip(read_pair(pairs, frame).counts, (one, two), strict=True):
@@ -106,8 +106,8 @@ def survey_counts(pairs: FramePairs, frames: Sequence[int]) -> CountSurvey:
             saturated = float((image >= full_scale).mean())
             digest = hashlib.sha256(image.tobytes()).hexdigest()
             measured.append((float(np.median(image)), saturated, _sharpness(image), digest))
-        found.append(FrameCounts(frame, *zip(*measured, strict=True)))
-    return CountSurvey(tuple(found), (one, two))
+        surveys.append(FrameCounts(frame, *zip(*measured, strict=True)))
+    return CountSurvey(tuple(surveys), (one, two))
 
 
 def _sharpness(counts: AnyArray) -> float:

@@ -156,27 +156,27 @@ def audit(
     1
     """
     progress = choose_progress(progress)
-    found = Audit(Path(directory))
+    result = Audit(Path(directory))
     subject = "settings and files"
     try:
-        recording = _open(found.directory, allow_outside)
-        found.name = recording.settings.name
-        found.notes.append(_describe(recording))
+        recording = _open(result.directory, allow_outside)
+        result.name = recording.settings.name
+        result.notes.append(_describe(recording))
         # pairs are listed even where a later part fails
         run = recording if isinstance(recording, Run) else None
-        found.pairs = tabulate_pairs(recording.pairs, run)
-        parts = _Parts(recording, run, found, allow_outside).list()
+        result.pairs = tabulate_pairs(recording.pairs, run)
+        parts = _Parts(recording, run, result, allow_outside).list()
         for done, (name, step) in enumerate(parts, 1):
             subject = name
             with stage(f"check of {name}", _logger):
                 for note in step():
-                    found.notes.append(note)
+                    result.notes.append(note)
                     if note.level is Level.ERROR:
-                        return found
+                        return result
             progress("check", done, len(parts))
     except ErlifError as error:
-        found.notes.append(Note(Level.ERROR, subject, str(error)))
-    return found
+        result.notes.append(Note(Level.ERROR, subject, str(error)))
+    return result
 
 
 def _open(directory: Path, allow_outside: bool) -> Run | Fixture:

@@ -120,9 +120,9 @@ def _note_speed(time: Array, located: xr.Dataset, settings: RunSettings) -> Iter
         return
 
     # the sum over the log does not depend on the error of a reading near a dead point
-    found = float(turned[moved].sum() / np.diff(time)[moved].sum()) / 6.0
+    speed = float(turned[moved].sum() / np.diff(time)[moved].sum()) / 6.0
     stated = float(np.degrees(settings.linkage.crank_speed)) / 6.0
-    yield _note("speed", wrong=abs(found / stated - 1) > _SPEED, found=found, stated=stated)
+    yield _note("speed", wrong=abs(speed / stated - 1) > _SPEED, found=speed, stated=stated)
 
 
 def note_conditions(log: EncoderLog, settings: RunSettings) -> Iterator[Note]:

@@ -131,11 +131,11 @@ def weights(angle: Array, goal: Array) -> tuple[Mask, Array]:
     # at a trigger itself no neighbour is needed
     exact = beyond < 1e-6
     share = np.where(exact, 0.0, share)
-    found = np.zeros((goal.size, angle.size))
+    shares = np.zeros((goal.size, angle.size))
     rows = np.arange(goal.size)
-    found[rows, order[place]] += 1 - share
-    found[rows, order[(place + 1) % angle.size]] += share
-    return exact | (steps[place] <= reach), found
+    shares[rows, order[place]] += 1 - share
+    shares[rows, order[(place + 1) % angle.size]] += share
+    return exact | (steps[place] <= reach), shares
 
 
 def average_difference(
@@ -207,8 +207,8 @@ def _at_angles(record: RunRecord, statistic: str, angle: Array) -> tuple[Array, 
     # a trigger without a film counts only where it has a weight
     lost = (share > 0) @ ~np.isfinite(value + own) > 0
     known = [np.nan_to_num(each) for each in (value, own, gradient)]
-    found = [share @ each for each in known]
-    return np.where(lost, np.nan, found[0]), found[1], found[2]
+    values = [share @ each for each in known]
+    return np.where(lost, np.nan, values[0]), values[1], values[2]
 
 
 def correct_for_many(probability: Array) -> Array:

@@ -334,12 +334,12 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
 
 def _significant(significance: Array) -> FlagImage:
     """Where a difference is more than chance among that many cells."""
-    found = np.zeros(significance.shape, np.uint8)
+    signs = np.zeros(significance.shape, np.uint8)
     known = np.isfinite(significance)
     if known.any():
         import scipy.stats
 
         probability = 2 * scipy.stats.norm.sf(np.abs(significance[known]))
         corrected = scipy.stats.false_discovery_control(probability)
-        found[known] = corrected < FALSE_DISCOVERIES
-    return found
+        signs[known] = corrected < FALSE_DISCOVERIES
+    return signs

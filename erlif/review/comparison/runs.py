@@ -106,7 +106,7 @@ def compare(
         refuse_unlike(records)
         first, second = _check_pair(pair, len(records))
 
-        found = _compare_pairs(records).merge(_compare_powers(records))
+        comparison = _compare_pairs(records).merge(_compare_powers(records))
         triggers = _choose_triggers(opened[first], opened[second], angle)
         mapped = difference_map(opened[first], opened[second], triggers=triggers)
 
@@ -115,15 +115,15 @@ def compare(
     chart = control_chart(records, _distinct(records, further))
     names = {"x": "map_x", "y": "map_y"} | {str(name): f"map_{name}" for name in mapped.data_vars}
     attrs = {f"map_{name}": value for name, value in mapped.attrs.items()}
-    found = found.merge(mapped.rename(names).drop_attrs(deep=False)).merge(chart)
-    return found.assign_attrs(
+    comparison = comparison.merge(mapped.rename(names).drop_attrs(deep=False)).merge(chart)
+    return comparison.assign_attrs(
         title="runs compared",
         erlif_version=__version__,
         history=f"erlif {__version__}: compare {', '.join(record.name for record in records)}",
         map_first_run=records[first].name,
         map_second_run=records[second].name,
         **attrs,
-        **found.attrs,
+        **comparison.attrs,
     )
 
 
@@ -159,8 +159,8 @@ def _choose_triggers(one: xr.Dataset, other: xr.Dataset, angle: float | None) ->
 
 def _distinct(records: list[RunRecord], further: list[Calibration]) -> list[Calibration]:
     """Calibrations of the films and further ones, each once."""
-    found = {record.calibration_key: record.calibration for record in records}
-    kept = list(found.values())
+    by_key = {record.calibration_key: record.calibration for record in records}
+    kept = list(by_key.values())
     for each in further:
         # a film stores the parameters of its calibration to the last digit
         if not any(np.array_equal(each.parameters, other.parameters) for other in kept):

@@ -13,12 +13,12 @@ NO_CHANCE = 1e-12
 _SIDES = 1.96  # standard deviations of a difference that is found in half of the cases
 
 
-def describe_comparison(found: xr.Dataset) -> list[str]:
+def describe_comparison(comparison: xr.Dataset) -> list[str]:
     """Write a comparison as lines of text, the conclusion last.
 
     Parameters
     ----------
-    found : xarray.Dataset
+    comparison : xarray.Dataset
         As `erlif.compare` returns it.
 
     Returns
@@ -35,26 +35,26 @@ def describe_comparison(found: xr.Dataset) -> list[str]:
     conclusion: example (1) and example (2) differ in minimum film
     """
     lines = []
-    if "duty" in found:
-        lines.append(f"power of {found.duty.attrs['long_name']}:")
-        lines += [_describe_power(found, run) for run in (*found.run.values, None)]
-    lines.append(f"differences, {found.attrs['method']}:")
-    for k in range(found.sizes["pair"]):
-        lines += [_describe_pair(found.isel(pair=k), name) for name in _NAMES]
-    if "note" in found.attrs:
-        lines.append(f"note: {found.attrs['note']}")
-    lines += _describe_map(found)
-    lines += _describe_chart(found)
-    lines.append(f"conclusion: {_conclude(found)}")
+    if "duty" in comparison:
+        lines.append(f"power of {comparison.duty.attrs['long_name']}:")
+        lines += [_describe_power(comparison, run) for run in (*comparison.run.values, None)]
+    lines.append(f"differences, {comparison.attrs['method']}:")
+    for k in range(comparison.sizes["pair"]):
+        lines += [_describe_pair(comparison.isel(pair=k), name) for name in _NAMES]
+    if "note" in comparison.attrs:
+        lines.append(f"note: {comparison.attrs['note']}")
+    lines += _describe_map(comparison)
+    lines += _describe_chart(comparison)
+    lines.append(f"conclusion: {_conclude(comparison)}")
     return lines
 
 
-def _describe_power(found: xr.Dataset, run: str | None) -> str:
+def _describe_power(comparison: xr.Dataset, run: str | None) -> str:
     """Powers of one run, or of all together."""
     prefix = "" if run is not None else "joint_"
     words = []
     for name, label in _NAMES.items():
-        one = found.sel(statistic=name)
+        one = comparison.sel(statistic=name)
         if run is not None:
             one = one.sel(run=run)
         value, std = float(one[f"{prefix}exponent"]), float(one[f"{prefix}exponent_std"])
@@ -78,13 +78,13 @@ def _describe_pair(one: xr.Dataset, name: str) -> str:
     return f"{runs} {size}, no difference found (one of {_SIDES * std:.3f} um would be, in half)"
 
 
-def _describe_map(found: xr.Dataset) -> list[str]:
+def _describe_map(comparison: xr.Dataset) -> list[str]:
     """The difference map in a line."""
-    known = np.isfinite(found.map_difference.values)
+    known = np.isfinite(comparison.map_difference.values)
     if not known.any():
         return ["difference map: no cell is valid in both runs"]
-    share = float(found.map_differs.values[known].mean())
-    attrs = found.attrs
+    share = float(comparison.map_differs.values[known].mean())
+    attrs = comparison.attrs
     return [
         f"difference map, {attrs['map_second_run']} ({attrs['map_second']}) less "
         f"{attrs['map_first_run']} ({attrs['map_first']}): {share:.0%} of {known.sum()} cells "
@@ -92,33 +92,35 @@ def _describe_map(found: xr.Dataset) -> list[str]:
     ]
 
 
-def _describe_chart(found: xr.Dataset) -> list[str]:
+def _describe_chart(comparison: xr.Dataset) -> list[str]:
     """Points beyond the limits of the control charts."""
     lines = []
-    if "patch_ratio" in found:
-        beyond = np.abs(found.patch_ratio - found.patch_centre) > found.patch_limit
-        runs = ", ".join(str(name) for name in found.run.values[beyond.values])
+    if "patch_ratio" in comparison:
+        beyond = np.abs(comparison.patch_ratio - comparison.patch_centre) > comparison.patch_limit
+        runs = ", ".join(str(name) for name in comparison.run.values[beyond.values])
         state = f"beyond the limits: {runs}" if runs else "all runs within the limits"
         lines.append(f"control chart of the reference patch: {state}")
-    if "calibration_verdict" in found:
+    if "calibration_verdict" in comparison:
         for date, verdict in zip(
-            found.calibration_date.values[1:], found.calibration_verdict.values[1:], strict=True
+            comparison.calibration_date.values[1:],
+            comparison.calibration_verdict.values[1:],
+            strict=True,
         ):
             lines.append(f"calibration of {date or 'unknown date'}: {verdict}")
     return lines
 
 
-def _conclude(found: xr.Dataset) -> str:
+def _conclude(comparison: xr.Dataset) -> str:
     """Which runs differ, in one sentence."""
     # a pair is named once, with all statistics that differ
     sentences = []
-    for k in range(found.sizes["pair"]):
-        one = found.isel(pair=k)
+    for k in range(comparison.sizes["pair"]):
+        one = comparison.isel(pair=k)
         differing = [label for name, label in _NAMES.items() if one.differs.sel(statistic=name)]
         if differing:
             what = " and ".join(differing)
             sentences.append(f"{one['first'].item()} and {one.second.item()} differ in {what}")
-    tests = int(np.isfinite(found.probability.values).sum())
+    tests = int(np.isfinite(comparison.probability.values).sum())
     if not tests:
         return "no runs could be compared: no common trigger has a film within the measurable range"
     if not sentences:

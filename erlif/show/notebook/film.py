@@ -54,8 +54,8 @@ class FilmAccessor:
         # a film that was never a file carries its groups along
         kept = self._film.encoding.get("groups", {})
         if group in kept:
-            found: xr.Dataset = kept[group]
-            return found
+            dataset: xr.Dataset = kept[group]
+            return dataset
         source = self._film.encoding.get("source", "")
         if not source or not Path(source).exists():
             raise refusal("no_groups", group=group)

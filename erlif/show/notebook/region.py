@@ -62,7 +62,7 @@ def summarise_region(
     maps = film[names].isel(y=region.rows, x=region.columns)
 
     # one map in memory at a time
-    found = []
+    rows = []
     for trigger in range(film.sizes["trigger"]):
         one = maps.isel(trigger=trigger).load()
         row = _tabulate(_summarise(one, calibration, along_x=along_x))
@@ -70,10 +70,10 @@ def summarise_region(
         row["film_min_y"] += region.rows.start
         row["pixels"] = int((one.flags == 0).sum())
         row["share_valid"] = row["pixels"] / one.flags.size
-        found.append(row)
+        rows.append(row)
 
     columns = {
-        name: ("trigger", [row[name] for row in found], attrs) for name, attrs in _COLUMNS.items()
+        name: ("trigger", [row[name] for row in rows], attrs) for name, attrs in _COLUMNS.items()
     }
     low_x, *_, high_x = film.x.values[region.columns]
     low_y, *_, high_y = film.y.values[region.rows]

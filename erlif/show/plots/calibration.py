@@ -157,8 +157,8 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
 
 def _parameters(calibration: Calibration) -> str:
     """Fitted parameters with their standard deviations, one a line."""
-    found = zip(calibration.parameters, calibration.standard_deviations, strict=True)
-    k, p, q = (f"{value:.4f} ± {std:.4f}" for value, std in found)
+    values = zip(calibration.parameters, calibration.standard_deviations, strict=True)
+    k, p, q = (f"{value:.4f} ± {std:.4f}" for value, std in values)
     lines = [f"K = {k}", f"p = {p} µm⁻¹", f"q = {q} µm⁻¹"]
     if np.isfinite(calibration.reduced_chi_square):
         lines.append(f"reduced χ² = {calibration.reduced_chi_square:.2f}")

@@ -102,11 +102,11 @@ def axial_pressure(
     """
     ax = style.given_or_new(ax)
     artists: list[StepPatch | Line2D] = []
-    for k, (label, found) in enumerate(contacts.items()):
-        across = "angle" if "angle" in found.dims else "x"
-        line = found.pressure.max(across).values * _MEGA
+    for k, (label, contact) in enumerate(contacts.items()):
+        across = "angle" if "angle" in contact.dims else "x"
+        line = contact.pressure.max(across).values * _MEGA
         look: dict[str, Any] = {"color": _COLOURS[k % len(_COLOURS)], "linewidth": pt(1.0)}
-        sides = _axial_lines(found) * _MILLI
+        sides = _axial_lines(contact) * _MILLI
         artists.append(ax.stairs(line, sides, baseline=None, label=label, **look))
     if hertz is not None:
         level = ax.axhline(hertz * _MEGA, color=MUTED, linestyle="--", label="Hertz's line contact")

@@ -274,14 +274,14 @@ def name_overviews(names: Sequence[str]) -> dict[str, str]:
     """
     taken = {f"{name}_{kind}.png" for name in names for kind in (*_FIGURES, "failure")}
     taken.add(DESIGNS)
-    found = {}
+    overviews = {}
     for name in names:
         file = f"{name}.png"
         while file in taken:
             file = f"{file.removesuffix('.png')}_all.png"
         taken.add(file)
-        found[name] = file
-    return found
+        overviews[name] = file
+    return overviews
 
 
 def write_endurance_figures(

@@ -154,12 +154,12 @@ class FigureSource:
             if not path.is_file():
                 continue
             try:
-                found = open_calibration(path)
+                opened = open_calibration(path)
             except ErlifError as error:
                 logger.warning("%s", error)
                 continue
-            if np.allclose(found.parameters, kept.parameters, rtol=_SAME):
-                return found
+            if np.allclose(opened.parameters, kept.parameters, rtol=_SAME):
+                return opened
             logger.warning(
                 "%s is not the calibration that the film was made with; its points are not drawn",
                 path,

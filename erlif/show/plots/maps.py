@@ -451,10 +451,10 @@ def _is_one_cycle(film: xr.Dataset) -> bool:
 def _from_start(members: Mask) -> npt.NDArray[np.intp]:
     """Positions of a stroke in a cycle, from its start; the cycle may begin within the stroke."""
     starts = np.flatnonzero(members & ~np.roll(members, 1))
-    found = np.flatnonzero(members)
+    places = np.flatnonzero(members)
     if starts.size != 1:
-        return found
-    return np.roll(found, -int(np.searchsorted(found, starts[0])))
+        return places
+    return np.roll(places, -int(np.searchsorted(places, starts[0])))
 
 
 def best_columns(sizes: list[int]) -> int:

@@ -153,8 +153,8 @@ def prediction_figure(
     left, right = figure.subplots(1, 2)
     film_and_prediction(film, ax=left)
     film_over_run(film, frames, ax=right)
-    if found := describe_correlations(film).replace("-", "−"):
-        style.write_inside(left, f"correlation with |speed|: {found}", (0.02, 0.02))
+    if correlations := describe_correlations(film).replace("-", "−"):
+        style.write_inside(left, f"correlation with |speed|: {correlations}", (0.02, 0.02))
     style.letter_panels(left, right)
     return figure
 

@@ -46,8 +46,10 @@ def joint_force(simulations: Mapping[str, xr.Dataset], *, ax: Axes | None = None
     """
     ax = style.given_or_new(ax)
     lines: list[Line2D] = []
-    for (name, found), (colour, dashes) in zip(simulations.items(), cycle(_LOOKS), strict=False):
-        degrees, force = np.degrees(found.crank_angle.values), found.force.values
+    for (name, simulation), (colour, dashes) in zip(
+        simulations.items(), cycle(_LOOKS), strict=False
+    ):
+        degrees, force = np.degrees(simulation.crank_angle.values), simulation.force.values
         lines += style.draw_line(ax, degrees, force, colour, form=dashes, width=0.9, label=name)
     ax.set(xlabel="crank angle [°]", ylabel="joint force [N]")
     ax.set_ylim(bottom=0)

@@ -204,10 +204,10 @@ def _number(name: str, value: float, unit: str) -> str:
 
 
 def _sensitivity(design: BearingDesign) -> Markup:
-    weakest, found = design.assessment.weakest, design.sensitivities
-    if weakest is None or not found:
+    weakest, sensitivities = design.assessment.weakest, design.sensitivities
+    if weakest is None or not sensitivities:
         return Markup()
-    shown = found[:_MOST_ROWS]
+    shown = sensitivities[:_MOST_ROWS]
     rows = [(one.name, f"+{one.by}", _signs(f"{100 * one.change:+.2g} points")) for one in shown]
     return layout.render_part(
         "design.html",

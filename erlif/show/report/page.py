@@ -250,7 +250,7 @@ def provenance_section(film: xr.Dataset) -> Markup:
         "Inputs of the run": json.loads(str(film.attrs.get("input_hashes", "{}"))),
         "Inputs of the calibration": calibration.get("input_hashes", {}),
     }
-    found = {
+    rows = {
         title: layout.Table(list(hashes.items()), ("File", "SHA-256"))
         for title, hashes in inputs.items()
     }
@@ -258,5 +258,5 @@ def provenance_section(film: xr.Dataset) -> Markup:
         "provenance.html",
         history=film.attrs.get("history", ""),
         settings=film.attrs["settings"],
-        inputs=found.items(),
+        inputs=rows.items(),
     )

@@ -153,8 +153,8 @@ def _write_columns(plan: xr.Dataset, table: str, *, digits: int) -> str:
     columns = {}
     for title, variable in TABLES[table].items():
         name, _, camera = variable.partition(" ")
-        found = plan[name].sel(camera=int(camera)) if camera else plan[name]
-        columns[title] = found.values
+        column = plan[name].sel(camera=int(camera)) if camera else plan[name]
+        columns[title] = column.values
     return table_csv(columns, digits=digits, missing="nan")
 
 

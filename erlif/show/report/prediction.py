@@ -19,11 +19,11 @@ def describe_correlations(film: xr.Dataset) -> str:
         return ""
     speed = film["rocker_speed"].values
     # a run directory has a prediction without a measured film
-    found = [
+    lines = [
         speed_correlation(film[name].values, speed) if name in film else np.nan
         for name in ("film_min", "film_predicted_min")
     ]
-    measured, predicted = (f"{value:+.2f}" if np.isfinite(value) else "none" for value in found)
+    measured, predicted = (f"{value:+.2f}" if np.isfinite(value) else "none" for value in lines)
     return f"measured {measured}, predicted {predicted}"
 
 

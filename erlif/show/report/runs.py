@@ -153,11 +153,11 @@ def _compare_runs(paths: list[Path]) -> Markup:
             "compares all.</p>"
         )
     try:
-        found = compare(list(paths))
+        comparison = compare(list(paths))
     except ErlifError as error:
         return Markup("<p>The runs are not compared: {}</p>").format(error)
     with in_style(None):
-        figure = comparison_figure(found)
+        figure = comparison_figure(comparison)
         return layout.arrange_figures(
             [layout.embed_figure("compared", figure, CAPTIONS["compared"])]
         )

@@ -58,14 +58,14 @@ def with_digits(value: float, digits: int) -> str:
 def results_table(film: xr.Dataset, shares: Array) -> Table:
     """Make the table of the results; `shares` as `erlif.io.files.flag_shares` returns them."""
     # the same words as on the terminal, with the signs of print
-    found = describe_film(film, shares)
+    described = describe_film(film, shares)
     rows = [
         ("Triggers, frame pairs", f"{film.sizes['trigger']}, {int(film.frames_used.sum())}"),
         ("Image", f"{film.sizes['x']} × {film.sizes['y']} pixels"),
         *(
-            (title.capitalize(), print_units(found[title].replace(" -", " −")))
+            (title.capitalize(), print_units(described[title].replace(" -", " −")))
             for title in TABLES["summary"]["results"]
-            if title in found
+            if title in described
         ),
         *_theory_rows(film),
     ]
@@ -115,8 +115,8 @@ def _theory_rows(film: xr.Dataset) -> list[tuple[str, str]]:
 def calibration_table(source: FigureSource) -> Table:
     """Make the table of the calibration."""
     calibration = source.calibration
-    found = zip(calibration.parameters, calibration.standard_deviations, strict=True)
-    k, p, q = ((float(value), float(std)) for value, std in found)
+    values = zip(calibration.parameters, calibration.standard_deviations, strict=True)
+    k, p, q = ((float(value), float(std)) for value, std in values)
     low, high = calibration.thickness_range
     one, two = calibration.bands
     date = f", {calibration.date}" if calibration.date else ""

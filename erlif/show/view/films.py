@@ -127,13 +127,13 @@ class FilmReader:
 
     def _read(self, key: tuple[str, int]) -> AnyArray:
         """A map of the film, from memory where it is there."""
-        found = self._find(key)
-        if found is None:
+        image = self._find(key)
+        if image is None:
             name, trigger = key
             with files.reading_film(self.path):
-                found = self.film[name].isel(trigger=trigger).values
-            self._keep(key, found)
-        return found
+                image = self.film[name].isel(trigger=trigger).values
+            self._keep(key, image)
+        return image
 
     def _restore(self, layer: str, trigger: int) -> tuple[Image, FlagImage]:
         """A layer that is computed from the frames."""
@@ -141,19 +141,19 @@ class FilmReader:
             raise refusal("no_run", name=self.path.name)
         # one computation at a time: a second request for the same trigger finds it finished
         with self._computing:
-            found = self._find((layer, trigger))
-            if found is None:
+            kept = self._find((layer, trigger))
+            if kept is None:
                 from erlif.pipeline import restore_images
 
                 images = restore_images(self.path, self.run_dir, trigger=trigger)
                 computed = images.log_ratio.values, *images.light.values
                 for name, values in zip(_IMAGES, computed, strict=True):
                     self._keep((name, trigger), values.astype(np.float32))
-                found = self._find((layer, trigger))
+                kept = self._find((layer, trigger))
         flags = self._read(("flags", trigger))
         if layer != "log_ratio":
             flags = np.zeros_like(flags)
-        return cast(Image, found), flags
+        return cast(Image, kept), flags
 
     def _find(self, key: tuple[str, int]) -> AnyArray | None:
         with self._lock:

@@ -134,13 +134,13 @@ def reduce_map(values: Image, flags: FlagImage, *, step: int) -> tuple[Image, Fl
     seen = _fold(np.ones(flags.shape[0], np.uint32), step, np.add)[:, None] * _fold(
         np.ones(flags.shape[1], np.uint32), step, np.add
     )
-    found = _fold(flags, step, np.bitwise_or)
+    union = _fold(flags, step, np.bitwise_or)
 
     enough = 2 * valid > seen
     mean = np.full(total.shape, np.nan, np.float32)
     np.divide(total, valid, out=mean, where=enough)
-    found[enough] = 0
-    return mean, found
+    union[enough] = 0
+    return mean, union
 
 
 def _fold(values: AnyArray, step: int, combine: np.ufunc) -> AnyArray:

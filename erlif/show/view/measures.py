@@ -73,10 +73,10 @@ def line_profile(
     options |= {"linewidth": width, "reduce_func": None}
 
     def along(image: Image) -> Array:
-        found = profile_line(  # type: ignore[no-untyped-call]
+        profile = profile_line(  # type: ignore[no-untyped-call]
             np.asarray(image, float), start, end, **options
         )
-        return np.asarray(found).reshape(found.shape[0], -1)
+        return np.asarray(profile).reshape(profile.shape[0], -1)
 
     # pixels without a value neither count nor lower the error of the others
     across, spread = along(values), along(std)

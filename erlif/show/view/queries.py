@@ -91,10 +91,10 @@ class Request:
 
 
 def _split(text: str, count: int) -> list[float]:
-    found = [float(part) for part in text.split(",")]
-    if len(found) != count or not np.isfinite(found).all():
+    numbers = [float(part) for part in text.split(",")]
+    if len(numbers) != count or not np.isfinite(numbers).all():
         raise ValueError(text)
-    return found
+    return numbers
 
 
 def list_films(request: Request) -> dict[str, Any]:
@@ -151,8 +151,8 @@ def pack_map(request: Request) -> bytes:
     ErlifError
         If a value is missing or there is no such map.
     """
-    found = _read_chosen(request)
-    return _pack(request, found.layer, found.values, found.flags, text=found.text)
+    chosen = _read_chosen(request)
+    return _pack(request, chosen.layer, chosen.values, chosen.flags, text=chosen.text)
 
 
 @dataclass(frozen=True)
@@ -351,8 +351,8 @@ def send_region(request: Request) -> dict[str, Any]:
     dict
         As `erlif.show.view.measures.region_statistics`, None in place of NaN, and "unit".
     """
-    chosen, found = _find_region(request)
-    numbers = {name: None if value != value else value for name, value in found.items()}
+    chosen, values = _find_region(request)
+    numbers = {name: None if value != value else value for name, value in values.items()}
     return {**numbers, "unit": chosen.layer.unit}
 
 
@@ -362,8 +362,8 @@ def _find_region(request: Request) -> tuple[_Chosen, dict[str, float]]:
     film = chosen.reader.film
     part = measures.select_region(film.x.values, film.y.values, (x0, x1, y0, y1))
     std, shared = chosen.std(request)[part], chosen.std_shared(request)[part]
-    found = measures.region_statistics(chosen.values[part], chosen.flags[part], std, shared)
-    return chosen, found
+    values = measures.region_statistics(chosen.values[part], chosen.flags[part], std, shared)
+    return chosen, values
 
 
 def send_pixel(request: Request) -> dict[str, str]:
@@ -472,16 +472,16 @@ def _export_map(request: Request, kind: str) -> Export:
 
 
 def _tabulate_profile(request: Request) -> dict[str, Any]:
-    found = _find_profile(request)
-    return {"position_mm": found.pop("position"), **found}
+    profile = _find_profile(request)
+    return {"position_mm": profile.pop("position"), **profile}
 
 
 def _tabulate_region(request: Request) -> dict[str, Any]:
-    chosen, found = _find_region(request)
+    chosen, values = _find_region(request)
     unit = chosen.layer.unit.replace("µ", "u")
     row = {"trigger": request.whole("trigger"), "layer": chosen.layer.name, "unit": unit}
     names = ("x_low_mm", "x_high_mm", "y_low_mm", "y_high_mm")
-    row |= dict(zip(names, request.numbers("region", 4), strict=True)) | found
+    row |= dict(zip(names, request.numbers("region", 4), strict=True)) | values
     return {name: [value] for name, value in row.items()}
 
 

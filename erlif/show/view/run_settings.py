@@ -107,12 +107,12 @@ def _set_region(path: Path, before: bytes, region: list[float]) -> bytes:
         else:
             roi["x"], roi["y"] = wanted["x"], wanted["y"]
         after = tomlkit.dumps(document).encode()
-        found = tomllib.loads(after.decode())
+        settings = tomllib.loads(after.decode())
     except (TOMLKitError, ValueError, AttributeError, TypeError) as error:
         raise refusal("unreadable_settings", path=path, reason=reason_of(error)) from error
 
     expected.setdefault("thickness", {})["roi"] = wanted
-    if found != expected:
+    if settings != expected:
         raise refusal("another_line", path=path, x=wanted["x"], y=wanted["y"])
     return after
 

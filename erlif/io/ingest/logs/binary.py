@@ -69,12 +69,12 @@ def read_binary_table(path: Path) -> LogTable | None:
 
     readers = {"TDMS": _read_tdms, "MATLAB": _read_matlab, "HDF5": _read_hdf5}
     try:
-        found = list(readers[kind](path))
+        channels = list(readers[kind](path))
     except EncoderError:
         raise
     except Exception as error:  # the packages raise errors of many classes for a damaged file
         raise refusal("damaged_log", path=path, kind=kind, reason=reason_of(error)) from error
-    return _make_table(path, kind, found)
+    return _make_table(path, kind, channels)
 
 
 def _kind(path: Path) -> str | None:
@@ -93,14 +93,14 @@ def _kind(path: Path) -> str | None:
     return "MATLAB" if head.startswith(_MATLAB_5) else None
 
 
-def _make_table(path: Path, kind: str, found: list[tuple[str, str, AnyArray]]) -> LogTable:
-    if not found:
+def _make_table(path: Path, kind: str, channels: list[tuple[str, str, AnyArray]]) -> LogTable:
+    if not channels:
         raise refusal("no_columns", path=path)
-    length = max(values.size for _, _, values in found)
-    kept = [one for one in found if one[2].size == length]
+    length = max(values.size for _, _, values in channels)
+    kept = [one for one in channels if one[2].size == length]
     remarks = [f"a {kind} file of {length} rows"]
-    if len(kept) < len(found):
-        others = ", ".join(repr(name) for name, _, values in found if values.size != length)
+    if len(kept) < len(channels):
+        others = ", ".join(repr(name) for name, _, values in channels if values.size != length)
         remarks.append(f"columns of another length left out: {others}")
     columns = tuple(
         LogColumn(name, unit or split_unit(name)[1], *_texts(values)) for name, unit, values in kept
@@ -159,14 +159,14 @@ def _read_tdms(path: Path) -> _Found:
     try:
         # it leaves a file open that it refuses, but not one that it is given
         with path.open("rb") as raw, TdmsFile.open(raw) as file:
-            found = list(_list_channels(file, path))
+            channels = list(_list_channels(file, path))
     finally:
         log_manager.set_level(level)
         handler.setFormatter(log_manager.formatter)
         handler.setStream(usual)
     if text.getvalue():
         raise ValueError(text.getvalue().strip())
-    yield from found
+    yield from channels
 
 
 def _list_channels(file: Any, path: Path) -> _Found:

@@ -24,14 +24,14 @@ _SHOWN = 5  # rows that a message names
 _COMMA = re.compile(r"[+-]?\d+,\d+")
 
 
-def check_values(log: xr.Dataset, found: Mapping[str, LogColumn], table: LogTable) -> None:
+def check_values(log: xr.Dataset, columns: Mapping[str, LogColumn], table: LogTable) -> None:
     """Refuse numbers that cannot be what their column states.
 
     Parameters
     ----------
     log : xarray.Dataset
         Columns by their names in erlif, in its units.
-    found : mapping of str to LogColumn
+    columns : mapping of str to LogColumn
         Columns of the file by quantity.
     table : LogTable
         For messages.
@@ -43,9 +43,9 @@ def check_values(log: xr.Dataset, found: Mapping[str, LogColumn], table: LogTabl
         positive. The message names row and column.
     """
     if "time" in log:
-        check_time(log["time"].values, found["time"].name, table)
+        check_time(log["time"].values, columns["time"].name, table)
     if "temperature" in log:
-        check_temperature(log["temperature"].values, found["temperature"].name, table)
+        check_temperature(log["temperature"].values, columns["temperature"].name, table)
 
     # theory divides by the load
     for quantity in ("load", "pulse_energy"):
@@ -54,7 +54,7 @@ def check_values(log: xr.Dataset, found: Mapping[str, LogColumn], table: LogTabl
             raise table.refusal(
                 f"positive_{quantity}",
                 row=table.rows[n],
-                column=found[quantity],
+                column=columns[quantity],
                 value=log[quantity].values[n],
                 unit=log[quantity].units,
             )
@@ -190,7 +190,7 @@ def refuse_bad_rows(table: LogTable, used: Sequence[LogColumn]) -> None:
     ErlifError
         If there are such rows. The message names rows and columns.
     """
-    found, places, got = [], set[int](), ""
+    faults, places, got = [], set[int](), ""
     for column in used:
         bad = np.flatnonzero(~np.isfinite(column.values)).tolist()
         if not bad:
@@ -199,7 +199,7 @@ def refuse_bad_rows(table: LogTable, used: Sequence[LogColumn]) -> None:
         got = column.texts.get(bad[0], "")
         shown = ", ".join(str(table.rows[n]) for n in bad[:_SHOWN])
         more = " and others" if len(bad) > _SHOWN else ""
-        found.append(
+        faults.append(
             f"row{'s' if len(bad) > 1 else ''} {shown}{more}, column {column.name} "
             f"({len(bad)}; got {repr(got) if got else 'an empty cell'})"
         )
@@ -216,6 +216,6 @@ def refuse_bad_rows(table: LogTable, used: Sequence[LogColumn]) -> None:
         rows=count_of(len(places), "row"),
         all=len(table.rows),
         have="has" if len(places) == 1 else "have",
-        listed="; ".join(found),
+        listed="; ".join(faults),
         cure=table.use.bad_rows,
     )

@@ -54,14 +54,14 @@ def read_clock(texts: Iterable[str]) -> Array:
     orders = [
         np.array([_seconds(match, day_first=first) for match in matches]) for first in (True, False)
     ]
-    found: Array = min(orders, key=lambda one: (np.isnan(one).sum(), _span(one)))
-    known = np.flatnonzero(np.isfinite(found))
+    seconds: Array = min(orders, key=lambda one: (np.isnan(one).sum(), _span(one)))
+    known = np.flatnonzero(np.isfinite(seconds))
     if not known.size:
-        return found
-    if not any(_has_date(match) for match in matches) and found[known].max() < _DAY:
-        falls = np.array([b - a < -_DAY / 2 for a, b in pairwise(found[known])], int)
-        found[known[1:]] += _DAY * np.cumsum(falls)
-    return np.asarray(found - found[known[0]])
+        return seconds
+    if not any(_has_date(match) for match in matches) and seconds[known].max() < _DAY:
+        falls = np.array([b - a < -_DAY / 2 for a, b in pairwise(seconds[known])], int)
+        seconds[known[1:]] += _DAY * np.cumsum(falls)
+    return np.asarray(seconds - seconds[known[0]])
 
 
 def with_clocks(table: LogTable) -> LogTable:

@@ -267,24 +267,24 @@ def find_columns(table: LogTable, choice: ColumnChoice) -> tuple[dict[str, LogCo
         If a chosen column is missing, a name fits several columns, or there is no angle.
     """
     by_name = {column.name: column for column in table.columns}
-    found = {
+    known = {
         quantity: choose_column(quantity, name, table) for quantity, name in choice.names.items()
     }
 
     # names of the documentation, then obvious ones; a column serves one purpose
-    remarks = [f"{quantity} from column {column.name!r}" for quantity, column in found.items()]
+    remarks = [f"{quantity} from column {column.name!r}" for quantity, column in known.items()]
     for name, (quantity, _) in CONTRACT.items():
-        if quantity not in found and name in by_name and by_name[name] not in found.values():
+        if quantity not in known and name in by_name and by_name[name] not in known.values():
             if (count := table.names.count(name)) > 1:
                 raise table.refusal("column_twice", name=name, count=count)
-            found[quantity] = by_name[name]
+            known[quantity] = by_name[name]
     for quantity, pattern in _OBVIOUS.items():
-        if quantity in found:
+        if quantity in known:
             continue
         fitting = [
             column
             for column in table.columns
-            if column not in found.values()
+            if column not in known.values()
             and re.fullmatch(pattern, plain_name(column.name))
             and (
                 quantity in _WITHOUT_UNIT
@@ -294,9 +294,9 @@ def find_columns(table: LogTable, choice: ColumnChoice) -> tuple[dict[str, LogCo
         if len(fitting) > 1:
             refuse_several(quantity, fitting, table)
         if fitting:
-            found[quantity] = fitting[0]
+            known[quantity] = fitting[0]
             remarks.append(f"{quantity} from column {fitting[0].name!r}")
-    return found, remarks
+    return known, remarks
 
 
 def convert_column(
@@ -343,14 +343,14 @@ def convert_column(
 
 
 def convert_columns(
-    table: LogTable, found: Mapping[str, LogColumn], choice: ColumnChoice, *, dim: str
+    table: LogTable, columns: Mapping[str, LogColumn], choice: ColumnChoice, *, dim: str
 ) -> tuple[xr.Dataset, list[str]]:
     """All columns of a log by their names in erlif; further columns keep their own.
 
     Parameters
     ----------
     table : LogTable
-    found : mapping of str to LogColumn
+    columns : mapping of str to LogColumn
         From `find_columns`.
     choice : ColumnChoice
     dim : str
@@ -370,7 +370,7 @@ def convert_columns(
         cannot be used.
     """
     log = xr.Dataset()
-    for quantity, column in found.items():
+    for quantity, column in columns.items():
         values, unit = convert_column(column, quantity, table, choice)
         name = {"frame": "number"}.get(quantity, quantity)
         if quantity == "speed":
@@ -386,7 +386,7 @@ def convert_columns(
     counts = Counter(table.names)
     left_out = []
     for place, column in enumerate(table.columns, 1):
-        if column in found.values() or not column.name:
+        if column in columns.values() or not column.name:
             continue
         fault = _name_fault(column.name, counts)
         if fault and strict and not choice.names:

@@ -87,26 +87,26 @@ def propose_log(paths: Iterable[Path], frames: int, *, unnamed: bool = False) ->
     for path in paths:
         try:
             table = read_log_table(path, ())
-            found, _ = find_columns(table, ColumnChoice())
+            columns, _ = find_columns(table, ColumnChoice())
         except EncoderError:
             continue  # a picture, a report, or columns that may mean two things
-        by_frame = "frame" in found or len(table.rows) == frames
-        if "angle" in found and (by_frame or "time" in found):
-            return _describe(path, table, found, by_frame=by_frame)
+        by_frame = "frame" in columns or len(table.rows) == frames
+        if "angle" in columns and (by_frame or "time" in columns):
+            return _describe(path, table, columns, by_frame=by_frame)
 
         # a log in another language; the profile of a fixture is known by its columns
         long = len(table.rows) >= frames and not _PROFILE & set(table.names)
         if unnamed and other is None and long:
-            other = _describe(path, table, found, by_frame=by_frame)
+            other = _describe(path, table, columns, by_frame=by_frame)
     return other
 
 
 def _describe(
-    path: Path, table: LogTable, found: dict[str, LogColumn], *, by_frame: bool
+    path: Path, table: LogTable, columns: dict[str, LogColumn], *, by_frame: bool
 ) -> LogProposal:
     """What the recognised columns of a log hold."""
     values, without_unit = xr.Dataset(), []
-    for quantity, column in found.items():
+    for quantity, column in columns.items():
         try:
             numbers, _ = convert_column(column, quantity, table, ColumnChoice())
         except EncoderError:
@@ -116,11 +116,11 @@ def _describe(
             values[quantity] = ("row", numbers)
 
     foreign = {
-        quantity: column.name for quantity, column in found.items() if column.name not in CONTRACT
+        quantity: column.name for quantity, column in columns.items() if column.name not in CONTRACT
     }
     pulse = None if by_frame else _find_pulse(table)
     return LogProposal(
-        path, table, foreign, tuple(without_unit), not by_frame, pulse, values, tuple(found)
+        path, table, foreign, tuple(without_unit), not by_frame, pulse, values, tuple(columns)
     )
 
 

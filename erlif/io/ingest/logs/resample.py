@@ -115,11 +115,11 @@ def find_pulses(log: ContinuousLog, signal: Array, frames: int) -> Array:
         rises = np.flatnonzero(~above[:-1] & above[1:])
 
     time = log.samples["time"].values
-    found = np.asarray((time[rises] + time[rises + 1]) / 2)
-    if found.size != frames:
-        where = f", from {found[0]:.6g} to {found[-1]:.6g} s" if found.size else ""
-        raise refusal("pulses", log=log, pulses=found.size, where=where, frames=frames)
-    return found
+    times = np.asarray((time[rises] + time[rises + 1]) / 2)
+    if times.size != frames:
+        where = f", from {times[0]:.6g} to {times[-1]:.6g} s" if times.size else ""
+        raise refusal("pulses", log=log, pulses=times.size, where=where, frames=frames)
+    return times
 
 
 def sample_log(log: ContinuousLog, times: Array) -> EncoderLog:

@@ -224,11 +224,11 @@ def _find_layout(text: io.TextIOWrapper, wanted: Collection[str], path: Path) ->
     first = next((n for n, row in enumerate(plain) if _is_numeric(row[1], separator)), len(plain))
     header = _choose_header(plain, first, wanted)
     if header is None:
-        found = _header_in_comment(rows, plain, first)
-        if found is None:
+        titles = _header_in_comment(rows, plain, first)
+        if titles is None:
             number, cells = plain[0]
             raise refusal("no_header", path=path, number=number, row=separator.join(cells))
-        number, names = found
+        number, names = titles
         return _Layout(separator, names, [split_unit(name)[1] for name in names], number, number)
 
     # a row of units between header and numbers
@@ -282,11 +282,11 @@ def _header_in_comment(
     if first >= len(plain):
         return None
     limit, width = plain[first][0], len(plain[first][1])
-    found = None
+    header = None
     for number, cells in rows:
         if number < limit and _is_comment(cells) and len(cells) == width:
-            found = number, [cells[0].lstrip("".join(_COMMENT)).strip(), *cells[1:]]
-    return found
+            header = number, [cells[0].lstrip("".join(_COMMENT)).strip(), *cells[1:]]
+    return header
 
 
 def _is_unit_row(cells: Sequence[str], names: Sequence[str]) -> bool:
