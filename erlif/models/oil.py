@@ -1,9 +1,11 @@
 """Viscosity and density of an oil against temperature and pressure.
 
-Vogel (1921) for temperature, Barus (1893) and Roelands (1966) for pressure, Dowson and Higginson
-(1966) for the density under pressure. Walther's law (1931) is in `erlif.models.oil_fit`.
+Vogel (1921) and Walther (1931) for temperature, Barus (1893) and Roelands (1966) for pressure,
+Dowson and Higginson (1966) for the density under pressure; Farzaneh (2002), section 2.2.2, for the
+gear oil of the pin joint.
 """
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -11,11 +13,51 @@ import numpy as np
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula, require_known
 
+# Constant in Walther's law, of ASTM D341 for oils above 2 mm2/s. [mm2/s]
+WALTHER_SHIFT = 0.7
+
+# Kinematic viscosity above which the constant of Walther's law is 0.7. [m2/s]
+LOWEST_WALTHER_VISCOSITY = 2e-6
+
 # Pressure scale p_r of Roelands' law. [Pa]
 ROELANDS_PRESSURE = 1.96e8
 
 # Minus the logarithm of the viscosity of 6.31e-5 Pa s at which all isobars meet. [1]
 ROELANDS_CONSTANT = 9.67
+
+
+@dataclass(frozen=True)
+class Oil:
+    """Viscosities of an oil as a source gives them, at a single temperature.
+
+    The dynamic viscosity is in Pa s, the kinematic one in m2/s, the density in kg/m3.
+
+    Attributes
+    ----------
+    name : str
+        Name or grade.
+    viscosity : float
+        Dynamic viscosity. [Pa s]
+    kinematic_viscosity : float
+        Kinematic viscosity. [m2/s]
+    """
+
+    name: str
+    viscosity: float
+    kinematic_viscosity: float
+
+    @property
+    def density(self) -> float:
+        """Density with which the two viscosities agree. [kg/m3]"""
+        return self.viscosity / self.kinematic_viscosity
+
+
+# The gear oil of Farzaneh (2002), sections 2.2.2 and 5.2; its density is then 857.1 kg/m3.
+#
+# The thesis gives neither the temperature of these numbers nor a pressure-viscosity coefficient,
+# and calls the kinematic viscosity "absolute". For mineral gear oils 2.0e-8 to 2.5e-8 1/Pa is a
+# defensible coefficient.
+THESIS_80W90 = Oil("80W-90", viscosity=0.12, kinematic_viscosity=1.4e-4)
 
 
 @formula(a="number", temperature="signed temperature")
@@ -131,6 +173,69 @@ def fit_vogel(temperatures: Values, *, viscosities: Values) -> VogelConstants:
     # the two outer points fix b and a for this c
     b = (y[0] - y[2]) / (1 / (T[0] - c) - 1 / (T[2] - c))
     return VogelConstants(float(np.exp(y[0] - b / (T[0] - c))), float(b), float(c))
+
+
+@formula()
+def walther_viscosity(
+    temperature: Values,
+    *,
+    viscosity_1: Values,
+    temperature_1: Values,
+    viscosity_2: Values,
+    temperature_2: Values,
+) -> Values:
+    """Kinematic viscosity from two measured ones: log10 log10(nu + 0.7) = A - B log10 T, in mm2/s.
+
+    Walther (1931), as ASTM D341 uses his law, for petroleum products above 2 mm2/s.
+
+    Parameters
+    ----------
+    temperature, viscosity_1, viscosity_2 : float or array
+        Temperature T of the result [K], kinematic viscosities measured at `temperature_1` and
+        `temperature_2` [m2/s].
+    temperature_1, temperature_2 : float or array
+        Two different temperatures, often 313.15 and 373.15. [K]
+
+    Returns: Kinematic viscosity. [m2/s]
+
+    Raises
+    ------
+    ModelError
+        A temperature that is not positive, equal temperatures, a viscosity below 2 mm2/s, where the
+        constant 0.7 no longer holds, or an infinite value.
+
+    Examples
+    --------
+    A gear oil of 140 mm2/s at 40 and 13.5 mm2/s at 100 degrees Celsius, at 25 degrees, in mm2/s:
+
+    >>> at_25 = walther_viscosity(
+    ...     298.15,
+    ...     viscosity_1=140e-6,
+    ...     temperature_1=313.15,
+    ...     viscosity_2=13.5e-6,
+    ...     temperature_2=373.15,
+    ... )
+    >>> round(at_25 * 1e6)
+    360
+    """
+    for name, value in {"viscosity_1": viscosity_1, "viscosity_2": viscosity_2}.items():
+        if np.any(np.less(value, LOWEST_WALTHER_VISCOSITY)):
+            raise ModelError(
+                f"{name} must be at least 2e-6 m2/s, got {np.nanmin(np.asarray(value)):g}."
+            )
+    if np.any(np.equal(temperature_1, temperature_2)):
+        raise ModelError("temperature_1 and temperature_2 must differ.")
+
+    # a straight line over log T, with the viscosity in mm2/s
+    w1, w2 = (np.log10(np.log10(nu * 1e6 + WALTHER_SHIFT)) for nu in (viscosity_1, viscosity_2))
+    slope = (w2 - w1) / (np.log10(temperature_2) - np.log10(temperature_1))
+    w = w1 + slope * (np.log10(temperature) - np.log10(temperature_1))
+    return _walther(w)
+
+
+def _walther(w: Values) -> Values:
+    """Kinematic viscosity from log10 log10(nu + 0.7). [m2/s]"""
+    return (10 ** (10**w) - WALTHER_SHIFT) * 1e-6
 
 
 @formula(pressure="signed number")

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from erlif.core.errors import ModelError
 from erlif.core.tables import read_table
 from erlif.models.arguments import Values, for_each, formula, warn_of_units
-from erlif.models.oil import VogelConstants, vogel_viscosity
-
-# Constant in Walther's law, of ASTM D341 for oils above 2 mm2/s. [mm2/s]
-_WALTHER_SHIFT = 0.7
-
-# Kinematic viscosity above which the constant of Walther's law is 0.7. [m2/s]
-_LOWEST_WALTHER_VISCOSITY = 2e-6
+from erlif.models.oil import (
+    LOWEST_WALTHER_VISCOSITY,
+    WALTHER_SHIFT,
+    VogelConstants,
+    _walther,
+    vogel_viscosity,
+)
 
 _CONSTANTS = {"vogel": ("a", "b", "c"), "walther": ("A", "B")}
 _QUANTITY = {"vogel": "viscosity", "walther": "kinematic_viscosity"}
@@ -398,11 +398,11 @@ def _fit_walther(T: Values, viscosity: Values, spread: Values) -> tuple[Values, 
     """A and B, the derivatives of the weighted residuals, and these."""
     from scipy.optimize import least_squares  # at use, as all solvers of the theories
 
-    if np.any(viscosity < _LOWEST_WALTHER_VISCOSITY):
+    if np.any(viscosity < LOWEST_WALTHER_VISCOSITY):
         raise ModelError(f"viscosities must be at least 2e-6 m2/s, got {viscosity.min():g}.")
     y, x = np.log(viscosity), np.log10(T / _CENTRE)
     constant, slope, _ = _line(
-        -x, np.log10(np.log10(viscosity * 1e6 + _WALTHER_SHIFT)), np.ones(T.shape)
+        -x, np.log10(np.log10(viscosity * 1e6 + WALTHER_SHIFT)), np.ones(T.shape)
     )
 
     def residuals(line: Values) -> Values:
@@ -428,23 +428,19 @@ def _fit_walther(T: Values, viscosity: Values, spread: Values) -> tuple[Values, 
     return values, slopes, fit.fun
 
 
-def _walther(w: Values) -> Values:
-    """Kinematic viscosity from log10 log10(nu + 0.7). [m2/s]"""
-    return (10 ** (10**w) - _WALTHER_SHIFT) * 1e-6
-
-
 def _walther_slope(w: Values) -> Values:
     """Derivative of ln nu by w."""
     shifted = 10 ** (10**w)
-    return np.log(10) ** 2 * 10**w * shifted / (shifted - _WALTHER_SHIFT)
+    return np.log(10) ** 2 * 10**w * shifted / (shifted - WALTHER_SHIFT)
 
 
 def _of_grade(system: str, grade: int) -> Any:
     """What the table of oils has for a grade."""
-    table = read_table("erlif.models", "oils.toml")[system]
-    if str(grade) not in table:
+    rows = read_table("erlif.models", "oils.toml")[system]
+    table = {int(name): row for name, row in rows.items()}
+    if grade not in table:
         raise ModelError(
-            f"Expected one of the grades {', '.join(table)} of {system}, got {grade!r}. Choose one "
+            f"Expected one of the grades {', '.join(rows)} of {system}, got {grade!r}. Choose one "
             "of them, or fit measured points with fit_viscosity."
         )
-    return table[str(grade)]
+    return table[grade]

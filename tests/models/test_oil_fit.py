@@ -104,8 +104,8 @@ def test_engine_oils_lie_in_their_grade_at_100_degrees(grade, lowest, highest):
 def test_engine_oil_is_the_printed_formula():
     """SAE 30: 0.0141 exp(1360 / (T + 95)) microreyn at 140 degrees Fahrenheit."""
     printed = 0.0141e-6 * 6894.757 * np.exp(1360.0 / 235.0)
-    npt.assert_allclose(vogel_viscosity(333.15, **sae_oil(30)._asdict()), printed, rtol=1e-5)
+    npt.assert_allclose(vogel_viscosity(333.15, **sae_oil(30.0)._asdict()), printed, rtol=1e-5)
 
 
 def test_grades_of_iso():
-    npt.assert_allclose(iso_vg_viscosity(46), (41.4e-6, 50.6e-6))
+    npt.assert_allclose(iso_vg_viscosity(46.0), (41.4e-6, 50.6e-6))

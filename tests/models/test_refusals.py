@@ -56,6 +56,11 @@ def fit_bushings(clearance=FIVE, friction=0.12 + 0 * FIVE, **changes):
     return fit_clearances(clearance, friction=friction, **errors | wall | changes)
 
 
+def walther(temperature_2=373.15, viscosity_1=1e-4):
+    points = {"viscosity_1": viscosity_1, "temperature_1": 313.15, "viscosity_2": 1e-5}
+    return oil.walther_viscosity(300.0, **points, temperature_2=temperature_2)
+
+
 def fit_oil(temperatures=TEMPERATURES, viscosities=LAW, **changes):
     return fit_viscosity(temperatures, viscosities=viscosities, **changes)
 
@@ -217,6 +222,11 @@ DOORS = {
         ((300.0, 0.5), r"three each, got shapes \(\) and \(\)"),
         (([300.0, 310.0, NONE], [1.0, 0.5, 0.3]), "must be a number"),
         (([300.0, 310.0, 320.0], [1.0, 0.8, 0.2]), "Vogel curve"),
+    ),
+    "Walther's law": (
+        walther,
+        ({"viscosity_1": 1e-6}, "viscosity_1 must be at least 2e-6"),
+        ({"temperature_2": 313.15}, "must differ"),
     ),
     "measured viscosities": (
         fit_oil,
