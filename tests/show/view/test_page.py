@@ -364,6 +364,23 @@ def test_colours_layers_and_flags(page):
     assert "no film 1.05 %" in page.inner_text("#key")
 
 
+def test_what_is_seen_is_exported(page):
+    for what in ("a", "profile", "cycle"):
+        name, content = download(page, what, "png")
+        assert name.endswith(".png")
+        assert "script_alert" in name  # the run
+        assert content.startswith(b"\x89PNG")
+    _, content = download(page, "a", "csv")
+    values = np.genfromtxt(io.BytesIO(content), delimiter=",", skip_header=1, usecols=2)
+    npt.assert_allclose(values.reshape(SHAPE), stored(FIRST), atol=0.01)
+    _, content = download(page, "cycle", "csv")
+    assert len(rows(content)) == TRIGGERS
+    _, content = download(page, "region", "csv")
+    assert rows(content)[0]["layer"] == "thickness"
+    page.select_option("#what", "profile")
+    assert page.is_disabled("#tiff")
+
+
 def test_a_phone_in_the_dark(visit, address):
     page = visit(address, width=390, height=844, color_scheme="dark", has_touch=True)
     assert page.evaluate("document.documentElement.scrollWidth") == 390
