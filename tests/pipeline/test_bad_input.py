@@ -50,6 +50,14 @@ DAMAGE = {
 }
 
 
+def test_counts_far_below_the_depth_bring_a_warning_into_the_film(lab, command):
+    for table in ("run/run.toml", "fixture/fixture.toml"):
+        lab.edit(table, ("bit_depth = 12", "bit_depth = 16"))
+    assert "warning counts: camera1: no count is above" in command("check", lab.run).stdout
+    assert "bit_depth = 12 would fit" in command("process", lab.run).stdout
+    assert "bit_depth = 12 would fit" in read_film(lab.film).attrs["notes"]
+
+
 def test_damaged_frames_are_left_out_on_request_and_have_notes(lab, command):
     for k, damage in enumerate(DAMAGE.values()):
         damage(lab.frames(1 + k % 2)[k])

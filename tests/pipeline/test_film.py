@@ -17,6 +17,7 @@ from erlif.io.ingest import FramePairs, open_run
 from erlif.io.ingest.images import Page
 from erlif.io.settings import RunSettings
 from erlif.pipeline.film import (
+    _mean_column,
     describe_exponents,
     describe_film,
     describe_frames,
@@ -199,6 +200,14 @@ def test_share_beyond_the_range_has_a_note_from_one_per_cent_on(cycles, calibrat
     assert "too thin or too thick" not in make_film(cycles, calibration).attrs["notes"]
     notes = make_film(cycles, calibration, beyond_range=0.12).attrs["notes"]
     assert "up to 12% of the region of interest (trigger 0)" in notes
+
+
+@pytest.mark.parametrize("mounted", [{"mounted_on": "crank"}, {}])
+def test_the_mean_angle_of_a_turning_encoder_passes_over_zero(mounted):
+    """350, 359 and 6 degrees, the last one as 726 two turns later."""
+    angles = xr.DataArray([350.0, 359.0, 726.0], dims="frame", name="encoder_angle")
+    assert _mean_column(angles.assign_attrs(mounted), [0, 1, 2]) == pytest.approx(358 + 1 / 3)
+    assert _mean_column(angles.assign_attrs(mounted_on="rocker"), [0, 1]) == 354.5
 
 
 def test_frames_have_their_drift_about_the_mean_and_relative_pulse_energy(cycles):

@@ -2,6 +2,7 @@
 
 import threading
 
+import cv2
 import pytest
 
 from erlif.pipeline.engines.engine import Threads
@@ -57,3 +58,10 @@ def test_items_after_a_fault_of_work_or_collection_are_not_begun():
     with pytest.raises(KeyboardInterrupt):
         Threads(1).compute(begun.append, range(50), refuse)
     assert len(begun) < 50
+
+
+def test_image_library_has_one_thread_during_the_work_and_its_own_number_after_it():
+    before, during = cv2.getNumThreads(), []
+    Threads(2).compute(lambda item: during.append(cv2.getNumThreads()), [0], lambda *result: None)
+    assert during == [1]
+    assert cv2.getNumThreads() == before

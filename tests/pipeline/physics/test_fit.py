@@ -1,5 +1,6 @@
 """A virtual run of known viscosity, photographed, processed and fitted."""
 
+import numpy as np
 import pytest
 
 import erlif
@@ -50,6 +51,17 @@ def test_film_states_in_one_line_which_physics_carries_it(sinking):
         assert str(film.attrs["physics"]) in lines[0]
     assert "Squeeze carries the film of a pin that is free sideways" in lines[0]
     assert "strong" in lines[0]
+
+
+def test_minima_determine_the_viscosity_where_positions_are_absent(sinking, tmp_path):
+    path = tmp_path / "film.nc"
+    with erlif.open_film(sinking / "film.nc") as film:
+        film.assign(pin_displacement=np.nan * film.pin_displacement).to_netcdf(path)
+    with erlif.open_film(sinking / "film.nc", group="frames") as frames:
+        frames.to_netcdf(path, group="frames", mode="a")
+    viscosity = fit_film(path).fit.estimates["viscosity"]
+    assert abs(viscosity.value - 0.1) < 3 * viscosity.std
+    assert viscosity.std < 0.3 * 0.1
 
 
 def test_run_without_a_film_is_refused(lab):

@@ -86,6 +86,14 @@ def test_subtracted_background_leaves_films_within_their_errors(reported, correc
     assert "light that is not film subtracted" in corrected.attrs["notes"]
 
 
+def test_error_of_the_subtracted_background_is_in_the_shared_part(reported, corrected):
+    both = (reported["flags"].values == 0) & (corrected["flags"].values == 0)
+    before, after = (
+        np.median(film.thickness_std_shared.values[both]) for film in (reported, corrected)
+    )
+    assert after > 1.3 * before
+
+
 def test_error_of_the_subtracted_background_is_in_that_of_the_patch(reported, corrected):
     """The pixels of its film have the same shared error, and that of the registration besides."""
     film, std = corrected.reference_film.values, corrected.reference_film_std.values

@@ -86,6 +86,14 @@ def test_the_map_lies_on_the_image_and_has_its_peak_where_it_is_named(found):
     np.testing.assert_allclose(place, found.peak_place, atol=0.3)  # the grid is 0.34 mm apart
 
 
+def test_the_rate_of_the_film_is_that_of_the_rig(found):
+    """The free pin swings past the load line, from which the film grows and falls with it."""
+    start = np.arange(10) * cycle_time(RIG) / 10
+    moved = follow_pin(start + 1e-4, RIG) - follow_pin(start, RIG)
+    off = (found.film_rate + 1e6 * moved[:, 0] / 1e-4) / found.film_rate_std
+    assert np.abs(off).max() < 3.5
+
+
 def test_an_image_turned_by_a_quarter_has_the_same_pressure(found):
     film = make_film()
     turned = film.drop_vars(["x", "y"]).assign_coords(x=film.y.values, y=film.x.values)

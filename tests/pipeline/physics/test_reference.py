@@ -81,6 +81,12 @@ def test_film_of_the_patch_drifts_with_the_ratio_and_not_once_it_is_corrected(re
     assert corrected.bleaching_ratio.attrs["corrected"] == "true"
 
 
+def test_films_are_nearer_to_the_truth_once_it_is_corrected(dyes, reported, corrected):
+    true = dyes.truth.film_min.values
+    off, left = (float(abs(film.film_min - true).mean()) for film in (reported, corrected))
+    assert left < 0.6 * off
+
+
 def test_one_cycle_without_a_patch_cannot_be_corrected(lab):
     copy = lab.copy_run("corrected", add='\n[light]\nbleaching = "correct"\n')
     film = erlif.process(copy, workers=1)

@@ -36,3 +36,11 @@ def test_camera_without_a_flat_has_an_even_response(lab):
     references = characterise_cameras(open_run(lab.run)).cameras.references
     assert references.has_flat.values.tolist() == [True, False]
     npt.assert_array_equal(references.flat[1], 1.0)
+
+
+def test_exchanged_flats_of_a_fixture_are_refused(lab, refused):
+    one, two, aside = (lab.fixture / f"camera{n}_flat.tif" for n in (1, 2, 3))
+    for old, new in ((one, aside), (two, one), (aside, two)):
+        old.rename(new)
+    message = refused("calibrate", lab.fixture, "-o", lab.fixture / "new.nc")
+    assert "camera1 show the pixels of the flat of camera2" in message

@@ -4,6 +4,11 @@ import pytest
 
 import erlif
 from erlif.core.errors import CalibrationError
+from erlif.core.progress import silent
+from erlif.io.ingest import open_run
+from erlif.pipeline.physics.joint import locate_run
+from erlif.pipeline.recording.prepare import prepare_run
+from erlif.pipeline.recording.register import FixtureMap
 from erlif.rig import RigSettings, simulate
 
 NEAR_ONE = {"film_reference": 9.5, "film_floor": 8.0}
@@ -34,3 +39,13 @@ def test_exchanged_cameras_are_recognised_by_their_map(rehearsal):
     exchange_cameras(rehearsal / "run")
     with pytest.raises(CalibrationError, match="look swapped: exchange the files"):
         erlif.process(rehearsal / "run", calibration=calibration)
+
+
+@pytest.mark.parametrize("seed", [20, 22, 24])
+def test_cameras_in_order_are_never_taken_for_exchanged(tmp_path, seed):
+    """The way to a film as far as exchanged cameras are refused; two of the rigs vibrate."""
+    rig = RigSettings(**SMALL, **NEAR_ONE, vibration=0.2 * (seed - 20))
+    simulate(tmp_path, seed=seed, rig=rig)
+    run, calibration = open_run(tmp_path / "run"), erlif.calibrate(tmp_path / "fixture")
+    known = FixtureMap.of(calibration, run.settings)
+    prepare_run(run, locate_run(run), calibration, known, silent)
