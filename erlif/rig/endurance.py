@@ -7,6 +7,7 @@ at rest while the bolts are turned and a run without load. Nothing here is share
 
 from __future__ import annotations
 
+import csv
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,7 +17,6 @@ from scipy.signal import lfilter
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
-from erlif.rig.logger import write_table
 
 if TYPE_CHECKING:
     import xarray as xr  # loaded when a test is simulated: the commands import this stage
@@ -280,11 +280,11 @@ def write_endurance_log(
         "temperature": ("Temperature [degC]", "%.1f"),
         "vibration": ("Vibration [g]", "%.2f"),
     }
-    columns = {
-        (names or {}).get(name, heading): (log[name].values, form)
-        for name, (heading, form) in known.items()
-    }
-    write_table(path, columns)
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow((names or {}).get(name, heading) for name, (heading, _) in known.items())
+        columns = ([form % x for x in log[name].values] for name, (_, form) in known.items())
+        writer.writerows(zip(*columns, strict=True))
     return path
 
 

@@ -254,7 +254,7 @@ def _steady_spans(
     # a load that scatters by more than the tolerance would be shattered
     width = _average_samples(time)
     if _CLEAR * _scatter(smooth, width) > same_load:
-        smooth = [uniform_filter1d(part, width, mode="nearest") for part in smooth]
+        smooth = [_running_mean(part, width) for part in smooth]
         same_load = max(same_load, min(_CLEAR * _scatter(smooth, width), _MOST_TOLERANCE))
 
     spans: list[tuple[int, int]] = []
@@ -280,6 +280,13 @@ def _average_samples(time: Array) -> int:
     if time.size < _FEWEST:
         return _FEWEST
     return max(_FEWEST, round(_AVERAGE / float(np.median(np.diff(time)))))
+
+
+def _running_mean(values: Array, width: int) -> Array:
+    """Mean over a width, or of all where these are fewer."""
+    if 0 < values.size < width:
+        return np.full(values.size, values.mean())
+    return uniform_filter1d(values, width, mode="nearest")
 
 
 def _scatter(parts: Sequence[Array], width: int) -> float:

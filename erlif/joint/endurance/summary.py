@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -9,7 +11,6 @@ import numpy as np
 
 from erlif.core.tables import fill_template
 from erlif.core.units import count_of
-from erlif.io.conversion import table_csv
 from erlif.io.files import write_file
 from erlif.joint.endurance.analysis import EnduranceResult
 from erlif.joint.endurance.comparison import DesignComparison
@@ -17,6 +18,26 @@ from erlif.joint.endurance.onset import FEWEST
 from erlif.joint.friction.coefficient import doubt_friction
 
 _NO_CHANCE = 1e-12  # probabilities below it depend on tails that nobody has measured
+
+# Columns of the table of tests: the part of a test that each is of, and how it is written.
+_COLUMNS = {
+    "test": ("test", "{}"),
+    "stages": ("stages", "{}"),
+    "failed": ("failed", "{}"),
+    "load at failure [N]": ("failure", "{.load:.1f}"),
+    "std [N]": ("failure", "{.std:.1f}"),
+    "survived [N]": ("failure", "{.survived:.1f}"),
+    "stage": ("failure", "{.stage}"),
+    "onset [s]": ("onset", "{.time:.2f}"),
+    "earliest [s]": ("onset", "{.earliest:.2f}"),
+    "latest [s]": ("onset", "{.latest:.2f}"),
+    "friction before": ("onset", "{.friction_before:.4f}"),
+    "rise": ("onset", "{.rise:.4f}"),
+    "rise std": ("onset", "{.rise_std:.4f}"),
+    "p-value": ("search", "{.p_value:.3g}"),
+    "p-value of temperature": ("temperature", "{.p_value:.3g}"),
+    "p-value of vibration": ("vibration", "{.p_value:.3g}"),
+}
 
 
 def describe_test(result: EnduranceResult) -> list[str]:
@@ -118,30 +139,25 @@ def write_test_table(found: Sequence[EnduranceResult], output: Path) -> Path:
     >>> write_test_table([example_test()], path).read_text().splitlines()[1][:12]
     'example,6,1,'
     """
-    rows = [_row(one) for one in found]
-    text = table_csv({heading: [row[heading] for row in rows] for heading in rows[0]})
-    return write_file(output, text)
+    file = io.StringIO()
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(_COLUMNS)
+    writer.writerows(_row(one) for one in found)
+    return write_file(output, file.getvalue())
 
 
-def _row(result: EnduranceResult) -> dict[str, str]:
-    """Texts of one test by the headings of the table."""
-    failure, onset = result.failure, result.onset
-    chances = {sensor.name: f"{sensor.p_value:.3g}" for sensor in result.other_sensors}
-    return {
-        "test": result.name,
-        "stages": str(len(result.loaded)),
-        "failed": str(int(failure.failed)),
-        "load at failure [N]": f"{failure.load:.1f}",
-        "std [N]": f"{failure.std:.1f}",
-        "survived [N]": f"{failure.survived:.1f}",
-        "stage": str(failure.stage),
-        "onset [s]": f"{onset.time:.2f}" if onset else "",
-        "earliest [s]": f"{onset.earliest:.2f}" if onset else "",
-        "latest [s]": f"{onset.latest:.2f}" if onset else "",
-        "friction before": f"{onset.friction_before:.4f}" if onset else "",
-        "rise": f"{onset.rise:.4f}" if onset else "",
-        "rise std": f"{onset.rise_std:.4f}" if onset else "",
-        "p-value": f"{result.search.p_value:.3g}",
-        "p-value of temperature": chances.get("temperature", ""),
-        "p-value of vibration": chances.get("vibration", ""),
+def _row(found: EnduranceResult) -> list[str]:
+    """Texts of one test, in the order of the columns."""
+    parts = {
+        "test": found.name,
+        "stages": len(found.loaded),
+        "failed": int(found.failure.failed),
+        "failure": found.failure,
+        "onset": found.onset,
+        "search": found.search,
+        **{sensor.name: sensor for sensor in found.other_sensors},
     }
+    return [
+        "" if parts.get(part) is None else form.format(parts[part])
+        for part, form in _COLUMNS.values()
+    ]

@@ -434,6 +434,8 @@ def write_friction_table(found: ReversalSeries, output: Path) -> Path:
     """
     columns = [found.pairs["time"], *found.pairs.data_vars.values()]
     text = table_csv(
-        {f"{one.name} [{one.attrs['units']}]": one.values for one in columns}, digits=6
+        {f"{one.name} [{one.attrs['units']}]": one.values for one in columns},
+        digits=6,
+        missing="nan",
     )
     return write_file(output, text)

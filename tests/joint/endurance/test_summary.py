@@ -28,6 +28,7 @@ def test_table_has_a_row_for_each_test(tmp_path):
     assert first["failed"] == "1"
     assert float(first["onset [s]"]) == round(found[0].onset.time, 2)
     assert (second["failed"], second["onset [s]"]) == ("0", "")
+    assert write_test_table([], path).read_text(encoding="utf-8") == ",".join(first) + "\n"
 
 
 def test_a_significant_rise_that_is_too_small_is_stated_with_its_option():
