@@ -175,13 +175,15 @@ def require_known(**arguments: Values) -> None:
             raise ModelError(f"{name} must be a number, got NaN.")
 
 
-def for_each(count: int, **argument: Values) -> Values:
+def for_each(count: int, item: str, **argument: Values) -> Values:
     """One value for each of several things, from a single one or as many.
 
     Parameters
     ----------
     count : int
         Number of the things.
+    item : str
+        What one of them is called.
     **argument : float or array, (count,)
         One argument under the caller's name.
 
@@ -197,15 +199,15 @@ def for_each(count: int, **argument: Values) -> Values:
 
     Examples
     --------
-    >>> for_each(3, relative_std=0.01)
+    >>> for_each(3, "viscosity", relative_std=0.01)
     array([0.01, 0.01, 0.01])
     """
     ((name, value),) = argument.items()
     values = np.asarray(value, float)
     if values.shape not in ((), (count,)) or np.any(np.isnan(values)):
         raise ModelError(
-            f"{name} must be one number, or one for each of {count} without NaN, got shape "
-            f"{values.shape}."
+            f"{name} must be one number, or one for each {item} without NaN, got shape "
+            f"{values.shape}. Give one number, or {count}."
         )
     return np.broadcast_to(values, (count,))
 
@@ -413,9 +415,9 @@ def _with_arguments(text: str, annotations: dict[str, str]) -> str:
         section = f"Returns\n-------\nfloat or array\n    {result[1]}"
         text = text[: result.start()] + section + text[result.end() :]
     described = re.search(r"Parameters\n-+\n(.*?)\n\n(?=\w+\n-)", text, re.DOTALL)
-    known = described[1] if described else ""
+    known, types = described[1] if described else "", _TABLE["types"]
     missing = [
-        f"{name} : {_TYPES.get(annotation, annotation.rpartition('.')[2])}\n"
+        f"{name} : {types.get(name) or _TYPES.get(annotation, annotation.rpartition('.')[2])}\n"
         f"    {_TABLE['texts'][name]}"
         for name, annotation in annotations.items()
         if name in _TABLE["texts"] and not re.search(rf"^([\w, ]+, )?{name}(,.*)? :", known, re.M)

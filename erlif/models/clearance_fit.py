@@ -151,8 +151,8 @@ def fit_clearances(
             "clearance must differ between bushings: equal ones do not separate friction and "
             "stiffness. Measure bushings of other clearances."
         )
-    torque_std = for_each(measured.size, friction_std=friction_std)
-    place_std = for_each(measured.size, clearance_std=clearance_std)
+    torque_std = for_each(measured.size, "bushing", friction_std=friction_std)
+    place_std = for_each(measured.size, "bushing", clearance_std=clearance_std)
     wall = {
         "load_per_length": load_per_length,
         "shaft_radius": shaft_radius,

@@ -601,6 +601,8 @@ class SliderCrank:
         ----------
         slider_position : float or array
             Distance from crank pivot to slider pin. [m]
+        tolerance : float
+            How far beyond a dead centre a position may lie and still count as its end. [m]
 
         Returns: Crank angle, 0 to 2 pi. [rad]
 

@@ -259,7 +259,8 @@ def fit_viscosity(
     if np.any(np.isnan(T)) or np.any(np.isnan(viscosity)):
         raise ModelError("temperatures and viscosities must not be NaN. Leave those points out.")
 
-    spread = for_each(T.size, relative_std=1.0 if relative_std is None else relative_std)
+    spread = 1.0 if relative_std is None else relative_std
+    spread = for_each(T.size, "viscosity", relative_std=spread)
     warn_of_units(_QUANTITY[law], viscosities=viscosities)
     fit = _fit_vogel if law == "vogel" else _fit_walther
     values, slopes, residuals = fit(T, viscosity, spread)

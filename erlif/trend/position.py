@@ -41,9 +41,9 @@ class PinView:
     pitch : float
         Size of a pixel in the object plane. [mm]
     pin_radius : float
-        That of the pin. [m]
+        Radius of the pin. [m]
     bushing_radius : float
-        That of the bore. [m]
+        Radius of the bore. [m]
     load_line : float
         Position along sliding at which the load presses, from the first pixel. [mm]
     axial_origin : float
@@ -212,6 +212,7 @@ def find_pin_in_blocks(
     Returns
     -------
     PinPosition
+        NaN where too few blocks are valid.
 
     Examples
     --------

@@ -148,6 +148,7 @@ def summarise_blocks(
     Returns
     -------
     FilmStatistics
+        NaN where the region holds too few valid pixels.
 
     Examples
     --------

@@ -236,7 +236,7 @@ DOORS = {
         ({"viscosities": LAW[::-1], "relative_std": 0.01}, "do not determine c"),
         ({"viscosities": 1e-6 + 0 * LAW, "law": "walther"}, "at least 2e-6"),
         ({"viscosities": 1e-7 * TEMPERATURES, "law": "walther"}, "must fall with temperature"),
-        ({"relative_std": [0.01, 0.01]}, "one for each of 6"),
+        ({"relative_std": [0.01, 0.01]}, "one for each viscosity .* or 6"),
     ),
     "running in": (
         wear_bushing,
@@ -340,7 +340,7 @@ DOORS = {
         ({"thickness": np.full((4, 4), 1e-6)}, "needs a width"),
         ({"thickness": np.full(5, 1e-6), "closed": True}, "even number of cells"),
         ({"entrainment": 0.0}, "needs an entrainment"),
-        ({"entrainment": [1.0, 2.0]}, "one for each of 1 "),
+        ({"entrainment": [1.0, 2.0]}, "one for each film .* or 1"),
         ({"time": [0.0, 1.0]}, "with time"),
         ({"thickness": np.full((2, 4), 1e-6), "time": [1, 0]}, "2 increasing values"),
         ({"film_rate": np.zeros(4), "load": 5.0}, "give no load"),

@@ -79,6 +79,8 @@ def drive_power(
 
     Parameters
     ----------
+    crank_speed : float
+        Speed of the crank, constant and positive. [rad/s]
     torque : float
         Friction torque on the rocker, which opposes its motion. [N m]
     inertia : float

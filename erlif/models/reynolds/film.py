@@ -118,8 +118,8 @@ def solve_film(
     films = _checked_films(film, time)
     number = films.shape[0]
     times = np.zeros(1) if time is None else np.asarray(time, dtype=float)
-    speeds = for_each(number, entrainment=entrainment)
-    loads = None if load is None else for_each(number, load=load)
+    speeds = for_each(number, "film", entrainment=entrainment)
+    loads = None if load is None else for_each(number, "film", load=load)
     if cavitation_pressure > 0:
         raise ModelError(
             "cavitation_pressure is relative to ambient and at most 0, got "

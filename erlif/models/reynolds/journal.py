@@ -193,9 +193,9 @@ def crank_motion(
     linkage: CrankRocker,
     *,
     crank_speed: float,
-    load: float,
+    load: Values,
     cycles: float = 1.0,
-    steps_per_cycle: int = 100,
+    steps_per_cycle: float = 100,
     start_crank: float = 0.0,
 ) -> Motion:
     """Make the motion of a joint whose bushing turns with the rocker of a linkage.
@@ -204,12 +204,14 @@ def crank_motion(
     ----------
     linkage : CrankRocker
         The linkage. The angle of the bushing is that of the rocker about the middle of its swing.
-    load : float
-        Dead load on the pin. [N]
+    crank_speed : float
+        Speed of the crank, of either sign. [rad/s]
+    load : float or array, (step,)
+        Load on the pin, constant or at each time. [N]
     cycles : float
         Turns of the crank. [1]
-    steps_per_cycle : int
-        Time steps of a turn.
+    steps_per_cycle : float
+        Time steps of a turn. [1]
     start_crank : float
         Crank angle at time zero. [rad]
 

@@ -18,12 +18,15 @@ def test_gap_has_the_curvature_of_the_conformal_radius():
 
 
 def test_crank_motion_swings_about_the_middle_of_the_rocker():
+    loads = np.linspace(5.0, 6.0, 801)
     rig = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
-    motion = crank_motion(rig, crank_speed=-12.0, load=5.0, cycles=2, steps_per_cycle=400)
+    motion = crank_motion(rig, crank_speed=-12.0, load=loads, cycles=2, steps_per_cycle=400)
     npt.assert_allclose(motion.time[-1], 4 * np.pi / 12.0)
     npt.assert_allclose(motion.angle[:401], motion.angle[400:], atol=1e-12)
     npt.assert_allclose(motion.angle.max(), -motion.angle.min(), atol=1e-4)  # between two steps
-    npt.assert_array_equal(motion.load, 5.0)
+    npt.assert_array_equal(motion.load, loads)
+    halves = crank_motion(rig, crank_speed=1.0, load=5.0, cycles=2, steps_per_cycle=7.5)
+    npt.assert_allclose(halves.time, np.arange(16) * 2 * np.pi / 7.5)
 
 
 def test_held_pin_needs_a_direction_under_a_turning_load():
