@@ -193,6 +193,16 @@ class FrameChain(PickledByFields):
         corrected = CorrectedFrames(frames)
         return corrected, align_frames(corrected, self.camera_map, drift=drift)
 
+    def align_variances(
+        self, corrected: CorrectedFrames, one: AnyArray, other: AnyArray
+    ) -> AlignedFrames:
+        """Two variances moved as `align` moves the light; they take the places of its own."""
+        dims = corrected.signal.dims
+        replaced = corrected.assign(signal_var=(dims, one), signal_var_fixed=(dims, other))
+        # with the drift of the frame itself, which the light alone determines
+        drift = np.column_stack([corrected.drift_x.values, corrected.drift_y.values])
+        return align_frames(CorrectedFrames(replaced), self.camera_map, drift=drift)
+
     def divide(self, aligned: AlignedFrames) -> RatioImages:
         """The ratio images of aligned frame pairs."""
         ratios = compute_ratio(aligned, no_film_below=self.no_film_below, blur=self.blur)

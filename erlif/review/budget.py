@@ -35,7 +35,6 @@ from erlif.pipeline.recording.prepare import prepare_chain
 from erlif.pipeline.recording.pulses import read_energies
 from erlif.pipeline.recording.register import FixtureMap
 from erlif.ratio import PairRatio, RatioSum
-from erlif.registration import align_frames
 from erlif.thickness import measure_thickness
 from erlif.trend import FilmStatistics, summarise_film
 
@@ -268,17 +267,12 @@ def _add_sources(
     }
 
     # two sources at a time take the places of the two variances in the alignment
-    dims = corrected.signal.dims
-    drift = np.column_stack([corrected.drift_x.values, corrected.drift_y.values])
     names = list(sources)
     if not of_page.any():
         names.remove(_DRY)
     for one, other in zip_longest(names[::2], names[1::2]):
-        single = corrected.assign(
-            signal_var=(dims, sources[one].astype(np.float32)),
-            signal_var_fixed=(dims, sources[other or one].astype(np.float32)),
-        )
-        moved = align_frames(CorrectedFrames(single), chain.camera_map, drift=drift)
+        single = (sources[name].astype(np.float32) for name in (one, other or one))
+        moved = chain.align_variances(corrected, *single)
         images = {other or one: moved.signal_var_fixed} | {one: moved.signal_var}
         for name, image in images.items():
             with np.errstate(divide="ignore", invalid="ignore"):  # pixels without light or weight

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from erlif.core.notes import Note, note_writer
-from erlif.core.products import CorrectedFrames, References
+from erlif.core.products import References
 from erlif.core.tables import read_table
 from erlif.correction import make_references
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
@@ -16,7 +16,6 @@ from erlif.pipeline.recording.cameras import Characterised
 from erlif.pipeline.recording.sample import Bands, compare_sharpness, sample_frames
 from erlif.ratio import NoiseEstimate, NoiseUnknowns, NoiseView, estimate_camera_noise
 from erlif.ratio.camera_noise import cell_size
-from erlif.registration import align_frames
 
 _note = note_writer("erlif.pipeline")
 
@@ -140,14 +139,9 @@ def _views(chain: FrameChain, frames: Sequence[int]) -> Iterator[NoiseView]:
         ratio = chain.divide(aligned)
 
         # variances of unit noise go through the alignment in place of the true ones
-        dims, signal = corrected.signal.dims, corrected.signal.values
-        units = corrected.assign(
-            signal_var=(dims, np.maximum(signal, 0) / flat),
-            signal_var_fixed=(dims, np.broadcast_to(flat**-2.0, signal.shape)),
-        )
-        # with the drift of the frame itself, which the light alone determines
-        drift = np.column_stack([corrected.drift_x.values, corrected.drift_y.values])
-        unit = align_frames(CorrectedFrames(units), chain.camera_map, drift=drift)
+        signal = corrected.signal.values
+        shot, dark = np.maximum(signal, 0) / flat, np.broadcast_to(flat**-2.0, signal.shape)
+        unit = chain.align_variances(corrected, shot, dark)
         yield NoiseView.of(ratio, unit, chain.camera_map, size=size)
 
 
