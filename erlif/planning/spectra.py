@@ -118,10 +118,12 @@ def read_spectrum(path: Path, what: str) -> Spectrum:
     try:
         rows = [row for _, row in read_rows(path, largest=_LARGEST_FILE) if row[0][:1] != "#"]
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "it is not text"
+        reason = getattr(error, "strerror", None) or error
+        if isinstance(error, UnicodeError):
+            reason = "it is not text"
         raise ConfigError(
-            f"Expected the {what} as a CSV file at {path}; it cannot be read: {reason}. Correct "
-            "its name in plan.toml."
+            f"Expected the {what} as a CSV file at {path}; it cannot be read: {reason}. Save the "
+            "spectrum as CSV in UTF-8, or correct its name in plan.toml."
         ) from error
     name = f"{what} in {path.name}"
     if not rows or rows[0] != ["wavelength_nm", "value"]:

@@ -6,6 +6,7 @@ import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.constants import inch, lbf
 from scipy.integrate import quad
 
 from erlif.core.errors import ModelError
@@ -63,6 +64,27 @@ def test_worn_ptfe_bushing():
     torque = friction_torque(0.105, load=400.0, radius=0.005, torque_ratio=STEADY_WEAR_TORQUE_RATIO)
     apparent = friction_coefficient(torque, load=400.0, radius=0.005)
     npt.assert_allclose(apparent, 0.13369, atol=5e-6)
+
+
+def test_contours_of_fig_b1_for_a_thin_clearance():
+    """Colbert et al. (2009), Fig. B1: mu*, half angle in degrees and F* t* Rs/c."""
+    ratio, degrees, load = np.transpose(
+        [
+            (1.01, 18.078, 0.021593),
+            (1.05, 40.074, 0.270249),
+            (1.10, 56.099, 0.925464),
+            (1.20, 77.902, 5.50959),
+            (1.25, 86.393, 22.9724),
+        ]
+    )
+    npt.assert_allclose(thin_winkler_torque_ratio(np.radians(degrees)), ratio, rtol=1e-5)
+    # five digits of the angle
+    npt.assert_allclose(thin_winkler_load(np.radians(degrees)), load, rtol=3e-4)
+
+
+def test_torque_of_the_thesis_machine():  # Farzaneh (2002), appendix A.3 and A.4.2
+    torque = friction_torque(0.15, load=1e5 * lbf, radius=np.array([1.25 * inch, 33.36e-3]))
+    npt.assert_allclose(torque, [2118.5, 2225.9], rtol=5e-5)
 
 
 def test_winkler_chart_collapses_for_a_thin_clearance():

@@ -113,6 +113,12 @@ def test_dead_points_of_the_rig_lie_where_crank_and_coupler_line_up():
     npt.assert_allclose(RIG.time_ratio(), 1.0014, atol=5e-5)
 
 
+def test_transmission_and_coupler_swing_of_the_rig():
+    transmission = np.degrees(RIG.transmission_angle(np.array([0.0, np.pi])))
+    npt.assert_allclose(transmission, [76.30, 104.69], atol=5e-3)
+    npt.assert_allclose(np.degrees(np.ptp(RIG.coupler_limits())), 14.362, atol=5e-4)
+
+
 @given(crank_rockers())
 def test_synthesis_inverts_the_limits(linkage):
     swing = float(np.ptp(linkage.limits()))

@@ -52,7 +52,9 @@ def test_coefficients_hold_for_their_band_alone():
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        (None, "cannot be read"),
+        (None, "cannot be read: No such file"),
+        ("wavelength_nm,value\n500,1\0\n", "it holds a null byte. Save the spectrum as CSV"),
+        ("wavelength_nm,value\n500," + 200_000 * "1", "field larger than field limit"),
         ("nm,value\n500,1\n600,2\n", "header wavelength_nm,value"),
         ("wavelength_nm,value\n500,1\n", "rising wavelengths"),
         ("wavelength_nm,value\n500,one\n600,2\n", "could not convert"),

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scipy.constants import lbf
 from scipy.integrate import quad
 
 from erlif.models.contact import (
@@ -95,6 +96,14 @@ def test_landmarks_of_persson():
     # what the cosine and twice the projected pressure lack at the printed angles
     npt.assert_allclose(2 * persson_peak_group(np.radians(72)) / (4 / np.pi) - 1, 0.006, atol=5e-4)
     npt.assert_allclose(2 * persson_peak_group(np.radians(38)) / 2 - 1, 0.018, atol=5e-4)
+
+
+def test_thesis_joint_under_100_klbf():
+    half_angle, pressure = persson_contact(
+        1e5 * lbf / 0.237, play=0.46e-3, pin_diameter=0.06672, youngs_modulus=200e9
+    )
+    npt.assert_allclose(np.degrees(half_angle), 17.974, atol=5e-4)
+    npt.assert_allclose(pressure / 1e6, 115.612, atol=5e-4)
 
 
 def test_persson_inverts():
