@@ -2,14 +2,35 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from typing import Any
+
+from erlif.core.version import __version__
 
 # Version of calibration.nc and film.nc; it rises when an older erlif would misread the file.
 FORMAT_VERSION = 1
 
 # Global attribute that holds it; files without it are of version 1.
 ATTRIBUTE = "format_version"
+
+
+def describe_origin(title: str, work: str) -> dict[str, Any]:
+    """Global attributes of a film or prediction: title, and the work that made it, such as
+    "process block A".
+    """
+    return {
+        "Conventions": "CF-1.11",
+        "title": title,
+        "history": f"erlif {__version__}: {work}",
+        "erlif_version": __version__,
+        ATTRIBUTE: FORMAT_VERSION,
+    }
+
+
+def identify(*parts: str) -> str:
+    """Identity of a piece of work: a hash of what it depends on, the version of erlif included."""
+    return hashlib.sha256("\0".join([__version__, *parts]).encode()).hexdigest()
 
 
 def is_later(attrs: Mapping[Any, Any]) -> bool:

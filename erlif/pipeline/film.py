@@ -13,13 +13,12 @@ import xarray as xr
 from erlif.calibration import Calibration, record_calibration
 from erlif.core.arrays import Array
 from erlif.core.flags import FLAG_ATTRS, Flag
-from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
+from erlif.core.format import describe_origin
 from erlif.core.notes import Note, join_notes, note_writer
 from erlif.core.tables import read_table
 from erlif.core.timing import stage
 from erlif.core.units import count_of
 from erlif.core.variables import FILM, FRAMES
-from erlif.core.version import __version__
 from erlif.correction import CHARACTERISTICS
 from erlif.io.files import MapVariable, describe_hashes
 from erlif.io.ingest import FramePairs, Run, format_notes, skipped_notes
@@ -321,11 +320,7 @@ def describe_film(
         if note.subject != CHARACTERISTICS
     ]
     return film.assign_attrs(
-        Conventions="CF-1.11",
-        title=f"oil-film thickness, {settings.name}",
-        history=f"erlif {__version__}: process {settings.name}",
-        erlif_version=__version__,
-        **{ATTRIBUTE: FORMAT_VERSION},
+        **describe_origin(f"oil-film thickness, {settings.name}", f"process {settings.name}"),
         settings=to_toml(settings),
         settings_stated=stated_keys(settings),
         input_hashes=describe_hashes(hashes),

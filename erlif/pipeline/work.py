@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import logging
 from collections.abc import Iterator, Mapping, Sequence
@@ -15,8 +14,8 @@ import xarray as xr
 
 from erlif.calibration import Calibration, record_calibration
 from erlif.core.errors import OutputError
+from erlif.core.format import identify
 from erlif.core.timing import stage
-from erlif.core.version import __version__
 from erlif.io.files import (
     PartialFilm,
     describe_hashes,
@@ -72,14 +71,9 @@ class FilmWork:
 
     def identify(self, inputs: str) -> str:
         """Identity of the work by its inputs as text, its settings and the version of erlif."""
-        parts = [
-            __version__,
-            to_toml(self.run.settings),
-            inputs,
-            record_calibration(self.calibration),
-            json.dumps(sorted(self.run.pairs.skipped)),
-        ]
-        return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+        skipped = json.dumps(sorted(self.run.pairs.skipped))
+        made_with = record_calibration(self.calibration)
+        return identify(to_toml(self.run.settings), inputs, made_with, skipped)
 
     def is_done(self, *, overwrite: bool) -> bool:
         """Whether the output is the film that this work would make.

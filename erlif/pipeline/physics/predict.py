@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import tempfile
 from collections.abc import Mapping
 from contextlib import closing
@@ -13,10 +12,9 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.errors import EncoderError, OutputError
-from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
+from erlif.core.format import describe_origin, identify
 from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.variables import FRAMES, PREDICTION
-from erlif.core.version import __version__
 from erlif.io.files import (
     MapVariable,
     PartialFilm,
@@ -166,7 +164,8 @@ def _write_prediction(
     prediction = predict_run(plane, source.film, source.frames)
 
     grid = plane.grid(int(source.frames.trigger.max()) + 1)
-    with PartialFilm(output, _identify(source), grid, [MAP]) as unfinished:
+    key = identify(to_toml(source.settings), describe_hashes(source.hashes))
+    with PartialFilm(output, key, grid, [MAP]) as unfinished:
         gaps = film_along_sliding(source.settings, prediction.triggers, plane.along)
         for trigger, gap in enumerate(gaps):
             if not unfinished.has(trigger):
@@ -234,12 +233,6 @@ def _read_run(run_dir: Path, allow_outside: bool) -> Source:
     return Source(run.settings, kept, frames, run.pairs.shape, hashes)
 
 
-def _identify(source: Source) -> str:
-    """Identity of the work, by which an interrupted one is resumed."""
-    parts = [__version__, to_toml(source.settings), describe_hashes(source.hashes)]
-    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
-
-
 def _describe(source: Source, prediction: Prediction) -> xr.Dataset:
     """Everything of the triggers, and the record of how it was made."""
     settings = source.settings
@@ -249,11 +242,9 @@ def _describe(source: Source, prediction: Prediction) -> xr.Dataset:
     kept = source.film.drop_vars(apart, errors="ignore")
     kept = kept.drop_attrs(deep=False)
     return kept.assign(prediction.triggers).assign_attrs(
-        Conventions="CF-1.11",
-        title=f"predicted oil-film thickness, {settings.name}",
-        history=f"erlif {__version__}: predict {settings.name}",
-        erlif_version=__version__,
-        **{ATTRIBUTE: FORMAT_VERSION},
+        **describe_origin(
+            f"predicted oil-film thickness, {settings.name}", f"predict {settings.name}"
+        ),
         settings=to_toml(settings),
         input_hashes=describe_hashes(source.hashes),
         model=f"transient Reynolds, {describe_sideways(settings.prediction)}",
