@@ -99,6 +99,17 @@ def test_a_load_that_scatters_does_not_shatter_the_stages(form):
     assert "the load scatters by" in str(note)
 
 
+def test_a_part_shorter_than_the_mean_of_a_load_that_scatters_stays_whole():
+    """Three readings before a pause, with outer ones 20 % off: each counts once in their mean."""
+    load = load_of((140, 36e3), noise=0.02 * 36e3)
+    load[[0, 2]] = 43.2e3, 28.8e3
+    time = 10.0 * np.arange(load.size) + np.where(np.arange(load.size) < 3, 0.0, 900.0)
+    assert [(one.number, one.part, one.last) for one in find_stages(time, load)] == [
+        (1, 1, 2),
+        (1, 2, 69),
+    ]
+
+
 def test_a_first_stretch_that_is_idle_as_it_is_short_is_noted():
     load = load_of((150, 36e3), (600, 54e3))
     time = TIME[: load.size]
