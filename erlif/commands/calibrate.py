@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, SKIP_BAD_FRAMES, expect_suffix
+from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, SKIP_BAD_FRAMES, expect_output
 from erlif.commands.progress import working
 from erlif.core.errors import CalibrationError, ErlifError
 from erlif.core.speed.imports import large_imports
@@ -45,16 +45,14 @@ def calibrate(
     with large_imports():
         from erlif import pipeline
         from erlif.calibration import save_calibration
-        from erlif.io.files import refuse_existing
         from erlif.show.plots import write_calibration_figure
         from erlif.show.report import describe_calibration
 
     # everything that can be refused is refused before the work starts
     output = output or fixture_dir / "calibration.nc"
     picture = output.with_suffix(".png")
-    expect_suffix(output, ".nc")
-    refuse_existing(output, overwrite=overwrite, holds="ratio_at_zero")
-    refuse_existing(picture, overwrite=overwrite)
+    expect_output(output, ".nc", overwrite=overwrite, holds="ratio_at_zero")
+    expect_output(picture, ".png", overwrite=overwrite)
     earlier = None if against is None else _open_comparable(against, fixture_dir)
     replaced = _open_replaced(output)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from erlif.commands.ending import BAD_INPUT, DEFECT
-from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_suffix
+from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_output
 from erlif.commands.progress import working
 from erlif.core.notes import Level
 from erlif.core.speed.imports import large_imports
@@ -40,12 +40,10 @@ def check(
       erlif check data_samples/straight_bushing --html check.html
     """
     with large_imports():
-        from erlif.io.files import refuse_existing
         from erlif.review.audit import audit
 
     if page is not None:
-        expect_suffix(page, ".html", option="--html")
-        refuse_existing(page, overwrite=overwrite)
+        expect_output(page, ".html", overwrite=overwrite, option="--html")
     with working(lines=False) as progress:
         findings = audit(directory, allow_outside=allow_outside, progress=progress)
     # one form of the findings alone goes to standard output, so that programs can read it

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from erlif.commands.options import OVERWRITE, PATH, expect_suffix
+from erlif.commands.options import OVERWRITE, PATH, expect_output
 from erlif.core.speed.imports import large_imports
 
 
@@ -30,7 +30,6 @@ def design(
       erlif design joint.toml -o joint.html
     """
     with large_imports():
-        from erlif.io.files import refuse_existing
         from erlif.joint.sizing.design import design as size
         from erlif.joint.sizing.design import example_joint_file
         from erlif.show.report import list_materials, summarise_design
@@ -48,8 +47,7 @@ def design(
             "Expected the name of a joint. Make one with: erlif design --example > joint.toml"
         )
     if output is not None:
-        expect_suffix(output, ".html", option="-o")
-        refuse_existing(output, overwrite=overwrite)
+        expect_output(output, ".html", overwrite=overwrite)
     designed = size(source)
     click.echo(summarise_design(designed))
     if output is not None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from erlif.commands.options import LENGTH, OVERWRITE, PATH, Quantity, expect_suffix
+from erlif.commands.options import LENGTH, OVERWRITE, PATH, Quantity, expect_output
 from erlif.core.speed.imports import large_imports
 
 ANGLE, SPEED = Quantity("rad", "ANGLE"), Quantity("rad/s", "SPEED")
@@ -59,10 +59,7 @@ def linkage(
 
     # everything that can be refused is refused before the work starts
     if output is not None:
-        from erlif.io.files import refuse_existing
-
-        expect_suffix(output, ".png", ".pdf", ".svg", ".gif")
-        refuse_existing(output, overwrite=overwrite)
+        expect_output(output, ".png", ".pdf", ".svg", ".gif", overwrite=overwrite)
     # implausible lengths are warnings of the model; here they are notes below the table
     with warnings.catch_warnings(record=True) as doubts:
         warnings.simplefilter("always")

@@ -131,3 +131,13 @@ def expect_suffix(output: Path, *suffixes: str, option: str = "-o") -> None:
             f"Expected a name in {' or '.join(suffixes)} for the output; got {output.name}. "
             f"Name it so with {option}."
         )
+
+
+def expect_output(
+    output: Path, *suffixes: str, overwrite: bool, option: str = "-o", holds: str = ""
+) -> None:
+    """The same, and refuse an output that exists, as `erlif.io.files.refuse_existing`."""
+    from erlif.io.files import refuse_existing
+
+    expect_suffix(output, *suffixes, option=option)
+    refuse_existing(output, overwrite=overwrite, holds=holds)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from erlif.commands.options import OVERWRITE, PATH, expect_suffix
+from erlif.commands.options import OVERWRITE, PATH, expect_output
 from erlif.commands.progress import working
 from erlif.core.speed.imports import large_imports
 
@@ -26,16 +26,15 @@ def pressure(film: Path, output: Path | None, overwrite: bool) -> None:
       erlif pressure data_samples/straight_bushing/film.nc
     """
     with large_imports():
-        from erlif.io.files import refuse_existing, write_dataset
+        from erlif.io.files import write_dataset
         from erlif.pipeline.physics.pressure import pressure_from_film
         from erlif.show.plots import write_pressure_figure
 
     # everything that can be refused is refused before the work starts
     output = output or film.parent / "pressure.nc"
     picture = output.with_suffix(".png")
-    expect_suffix(output, ".nc")
-    refuse_existing(output, overwrite=overwrite, holds="peak_pressure")
-    refuse_existing(picture, overwrite=overwrite)
+    expect_output(output, ".nc", overwrite=overwrite, holds="peak_pressure")
+    expect_output(picture, ".png", overwrite=overwrite)
     with working() as progress:
         result = pressure_from_film(film, progress=progress)
     write_dataset(result, output)

@@ -17,10 +17,11 @@ from .netcdf import fix_text, has_group, open_netcdf
 from .netcdf_maps import NetcdfMaps
 from .replacement import refuse_existing, replacing, replacing_set, write_file
 from .unfinished import MapStore, PartialFilm, remove_remains
-from .wanted import take, takes, takes_products
+from .wanted import PRODUCTS, take, takes
 from .zarr_maps import ZarrMaps
 
 __all__ = [
+    "PRODUCTS",
     "MapStore",
     "MapVariable",
     "NetcdfMaps",
@@ -51,7 +52,6 @@ __all__ = [
     "settings_of",
     "take",
     "takes",
-    "takes_products",
     "write_dataset",
     "write_file",
     "write_film",

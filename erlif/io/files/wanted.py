@@ -102,7 +102,8 @@ def takes(**wanted: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
     Parameters
     ----------
     **wanted : str
-        Kind of each argument by its name, as for `take`; a default of None passes.
+        Kind of each argument by its name, as for `take`; a default of None passes. Names that the
+        function lacks are left out: figures share `PRODUCTS`.
 
     Returns
     -------
@@ -137,27 +138,3 @@ def takes(**wanted: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
         return checked
 
     return decorate
-
-
-def takes_products(function: Callable[P, R]) -> Callable[P, R]:
-    """The same for a figure, whose arguments have the names of their products.
-
-    Parameters
-    ----------
-    function : callable
-        With some of the arguments film, frames, registration, images, found and calibration.
-
-    Returns
-    -------
-    callable
-
-    Examples
-    --------
-    >>> @takes_products
-    ... def draw(film, *, trigger):
-    ...     return film.film_min.values[trigger]
-    >>> float(draw(xr.Dataset({"film_min": ("trigger", [4.1])}), trigger=0))
-    4.1
-    """
-    names = inspect.signature(function).parameters
-    return takes(**{name: kind for name, kind in PRODUCTS.items() if name in names})(function)

@@ -12,11 +12,8 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Array, Mask
 from erlif.core.errors import FrameError, reason_of
 from erlif.core.hdf5 import SIGNATURE, chunk_count, chunk_size, filters_of, find_chunks, open_hdf5
-from erlif.io.readers.base import SECONDS, Format, FrameFile, FrameKind, check_claim
+from erlif.io.readers.base import DEFLATED, SECONDS, Format, FrameFile, FrameKind, check_claim
 from erlif.io.refusals import refusal
-
-# Decoded bytes per byte of a file that deflate can reach.
-_DENSEST = 1100
 
 # Datasets that a message lists.
 _MOST_LISTED = 8
@@ -119,12 +116,12 @@ class Hdf5Frames(FrameFile):
         if np.any(np.asarray(scale) != 1) or np.any(np.asarray(offset) != 0):
             raise refusal("scaled_dataset", name=data.name)
         _check_filters(data)
-        if chunk_size(data) > _DENSEST * size:
+        if chunk_size(data) > DEFLATED * size:
             raise FrameError("the file is damaged: a chunk is larger than the file can hold")
 
         frames = data.shape[0] if data.ndim == 3 else 1
         kind = FrameKind(tuple(int(n) for n in data.shape[-2:]), data.dtype.newbyteorder("=").name)
-        check_claim(frames, kind, size, packing=_DENSEST)
+        check_claim(frames, kind, size, packing=DEFLATED)
         self.kinds = [kind] * frames
         self.times = _times(data) if data.ndim == 3 else None
 

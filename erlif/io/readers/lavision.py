@@ -19,7 +19,7 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import FrameError
-from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim, read_header
+from erlif.io.readers.base import DEFLATED, Format, FrameFile, FrameKind, check_claim, read_header
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 from erlif.io.readers.unpack import Packing, unpack
@@ -34,7 +34,7 @@ _PLAIN, _IMX, _ZLIB, _BITS_12 = 0, 1, 2, 3
 _TYPES = {-2: "|u1", -3: "<f4", -4: "<u2", 0: "<u2"}
 
 # Decoded over stored size that the compressions can reach.
-_DENSEST = {_IMX: 4.0, _ZLIB: 1100.0}
+_DENSEST = {_IMX: 4.0, _ZLIB: DEFLATED}
 
 # Attribute with the time of a frame from the start of the recording, and its unit.
 _TIME = re.compile(

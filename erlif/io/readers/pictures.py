@@ -10,13 +10,10 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError, reason_of
-from erlif.io.readers.base import Format, FrameFile, FrameKind, check_claim
+from erlif.io.readers.base import DEFLATED, Format, FrameFile, FrameKind, check_claim
 from erlif.io.readers.raw import FrameLayout, RawFrames
 from erlif.io.readers.source import Source
 from erlif.io.refusals import refusal
-
-# Decoded bytes per byte of a file that deflate can reach.
-_DENSEST = 1100
 
 # Size of what a PNG may hold beside its image. [byte]
 _LARGEST_REST = 2**26
@@ -58,7 +55,7 @@ class PngPicture(FrameFile):
             raise FrameError(f"it has {depth} bits for each pixel. Save 8 or 16-bit counts.")
 
         kind = FrameKind((height, width), f"uint{depth}")
-        check_claim(1, kind, size, packing=_DENSEST)
+        check_claim(1, kind, size, packing=DEFLATED)
         if size > _LARGEST_REST + 2 * height * width * depth // 8:
             raise FrameError(f"the file is damaged: {size} bytes are too many for its {kind}")
         self.kinds = [kind]

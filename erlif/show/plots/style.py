@@ -39,7 +39,7 @@ from matplotlib.transforms import Bbox, ScaledTranslation
 
 from erlif.core.arrays import Array, Image
 from erlif.core.flags import FLAG_COLOURS as FLAG_COLOURS
-from erlif.io.files import takes_products, write_file
+from erlif.io.files import PRODUCTS, takes, write_file
 from erlif.show.plots.naming import name_film
 from erlif.show.refusals import refusal
 
@@ -127,7 +127,7 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
     the size of their labels.
     """
 
-    draw = takes_products(draw)
+    draw = takes(**PRODUCTS)(draw)
 
     @functools.wraps(draw)
     def drawing(*args: P.args, **kwargs: P.kwargs) -> R:
