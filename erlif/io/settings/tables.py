@@ -60,30 +60,51 @@ def _write_quantity(value: float, unit: str) -> str:
 
 
 def quantity(
-    name: str, example: str, unit: str, *bounds: Gt | Ge | Le, between: tuple[str, ...] = ()
+    name: str,
+    example: str,
+    unit: str,
+    *bounds: Gt | Ge | Le,
+    between: tuple[str, ...] = (),
+    words: tuple[str, ...] = (),
+    positive: bool = False,
 ) -> Any:
     """Annotations of a field that is written with its unit and kept as a float in `unit`.
 
-    A value beyond the range `between` is refused with both ends as they are written here.
+    A value beyond the range `between` is refused with both ends as they are written here. With
+    `words` the field may hold one of these in place of a quantity; `positive` then stands for a
+    bound, and its refusal names them.
     """
+    listed = ", ".join(f'"{word}"' for word in words)
 
     def read(text: object) -> float:
         value = parse_quantity(text, unit)
         ends = [parse_quantity(end, unit) for end in between]
         if ends and not ends[0] <= value <= ends[1]:
             raise ValueError(f"expected {' to '.join(between)}; got {text!r}")
+        if positive and value <= 0:
+            raise ValueError(f"expected {listed} or a {name} above 0; got {text!r}")
         return value
 
-    schema = {"type": "string", "pattern": QUANTITY_PATTERN, "examples": [example]}
+    def keep(text: Any, check: Any) -> Any:
+        if words and isinstance(text, str) and not any(sign.isdigit() for sign in text):
+            if text in words:
+                return text
+            raise ValueError(f"expected {listed} or a {name} such as {example!r}; got {text!r}")
+        return Quantity(check(text), " ".join(text.split()))
+
+    pattern = f"^({'|'.join(words)})$|{QUANTITY_PATTERN}" if words else QUANTITY_PATTERN
     # Bounds are checked on the converted float. The schema is last: it replaces what pydantic would
     # derive from the float, since the file holds text.
     return (
         BeforeValidator(read),
         *bounds,
-        WrapValidator(lambda text, check: Quantity(check(text), " ".join(text.split()))),
-        PlainSerializer(lambda value: _write_quantity(value, unit), return_type=str),
-        WithJsonSchema(schema),
-        Form(name, example, unit),
+        WrapValidator(keep),
+        PlainSerializer(
+            lambda value: value if isinstance(value, str) else _write_quantity(value, unit),
+            return_type=str,
+        ),
+        WithJsonSchema({"type": "string", "pattern": pattern, "examples": [example]}),
+        Form(f"{name}, or {listed}" if words else name, example, unit),
     )
 
 
@@ -111,41 +132,13 @@ TemperatureDifference = Annotated[
 ]
 
 
-def _quantity_or(
-    words: tuple[str, ...], name: str, example: str, unit: str, *, positive: bool = False
-) -> Any:
-    """Annotations of a field that holds one of a few words or a quantity."""
-    listed = ", ".join(f'"{word}"' for word in words)
-
-    def read(text: Any, check: Any) -> Any:
-        if isinstance(text, str) and not any(sign.isdigit() for sign in text):
-            if text in words:
-                return text
-            raise ValueError(f"expected {listed} or a {name} such as {example!r}; got {text!r}")
-        value = parse_quantity(text, unit)
-        if positive and value <= 0:
-            raise ValueError(f"expected {listed} or a {name} above 0; got {text!r}")
-        return Quantity(check(value), " ".join(text.split()))
-
-    pattern = f"^({'|'.join(words)})$|{QUANTITY_PATTERN}"
-    return (
-        WrapValidator(read),
-        PlainSerializer(
-            lambda value: value if isinstance(value, str) else _write_quantity(value, unit),
-            return_type=str,
-        ),
-        WithJsonSchema({"type": "string", "pattern": pattern, "examples": [example]}),
-        Form(f"{name}, or {listed}", example, unit),
-    )
-
-
-Start = Annotated[float | Literal["fit"], *_quantity_or(("fit",), "time", "0.25 s", "s")]
+Start = Annotated[float | Literal["fit"], *quantity("time", "0.25 s", "s", words=("fit",))]
 StartFilm = Annotated[
-    float | Literal["fit"], *_quantity_or(("fit",), "length", "20 um", "m", positive=True)
+    float | Literal["fit"], *quantity("length", "20 um", "m", words=("fit",), positive=True)
 ]
 Sideways = Annotated[
     float | Literal["free", "guided"],
-    *_quantity_or(("free", "guided"), "stiffness", "12 N/mm", "N/m", positive=True),
+    *quantity("stiffness", "12 N/mm", "N/m", words=("free", "guided"), positive=True),
 ]
 Place = Annotated[float, *quantity("position", "9.6 mm", "m")]
 CavitationPressure = Annotated[
