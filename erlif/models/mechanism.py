@@ -49,6 +49,12 @@ def _with_unit(value: float, name: str) -> str:
     )
 
 
+def _sight(link: Values, ground: Values, angle: Values) -> tuple[Values, Values]:
+    """Distance and direction of the end of a link, seen from the other end of the ground."""
+    distance = np.sqrt(link**2 + ground**2 - 2 * link * ground * np.cos(angle))
+    return distance, np.arctan2(link * np.sin(angle), ground - link * np.cos(angle))
+
+
 @dataclass(frozen=True)
 class CrankRocker:
     """Four-bar linkage whose crank turns fully while its rocker swings. Farzaneh (2002), app. A.2.
@@ -115,8 +121,7 @@ class CrankRocker:
         """
         # law of cosines in the triangle of coupler, rocker and diagonal
         a, b, c, d = self.links
-        diagonal = self._diagonal(crank_angle)
-        to_crank_pin = np.arctan2(a * np.sin(crank_angle), d - a * np.cos(crank_angle))
+        diagonal, to_crank_pin = _sight(a, d, crank_angle)
         return to_crank_pin + np.arccos((c**2 + diagonal**2 - b**2) / (2 * c * diagonal))
 
     @formula()
@@ -138,8 +143,9 @@ class CrankRocker:
         Returns: Angle at the rocker pin. [rad]
         """
         # the same triangle, at the rocker pin
-        b, c = self.coupler, self.rocker
-        return np.arccos((b**2 + c**2 - self._diagonal(crank_angle) ** 2) / (2 * b * c))
+        a, b, c, d = self.links
+        diagonal, _ = _sight(a, d, crank_angle)
+        return np.arccos((b**2 + c**2 - diagonal**2) / (2 * b * c))
 
     @formula()
     def rocker_speed(self, crank_angle: Values, *, crank_speed: Values) -> Values:
@@ -293,11 +299,9 @@ class CrankRocker:
         """
         # the triangle of crank, coupler and reach stands on either side of the reach
         psi = _within_reach(rocker_angle, self.limits(), tolerance, "rocker_angle")
-        reach = np.sqrt(
-            self.rocker**2 + self.ground**2 - 2 * self.rocker * self.ground * np.cos(psi)
-        )
+        reach, to_rocker_pin = _sight(self.rocker, self.ground, psi)
         apart = measures.angle_opposite(self.coupler, reach, self.crank)
-        return (self._direction_of_rocker_pin(psi) - _sign(rising) * apart) % TURN
+        return (to_rocker_pin - _sign(rising) * apart) % TURN
 
     @formula()
     def crank_angle_from_coupler(
@@ -318,21 +322,9 @@ class CrankRocker:
             An angle beyond the reach of the coupler.
         """
         phi = _within_reach(coupler_angle, self.coupler_limits(), tolerance, "coupler_angle")
-        b, d = self.coupler, self.ground
-        reach = np.sqrt(b**2 + d**2 - 2 * b * d * np.cos(phi))
+        reach, to_rocker_pivot = _sight(self.coupler, self.ground, -phi)
         apart = measures.angle_opposite(self.rocker, reach, self.crank)
-        return (np.arctan2(-b * np.sin(phi), d - b * np.cos(phi)) - _sign(rising) * apart) % TURN
-
-    def _diagonal(self, crank_angle: Values) -> Values:
-        """Distance from the crank pin to the rocker pivot. [m]"""
-        a, d = self.crank, self.ground
-        return np.sqrt(a**2 + d**2 - 2 * a * d * np.cos(crank_angle))
-
-    def _direction_of_rocker_pin(self, rocker_angle: Values) -> Values:
-        """Direction of the rocker pin seen from the crank pivot. [rad]"""
-        return np.arctan2(
-            self.rocker * np.sin(rocker_angle), self.ground - self.rocker * np.cos(rocker_angle)
-        )
+        return (to_rocker_pivot - _sign(rising) * apart) % TURN
 
 
 @formula()
