@@ -159,19 +159,30 @@ def list_triggers(rig: RigSettings) -> Triggers:
         crank = crank_at(time, rig)
         reading = np.asarray(np.degrees(rocker_angle(crank, rig)) - zero)
 
-    speed = rocker_speed(crank, rig)
-    load = rig.load * (1 + rig.load_swing * np.sin(crank))
-
     top = np.abs(rocker_speed(np.linspace(0, 2 * np.pi, 3601), rig)).max()
-    return Triggers(
-        reading=reading,
-        zero=zero,
-        crank_angle=np.degrees(crank) % 360,
-        speed=speed,
-        time=time,
-        load=load,
-        film_min=follow_film_law(rig, np.abs(speed) / top, load),
-    )
+    return _with_film(rig, crank, rocker_speed(crank, rig), time, reading, zero, top=top)
+
+
+def _with_film(
+    rig: RigSettings,
+    crank: Array,
+    speed: Array,
+    time: Array,
+    reading: Array,
+    zero: float,
+    *,
+    top: float,
+) -> Triggers:
+    """The motion at the triggers with load and film; `top` is the highest speed of the cycle."""
+    load = load_of(crank, rig)
+    relative = np.abs(speed) / top if top > 0 else np.ones(speed.size)
+    film = follow_film_law(rig, relative, load)
+    return Triggers(reading, zero, np.degrees(crank) % 360, speed, time, load, film)
+
+
+def load_of(crank: Array, rig: RigSettings) -> Array:
+    """Load on the joint [N] at crank angles [rad]."""
+    return np.asarray(rig.load * (1 + rig.load_swing * np.sin(crank)))
 
 
 def follow_film_law(rig: RigSettings, speed: Array, load: Array) -> Array:
@@ -408,18 +419,7 @@ def list_pictures(rig: RigSettings) -> Triggers:
         angle, speed = np.zeros(number.size), np.zeros(number.size)
         time = number / _LASER
 
-    load = rig.load * (1 + rig.load_swing * np.sin(angle))
-    top = np.abs(speed).max()
-    relative = np.abs(speed) / top if top > 0 else np.ones(number.size)
-    return Triggers(
-        reading=np.degrees(angle),
-        zero=0.0,
-        crank_angle=np.degrees(angle),
-        speed=speed,
-        time=time,
-        load=load,
-        film_min=follow_film_law(rig, relative, load),
-    )
+    return _with_film(rig, angle, speed, time, np.degrees(angle), 0.0, top=np.abs(speed).max())
 
 
 def cycle_time(rig: RigSettings) -> float:

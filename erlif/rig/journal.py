@@ -16,6 +16,7 @@ from erlif.rig.film import (
     Triggers,
     crank_at,
     cycle_time,
+    load_of,
     rocker_angle,
     rocker_range,
     rocker_speed,
@@ -84,7 +85,7 @@ def _place_pin(rig: RigSettings, marks: Marks, along: float, side: float) -> Jou
 
 def load_at(time: Array, rig: RigSettings) -> Array:
     """Load on the joint [N] at times [s] after the smallest rocker angle."""
-    return np.asarray(rig.load * (1 + rig.load_swing * np.sin(crank_at(time, rig))))
+    return load_of(crank_at(time, rig), rig)
 
 
 def follow_pin(time: Array, rig: RigSettings) -> Array:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.rig.film import Triggers, coupler_angle, crank_at, cycle_time, rocker_angle
+from erlif.rig.film import Triggers, coupler_angle, crank_at, cycle_time, load_of, rocker_angle
 from erlif.rig.settings import RigSettings
 
 # Rows of the log in time per second. [Hz]
@@ -79,7 +79,6 @@ def write_log_in_time(
     time = first + np.arange(int((moments[-1] + _MARGIN - first) * LOG_RATE)) / LOG_RATE
     crank = crank_at(time, rig)
     reading = read_encoder(crank, triggers, rig)
-    load = rig.load * (1 + rig.load_swing * np.sin(crank))
     oil = temperature + 0.2 * np.sin(2 * np.pi * time / (rig.cycles * period))
 
     rises = np.searchsorted(time, moments)
@@ -92,7 +91,7 @@ def write_log_in_time(
     columns = {
         "Time [s]": (time - first, "%.4f"),
         f"Encoder [{unit}]": (reading.values, f"%.{digits}f"),
-        "Force [N]": (load, "%.3f"),
+        "Force [N]": (load_of(crank, rig), "%.3f"),
         "Oil [°C]": (oil, "%.2f"),
         "Trigger [V]": (trigger, "%.1f"),
     }

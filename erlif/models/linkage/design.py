@@ -80,8 +80,7 @@ class LinkageDesign:
     @property
     def least_transmission(self) -> float:
         """Smallest acute angle between coupler and rocker. [rad]"""
-        smallest, largest = self.transmission
-        return min(smallest, np.pi - largest)
+        return float(measures.least_transmission(self.linkage.links))
 
 
 @formula(crank_speed="number")
@@ -134,7 +133,7 @@ def measure_linkage(
         linkage=linkage,
         swing=float(measures.swing(links)),
         speed_ratio=float(max(measures.speed_ratio(links, rising=up) for up in (True, False))),
-        time_ratio=float((np.pi + abs(excess)) / (np.pi - abs(excess))),
+        time_ratio=linkage.time_ratio(),
         slower_stroke=slower if abs(excess) > EQUAL_STROKES else "neither",
         transmission=(float(smallest), float(largest)),
         space=(float(along), float(across)),

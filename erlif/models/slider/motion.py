@@ -60,19 +60,20 @@ class Links:
         """Force of the spring on the slider, outward."""
         return self.preload + self.spring * (self.crank + self.coupler - position)
 
-    def spring_energy(self, position: float) -> float:
-        stretch = self.crank + self.coupler - position
-        return self.preload * stretch + self.spring * stretch**2 / 2
-
-    def kinetic_energy(self, crank_speed: float, speed: float, phi: float, rate: float) -> float:
+    def with_energies(self, now: dict[str, float], integrals: Array) -> dict[str, float]:
+        """The motion and forces of a moment, with its energies and the integrals so far."""
+        speed, phi, rate = now["slider_speed"], now["rod_angle"], now["rod_speed"]
         rod_x = speed + self.half * sin(phi) * rate
         rod_y = -self.half * cos(phi) * rate
-        return (
-            self.crank_inertia * crank_speed**2
+        now["kinetic_energy"] = (
+            self.crank_inertia * now["crank_speed"] ** 2
             + self.rod_mass * (rod_x**2 + rod_y**2)
             + self.rod_inertia * rate**2
             + self.slider_mass * speed**2
         ) / 2
+        stretch = self.crank + self.coupler - now["slider_position"]
+        now["spring_energy"] = self.preload * stretch + self.spring * stretch**2 / 2
+        return now | dict(zip(QUADRATURES, integrals, strict=True))
 
 
 class SimplifiedJoint(Links):
@@ -185,13 +186,9 @@ class SimplifiedJoint(Links):
             "eccentricity_y": -self.clearance * sp,
             "penetration": 0.0,
             "contact_angle": atan2(-across, -along) - now["friction_angle"],
-            "kinetic_energy": self.kinetic_energy(
-                state[1], now["slider_speed"], now["rod_angle"], now["rod_speed"]
-            ),
-            "spring_energy": self.spring_energy(now["slider_position"]),
             "contact_energy": 0.0,
         }
-        return now | dict(zip(QUADRATURES, state[2:], strict=True))
+        return self.with_energies(now, state[2:])
 
 
 class GeneralJoint(Links):
@@ -344,9 +341,4 @@ class GeneralJoint(Links):
         ]
 
     def describe(self, time: float, state: Array, impact_speed: float) -> dict[str, float]:
-        now = self.solve(time, state, impact_speed)
-        now["kinetic_energy"] = self.kinetic_energy(
-            now["crank_speed"], now["slider_speed"], now["rod_angle"], now["rod_speed"]
-        )
-        now["spring_energy"] = self.spring_energy(now["slider_position"])
-        return now | dict(zip(QUADRATURES, state[6:], strict=True))
+        return self.with_energies(self.solve(time, state, impact_speed), state[6:])
