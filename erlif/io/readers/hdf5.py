@@ -12,6 +12,7 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Array, Mask
 from erlif.core.errors import FrameError, reason_of
 from erlif.core.hdf5 import SIGNATURE, chunk_count, chunk_size, filters_of, find_chunks, open_hdf5
+from erlif.core.notes import list_some
 from erlif.io.readers.base import DEFLATED, SECONDS, Format, FrameFile, FrameKind, check_claim
 from erlif.io.refusals import refusal
 
@@ -93,17 +94,12 @@ class Hdf5Frames(FrameFile):
         candidates = _candidates(self._file, 3) + _candidates(self._file, 2)
         if not candidates:
             return "no dataset of two or three dimensions holds numbers. Choose another file."
-        names = []
-        for name in candidates[:_MOST_LISTED]:
-            data = self._file[name]
-            names.append(f"{name} ({' x '.join(map(str, data.shape))} {data.dtype})")
-        more = (
-            f" and {len(candidates) - _MOST_LISTED} more" if len(candidates) > _MOST_LISTED else ""
+        files = ((name, self._file[name]) for name in candidates)
+        listed = list_some(
+            (f"{name} ({' x '.join(map(str, data.shape))} {data.dtype})" for name, data in files),
+            most=_MOST_LISTED,
         )
-        return (
-            f"it has {', '.join(names)}{more}. Choose one with dataset, for example dataset = "
-            f'"{candidates[0]}".'
-        )
+        return f'it has {listed}. Choose one with dataset, for example dataset = "{candidates[0]}".'
 
     def _check(self, size: int) -> None:
         """Refuse what are no counts of this file, and headers that claim too much."""

@@ -231,12 +231,10 @@ def calibration_figure(calibration: Calibration, *, figure: AnyFigure | None = N
     'calibration with example wedge'
     """
     figure = style.given_figure(figure, ONE_COLUMN, style.STACK * ONE_COLUMN)
-    above, below = style.rows_or_columns(figure, 2, sharex=True, ratios=_PANELS)
-    ratio_against_thickness(calibration, ax=above)
-    ratio_residuals(calibration, ax=below)
+    panels = style.rows_or_columns(figure, 2, sharex=True, ratios=_PANELS)
+    style.draw_panels(panels, (ratio_against_thickness, ratio_residuals), calibration)
     if not style.is_page():
-        above.set_xlabel("")
-    style.letter_panels(above, below)
+        panels[0].set_xlabel("")
     figure.suptitle(f"calibration with {calibration.fixture}", parse_math=False)
     return figure
 

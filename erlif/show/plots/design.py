@@ -299,11 +299,8 @@ def design_figure(design: BearingDesign) -> Figure:
     4
     """
     figure = style.new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS)
-    panels: Any = figure.subplots(2, 2).ravel()
     drawings = (design_pressure, design_pv, design_temperature, design_wear)
-    for ax, draw in zip(panels, drawings, strict=True):
-        draw(design, ax=ax)
-    style.letter_panels(*panels)
+    style.draw_panels(figure.subplots(2, 2).ravel(), drawings, design)
     return figure
 
 

@@ -180,9 +180,7 @@ def pin_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigur
     """
     figure = style.given_figure(figure, ONE_COLUMN, _TALL * ONE_COLUMN, film=film)
     panels = style.rows_or_columns(figure, 3)
-    for ax, draw in zip(panels, (pin_orbit, closest_film, gap_curvature), strict=True):
-        draw(film, ax=ax)
-    style.letter_panels(*panels)
+    style.draw_panels(panels, (pin_orbit, closest_film, gap_curvature), film)
 
     # the strokes look alike in all panels
     strokes = {str(look["label"]) for _, look in triggers.stroke_looks(film)}

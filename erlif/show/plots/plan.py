@@ -192,12 +192,9 @@ def plan_figure(plan: xr.Dataset) -> Figure:
     4
     """
     figure = style.new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS)
-    panels = figure.subplots(2, 2).ravel()
     relative: Any = partial(plan_precision, relative=True)
     drawings = (plan_ratio, plan_precision, relative, plan_signal)
-    for ax, draw in zip(panels, drawings, strict=True):
-        draw(plan, ax=ax)
-    style.letter_panels(*panels)
+    style.draw_panels(figure.subplots(2, 2).ravel(), drawings, plan)
     about = "; invented spectra" if plan.attrs["synthetic"] else ""
     one, two = plan.concentration.values
     first, last = plan.film_range.values

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import functools
 import io
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -591,6 +591,13 @@ def letter_panels(*panels: Axes) -> None:
     """Mark panels as (a), (b), ... in their order."""
     for ax, text in zip(panels, "abcdefgh", strict=False):
         letter(ax, text)
+
+
+def draw_panels(panels: Iterable[Axes], drawings: Iterable[Callable[..., Any]], shown: Any) -> None:
+    """Draw one product in several ways, each in its panel, and mark the panels."""
+    for ax, draw in zip(panels, drawings, strict=True):
+        draw(shown, ax=ax)
+    letter_panels(*panels)
 
 
 def figure_of(drawn: Artist) -> Figure | SubFigure:

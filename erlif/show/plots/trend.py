@@ -275,8 +275,5 @@ def speed_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFig
         return figure
 
     figure = style.given_figure(figure, style.TWO_COLUMNS, _TALL * style.TWO_COLUMNS, film=film)
-    left, right = figure.subplots(1, 2)
-    film_against_speed(film, ax=left)
-    film_and_theory(film, ax=right)
-    style.letter_panels(left, right)
+    style.draw_panels(figure.subplots(1, 2), (film_against_speed, film_and_theory), film)
     return figure
