@@ -230,16 +230,8 @@ def measure_run(
 def trigger_task(run: Run, chain: FrameChain, calibration: Calibration) -> TriggerTask:
     """How the frames of one trigger of a run become its maps."""
     plane = ObjectPlane(run.settings, run.pairs.shape)
-    return TriggerTask(
-        chain,
-        replace(calibration, camera_map=None),  # the chain has the map of the run
-        plane.region,
-        sliding_along_x=plane.sliding_along_x,
-        smoothing=run.settings.thickness.smoothing,
-        sampled=choose_frames(run.pairs),
-        patch=plane.patch,
-        view=plane.view,
-    )
+    calibration = replace(calibration, camera_map=None)  # the chain has the map of the run
+    return TriggerTask(chain, calibration, plane, choose_frames(run.pairs))
 
 
 def _log_inputs(run: Run, cycle: xr.Dataset, calibration: Calibration) -> None:

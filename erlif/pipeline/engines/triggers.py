@@ -22,9 +22,10 @@ from erlif.pipeline.engines.engine import Engine
 from erlif.pipeline.engines.results import FrameResult, TriggerResult
 from erlif.pipeline.film import MAPS
 from erlif.pipeline.passes import measure_film, measure_pulse
+from erlif.pipeline.plane import ObjectPlane
 from erlif.ratio import PairRatio, RatioSum, smooth_ratio
 from erlif.thickness import FilmTables, measure_pulse_energy
-from erlif.trend import FilmCurve, PinView, Region, find_pin_in_blocks, summarise_blocks
+from erlif.trend import FilmCurve, find_pin_in_blocks, summarise_blocks
 
 # Triggers after which a run is inspected for the first time.
 EARLY = 24
@@ -40,28 +41,16 @@ class TriggerTask(PickledByFields):
         Counts to ratio, frame by frame.
     calibration : Calibration
         Ratio to film thickness.
-    region : Region
-        Region of interest of the statistics.
-    sliding_along_x : bool
-        Whether image x is the sliding direction.
-    smoothing : int | None
-        Resolution of the smoothed ratio behind the maps; None: not smoothed. [px]
+    plane : ObjectPlane
+        Region of interest of the statistics, reference patch, and the joint as the camera sees it.
     sampled : frozenset[int]
         Frame pairs whose light is kept in coarse cells.
-    patch : Region | None
-        Rows and columns of the reference patch.
-    view : PinView | None
-        The joint as the camera sees it; None where no position of the pin is measured.
     """
 
     chain: FrameChain
     calibration: Calibration
-    region: Region
-    sliding_along_x: bool = True
-    smoothing: int | None = None
-    sampled: frozenset[int] = frozenset()
-    patch: Region | None = None
-    view: PinView | None = None
+    plane: ObjectPlane
+    sampled: frozenset[int]
 
     def __call__(self, frames: Sequence[int]) -> tuple[dict[str, AnyArray], TriggerResult]:
         """Maps and numbers of a trigger.
@@ -80,10 +69,12 @@ class TriggerTask(PickledByFields):
         """
         kept: list[FrameResult] = []
         attenuation = self.calibration.attenuation_camera1
+        plane, region = self.plane, self.plane.region
+        smoothing = plane.settings.thickness.smoothing
         if len(frames) == 1:  # the film of the trigger is that of its only frame
-            ratio = self.chain.measure(frames[0], with_fixed=self.smoothing is not None)
+            ratio = self.chain.measure(frames[0], with_fixed=smoothing is not None)
             only = self._keep(frames[0], ratio)  # the maps may take the place of the ratio
-            film = measure_film(ratio, self.tables, self.region)
+            film = measure_film(ratio, self.tables, region)
             energy = measure_pulse_energy(
                 ratio.light_one, film.thickness, film.flags, attenuation=attenuation
             )
@@ -98,18 +89,18 @@ class TriggerTask(PickledByFields):
             ratio = total.mean()
             if not frames:
                 ratio.flags[:] = Flag.OUTSIDE_OVERLAP
-            film = measure_film(ratio, self.tables, self.region)
+            film = measure_film(ratio, self.tables, region)
         statistics = summarise_blocks(
-            film.sums, self.curve, region=self.region, sliding_along_x=self.sliding_along_x
+            film.sums, self.curve, region=region, sliding_along_x=plane.sliding_along_x
         )
         position = None
-        if self.view is not None:
-            position = find_pin_in_blocks(film.sums, self.curve, region=self.region, view=self.view)
+        if plane.view is not None:
+            position = find_pin_in_blocks(film.sums, self.curve, region=region, view=plane.view)
 
         # the statistics above need pixels with independent noise, so smoothing comes last
-        if self.smoothing is not None:
-            smooth = smooth_ratio(ratio.to_images(), resolution=self.smoothing)
-            film = measure_film(PairRatio.of(smooth), self.tables, self.region)
+        if smoothing is not None:
+            smooth = smooth_ratio(ratio.to_images(), resolution=smoothing)
+            film = measure_film(PairRatio.of(smooth), self.tables, region)
         maps = {variable.name: getattr(film, variable.name) for variable in MAPS}
         pixels = tuple(count_flags(maps["flags"]))
         return maps, TriggerResult(statistics, tuple(kept), pixels, position)
@@ -117,7 +108,7 @@ class TriggerTask(PickledByFields):
     def _keep(self, frame: int, pair: PairRatio) -> FrameResult:
         """What is kept of a frame, with its light in the cells of the image and in the patch."""
         cells = frame in self.sampled
-        return FrameResult.of(frame, pair, patch=self.patch, with_cells=cells)
+        return FrameResult.of(frame, pair, patch=self.plane.patch, with_cells=cells)
 
     @cached_property
     def tables(self) -> FilmTables:

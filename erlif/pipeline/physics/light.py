@@ -304,11 +304,9 @@ class LightFindings:
 
     def complete(self, remaining: LightFindings, options: LightOptions) -> LightFindings:
         """What was corrected as it was found before, and the rest from the finished films."""
-        return LightFindings(
-            self.background if options.background == "correct" else remaining.background,
-            self.bleaching if options.bleaching == "correct" else remaining.bleaching,
-            self.source if options.bleaching == "correct" else remaining.source,
-        )
+        even = self if options.background == "correct" else remaining
+        bleached = self if options.bleaching == "correct" else remaining
+        return LightFindings(even.background, bleached.bleaching, bleached.source)
 
 
 def find_light(

@@ -74,7 +74,10 @@ def test_trigger_without_frames_is_outside_the_overlap(task):
 
 
 def test_smoothing_changes_the_maps_and_not_the_statistics(task):
-    smooth = replace(task, smoothing=3)
+    settings = task.plane.settings
+    smoothed = settings.thickness.model_copy(update={"smoothing": 3})
+    settings = settings.model_copy(update={"thickness": smoothed})
+    smooth = replace(task, plane=replace(task.plane, settings=settings))
     raw_maps, raw = task([2])
     maps, result = smooth([2])
     assert result.to_arrays().keys() == raw.to_arrays().keys()
