@@ -23,6 +23,7 @@ from erlif.models.arguments import (
     warn_of_range,
 )
 from erlif.models.contact import hertz_line
+from erlif.models.contact.roots import like
 
 # The four asymptotes of the line contact, in the order of `LineContactFilm`.
 FILM_REGIMES = (
@@ -548,9 +549,7 @@ def lubrication_regimes(film_parameter: Values) -> Values:
             name for name, (low, high) in LUBRICATION_REGIMES.items() if low <= value < high
         )
 
-    if hasattr(film_parameter, "dims"):  # a DataArray keeps its coordinates
-        return film_parameter.copy(data=regimes.reshape(film_parameter.shape))
-    return regimes.reshape(np.shape(film_parameter)) if np.ndim(film_parameter) else regimes[0]
+    return like(film_parameter, regimes.reshape(np.shape(film_parameter)))
 
 
 def _groups(
@@ -574,10 +573,7 @@ def _number_of_largest(film: Values, asymptotes: tuple[Values, ...]) -> Values:
 
 def _named(governing: Values) -> Values:
     """Names of regimes given by number, in an array of the same kind; empty for a missing film."""
-    names = np.asarray([*FILM_REGIMES, ""])
-    if hasattr(governing, "dims"):  # a DataArray keeps its coordinates
-        return governing.copy(data=names[governing.data])
-    return names[governing]
+    return like(governing, np.asarray([*FILM_REGIMES, ""])[np.asarray(governing)])
 
 
 def _regime_notes(governing: Values, film: Values, asymptotes: tuple[Values, ...]) -> list[str]:

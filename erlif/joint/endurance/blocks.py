@@ -268,10 +268,9 @@ def rises(time: Array, onsets: Array, constant: float) -> Array:
 
 def forms(time: Array, onsets: Array) -> Iterator[Array]:
     """Draw the forms of the rise: a step, exponentials, and ramps."""
+    for constant in (0.0, *EXPONENTIALS):
+        yield rises(time, onsets, constant)
     lag = np.maximum(time[:, None] - onsets[None, :], 0.0)
-    yield (time[:, None] >= onsets[None, :]).astype(float)
-    for constant in EXPONENTIALS:
-        yield -np.expm1(-lag / constant)
     for duration in RAMPS:
         yield np.minimum(lag / duration, 1.0)
 

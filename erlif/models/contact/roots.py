@@ -31,4 +31,4 @@ def like(example: Values, data: Values) -> Values:
     """`data` in the kind of array of `example`, of the same shape."""
     if hasattr(example, "dims"):  # a DataArray keeps its coordinates
         return example.copy(data=data)
-    return data if np.ndim(data) else float(data)
+    return data if np.ndim(data) else np.asarray(data).item()
