@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from erlif.core.arrays import Array
 from erlif.models.reynolds.full_film import FullFilm
+from erlif.models.reynolds.journal import turn_vectors
 from erlif.prediction.least_squares import CONVERGED, LeastSquares, Observations, Unknowns
 from erlif.prediction.measured import MeasuredMotion
 from erlif.prediction.orbits import (
@@ -215,9 +216,7 @@ class Problem:
         orbit = self.orbits.follow(columns)[:, self.frames.steps]
 
         # the true load line lies at the angle `line` from the assumed one
-        cosine, sine = np.cos(line)[:, np.newaxis], np.sin(line)[:, np.newaxis]
-        x, y = orbit[..., 0], orbit[..., 1]
-        return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
+        return turn_vectors(orbit, line[:, np.newaxis])
 
     def pose(self, unknowns: Unknowns, tolerance: float = CONVERGED) -> LeastSquares:
         """The search of some unknowns, which ends at a tolerance of chi-square."""

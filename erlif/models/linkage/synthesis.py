@@ -277,8 +277,7 @@ def _roots_on_line(deviation: Callable[[Values], Values]) -> list[Array]:
     roots = _zeros(deviation, axis, values)
     if not roots:
         k = int(np.argmin(np.abs(values)))
-        low, high = axis[max(k - 1, 0)], axis[min(k + 1, LINE - 1)]
-        inside = _lowest(lambda u: abs(float(deviation(u))), low, high)
+        inside = _lowest(lambda u: abs(float(deviation(u))), axis, k)
         roots = [min((inside, axis[k]), key=lambda u: abs(float(deviation(u))))]
     return [np.array([root]) for root in roots]
 
@@ -286,8 +285,8 @@ def _roots_on_line(deviation: Callable[[Values], Values]) -> list[Array]:
 def _zeros(deviation: Callable[[Values], Values], axis: Array, values: Array) -> list[float]:
     """All zeros of a function along an axis, from its values there."""
 
-    def dip(sign: float, low: float, high: float) -> float:
-        return _lowest(lambda u: sign * float(deviation(u)), low, high)
+    def dip(k: int) -> float:
+        return _lowest(lambda u: signs[k] * float(deviation(u)), axis, k)
 
     # a dip between two places hides two zeros; that of a parabola is shallower than its step
     signs, sizes = np.sign(values), np.abs(values)
@@ -298,7 +297,7 @@ def _zeros(deviation: Callable[[Values], Values], axis: Array, values: Array) ->
         & (sizes[1:-1] <= np.minimum(sizes[:-2], sizes[2:]))
         & (sizes[1:-1] <= np.maximum(steps[:-1], steps[1:]))
     )
-    extra = [dip(signs[k], axis[k - 1], axis[k + 1]) for k in hidden]
+    extra = [dip(k) for k in hidden.tolist()]
     axis = np.append(axis, extra)
     values = np.append(values, [float(deviation(u)) for u in extra])
     order = np.argsort(axis)
@@ -309,10 +308,11 @@ def _zeros(deviation: Callable[[Values], Values], axis: Array, values: Array) ->
     return [float(root) for root in (*roots, *axis[np.abs(values) < ATTAINED / 10])]
 
 
-def _lowest(function: Callable[[float], Values], low: float, high: float) -> float:
-    """Place of the minimum of a function between two places."""
+def _lowest(function: Callable[[float], Values], axis: Array, k: int) -> float:
+    """Place of the minimum of a function between the neighbours of a place of an axis."""
+    ends = axis[max(k - 1, 0)], axis[min(k + 1, axis.size - 1)]
     minimum = scipy.optimize.minimize_scalar(
-        function, bounds=(low, high), method="bounded", options={"xatol": 1e-12}
+        function, bounds=ends, method="bounded", options={"xatol": 1e-12}
     )
     return float(minimum.x)
 
@@ -321,8 +321,7 @@ def _best_on_line(domain: Domain, limits: _Limits) -> Array:
     """Place of the best transmission angle over one unknown length."""
     axis = _axis(LINE)
     k = int(np.argmax(limits.score(domain.links([axis]))))
-    low, high = axis[max(k - 1, 0)], axis[min(k + 1, LINE - 1)]
-    return np.array([_lowest(lambda u: -limits.score(domain.links([u])), low, high)])
+    return np.array([_lowest(lambda u: -limits.score(domain.links([u])), axis, k)])
 
 
 def _zeros_on_row(domain: Domain, target: _Target, row: float, values: Array) -> list[Array]:
@@ -354,8 +353,7 @@ def _best_of_family(domain: Domain, target: _Target, limits: _Limits) -> list[Ar
 
     # the best row first, then between its neighbours
     row = max(rows, key=lambda row: score(float(axis[row])))
-    low, high = axis[max(row - 1, 0)], axis[min(row + 1, SQUARE - 1)]
-    best = max((_lowest(lambda u: -score(u), low, high), float(axis[row])), key=score)
+    best = max((_lowest(lambda u: -score(u), axis, row), float(axis[row])), key=score)
     return [max(across(best), key=lambda place: float(limits.score(domain.links(place))))]
 
 

@@ -556,17 +556,8 @@ def halfway(first: Walls, second: Walls) -> Walls:
 
 def deflected(walls: Walls, deflection: Array, grid: Grid) -> Walls:
     """Walls moved apart by a deflection of the cells, half of each neighbour at a face."""
-    shape = grid.along + 1, grid.across
-    along = np.array(np.broadcast_to(walls.along, shape))
-    along[1:-1] += 0.5 * (deflection[1:] + deflection[:-1])
-    if grid.closed:
-        along[0] += 0.5 * (deflection[0] + deflection[-1])
-        along[-1] = along[0]
-    else:
-        along[0] += 0.5 * deflection[0]
-        along[-1] += 0.5 * deflection[-1]
-    across = np.array(np.broadcast_to(walls.across, (grid.along, grid.across + 1)))
-    across[:, 1:-1] += 0.5 * (deflection[:, 1:] + deflection[:, :-1])
-    across[:, 0] += 0.5 * deflection[:, 0]
-    across[:, -1] += 0.5 * deflection[:, -1]
+    around = np.pad(deflection, ((1, 1), (0, 0)), mode="wrap" if grid.closed else "constant")
+    beside = np.pad(deflection, ((0, 0), (1, 1)))
+    along = walls.along + 0.5 * (around[1:] + around[:-1])
+    across = walls.across + 0.5 * (beside[:, 1:] + beside[:, :-1])
     return Walls(walls.centre + deflection, along, across)

@@ -196,23 +196,13 @@ class Faces:
 
     def inflow(self, steps: tuple[Array, Array]) -> Array:
         """Flow into each cell that the pressure drives. [m3/s]"""
-        flow = self.along * steps[0]
-        flow = flow[1:] - flow[:-1]
-        if not self.single:
-            side = self.across * steps[1]
-            flow += side[:, 1:]
-            flow -= side[:, :-1]
-        return np.asarray(flow)
+        side = None if self.single else self.across * steps[1]
+        return _into_cells(self.along * steps[0], side)
 
     def inflow_change(self, steps: tuple[Array, Array], along: Array, across: Array) -> Array:
         """Change of that inflow with a change of the film at the faces."""
-        flow = self.along_slope * along * steps[0]
-        flow = flow[1:] - flow[:-1]
-        if not self.single:
-            side = self.across_slope * steps[1] * across
-            flow += side[:, 1:]
-            flow -= side[:, :-1]
-        return np.asarray(flow)
+        side = None if self.single else self.across_slope * steps[1] * across
+        return _into_cells(self.along_slope * along * steps[0], side)
 
     def stencil(self) -> Stencil:
         """Coefficients of the inflow for the reduced pressures of a cell and its neighbours."""
@@ -244,6 +234,15 @@ class Faces:
             flow += float((self.along[0] * steps[0][0]).sum())
             flow -= float((self.along[-1] * steps[0][-1]).sum())
         return flow
+
+
+def _into_cells(along: Array, across: Array | None) -> Array:
+    """What flows through the faces along and across leaves in each cell."""
+    flow = along[1:] - along[:-1]
+    if across is not None:
+        flow += across[:, 1:]
+        flow -= across[:, :-1]
+    return np.asarray(flow)
 
 
 def link_only(stencil: Stencil, unknown: Mask) -> None:

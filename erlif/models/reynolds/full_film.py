@@ -16,7 +16,7 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
-from erlif.models.reynolds.journal import Journal, Motion
+from erlif.models.reynolds.journal import Journal, Motion, turn_vectors
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline  # loads scipy.optimize: imported where it is used
@@ -214,8 +214,7 @@ def follow_full_film(
     # into the frame that turns with half the bushing
     orbit = np.empty((len(place), time.size, 2))
     slope = np.empty_like(orbit)
-    orbit[:, 0, 0] = cosines[0] * place[:, 0] + sines[0] * place[:, 1]
-    orbit[:, 0, 1] = cosines[0] * place[:, 1] - sines[0] * place[:, 0]
+    orbit[:, 0] = turn_vectors(place, -half[0])
     turns = np.stack([cosines, sines], axis=1)
     cases = np.stack([flow, spring, unloaded], axis=1)
     table = np.ascontiguousarray(film.table.c)
@@ -225,9 +224,7 @@ def follow_full_film(
     # back to the laboratory at every step of the motion
     if stride > 1:
         orbit = CubicHermiteSpline(time, orbit, slope, axis=1)(motion.time)
-    cosine, sine = np.cos(half), np.sin(half)
-    x, y = orbit[..., 0], orbit[..., 1]
-    return np.asarray(np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1) * clearance)
+    return np.asarray(turn_vectors(orbit, half) * clearance)
 
 
 def _stride(motion: Motion) -> int:

@@ -388,3 +388,27 @@ def covered(grooves: Sequence[Groove], angles: Array) -> Array:
             inside |= off < groove.width / 2
         inside[np.argmin(off)] = True
     return inside
+
+
+def turn_vectors(vectors: Array, angle: Array | float) -> Array:
+    """Turn vectors in the plane of the joint.
+
+    Parameters
+    ----------
+    vectors : array, (..., axis)
+        Along a direction and a right angle ahead.
+    angle : array, (...), or float
+        [rad]
+
+    Returns
+    -------
+    array, (..., axis)
+
+    Examples
+    --------
+    >>> turn_vectors(np.array([1.0, 0.0]), np.pi / 2).round(9)
+    array([0., 1.])
+    """
+    cosine, sine = np.cos(angle), np.sin(angle)
+    along, side = vectors[..., 0], vectors[..., 1]
+    return np.stack([along * cosine - side * sine, along * sine + side * cosine], axis=-1)

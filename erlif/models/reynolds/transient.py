@@ -23,7 +23,15 @@ from erlif.models.reynolds.balance import (
     start_state,
 )
 from erlif.models.reynolds.cells import Faces, Grid, Walls
-from erlif.models.reynolds.journal import Groove, Journal, Motion, Mount, as_mount, covered
+from erlif.models.reynolds.journal import (
+    Groove,
+    Journal,
+    Motion,
+    Mount,
+    as_mount,
+    covered,
+    turn_vectors,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -272,7 +280,7 @@ class TransientFilm:
         self.toward = mount.direction_for(motion)
         if start.shape != (2,) or not np.isfinite(start).all():
             raise ModelError("start must be two displacements, along the load line and sideways.")
-        self.held = _turned(start, -self.toward)
+        self.held = turn_vectors(start, -self.toward)
         if mount.rest is not None:
             self.held[1] = mount.rest if mount.guided else self.held[1]
         self.rest = self.held[1] if mount.rest is None else mount.rest
@@ -403,7 +411,7 @@ class TransientFilm:
         """Displacement along the load line and sideways."""
         held = self.held.copy()
         held[: self.state.position.size] = self.state.position
-        return _turned(held, self.toward)
+        return turn_vectors(held, self.toward)
 
     def record(self, k: int) -> None:
         """Numbers of one step."""
@@ -492,7 +500,7 @@ class TransientFilm:
             self.table[name][made] = rows[made, place]
         for kind in ("displacement", "reaction"):
             load, side = self.table[f"{kind}_load"][made], self.table[f"{kind}_side"][made]
-            load[:], side[:] = _turned(np.stack([load, side]), self.toward)
+            load[:], side[:] = turn_vectors(np.stack([load, side], axis=-1), self.toward).T
         return int(done)
 
     def picture(self) -> tuple[Array, Array, Array]:
@@ -557,13 +565,6 @@ def losses(medium: Medium, state: State, speed: float, radius: float) -> dict[st
 def _owned(values: Any) -> Array:
     """A copy in the one layout for which the steps are compiled."""
     return np.array(values, dtype=float, order="C")
-
-
-def _turned(vector: Array, angle: float) -> Array:
-    """A vector (along, sideways) after a rotation."""
-    along, side = vector
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return np.array([along * cosine - side * sine, along * sine + side * cosine])
 
 
 # Variables over time.
