@@ -367,7 +367,9 @@ def line_contact_film(
     )
     if np.any(np.greater(pressure, BARUS_LIMIT)):
         notes += ("The Hertz pressure exceeds 0.5 GPa, above which the law of Barus is too stiff.",)
-    return LineContactFilm(film, _named(governing), *asymptotes, gV=gV, gE=gE, notes=notes)
+    # no name for a missing film
+    regime = like(governing, np.asarray([*FILM_REGIMES, ""])[np.asarray(governing)])
+    return LineContactFilm(film, regime, *asymptotes, gV=gV, gE=gE, notes=notes)
 
 
 class EllipticalFilm(NamedTuple):
@@ -569,11 +571,6 @@ def _number_of_largest(film: Values, asymptotes: tuple[Values, ...]) -> Values:
     return (film != rigid) * (
         1 + (film != viscous) * (1 + (film != elastic) * (1 + (film != both) * 1))
     )
-
-
-def _named(governing: Values) -> Values:
-    """Names of regimes given by number, in an array of the same kind; empty for a missing film."""
-    return like(governing, np.asarray([*FILM_REGIMES, ""])[np.asarray(governing)])
 
 
 def _regime_notes(governing: Values, film: Values, asymptotes: tuple[Values, ...]) -> list[str]:
