@@ -23,7 +23,7 @@ import numpy as np
 from erlif.models import Journal, crank_motion, solve_journal
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds.full_film import follow_full_film
-from erlif.prediction import MeasuredMotion, compare_models, fit_motion
+from erlif.prediction import FrameMotion, MeasuredMotion, compare_models, fit_motion
 from erlif.rig import cavitation
 from erlif.rig.cavitation import follow_cavitated
 from erlif.rig.orbit import Bearing, follow_orbit
@@ -97,18 +97,17 @@ def photograph(orbit, line, rng):
 
 
 def motion_of(cycles=CYCLES):
-    return crank_motion(RIG, crank_speed=SPEED, load=LOAD, cycles=cycles, steps_per_cycle=100)
+    motion = crank_motion(RIG, crank_speed=SPEED, load=LOAD, cycles=cycles, steps_per_cycle=100)
+    crank = np.arange(motion.time.size) * 2 * np.pi / 100
+    return FrameMotion(motion, np.arange(cycles * FRAMES) * 2, crank, STATED.viscosity)
 
 
 def study(measured, truth, **options):
     """Pulls of every quantity, error of the viscosity, and what was recognised."""
     motion = motion_of()
-    steps, crank = np.arange(CYCLES * FRAMES) * 2, np.arange(motion.time.size) * 2 * np.pi / 100
-    found = fit_motion(
-        measured, STATED, motion, steps=steps, crank=crank, profiles=False, **options
-    )
+    found = fit_motion(measured, STATED, motion, profiles=False, **options)
     pulls = {k: (found.estimates[k].value - v) / found.estimates[k].std for k, v in truth.items()}
-    return found, pulls, (motion, steps, crank)
+    return found, pulls, motion
 
 
 def report(name, pulls, errors, recognised):
@@ -145,11 +144,11 @@ def run_free(count, compared):
             "start_attitude": angle,
             "load_line": line,
         }
-        found, pull, (motion, steps, crank) = study(measured, truth)
+        found, pull, motion = study(measured, truth)
         pulls.append(pull)
         errors.append(found.estimates["viscosity"].value / viscosity - 1)
         if compared:
-            best = compare_models(measured, STATED, motion, steps=steps, crank=crank)
+            best = compare_models(measured, STATED, motion)
             recognised += best.candidates[0].name == "a pin that is free sideways"
     report("free pin", pulls, errors, recognised if compared else "not")
 
@@ -164,12 +163,10 @@ def run_guided():
             for _ in range(2):
                 measured = photograph(orbit, 0.0, rng)
                 truth = {"viscosity": viscosity, "start_film": STATED.clearance - orbit[0, 0]}
-                found, pull, (motion, steps, crank) = study(
-                    measured, truth, sideways="guided", load_line_std=1e-3
-                )
+                found, pull, motion = study(measured, truth, sideways="guided", load_line_std=1e-3)
                 pulls.append(pull)
                 errors.append(found.estimates["viscosity"].value / viscosity - 1)
-                best = compare_models(measured, STATED, motion, steps=steps, crank=crank)
+                best = compare_models(measured, STATED, motion)
                 recognised += best.candidates[0].name == "a guided pin"
         report(f"guided pin, orbits {kind}", pulls, errors, recognised)
 
@@ -204,24 +201,23 @@ def run_held():
 
 def run_time(cycles=200):
     motion = motion_of(cycles)
-    steps = np.arange(cycles * FRAMES) * 2
-    sunk = follow_full_film(STATED, motion, start=np.array([[130e-6, 20e-6]]), fluidity=0.2)[0]
+    begin = np.array([[130e-6, 20e-6]])
+    (sunk,) = follow_full_film(STATED, motion.motion, start=begin, fluidity=0.2)
     start, stiff = (STATED.clearance - 30e-6, 0.0), replace(STATED, viscosity=0.15)
-    held = solve_journal(stiff, motion, start=start, sideways="guided", cells=(64, 4))
+    held = solve_journal(stiff, motion.motion, start=start, sideways="guided", cells=(64, 4))
     held = np.stack([held.displacement_load.values, held.displacement_side.values], axis=1)
-    crank = np.arange(motion.time.size) * 2 * np.pi / 100
-    folded = np.arange(steps.size) % FRAMES
+    folded = np.arange(motion.steps.size) % FRAMES
     for name, orbit, options in (
         ("free", sunk, {}),
         ("free, folded", sunk, {"trigger": folded}),
-        ("guided", held, {"sideways": "guided", "crank": crank, "load_line_std": 1e-3}),
+        ("guided", held, {"sideways": "guided", "load_line_std": 1e-3}),
     ):
-        seen = orbit[steps]
+        seen = orbit[motion.steps]
         if "trigger" in options:
             seen = seen.reshape(cycles, FRAMES, 2).mean(axis=0)
         measured = photograph(seen, 1e-3, np.random.default_rng(1))
         wall, begun = time.perf_counter(), time.process_time()
-        fit_motion(measured, STATED, motion, steps=steps, **options)
+        fit_motion(measured, STATED, motion, **options)
         begun, wall = time.process_time() - begun, time.perf_counter() - wall
         print(
             f"{cycles} cycles, {len(seen)} positions, {name}: {begun:.1f} s of processor time, "

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.core.progress import Progress, silent
-from erlif.models.reynolds import Journal, Motion
+from erlif.models.reynolds import Journal
 from erlif.prediction.fit import LOAD_LINE_STD, MISFIT, MotionFit, fit_motion
 from erlif.prediction.least_squares import (
     LeastSquares,
@@ -22,6 +22,7 @@ from erlif.prediction.least_squares import (
     Unknowns,
 )
 from erlif.prediction.measured import MeasuredMotion
+from erlif.prediction.motion import FrameMotion
 from erlif.prediction.orbits import FreeOrbits
 from erlif.prediction.problem import Frames, Problem
 
@@ -136,11 +137,9 @@ class _Fitted:
 def compare_models(
     measured: MeasuredMotion,
     journal: Journal,
-    motion: Motion,
+    motion: FrameMotion,
     *,
-    steps: npt.NDArray[np.integer[Any]],
     trigger: npt.NDArray[np.integer[Any]] | None = None,
-    crank: Array | None = None,
     steady: Mapping[str, Array] | None = None,
     sideways: Sequence[str] = ("free", "guided"),
     load_line_std: float = LOAD_LINE_STD,
@@ -157,7 +156,7 @@ def compare_models(
 
     Parameters
     ----------
-    measured, journal, motion, steps, trigger, crank, load_line_std
+    measured, journal, motion, trigger, load_line_std
         As for `fit_motion`.
     steady : mapping of str to array, (trigger,), optional
         Films of steady formulas under the names of `STEADY`. [m]
@@ -183,6 +182,7 @@ def compare_models(
     --------
     Squeeze without rotation, measured to 10 nm, beside a constant steady film:
 
+    >>> from erlif.models.reynolds import Motion
     >>> joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
     >>> time = np.linspace(0.0, 4.0, 41)
     >>> ratio = 3.0 + time * 222.4 / joint.squeeze_constant
@@ -190,14 +190,14 @@ def compare_models(
     >>> place = np.stack([230e-6 * ratio / np.hypot(1, ratio), 0 * time], axis=1) + noise
     >>> measured = MeasuredMotion(place, 1e-16 * np.eye(2) * np.ones((41, 1, 1)),
     ...                           np.zeros((41, 2, 0)))
+    >>> still = FrameMotion(Motion(time, 0 * time, load=222.4), np.arange(41), 0 * time, 0.12)
     >>> found = compare_models(
-    ...     measured, joint, Motion(time, angle=0 * time, load=222.4), steps=np.arange(41),
-    ...     steady={"film_theory": np.full(41, 131e-6)}, sideways=["free"])
+    ...     measured, joint, still, steady={"film_theory": np.full(41, 131e-6)}, sideways=["free"])
     >>> found.candidates[-1].name, found.candidates[-1].bic > 10
     ('the steady film of the regime map', True)
     """
-    frames = Frames.of(measured, np.asarray(steps), trigger)
-    problem = Problem(FreeOrbits(journal, motion), frames, measured, "free")
+    frames = Frames.of(measured, motion.steps, trigger)
+    problem = Problem(FreeOrbits(journal, motion.motion), frames, measured, "free")
     fitted: list[_Fitted] = []
     fits: dict[str, MotionFit] = {}
     failures: list[str] = []
@@ -212,9 +212,7 @@ def compare_models(
                 measured,
                 journal,
                 motion,
-                steps=steps,
                 trigger=trigger,
-                crank=crank,
                 sideways=held,
                 load_line_std=load_line_std,
                 profiles=False,

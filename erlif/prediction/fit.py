@@ -24,6 +24,7 @@ from erlif.prediction.least_squares import (
     interval,
 )
 from erlif.prediction.measured import MeasuredMotion
+from erlif.prediction.motion import FrameMotion
 from erlif.prediction.orbits import ATMOSPHERE, FreeOrbits, HeldOrbits, Orbits, lead_of
 from erlif.prediction.problem import Frames, Problem
 from erlif.trend import VogelLaw
@@ -134,11 +135,9 @@ class MotionFit:
 def fit_motion(
     measured: MeasuredMotion,
     journal: Journal,
-    motion: Motion,
+    motion: FrameMotion,
     *,
-    steps: npt.NDArray[np.integer[Any]],
     trigger: npt.NDArray[np.integer[Any]] | None = None,
-    crank: Array | None = None,
     sideways: str = "free",
     fitted: Sequence[str] = ("viscosity",),
     load_line_std: float = LOAD_LINE_STD,
@@ -156,16 +155,13 @@ def fit_motion(
     measured : MeasuredMotion
     journal : Journal
         The joint, with the expected viscosity.
-    motion : Motion
-        Rotation of the bushing and load from the first frame on.
-    steps : array, (frame,)
-        Step of the motion at which each frame was taken.
+    motion : FrameMotion
+        Rotation of the bushing and load from the first frame on. Where it has a whole turn of the
+        crank, the film of a held pin is led in by one, in which its cavities form; else it is full
+        at the first frame.
     trigger : array, (frame,), optional
         Trigger of each frame, a negative number for one that was not measured. By default each
         frame is a trigger.
-    crank : array, (step,), optional
-        Crank angle, counted on from turn to turn. The film of a held pin is then led in by a turn
-        in which its cavities form; else it is full at the first frame. [rad]
     sideways : str
         "free", "guided" or "spring".
     fitted : sequence of str
@@ -197,17 +193,17 @@ def fit_motion(
     >>> place = np.stack([230e-6 * ratio / np.hypot(1, ratio), 0 * time], axis=1)
     >>> measured = MeasuredMotion(place, 1e-16 * np.eye(2) * np.ones((41, 1, 1)),
     ...                           np.zeros((41, 2, 0)))
-    >>> motion = Motion(time, angle=0 * time, load=222.4)
-    >>> found = fit_motion(measured, joint, motion, steps=np.arange(41))
+    >>> still = FrameMotion(Motion(time, 0 * time, load=222.4), np.arange(41), 0 * time, 0.12)
+    >>> found = fit_motion(measured, joint, still)
     >>> round(found.estimates["viscosity"].value, 4)
     0.15
     """
-    frames = Frames.of(measured, steps, trigger)
+    frames = Frames.of(measured, motion.steps, trigger)
     _check(measured, frames, sideways, fitted)
-    orbits: Orbits = FreeOrbits(journal, motion)
+    orbits: Orbits = FreeOrbits(journal, motion.motion)
     if sideways != "free":
-        lead = None if crank is None else lead_of(motion, np.asarray(crank))
-        orbits = HeldOrbits(journal, motion, sideways, lead=lead)
+        lead = lead_of(motion.motion, motion.crank)
+        orbits = HeldOrbits(journal, motion.motion, sideways, lead=lead)
     problem = Problem(orbits, frames, measured, sideways)
     return _search(problem, problem.unknowns(fitted, load_line_std), profiles)
 

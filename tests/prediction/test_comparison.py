@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scenes.orbits import CRANK, FRAMES, MOTION, RIG, SPEED, STATED, STEPS, free_orbit, measure
+from scenes.orbits import CRANK, FRAMES, MOVED, RIG, SPEED, STATED, STEPS, free_orbit, measure
 
 from erlif.models.reynolds import Journal, crank_motion, solve_journal
 from erlif.prediction import compare_models, measured_minima
@@ -14,7 +14,7 @@ START = 205e-6, 20e-6
 
 
 def compare(measured, joint, **options):
-    return compare_models(measured, joint, MOTION, steps=STEPS, crank=CRANK, **options)
+    return compare_models(measured, joint, MOVED, **options)
 
 
 def test_free_pin_is_recognised_by_its_positions():

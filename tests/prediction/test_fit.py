@@ -6,14 +6,13 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes.orbits import (
-    CRANK,
     FRAMES,
     MOTION,
+    MOVED,
     RIG,
     SPEED,
     STATED,
     STD,
-    STEPS,
     VISCOSITY,
     free_orbit,
     measure,
@@ -49,7 +48,7 @@ def test_viscosity_start_and_load_line_are_found_within_their_errors(orbit):
     pulls = []
     for seed in range(8):
         measured = photograph(orbit, seed, line=1e-3)
-        found = fit_motion(measured, STATED, MOTION, steps=STEPS, profiles=False)
+        found = fit_motion(measured, STATED, MOVED, profiles=False)
         truth = {
             "viscosity": VISCOSITY,
             "start_film": STATED.clearance - np.hypot(*orbit[0]),
@@ -72,14 +71,14 @@ def test_shared_error_is_not_averaged_away(orbit):
     both = photograph(orbit, 1)
     sure = MeasuredMotion(both.value, both.random_cov, both.shared[..., :0])
     found, alone = (
-        fit_motion(one, STATED, MOTION, steps=STEPS, profiles=False).estimates["viscosity"].std
+        fit_motion(one, STATED, MOVED, profiles=False).estimates["viscosity"].std
         for one in (both, sure)
     )
     assert found > 1.5 * alone
 
 
 def test_profile_and_standard_deviation_agree_where_the_model_is_nearly_linear(orbit):
-    found = fit_motion(photograph(orbit, 2), STATED, MOTION, steps=STEPS).estimates["viscosity"]
+    found = fit_motion(photograph(orbit, 2), STATED, MOVED).estimates["viscosity"]
     npt.assert_allclose(found.high - found.low, 2 * 1.96 * found.std, rtol=0.05)
     # the limit of the temperature is open where that of the viscosity is
     law = VogelLaw(a=8e-5, b=900.0, c=-95.0)
@@ -90,7 +89,7 @@ def test_minima_alone_determine_the_viscosity(orbit):
     film = STATED.clearance - np.hypot(*orbit.T)
     noisy = film + np.random.default_rng(5).normal(0, 1e-8, FRAMES)
     measured = measured_minima(noisy, np.full(FRAMES, 1e-8), clearance=STATED.clearance)
-    found = fit_motion(measured, STATED, MOTION, steps=STEPS, profiles=False)
+    found = fit_motion(measured, STATED, MOVED, profiles=False)
     found = found.estimates["viscosity"]
     assert abs(found.value - VISCOSITY) < 3 * found.std
     assert found.std < 0.01 * VISCOSITY
@@ -105,7 +104,7 @@ def test_means_over_cycles_are_compared_with_means(orbit):
         0.5 * both.random_cov[:50],
         0.5 * (both.shared[:50] + both.shared[50:]),
     )
-    found = fit_motion(folded, STATED, MOTION, steps=STEPS, trigger=trigger, profiles=False)
+    found = fit_motion(folded, STATED, MOVED, trigger=trigger, profiles=False)
     viscosity = found.estimates["viscosity"]
     assert abs(viscosity.value - VISCOSITY) < 3 * viscosity.std
     assert found.predicted.shape == (50, 2)
@@ -115,7 +114,7 @@ def test_means_over_cycles_are_compared_with_means(orbit):
 def test_film_that_does_not_change_leaves_a_lower_limit_of_the_viscosity():
     measured = measure(np.tile([225e-6, 0.0], (FRAMES, 1)), 7)
     still = Motion(MOTION.time, 0 * MOTION.angle, 222.4)
-    found = fit_motion(measured, STATED, still, steps=STEPS)
+    found = fit_motion(measured, STATED, replace(MOVED, motion=still))
     viscosity = found.estimates["viscosity"]
     assert not viscosity.determined
     assert np.isinf(viscosity.high)
@@ -135,8 +134,8 @@ def held_orbit(side=0.0, **changes):
 
 
 def fit_held(orbit, seed, **options):
-    options = {"steps": STEPS, "crank": CRANK, "load_line_std": 0} | options
-    return fit_motion(measure(orbit, seed), replace(STATED, long=True), MOTION, **options)
+    options = {"load_line_std": 0} | options
+    return fit_motion(measure(orbit, seed), replace(STATED, long=True), MOVED, **options)
 
 
 @pytest.fixture(scope="module")
@@ -186,7 +185,7 @@ def test_free_film_below_its_cavitation_pressure_is_reported(orbit):
     # under 222 N the full film falls to some kilopascals of suction beside the thinnest film
     for cavitation, reported in ((0.0, True), (-1e5, False)):
         joint = replace(STATED, cavitation_pressure=cavitation)
-        found = fit_motion(photograph(orbit, 0), joint, MOTION, steps=STEPS, profiles=False)
+        found = fit_motion(photograph(orbit, 0), joint, MOVED, profiles=False)
         assert any("taken as full" in note.text for note in found.notes) == reported
 
 
@@ -211,4 +210,4 @@ def test_what_cannot_be_fitted_is_refused(known, changes, message):
     film = np.where(np.arange(FRAMES) < known, 5e-6, np.nan)
     measured = measured_minima(film, np.full(FRAMES, 1e-8), clearance=STATED.clearance)
     with pytest.raises(ConfigError, match=message):
-        fit_motion(measured, STATED, MOTION, steps=STEPS, **changes)
+        fit_motion(measured, STATED, MOVED, **changes)

@@ -6,7 +6,7 @@ import pytest
 from scenes.orbits import STATED
 
 from erlif.models import Motion, solve_journal
-from erlif.prediction import MeasuredMotion, fit_motion
+from erlif.prediction import FrameMotion, MeasuredMotion, fit_motion
 from erlif.rig import RigSettings
 from erlif.rig.cavitation import follow_cavitated
 from erlif.rig.film import crank_at, rocker_angle, rocker_range
@@ -25,7 +25,8 @@ def fit(rig, **options):
     )
     angle = rocker_angle(crank_at(TIME, rig), rig) - np.mean(rocker_range(rig))
     motion = Motion(TIME, angle=angle, load=load_at(TIME, rig))
-    found = fit_motion(measured, STATED, motion, steps=np.arange(TIME.size), **options)
+    moved = FrameMotion(motion, np.arange(TIME.size), 0 * TIME, 0.12)
+    found = fit_motion(measured, STATED, moved, **options)
     return place, found.estimates
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal, crank_motion
-from erlif.prediction import MeasuredMotion
+from erlif.prediction import FrameMotion, MeasuredMotion
 from erlif.rig.orbit import Bearing, follow_orbit
 
 RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
@@ -15,6 +15,7 @@ FRAMES = 100
 MOTION = crank_motion(RIG, crank_speed=SPEED, load=222.4, cycles=2, steps_per_cycle=100)
 STEPS = np.arange(FRAMES) * 2
 CRANK = np.arange(MOTION.time.size) * 2 * np.pi / 100
+MOVED = FrameMotion(MOTION, STEPS, CRANK, 0.12)
 STD = np.array([5e-9, 20e-9])
 
 

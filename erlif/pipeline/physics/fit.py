@@ -148,10 +148,8 @@ def _compare(
     return compare_models(
         _measured(film, journal),
         journal,
-        motion.motion,
-        steps=motion.steps,
+        motion,
         trigger=np.where(frames.used.values, frames.trigger.values, -1),
-        crank=motion.crank,
         steady=steady,
         sideways=sideways,
         load_line_std=0.1 * LOAD_LINE_STD if given else LOAD_LINE_STD,
