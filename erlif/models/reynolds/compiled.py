@@ -20,7 +20,7 @@ from erlif.models.reynolds.balance import (
     SWITCH_TOLERANCE,
     THINNEST_FILM,
 )
-from erlif.models.reynolds.flow import ROUGHNESS_AMPLITUDE, ROUGHNESS_DECAY, SMALLEST_FLUIDITY
+from erlif.models.reynolds.flow import SMALLEST_FLUIDITY, mobility_of
 
 # parts of `march`: laid in line by numba, they would take a twentieth off a step, and a third more
 # time and 230 MB more memory to compile
@@ -161,16 +161,7 @@ class _Work(NamedTuple):
     sides: Array  # right sides: the error, then its change with each displacement
 
 
-@_part
-def _mobility(film, viscosity, roughness):  # type: ignore[no-untyped-def]
-    """As `Fluid.mobility`, for one film."""
-    square = film * film / (12 * viscosity)
-    if roughness == 0.0:
-        return square * film, 3 * square
-    missing = ROUGHNESS_AMPLITUDE * np.exp(-ROUGHNESS_DECAY / roughness * film)
-    smooth = square * film
-    slope = 3 * square * (1 - missing) + smooth * missing * ROUGHNESS_DECAY / roughness
-    return smooth * (1 - missing), slope
+_mobility = _part(mobility_of)
 
 
 @_part

@@ -55,21 +55,26 @@ class Fluid:
         return -np.log(rest) / self.pressure_viscosity, 1 / rest
 
     def mobility(self, film: Array) -> tuple[Array, Array]:
-        """Flow per width and gradient of the reduced pressure, and its derivative by the film.
-
-        h^3 / (12 eta0), times 1 - 0.9 exp(-0.56 h / sigma) between rough walls without lay (Patir
-        and Cheng 1978, gamma = 1), for h above half of sigma.
-        """
-        square = film * film / (12 * self.viscosity)
-        if not self.roughness:
-            return square * film, 3 * square
-        missing = ROUGHNESS_AMPLITUDE * np.exp(-ROUGHNESS_DECAY / self.roughness * film)
-        smooth = square * film
-        slope = 3 * square * (1 - missing)
-        return smooth * (1 - missing), slope + smooth * missing * ROUGHNESS_DECAY / self.roughness
+        """`mobility_of` this fluid."""
+        return mobility_of(film, self.viscosity, self.roughness)
 
     def viscosity_at(self, pressure: Array) -> Array | float:
         """Viscosity at a pressure, Barus. [Pa s]"""
         if not self.pressure_viscosity:
             return self.viscosity
         return np.asarray(self.viscosity * np.exp(self.pressure_viscosity * pressure))
+
+
+def mobility_of(film: Array, viscosity: float, roughness: float) -> tuple[Array, Array]:
+    """Flow per width and gradient of the reduced pressure, and its derivative by the film.
+
+    h^3 / (12 eta0), times 1 - 0.9 exp(-0.56 h / sigma) between rough walls without lay (Patir and
+    Cheng 1978, gamma = 1), for h above half of sigma.
+    """
+    square = film * film / (12 * viscosity)
+    if roughness == 0.0:
+        return square * film, 3 * square
+    missing = ROUGHNESS_AMPLITUDE * np.exp(-ROUGHNESS_DECAY / roughness * film)
+    smooth = square * film
+    slope = 3 * square * (1 - missing) + smooth * missing * ROUGHNESS_DECAY / roughness
+    return smooth * (1 - missing), slope
