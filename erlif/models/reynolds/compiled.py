@@ -161,6 +161,7 @@ class _Work(NamedTuple):
     sides: Array  # right sides: the error, then its change with each displacement
 
 
+# the cache of compiled code follows this file alone: touch it where `mobility_of` has changed
 _mobility = _part(mobility_of)
 
 
