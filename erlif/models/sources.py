@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import scipy
+from scipy.constants import inch, pound_force
 
 from erlif.core.tables import fill_template, read_table
 from erlif.models import (
@@ -30,12 +31,6 @@ from erlif.models import (
 from erlif.models.arguments import Values
 from erlif.models.linkage.motor import HORSEPOWER
 from erlif.models.mechanism import CrankRocker, SliderCrank, crank_for_swing
-
-# Pound-force. [N]
-LBF = 4.4482216152605
-
-# [m]
-INCH = 0.0254
 
 # Turn per minute. [rad/s]
 RPM = 2 * np.pi / 60
@@ -177,7 +172,7 @@ def _film(pressure_viscosity: float) -> Values:
     """Film of the steel joint at 100,000 lbf and the mean speed, eq. 2.8 in standard form. [m]"""
     return film.dowson_higginson_film(
         0.042,
-        load_per_length=1e5 * LBF / LENGTH,
+        load_per_length=1e5 * pound_force / LENGTH,
         viscosity=0.12,
         pressure_viscosity=pressure_viscosity,
         radius=contact.conformal_radius(PIN, bushing_radius=BUSHING),
@@ -191,17 +186,19 @@ def _lobe(load: float, *, exact: bool = False) -> contact.EllipticalContact:
         -BUSHING, radius_1_across=0.2, radius_2=PIN, radius_2_across=np.inf
     )
     ellipse = contact.hertz_ellipse if exact else contact.thesis_ellipse
-    return ellipse(load / 2 * LBF, radius=radius, radius_across=across, contact_modulus=STEEL)
+    return ellipse(
+        load / 2 * pound_force, radius=radius, radius_across=across, contact_modulus=STEEL
+    )
 
 
 def _torque(radius: float) -> Values:
     """Torque of the friction 0.15 at 100,000 lbf. [N m]"""
-    return friction.friction_torque(0.15, load=1e5 * LBF, radius=radius)
+    return friction.friction_torque(0.15, load=1e5 * pound_force, radius=radius)
 
 
 def _drive() -> linkage.DrivePower:
     """Power of the drive of appendix A.4.2."""
-    return linkage.drive_power(RIG, crank_speed=RIG_SPEED, torque=_torque(1.25 * INCH))
+    return linkage.drive_power(RIG, crank_speed=RIG_SPEED, torque=_torque(1.25 * inch))
 
 
 def _life(load: float, exponent: float) -> Values:
@@ -279,7 +276,7 @@ MODELS: dict[str, Callable[[], Values]] = {
     # Farzaneh (2002), sections 1.2 and 2.2.2: dimensions and film of the steel joint
     "thesis_bore": lambda: 2e3 * BUSHING,
     "thesis_clearance": lambda: 2e3 * BUSHING - 66.7,
-    "klbf_100": lambda: 1e5 * LBF / 1e3,
+    "klbf_100": lambda: 1e5 * pound_force / 1e3,
     "sliding_speed": lambda: RULE_SPEED * PIN,
     "film_standard": lambda: _film(2e-8) * 1e6,
     "film_alpha": lambda: (
@@ -317,13 +314,13 @@ MODELS: dict[str, Callable[[], Values]] = {
     "speed_rise": lambda: RIG.speed_limits(crank_speed=RIG_SPEED)[1],
     "speed_rule_rpm": lambda: RULE_SPEED / RPM,
     # appendices A.3 and A.4: drive, bearings and rods
-    "torque": lambda: _torque(1.25 * INCH) * 100,
+    "torque": lambda: _torque(1.25 * inch) * 100,
     "torque_true": lambda: _torque(PIN) * 100,
-    "link_force": lambda: _torque(1.25 * INCH) / RIG.rocker / 1e3,
+    "link_force": lambda: _torque(1.25 * inch) / RIG.rocker / 1e3,
     "link_force_worst": lambda: (
         np.max(
             reaction.coupler_force(
-                RIG, crank_angle=np.array([0, np.pi]), rocker_torque=_torque(1.25 * INCH)
+                RIG, crank_angle=np.array([0, np.pi]), rocker_torque=_torque(1.25 * inch)
             )
         )
         / 1e3
@@ -332,14 +329,14 @@ MODELS: dict[str, Callable[[], Values]] = {
     "life_4_printed": lambda: _life(4.1e3, 10 / 3),
     "life_8": lambda: _life(8.2e3, 3.0),
     "life_8_printed": lambda: _life(8.2e3, 10 / 3),
-    "rod": lambda: reaction.rod_stress(8.2e3, diameter=0.5 * INCH) / 1e6,
-    "rod_safety": lambda: 50e6 / reaction.rod_stress(8.2e3, diameter=0.5 * INCH),
-    "power": lambda: _torque(1.25 * INCH) * 24 * RPM / HORSEPOWER,
+    "rod": lambda: reaction.rod_stress(8.2e3, diameter=0.5 * inch) / 1e6,
+    "rod_safety": lambda: 50e6 / reaction.rod_stress(8.2e3, diameter=0.5 * inch),
+    "power": lambda: _torque(1.25 * inch) * 24 * RPM / HORSEPOWER,
     "crank_speed_for_24": lambda: (
         linkage.measure_linkage(RIG, rocker_speed=24 * RPM).crank_speed / RPM
     ),
     "thread_safety": lambda: linkage.fatigue_safety(
-        8.2e3 / linkage.thread_stress_area(0.5 * INCH, pitch=INCH / 13), fatigue_strength=50e6
+        8.2e3 / linkage.thread_stress_area(0.5 * inch, pitch=inch / 13), fatigue_strength=50e6
     ),
     "hole_for_60": lambda: (0.045 - 2.5 * 8.2e3 / (60e6 * 0.02)) * 1e3,
     "pin_hole": lambda: linkage.pin_hole_concentration(0.5),

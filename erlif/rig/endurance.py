@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.constants import pound_force
 from scipy.signal import lfilter
 
 from erlif.core.arrays import Array
@@ -21,10 +22,8 @@ from erlif.core.errors import ModelError
 if TYPE_CHECKING:
     import xarray as xr  # loaded when a test is simulated: the commands import this stage
 
-_LBF = 4.4482216152605
-
 # Loads of the stages of the source. [N]
-THESIS_LOADS = tuple(1000 * kips * _LBF for kips in (8, 12, 16, 20, 24, 28))
+THESIS_LOADS = tuple(1000 * kips * pound_force for kips in (8, 12, 16, 20, 24, 28))
 
 
 @dataclass(frozen=True)
