@@ -6,7 +6,6 @@ import logging
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
 from typing import IO, Self, TypeAlias
 
 import numpy.typing as npt
@@ -160,12 +159,7 @@ class PartialFilm:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *fault: object) -> None:
         """Release the output; remove the directory where no trigger is finished."""
         self.maps.close()
         if not any(map(self.has, range(self._triggers))):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,6 +9,7 @@ import numpy as np
 
 from erlif.core.tables import fill_template
 from erlif.core.units import count_of
+from erlif.io.conversion import table_csv
 from erlif.io.files import write_file
 from erlif.joint.endurance.analysis import EnduranceResult
 from erlif.joint.endurance.comparison import DesignComparison
@@ -139,11 +138,9 @@ def write_test_table(found: Sequence[EnduranceResult], output: Path) -> Path:
     >>> write_test_table([example_test()], path).read_text().splitlines()[1][:12]
     'example,6,1,'
     """
-    file = io.StringIO()
-    writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(_COLUMNS)
-    writer.writerows(_row(one) for one in found)
-    return write_file(output, file.getvalue())
+    rows = [_row(one) for one in found]
+    columns = {title: [row[n] for row in rows] for n, title in enumerate(_COLUMNS)}
+    return write_file(output, table_csv(columns))
 
 
 def _row(found: EnduranceResult) -> list[str]:
