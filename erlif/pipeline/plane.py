@@ -81,8 +81,8 @@ class ObjectPlane:
         return grid
 
     def check(self) -> None:
-        """Raise ConfigError where the image does not hold region or load line."""
-        _ = self.region, self.view
+        """Raise ConfigError where the image does not hold region, patch or load line."""
+        _ = self.region, self.patch, self.view
 
     @cached_property
     def region(self) -> Region:

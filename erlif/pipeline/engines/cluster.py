@@ -189,7 +189,8 @@ class Cluster:
         warned = False
         while job.status not in _ENDED:
             try:
-                wait(job, timeout=_LOOK)
+                with self._client.as_current():
+                    wait(job, timeout=_LOOK)
             except TimeoutError:
                 if warned or self._client.nthreads():
                     continue
