@@ -75,6 +75,7 @@ def quantity(
     bound, and its refusal names them.
     """
     listed = ", ".join(f'"{word}"' for word in words)
+    form = f"{name} from {' to '.join(between)}" if between else name
 
     def read(text: object) -> float:
         value = parse_quantity(text, unit)
@@ -104,7 +105,7 @@ def quantity(
             return_type=str,
         ),
         WithJsonSchema({"type": "string", "pattern": pattern, "examples": [example]}),
-        Form(f"{name}, or {listed}" if words else name, example, unit),
+        Form(f"{name}, or {listed}" if words else form, example, unit),
     )
 
 

@@ -66,9 +66,6 @@ _WAIT_FOR_WORKERS = 60
 # Time between two looks at the workers while a result is waited for. [s]
 _LOOK = 5
 
-# States of a job that needs no worker any more.
-_ENDED = ("finished", "error", "cancelled")
-
 # Items in work or waiting for each thread of the workers: a worker gets its next item before it
 # asks, and uncollected results do not grow with the run.
 _AHEAD = 4
@@ -184,24 +181,23 @@ class Cluster:
 
     def _obtain(self, job: Any) -> Any:
         """The result of a job; a warning where there is no worker to compute it."""
-        from distributed import wait
-
-        warned = False
-        while job.status not in _ENDED:
+        patience, warned = float(_LOOK), False
+        while True:
             try:
-                with self._client.as_current():
-                    wait(job, timeout=_LOOK)
+                return job.result(timeout=patience)
             except TimeoutError:
+                if job.status == "error":  # an error of the work itself
+                    raise
+                # a large result that was on its way is asked for again, with more time
+                patience *= 2 if job.status == "finished" else 1
                 if warned or self._client.nthreads():
                     continue
-                warned = True
-                _logger.warning(
-                    "%s has no worker any more; the run goes on when one comes: %s",
-                    self.scheduler,
-                    self._start_a_worker(),
-                )
-        # without a limit: a result that takes longer to arrive is not asked for again
-        return job.result()
+            warned = True
+            _logger.warning(
+                "%s has no worker any more; the run goes on when one comes: %s",
+                self.scheduler,
+                self._start_a_worker(),
+            )
 
     def _connect(self) -> None:
         """Connect to the scheduler, or start one with workers on this machine."""
