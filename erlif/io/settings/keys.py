@@ -65,7 +65,7 @@ class Key:
         --------
         >>> from erlif.io.settings import OpticsSettings
         >>> next(keys_of(OpticsSettings)).expected
-        'length, for example "60 um"'
+        'length from 50 nm to 5 mm, for example "60 um"'
         """
         if self.choices:
             return "one of " + ", ".join(f'"{choice}"' for choice in self.choices)
@@ -146,7 +146,7 @@ def keys_of(kind: type[Settings]) -> Iterator[Key]:
     --------
     >>> from erlif.io.settings import OpticsSettings
     >>> [(key.name, key.form, key.required) for key in keys_of(OpticsSettings)]
-    [('pixel_pitch', 'length', True), ('x_axis', 'text', False)]
+    [('pixel_pitch', 'length from 50 nm to 5 mm', True), ('x_axis', 'text', False)]
     """
     for name, field in kind.model_fields.items():
         if not tables_in(field.annotation):
