@@ -6,6 +6,7 @@ Only what the form of the profile determines is refined, see `erlif.calibration.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -78,14 +79,15 @@ def refine_pose(
     return points, freedom, FoundPose(pose, change, covariance, determined)
 
 
-def _turn_line(
-    ratios: RatioImages, profile: Profile, points: Points, pose: Pose
-) -> tuple[Points, Pose, float, float]:
-    """Turn a line profile until the ratio is constant across it.
+class _TurnedProfile(NamedTuple):
+    points: Points
+    pose: Pose
+    turn: float  # change of direction; 0 where it was left as given. [rad]
+    turn_std: float  # its standard deviation; 0 where it was left as given. [rad]
 
-    The change of direction and its standard deviation follow, which are 0 where the direction was
-    left as given. [rad]
-    """
+
+def _turn_line(ratios: RatioImages, profile: Profile, points: Points, pose: Pose) -> _TurnedProfile:
+    """Turn a line profile until the ratio is constant across it."""
     total, std = 0.0, 0.0
     for _ in range(_TURNS):
         turn = find_turn(points, pixel_pitch=pose.pixel_pitch)
@@ -95,7 +97,7 @@ def _turn_line(
         total += turn.angle
         pose = pose.changed(np.array([0.0, 0.0, 0.0, turn.angle]), np.zeros(2))
         points, _ = pair_profile_with_image(ratios, profile, pose)
-    return points, pose, total, std
+    return _TurnedProfile(points, pose, total, std)
 
 
 def _freedom_at(points: Points, pose: Pose) -> Freedom:
