@@ -1,5 +1,6 @@
 """Drift between two calibrations: found where K, p or q changed, by chance as rarely as stated."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -31,6 +32,10 @@ def test_changed_parameters_are_found_and_distinguished(shared, later, bends):
         assert found.bends == bends
         assert ("p or q changed" if bends else "K changed") in found.verdict
         assert found.verdict.startswith("drifted")
+        stated = re.findall(r"([+-][\d.]+) um at ([\d.]+) um", found.verdict)
+        assert [float(at) for _, at in stated] == [1, 3, 8]
+        changes = np.interp([1, 3, 8], found.thickness, found.film_change)
+        npt.assert_allclose([float(change) for change, _ in stated], changes, atol=6e-4)
         true = log_ratio(found.thickness, **later) - log_ratio(found.thickness)
         assert np.all(np.abs(found.difference - true) < 5 * found.difference_std)
         middle = np.searchsorted(found.thickness, 5.0)

@@ -21,7 +21,13 @@ from scenes.fixture import (
 )
 
 from erlif.calibration import Profile
-from erlif.calibration.departure import Correlation, Departure, find_correlation, fit_departure
+from erlif.calibration.departure import (
+    Correlation,
+    Departure,
+    choose_departure,
+    find_correlation,
+    fit_departure,
+)
 from erlif.calibration.pose import Freedom
 from erlif.calibration.regression import fit_robustly
 from erlif.rig import dyes
@@ -170,6 +176,43 @@ def test_displacement_is_found_with_the_spline():
     found = fit_departure(points, replace(fit, displacement=np.zeros(1)), freedom, 3)
     assert abs(found.displacement[0] - 0.2) < 4 * 0.01 / np.sqrt(film.size)
     npt.assert_allclose(found.true_thickness, film, atol=5 * 0.01)
+
+
+def test_noise_about_a_spline_is_one_where_the_errors_are_as_stated():
+    """Mean over 60 wedges of 60 points: chi-square over points, less K, p, q and the spline.
+
+    The scatter of a reduced chi-square is sqrt(2/n). Without the freedom of the spline the mean
+    would be 0.95.
+    """
+    rng = np.random.default_rng(15)
+    film = np.linspace(0.5, 15, 60)
+    noises = []
+    for _ in range(60):
+        read = log_ratio(film) + rng.normal(0, 1e-3, film.size)
+        points = make_points(
+            film,
+            thickness_std=np.full(film.size, 1e-3),
+            log_ratio=read,
+            log_ratio_std=np.full(film.size, 1e-3),
+        )
+        freedom = Freedom.none(points)
+        spline = fit_departure(points, fit_robustly(points, freedom), freedom, 2)
+        noises.append(spline.noise(film.size, 3))
+    assert abs(np.mean(noises) - 1) < 2 * np.sqrt(2 / 54 / 60)
+
+
+@pytest.mark.parametrize(("count", "most"), [(39, None), (40, 0), (75, 3), (200, 5)])
+def test_a_spline_has_ten_points_for_each_of_its_functions(count, most):
+    """An error of 2 % of the ratio in a step, which only the most flexible spline comes near."""
+    film = np.linspace(0.5, 15, count)
+    points = make_points(
+        film,
+        thickness_std=np.full(count, 1e-3),
+        log_ratio=log_ratio(film) + 0.01 * np.tanh(3 * (film - 7)),
+    )
+    freedom = Freedom.none(points)
+    choice = choose_departure(points, fit_robustly(points, freedom), freedom)
+    assert (choice and choice.candidate and choice.candidate.inner_knots) == most
 
 
 # the spline

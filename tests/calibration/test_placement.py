@@ -200,25 +200,30 @@ def test_turn_of_a_straight_wedge_is_found_in_the_image():
 # the uncertainty of the turn
 
 
-def test_uncertain_turn_widens_the_covariance_as_a_turned_fit_shifts():
+@pytest.mark.parametrize(("film", "free"), [(straight, 0), (wave, 2)])
+def test_uncertain_turn_widens_the_covariance_as_a_turned_fit_shifts(film, free):
     """The added covariance is the outer product of the shift that one standard deviation makes.
 
-    The image lies off the axis of the profile (origin at the lower edge), where a turn moves it.
+    On a wave, offset and scale are fitted with the curve and follow the turn. The image lies off
+    the axis of the profile (origin at the lower edge), where a turn moves it.
     """
     rng = np.random.default_rng(9)
-    ratios, profile = turned_line(rng, along=0, scale=0, turn=0.02, film=straight)
+    ratios, profile = turned_line(rng, along=0, scale=0, turn=0.02, film=film)
     given = Pose((0.0, 0.0), 0.0, PITCH)
     points, _ = pair_profile_with_image(ratios, profile, given)
     points, freedom, found = refine_pose(ratios, profile, points, given)
+    assert freedom.size == free
     fit = fit_robustly(points, freedom)
     std = found.standard_deviations[3]
     wider = add_uncertainty_of_turn(fit, points, freedom, found)
     added = wider.covariance - fit.covariance
 
-    films = points.thickness + std * points.gradient[:, 0] * points.mean_across
+    # fifty standard deviations, so that the shift exceeds what a fit leaves unsettled
+    films = points.thickness + 50 * std * points.gradient[:, 0] * points.mean_across
     turned = fit_robustly(replace(points, thickness=films), freedom)
-    shift = turned.parameters - fit.parameters
-    npt.assert_allclose(np.sqrt(np.diag(added)), np.abs(shift), rtol=0.05)
+    shift = np.concatenate([turned.parameters, turned.displacement])
+    shift -= np.concatenate([fit.parameters, fit.displacement])
+    npt.assert_allclose(np.sqrt(np.diag(added)), np.abs(shift) / 50, rtol=0.05)
 
 
 def test_a_misplaced_straight_wedge_shifts_all_films_by_what_the_note_states():
