@@ -11,12 +11,12 @@ from scipy.optimize import brentq
 from scipy.special import stdtr, stdtrit
 
 from erlif.core.arrays import Array
-from erlif.core.errors import EnduranceError
 from erlif.core.tables import fill_template
 from erlif.io.conversion import table_csv
 from erlif.io.files import write_file
 from erlif.joint.friction.coefficient import doubt_friction, require_option, torque_of
 from erlif.joint.friction.stretches import Stretch, find_stretches
+from erlif.joint.refusals import refusal
 from erlif.models.friction import friction_coefficient
 
 _CORRELATIONS = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.94, 0.97])
@@ -287,11 +287,7 @@ def _pairs(time: Array, torque: Array, load: Array, radius: float) -> xr.Dataset
         pairs.append((one, other))
         index += 2
     if len(pairs) < 2:
-        raise EnduranceError(
-            f"Expected a torque that reverses at least three times; got {len(stretches)} stretches "
-            "of one direction. Log the torque with its sign, over two reversals of the motor and "
-            "back; for a motion of one direction take erlif endurance."
-        )
+        raise refusal("few_reversals", count=len(stretches))
     half = np.array([0.5 * abs(a.ratio - b.ratio) for a, b in pairs])
     middle = np.array([0.5 * (a.ratio + b.ratio) for a, b in pairs])
     scatter = np.array([0.5 * np.hypot(a.std, b.std) for a, b in pairs])
@@ -329,11 +325,7 @@ class _Level:
 def _level(time: Array, torque: Array, load: Array, stretch: Stretch, radius: float) -> _Level:
     inside = stretch.samples
     if np.any(load[inside] <= 0):
-        raise EnduranceError(
-            f"Expected a load above 0 during the motion; it is {load[inside].min():.3g} N after "
-            f"{time[stretch.first]:.1f} s. Cut the log to the loaded time, or check the sign of "
-            "the cells."
-        )
+        raise refusal("no_load_in_motion", lowest=load[inside].min(), start=time[stretch.first])
     ratio = np.asarray(friction_coefficient(torque[inside], load=load[inside], radius=radius))
     interval = (time[stretch.last] - time[stretch.first]) / (stretch.last - stretch.first)
     return _Level(

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.core.errors import EnduranceError
+from erlif.joint.refusals import refusal
 
 _MEDIAN = 5  # samples of the running median, against single jerks
 _ENDS = (1.0, 99.0)  # percentiles of the torque so smoothed: the levels of both directions
@@ -247,9 +247,4 @@ def _require_levels(torque: Array, stretches: list[Stretch]) -> None:
     scatter = np.sqrt(inside + beside)
     half = 0.5 * float(np.mean(sides[0]) - np.mean(sides[1]))
     if scatter > _NOISY * half:
-        raise EnduranceError(
-            "Expected a torque with a level for each direction; it scatters within a direction by "
-            f"{scatter:.2g} and differs between them by {2 * half:.2g}, as noise does. Log the "
-            "torque with its sign over reversals of the motion; for a motion of one direction take "
-            "erlif endurance."
-        )
+        raise refusal("noisy_torque", scatter=scatter, difference=2 * half)

@@ -14,7 +14,8 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from erlif.core.errors import ConfigError, UnitWarning
+from erlif.core.errors import UnitWarning
+from erlif.joint.refusals import refusal
 from erlif.joint.sizing.assessment import EQUATIONS
 from erlif.joint.sizing.joint import DIMENSIONS, Joint, warn_of_units
 from erlif.joint.sizing.lock import size_lock
@@ -78,10 +79,7 @@ def size_joint(joint: Joint, *, series: Series = "none") -> Joint:
     25 mm, 25 mm
     """
     if joint.pin_diameter is None and joint.pin.yield_stress is None:
-        raise ConfigError(
-            "Expected the yield stress of the pin, from which its diameter is chosen; got none. "
-            "Give yield_stress or diameter in [pin]."
-        )
+        raise refusal("no_yield_stress")
 
     warn_of_units(joint)
     with warnings.catch_warnings():
