@@ -10,6 +10,7 @@ import click
 
 from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, SKIP_BAD_FRAMES, expect_output
 from erlif.commands.progress import working
+from erlif.commands.refusals import refusal
 from erlif.core.errors import CalibrationError, ErlifError
 from erlif.core.speed.imports import large_imports
 
@@ -87,12 +88,7 @@ def _open_comparable(against: Path, fixture_dir: Path) -> Calibration:
     earlier, settings = open_calibration(against), read_fixture_settings(fixture_dir)
     bands = settings.camera1.band, settings.camera2.band
     if not share_bands(earlier.bands, bands):
-        raise CalibrationError(
-            "Expected --against to name a calibration of the bands in fixture.toml, "
-            f"{bands[0]:g} and {bands[1]:g} nm; {against} is of "
-            f"{earlier.bands[0]:g} and {earlier.bands[1]:g} nm. "
-            "Name one made with the same filters, or leave --against out."
-        )
+        raise refusal("other_bands", bands=bands, against=against, earlier=earlier.bands)
     return earlier
 
 

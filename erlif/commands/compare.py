@@ -8,7 +8,7 @@ import click
 
 from erlif.commands.options import OVERWRITE, PATH
 from erlif.commands.progress import show_progress
-from erlif.core.errors import ErlifError
+from erlif.commands.refusals import refusal
 from erlif.core.speed.imports import large_imports
 
 _TABLES = ("compare.nc", "compare.csv", "compare.html")
@@ -62,10 +62,7 @@ def compare(
 
     # everything that can be refused is refused before the work starts
     if len(films) > 1 and not (pair[0] != pair[1] and all(1 <= k <= len(films) for k in pair)):
-        raise ErlifError(
-            f"Expected two different films from 1 to {len(films)} for the difference map; got "
-            f"{pair[0]} and {pair[1]}. Choose two of them."
-        )
+        raise refusal("no_such_pair", films=len(films), pair=pair)
     if output is not None:
         for name in (*_TABLES, *_FIGURES):
             refuse_existing(output / name, overwrite=overwrite, holds="difference_at")

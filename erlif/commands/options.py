@@ -8,7 +8,8 @@ from typing import Any, TypeVar
 
 import click
 
-from erlif.core.errors import ConfigError, OutputError
+from erlif.commands.refusals import refusal
+from erlif.core.errors import ConfigError
 from erlif.core.units import parse_quantity
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -127,10 +128,7 @@ def expect_suffix(output: Path, *suffixes: str, option: str = "-o") -> None:
         If the name ends in another suffix.
     """
     if output.suffix not in suffixes:
-        raise OutputError(
-            f"Expected a name in {' or '.join(suffixes)} for the output; got {output.name}. "
-            f"Name it so with {option}."
-        )
+        raise refusal("wrong_suffix", known=" or ".join(suffixes), output=output, option=option)
 
 
 def expect_output(

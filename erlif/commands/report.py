@@ -9,7 +9,7 @@ import click
 
 from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_suffix
 from erlif.commands.progress import working
-from erlif.core.errors import ErlifError
+from erlif.commands.refusals import refusal
 from erlif.core.speed.imports import large_imports
 
 
@@ -21,10 +21,7 @@ def first_and_last(
         return None
     first, hyphen, last = value.partition("-")
     if not (hyphen and first.strip().isdecimal() and last.strip().isdecimal()):
-        raise ErlifError(
-            f"Expected triggers FROM-TO as in 100-149; got {value}. Give the first and the last "
-            "with --triggers."
-        )
+        raise refusal("no_range", value=value)
     return int(first), int(last)
 
 
@@ -70,10 +67,7 @@ def report(
     output = output or (Path("report.html") if several else films[0].parent / "report.html")
     expect_suffix(output, ".html")
     if several and triggers is not None:
-        raise ErlifError(
-            f"Expected one film with --triggers; got {len(films)}. Leave out --triggers, or name "
-            "one film."
-        )
+        raise refusal("many_films", films=len(films))
     # several films share a page; triggers and images belong to a single one
     with working() as progress:
         if several:
