@@ -8,7 +8,7 @@ from typing import NewType
 
 import xarray as xr
 
-from erlif.core.errors import ErlifError
+from erlif.core.refusals import refusal
 
 EncoderLog = NewType("EncoderLog", xr.Dataset)
 """Log of the encoder, one row for each frame pair: number (frame).
@@ -97,10 +97,7 @@ def require(dataset: xr.Dataset, *names: str) -> None:
     Traceback (most recent call last):
     erlif.core.errors.ErlifError: This stage reads signal; signal is missing from the dataset, ...
     """
-    missing = [name for name in names if name not in dataset]
+    missing = ", ".join(name for name in names if name not in dataset)
     if missing:
         present = ", ".join(str(name) for name in dataset.variables)
-        raise ErlifError(
-            f"This stage reads {', '.join(names)}; {', '.join(missing)} is missing from the "
-            f"dataset, which holds {present}. Call the stage before it first."
-        )
+        raise refusal("missing_variables", names=", ".join(names), missing=missing, present=present)

@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Callable
 from typing import Any, Literal
 
-from erlif.core.errors import ErlifError
+from erlif.core.refusals import refusal
 
 # Called with the name of a step, the number of items that are finished, and their total.
 Progress = Callable[[str, int, int], None]
@@ -65,10 +65,7 @@ step, the finished items and their total; got 'dots'. Use progress="bar".
         return _Bars()
     if callable(progress):
         return progress
-    raise ErlifError(
-        'Expected progress to be "bar", True, False or a function of the step, the finished items '
-        f'and their total; got {progress!r}. Use progress="bar".'
-    )
+    raise refusal("no_progress", progress=progress)
 
 
 class _Bars:

@@ -36,3 +36,6 @@ def refusal_writer(package: str) -> Callable[..., errors.ErlifError]:
         return kind(entry["text"].format(**values))
 
     return write
+
+
+refusal = refusal_writer("erlif.core")
