@@ -11,6 +11,7 @@ from erlif.core.errors import FrameError
 from erlif.core.guarded import file_stamp
 from erlif.io.ingest.images import match_files, natural_key
 from erlif.io.ingest.recording import Fixture, Run
+from erlif.io.refusals import refusal
 
 # SHA-256 of files that are hashed already, hexadecimal.
 Digests = Mapping[Path, str]
@@ -159,11 +160,7 @@ def refuse_changed(recording: Run | Fixture, before: Mapping[Path, str]) -> None
     for path, stamp in before.items():
         if _stamp(path, place=True) != stamp:
             name = os.path.relpath(path, recording.directory)
-            raise InputChangedError(
-                f"Expected the files of {recording.directory} to stay as they are while they are "
-                f"read; {name} was changed or replaced. Wait until the recording is complete, and "
-                "start again."
-            )
+            raise refusal("changed_input", InputChangedError, recording=recording, name=name)
 
 
 def _files_beside_frames(recording: Run | Fixture) -> dict[str, list[Path]]:

@@ -445,11 +445,8 @@ def read_reference_pages(
     references = find_pages(directory, pattern, what, selection)
     if references.faults:
         first = min(references.faults)
-        name, reason = references.pages[first].name, references.faults[first]
-        raise FrameError(
-            f"Expected readable {what} pages; {name}: "
-            f"{with_advice(reason, 'Record them again, or take the file out.')}"
-        )
+        reason = with_advice(references.faults[first], "Record them again, or take the file out.")
+        raise refusal("unreadable_pages", what=what, page=references.pages[first], reason=reason)
 
     for page in references.pages:
         counts = read_page(page, directory, shape)

@@ -89,12 +89,9 @@ def pair_cameras(
 
     good = [k for k in range(len(one.pages)) if k not in faults]
     if not good:
-        raise FrameError(
-            f"Expected readable frames in {directory}; every pair has an unreadable file: "
-            + with_advice(
-                next(iter(faults.values())), "Record the run again, or copy the files again."
-            )
-        )
+        fault = next(iter(faults.values()))
+        reason = with_advice(fault, "Record the run again, or copy the files again.")
+        raise refusal("no_readable_pair", directory=directory, reason=reason)
     rows, columns = _check_kinds((one, two), good, directory)
 
     # the first pair is decoded here, so that a wrong bit depth is reported before any work

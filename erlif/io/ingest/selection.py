@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 from erlif.core.arrays import AnyArray
-from erlif.core.errors import FrameError
 from erlif.io.readers import FrameFile
 from erlif.io.refusals import refusal
 from erlif.io.settings import CameraSettings
@@ -54,10 +53,7 @@ class Selection:
         else:
             return every
         if not chosen:
-            raise FrameError(
-                f'it has no frame that belongs to part = "{self.part}". Correct part in the '
-                "settings."
-            )
+            raise refusal("empty_part", part=self.part)
         return chosen
 
     def crop_shape(self, shape: tuple[int, ...]) -> tuple[int, ...]:
