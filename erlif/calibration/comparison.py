@@ -10,9 +10,9 @@ import scipy
 
 from erlif.calibration.curve import Calibration, share_bands
 from erlif.calibration.departure import find_correlation
+from erlif.calibration.refusals import refusal
 from erlif.calibration.regression import OUTLIER
 from erlif.core.arrays import Array
-from erlif.core.errors import CalibrationError
 from erlif.core.statistics import robust_rms
 
 # Probability of chance below which a difference is significant.
@@ -201,11 +201,7 @@ def compare_calibrations(calibration: Calibration, earlier: Calibration) -> Comp
     True
     """
     if not share_bands(calibration.bands, earlier.bands):
-        raise CalibrationError(
-            f"Expected calibrations of the same bands; one is of {calibration.bands[0]:g} and "
-            f"{calibration.bands[1]:g} nm, the other of {earlier.bands[0]:g} and "
-            f"{earlier.bands[1]:g} nm. Compare calibrations made with the same filters."
-        )
+        raise refusal("two_pairs_of_bands", one=calibration, other=earlier)
     film = np.linspace(*_common_range(calibration, earlier), _GRID)
     pairs = _match_points(calibration, earlier)
     change = (
@@ -237,11 +233,7 @@ def _common_range(calibration: Calibration, earlier: Calibration) -> tuple[float
     one, other = calibration.thickness_range, earlier.thickness_range
     low, high = max(one[0], other[0]), min(one[1], other[1])
     if high <= low:
-        raise CalibrationError(
-            f"Expected calibrations that share a range of films; one covers {one[0]:.2f} to "
-            f"{one[1]:.2f} um, the other {other[0]:.2f} to {other[1]:.2f} um. Compare calibrations "
-            "of the same fixture."
-        )
+        raise refusal("no_common_range", one=one, other=other)
     return low, high
 
 

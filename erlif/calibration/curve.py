@@ -15,9 +15,9 @@ import xarray as xr
 from erlif.calibration.background import BackgroundError
 from erlif.calibration.departure import Departure
 from erlif.calibration.pose import FoundPose
+from erlif.calibration.refusals import refusal
 from erlif.calibration.regression import Reabsorption
 from erlif.core.arrays import Array
-from erlif.core.errors import CalibrationError
 from erlif.core.html import card, curve_picture, findings_list, rows_table
 from erlif.core.notes import Level, Note, join_notes
 from erlif.core.variables import CALIBRATION
@@ -266,11 +266,7 @@ class Calibration:
         attrs = dataset.attrs
         try:
             if attrs["ratio_direction"] != DIRECTION:
-                raise CalibrationError(
-                    f"Expected a calibration of the ratio {DIRECTION}; this one is of "
-                    f"{attrs['ratio_direction']}. Calibrate again with erlif, with the reabsorbed "
-                    "band on camera 1."
-                )
+                raise refusal("other_ratio", direction=DIRECTION, found=attrs["ratio_direction"])
 
             # figures and the comparison of two calibrations need the fitted points
             for name in FITTED_POINTS:
@@ -300,7 +296,7 @@ class Calibration:
                 pose=pose,
             )
         except (KeyError, AttributeError) as error:
-            raise foreign_file(f"{error} is missing from this file") from error
+            raise refusal("foreign_file", reason=f"{error} is missing from this file") from error
 
 
 @dataclass(frozen=True)
@@ -361,14 +357,6 @@ class InverseTable:
         return np.interp(log_ratio, self.log_ratio, self.thickness)
 
 
-def foreign_file(reason: str) -> CalibrationError:
-    """The error of a file that holds no calibration, with what to do."""
-    return CalibrationError(
-        f"Expected a calibration as erlif calibrate writes it; {reason}. Make one with: erlif "
-        "calibrate FIXTURE_DIR"
-    )
-
-
 _SAME_BAND = 1.0  # nm: filters of the same name differ by less
 
 
@@ -425,16 +413,8 @@ with the filters of the run.
     """
     if share_bands(calibration.bands, bands):
         return
-    swapped = (
-        " The bands are exchanged: the cameras look swapped."
-        if share_bands(calibration.bands, bands[::-1])
-        else ""
-    )
-    raise CalibrationError(
-        f"Expected a calibration of the bands of the run, {bands[0]:g} and {bands[1]:g} nm; got "
-        f"one of {calibration.bands[0]:g} and {calibration.bands[1]:g} nm.{swapped} Calibrate with "
-        "the filters of the run."
-    )
+    key = "exchanged_bands" if share_bands(calibration.bands, bands[::-1]) else "other_bands"
+    raise refusal(key, bands=bands, calibrated=calibration.bands)
 
 
 def describe_parameters(calibration: Calibration) -> list[tuple[str, str]]:

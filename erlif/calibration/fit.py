@@ -26,10 +26,10 @@ from erlif.calibration.placement import add_uncertainty_of_turn, refine_pose
 from erlif.calibration.points import Points
 from erlif.calibration.pose import ALONG, FoundPose, Freedom, Pose
 from erlif.calibration.profile import Profile
+from erlif.calibration.refusals import refusal
 from erlif.calibration.regression import OUTLIER, Fit, fit_robustly
 from erlif.calibration.soundness import check_fit, places
 from erlif.core.arrays import Array, Mask
-from erlif.core.errors import CalibrationError
 from erlif.core.notes import Note, note_writer
 from erlif.core.products import RatioImages, require
 from erlif.core.units import count_of
@@ -244,11 +244,7 @@ def _describe_curve(
 def _refuse_constant_thickness(points: Points) -> None:
     """Refuse a fixture of a single film thickness."""
     if np.ptp(points.thickness) == 0:
-        raise CalibrationError(
-            "Expected a fixture of films of many thicknesses; its profile is "
-            f"{points.thickness[0]:g} um thick at all points in the image. "
-            "Photograph a wedge or a gap that widens."
-        )
+        raise refusal("constant_thickness", thickness=points.thickness[0])
 
 
 def _refuse_swapped_cameras(points: Points) -> None:
@@ -257,11 +253,7 @@ def _refuse_swapped_cameras(points: Points) -> None:
     third = max(len(order) // 3, 2)
     rise = points.log_ratio[order[-third:]].mean() - points.log_ratio[order[:third]].mean()
     if rise < 0:
-        raise CalibrationError(
-            f"Expected the ratio {DIRECTION} to rise with thickness; it falls by {-rise:.0%} from "
-            "the thin to the thick end. The cameras look swapped: exchange [camera1] and "
-            "[camera2], the reabsorbed (580 nm) band belongs to camera 1."
-        )
+        raise refusal("falling_ratio", direction=DIRECTION, fall=-rise)
 
 
 class _Settled(NamedTuple):

@@ -13,8 +13,8 @@ import scipy
 from erlif.calibration.points import Points
 from erlif.calibration.pose import Pose
 from erlif.calibration.profile import MINIMUM_POINTS, Profile, gradient_of_thickness
+from erlif.calibration.refusals import refusal
 from erlif.core.arrays import Array, Mask
-from erlif.core.errors import CalibrationError
 from erlif.core.notes import Note, note_writer
 from erlif.core.products import RatioImages
 
@@ -145,11 +145,7 @@ def _assign_pixels(ratios: RatioImages, position: Array, pose: Pose) -> _Pixels:
 def _describe_coverage(pixels: _Pixels, used: Mask) -> list[Note]:
     """Notes on pixels without profile and on points without pixels; too few points are refused."""
     if used.sum() < MINIMUM_POINTS:
-        raise CalibrationError(
-            f"Expected at least {MINIMUM_POINTS} points of the profile in the image; "
-            f"{int(used.sum())} of {used.size} are. Check origin, direction and pixel_pitch in "
-            "fixture.toml, or measure a longer profile."
-        )
+        raise refusal("few_points_in_image", least=MINIMUM_POINTS, count=int(used.sum()), used=used)
     notes = []
     if pixels.covered < _COVERED:
         notes.append(_make_note("covered", share=pixels.covered))

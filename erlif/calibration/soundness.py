@@ -14,8 +14,8 @@ import xarray as xr
 from erlif.calibration.curve import PARAMETERS, Calibration
 from erlif.calibration.departure import Departure
 from erlif.calibration.profile import THICKEST
+from erlif.calibration.refusals import refusal
 from erlif.core.arrays import Array, Image
-from erlif.core.errors import CalibrationError
 from erlif.core.format import is_later
 
 # Largest size of the arrays of one group; a map of 25 megapixels has 425 MB. [byte]
@@ -151,24 +151,12 @@ def check_fit(
         ...
     erlif.core.errors.CalibrationError: Expected the ratio to follow the thickness of the profile...
     """
-    cure = (
-        "Compare profile, origin and direction in fixture.toml with the images, and look at the "
-        "frames with: erlif check FIXTURE_DIR"
-    )
     scatter = float(np.mean(residual**2) / max(float(np.var(log_ratio)), np.finfo(float).tiny))
     if not scatter < LARGEST_SCATTER:
-        raise CalibrationError(
-            "Expected the ratio to follow the thickness of the profile; the fitted curve leaves "
-            f"{min(scatter, 1.0):.0%} of the variance of the ratio unexplained (reduced chi-square "
-            f"{reduced_chi_square:.3g}). {cure}"
-        )
+        raise refusal("unexplained_ratio", share=min(scatter, 1.0), chi_square=reduced_chi_square)
     best = float(relative_error.min()) if np.isfinite(relative_error).all() else np.inf
     if not best < LARGEST_ERROR:
-        raise CalibrationError(
-            f"Expected a calibration that determines films to better than {LARGEST_ERROR:.0%}; its "
-            f"error is at least {best:.3g} times the film in the whole range (reduced chi-square "
-            f"{reduced_chi_square:.3g}). {cure}"
-        )
+        raise refusal("uncertain_fit", most=LARGEST_ERROR, best=best, chi_square=reduced_chi_square)
 
 
 def check_displacements(*components: Image) -> None:

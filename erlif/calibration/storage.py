@@ -12,16 +12,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from erlif.calibration.curve import PARAMETERS, Calibration, foreign_file
+from erlif.calibration.curve import PARAMETERS, Calibration
 from erlif.calibration.departure import Departure
+from erlif.calibration.refusals import refusal
 from erlif.calibration.soundness import check_calibration, check_displacements, check_file
-from erlif.core.errors import (
-    CalibrationError,
-    ErlifError,
-    OutputError,
-    RegistrationError,
-    reason_of,
-)
+from erlif.core.errors import ErlifError, OutputError, RegistrationError, reason_of
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
 from erlif.core.version import __version__
 from erlif.io.files import (
@@ -119,15 +114,9 @@ Make one with: erlif calibrate FIXTURE_DIR
     """
     path = Path(path)
     if path.is_dir():
-        raise CalibrationError(
-            f"Expected a calibration file; {path} is a directory. Name its file: "
-            f"{path / 'calibration.nc'}"
-        )
+        raise refusal("directory", path=path, file=path / "calibration.nc")
     if not path.is_file():
-        raise CalibrationError(
-            f"Expected a calibration file; {path} does not exist. Make one with: erlif calibrate "
-            "FIXTURE_DIR"
-        )
+        raise refusal("no_file", path=path)
 
     try:
         with warnings.catch_warnings():
@@ -138,7 +127,7 @@ Make one with: erlif calibrate FIXTURE_DIR
         raise
     except Exception as error:  # damaged bytes make HDF5 raise errors of any kind
         reason = f"{path} is damaged or something else ({reason_of(error)})"
-        raise foreign_file(reason) from error
+        raise refusal("foreign_file", reason=reason) from error
 
 
 def _read(path: Path) -> Calibration:
@@ -146,11 +135,7 @@ def _read(path: Path) -> Calibration:
     with open_netcdf(path) as dataset:
         kind = kind_of(dataset)
         if kind in _OTHERS:
-            raise CalibrationError(
-                f"Expected a calibration as erlif calibrate writes it; {path} holds "
-                f"{KINDS[kind].words}. Name the calibration in its place; it is made with: erlif "
-                "calibrate FIXTURE_DIR"
-            )
+            raise refusal("another_product", path=path, kind=KINDS[kind])
         check_file(dataset)
         calibration = Calibration.from_dataset(dataset.load())
     check_calibration(calibration)
@@ -230,7 +215,7 @@ def calibration_of(film: xr.Dataset) -> Calibration:
 erlif process writes it; there is none. Make the film again with: erlif process RUN_DIR
     """
     if "calibration" not in film.attrs:
-        raise _no_record("there is none")
+        raise refusal("no_record", reason="there is none")
     try:
         calibration = _read_record(json.loads(str(film.attrs["calibration"])), settings_of(film))
         check_calibration(calibration)
@@ -238,15 +223,8 @@ erlif process writes it; there is none. Make the film again with: erlif process 
         raise
     except Exception as error:  # a damaged record has values of any type
         reason = f"it has no {error}" if isinstance(error, KeyError) else str(error).rstrip(".")
-        raise _no_record(f"the one there cannot be used: {reason}") from error
+        raise refusal("no_record", reason=f"the one there cannot be used: {reason}") from error
     return calibration
-
-
-def _no_record(reason: str) -> OutputError:
-    return OutputError(
-        "Expected the calibration among the attributes of the film, as erlif process writes it; "
-        f"{reason}. Make the film again with: erlif process RUN_DIR"
-    )
 
 
 def _read_record(kept: dict[str, Any], settings: RunSettings) -> Calibration:
