@@ -14,7 +14,6 @@ import numpy as np
 from scipy import fft
 
 from erlif.core.arrays import AnyArray, Array, Image, Mask
-from erlif.core.errors import RegistrationError
 from erlif.core.statistics import robust_rms
 from erlif.registration import local
 from erlif.registration.camera_map import CameraMap
@@ -34,6 +33,7 @@ from erlif.registration.matching import (
 )
 from erlif.registration.normalise import MOST, binned
 from erlif.registration.pairs import Pair, Pairs, Textures, make_pair, open_frames, textures
+from erlif.registration.refusals import refusal
 from erlif.registration.surface import cell_weights
 
 # Side of the cells whose sums determine the drift. [px]
@@ -215,20 +215,12 @@ def estimate_drift(
 def _find_drift(camera_map: CameraMap, pair: Pair, threads: int) -> Drift:
     """The drift of a pair that is turned already; refused without one."""
     if pair.reference.shape != camera_map.shape:
-        raise RegistrationError(
-            f"The camera map was made for frames of {camera_map.shape}, this frame has "
-            f"{pair.reference.shape}; register the cameras again for this region of interest."
-        )
+        raise refusal("other_shape", camera_map=camera_map, pair=pair)
 
     search = DriftSearch.of(camera_map.displacement_x, camera_map.displacement_y)
     drift = search.find(textures(pair, search.binning, threads), threads=threads)
     if np.isnan(drift.dx):
-        raise RegistrationError(
-            "This frame does not fit the camera map: after alignment, the images of the two "
-            f"cameras have a correlation coefficient of {drift.quality:.3f}, no more than chance "
-            "gives. Leave the frame out if the pulse misfired, or register the cameras again if "
-            "they have been moved."
-        )
+        raise refusal("misfit", drift=drift)
     return drift
 
 
@@ -288,11 +280,7 @@ def check_map(camera_map: CameraMap, pairs: Pairs) -> Array:
     lit = total[..., WEIGHT] > 0
     share = off[lit].mean()
     if share > OFF_SHARE:
-        raise RegistrationError(
-            f"The stored camera map fits no longer: {share:.0%} of the common field needs a "
-            f"displacement that differs by more than {TOLERANCE} px even after the drift. Register "
-            "the cameras again with this run."
-        )
+        raise refusal("outdated_map", share=share, tolerance=TOLERANCE)
     return np.array(drift)
 
 

@@ -13,10 +13,10 @@ import numpy as np
 from numba import njit
 
 from erlif.core.arrays import FAST, AnyArray, Image, Mask
-from erlif.core.errors import RegistrationError
 from erlif.core.flags import Flag
 from erlif.correction.light import fill_gaps
 from erlif.registration.bands import in_bands
+from erlif.registration.refusals import refusal
 
 # Pole of the filter that turns samples into cubic B-spline coefficients.
 _POLE: Final = np.float32(np.sqrt(3.0) - 2.0)
@@ -563,15 +563,9 @@ def warp(
     [[4, 3]]
     """
     if displacement_x.shape != displacement_y.shape or displacement_x.ndim != 2:
-        raise RegistrationError(
-            "Warping needs two displacement maps (y, x) of one shape, got "
-            f"{displacement_x.shape} and {displacement_y.shape}; take both from one CameraMap."
-        )
+        raise refusal("displacement_shapes", x=displacement_x, y=displacement_y)
     if image.ndim != 2 or min(image.shape) < 3:
-        raise RegistrationError(
-            f"Warping needs an image of at least 3 by 3 pixels, got {image.shape}. Pass a "
-            "whole frame."
-        )
+        raise refusal("small_image", image=image)
 
     bad = NOTHING_BAD
     if image.dtype.kind == "f" and not np.isfinite(image).all():
