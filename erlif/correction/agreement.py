@@ -15,11 +15,11 @@ import cv2
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Image, Mask
-from erlif.core.errors import FrameError
 from erlif.core.notes import Note, note_writer
 from erlif.core.products import References
 from erlif.core.statistics import robust_std
 from erlif.correction.camera import CameraMeasurement
+from erlif.correction.refusals import refusal
 from erlif.correction.view import BLOCKS, FrameView, mean_of_blocks
 
 _write = note_writer("erlif.correction")
@@ -125,13 +125,7 @@ def _refuse_bright_dark(measured: CameraMeasurement, view: FrameView, camera: st
     level = float(np.median(view.centre))
     # rounding and the noise of the level leave less than one count
     if darks.pages and level < darks.level - 1:
-        raise FrameError(
-            f"Expected the frames of {camera} to be brighter than its dark; half of their pixels "
-            f"are below {level:.1f} DN, the dark has {darks.level:.1f} DN. Dark and flat may be "
-            "exchanged, the dark recorded with light, or the offset of the camera changed. Correct "
-            f"dark in [{camera}], or record darks with the shutter closed and the settings of the "
-            "frames."
-        )
+        raise refusal("bright_dark", camera=camera, level=level, darks=darks)
 
 
 def _find_light_in_dark(
@@ -213,12 +207,7 @@ def _compare_patterns(
     if len(shares) == 4 and all(
         shares[n, 1 - n].is_present and shares[n, n].is_missing for n in range(2)
     ):
-        raise FrameError(
-            "Expected the response of the pixels of each camera in its own frames; the frames of "
-            "camera1 show the pixels of the flat of camera2, and those of camera2 the pixels of "
-            "the flat of camera1. The cameras look swapped: exchange files in [camera1] and "
-            "[camera2], or dark and flat, whichever names the other camera."
-        )
+        raise refusal("exchanged_flats")
     for n in range(2):
         if (n, n) in shares and shares[n, n].is_missing:
             share = shares[n, n]
