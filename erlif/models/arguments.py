@@ -27,6 +27,7 @@ import numpy as np
 
 from erlif.core.errors import ModelError, RangeWarning, UnitWarning
 from erlif.core.tables import read_table
+from erlif.models.refusals import refusal
 
 # A float, a list, a numpy array or an xarray DataArray, in SI units.
 #
@@ -205,10 +206,7 @@ def for_each(count: int, item: str, **argument: Values) -> Values:
     ((name, value),) = argument.items()
     values = np.asarray(value, float)
     if values.shape not in ((), (count,)) or np.any(np.isnan(values)):
-        raise ModelError(
-            f"{name} must be one number, or one for each {item} without NaN, got shape "
-            f"{values.shape}. Give one number, or {count}."
-        )
+        raise refusal("not_for_each", name=name, item=item, values=values, count=count)
     return np.broadcast_to(values, (count,))
 
 

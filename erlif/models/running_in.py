@@ -20,6 +20,7 @@ from erlif.core.errors import ModelError
 from erlif.core.tables import read_table
 from erlif.models.arguments import Values, formula
 from erlif.models.contact.roots import like
+from erlif.models.refusals import refusal
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -244,15 +245,9 @@ def _step(wall: _Wall, place: float, depth: Array, reach: float) -> tuple[float,
 def _require_resolved(wall: _Wall, place: float, pressure: Array) -> None:
     carried = int(np.count_nonzero(pressure))
     if place >= wall.bushing_radius * (1 - 1e-9):
-        raise ModelError(
-            f"load of {wall.load:g} N presses the shaft through the wall: its eccentricity reaches "
-            "the radius of the bushing. Check load, modulus and thickness."
-        )
+        raise refusal("pressed_through", wall=wall)
     if carried < _FEWEST_CELLS:
-        raise ModelError(
-            f"cells must resolve the contact at the start: {carried} of {wall.angle.size} cells "
-            f"carry load, {_FEWEST_CELLS} are needed. Choose more cells."
-        )
+        raise refusal("coarse_contact", carried=carried, cells=wall.angle.size, least=_FEWEST_CELLS)
 
 
 def _describe(

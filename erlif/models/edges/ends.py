@@ -5,6 +5,7 @@ import numpy as np
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, formula, require_between
 from erlif.models.contact.roots import find_roots, like
+from erlif.models.refusals import refusal
 
 
 @formula()
@@ -103,8 +104,5 @@ def lundberg_profile(
     """
     place = 2 * axial / length
     if np.any(np.abs(place) >= 1):
-        raise ModelError(
-            "axial reaches the ends of the roller, where the profile of Lundberg is infinite; "
-            f"give places within ±{np.max(length) / 2:g} m."
-        )
+        raise refusal("ends_of_roller", end=np.max(length) / 2)
     return load / (np.pi * contact_modulus * length) * -np.log1p(-(place**2))

@@ -17,6 +17,7 @@ from erlif.models.edges.influence import (
     displacement_of_strips,
     stress_of_cells,
 )
+from erlif.models.refusals import refusal
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -243,10 +244,7 @@ def subsurface_stress(
     0.48
     """
     if contact["pressure"].dims != ("x", "z"):
-        raise ModelError(
-            f"Stresses need a pressure over (x, z), got {contact['pressure'].dims}; give "
-            "solve_contact a gap along both."
-        )
+        raise refusal("no_plane_pressure", dims=contact["pressure"].dims)
     depths = np.atleast_1d(np.asarray(depth, float))
     pressure = contact["pressure"].to_numpy()
     x, z = contact["x"].to_numpy(), contact["z"].to_numpy()

@@ -26,6 +26,7 @@ from erlif.models.edges.cylinders import (
     compute_compliance,
 )
 from erlif.models.edges.half_space import equivalent_stress
+from erlif.models.refusals import refusal
 from erlif.models.reynolds.shapes import lobe_shape
 
 if TYPE_CHECKING:
@@ -194,10 +195,7 @@ def prepare_joint(
     half, end = joint.length / 2, joint.pin_length / 2
     span = load_span if load_span is not None else (half, end)
     if not 0 <= span[0] < span[1] <= end + 1e-12:
-        raise ModelError(
-            f"The load cannot act from {span[0]:g} to {span[1]:g} m on half a pin of {end:g} m; "
-            "give load_span where no pin goes beyond the bushing."
-        )
+        raise refusal("load_outside_pin", span=span, end=end)
     fine = {"first": smallest_cell, "growth": growth, "largest": largest_cell}
     if any(not 0 < place < half for place in refine):
         raise ModelError(f"refine must lie between 0 and {half:g} m, got {list(refine)}.")

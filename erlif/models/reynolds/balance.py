@@ -19,6 +19,7 @@ import numpy as np
 
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ModelError
+from erlif.models.refusals import refusal
 from erlif.models.reynolds.band import Stencil, solve_ring
 from erlif.models.reynolds.cells import Faces, Grid, Walls, link_only
 from erlif.models.reynolds.flow import SMALLEST_FLUIDITY, Fluid
@@ -311,10 +312,7 @@ class _Newton:
             held = np.maximum(self.pressure, medium.cavitation_pressure)
             self.walls = deflected(self.walls, held / medium.foundation, medium.grid)
         if not min(self.walls.centre.min(), self.walls.along.min()) > 0:
-            raise NoConvergenceError(
-                "The film vanished between the walls. Take more load steps in time, finer cells or "
-                "a stiffer foundation."
-            )
+            raise refusal("film_vanished", NoConvergenceError)
         self.middle = self.walls if self.share == 1 else halfway(self.earlier, self.walls)
         self.faces = Faces(medium.grid, medium.fluid, self.middle, self.full)
         self.flow()
@@ -391,11 +389,7 @@ class _Newton:
         """Refuse a reduced pressure that no pressure has."""
         highest = self.medium.fluid.pressure_viscosity * float(self.reduced.max())
         if highest >= 1 - SMALLEST_FLUIDITY:
-            raise NoConvergenceError(
-                "With Barus' law the pressure grows without bound in this film: its viscosity "
-                f"would rise by more than {1 / SMALLEST_FLUIDITY:.0e}. The law holds to about 0.5 "
-                "GPa; take a smaller pressure_viscosity or a foundation."
-            )
+            raise refusal("barus_unbounded", NoConvergenceError, rise=1 / SMALLEST_FLUIDITY)
 
     def move(self) -> None:
         """One Newton step of pressures, voids and displacements."""

@@ -16,6 +16,7 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
+from erlif.models.refusals import refusal
 from erlif.models.reynolds.journal import Journal, Motion, turn_vectors
 
 if TYPE_CHECKING:
@@ -86,10 +87,7 @@ class FullFilm:
         """
         for name in ("axial_shape", "foundation", "roughness"):
             if getattr(journal, name) is not None:
-                raise ModelError(
-                    f"The orbit in a full film is that of rigid, smooth and parallel walls; the "
-                    f"joint has {name}. Use solve_journal."
-                )
+                raise refusal("no_full_film", name=name)
         clearance, radius = journal.clearance, journal.radius
         return cls(
             journal.viscosity * journal.length * (radius / clearance) ** 3,

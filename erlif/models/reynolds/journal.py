@@ -17,6 +17,7 @@ from erlif.models.arguments import (
     warn_of_units,
 )
 from erlif.models.mechanism import CrankRocker
+from erlif.models.refusals import refusal
 from erlif.models.reynolds.flow import Fluid
 
 
@@ -303,10 +304,7 @@ class Mount:
         if self.stiffness == 0:
             return 0.0
         if np.ptp(motion.load_direction) > 0:
-            raise ModelError(
-                "A pin that is held sideways needs a direction of free motion where the load "
-                "turns: give Mount(direction=...)."
-            )
+            raise refusal("no_free_direction")
         return float(motion.load_direction[0])
 
 

@@ -11,6 +11,7 @@ from erlif.core.arrays import Array
 from erlif.core.described import describe_by
 from erlif.core.errors import ModelError
 from erlif.core.tables import read_table
+from erlif.models.refusals import refusal
 from erlif.models.reynolds.balance import (
     THINNEST_FILM,
     Medium,
@@ -389,11 +390,7 @@ class TransientFilm:
         """Refuse a film that is thinner than a limit."""
         film = float(self.bearing.rigid.centre.min() - np.hypot(*self.pin()))
         if self.bearing.journal.foundation is None and film < limit:
-            raise ModelError(
-                f"No film carries the load at {now.time:.6g} s (step {k}): under {now.load:.4g} N "
-                f"it is thinner than {limit * 1e6:.2g} um, which the cells do not resolve. Check "
-                "load and viscosity, take more cells round the joint, or end the motion earlier."
-            )
+            raise refusal("thin_film", now=now, step=k, limit=limit * 1e6)
 
     def guess(self, step: Step) -> State:
         """Where the Newton steps begin: the last film, moved on as it moved before."""

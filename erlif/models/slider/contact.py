@@ -15,6 +15,7 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.arguments import check_fields
+from erlif.models.refusals import refusal
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -97,10 +98,7 @@ class Wall:
             base, overlap = np.where(keep, base + step, base), np.where(keep, tried, overlap)
             missing = np.where(keep, missing_there, missing)
             energy = np.where(lower, energy_there, energy)
-        raise ModelError(
-            "The pressure on the wall does not carry the joint force: check modulus, thickness and "
-            "force, or choose more cells."
-        )
+        raise refusal("force_not_carried")
 
     def _meet(
         self, worn: Array, force: Array, bears: float, place: Array
@@ -333,10 +331,7 @@ def _profiles(worn: xr.Dataset) -> tuple[Array, Array, Array]:
     """Depths of bushing and pin and the angles of their cells, which go round once."""
     missing = {"depth", "pin_depth", "angle"} - set(worn.variables)
     if missing or worn["depth"].dims != ("angle",):
-        raise ModelError(
-            "worn must be one profile of wear_slider_crank, with depth and pin_depth over angle: "
-            "choose a number of cycles with isel(cycle=-1)."
-        )
+        raise refusal("no_wear_profile")
     depth, pin_depth = worn.depth.values.astype(float), worn.pin_depth.values.astype(float)
     angle, cells = worn.angle.values, depth.size
     expected = (np.arange(cells) - cells // 2) * 2 * np.pi / cells
