@@ -13,9 +13,9 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.errors import EncoderError
 from erlif.core.products import EncoderLog, require
 from erlif.kinematics.folding import FrameColumns, describe_frames, fold_by_number, fold_by_phase
+from erlif.kinematics.refusals import refusal
 
 # Turn of a disc from frame to frame above which its sense is not certain. [degree]
 _LARGEST_STEP = 150.0
@@ -168,12 +168,7 @@ def locate_slider(
     elif "time" in log and zero is not None:
         drive = omega * log.time.values + zero
     else:
-        raise EncoderError(
-            "Expected a column angle_deg with the angle of the drive, or a column time_s together "
-            "with zero in [encoder], the angle of the drive at time 0: without them the position "
-            "of the slider is not known. Add them, or leave [mechanism] out; the film then has no "
-            "speed."
-        )
+        raise refusal("no_drive_angle")
 
     amplitude = slider.stroke / 2
     turned, position = np.degrees(drive) % _TURN, 1e3 * amplitude * np.sin(drive)
@@ -254,10 +249,7 @@ def _describe(
     angle = np.asarray(columns["crank_angle"][0], float) if "crank_angle" in columns else None
     if bins is not None:
         if angle is None:
-            raise EncoderError(
-                "Expected a column angle_deg, because [encoder] averages the frames in bins of the "
-                "angle; there is none. Log the angle, or remove bins."
-            )
+            raise refusal("no_angle_for_bins")
         fold = fold_by_phase(np.radians(angle), bins, dead_points, falling=_falls(log, angle))
     else:
         # without a number of triggers all frames lie within one cycle
@@ -309,12 +301,8 @@ def _choose_rate(log: EncoderLog, rotation: Rotation) -> float | Array:
 
 def _rate_of_frames(log: EncoderLog) -> Array:
     """Speed of rotation at each frame, from the angles and times of the frames. [rad/s]"""
-    fixed = 'Give the speed of rotation as speed = "60 rpm" in [mechanism].'
     if "angle" not in log or "time" not in log or log.sizes["frame"] < 2:
-        raise EncoderError(
-            "Expected the speed of rotation in [mechanism], or the columns angle_deg and time_s in "
-            f"the encoder log to compute it from. {fixed}"
-        )
+        raise refusal("no_speed")
 
     # an encoder that counts on beyond a turn has no jumps; any other is below one turn
     angle, time = log.angle.values, log.time.values
@@ -323,22 +311,13 @@ def _rate_of_frames(log: EncoderLog) -> Array:
         step = (step + _TURN / 2) % _TURN - _TURN / 2
         if np.abs(step).max() > _LARGEST_STEP:
             worst = int(np.argmax(np.abs(step)))
-            raise EncoderError(
-                f"Expected less than {_LARGEST_STEP:g} deg from frame to frame, from which the "
-                "speed of rotation follows; from frame "
-                f"{int(log.number[worst])} to the next the logged angle turns by "
-                f"{step[worst]:.1f} deg, which may be whole turns more. {fixed}"
+            raise refusal(
+                "large_step", largest=_LARGEST_STEP, frame=int(log.number[worst]), step=step[worst]
             )
     if not np.all(np.diff(time) > 0):
-        raise EncoderError(
-            "Expected column time_s to rise from frame to frame, to compute the speed of rotation "
-            f"from it and angle_deg; it does not. Correct the times. {fixed}"
-        )
+        raise refusal("falling_times")
     if not np.any(step):
-        raise EncoderError(
-            "Expected the logged angle to change as the disc turns; it is the same in all frames, "
-            f"as with one trigger in a turn. {fixed}"
-        )
+        raise refusal("constant_angle")
 
     turned = np.radians(angle[0] + np.concatenate([[0.0], np.cumsum(step)]))
     return np.asarray(np.gradient(turned, time))
