@@ -16,7 +16,7 @@ from erlif.calibration import (
     read_profile,
     save_calibration,
 )
-from erlif.core.errors import CalibrationError, OutputError
+from erlif.core.errors import OutputError
 from erlif.core.products import RatioImages
 from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.core.timing import stage
@@ -40,6 +40,7 @@ from erlif.pipeline.engines.results import (
 )
 from erlif.pipeline.recording.prepare import prepare_chain
 from erlif.pipeline.recording.pulses import check_pulses, refuse_stuck_cameras
+from erlif.pipeline.refusals import refusal
 from erlif.ratio import RatioSum
 from erlif.registration import move_map
 
@@ -185,10 +186,7 @@ def find_calibration(
     if given is not None:
         return open_calibration(given)
     if run.settings.calibration is None:
-        raise CalibrationError(
-            "Expected a calibration: run.toml names none. Add calibration = "
-            '"path/to/calibration.nc" to it, or use --calibration.'
-        )
+        raise refusal("no_calibration")
 
     # a fixture that was not calibrated yet is calibrated on the way
     path = run.directory / run.settings.calibration

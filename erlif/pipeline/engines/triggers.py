@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import AnyArray
-from erlif.core.errors import ClusterError
 from erlif.core.flags import Flag, count_flags
 from erlif.core.pickling import PickledByFields
 from erlif.core.progress import Progress
@@ -23,6 +22,7 @@ from erlif.pipeline.engines.results import FrameResult, TriggerResult
 from erlif.pipeline.film import MAPS
 from erlif.pipeline.passes import measure_film, measure_pulse
 from erlif.pipeline.plane import ObjectPlane
+from erlif.pipeline.refusals import refusal
 from erlif.ratio import PairRatio, RatioSum, smooth_ratio
 from erlif.thickness import FilmTables, measure_pulse_energy
 from erlif.trend import FilmCurve, find_pin_in_blocks, summarise_blocks
@@ -190,11 +190,7 @@ class TriggerWork:
         output = (self.maps.path,) if self.maps.any_order else ()
         for path in (*self.places, *output):
             if not os.access(path, os.R_OK):
-                raise ClusterError(
-                    f"Expected {path} on every machine with workers; {platform.node()} cannot read "
-                    "it. Run directory and output stand on a disk that all machines share, under "
-                    "the same path."
-                )
+                raise refusal("not_on_every_machine", path=path, machine=platform.node())
 
 
 def run_triggers(

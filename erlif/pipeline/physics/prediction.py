@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.errors import ConfigError, ErlifError
+from erlif.core.errors import ErlifError
 from erlif.core.notes import Note, note_writer
 from erlif.core.tables import read_table
 from erlif.io.ingest import Run
@@ -17,6 +17,7 @@ from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal
 from erlif.pipeline.physics.joint import build_linkage, describe_joint
 from erlif.pipeline.plane import ObjectPlane
+from erlif.pipeline.refusals import refusal
 from erlif.prediction import (
     FrameMotion,
     View,
@@ -113,17 +114,10 @@ def swinging_joint(settings: RunSettings, what: str = "the prediction") -> Swing
         assert isinstance(linkage, CrankRocker)
         return SwingingJoint(links.crank_speed, linkage, joint)
     if links is not None and not isinstance(links, CrankRockerSettings):
-        raise ConfigError(
-            f'Expected [mechanism] of kind "crank-rocker" for {what} of an oscillating joint; this '
-            f'run has kind "{links.kind}", of which erlif has none. Use the measured film alone, '
-            "or the shapes of erlif.models.reynolds."
-        )
+        raise refusal("other_mechanism", what=what, links=links)
     needed = {"mechanism": links, "joint": settings.joint, "oil": settings.oil}
     missing = " and ".join(f"[{name}]" for name, table in needed.items() if table is None)
-    raise ConfigError(
-        f"Expected [mechanism], [joint] and [oil] for {what} of an oscillating joint; run.toml has "
-        f"no {missing}. Add what is missing."
-    )
+    raise refusal("missing_tables", what=what, missing=missing)
 
 
 def frames_of_run(run: Run, cycle: xr.Dataset) -> xr.Dataset:

@@ -11,7 +11,6 @@ import xarray as xr
 
 from erlif.calibration import calibration_of
 from erlif.core.arrays import Array, Mask
-from erlif.core.errors import ConfigError, ModelError
 from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.tables import read_table
 from erlif.core.variables import PRESSURE
@@ -26,6 +25,7 @@ from erlif.pipeline.physics.prediction import (
     swinging_joint,
 )
 from erlif.pipeline.plane import ObjectPlane
+from erlif.pipeline.refusals import refusal
 from erlif.prediction.pin_motion import PinMotion, find_pin_motion
 from erlif.prediction.pressure import CHANGING, CLEAR, find_pressures
 from erlif.prediction.smoothing import FEWEST
@@ -136,11 +136,7 @@ def _view(film: xr.Dataset, settings: RunSettings) -> PinView:
     swinging_joint(settings, "the pressure")
     view = ObjectPlane(settings, (film.sizes["y"], film.sizes["x"])).view
     if view is None or "pin_displacement" not in film:
-        raise ConfigError(
-            "Expected the position of the pin in the film; there is none, because the image is "
-            "wider than half a turn of the pin. Make the "
-            "film again with: erlif process RUN_DIR"
-        )
+        raise refusal("no_pin_position")
     return view
 
 
@@ -150,11 +146,7 @@ def _known(film: xr.Dataset) -> Mask:
     known = np.isfinite(film.pin_displacement.values).all(axis=1)
     known = np.asarray(known & np.isfinite(cov).all(axis=(1, 2)))
     if known.sum() < FEWEST:
-        raise ModelError(
-            f"Expected {FEWEST} or more triggers with a position of the pin, got {known.sum()} of "
-            f"{known.size}: the rate of the film, which makes the pressure, is not known from "
-            "fewer. Record the joint over its cycle."
-        )
+        raise refusal("few_pin_positions", fewest=FEWEST, count=known.sum(), known=known)
     return known
 
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import Image
-from erlif.core.errors import CalibrationError
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.recording.sample import Bands
+from erlif.pipeline.refusals import refusal
 from erlif.registration import MapNodes, compare_with_inverse
 
 _logger = logging.getLogger(__name__)
@@ -72,13 +72,7 @@ def _check_map(chain: FrameChain, stored: MapNodes) -> None:
         comparison.misfit_inverse,
     )
     if comparison.inverted:
-        raise CalibrationError(
-            "Expected the cameras in the order of the calibration; magnification, rotation and "
-            "distortion between them are the inverse of the calibration's: rms deviation "
-            f"{comparison.misfit_inverse:.2f} px, against {comparison.misfit:.2f} px from the "
-            "calibration's own. The cameras look swapped: exchange the files of [camera1] and "
-            "[camera2] in run.toml."
-        )
+        raise refusal("map_inverse", comparison=comparison)
 
 
 def _check_ratio(chain: FrameChain, calibration: Calibration, sample: Sequence[Bands]) -> None:
@@ -101,11 +95,8 @@ def _check_ratio(chain: FrameChain, calibration: Calibration, sample: Sequence[B
 
     regular, inverted, impossible = np.median(shares, axis=0).tolist()
     if inverted > _MOST and (regular < _FEW or impossible > _IMPOSSIBLE):
-        raise CalibrationError(
-            f"Expected ratios camera2/camera1 between {np.exp(low):.3f} and {np.exp(high):.3f} as "
-            f"calibrated; {inverted:.0%} of the pixels have the inverse of such a ratio, and "
-            f"{impossible:.0%} one that no film has. The cameras look swapped: exchange the files "
-            "of [camera1] and [camera2] in run.toml."
+        raise refusal(
+            "ratios_inverse", low=np.exp(low), high=np.exp(high), inverse=inverted, none=impossible
         )
 
 
