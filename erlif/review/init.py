@@ -14,7 +14,7 @@ import numpy as np
 
 from erlif.calibration import open_calibration, read_profile
 from erlif.core.arrays import Array
-from erlif.core.errors import ConfigError, ErlifError, FrameError, OutputError
+from erlif.core.errors import ConfigError, ErlifError, OutputError
 from erlif.core.notes import Note, list_some, note_writer
 from erlif.core.products import EncoderLog
 from erlif.io.files import takes, write_file
@@ -31,6 +31,7 @@ from erlif.io.settings import (
     write_template,
 )
 from erlif.pipeline.recording.log_cycle import WHOLE_TURN, Cycle, find_cycle
+from erlif.review.refusals import refusal
 
 _write_note = note_writer("erlif.review", "init.toml")
 
@@ -127,10 +128,7 @@ def init(
 
     survey = survey_directory(directory)
     if not survey.cameras:
-        raise FrameError(
-            f"Expected frames of two cameras in {directory}; there is no image file in it. Put the "
-            "frames there, for example as camera1/*.tif and camera2/*.tif."
-        )
+        raise refusal("no_images", directory=directory)
 
     draft = _Draft()
     _draft_cameras(draft, survey)

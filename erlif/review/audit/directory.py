@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from erlif.calibration import read_profile
-from erlif.core.errors import ConfigError, ErlifError
+from erlif.core.errors import ErlifError
 from erlif.core.notes import Level, Note, note_writer, retitle
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.core.timing import stage
@@ -43,6 +43,7 @@ from erlif.review.audit.counts import (
 )
 from erlif.review.audit.log import Steps, note_conditions, note_energy, note_motion
 from erlif.review.audit.pairing import PairRow, note_numbers, tabulate_pairs
+from erlif.review.refusals import refusal
 
 _note = note_writer("erlif.review.audit")
 _logger = logging.getLogger(__name__)
@@ -186,14 +187,8 @@ def _open(directory: Path, allow_outside: bool) -> Run | Fixture:
     if (directory / "fixture.toml").is_file():
         return open_fixture(directory, allow_outside=allow_outside)
     if not directory.is_dir():
-        raise ConfigError(
-            f"Expected a run (run.toml) or a fixture (fixture.toml) in {directory}; "
-            "there is no such directory. Correct the name."
-        )
-    raise ConfigError(
-        f"Expected a run (run.toml) or a fixture (fixture.toml) in {directory}; it holds neither. "
-        f"Make one from the files in it with: erlif init {directory}"
-    )
+        raise refusal("no_directory", directory=directory)
+    raise refusal("no_settings", directory=directory)
 
 
 def _describe(recording: Run | Fixture) -> Note:

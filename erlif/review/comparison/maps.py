@@ -15,8 +15,8 @@ import xarray as xr
 from erlif.calibration import Calibration, calibration_of
 from erlif.core.arrays import Array, FlagImage
 from erlif.core.described import describe
-from erlif.core.errors import ErlifError
 from erlif.io.files import describe_trigger, settings_of
+from erlif.review.refusals import refusal
 
 # Edge of a cell, in pixels of the coarser camera. Errors of the registration are common to it.
 CELL = 8
@@ -117,10 +117,13 @@ def cell_edges(films: list[xr.Dataset], axis: str) -> Array:
     # rounding must not cost a cell that fits exactly
     count = int((high - low) / (CELL * pitch) + 1e-6) if pitch > 0 else 0
     if count < _LEAST_OVERLAP:
-        raise ErlifError(
-            f"Expected images that share {_LEAST_OVERLAP} cells of {CELL} pixels along {axis}; "
-            f"these share {max(high - low, 0.0):.2f} mm of pixels of {pitch:.3f} mm. Compare films "
-            "of larger images."
+        raise refusal(
+            "small_overlap",
+            least=_LEAST_OVERLAP,
+            cell=CELL,
+            axis=axis,
+            shared=max(high - low, 0.0),
+            pitch=pitch,
         )
     return np.asarray(low + CELL * pitch * np.arange(count + 1))
 
@@ -290,10 +293,7 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
     (0.5, 24)
     """
     if settings_of(one).optics.x_axis != settings_of(other).optics.x_axis:
-        raise ErlifError(
-            "Expected images whose x lies along the same direction; x_axis in [optics] differs. "
-            "Compare the film statistics alone, or runs of one camera."
-        )
+        raise refusal("other_x_axis")
     edges = {f"{axis}_edges": cell_edges([one, other], axis) for axis in ("x", "y")}
     calibrations = calibration_of(one), calibration_of(other)
     a, b = (

@@ -14,7 +14,6 @@ import xarray as xr
 
 from erlif.calibration import Calibration, calibration_of
 from erlif.core.arrays import Array
-from erlif.core.errors import ErlifError
 from erlif.io.files import region_of, settings_of
 from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.joint import describe_joint
@@ -25,6 +24,7 @@ from erlif.review.comparison.maps import (
     noise_inflation,
     quadratic,
 )
+from erlif.review.refusals import refusal
 from erlif.trend import viscosity_at
 
 # Film statistics that are compared.
@@ -260,28 +260,22 @@ def refuse_unlike(records: Sequence[RunRecord]) -> None:
 be compared.
     """
     if len(records) < 2:
-        raise ErlifError(
-            f"Expected two films or more; got {len(records)}. Name the films of the runs to be "
-            "compared."
-        )
+        raise refusal("few_films", count=len(records))
     # a run compared with itself would share its noise and seem certain
     for one, other in combinations(records, 2):
         same = one.identity and one.identity == other.identity
         if same or (one.frames_key and one.frames_key == other.frames_key):
-            raise ErlifError(
-                f"Expected films of different runs; two of them, {one.name} and {other.name}, were "
-                "made from the same frames and share their noise. Leave one of them out."
-            )
+            raise refusal("same_frames", one=one, other=other)
         if _motion(one.settings) != _motion(other.settings):
-            raise ErlifError(
-                f"Expected runs of one mechanism; {one.name} has {_words(one.settings)}, "
-                f"{other.name} has {_words(other.settings)}. Compare runs of the same mechanism."
+            raise refusal(
+                "other_mechanism",
+                one=one,
+                first=_words(one.settings),
+                other=other,
+                second=_words(other.settings),
             )
         if one.by_angle != other.by_angle:
-            raise ErlifError(
-                f"Expected crank angles in all films or in none; of {one.name} and {other.name} "
-                "one has them. Compare runs with the same kind of log."
-            )
+            raise refusal("angles_in_one", one=one, other=other)
 
 
 def _motion(settings: RunSettings) -> dict[str, object]:
