@@ -25,6 +25,7 @@ from erlif.prediction.measured import MeasuredMotion
 from erlif.prediction.motion import FrameMotion
 from erlif.prediction.orbits import FreeOrbits
 from erlif.prediction.problem import Frames, Problem
+from erlif.prediction.refusals import refusal
 
 # Steady formulas, by the variables of a film that hold them.
 STEADY = {
@@ -243,10 +244,7 @@ def compare_models(
     if measured.is_position and "any guided" in sideways:
         fitted.append(_bound_guided(problem, load_line_std))
     if not fitted:
-        raise ModelError(
-            f"No model of the film could be fitted. {failures[0]} Check load, viscosity and radii "
-            "in run.toml."
-        )
+        raise refusal("no_model_fitted", failure=failures[0])
     return _rank(fitted, fits)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from erlif.core.arrays import Array
-from erlif.core.errors import ConfigError, ModelError
+from erlif.core.errors import ModelError
 from erlif.core.notes import Note, note_writer
 from erlif.models.reynolds import Journal, Motion
 from erlif.prediction.least_squares import (
@@ -27,6 +27,7 @@ from erlif.prediction.measured import MeasuredMotion
 from erlif.prediction.motion import FrameMotion
 from erlif.prediction.orbits import ATMOSPHERE, FreeOrbits, HeldOrbits, Orbits, lead_of
 from erlif.prediction.problem import Frames, Problem
+from erlif.prediction.refusals import refusal
 from erlif.trend import VogelLaw
 
 _note = note_writer("erlif.prediction")
@@ -308,27 +309,18 @@ def _begin(problem: Problem, unknowns: Unknowns) -> Minimum | None:
 def _check(measured: MeasuredMotion, frames: Frames, sideways: str, fitted: Sequence[str]) -> None:
     """Refuse what cannot be fitted."""
     if sideways not in SIDEWAYS:
-        raise ConfigError(
-            f"Expected a pin that is {', '.join(SIDEWAYS[:-1])} or {SIDEWAYS[-1]}, got "
-            f"{sideways!r}. Choose one."
+        raise refusal(
+            "no_such_pin", kinds=", ".join(SIDEWAYS[:-1]), last=SIDEWAYS[-1], sideways=sideways
         )
     unknown = [name for name in fitted if name not in ("viscosity", "cavitation_pressure")]
     if unknown:
-        raise ConfigError(
-            f"Expected viscosity or cavitation_pressure to fit, got {unknown[0]!r}; start, rest "
-            "and stiffness are always fitted where the pin has them."
-        )
+        raise refusal("no_such_unknown", name=unknown[0])
     if frames.measured.size < FEWEST_TRIGGERS:
-        raise ConfigError(
-            f"Expected {FEWEST_TRIGGERS} or more measured positions for a fit of the film, got "
-            f"{frames.measured.size} of {len(measured.value)} triggers. Widen roi in [thickness], "
-            "or record more triggers."
+        raise refusal(
+            "few_positions", fewest=FEWEST_TRIGGERS, frames=frames, triggers=len(measured.value)
         )
     if sideways == "spring" and not measured.is_position:
-        raise ConfigError(
-            "Expected positions of the pin for the fit of a spring; minima do not contain the "
-            'sideways displacement. Choose "free" or "guided".'
-        )
+        raise refusal("no_positions_for_spring")
 
 
 def _describe(

@@ -19,6 +19,7 @@ from erlif.core.errors import ModelError
 from erlif.core.progress import Progress, silent
 from erlif.models.reynolds import Journal, solve_film
 from erlif.prediction.pin_motion import NUMBERS, PinMotion
+from erlif.prediction.refusals import refusal
 
 # Cells round the joint and over its length.
 CELLS = (384, 24)
@@ -128,11 +129,7 @@ def solve_pin_motion(
     load, side = _tilted(position, axial)
     film = journal.clearance - load * cosine - side * sine
     if film.min() <= 0:
-        raise OverlapError(
-            "Expected a gap all over the joint; pin and bushing overlap by "
-            f"{-1e6 * film.min():.2g} um. Compare clearance, tilts and length in [joint] with the "
-            "maps."
-        )
+        raise refusal("overlap", OverlapError, overlap=-1e6 * film.min())
 
     load_rate, side_rate = _tilted(rate, axial)
     change = (turning / 2 * load - side_rate) * sine - (turning / 2 * side + load_rate) * cosine
