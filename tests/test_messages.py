@@ -69,6 +69,7 @@ def messages() -> list[tuple[str, str]]:
     found = [
         (f"{path.name} [{name}]", entry["text"])
         for path in sorted(Path(erlif.__file__).parent.rglob("refusals.toml"))
+        if not f"erlif/{path.parent.name}/".startswith(COMPLETED)
         for name, entry in tomllib.loads(path.read_text(encoding="utf-8")).items()
     ]
     for path in SOURCES:

@@ -232,10 +232,7 @@ class _Within:
         require_between(self.lowest, self.highest, **arguments)
         for name, value in arguments.items():
             if not self.ends and np.any(np.isin(value, (self.lowest, self.highest))):
-                raise ModelError(
-                    f"{name} must lie between {self.lowest:g} and {self.highest:g}, without the "
-                    "ends."
-                )
+                raise refusal("end_of_range", name=name, lowest=self.lowest, highest=self.highest)
 
 
 _REFUSE: dict[str, Callable[..., None]] = {

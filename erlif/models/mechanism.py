@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from erlif.core.errors import ModelError
 from erlif.models.arguments import Values, check_fields, formula
 from erlif.models.linkage import measures
+from erlif.models.refusals import refusal
 
 # A full turn. [rad]
 TURN = 2 * np.pi
@@ -33,10 +33,8 @@ def _within_reach(
     outside = np.less(value, low - tolerance) | np.greater(value, high + tolerance)
     if np.any(outside):
         worst = float(np.asarray(value)[np.asarray(outside)].flat[0])
-        raise ModelError(
-            f"{name} must lie in the reach of the linkage, {_with_unit(low, name)} to "
-            f"{_with_unit(high, name)}, got {_with_unit(worst, name)}."
-        )
+        least, most, found = (_with_unit(number, name) for number in (low, high, worst))
+        raise refusal("beyond_reach", name=name, least=least, most=most, found=found)
     return np.clip(value, low, high)
 
 
@@ -100,13 +98,9 @@ class CrankRocker:
 
         # Grashof's condition
         others = sorted((self.coupler, self.rocker, self.ground))
-        if not (self.crank < others[0] and self.crank + others[2] < others[0] + others[1]):
-            raise ModelError(
-                f"crank, coupler, rocker and ground of {self.crank:g}, {self.coupler:g}, "
-                f"{self.rocker:g} and {self.ground:g} m are no crank-rocker: the crank must be the "
-                f"shortest link, and crank plus longest link ({self.crank + others[2]:g} m) less "
-                f"than the other two ({others[0] + others[1]:g} m)."
-            )
+        long, rest = self.crank + others[2], others[0] + others[1]
+        if not (self.crank < others[0] and long < rest):
+            raise refusal("no_crank_rocker", links=self, long=long, rest=rest)
 
     @property
     def links(self) -> measures.Links:
@@ -366,20 +360,15 @@ def crank_for_swing(swing: float, *, coupler: float, rocker: float, ground: floa
     shortest, middle, longest = sorted((coupler, rocker, ground))
     longest_crank = min(shortest, shortest + middle - longest)
     if longest_crank <= 0:
-        raise ModelError(
-            f"coupler, rocker and ground of {coupler:g}, {rocker:g} and {ground:g} m close no "
-            "triangle."
-        )
+        raise refusal("no_triangle", coupler=coupler, rocker=rocker, ground=ground)
 
     def swing_of(crank: float) -> float:
         return float(measures.swing(measures.Links(crank, coupler, rocker, ground)))
 
     if swing >= swing_of(longest_crank):
-        raise ModelError(
-            f"swing must be less than {np.degrees(swing_of(longest_crank)):.3f} degrees with "
-            f"coupler {coupler:g} m, rocker {rocker:g} m and ground {ground:g} m, got "
-            f"{np.degrees(swing):.3f} degrees."
-        )
+        widest, wanted = np.degrees(swing_of(longest_crank)), np.degrees(swing)
+        links = (coupler, rocker, ground)
+        raise refusal("wide_swing", widest=widest, links=links, wanted=wanted)
     return float(
         scipy.optimize.brentq(lambda crank: swing_of(crank) - swing, 0.0, longest_crank, xtol=1e-15)
     )
@@ -436,10 +425,7 @@ class SliderCrank:
     def __post_init__(self) -> None:
         check_fields(self, clearance="number or zero")
         if not self.coupler > self.crank:
-            raise ModelError(
-                f"coupler must be longer than the crank for the crank to turn fully, got coupler "
-                f"{self.coupler:g} m and crank {self.crank:g} m."
-            )
+            raise refusal("short_coupler", coupler=self.coupler, crank=self.crank)
 
     @property
     def rod(self) -> float:

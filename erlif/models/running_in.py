@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from erlif.core.described import describe_by
-from erlif.core.errors import ModelError
 from erlif.core.tables import read_table
 from erlif.models.arguments import Values, formula
 from erlif.models.contact.roots import like
@@ -176,10 +175,7 @@ def run_in_bushing(
     distances = np.atleast_1d(np.asarray(sliding_distance, float))
     rises = distances.ndim == 1 and distances.size > 0 and np.all(np.diff(distances) > 0)
     if not rises or np.any(np.isnan(distances)):
-        raise ModelError(
-            "sliding_distance must be one row of rising distances without NaN, got "
-            f"{np.array2string(distances, threshold=8)} m."
-        )
+        raise refusal("no_rising_distances", distances=np.array2string(distances, threshold=8))
     cell = np.pi / cells
     wall = _Wall(
         shaft_radius,
@@ -214,10 +210,7 @@ def _wear(wall: _Wall, distances: Array, specific_wear: float) -> list[tuple[flo
                 continue
             place, pressure, depth = new_place, new_pressure, new_depth
             if depth[0] > wall.thickness:
-                raise ModelError(
-                    f"sliding_distance must end before the wall is worn through: {depth[0]:.2g} m "
-                    f"after {at + trial:.3g} m of {distances[-1]:.3g} m. Shorten it."
-                )
+                raise refusal("worn_through", depth=depth[0], at=at + trial, end=distances[-1])
             at = wanted if trial == wanted - at else at + trial
             step = max(step, trial) * (2 if change < allowed / 2 else 1)
         stages.append((place, pressure, depth))

@@ -90,10 +90,7 @@ class Joint:
             outer_radius=self.outer_radius,
         )
         if not self.pin_length >= self.length:
-            raise ModelError(
-                f"pin_length, {self.pin_length:g} m, is below the length of the bushing, "
-                f"{self.length:g} m; the pin ends outside."
-            )
+            raise refusal("short_pin", pin_length=self.pin_length, length=self.length)
         if self.undercut is not None:
             _check_undercut(self.undercut, self)
 
@@ -103,10 +100,7 @@ def _check_undercut(cut: Undercut, joint: Joint) -> None:
     require_positive(depth=cut.depth, width=cut.width, lip=cut.lip)
     if not _fits(cut, joint):
         wall = joint.outer_radius - joint.bushing_radius
-        raise ModelError(
-            f"The undercut (depth {cut.depth:g}, width {cut.width:g}, lip {cut.lip:g} m) does not "
-            f"fit into a wall of {wall:g} m and half a length of {joint.length / 2:g} m."
-        )
+        raise refusal("undercut_does_not_fit", cut=cut, wall=wall, half=joint.length / 2)
 
 
 @dataclass(frozen=True)
@@ -505,10 +499,7 @@ def search_undercut(
     }
     fitting = {place: cut for place, cut in cuts.items() if _fits(cut, joint)}
     if not fitting:
-        raise ModelError(
-            "No undercut of these depths, widths and lips fits into the wall of "
-            f"{joint.outer_radius - joint.bushing_radius:g} m."
-        )
+        raise refusal("no_undercut_fits", wall=joint.outer_radius - joint.bushing_radius)
 
     straight = prepared(None, None)
     uncut = solve_joint(straight, load=load, patch=patch)
@@ -556,10 +547,7 @@ def _share(elastic: ElasticJoint, load: float, position: float) -> tuple[Array, 
         return np.array([load / 2]), np.array([load / 2])
     middle = sum(elastic.load_span) / 2
     if abs(position) >= elastic.joint.length / 2:
-        raise ModelError(
-            f"The load at {position:g} m lies beyond the bushing, which ends at "
-            f"{elastic.joint.length / 2:g} m; no contact carries it."
-        )
+        raise refusal("load_beyond_bushing", position=position, end=elastic.joint.length / 2)
     forces = load / 2 * (1 + np.array([-1, 1]) * position / middle)
     return forces, load * np.array([1.0, position])
 
@@ -625,8 +613,5 @@ def _lobe_shape(
     if not len(centres) or height == 0:
         return np.zeros(places.size)
     if max(centres) >= half or min(centres) < 0:
-        raise ModelError(
-            f"Lobes lie from 0 to the end of the bushing at {half:g} m, got {list(centres)}; those "
-            "of the other half are the same."
-        )
+        raise refusal("lobes_outside", half=half, centres=list(centres))
     return np.asarray(lobe_shape(places, centres=centres, radius=radius, height=height))

@@ -22,6 +22,7 @@ from erlif.models.linkage.design import LinkageDesign, measure_linkage
 from erlif.models.linkage.domain import EDGE, Domain, find_domain
 from erlif.models.linkage.measures import Links, least_transmission, space
 from erlif.models.mechanism import CrankRocker
+from erlif.models.refusals import refusal
 
 # Places of the search along one unknown length, and along each of two.
 LINE, SQUARE = 257, 49
@@ -191,10 +192,7 @@ def synthesise_crank_rocker(
         targets["speed_ratio"] = rocker_speed / crank_speed
         rocker_speed = None
     if len(given) < 2:
-        raise ModelError(
-            "two of crank, coupler, rocker and ground at least must be given, got "
-            f"{', '.join(given) or 'none'}."
-        )
+        raise refusal("few_links", given=", ".join(given) or "none")
     if len(given) == 2 and not targets:
         raise ModelError("two unknown lengths need a target: swing, speed_ratio or time_ratio.")
 

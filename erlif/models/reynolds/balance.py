@@ -239,10 +239,7 @@ def advance(medium: Medium, step: Step, before: State, guess: State | None = Non
             newton.require_pressure()
             return newton.state(iteration)
         newton.move()
-    raise NoConvergenceError(
-        f"The film was not solved in {most} iterations. A load that the film does not "
-        "carry is the usual reason; shorter steps help where load or speed change quickly."
-    )
+    raise refusal("film_not_solved", NoConvergenceError, iterations=most)
 
 
 def settle(medium: Medium, step: Step, position: Array, *, rate: float) -> State:
@@ -451,10 +448,7 @@ class _Newton:
                 found[:] = 0.0  # the pressures stay until the next solution
                 way = (self.void + BEYOND * self.walls.centre)[meets] / nearer[meets]
                 return np.asarray(toward * way.min())
-        raise NoConvergenceError(
-            "The film carries no load in its present position: its pressure does not change with "
-            "the position of the body."
-        )
+        raise refusal("film_without_load", NoConvergenceError)
 
     def allowed(self, shift: Array, change: Array) -> float:
         """Share of a Newton step that leaves enough film everywhere."""

@@ -77,10 +77,7 @@ class Journal:
         # then what the numbers are to each other
         require_increasing(pin_radius=self.pin_radius, bushing_radius=self.bushing_radius)
         if self.cavitation_pressure > 0:
-            raise ModelError(
-                "cavitation_pressure is relative to ambient and at most 0, got "
-                f"{self.cavitation_pressure:g} Pa."
-            )
+            raise refusal("tension", pressure=self.cavitation_pressure)
         if self.axial_shape is not None:
             self._check_shape()
 
@@ -90,10 +87,7 @@ class Journal:
         if self.long:
             raise ModelError("An infinitely long bearing has no axial shape: set long=False.")
         if shape.ndim != 1 or shape.size < 2 or not np.isfinite(shape).all():
-            raise ModelError(
-                "axial_shape must hold two or more finite heights from end to end, got shape "
-                f"{shape.shape}."
-            )
+            raise refusal("no_axial_shape", shape=shape.shape)
 
     @property
     def clearance(self) -> float:
@@ -162,10 +156,7 @@ class Motion:
         for name in ("angle", "load", "load_direction"):
             value = getattr(self, name)
             if value.ndim and value.shape != self.time.shape:
-                raise ModelError(
-                    f"{name} must have one value for each of the {self.time.size} times, got shape "
-                    f"{value.shape}."
-                )
+                raise refusal("not_each_time", name=name, count=self.time.size, shape=value.shape)
             object.__setattr__(self, name, np.broadcast_to(value, self.time.shape))
         warn_of_units("load", load=self.load)
 

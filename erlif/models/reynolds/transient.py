@@ -180,10 +180,7 @@ class Bearing:
         """Cells for a joint: half of the length where both halves are alike."""
         around, along_half = (int(number) for number in cells)
         if around < 8 or around % 2 or along_half < 1:
-            raise ModelError(
-                "cells must be an even number of 8 or more round the joint and 1 or more along the "
-                f"axis, got {tuple(cells)}."
-            )
+            raise refusal("wrong_cells", cells=tuple(cells))
 
         # half of the length where the other half is its image
         edges = _edges(journal, along_half)
@@ -296,11 +293,8 @@ class TransientFilm:
         self.halfway = self.turned(self.instant)  # angle of the cells in the middle of the step
         self.supply = 0.0
         if self.state.walls.centre.min() <= 0 or self.state.walls.along.min() <= 0:
-            raise ModelError(
-                f"start lies outside the clearance: displacements of {start[0] * 1e6:.4g} and "
-                f"{start[1] * 1e6:.4g} um leave no film in a clearance of "
-                f"{bearing.journal.clearance * 1e6:.4g} um."
-            )
+            x, y, clearance = 1e6 * start[0], 1e6 * start[1], 1e6 * bearing.journal.clearance
+            raise refusal("start_outside", x=x, y=y, clearance=clearance)
         self.table = {name: np.full(motion.time.size, np.nan) for name in SERIES}
         self.record(0)
         self.first_picture = self.picture()

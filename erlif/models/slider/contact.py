@@ -251,10 +251,7 @@ class WornBore:
     def __init__(self, law: ContactLaw, clearance: float, worn: xr.Dataset) -> None:
         depth, pin_depth, angle = _profiles(worn)
         if not clearance > 0:
-            raise ModelError(
-                "clearance must be positive where the joint is worn: the stiffness of eq. 13 "
-                f"belongs to an unworn clearance, got {clearance:g} m."
-            )
+            raise refusal("worn_without_clearance", clearance=clearance)
         stiffness = 3 / (4 * sqrt(2)) * law.stiffness * sqrt(clearance)
         cell = 2 * np.pi / angle.size
         self.wall = Wall(clearance, cells=angle.size, area=cell, stiffness=stiffness)
@@ -336,10 +333,7 @@ def _profiles(worn: xr.Dataset) -> tuple[Array, Array, Array]:
     angle, cells = worn.angle.values, depth.size
     expected = (np.arange(cells) - cells // 2) * 2 * np.pi / cells
     if cells < _FEWEST_CELLS or not np.allclose(angle, expected):
-        raise ModelError(
-            f"worn must have {_FEWEST_CELLS} cells or more that go round the bushing once, evenly "
-            f"and with one at angle 0, got {cells}."
-        )
+        raise refusal("coarse_wear_profile", fewest=_FEWEST_CELLS, cells=cells)
     if not (np.all(depth >= 0) and np.all(pin_depth >= 0)):
         raise ModelError("worn must have depths that are numbers and not negative.")
     return depth, pin_depth, angle
