@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from erlif.core.errors import ModelError
 from erlif.core.tables import read_table
+from erlif.rig.refusals import refusal
 
 _TABLE = read_table("erlif.rig", "settings.toml")
 
@@ -337,35 +338,22 @@ class RigSettings:
             text = isinstance(value, str) and not isinstance(getattr(RigSettings, name), str)
             if text or not all(math.isfinite(one) and low <= one <= high for one in numbers):
                 among = f" from {low:g} to {high:g}" if name in LIMITS else ""
-                raise ModelError(
-                    f"Expected {name} of the virtual rig as a number{among}; got {value}. "
-                    "Choose another value."
-                )
+                raise refusal("no_number", name=name, among=among, value=value)
         for name, words in CHOICES.items():
-            if getattr(self, name) not in words:
-                raise ModelError(
-                    f"Expected {name} of the virtual rig as one of {', '.join(words)}; got "
-                    f"{getattr(self, name)!r}. Choose one of them."
-                )
+            if (got := getattr(self, name)) not in words:
+                raise refusal("unknown_choice", name=name, known=", ".join(words), got=got)
 
     def _check_run(self) -> None:
         """Refuse a run that is too long, references without a level, and a log without linkage."""
         linked = self.mechanism == "crank-rocker"
         logger = (self.log, self.reading, self.encoder, self.pulses_per_cycle)
         if not linked and logger != ("frames", "degrees", "rocker", 0.0):
-            raise ModelError(
-                "Expected log, reading, encoder and pulses_per_cycle of the virtual rig with a "
-                f"linkage alone; the mechanism is {self.mechanism!r}. Leave them out."
-            )
+            raise refusal("no_linkage", mechanism=self.mechanism)
         in_turn = self.pulses_per_cycle or 2 * SWING / self.spacing
         in_turn = in_turn if linked else self.pictures
         most = LIMITS["pictures"][1]
         if in_turn * self.cycles > most:
-            raise ModelError(
-                f"Expected a run of at most {most} frame pairs; a spacing of "
-                f"{self.spacing:g} degrees and {self.cycles} cycles have more. Choose a larger "
-                "spacing or fewer cycles."
-            )
+            raise refusal("many_pairs", most=most, spacing=self.spacing, cycles=self.cycles)
         if not self.flat_levels:
             raise ModelError("The virtual rig needs at least one flat level. Choose 1 or more.")
 
@@ -375,36 +363,22 @@ class RigSettings:
         if self.crank + self.ground >= self.coupler + self.rocker or self.crank >= min(
             self.coupler, self.rocker
         ):
-            raise ModelError(
-                "The crank of the virtual rig cannot turn (Grashof): make it the shortest of four "
-                "links."
-            )
+            raise refusal("crank_cannot_turn")
         if not 0 < self.pin_radius < self.bushing_radius:
             raise ModelError(
                 "The pin radius must be smaller than the bushing radius. Correct one of them."
             )
         if not 0 <= self.wedge[0] < self.wedge[1]:
-            raise ModelError(
-                f"The wedge must rise from a film of 0 um or more, got {self.wedge}. "
-                "Choose other ends."
-            )
+            raise refusal("wedge_not_rising", wedge=self.wedge)
         held = self.sideways
         if held not in SIDEWAYS and (isinstance(held, str) or held <= 0):
-            raise ModelError(
-                f"Expected sideways of the virtual rig as {', '.join(SIDEWAYS)} or a stiffness "
-                f"above 0 in N/m; got {held!r}. Choose one of them."
-            )
+            raise refusal("unknown_mount", known=", ".join(SIDEWAYS), held=held)
 
         # the film of theory is that of a journal bearing whose pin and bushing are parallel
         if self.film == "reynolds" and (
             self.mechanism != "crank-rocker" or self.film_table is not None or self.tilt != 0
         ):
-            raise ModelError(
-                "Expected the film reynolds, that of a journal bearing, with the mechanism "
-                "crank-rocker, without film_table and with a tilt of 0; got "
-                f"{self.mechanism!r} and a tilt of {self.tilt:g} um. Choose another film, or leave "
-                "them out."
-            )
+            raise refusal("no_reynolds_film", mechanism=self.mechanism, tilt=self.tilt)
 
     @property
     def pitch(self) -> float:
