@@ -5,6 +5,7 @@ dask.distributed is imported where a cluster is used, and nowhere else.
 
 from __future__ import annotations
 
+import asyncio
 import importlib.util
 import json
 import logging
@@ -177,23 +178,26 @@ class Cluster:
 
     def _obtain(self, job: Any) -> Any:
         """The result of a job; a warning where there is no worker to compute it."""
-        patience, warned = float(_LOOK), False
+
+        async def fetch() -> Any:
+            return await self._client.gather(job, asynchronous=True)
+
+        # asked for once: a large result takes longer than a look to arrive
+        fetched = asyncio.run_coroutine_threadsafe(fetch(), self._client.loop.asyncio_loop)
+        warned = False
         while True:
             try:
-                return job.result(timeout=patience)
+                return fetched.result(timeout=_LOOK)
             except TimeoutError:
-                if job.status == "error":  # an error of the work itself
+                if fetched.done():  # an error of the work itself
                     raise
-                # a large result that was on its way is asked for again, with more time
-                patience *= 2 if job.status == "finished" else 1
-                if warned or self._client.nthreads():
-                    continue
-            warned = True
-            _logger.warning(
-                "%s has no worker any more; the run goes on when one comes: %s",
-                self.scheduler,
-                self._start_a_worker(),
-            )
+            if not warned and not self._client.nthreads():
+                warned = True
+                _logger.warning(
+                    "%s has no worker any more; the run goes on when one comes: %s",
+                    self.scheduler,
+                    self._start_a_worker(),
+                )
 
     def _connect(self) -> None:
         """Connect to the scheduler, or start one with workers on this machine."""
