@@ -29,8 +29,14 @@ DIRECTION = "camera2/camera1"
 # Variables of the fitted points, which every file has.
 FITTED_POINTS = ("curve_thickness", "curve_ratio", "curve_ratio_std", "curve_residual")
 
-# K, p and q by their names in the file.
-PARAMETERS = ("ratio_at_zero", "attenuation_camera1", "attenuation_camera2")
+# K, p and q by their names in the file, and before a reflecting wall a and R.
+PARAMETERS = (
+    "ratio_at_zero",
+    "attenuation_camera1",
+    "attenuation_camera2",
+    "attenuation_laser",
+    "reflectance",
+)
 
 # Entries of the table of the inverse.
 _ENTRIES = 20001
@@ -54,7 +60,8 @@ class Calibration:
     attenuation_camera2 : float
         q, attenuation in the band of camera 2. [1/um]
     covariance : Array
-        Covariance of K, p and q, in this order, (3, 3).
+        Covariance of the parameters, (parameter, parameter): K, p and q, and a and R before a
+        reflecting wall.
     thickness_range : tuple[float, float]
         Calibrated range. [um]
     bands : tuple[float, float]
@@ -83,6 +90,10 @@ class Calibration:
     background : BackgroundError | None
         Error of the background that was subtracted from the frames of a run; of the run, and not
         stored with the calibration.
+    attenuation_laser : float | None
+        a, attenuation of the laser alone; None where the wall behind the film is black. [1/um]
+    reflectance : float | None
+        R, share of laser and emission that the wall behind the film returns; None likewise. [1]
     """
 
     ratio_at_zero: float
@@ -102,6 +113,8 @@ class Calibration:
     pose: FoundPose | None = field(default=None, repr=False)
     profile_file: str = field(default="", repr=False)
     background: BackgroundError | None = field(default=None, repr=False)
+    attenuation_laser: float | None = None
+    reflectance: float | None = None
 
     def __repr__(self) -> str:
         lines = [f"calibration {self.fixture!r}"]
@@ -131,12 +144,13 @@ class Calibration:
 
     @property
     def parameters(self) -> Array:
-        """K [1], p and q [1/um]."""
-        return np.array([self.ratio_at_zero, self.attenuation_camera1, self.attenuation_camera2])
+        """K [1], p and q [1/um]; before a reflecting wall also a [1/um] and R [1]."""
+        values = (getattr(self, name) for name in PARAMETERS)
+        return np.array([value for value in values if value is not None])
 
     @property
     def standard_deviations(self) -> Array:
-        """Standard deviations of K [1], p and q [1/um], (3,)."""
+        """Standard deviations of the parameters, (parameter,)."""
         return np.sqrt(np.diag(self.covariance))
 
     def predict(self, thickness: npt.ArrayLike) -> Array:
@@ -434,7 +448,7 @@ def describe_parameters(calibration: Calibration) -> list[tuple[str, str]]:
     >>> describe_parameters(example_calibration())[0]
     ('K, ratio of a vanishing film', '0.66000 ± 0.00100')
     """
-    K, p, q = calibration.parameters
+    K, p, q = calibration.parameters[:3]
     std = calibration.standard_deviations
     low, high = calibration.thickness_range
     one, two = calibration.bands
@@ -442,6 +456,14 @@ def describe_parameters(calibration: Calibration) -> list[tuple[str, str]]:
         ("K, ratio of a vanishing film", f"{K:.5f} ± {std[0]:.5f}"),
         ("p, attenuation camera 1", f"{p:.5f} ± {std[1]:.5f} 1/um"),
         ("q, attenuation camera 2", f"{q:.5f} ± {std[2]:.5f} 1/um"),
+        *(
+            [
+                ("a, attenuation of the laser", f"{calibration.parameters[3]:.3f} ± {std[3]:.3f} 1/um"),
+                ("R, reflectance of the wall", f"{calibration.parameters[4]:.3f} ± {std[4]:.3f}"),
+            ]
+            if calibration.model.reflects
+            else []
+        ),
         ("calibrated range", f"{low:.2f} to {high:.2f} um"),
         ("reduced chi-square", f"{calibration.reduced_chi_square:.2f}"),
         ("bands", f"{one:g} nm and {two:g} nm"),

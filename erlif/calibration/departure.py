@@ -24,11 +24,9 @@ import xarray as xr
 
 from erlif.calibration.points import Points
 from erlif.calibration.pose import Freedom
-from erlif.calibration.regression import Fit
+from erlif.calibration.regression import VERY_STRONG, Fit
 from erlif.core.arrays import Array
 
-# Difference of the criterion from which on the spline is used (Kass & Raftery 1995).
-VERY_STRONG = 10.0
 # Probability of chance below which structure in the residuals is reported.
 STRUCTURE = 1e-3
 

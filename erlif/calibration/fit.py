@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from erlif.calibration.curve import DIRECTION, Calibration
+from erlif.calibration.curve import DIRECTION, PARAMETERS, Calibration
 from erlif.calibration.departure import (
     STRUCTURE,
     Candidate,
@@ -197,12 +197,10 @@ def _make_curve(
     scale = max(1.0, noise) * settled.inflation
     if departure is not None:
         departure = replace(departure, covariance=scale * departure.covariance)
-    K, p, q = (float(value) for value in fit.parameters)
+    size = fit.parameters.size
     return Calibration(
-        ratio_at_zero=K,
-        attenuation_camera1=p,
-        attenuation_camera2=q,
-        covariance=scale * fit.covariance[:3, :3],
+        **dict(zip(PARAMETERS, map(float, fit.parameters), strict=False)),
+        covariance=scale * fit.covariance[:size, :size],
         thickness_range=(0.0, 0.0),
         bands=bands,
         curve=xr.Dataset(),
@@ -400,7 +398,7 @@ def _describe_given_origin(points: Points, pixel_pitch: float) -> Note:
 
 def _describe_unresolved(calibration: Calibration) -> list[Note]:
     """Note where the data determine K and p - q but not p and q."""
-    _, p, q = calibration.parameters
+    p, q = calibration.attenuation_camera1, calibration.attenuation_camera2
     std, covariance = calibration.standard_deviations, calibration.covariance
     if std[2] < _UNRESOLVED * q:
         return []

@@ -62,7 +62,7 @@ def refine_pose(
         if not freedom.size:
             break
         fit = fit_robustly(points, freedom)
-        std = np.sqrt(np.diag(fit.covariance)[3:])
+        std = np.sqrt(np.diag(fit.covariance)[-freedom.size :])
         if n == _STEPS - 1 or np.all(np.abs(fit.displacement) < _CONVERGED * std):
             break
         step = freedom.combinations @ fit.displacement
@@ -73,7 +73,8 @@ def refine_pose(
     covariance = np.diag([0.0, 0.0, 0.0, turn_std**2])
     if freedom.size:
         scale = max(1.0, fit.reduced_chi_square)
-        covariance += scale * freedom.combinations @ fit.covariance[3:, 3:] @ freedom.combinations.T
+        free = fit.covariance[-freedom.size :, -freedom.size :]
+        covariance += scale * freedom.combinations @ free @ freedom.combinations.T
     determined = freedom.shares >= _MOSTLY
     determined[TURN] |= turn_std > 0
     return points, freedom, FoundPose(pose, change, covariance, determined)

@@ -19,11 +19,24 @@ from erlif.calibration.pose import Freedom
 from erlif.calibration.profile import MINIMUM_POINTS
 from erlif.core.arrays import Array, Mask
 from erlif.core.statistics import robust_rms
-from erlif.models.fluorescence import log_band_ratio, log_band_ratio_gradient, log_band_ratio_slope
+from erlif.models.fluorescence import (
+    WallRatio,
+    log_band_ratio,
+    log_band_ratio_gradient,
+    log_band_ratio_slope,
+    wall_ratio,
+)
 
 # Standard deviations from the curve beyond which a point is dust, a bubble or a slip of the
 # CMM.
 OUTLIER = 4.5
+
+# Difference of the Bayesian criterion from which on a larger model is used (Kass & Raftery 1995).
+VERY_STRONG = 10.0
+
+# Reflectance below which a spline follows the curve as well, and broad filters look the same: 50 nm
+# at half width give 0.08. [1]
+LEAST_REFLECTANCE = 0.15
 
 _PASSES = 6  # without outliers; the set of kept points is stable after two or three
 _FIRST_STD = 0.1  # um: error of the CMM assumed in the first pass where none is stated
@@ -33,22 +46,36 @@ _ATTENUATION_BOUNDS = (math.log(1e-4), math.log(10.0))  # 1/um, beyond any dyed 
 _LOG_RATIO_BOUND = 10.0  # of ln K
 _DISPLACEMENT_BOUND = 5.0  # mm
 _ITERATIONS = 200
+_MORE = 2  # parameters of a reflecting wall
+_BENDS = 6  # degree of the smooth curve through the residuals
+_BLACK = 3  # parameters of the model before a black wall
+_REFLECTANCES = (0.1, 0.5)  # starting points of R
+_LASER_SHARE = 0.75  # of the attenuation of camera 2, to start from
+_LEAST_LASER_SHARE = 0.4  # the dyes absorb the laser at least about as much as their own light
 
 
 @dataclass(frozen=True)
 class Reabsorption:
-    """The reabsorption model with its three parameters.
+    """The reabsorption model, before a black wall or before one that reflects.
 
     Attributes
     ----------
     parameters : Array
-        K [1], p and q [1/um], (3,).
+        K [1], p and q [1/um], (3,); before a reflecting wall also a [1/um], the attenuation of the
+        laser, and R [1], the reflectance, (5,).
     """
 
     parameters: Array
 
+    @property
+    def reflects(self) -> bool:
+        """Whether the wall behind the film reflects."""
+        return len(self.parameters) > _BLACK
+
     def predict(self, thickness: npt.ArrayLike) -> Array:
         """Logarithm of the ratio of a film. `thickness` in um."""
+        if self.reflects:
+            return self._before_wall(thickness).log_ratio
         K, p, q = self.parameters
         return np.asarray(
             log_band_ratio(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q)
@@ -56,16 +83,31 @@ class Reabsorption:
 
     def slope(self, thickness: npt.ArrayLike) -> Array:
         """Slope of the logarithm of the ratio over thickness. [1/um]"""
+        if self.reflects:
+            return self._before_wall(thickness).slope
         _, p, q = self.parameters
         return np.asarray(
             log_band_ratio_slope(thickness, attenuation_camera1=p, attenuation_camera2=q)
         )
 
     def gradient(self, thickness: npt.ArrayLike) -> Array:
-        """Derivatives of the logarithm of the ratio by K, p and q, (3, ...)."""
+        """Derivatives of the logarithm of the ratio by the parameters, (parameter, ...)."""
+        if self.reflects:
+            return self._before_wall(thickness).gradient
         K, p, q = self.parameters
         return log_band_ratio_gradient(
             thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q
+        )
+
+    def _before_wall(self, thickness: npt.ArrayLike) -> WallRatio:
+        K, p, q, a, R = self.parameters
+        return wall_ratio(
+            thickness,
+            ratio_at_zero=K,
+            attenuation_camera1=p,
+            attenuation_camera2=q,
+            attenuation_laser=a,
+            reflectance=R,
         )
 
 
@@ -78,8 +120,8 @@ class Fit(Reabsorption):
     displacement : Array
         Remaining change of the pose in its free combinations, (combination,). [mm]
     covariance : Array
-        Covariance of parameters and displacement for the stated noise, (3 + combination, 3 +
-        combination).
+        Covariance of parameters and displacement for the stated noise, (parameter + combination,
+        parameter + combination).
     chi_square : float
         Sum of squared distances in units of the stated standard deviations.
     kept : Mask
@@ -106,23 +148,50 @@ class Fit(Reabsorption):
 def fit_robustly(points: Points, freedom: Freedom) -> Fit:
     """Fit the model by orthogonal distance regression, repeated without outliers.
 
+    The wall behind the film is black, or reflects where the Bayesian criterion is lower by 10 with
+    the two further parameters and the reflectance is above `LEAST_REFLECTANCE`.
+
     Parameters
     ----------
     points : Points
         CMM points and the ratio there. Where the CMM states no uncertainty, it is estimated from
         the scatter about the curve.
     freedom : Freedom
-        Changes of the pose to fit with K, p and q.
+        Changes of the pose to fit with the model.
 
     Returns
     -------
     Fit
     """
+    fit = _drop_outliers(points, freedom, reflects=False)
+    if not _is_bent(points, fit, freedom):
+        return fit
+    wall = _drop_outliers(points, freedom, reflects=True)
+    black = _fit_once(points, wall.thickness_std, wall.kept, freedom, reflects=False)
+    gain = (black.chi_square - wall.chi_square) / max(1.0, wall.reduced_chi_square)
+    evidence = gain - _MORE * math.log(int(wall.kept.sum()))
+    reflects = wall.parameters[-1] >= LEAST_REFLECTANCE
+    return wall if reflects and evidence >= VERY_STRONG else fit
+
+
+def _is_bent(points: Points, fit: Fit, freedom: Freedom) -> bool:
+    """Whether a smooth curve through the residuals would be worth two parameters."""
+    film = points.thickness + freedom.displacement @ fit.displacement
+    std = np.hypot(points.log_ratio_std, fit.thickness_std * fit.slope(film))
+    residual = (points.log_ratio - fit.predict(film)) / std
+    basis = np.polynomial.chebyshev.chebvander(film / film.max(), _BENDS) / std[:, None]
+    rest = np.linalg.lstsq(basis, residual, rcond=None)[1]
+    gain = float(residual @ residual - rest.sum()) / max(1.0, float(rest.sum()) / residual.size)
+    return gain > VERY_STRONG + _MORE * math.log(residual.size)
+
+
+def _drop_outliers(points: Points, freedom: Freedom, *, reflects: bool) -> Fit:
+    """The fit of one form of the model without its outliers."""
     kept = np.ones(points.thickness.size, bool)
     unknown = not points.has_error_bars
     thickness_std = np.full(kept.size, _FIRST_STD) if unknown else points.thickness_std
     for _ in range(_PASSES):
-        fit = _fit_once(points, thickness_std, kept, freedom)
+        fit = _fit_once(points, thickness_std, kept, freedom, reflects=reflects)
         film = points.thickness + freedom.displacement @ fit.displacement
         slope = np.abs(fit.slope(points.thickness))
         residual = points.log_ratio - fit.predict(film)
@@ -141,17 +210,19 @@ def fit_robustly(points: Points, freedom: Freedom) -> Fit:
     return fit
 
 
-def _fit_once(points: Points, thickness_std: Array, kept: Mask, freedom: Freedom) -> Fit:
+def _fit_once(
+    points: Points, thickness_std: Array, kept: Mask, freedom: Freedom, *, reflects: bool
+) -> Fit:
     """One regression over the kept points, with the covariance of its parameters."""
-    solution = _regress(points, thickness_std, kept, freedom)
+    solution = _regress(points, thickness_std, kept, freedom, reflects=reflects)
     displacement = freedom.displacement[kept]
-    beta = solution.beta
-    moved = displacement @ beta[3:]
-    true_thickness = points.thickness + freedom.displacement @ beta[3:]
+    beta, shift = solution.beta, np.array(solution.beta[len(solution.beta) - freedom.size :])
+    moved = displacement @ shift
+    true_thickness = points.thickness + freedom.displacement @ shift
     true_thickness[kept] = np.asarray(solution.xplusd) + moved
     fit = Fit(
-        parameters=_parameters_of(beta),
-        displacement=np.array(beta[3:]),
+        parameters=_parameters_of(beta[: len(beta) - freedom.size]),
+        displacement=shift,
         covariance=np.empty((0, 0)),
         chi_square=float(solution.sum_square),
         kept=kept,
@@ -164,25 +235,36 @@ def _fit_once(points: Points, thickness_std: Array, kept: Mask, freedom: Freedom
     slope = fit.slope(true_thickness[kept])
     design = np.column_stack([fit.gradient(true_thickness[kept]).T, slope[:, None] * displacement])
     design /= np.hypot(points.log_ratio_std[kept], slope * thickness_std[kept])[:, None]
-    return replace(fit, covariance=np.asarray(np.linalg.inv(design.T @ design)))
+    # of a wall that hardly reflects, the attenuation of the laser is not determined
+    invert = np.linalg.pinv if reflects else np.linalg.inv
+    return replace(fit, covariance=np.asarray(invert(design.T @ design)))
 
 
-def _regress(points: Points, thickness_std: Array, kept: Mask, freedom: Freedom) -> OdrResult:
+def _regress(
+    points: Points, thickness_std: Array, kept: Mask, freedom: Freedom, *, reflects: bool
+) -> OdrResult:
     """The best of the regressions from several starting points.
 
-    Its parameters are ln K, ln(p - q) and ln q, so that all are positive and p exceeds q, then
-    the displacement.
+    Its parameters are ln K, ln(p - q) and ln q, so that all are positive and p exceeds q, before a
+    reflecting wall a/q and R, then the displacement.
     """
     t, y = points.thickness[kept], points.log_ratio[kept]
     displacement = freedom.displacement[kept]
 
     def model(x: Array, beta: Array) -> Array:
-        return Reabsorption(_parameters_of(beta)).predict(x + displacement @ beta[3:])
+        size = len(beta) - freedom.size
+        return Reabsorption(_parameters_of(beta[:size])).predict(x + displacement @ beta[size:])
 
     lowest, highest = _ATTENUATION_BOUNDS
     reach = np.full(freedom.size, _DISPLACEMENT_BOUND)
-    low = np.array([-_LOG_RATIO_BOUND, lowest, lowest, *-reach])
-    high = np.array([_LOG_RATIO_BOUND, highest, highest, *reach])
+    low = np.array([-_LOG_RATIO_BOUND, lowest, lowest])
+    high = np.array([_LOG_RATIO_BOUND, highest, highest])
+    starts = _starts(t, y)
+    if reflects:
+        # the laser is attenuated less than laser and band together
+        low, high = np.append(low, [_LEAST_LASER_SHARE, 0.0]), np.append(high, [1.0, 1.0])
+        starts = [[*start, _LASER_SHARE, R] for start in starts for R in _REFLECTANCES]
+    low, high = np.append(low, -reach), np.append(high, reach)
     trials = [
         odr_fit(
             model,
@@ -194,15 +276,15 @@ def _regress(points: Points, thickness_std: Array, kept: Mask, freedom: Freedom)
             bounds=(low, high),
             maxit=_ITERATIONS,
         )
-        for start in _starts(t, y)
+        for start in starts
     ]
     return min(trials, key=lambda trial: float(trial.sum_square))
 
 
 def _parameters_of(beta: Array) -> Array:
-    """K, p and q of the searched ln K, ln(p - q) and ln q."""
-    K, difference, q = (math.exp(value) for value in beta[:3])
-    return np.array([K, q + difference, q])
+    """K, p and q, and a and R, of the searched ln K, ln(p - q) and ln q, a/q and R."""
+    K, difference, q = (math.exp(value) for value in beta[:_BLACK])
+    return np.array([K, q + difference, q, *(beta[3:4] * q), *beta[4:]])
 
 
 def _starts(thickness: Array, log_ratio: Array) -> list[list[float]]:

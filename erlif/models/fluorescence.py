@@ -3,11 +3,17 @@
 Thickness and attenuation may be in any units whose product is dimensionless (m and 1/m, or um and
 1/um). Attenuations are napierian; decadic coefficients are multiplied by ln 10. Farzaneh (2002),
 section 5.1, with reabsorption in both bands; Hidrovo and Hart (2001).
+
+A wall behind the film that returns a share R of the laser and of the emission adds three paths to
+the direct one: the laser returned, the emission returned, and both. With the attenuation a of the
+laser and b of the band, x = (a + b) t and y = (a - b) t, the four integrals over depth sum to
+``I = C t [(1 + R^2 e^-x) (1 - e^-x)/x + 2 R e^-x sinh(y)/y]``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -64,7 +70,7 @@ def mean_transmission_log_slope(depth: Values) -> Values:
 
 @formula(thickness="signed number")
 def band_signal(thickness: Values, *, attenuation: Values, brightness: Values = 1.0) -> Values:
-    """Light of a film in one narrow band, reabsorbed on its way out.
+    """Light of a film in one narrow band, reabsorbed on its way out, before a black wall.
 
     Excitation and emission are attenuated together by `attenuation`, the sum A + B of the
     absorption at the laser and in the band: I = C t (1 - exp(-(A + B) t)) / ((A + B) t).
@@ -215,6 +221,115 @@ def log_band_ratio_gradient(
             t * mean_transmission_log_slope(q * t),
         ]
     )
+
+
+class WallRatio(NamedTuple):
+    """Ratio of a film before a reflecting wall, and its derivatives.
+
+    Attributes
+    ----------
+    log_ratio : Array
+        ln r. [1]
+    slope : Array
+        Its derivative with respect to thickness. [inverse of the unit of thickness]
+    gradient : Array
+        Its derivatives with respect to K, p, q, a and R, in this order, (5, ...).
+    """
+
+    log_ratio: Array
+    slope: Array
+    gradient: Array
+
+
+def wall_ratio(
+    thickness: Values,
+    *,
+    ratio_at_zero: float,
+    attenuation_camera1: float,
+    attenuation_camera2: float,
+    attenuation_laser: float,
+    reflectance: float,
+) -> WallRatio:
+    """Camera 2 / camera 1 ratio of a film before a wall that reflects laser and emission.
+
+    ln r = ln K + ln G(q t, (2 a - q) t) - ln G(p t, (2 a - p) t) with
+    G(x, y) = (1 + R^2 e^-x) (1 - e^-x)/x + 2 R e^-x sinh(y)/y. Without reflection it is
+    `log_band_ratio`. The ratio rises from K, has a maximum, and falls to K p/q: light of a thick
+    film returns from the wall in the band that is absorbed less.
+
+    Parameters
+    ----------
+    thickness : float or array
+        Film thickness t. [unit of length]
+    ratio_at_zero : float
+        K, the ratio of a vanishing film. [1]
+    attenuation_camera1, attenuation_camera2 : float
+        p and q, attenuation of the laser and of the band of camera 1 and 2 together. [inverse of
+        the unit of thickness]
+    attenuation_laser : float
+        a, attenuation of the laser alone. [inverse of the unit of thickness]
+    reflectance : float
+        R, share of the light that the wall returns, the same for laser and emission. [1]
+
+    Returns
+    -------
+    WallRatio
+
+    Examples
+    --------
+    >>> film = np.linspace(0.1, 30, 300)
+    >>> found = wall_ratio(
+    ...     film,
+    ...     ratio_at_zero=0.65,
+    ...     attenuation_camera1=0.40,
+    ...     attenuation_camera2=0.25,
+    ...     attenuation_laser=0.20,
+    ...     reflectance=0.3,
+    ... )
+    >>> round(film[np.argmax(found.log_ratio)])
+    13
+    """
+    p, q, a = attenuation_camera1, attenuation_camera2, attenuation_laser
+    # a fit may try films far below zero, where exp would overflow
+    t = np.maximum(np.asarray(thickness, float), -LARGEST_DEPTH / (4 * max(p, q)))
+    one, two = (_layer(band * t, (2 * a - band) * t, reflectance) for band in (p, q))
+    slope = two.by_x * q + two.by_y * (2 * a - q) - one.by_x * p - one.by_y * (2 * a - p)
+    gradient = [
+        np.full_like(t, 1 / ratio_at_zero),
+        -t * (one.by_x - one.by_y),
+        t * (two.by_x - two.by_y),
+        2 * t * (two.by_y - one.by_y),
+        two.by_reflectance - one.by_reflectance,
+    ]
+    return WallRatio(np.log(ratio_at_zero) + two.log - one.log, slope, np.stack(gradient))
+
+
+class _Layer(NamedTuple):
+    """ln G of a layer, and its derivatives by x, y and R."""
+
+    log: Array
+    by_x: Array
+    by_y: Array
+    by_reflectance: Array
+
+
+def _layer(x: Array, y: Array, reflectance: float) -> _Layer:
+    """Light of a layer over that of the same layer without attenuation or wall."""
+    R, direct, decay = reflectance, _mean_transmission(x), np.exp(-x)
+
+    # e^-x sinh(y)/y and e^-x cosh(y) without a large number; x exceeds y
+    far = np.abs(y)
+    rest = np.exp(far - x)
+    mixed = rest * _mean_transmission(2 * far)
+    even = rest * (1 + np.exp(-2 * far)) / 2
+    small = far < SLOPE_SERIES_BELOW
+    by_y = np.where(small, decay * y / 3, (even - mixed) / np.where(small, 1.0, y))
+
+    total = direct * (1 + R**2 * decay) + 2 * R * mixed
+    slope = direct * _mean_transmission_log_slope(x)
+    by_x = slope * (1 + R**2 * decay) - R**2 * direct * decay - 2 * R * mixed
+    by_reflectance = 2 * R * direct * decay + 2 * mixed
+    return _Layer(np.log(total), by_x / total, 2 * R * by_y / total, by_reflectance / total)
 
 
 def _float64(value: Values) -> Values:

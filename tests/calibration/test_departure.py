@@ -208,7 +208,7 @@ def test_a_spline_has_ten_points_for_each_of_its_functions(count, most):
     points = make_points(
         film,
         thickness_std=np.full(count, 1e-3),
-        log_ratio=log_ratio(film) + 0.01 * np.tanh(3 * (film - 7)),
+        log_ratio=log_ratio(film) - 0.01 * np.tanh(film - 7),
     )
     freedom = Freedom.none(points)
     choice = choose_departure(points, fit_robustly(points, freedom), freedom)
