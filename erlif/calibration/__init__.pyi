@@ -3,6 +3,7 @@ from .comparison import Comparison, compare_calibrations
 from .curve import DIRECTION, Calibration, InverseTable, check_bands, share_bands
 from .fit import DIM_LIGHT, USEFUL, fit_calibration
 from .profile import Profile, read_profile
+from .regression import Reabsorption
 from .storage import (
     calibration_of,
     open_calibration,
@@ -19,6 +20,7 @@ __all__ = [
     "Comparison",
     "InverseTable",
     "Profile",
+    "Reabsorption",
     "calibration_of",
     "check_bands",
     "compare_calibrations",

@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from erlif.core.arrays import Array
-from erlif.models.fluorescence import band_signal
 
 
 @dataclass(frozen=True)
@@ -32,15 +30,13 @@ class BackgroundError:
     covariance: Array
     cross: Array
 
-    def gradient(self, thickness: npt.ArrayLike, *, attenuation: float, ratio: Array) -> Array:
+    def gradient(self, signal: Array, *, ratio: Array) -> Array:
         """Derivatives of the logarithm of the ratio by the two shares, (2, ...).
 
         Parameters
         ----------
-        thickness : array
-            [um]
-        attenuation : float
-            That of camera 1. [1/um]
+        signal : array
+            Light of camera 1 of these films, over that per um of a very thin one. [um]
         ratio : array
             Camera 2 over camera 1 of these films. [1]
 
@@ -50,7 +46,7 @@ class BackgroundError:
             The ratio is (L2 + s2 u2)/(L1 + s1 u1), with the light L of the film, shares s and
             units u. [1]
         """
-        one = self.brightness * np.asarray(band_signal(thickness, attenuation=attenuation))
+        one = self.brightness * signal
         return np.stack([-self.unit[0] / one, self.unit[1] / (one * ratio)])
 
     def extend(self, covariance: Array) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Container
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -38,8 +39,15 @@ PARAMETERS = (
     "reflectance",
 )
 
+# As many of them as a black wall has.
+_BLACK = 3
+
 # Entries of the table of the inverse.
 _ENTRIES = 20001
+
+# Films at which the end of a curve with a maximum is sought, and its slope there over that at the
+# end of the calibrated range.
+_BEYOND, _FLAT = 501, 0.1
 
 # Points of the curve in a notebook.
 _CURVE_POINTS = 60
@@ -140,7 +148,14 @@ class Calibration:
         """
         low, high = self.thickness_range
         measured = self.curve.get("curve_thickness")
-        return low, high if measured is None else max(high, float(measured.max()))
+        if measured is None or not self.model.reflects:
+            return low, high if measured is None else max(high, float(measured.max()))
+
+        # before a reflecting wall the ratio has a maximum, where its inverse ends
+        films = np.linspace(high, max(high, float(measured.max())), _BEYOND)
+        slope = self.slope(films)
+        flat = np.append(slope < _FLAT * slope[0], True)
+        return low, float(films[max(int(np.argmax(flat)) - 1, 0)])
 
     @property
     def parameters(self) -> Array:
@@ -181,12 +196,8 @@ class Calibration:
         if self.departure is not None:
             parts.append(self.departure.basis(thickness))
         if self.background is not None:
-            ratio = self.predict(thickness)
-            parts.append(
-                self.background.gradient(
-                    thickness, attenuation=self.attenuation_camera1, ratio=ratio
-                )
-            )
+            signal, ratio = self.model.light(thickness).signal, self.predict(thickness)
+            parts.append(self.background.gradient(signal, ratio=ratio))
         return np.concatenate(parts)
 
     def film_gradient(self, thickness: npt.ArrayLike) -> Array:
@@ -238,7 +249,8 @@ class Calibration:
     def to_dataset(self) -> xr.Dataset:
         """Variables of ``calibration.nc``."""
         values: dict[str, npt.ArrayLike] = {
-            **{name: getattr(self, name) for name in (*PARAMETERS, "reduced_chi_square")},
+            **dict(zip(PARAMETERS, self.parameters, strict=False)),
+            "reduced_chi_square": self.reduced_chi_square,
             "covariance": self.covariance,
             "thickness_range": list(self.thickness_range),
         }
@@ -246,7 +258,8 @@ class Calibration:
             values |= self.departure.variables()
 
         dataset = self.curve.assign({name: CALIBRATION[name].fill(values[name]) for name in values})
-        return dataset.assign_coords(parameter=("parameter", list(PARAMETERS)))
+        names = list(PARAMETERS[: self.parameters.size])
+        return dataset.assign_coords(parameter=("parameter", names))
 
     @property
     def attributes(self) -> dict[str, Any]:
@@ -290,9 +303,7 @@ class Calibration:
             low, high = (float(bound) for bound in dataset.thickness_range.values)
             pose = FoundPose.from_record(json.loads(attrs["pose"])) if "pose" in attrs else None
             return cls(
-                ratio_at_zero=float(dataset.ratio_at_zero),
-                attenuation_camera1=float(dataset.attenuation_camera1),
-                attenuation_camera2=float(dataset.attenuation_camera2),
+                **{name: float(dataset[name]) for name in parameters_in(dataset)},
                 covariance=np.asarray(dataset.covariance.values, float),
                 thickness_range=(low, high),
                 bands=(float(attrs["band_camera1_nm"]), float(attrs["band_camera2_nm"])),
@@ -311,6 +322,28 @@ class Calibration:
             )
         except (KeyError, AttributeError) as error:
             raise refusal("foreign_file", reason=f"{error} is missing from this file") from error
+
+
+def parameters_in(names: Container[Any]) -> tuple[str, ...]:
+    """Parameters of a calibration in a file or record: those of the wall only if it reflects.
+
+    Parameters
+    ----------
+    names : container of str
+        What the file or record holds.
+
+    Returns
+    -------
+    tuple of str
+
+    Examples
+    --------
+    >>> parameters_in({"reflectance"})[-1]
+    'reflectance'
+    >>> len(parameters_in({}))
+    3
+    """
+    return PARAMETERS if PARAMETERS[-1] in names else PARAMETERS[:_BLACK]
 
 
 @dataclass(frozen=True)
@@ -458,7 +491,10 @@ def describe_parameters(calibration: Calibration) -> list[tuple[str, str]]:
         ("q, attenuation camera 2", f"{q:.5f} ± {std[2]:.5f} 1/um"),
         *(
             [
-                ("a, attenuation of the laser", f"{calibration.parameters[3]:.3f} ± {std[3]:.3f} 1/um"),
+                (
+                    "a, attenuation of the laser",
+                    f"{calibration.parameters[3]:.3f} ± {std[3]:.3f} 1/um",
+                ),
                 ("R, reflectance of the wall", f"{calibration.parameters[4]:.3f} ± {std[4]:.3f}"),
             ]
             if calibration.model.reflects

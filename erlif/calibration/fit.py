@@ -43,6 +43,11 @@ USEFUL = 0.25
 # The same in dim light, over the error of the best pixel.
 DIM_LIGHT = 1.25
 
+_HIGHEST = (
+    0.1,
+    200.0,
+    2000,
+)  # films [um] among which the highest ratio is sought, and their number
 _CORRELATED = 3.3  # standard deviations that chance exceeds once in a thousand
 _LARGEST_INFLATION = 10.0  # of the covariance by correlated residuals
 _OUTLIER_PASSES = 4
@@ -158,7 +163,7 @@ def fit_calibration(
     if limited:
         thickest, end = points.thickness.max(), thickness_range[1]
         notes.append(_make_note("range_ends", thickest=thickest, end=end, useful=USEFUL))
-    notes += _describe_unresolved(calibration)
+    notes += [*_describe_unresolved(calibration), *_describe_wall(calibration)]
     moved = freedom.displacement @ best.displacement
     _refuse_nonsense(calibration, thickness_range, points, moved)
     return replace(
@@ -384,6 +389,8 @@ def _calibrated_range(
     # In dim light no single pixel may reach the limit; the range then ends where pixels are a
     # quarter worse than the best. Thin films stay although their relative noise is large, because
     # averages over pixels resolve them.
+    rising = np.logical_and.accumulate(relative > 0)  # up to a maximum of the ratio
+    relative = np.where(rising, relative, np.inf)
     useful = relative <= max(USEFUL, DIM_LIGHT * float(relative.min()))
     thickest = float(grid[useful][-1])
     return (low, thickest), bool(thickest < grid[-1])
@@ -396,11 +403,21 @@ def _describe_given_origin(points: Points, pixel_pitch: float) -> Note:
     return _make_note("given_origin", shift=shift)
 
 
+def _describe_wall(calibration: Calibration) -> list[Note]:
+    """Note on a wall that reflects, and on the ratio that no film exceeds."""
+    if calibration.reflectance is None:
+        return []
+    films = np.linspace(*_HIGHEST)
+    highest = films[np.argmax(calibration.model.predict(films))]
+    std = calibration.standard_deviations[-1]
+    return [_make_note("wall", share=calibration.reflectance, std=std, highest=highest)]
+
+
 def _describe_unresolved(calibration: Calibration) -> list[Note]:
     """Note where the data determine K and p - q but not p and q."""
     p, q = calibration.attenuation_camera1, calibration.attenuation_camera2
     std, covariance = calibration.standard_deviations, calibration.covariance
-    if std[2] < _UNRESOLVED * q:
+    if std[2] < _UNRESOLVED * q or calibration.model.reflects:
         return []
     return [
         _make_note(

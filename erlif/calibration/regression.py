@@ -20,7 +20,9 @@ from erlif.calibration.profile import MINIMUM_POINTS
 from erlif.core.arrays import Array, Mask
 from erlif.core.statistics import robust_rms
 from erlif.models.fluorescence import (
+    BandLight,
     WallRatio,
+    band_light,
     log_band_ratio,
     log_band_ratio_gradient,
     log_band_ratio_slope,
@@ -98,6 +100,14 @@ class Reabsorption:
         return log_band_ratio_gradient(
             thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q
         )
+
+    def light(self, thickness: npt.ArrayLike) -> BandLight:
+        """Light of camera 1, with its derivatives by p, and by a and R of a reflecting wall."""
+        wall = {}
+        if self.reflects:
+            wall = {"attenuation_laser": self.parameters[3], "reflectance": self.parameters[4]}
+        light = band_light(thickness, attenuation=self.parameters[1], **wall)
+        return light if wall else light._replace(gradient=light.gradient[:1])
 
     def _before_wall(self, thickness: npt.ArrayLike) -> WallRatio:
         K, p, q, a, R = self.parameters

@@ -31,6 +31,7 @@ RATIOS = (1e-6, 1e6)
 UNITS = {
     "attenuation_camera1": ("um-1", "1/um", "µm-1", "um^-1"),
     "attenuation_camera2": ("um-1", "1/um", "µm-1", "um^-1"),
+    "attenuation_laser": ("um-1", "1/um", "µm-1", "um^-1"),
     "thickness_range": ("um", "µm"),
     "curve_thickness": ("um", "µm"),
 }
@@ -183,10 +184,10 @@ def places(thickness_range: tuple[float, float]) -> Array:
 
 
 def _parameter_faults(parameters: Array) -> Iterator[str]:
-    for name, value in zip(PARAMETERS, parameters, strict=True):
+    for name, value in zip(PARAMETERS, parameters, strict=False):
         if not (np.isfinite(value) and value > 0):
             yield f"{name} is {value:g}, not a positive number"
-    K, p, q = parameters
+    K, p, q = parameters[:3]
     if not RATIOS[0] < K < RATIOS[1]:
         yield f"ratio_at_zero is {K:g}, outside {RATIOS[0]:g} to {RATIOS[1]:g}"
 
@@ -195,6 +196,11 @@ def _parameter_faults(parameters: Array) -> Iterator[str]:
         yield (
             f"attenuation_camera1 is {p:g}, below attenuation_camera2, {q:g}: the ratio would fall "
             "with thickness, and the two look exchanged"
+        )
+    if len(parameters) > 3 and not (parameters[3] <= q and parameters[4] <= 1):
+        yield (
+            f"attenuation_laser is {parameters[3]:g} and reflectance {parameters[4]:g}, not at most "
+            f"attenuation_camera2, {q:g}, and 1"
         )
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from erlif.calibration.curve import PARAMETERS, Calibration
+from erlif.calibration.curve import PARAMETERS, Calibration, parameters_in
 from erlif.calibration.departure import Departure
 from erlif.calibration.refusals import refusal
 from erlif.calibration.soundness import check_calibration, check_displacements, check_file
@@ -173,7 +173,7 @@ def record_calibration(calibration: Calibration) -> str:
     >>> json.loads(record_calibration(calibration))["thickness_range"]
     [0.1, 12.0]
     """
-    kept = dict(zip(PARAMETERS, calibration.parameters, strict=True)) | {
+    kept = dict(zip(PARAMETERS, calibration.parameters, strict=False)) | {
         "fixture": calibration.fixture,
         "date": calibration.date,
         "covariance": calibration.covariance.tolist(),
@@ -230,7 +230,7 @@ erlif process writes it; there is none. Make the film again with: erlif process 
 def _read_record(kept: dict[str, Any], settings: RunSettings) -> Calibration:
     """A calibration from the record that `record_calibration` writes."""
     low, high = kept["thickness_range"]
-    parameters: dict[str, Any] = {name: float(kept[name]) for name in PARAMETERS}
+    parameters: dict[str, Any] = {name: float(kept[name]) for name in parameters_in(kept)}
     departure = None
     if "departure" in kept:
         spline = kept["departure"]

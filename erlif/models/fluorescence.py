@@ -304,6 +304,73 @@ def wall_ratio(
     return WallRatio(np.log(ratio_at_zero) + two.log - one.log, slope, np.stack(gradient))
 
 
+class BandLight(NamedTuple):
+    """Light of a film in one band, and its derivatives.
+
+    Attributes
+    ----------
+    signal : Array
+        Light over that per thickness of a very thin film. [unit of length]
+    slope : Array
+        Derivative of its logarithm with respect to thickness. [inverse of the unit of thickness]
+    gradient : Array
+        Derivatives of its logarithm with respect to p, a and R, in this order, (3, ...).
+    """
+
+    signal: Array
+    slope: Array
+    gradient: Array
+
+
+def band_light(
+    thickness: Values,
+    *,
+    attenuation: float,
+    attenuation_laser: float = 0.0,
+    reflectance: float = 0.0,
+) -> BandLight:
+    """Light of a film in one band before a wall, whose factors `wall_ratio` compares.
+
+    Parameters
+    ----------
+    thickness : float or array
+        Film thickness t, above 0. [unit of length]
+    attenuation : float
+        p, attenuation of the laser and of the band together. [inverse of the unit of thickness]
+    attenuation_laser, reflectance : float
+        a and R, as for `wall_ratio`; a black wall by default.
+
+    Returns
+    -------
+    BandLight
+
+    Examples
+    --------
+    Before a black wall it is `band_signal`; a mirror behind a thin film changes nothing but the
+    brightness, which is left out:
+
+    >>> black = band_light(5.0, attenuation=0.2)
+    >>> round(float(black.signal), 6) == round(float(band_signal(5.0, attenuation=0.2)), 6)
+    True
+    >>> mirrored = band_light(1e-3, attenuation=0.2, attenuation_laser=0.1, reflectance=1.0)
+    >>> round(float(mirrored.signal), 6)
+    0.001
+    """
+    t = np.asarray(thickness, float)
+    p, a, R = attenuation, attenuation_laser, reflectance
+    layer = _layer(p * t, (2 * a - p) * t, R)
+    gradient = [
+        t * (layer.by_x - layer.by_y),
+        2 * t * layer.by_y,
+        layer.by_reflectance - 2 / (1 + R),
+    ]
+    return BandLight(
+        signal=t * np.exp(layer.log) / (1 + R) ** 2,
+        slope=1 / t + p * layer.by_x + (2 * a - p) * layer.by_y,
+        gradient=np.stack(gradient),
+    )
+
+
 class _Layer(NamedTuple):
     """ln G of a layer, and its derivatives by x, y and R."""
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from erlif.calibration import Reabsorption
 from erlif.core.arrays import FlagImage, Image
-from erlif.models.fluorescence import band_signal
 
 # Valid pixels of the median, at least.
 _LEAST_PIXELS = 64
@@ -16,7 +16,7 @@ _LARGE = 500_000
 
 
 def measure_pulse_energy(
-    signal: Image, thickness: Image, flags: FlagImage, *, attenuation: float
+    signal: Image, thickness: Image, flags: FlagImage, *, model: Reabsorption
 ) -> float:
     """Light of camera 1 over the light that this film gives at unit energy.
 
@@ -31,8 +31,8 @@ def measure_pulse_energy(
         Film. [um]
     flags : array, (y, x)
         Pixels with a flag are left out.
-    attenuation : float
-        Attenuation coefficient in the band of camera 1. [1/um]
+    model : Reabsorption
+        That of the calibration.
 
     Returns
     -------
@@ -41,14 +41,15 @@ def measure_pulse_energy(
 
     Examples
     --------
-    >>> film = np.full((64, 64), 5.0, np.float32)
+    >>> from erlif.models.fluorescence import band_signal
+    >>> film, model = np.full((64, 64), 5.0, np.float32), Reabsorption(np.array([1, 0.02, 0.01]))
     >>> light = 300.0 * np.asarray(band_signal(film, attenuation=0.02), np.float32)
     >>> flags = np.zeros((64, 64), np.uint8)
-    >>> round(measure_pulse_energy(light, film, flags, attenuation=0.02), 3)
+    >>> round(measure_pulse_energy(light, film, flags, model=model), 3)
     300.0
     """
     middle = middle_of(signal.shape)
-    return compare_light(signal[middle], thickness[middle], flags[middle], attenuation=attenuation)
+    return compare_light(signal[middle], thickness[middle], flags[middle], model=model)
 
 
 def middle_of(shape: tuple[int, ...]) -> tuple[slice, slice]:
@@ -78,7 +79,7 @@ def middle_of(shape: tuple[int, ...]) -> tuple[slice, slice]:
 
 
 def compare_light(
-    signal: Image, thickness: Image, flags: FlagImage, *, attenuation: float
+    signal: Image, thickness: Image, flags: FlagImage, *, model: Reabsorption
 ) -> float:
     """Light over that of the film at unit energy, the median of the given pixels.
 
@@ -86,8 +87,8 @@ def compare_light(
     ----------
     signal, thickness, flags : array
         As for `measure_pulse_energy`.
-    attenuation : float
-        Attenuation coefficient in the band of camera 1. [1/um]
+    model : Reabsorption
+        That of the calibration.
 
     Returns
     -------
@@ -96,9 +97,10 @@ def compare_light(
 
     Examples
     --------
-    >>> film = np.full((8, 8), 5.0, np.float32)
+    >>> from erlif.models.fluorescence import band_signal
+    >>> film, model = np.full((8, 8), 5.0, np.float32), Reabsorption(np.array([1, 0.02, 0.01]))
     >>> light = 300.0 * np.asarray(band_signal(film, attenuation=0.02), np.float32)
-    >>> round(compare_light(light, film, np.zeros((8, 8), np.uint8), attenuation=0.02), 3)
+    >>> round(compare_light(light, film, np.zeros((8, 8), np.uint8), model=model), 3)
     300.0
     """
     # dark and bubbly pixels are flagged; a few pixels would have the noise of their own speckle
@@ -106,7 +108,7 @@ def compare_light(
     count = int(good.sum())
     if count < _LEAST_PIXELS:
         return float("nan")
-    expected = band_signal(thickness[good], attenuation=attenuation)
+    expected = model.light(thickness[good]).signal
 
     # one value in the middle, in single precision: half the time of numpy.median
     energy = (signal[good] / expected).astype(np.float32)

@@ -19,7 +19,6 @@ import numpy as np
 
 from erlif.calibration import BackgroundError, Calibration
 from erlif.core.arrays import Array, Mask
-from erlif.models.fluorescence import band_signal
 
 # Chi-square of two shares that noise exceeds once in 370 cases, as a deviation of three standard
 # deviations of one number.
@@ -143,8 +142,8 @@ class BackgroundEstimate:
 
     def _gradient(self, thickness: Array, calibration: Calibration) -> Array:
         """Change of the film with both shares, (camera, ...). [um]"""
-        attenuation, ratio = calibration.attenuation_camera1, calibration.predict(thickness)
-        by_share = self.error.gradient(thickness, attenuation=attenuation, ratio=ratio)
+        signal = calibration.model.light(thickness).signal
+        by_share = self.error.gradient(signal, ratio=calibration.predict(thickness))
         return by_share / calibration.slope(thickness)
 
 
@@ -344,9 +343,8 @@ class _Fit:
 
     def _compare(self, light: Array, film: Array, smooth: Array, chosen: Mask) -> Array:
         """Logarithm of light over that of the film; 0 where it is not chosen."""
-        attenuation = self.calibration.attenuation_camera1
         film, smooth = np.where(chosen, film, 3.0), np.where(chosen, smooth, 3.0)
-        expected = np.log(np.asarray(band_signal(film, attenuation=attenuation)))
+        expected = np.log(self.calibration.model.light(film).signal)
 
         # mean of the logarithm over a cell whose films differ, to second order
         step = 0.01
@@ -357,23 +355,22 @@ class _Fit:
 
     def _response(self, film: Array) -> Array:
         """Change of the logarithm of the light with that of the ratio. [1]"""
-        attenuation = self.calibration.attenuation_camera1
-        light = np.asarray(band_signal(film, attenuation=attenuation))
-        return np.asarray(np.exp(-attenuation * film) / light / self.calibration.slope(film))
+        return np.asarray(self.calibration.model.light(film).slope / self.calibration.slope(film))
 
     def _design(self, smooth: Array, illumination: Array) -> tuple[Array, Array]:
         """Derivatives by both shares and by the calibration, and the response."""
         calibration = self.calibration
-        attenuation = calibration.attenuation_camera1
-        light = np.asarray(band_signal(smooth, attenuation=attenuation))
-        one = np.exp(illumination) * light
+        light = calibration.model.light(smooth)
+        one = np.exp(illumination) * light.signal
         two = one * calibration.predict(smooth)
         response = self._response(smooth)
 
         # a larger film by the error of the ratio lowers light over expected light by the response
         shares = [self.unit[0] / one * (1 + response), -self.unit[1] / two * response]
         errors = response * calibration.gradient(smooth)
-        errors[1] -= (np.exp(-attenuation * smooth) * smooth / light - 1) / attenuation
+        errors[1] -= light.gradient[0]
+        if calibration.model.reflects:
+            errors[3:5] -= light.gradient[1:]
         return np.stack([*shares, *errors]), response
 
     def _solve_linear(

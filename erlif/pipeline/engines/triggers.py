@@ -68,23 +68,21 @@ class TriggerTask(PickledByFields):
         result : TriggerResult
         """
         kept: list[FrameResult] = []
-        attenuation = self.calibration.attenuation_camera1
+        model = self.calibration.model
         plane, region = self.plane, self.plane.region
         smoothing = plane.settings.thickness.smoothing
         if len(frames) == 1:  # the film of the trigger is that of its only frame
             ratio = self.chain.measure(frames[0], with_fixed=smoothing is not None)
             only = self._keep(frames[0], ratio)  # the maps may take the place of the ratio
             film = measure_film(ratio, self.tables, region)
-            energy = measure_pulse_energy(
-                ratio.light_one, film.thickness, film.flags, attenuation=attenuation
-            )
+            energy = measure_pulse_energy(ratio.light_one, film.thickness, film.flags, model=model)
             kept.append(replace(only, pulse_energy=energy))
         else:
             total = RatioSum(self.chain.pairs.shape)
             for frame in frames:
                 pair = self.chain.measure(frame)
                 total.add(pair)
-                energy = measure_pulse(pair, self.tables, attenuation=attenuation)
+                energy = measure_pulse(pair, self.tables, model=model)
                 kept.append(replace(self._keep(frame, pair), pulse_energy=energy))
             ratio = total.mean()
             if not frames:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
+from erlif.calibration import Reabsorption
 from erlif.core.arrays import FlagImage, Image
 from erlif.pipeline.passes.blocks import BlockRows, add_to_blocks
 from erlif.ratio import PairRatio
@@ -93,7 +94,7 @@ def measure_film(pair: PairRatio, tables: FilmTables, region: Region) -> FilmMap
     return FilmMaps(thickness, std, std_shared, flags, sums)
 
 
-def measure_pulse(pair: PairRatio, tables: FilmTables, *, attenuation: float) -> float:
+def measure_pulse(pair: PairRatio, tables: FilmTables, *, model: Reabsorption) -> float:
     """Relative energy of the pulse of one frame among several, `measure_pulse_energy` of its film.
 
     The film is measured in the middle half of the image alone, with the surroundings that decide
@@ -104,8 +105,8 @@ def measure_pulse(pair: PairRatio, tables: FilmTables, *, attenuation: float) ->
     pair : PairRatio
         Ratio of the frame.
     tables : FilmTables
-    attenuation : float
-        Attenuation coefficient in the band of camera 1. [1/um]
+    model : Reabsorption
+        That of the calibration.
 
     Returns
     -------
@@ -121,7 +122,7 @@ def measure_pulse(pair: PairRatio, tables: FilmTables, *, attenuation: float) ->
     >>> noise, flags = np.full_like(even, 1e-6), np.zeros(even.shape, np.uint8)
     >>> light = np.full_like(even, 500 * band_signal(3.0, attenuation=0.4))
     >>> pair = PairRatio(even, noise, 0 * noise, 0 * noise, flags, light)
-    >>> round(measure_pulse(pair, FilmTables.of(calibration), attenuation=0.4))
+    >>> round(measure_pulse(pair, FilmTables.of(calibration), model=calibration.model))
     500
     """
     # the surroundings of the outer pixels reach beyond the middle half
@@ -150,7 +151,7 @@ def measure_pulse(pair: PairRatio, tables: FilmTables, *, attenuation: float) ->
         pair.light_one[rows, columns],
         maps.thickness[inner],
         maps.flags[inner],
-        attenuation=attenuation,
+        model=model,
     )
 
 

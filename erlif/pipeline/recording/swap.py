@@ -31,6 +31,9 @@ _IMPOSSIBLE = 0.15
 # Standard deviations by which a ratio must exceed the highest possible one.
 _SIGMAS = 2
 
+# Films among which the highest ratio is sought, and their number. [um]
+_FILMS, _GRID = (0.1, 1e4), 2001
+
 
 def refuse_swapped_cameras(
     chain: FrameChain,
@@ -105,11 +108,12 @@ def _share_ratios(log_ratio: Image, std: Image, calibration: Calibration) -> lis
     low, high = calibration.predict_log(calibration.thickness_range)
     margin = _MARGIN * (high - low)
 
-    # no film, however thick, has a ratio above K p/q
-    K, p, q = calibration.parameters
-    gradient = np.array([1 / K, 1 / p, -1 / q])
+    # no film, however thick, has a ratio above the highest of the model
+    films = np.geomspace(*_FILMS, _GRID)
+    highest = films[np.argmax(calibration.model.predict(films))]
+    gradient = calibration.model.gradient(highest)
     ceiling_std = np.sqrt(gradient @ calibration.covariance @ gradient)
-    ceiling = np.log(K * p / q) + _SIGMAS * ceiling_std
+    ceiling = float(calibration.model.predict(highest)) + _SIGMAS * ceiling_std
     return [
         float(((log_ratio > low - margin) & (log_ratio < high + margin)).mean()),
         float(((-log_ratio > low - margin) & (-log_ratio < high + margin)).mean()),
