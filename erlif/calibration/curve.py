@@ -302,8 +302,11 @@ class Calibration:
             names = [name for name in dataset.variables if str(name).startswith("curve_")]
             low, high = (float(bound) for bound in dataset.thickness_range.values)
             pose = FoundPose.from_record(json.loads(attrs["pose"])) if "pose" in attrs else None
+            parameters: dict[str, Any] = {
+                name: float(dataset[name]) for name in parameters_in(dataset)
+            }
             return cls(
-                **{name: float(dataset[name]) for name in parameters_in(dataset)},
+                **parameters,
                 covariance=np.asarray(dataset.covariance.values, float),
                 thickness_range=(low, high),
                 bands=(float(attrs["band_camera1_nm"]), float(attrs["band_camera2_nm"])),

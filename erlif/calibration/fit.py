@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -203,8 +203,9 @@ def _make_curve(
     if departure is not None:
         departure = replace(departure, covariance=scale * departure.covariance)
     size = fit.parameters.size
+    parameters: dict[str, Any] = dict(zip(PARAMETERS, map(float, fit.parameters), strict=False))
     return Calibration(
-        **dict(zip(PARAMETERS, map(float, fit.parameters), strict=False)),
+        **parameters,
         covariance=scale * fit.covariance[:size, :size],
         thickness_range=(0.0, 0.0),
         bands=bands,

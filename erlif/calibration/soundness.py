@@ -198,10 +198,8 @@ def _parameter_faults(parameters: Array) -> Iterator[str]:
             "with thickness, and the two look exchanged"
         )
     if len(parameters) > 3 and not (parameters[3] <= q and parameters[4] <= 1):
-        yield (
-            f"attenuation_laser is {parameters[3]:g} and reflectance {parameters[4]:g}, not at most "
-            f"attenuation_camera2, {q:g}, and 1"
-        )
+        a, R = parameters[3:]
+        yield f"attenuation_laser is {a:g} and reflectance {R:g}, above attenuation_camera2 or 1"
 
 
 def _covariance_faults(name: str, covariance: Array, count: int) -> Iterator[str]:

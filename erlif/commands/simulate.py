@@ -17,7 +17,7 @@ from erlif.commands.options import PATH, Command, together
 from erlif.commands.progress import show_progress
 from erlif.core.speed.imports import large_imports
 from erlif.core.tables import read_table
-from erlif.rig.settings import CHOICES, SIDEWAYS, RigSettings
+from erlif.rig.settings import CHOICES, SIDEWAYS, RigSettings, read_rig_settings
 
 # Digits of one side of a picture; other alphabets have digits that are no numbers.
 _SIDE = re.compile("[0-9]{1,6}")
@@ -116,6 +116,13 @@ def _rig_option(name: str, text: str) -> Callable[[Command], Command]:
     help="plan.toml of `erlif plan`: its dyes, filters, light, cameras and films, at rest. Other "
     "options that are given go before it.",
 )
+@click.option(
+    "--settings",
+    "stated",
+    type=PATH,
+    help="TOML file with settings of the rig by their names (docs/simulator.md), for what has no "
+    "option. Options that are given go before it.",
+)
 @click.option("--overwrite", is_flag=True, help="Replace OUT/fixture, OUT/run and OUT/truth.nc.")
 def simulate(
     out: Path,
@@ -123,6 +130,7 @@ def simulate(
     size: tuple[int, int],
     film: float | str,
     planned: Path | None,
+    stated: Path | None,
     overwrite: bool,
     **options: Any,
 ) -> None:
@@ -141,14 +149,14 @@ def simulate(
         from erlif.rig import simulate as photograph
 
     rig = _rig_of_options(size, film, options)
+    given = {name: getattr(rig, name) for name in _fields_of_options(click.get_current_context())}
     if planned is not None:
         from erlif.planning.plan import rig_of
 
-        # the plan decides what no option states
-        given = {
-            name: getattr(rig, name) for name in _fields_of_options(click.get_current_context())
-        }
+        # plan and file of settings decide what no option states
         rig = replace(rig_of(planned), **given)
+    if stated is not None:
+        rig = replace(rig, **read_rig_settings(stated) | given)
     with show_progress(lines=False) as progress:
 
         def show(what: str, number: int, total: int) -> None:

@@ -3,7 +3,7 @@
 Noise follows EMVA 1288: shot noise of the electrons, read noise, and an offset of the converter.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -121,6 +121,8 @@ class Camera:
         Standard deviation of the read noise. [electron]
     full_well : float
         Largest signal of a pixel. [electron]
+    compression : float
+        Share of the light that is lost at full scale. [1]
     """
 
     sensitivity: Array
@@ -129,6 +131,7 @@ class Camera:
     gain: float
     read_noise: float
     full_well: float = np.inf
+    compression: float = 0.0
 
 
 def vignetting(x: Array, y: Array, number: int, rig: RigSettings) -> Array:
@@ -170,6 +173,17 @@ def build_camera(number: int, rig: RigSettings, rng: np.random.Generator) -> Cam
     return Camera(sensitivity, dark_signal, dark_level, rig.gain, rig.read_noise, full_well)
 
 
+def alter_camera(camera: Camera, number: int, rig: RigSettings) -> Camera:
+    """A camera in the run: brighter, compressed, or with another dark level than before it."""
+    n = number - 1
+    return replace(
+        camera,
+        sensitivity=camera.sensitivity * rig.brightness[n],
+        dark_level=camera.dark_level + rig.dark_drift[n],
+        compression=rig.compression[n],
+    )
+
+
 def expose(light: Array | float, camera: Camera, rng: np.random.Generator) -> Counts:
     """Return the counts of one exposure to `light` [electron at sensitivity 1].
 
@@ -177,6 +191,8 @@ def expose(light: Array | float, camera: Camera, rng: np.random.Generator) -> Co
     """
     electrons = rng.poisson(camera.sensitivity * light + camera.dark_signal)
     electrons = np.minimum(electrons, camera.full_well)
+    if camera.compression:
+        electrons = electrons * (1 - camera.compression * electrons / (FULL_SCALE * camera.gain))
     noisy = electrons + rng.normal(0, camera.read_noise, electrons.shape)
     counts = np.rint(noisy / camera.gain + camera.dark_level)
     return np.clip(counts, 0, FULL_SCALE).astype(np.uint16)

@@ -4,12 +4,13 @@ The spectra are given (`DyeSpectra`), or synthetic: smooth curves placed so that
 the pair of dyes of the thesis (attenuation about 0.40 and 0.25 per um in the bands of 580 and
 610 nm). The synthetic ones are not measured spectra of any dye.
 
-Not modelled: light of dye 1 that dye 2 absorbs is lost (no secondary emission), the laser passes
-once (no reflection from the pin), and neither dye saturates. Bleaching takes absorption and light
-of a dye alike.
+Not modelled: light of dye 1 that dye 2 absorbs is lost (no secondary emission), and neither dye
+saturates. Bleaching takes absorption and light of a dye alike, warmth its light alone. The wall
+behind the film returns the same share of laser and emission.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
@@ -31,6 +32,7 @@ THICKEST = 200.0
 _REACH = 12  # nm from the centre of a band, where the filter has fallen below 1e-8
 _STEP = 0.1  # nm of the integration over wavelengths
 _TABLE = 10001  # entries of the table of the signal, 0.02 um apart for the invented dyes
+_EQUAL = 1e-9  # 1/um: difference of two attenuations that is taken for none
 _SATURATED = 40.0  # optical depth from which on the signal has saturated, for given dyes
 
 
@@ -38,6 +40,25 @@ _SATURATED = 40.0  # optical depth from which on the signal has saturated, for g
 Left = tuple[float, float]
 
 _FRESH: Left = (1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Oil:
+    """State of the dyed oil, and the wall behind it.
+
+    Attributes
+    ----------
+    left : tuple[float, float]
+        Shares of dye 1 and dye 2 that bleaching has left. [1]
+    glow : tuple[float, float]
+        Light of both by the laser that they absorb, over that at the calibration. [1]
+    reflectance : float
+        Share of laser and emission that the wall returns. [1]
+    """
+
+    left: Left = _FRESH
+    glow: Left = _FRESH
+    reflectance: float = 0.0
 
 
 def _sum(
@@ -81,24 +102,49 @@ def band_signal(
     derivative: bool = False,
     left: Left = _FRESH,
     dyes: DyeSpectra | None = None,
+    glow: Left = _FRESH,
+    reflectance: float = 0.0,
 ) -> Array:
     """Light of a film of `thickness` [um] behind the filter at `band` [nm], or its slope.
 
     Laser light decays with the attenuation A at 532 nm on its way in. Light emitted at depth z
     decays with B(lambda) on its way out. Depth therefore integrates to
     ``(1 - exp(-(A + B) t)) / (A + B)``. Wavelength is integrated with the trapezoidal rule, which
-    converges fast because the filter vanishes at both ends.
+    converges fast because the filter vanishes at both ends. A wall adds the laser that it returns,
+    the emission that it returns, and the emission of returned laser that it returns.
     """
     laser, width = (LASER, BANDWIDTH)
     if dyes is not None:
         laser, width = dyes.laser, dyes.bandwidth[dyes.bands.index(band)]
     reach = _REACH + (width - BANDWIDTH) / 2
     wavelength = np.arange(band - reach, band + reach + _STEP / 10, _STEP)
-    weight = _STEP * transmission(wavelength, band, width) * emission(wavelength, left, dyes)
-    both_ways = absorption(np.asarray(laser), left, dyes) + absorption(wavelength, left, dyes)
-    depth = np.multiply.outer(np.asarray(thickness, dtype=np.float64), both_ways)
+    shining = left[0] * glow[0], left[1] * glow[1]
+    weight = _STEP * transmission(wavelength, band, width) * emission(wavelength, shining, dyes)
+    into, out = absorption(np.asarray(laser), left, dyes), absorption(wavelength, left, dyes)
+    both_ways = into + out
+    t = np.asarray(thickness, dtype=np.float64)
+    depth = np.multiply.outer(t, both_ways)
     per_wavelength = np.exp(-depth) if derivative else -np.expm1(-depth) / both_ways
+    if reflectance:
+        per_wavelength += _returned(t, into, out, reflectance, derivative=derivative)
     return np.asarray(per_wavelength @ weight)
+
+
+def _returned(
+    thickness: Array, into: Array, out: Array, reflectance: float, *, derivative: bool
+) -> Array:
+    """Light that the wall returns, by film and wavelength, or its slope."""
+    twice_out, twice_into, both = (
+        np.exp(-np.multiply.outer(thickness, rate))
+        for rate in (2 * out, 2 * into + 0 * out, into + out)
+    )
+    apart = np.where(np.abs(into - out) < _EQUAL, _EQUAL, into - out)
+    if derivative:
+        once = (2 * into * twice_into - 2 * out * twice_out) / apart
+        again = 2 * both**2 - both
+    else:
+        once, again = (twice_out - twice_into) / apart, (both - both**2) / (into + out)
+    return np.asarray(reflectance * once + reflectance**2 * again)
 
 
 def thickest(dyes: DyeSpectra | None) -> float:
@@ -109,27 +155,29 @@ def thickest(dyes: DyeSpectra | None) -> float:
 
 
 def tabulate_signal(
-    band: float, left: Left = _FRESH, dyes: DyeSpectra | None = None
+    band: float, left: Left = _FRESH, dyes: DyeSpectra | None = None, oil: Oil | None = None
 ) -> Callable[[Array], Array]:
     """Return a function of thickness [um]: light behind the filter over that of a thick fresh film.
 
     It is a cubic Hermite table with exact slopes, 0.02 um apart for the invented dyes: the error is
     below 1e-10.
     """
+    oil = Oil(left) if oil is None else oil
     end = thickest(dyes)
     thickness = np.linspace(0, end, _TABLE)
     signal, slope = (
-        band_signal(thickness, band, derivative=order, left=left, dyes=dyes)
+        band_signal(thickness, band, derivative=order, dyes=dyes, **vars(oil))
         for order in (False, True)
     )
-    fresh = signal[-1] if left == _FRESH else band_signal(thickness[-1:], band, dyes=dyes)[0]
+    fresh = signal[-1] if oil == Oil() else band_signal(thickness[-1:], band, dyes=dyes)[0]
     table = CubicHermiteSpline(thickness, signal / fresh, slope / fresh)
     return lambda film: np.asarray(table(np.minimum(film, end)))
 
 
 def signals_of(
-    dyes: DyeSpectra | None, left: Left = _FRESH
+    dyes: DyeSpectra | None, oil: Oil
 ) -> tuple[Callable[[Array], Array], Callable[[Array], Array]]:
     """`tabulate_signal` behind the filters of cameras 1 and 2."""
     bands = BANDS if dyes is None else dyes.bands
-    return tabulate_signal(bands[0], left, dyes), tabulate_signal(bands[1], left, dyes)
+    one, two = (tabulate_signal(band, dyes=dyes, oil=oil) for band in bands)
+    return one, two

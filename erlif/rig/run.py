@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable, Iterable
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 
 import h5netcdf
@@ -11,8 +11,8 @@ import tifffile
 
 from erlif.core.arrays import Array, Counts
 from erlif.core.tables import fill_template
-from erlif.rig.camera import FULL_SCALE, expose, vibrate
-from erlif.rig.dyes import BANDS, signals_of
+from erlif.rig.camera import FULL_SCALE, alter_camera, expose, vibrate
+from erlif.rig.dyes import BANDS, Oil, signals_of
 from erlif.rig.film import (
     Bubbles,
     Field,
@@ -107,8 +107,12 @@ def write_run(
     gaps = list_gaps(triggers, rig, marks)
     setup = dataclasses.replace(setup, typical=median_light(setup, gaps))
 
+    drift[int(rig.bump[0]) :] += rig.bump[1:]
     write_reference_pages(directory, setup, random_stream(seed, "run pages"))
     write_background_pages(directory, setup, random_stream(seed, "run background"))
+    one, two = (alter_camera(each, n, rig) for n, each in enumerate(setup.cameras, 1))
+    setup = dataclasses.replace(setup, cameras=(one, two))
+    last: list[Array | None] | None = [None, None] if any(rig.lag) else None
     with h5netcdf.File(truth, "w") as file:
         describe_truth(file, setup, triggers, gaps, Session(drift, fixture_drift, energy), seed)
         write_true_film(file, setup, gaps)
@@ -122,7 +126,7 @@ def write_run(
                 energy=float(energy[k]),
                 drift=(drift[k, 0], drift[k, 1]),
             )
-            write_pair(directory, k, photograph(bleach(setup, k), shot, rng_frame))
+            write_pair(directory, k, photograph(age(setup, k, frames), shot, rng_frame, last=last))
             file["bubble"][k] = bubbles.lack(setup.x, setup.y) > 0
             progress("run frame", k + 1, frames)
 
@@ -148,13 +152,28 @@ def median_light(setup: Setup, gaps: list[Gap]) -> tuple[float, float]:
     return one, two
 
 
-def bleach(setup: Setup, pulses: int) -> Setup:
-    """The set-up after some pulses, with what they have left of the dyes."""
-    one, two = setup.rig.bleaching
-    if one == two == 0 or pulses == 0:
+def age(setup: Setup, pulse: int, pulses: int) -> Setup:
+    """The set-up at a pulse of the run: joint, dyes and camera 2 as they are by then."""
+    rig = setup.rig
+    one, two = rig.bleaching
+    warmer = rig.warming * pulse / max(pulses - 1, 1)
+    oil = Oil(
+        left=((1 - one) ** pulse, (1 - two) ** pulse),
+        glow=(1 + rig.glow_per_kelvin[0] * warmer, 1 + rig.glow_per_kelvin[1] * warmer),
+        reflectance=rig.wall[1],
+    )
+    if oil != Oil(reflectance=rig.wall[0]):
+        setup = dataclasses.replace(setup, signals=_signals(rig.dyes, oil))
+    start, factor = rig.gain_step
+    if factor == 1 or pulse < start:
         return setup
-    left = (1 - one) ** pulses, (1 - two) ** pulses
-    return dataclasses.replace(setup, signals=signals_of(setup.rig.dyes, left))
+    first, second = setup.cameras
+    brighter = dataclasses.replace(second, sensitivity=factor * second.sensitivity)
+    return dataclasses.replace(setup, cameras=(first, brighter))
+
+
+# a joint whose wall differs from the fixture's has one oil in all its frames
+_signals = lru_cache(maxsize=2)(signals_of)
 
 
 def write_background_pages(directory: Path, setup: Setup, rng: np.random.Generator) -> None:
@@ -244,6 +263,7 @@ def write_encoder_log(
     temperature = mean + amplitude * np.sin(
         2 * np.pi * np.arange(frames) / frames + rng.uniform(0, 2 * np.pi)
     )
+    temperature += rig.warming * np.arange(frames) / max(frames - 1, 1)
     meter = LASER_ENERGY * energy * (1 + _METER_NOISE * rng.standard_normal(frames))
 
     columns = {

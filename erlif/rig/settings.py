@@ -1,8 +1,11 @@
 """Settings of the virtual rig: every quantity that can be chosen, with unit and default."""
 
 import math
+import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
 
 from erlif.core.errors import ModelError
 from erlif.core.tables import read_table
@@ -16,6 +19,9 @@ CHOICES: Mapping[str, Sequence[str]] = _TABLE["choices"]
 LIMITS: Mapping[str, Sequence[float]] = _TABLE["limits"]
 # How a pin without a spring is held at right angles to the load.
 SIDEWAYS = ("free", "guided")
+# Settings of any number of values.
+_LISTS = ("film_table", "flat_levels")
+
 # Angle through which the rocker of the thesis turns; the default one differs little. [degree]
 SWING = 24.0
 
@@ -194,6 +200,24 @@ class RigSettings:
         Pages of the dry joint written for each camera; 0 writes none.
     bleaching : tuple[float, float]
         Share of dye 1 and dye 2 that each pulse of the run destroys.
+    wall : tuple[float, float]
+        Reflectance of the wall behind the film of the fixture and of the joint.
+    warming : float
+        Rise of the oil's temperature from the first frame of the run to the last. [K]
+    glow_per_kelvin : tuple[float, float]
+        Relative change of the light of dye 1 and dye 2. [1/K]
+    brightness : tuple[float, float]
+        Light of camera 1 and 2 in the run over that at the calibration: filters, exposure, gain.
+    gain_step : tuple[float, float]
+        Frame from which on camera 2 is brighter, and by which factor.
+    bump : tuple[float, float, float]
+        Frame from which on camera 2 is displaced, and by how much along x and y. [pixel]
+    lag : tuple[float, float]
+        Share of its last light that each camera adds to a frame of the run.
+    compression : tuple[float, float]
+        Share of the light that each camera loses at full scale in the run.
+    dark_drift : tuple[float, float]
+        Dark level of each camera in the run over that of its dark pages. [DN]
     reference : float
         Film in a patch beside the region of interest, the same in all frames; 0 for none. [um]
     shift : tuple[float, float]
@@ -304,6 +328,17 @@ class RigSettings:
     background_pages: int = 0
     bleaching: tuple[float, float] = (0.0, 0.0)
     reference: float = 0.0
+
+    # what differs between fixture and run, or changes during it
+    wall: tuple[float, float] = (0.0, 0.0)
+    warming: float = 0.0
+    glow_per_kelvin: tuple[float, float] = (-0.002, -0.001)
+    brightness: tuple[float, float] = (1.0, 1.0)
+    gain_step: tuple[float, float] = (0.0, 1.0)
+    bump: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    lag: tuple[float, float] = (0.0, 0.0)
+    compression: tuple[float, float] = (0.0, 0.0)
+    dark_drift: tuple[float, float] = (0.0, 0.0)
 
     # from camera 1 to camera 2
     shift: tuple[float, float] = (4.0, -3.0)
@@ -425,3 +460,38 @@ class RigSettings:
     def half_diagonal(self) -> float:
         """Distance from the middle of the picture to a corner. [pixel]"""
         return math.hypot(*self.centre)
+
+
+def read_rig_settings(path: Path) -> dict[str, Any]:
+    """Read settings of the rig from a TOML file.
+
+    Parameters
+    ----------
+    path : Path
+        Keys are fields of `RigSettings`; lists stand for its tuples.
+
+    Returns
+    -------
+    dict
+        Values by field.
+
+    Raises
+    ------
+    ModelError
+        If the file cannot be read as TOML, or has a key that the rig does not know.
+    """
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise refusal("unreadable_settings", path=path, error=error) from error
+
+    known = {field.name: getattr(RigSettings, field.name) for field in fields(RigSettings)}
+    settings: dict[str, Any] = {}
+    for name, value in table.items():
+        default = known.get(name)
+        size = len(default) if isinstance(default, tuple) else 0
+        stated = len(value) if isinstance(value, list) else 0
+        if name not in known or (stated != size and name not in _LISTS):
+            raise refusal("unknown_setting", path=path, name=name, value=value)
+        settings[name] = tuple(value) if stated else value
+    return settings

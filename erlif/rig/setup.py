@@ -8,7 +8,7 @@ import numpy as np
 
 from erlif.core.arrays import Array, Counts
 from erlif.rig.camera import Camera, build_camera, displacement, expose, seen_from_camera_2
-from erlif.rig.dyes import signals_of
+from erlif.rig.dyes import Oil, signals_of
 from erlif.rig.film import Bubbles, Field
 from erlif.rig.scene import Grains, beam, draw_grains, speckle
 from erlif.rig.settings import RigSettings
@@ -105,7 +105,7 @@ def build_setup(seed: int, rig: RigSettings) -> Setup:
             build_camera(1, rig, random_stream(seed, "camera 1")),
             build_camera(2, rig, random_stream(seed, "camera 2")),
         ),
-        signals=signals_of(rig.dyes),
+        signals=signals_of(rig.dyes, Oil(reflectance=rig.wall[0])),
         grains=draw_grains(rig, margin, random_stream(seed, "grains")),
         x=x,
         y=y,
@@ -137,11 +137,14 @@ class Shot:
     drift: tuple[float, float]
 
 
-def photograph(setup: Setup, shot: Shot, rng: np.random.Generator) -> tuple[Counts, Counts]:
+def photograph(
+    setup: Setup, shot: Shot, rng: np.random.Generator, *, last: list[Array | None] | None = None
+) -> tuple[Counts, Counts]:
     """Return the frames of camera 1 and 2: one pulse and object, two filters and viewpoints.
 
     Speckle passes the point spread of each camera. The film is smooth on that scale and is not
-    blurred.
+    blurred. `last` holds the light of the frame before for cameras that lag, and receives that of
+    this one. [electron]
     """
     rig = setup.rig
 
@@ -153,6 +156,9 @@ def photograph(setup: Setup, shot: Shot, rng: np.random.Generator) -> tuple[Coun
         pattern = speckle(x, y, shot.grains, size=rig.speckle_size, blur=rig.blur[number - 1])
         of_film = np.maximum(pattern, 0) * setup.light(number, film, x, y)
         light = shot.energy * of_film + shot.energy * setup.background(number, x, y)
+        if last is not None:
+            before, last[number - 1] = last[number - 1], light
+            light = light if before is None else light + rig.lag[number - 1] * before
         return expose(light, setup.cameras[number - 1], rng)
 
     # each camera has random numbers of its own, so the order of the threads does not matter

@@ -5,13 +5,17 @@ import numpy.testing as npt
 import pytest
 from scenes.fixture import (
     FILMS,
+    WEDGE,
     K,
     P,
     Q,
+    calibrate,
     calibrate_wedge,
     has_note,
+    image,
     log_ratio,
     share_within,
+    through_filters,
     wedge_profile,
 )
 from scipy.stats import binom
@@ -73,3 +77,20 @@ def test_false_alarms_are_as_rare_as_stated(photographed, shared):
     assert abs(below - 25) < 3.3 * np.sqrt(50) / 2
     pulls = np.array([(each.difference / each.difference_std)[[10, 30, 50]] for each in found])
     npt.assert_allclose(pulls.std(axis=0), 1, atol=0.35)
+
+
+@pytest.mark.parametrize("reflectance", [0.0, 0.15, 0.3, 0.6])
+def test_films_before_a_wall_that_reflects_cover(reflectance):
+    """Fifty fixtures each: ends of the range, and films of it within one and two errors."""
+    rng, true = np.random.default_rng(5), through_filters(reflectance)
+    pulls = []
+    for _ in range(50):
+        found = calibrate(image(rng, true(WEDGE)), wedge_profile(rng, noise=0.1))
+        low, high = found.thickness_range
+        assert low < 0.5
+        assert true(high, 1) > 0  # before the maximum of the true ratio
+        films = np.linspace(1.0, 0.95 * high, 5)
+        pulls.append((found.invert(true(films)) - films) / found.thickness_std(films))
+    # neighbouring films share their error: five count as two
+    assert abs(share_within(pulls, 1).mean() - 0.683) < 3 * np.sqrt(0.683 * 0.317 / 100)
+    assert share_within(pulls, 2).mean() > 0.954 - 3 * np.sqrt(0.954 * 0.046 / 100)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.fixture import K, P, Q, log_ratio, make_points
+from scenes.fixture import K, P, Q, log_ratio, make_points, through_filters
 
 from erlif.calibration.pose import Freedom
 from erlif.calibration.regression import fit_robustly
@@ -64,3 +64,26 @@ def test_unknown_error_of_the_cmm_is_estimated_from_the_scatter(std):
     found = fit(replace(points, thickness_std=np.full(FILM.size, np.nan)))
     npt.assert_allclose(found.thickness_std, std, rtol=0.4)
     npt.assert_array_equal(found.thickness_std, found.thickness_std[0])
+
+
+@pytest.mark.parametrize("reflectance", [0.0, 0.1, 0.3, 0.6])
+def test_a_wall_that_reflects_is_found_where_it_bends_the_curve(reflectance):
+    """Invented dyes through their filters; a wall of 0.1 is left to the spline that follows."""
+    film, rng = np.linspace(0.1, 18, 190), np.random.default_rng(6)
+    true = through_filters(reflectance)
+    points = make_points(
+        film,
+        thickness=film + rng.normal(0, 0.05, film.size),
+        thickness_std=np.full(film.size, 0.05),
+        log_ratio=true(film) + rng.normal(0, 3e-4, film.size),
+        log_ratio_std=np.full(film.size, 3e-4),
+    )
+    found = fit(points)
+    assert found.reflects == (reflectance > 0.2)
+    if found.reflects:
+        std = np.sqrt(found.covariance[4, 4])
+        assert abs(found.parameters[4] - reflectance) < 2 * std + 0.04  # one attenuation a band
+        gradient = found.gradient(film)
+        of_curve = np.sqrt(np.einsum("ip,ij,jp->p", gradient, found.covariance, gradient))
+        assert np.all(np.abs(found.predict(film) - true(film)) < 4 * of_curve + 1e-4)
+        assert found.reduced_chi_square < 1.5

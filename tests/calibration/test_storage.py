@@ -7,7 +7,15 @@ import numpy.testing as npt
 import pytest
 import xarray as xr
 from scenes import film as film_scene
-from scenes.fixture import WEDGE, calibrate, calibrate_wedge, image, log_ratio, wedge_profile
+from scenes.fixture import (
+    WEDGE,
+    calibrate,
+    calibrate_wedge,
+    image,
+    log_ratio,
+    through_filters,
+    wedge_profile,
+)
 
 from erlif.calibration import calibration_of, open_calibration, record_calibration, save_calibration
 from erlif.core.errors import CalibrationError, OutputError
@@ -30,7 +38,13 @@ def placed():
     return calibrate(image(rng, log_ratio(WEDGE)), wedge_profile(rng), align=True)
 
 
-@pytest.mark.parametrize("name", ["wedge", "departing", "placed"])
+@pytest.fixture(scope="module")
+def walled():
+    rng = np.random.default_rng(6)
+    return calibrate(image(rng, through_filters(0.4)(WEDGE)), wedge_profile(rng))
+
+
+@pytest.mark.parametrize("name", ["wedge", "departing", "placed", "walled"])
 def test_file_round_trip_keeps_everything(name, request, tmp_path):
     """Numbers, fitted points, notes, and where there is one the spline or the refined pose."""
     calibration = request.getfixturevalue(name)
@@ -38,6 +52,8 @@ def test_file_round_trip_keeps_everything(name, request, tmp_path):
     xr.testing.assert_equal(back.to_dataset(), calibration.to_dataset())
     assert back.attributes == calibration.attributes
     npt.assert_array_equal(back.full_covariance, calibration.full_covariance)
+    assert (back.reflectance is None) == (name != "walled")
+    npt.assert_array_equal(back.parameters, calibration.parameters)
     assert (back.departure is None, back.pose is None) == (name != "departing", name != "placed")
 
 

@@ -8,12 +8,14 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from erlif.models.fluorescence import (
+    band_light,
     band_signal,
     log_band_ratio,
     log_band_ratio_gradient,
     log_band_ratio_slope,
     mean_transmission,
     mean_transmission_log_slope,
+    wall_ratio,
 )
 
 DYES = {"ratio_at_zero": 0.65, "attenuation_camera1": 0.40, "attenuation_camera2": 0.25}
@@ -93,3 +95,56 @@ def test_series_joins_the_closed_form_smoothly():
     around = np.array([0.9e-5, 1.1e-5, 0.9e-3, 1.1e-3])
     npt.assert_allclose(mean_transmission(around), 1 - around / 2 + around**2 / 6, rtol=1e-9)
     npt.assert_allclose(mean_transmission_log_slope(around), -0.5 + around / 12, atol=2e-11)
+
+
+WALL = DYES | {"attenuation_laser": 0.20, "reflectance": 0.3}
+
+
+def light_before_wall(thickness, laser, band, reflectance):
+    """Laser and emission, each direct and by way of the wall, integrated over depth."""
+
+    def from_depth(z):
+        back = 2 * thickness - z
+        into = np.exp(-laser * z) + reflectance * np.exp(-laser * back)
+        out = np.exp(-band * z) + reflectance * np.exp(-band * back)
+        return into * out
+
+    return quad(from_depth, 0, thickness, epsabs=0, epsrel=1e-12, limit=400)[0]
+
+
+@pytest.mark.parametrize("reflectance", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("thickness", [1e-4, 0.5, 7.0, 60.0])
+def test_ratio_before_a_wall_is_that_of_two_integrals(thickness, reflectance):
+    one, two = (light_before_wall(thickness, 0.20, b, reflectance) for b in (0.20, 0.05))
+    found = wall_ratio(thickness, **WALL | {"reflectance": reflectance})
+    npt.assert_allclose(found.log_ratio, np.log(0.65 * two / one), atol=1e-12)
+    light = band_light(thickness, attenuation=0.40, attenuation_laser=0.20, reflectance=reflectance)
+    npt.assert_allclose(light.signal * (1 + reflectance) ** 2, one, rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", WALL)
+def test_gradient_before_a_wall_is_the_derivative(name):
+    film, step, n = np.array([0.1, 3.0, 12.0, 40.0]), 1e-6, list(WALL).index(name)
+
+    def ratio(change):
+        return wall_ratio(film, **WALL | {name: WALL[name] + change})
+
+    numerical = (ratio(step).log_ratio - ratio(-step).log_ratio) / (2 * step)
+    npt.assert_allclose(ratio(0).gradient[n], numerical, rtol=1e-5, atol=1e-8)
+
+
+def test_slopes_before_a_wall_are_derivatives():
+    film, step = np.array([0.1, 3.0, 12.0, 40.0]), 1e-5
+    wall = {name: WALL[name] for name in ("attenuation_laser", "reflectance")}
+
+    def light(thickness=film, **change):
+        return band_light(thickness, **{"attenuation": 0.4} | wall | change)
+
+    above, below = wall_ratio(film + step, **WALL), wall_ratio(film - step, **WALL)
+    numerical = (above.log_ratio - below.log_ratio) / (2 * step)
+    npt.assert_allclose(wall_ratio(film, **WALL).slope, numerical, atol=1e-9)
+    numerical = np.log(light(film + step).signal / light(film - step).signal) / (2 * step)
+    npt.assert_allclose(light().slope, numerical, atol=1e-9)
+    for n, (name, value) in enumerate(({"attenuation": 0.4} | wall).items()):
+        up, down = (light(**{name: value + change}).signal for change in (step, -step))
+        npt.assert_allclose(light().gradient[n], np.log(up / down) / (2 * step), atol=1e-8)

@@ -36,6 +36,30 @@ def test_band_signal_is_the_double_integral(band, thickness):
     npt.assert_allclose(band_signal(np.asarray(thickness), band), whole, rtol=1e-7)
 
 
+def test_a_wall_returns_laser_and_emission():
+    """Both reach every depth directly and by way of the wall; a narrow filter at 580 nm."""
+    into, out = (float(absorption(np.asarray(nm))) for nm in (LASER, 580.0))
+
+    def light(depth, thickness):
+        back = 2 * thickness - depth
+        ways = [np.exp(-rate * depth) + 0.4 * np.exp(-rate * back) for rate in (into, out)]
+        return ways[0] * ways[1]
+
+    def signal(thickness, reflectance):
+        return float(band_signal(np.asarray(thickness), 580.0, reflectance=reflectance))
+
+    # over the width of the filter the attenuation changes by a few per cent, to both sides
+    for thickness in (0.5, 4.0, 12.0):
+        direct = -np.expm1(-(into + out) * thickness) / (into + out)
+        expected = quad(light, 0, thickness, (thickness,))[0] / direct
+        found = signal(thickness, 0.4) / signal(thickness, 0.0)
+        npt.assert_allclose(found, expected, rtol=3e-3)
+    step = 1e-5
+    slope = float(band_signal(np.asarray(4.0), 580.0, derivative=True, reflectance=0.4))
+    numerical = (signal(4.0 + step, 0.4) - signal(4.0 - step, 0.4)) / (2 * step)
+    npt.assert_allclose(slope, numerical, rtol=1e-7)
+
+
 @pytest.mark.parametrize("band", [580.0, 610.0])
 def test_thin_and_thick_limits(band):
     def made(wavelength):

@@ -1,13 +1,16 @@
 """Fixtures made by quadrature and numpy noise alone, for the tests of the calibration."""
 
+import functools
 from dataclasses import replace
 
 import numpy as np
 import xarray as xr
+from scipy.interpolate import CubicSpline
 
 from erlif.calibration import Profile, fit_calibration
 from erlif.calibration.points import Points
 from erlif.core.products import RatioImages
+from erlif.rig import dyes
 
 K, P, Q = 0.65, 0.40, 0.25
 """Parameters of the true ratio: K [1], p and q [1/um]."""
@@ -34,6 +37,18 @@ def log_ratio(thickness, *, k=K, p=P, q=Q, background=0.0):
     return np.log(
         (k * light(thickness, q) + background * np.asarray(thickness)) / light(thickness, p)
     )
+
+
+@functools.cache
+def through_filters(reflectance):
+    """Logarithm of the ratio of the rig's invented dyes before a wall, over the film. [um]
+
+    Every wavelength of both filters is integrated by itself, so the model with one attenuation for
+    each band is not what is fitted.
+    """
+    film = np.linspace(0.05, 19, 2000)
+    one, two = (dyes.band_signal(film, band, reflectance=reflectance) for band in dyes.BANDS)
+    return CubicSpline(film, np.log(two / one))
 
 
 def image(rng, values, *, noise=0.004, shape=SHAPE):

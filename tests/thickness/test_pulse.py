@@ -5,10 +5,12 @@ import numpy.testing as npt
 import pytest
 from scenes.fixture import light
 
+from erlif.calibration import Reabsorption
 from erlif.core.flags import Flag
 from erlif.thickness import measure_pulse_energy
 
 ATTENUATION = 0.40  # [1/um]
+MODEL = Reabsorption(np.array([0.65, ATTENUATION, 0.25]))
 SHAPE = (96, 128)
 
 
@@ -23,7 +25,7 @@ def light_of(film, energy):
 
 def energy_of(seen, film, flags=None):
     flags = np.zeros(SHAPE, np.uint8) if flags is None else flags
-    return measure_pulse_energy(seen, film, flags, attenuation=ATTENUATION)
+    return measure_pulse_energy(seen, film, flags, model=MODEL)
 
 
 @pytest.mark.parametrize("energy", [200.0, 900.0])

@@ -112,7 +112,7 @@ def test_pulse_energy_is_that_of_the_plain_film(calibration, shape):
     pair = pair_of(shape)
     maps = measure_thickness(plain(pair), calibration)
     expected = measure_pulse_energy(
-        pair.light_one, maps.thickness.values, maps.flags.values, attenuation=P
+        pair.light_one, maps.thickness.values, maps.flags.values, model=calibration.model
     )
-    found = measure_pulse(pair, FilmTables.of(calibration), attenuation=P)
+    found = measure_pulse(pair, FilmTables.of(calibration), model=calibration.model)
     npt.assert_allclose(found, expected, rtol=1e-5)
