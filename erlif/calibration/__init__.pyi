@@ -1,4 +1,3 @@
-from .background import BackgroundError
 from .comparison import Comparison, compare_calibrations
 from .curve import DIRECTION, Calibration, InverseTable, check_bands, share_bands
 from .fit import DIM_LIGHT, USEFUL, fit_calibration
@@ -10,17 +9,19 @@ from .storage import (
     record_calibration,
     save_calibration,
 )
+from .systematics import TERMS, Systematics
 
 __all__ = [
     "DIM_LIGHT",
     "DIRECTION",
+    "TERMS",
     "USEFUL",
-    "BackgroundError",
     "Calibration",
     "Comparison",
     "InverseTable",
     "Profile",
     "Reabsorption",
+    "Systematics",
     "calibration_of",
     "check_bands",
     "compare_calibrations",

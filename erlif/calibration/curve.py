@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Container
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -13,11 +13,11 @@ import numpy.typing as npt
 import scipy
 import xarray as xr
 
-from erlif.calibration.background import BackgroundError
 from erlif.calibration.departure import Departure
 from erlif.calibration.pose import FoundPose
 from erlif.calibration.refusals import refusal
 from erlif.calibration.regression import Reabsorption
+from erlif.calibration.systematics import Systematics
 from erlif.core.arrays import Array
 from erlif.core.html import card, curve_picture, findings_list, rows_table
 from erlif.core.notes import Level, Note, join_notes
@@ -95,9 +95,9 @@ class Calibration:
         Refined pose of the fixture, if it was refined.
     profile_file : str
         Name of the CMM profile among `input_hashes`; empty where it is not recorded.
-    background : BackgroundError | None
-        Error of the background that was subtracted from the frames of a run; of the run, and not
-        stored with the calibration.
+    systematics : Systematics | None
+        Errors that frames do not show, those of the fixture and, while a run is measured, of the
+        run.
     attenuation_laser : float | None
         a, attenuation of the laser alone; None where the wall behind the film is black. [1/um]
     reflectance : float | None
@@ -120,7 +120,7 @@ class Calibration:
     departure: Departure | None = field(default=None, repr=False)
     pose: FoundPose | None = field(default=None, repr=False)
     profile_file: str = field(default="", repr=False)
-    background: BackgroundError | None = field(default=None, repr=False)
+    systematics: Systematics | None = field(default=None, repr=False)
     attenuation_laser: float | None = None
     reflectance: float | None = None
 
@@ -190,14 +190,13 @@ class Calibration:
     def gradient(self, thickness: npt.ArrayLike) -> Array:
         """Derivatives of the logarithm of the ratio by all fitted parameters, (n, ...).
 
-        They are K, p and q, the coefficients of the departure, then the shares of a background.
+        They are those of the model, the coefficients of the departure, then the systematics.
         """
         parts = [self.model.gradient(thickness)]
         if self.departure is not None:
             parts.append(self.departure.basis(thickness))
-        if self.background is not None:
-            signal, ratio = self.model.light(thickness).signal, self.predict(thickness)
-            parts.append(self.background.gradient(signal, ratio=ratio))
+        if self.systematics is not None:
+            parts.append(self.systematics.gradient(thickness, self.model, self.slope(thickness)))
         return np.concatenate(parts)
 
     def film_gradient(self, thickness: npt.ArrayLike) -> Array:
@@ -212,7 +211,31 @@ class Calibration:
             if self.departure is None
             else scipy.linalg.block_diag(self.covariance, self.departure.covariance)
         )
-        return covariance if self.background is None else self.background.extend(covariance)
+        return covariance if self.systematics is None else self.systematics.extend(covariance)
+
+    def split_error(self, gradient: Array) -> dict[str, float]:
+        """Standard deviation of a quantity by the fixture's frames and by each systematic term.
+
+        Parameters
+        ----------
+        gradient : array, (parameter,)
+            Change of the quantity with all fitted parameters.
+
+        Returns
+        -------
+        dict of str to float
+            "calibration", then the terms of `TERMS` that have an error. Where errors compensate
+            each other, they are scaled to add up to the total. [unit of the quantity]
+        """
+        alone = replace(self, systematics=None).full_covariance
+        own, others = gradient[: len(alone)], gradient[len(alone) :]
+        terms = {"calibration": float(own @ alone @ own)}
+        if self.systematics is not None:
+            split = self.systematics.split(others)
+            terms |= {name: std**2 for name, std in split.items() if std > 0}
+        total = float(gradient @ self.full_covariance @ gradient)
+        scale = total / max(sum(terms.values()), np.finfo(float).tiny)
+        return {name: float(np.sqrt(scale * variance)) for name, variance in terms.items()}
 
     def log_ratio_std(self, thickness: npt.ArrayLike) -> Array:
         """Standard deviation of the predicted logarithm of the ratio. [1]"""
@@ -223,6 +246,12 @@ class Calibration:
     def thickness_std(self, thickness: npt.ArrayLike) -> Array:
         """Standard deviation of a thickness due to the calibration alone. [um]"""
         return np.asarray(self.log_ratio_std(thickness) / self.slope(thickness))
+
+    def at(self, passed: float) -> Calibration:
+        """The same with what grows during a run as it is when a share of the run has passed."""
+        if self.systematics is None or not self.systematics.rising.any():
+            return self
+        return replace(self, systematics=replace(self.systematics, passed=passed))
 
     @cached_property
     def inverse(self) -> InverseTable:
@@ -267,6 +296,7 @@ class Calibration:
 
         ``notes`` are lines for the reader; ``note_records`` are the same notes with level and
         subject, as JSON. ``profile_file`` names the CMM profile among ``input_hashes``.
+        ``systematics`` are the errors of the fixture that its frames do not show.
         """
         return {
             "band_camera1_nm": self.bands[0],
@@ -278,7 +308,11 @@ class Calibration:
             "input_hashes": json.dumps(self.input_hashes, sort_keys=True),
             "profile_file": self.profile_file,
             "date": self.date,
-            **({} if self.pose is None else {"pose": json.dumps(self.pose.to_record())}),
+            **{
+                name: json.dumps(part.to_record())
+                for name, part in (("pose", self.pose), ("systematics", self.systematics))
+                if part is not None
+            },
         }
 
     @classmethod
@@ -322,6 +356,11 @@ class Calibration:
                 date=str(attrs["date"]),
                 departure=Departure.from_dataset(dataset),
                 pose=pose,
+                systematics=(
+                    Systematics.from_record(json.loads(attrs["systematics"]))
+                    if "systematics" in attrs
+                    else None
+                ),
             )
         except (KeyError, AttributeError) as error:
             raise refusal("foreign_file", reason=f"{error} is missing from this file") from error

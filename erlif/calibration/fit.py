@@ -29,6 +29,7 @@ from erlif.calibration.profile import Profile
 from erlif.calibration.refusals import refusal
 from erlif.calibration.regression import OUTLIER, Fit, fit_robustly
 from erlif.calibration.soundness import check_fit, places
+from erlif.calibration.systematics import Systematics
 from erlif.core.arrays import Array, Mask
 from erlif.core.notes import Note, note_writer
 from erlif.core.products import RatioImages, require
@@ -66,6 +67,8 @@ def fit_calibration(
     align: bool = False,
     frames: int = 1,
     fixture: str = "",
+    position_std: float = 0.0,
+    size_std: float = 0.0,
 ) -> Calibration:
     """Fit the reabsorption model to the fixture's ratio and its CMM profile.
 
@@ -94,6 +97,11 @@ def fit_calibration(
         calibrated range.
     fixture : str
         Name to store.
+    position_std : float
+        Standard deviation of the origin along the profile, where `align` does not determine it.
+        [mm]
+    size_std : float
+        Standard deviation of the scale of the profile's thickness. [1]
 
     Returns
     -------
@@ -142,8 +150,11 @@ def fit_calibration(
         points, freedom, refined_pose = refine_pose(ratios, profile, points, pose)
         notes += refined_pose.describe(points)
 
+    # another origin shifts all films alike, and K, p and q follow a shifted film as well
+    steepness = 0.0
     if refined_pose is None or not refined_pose.determined[ALONG]:
-        notes.append(_describe_given_origin(points, pixel_pitch))
+        steepness = float(np.median(np.abs(points.gradient[:, 0])))  # um/mm
+        notes.append(_make_note("given_origin", shift=steepness * pixel_pitch))
 
     fit = fit_robustly(points, freedom)
     if refined_pose is not None:
@@ -166,8 +177,13 @@ def fit_calibration(
     notes += [*_describe_unresolved(calibration), *_describe_wall(calibration)]
     moved = freedom.displacement @ best.displacement
     _refuse_nonsense(calibration, thickness_range, points, moved)
+    systematics = Systematics.of(
+        {"position": steepness * position_std, "size": size_std},
+        parameters=len(calibration.full_covariance),
+    )
     return replace(
         calibration,
+        systematics=systematics if systematics.terms else None,
         thickness_range=thickness_range,
         curve=_describe_curve(calibration, points, kept, moved, fit.thickness_std),
         notes=(*profile.notes, *notes),
@@ -395,13 +411,6 @@ def _calibrated_range(
     useful = relative <= max(USEFUL, DIM_LIGHT * float(relative.min()))
     thickest = float(grid[useful][-1])
     return (low, thickest), bool(thickest < grid[-1])
-
-
-def _describe_given_origin(points: Points, pixel_pitch: float) -> Note:
-    """Note on the error of an origin along the profile that no fit can show."""
-    # another origin shifts all films alike, and K, p and q follow a shifted film as well
-    shift = float(np.median(np.abs(points.gradient[:, 0]))) * pixel_pitch
-    return _make_note("given_origin", shift=shift)
 
 
 def _describe_wall(calibration: Calibration) -> list[Note]:

@@ -16,6 +16,7 @@ from erlif.calibration.curve import PARAMETERS, Calibration, parameters_in
 from erlif.calibration.departure import Departure
 from erlif.calibration.refusals import refusal
 from erlif.calibration.soundness import check_calibration, check_displacements, check_file
+from erlif.calibration.systematics import Systematics
 from erlif.core.errors import ErlifError, OutputError, RegistrationError, reason_of
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
 from erlif.core.version import __version__
@@ -184,6 +185,8 @@ def record_calibration(calibration: Calibration) -> str:
     departure = calibration.departure
     if departure is not None:
         kept["departure"] = {name: each.tolist() for name, each in asdict(departure).items()}
+    if calibration.systematics is not None:
+        kept["systematics"] = calibration.systematics.to_record()
     return json.dumps(kept, sort_keys=True)
 
 
@@ -249,4 +252,7 @@ def _read_record(kept: dict[str, Any], settings: RunSettings) -> Calibration:
         input_hashes=dict(kept["input_hashes"]),
         date=str(kept["date"]),
         departure=departure,
+        systematics=(
+            Systematics.from_record(kept["systematics"]) if "systematics" in kept else None
+        ),
     )

@@ -36,7 +36,6 @@ from erlif.pipeline.physics.light import (
     describe_light,
     find_light,
     kept_lights,
-    widen_errors,
 )
 from erlif.pipeline.physics.position import describe_positions, note_form
 from erlif.pipeline.physics.prediction import (
@@ -46,6 +45,11 @@ from erlif.pipeline.physics.prediction import (
     note_correlation,
     note_difference,
     try_prediction,
+)
+from erlif.pipeline.physics.systematics import (
+    describe_errors,
+    name_largest_error,
+    update_systematics,
 )
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.omissions import note_omissions
@@ -176,7 +180,6 @@ def complete_film(
     triggers: xr.Dataset,
     ready: PreparedRun,
     results: Sequence[TriggerResult],
-    calibration: Calibration,
     hashes: Mapping[str, str],
 ) -> tuple[xr.Dataset, dict[str, xr.Dataset]]:
     """Everything of a film but its maps.
@@ -192,8 +195,6 @@ def complete_film(
     ready : PreparedRun
     results : sequence of TriggerResult
         Of all triggers.
-    calibration : Calibration
-        Of the fixture.
     hashes : mapping of str to str
         Of the inputs.
 
@@ -221,28 +222,38 @@ def complete_film(
 
     # light that is not film, as the finished frames show it
     remaining = find_light(
-        kept_lights(frames, run.pairs), calibration, cycle.trigger.values, ready.energies
+        kept_lights(frames, run.pairs), ready.measuring, cycle.trigger.values, ready.energies
     )
     findings = ready.light.complete(remaining, options)
     light, notes_on_light = describe_light(findings, results, run, ready.measuring)
+    measured_with = update_systematics(
+        ready.measuring,
+        findings.background,
+        findings.bleaching,
+        options,
+        pulses=len(run.pairs.usable),
+    )
 
     plane, of_frames = ObjectPlane(run.settings, run.pairs.shape), frames_of_run(run, cycle)
     with stage("prediction", _logger):
         positions = [one.position for one in results]
-        measured = describe_statistics(results)
-        measured |= describe_positions(positions, ready.measuring, plane.view)
+        measured = describe_statistics(results, measured_with)
+        measured |= describe_positions(positions, measured_with, plane.view)
         prediction = try_prediction(plane, triggers.assign(measured), of_frames)
     film = describe_film(
         run,
         triggers,
         results,
-        ready.measuring,
+        measured_with,
         measured=measured,
         prediction=prediction,
         hashes=hashes,
         notes=[*notes, *notes_on_light],
     )
-    film = widen_errors(film.assign(light), findings, results, options, calibration)
+    film = film.assign(light)
+    film = film.assign_attrs(
+        largest_error=name_largest_error(film, run.settings, ready.measuring, measured_with)
+    )
     with stage("physics", _logger):
         physics = state_physics(film, run.settings, of_frames)
     if physics:
@@ -343,9 +354,12 @@ def count_pixels(results: Sequence[TriggerResult]) -> xr.Dataset:
     )
 
 
-def describe_statistics(results: Sequence[TriggerResult]) -> dict[str, Any]:
+def describe_statistics(
+    results: Sequence[TriggerResult], calibration: Calibration
+) -> dict[str, Any]:
     """Mean and minimum film of each trigger, as variables of the film."""
-    statistics = [result.statistics for result in results]
+    covariance = calibration.full_covariance
+    statistics = [result.statistics.with_errors(covariance) for result in results]
     places = np.array([one.minimum_place for one in statistics]).reshape(-1, 2)
     values: dict[str, Any] = {
         "film_mean": [one.mean for one in statistics],
@@ -356,7 +370,8 @@ def describe_statistics(results: Sequence[TriggerResult]) -> dict[str, Any]:
         "film_min_x": places[:, 0],
         "film_min_y": places[:, 1],
     }
-    return {name: FILM[name].fill(column) for name, column in values.items()}
+    filled = {name: FILM[name].fill(column) for name, column in values.items()}
+    return filled | describe_errors(statistics, calibration)
 
 
 def predict_theory(settings: RunSettings, film: xr.Dataset) -> xr.Dataset:

@@ -98,17 +98,20 @@ def calibrate(
     with stage("ratio", _logger):
         ratio, frames = combine_all(prepared.chain, progress)
         notes_on_pulses = check_pulses(frames, fixture.pairs)
+    pitch, position = 1e3 * settings.optics.pixel_pitch, settings.systematics.position
     with stage("fit", _logger):
         calibration = fit_calibration(
             ratio,
             profile,
-            pixel_pitch=settings.optics.pixel_pitch * 1e3,
+            pixel_pitch=pitch,
             bands=(settings.camera1.band, settings.camera2.band),
             origin=settings.fixture.origin,
             direction=settings.fixture.direction,
             align=settings.fixture.align,
             frames=len(frames),
             fixture=settings.name,
+            position_std=(pitch if position is None else 1e3 * position),
+            size_std=settings.systematics.size / 100,
         )
 
     _logger.info(

@@ -169,7 +169,7 @@ def process_run(
 
         # the whole: statistics, theory, exponent, and the record of how it was made
         hashes = work.hash_inputs(results)
-        film, groups = complete_film(run, cycle, triggers, ready, results, calibration, hashes)
+        film, groups = complete_film(run, cycle, triggers, ready, results, hashes)
         work.write(unfinished, film, groups, hashes)
     return True
 

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import Calibration, check_bands
+from erlif.calibration import TERMS, Calibration, check_bands
 from erlif.core.arrays import Array, Mask
 from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages
@@ -27,8 +26,8 @@ from erlif.pipeline.physics.light import (
     correct_light,
     find_light,
     measure_lights,
-    remaining_errors,
 )
+from erlif.pipeline.physics.systematics import add_systematics, update_systematics
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.prepare import prepare_chain
 from erlif.pipeline.recording.pulses import read_energies
@@ -62,10 +61,7 @@ def _term(what: str, camera: int) -> str:
 
 _NOISE_TERMS = tuple(_term(what, camera) for what in _KINDS for camera in range(2))
 
-# Terms of runs in which light shows them, or from which they were taken.
-_LIGHT_TERMS = ("background", "bleaching")
-
-_SHARED_TERMS = ("registration", "calibration", *_LIGHT_TERMS, "marks of the surfaces")
+_SHARED_TERMS = ("registration", "calibration", *TERMS, "marks of the surfaces")
 _ALL_NOISE = "noise of all kinds"
 
 _NEAR = 0.05  # relative distance within which pixels represent a film thickness
@@ -148,7 +144,9 @@ def budget(
     calibration = find_calibration(run, calibration, allow_outside=allow_outside, progress=progress)
     check_bands(calibration, (settings.camera1.band, settings.camera2.band))
     known = FixtureMap.of(calibration, settings)
-    chain = prepare_chain(run, progress, stored=known.stored).chain
+    prepared = prepare_chain(run, progress, stored=known.stored)
+    chain = prepared.chain
+    calibration = add_systematics(calibration, settings, chain, prepared.sample)
     plane = ObjectPlane(settings, run.pairs.shape)
 
     # light that is not film needs the whole run, as the film had it
@@ -156,6 +154,10 @@ def budget(
     lights = measure_lights(chain, plane.patch)
     findings = find_light(lights, calibration, cycle.trigger.values, read_energies(run.log))
     chain, measuring = correct_light(chain, calibration, findings, options)
+    pulses = len(run.pairs.usable)
+    measuring = update_systematics(
+        measuring, findings.background, findings.bleaching, options, pulses=pulses
+    ).at(float(np.mean(frames)) / max(pulses - 1, 1))
 
     sources = _split_variance(chain, frames)
     maps = measure_thickness(sources.ratio, measuring)
@@ -181,15 +183,10 @@ def budget(
     inside = np.zeros_like(valid)
     inside[region.rows, region.columns] = valid[region.rows, region.columns]
     rate = 1 / calibration.slope(film)
-    whole = [
+    columns += [
         _mean_column(statistics, measuring, sources, rate, inside),
         _minimum_column(statistics, measuring),
     ]
-    pulse = np.array([np.mean(frames)])
-    for column in whole:
-        errors = remaining_errors(findings, options, np.array([column.value]), pulse, calibration)
-        more = {term: float(error[0]) for term, error in errors.items()}
-        columns.append(replace(column, terms={**column.terms, **more}))
     return _as_dataset(columns, settings.name, trigger, len(frames))
 
 
@@ -308,7 +305,7 @@ def _pixel_columns(
             for camera, variance in enumerate(pair)
         }
         terms["registration"] = float(np.median(displaced[near] * rate[near]))
-        terms |= split_calibration(calibration.film_gradient(wanted), calibration)
+        terms |= calibration.split_error(calibration.film_gradient(wanted))
         columns.append(_Column(f"pixel of {wanted:g} um", wanted, terms))
     return columns
 
@@ -334,7 +331,7 @@ def _mean_column(
     # what the noise of the mean holds beyond these terms is the registration
     known = sum(value**2 for value in terms.values())
     terms["registration"] = float(np.sqrt(max(statistics.mean_random_std**2 - known, 0.0)))
-    terms |= split_calibration(statistics.mean_gradient, calibration)
+    terms |= calibration.split_error(statistics.mean_gradient)
     return _Column("mean film", statistics.mean, terms)
 
 
@@ -343,21 +340,9 @@ def _minimum_column(statistics: FilmStatistics, calibration: Calibration) -> _Co
     terms = {
         _ALL_NOISE: statistics.minimum_random_std,
         "marks of the surfaces": statistics.minimum_surface_std,
-        **split_calibration(statistics.minimum_gradient, calibration),
+        **calibration.split_error(statistics.minimum_gradient),
     }
     return _Column("minimum film", statistics.minimum, terms)
-
-
-def split_calibration(gradient: Array, calibration: Calibration) -> dict[str, float]:
-    """The error of the fixture, and what the subtraction of a background adds to it."""
-    total = float(gradient @ calibration.full_covariance @ gradient)
-    if calibration.background is None:
-        return {"calibration": math.sqrt(total)}
-    covariance = replace(calibration, background=None).full_covariance
-    own = gradient[: len(covariance)]
-    # where both errors compensate each other, the terms still add up to the total
-    alone = min(float(own @ covariance @ own), total)
-    return {"calibration": math.sqrt(alone), "background": math.sqrt(total - alone)}
 
 
 def _as_dataset(columns: Sequence[_Column], name: str, trigger: int, frames: int) -> xr.Dataset:
@@ -378,12 +363,12 @@ def _as_dataset(columns: Sequence[_Column], name: str, trigger: int, frames: int
             for column in columns
         ]
 
-    # a run without a background or bleaching has no such terms
+    # an error that the settings exclude has no row
     noise, shared = (
         [
             term
             for term in terms
-            if not term.startswith((_DRY, *_LIGHT_TERMS)) or np.nan_to_num(rows[term]).any()
+            if not term.startswith((_DRY, *TERMS)) or np.nan_to_num(rows[term]).any()
         ]
         for terms in (_NOISE_TERMS, _SHARED_TERMS)
     )

@@ -218,6 +218,8 @@ class RigSettings:
         Share of the light that each camera loses at full scale in the run.
     dark_drift : tuple[float, float]
         Dark level of each camera in the run over that of its dark pages. [DN]
+    write_systematics : bool
+        Write into run.toml and fixture.toml which of these the rig does not have.
     reference : float
         Film in a patch beside the region of interest, the same in all frames; 0 for none. [um]
     shift : tuple[float, float]
@@ -339,6 +341,7 @@ class RigSettings:
     lag: tuple[float, float] = (0.0, 0.0)
     compression: tuple[float, float] = (0.0, 0.0)
     dark_drift: tuple[float, float] = (0.0, 0.0)
+    write_systematics: bool = True
 
     # from camera 1 to camera 2
     shift: tuple[float, float] = (4.0, -3.0)
@@ -358,6 +361,22 @@ class RigSettings:
     dark_pages: int = 8
     flat_pages: int = 4
     flat_levels: tuple[float, ...] = (0.25, 0.5, 0.8)
+
+    @property
+    def excluded(self) -> list[str]:
+        """Terms of [systematics] in run.toml that the rig does not have."""
+        if not self.write_systematics:
+            return []
+        found = {
+            "ratio": self.brightness != (1, 1) or self.gain_step[1] != 1,
+            "background": any((self.background, self.background_beam, *self.dark_drift)),
+            "bleaching": any(self.bleaching),
+            "temperature": self.warming != 0,
+            "wall": self.wall[0] != self.wall[1],
+            "linearity": any(self.compression),
+            "lag": any(self.lag),
+        }
+        return [name for name, has in found.items() if not has]
 
     def __post_init__(self) -> None:
         self._check_each()

@@ -59,3 +59,22 @@ class FilmTables(NamedTuple):
             (table.thickness.astype(np.float32), slopes.ravel().view(np.float64)),
             np.append(calibration.predict_log(ranges), [first, last]).astype(np.float32),
         )
+
+    def growing_to(self, last: FilmTables, passed: float) -> FilmTables:
+        """Tables when a share of a run has passed, between those of its first and its last frame.
+
+        Parameters
+        ----------
+        last : FilmTables
+            Of the same calibration; the error that grows from nothing is there at its full size.
+        passed : float
+            Share of the run. [1]
+
+        Returns
+        -------
+        FilmTables
+        """
+        slopes, end = (tables.films[1].view(np.float32).copy() for tables in (self, last))
+        fixed, whole = slopes[1::2] ** 2, end[1::2] ** 2
+        slopes[1::2] = np.sqrt(fixed + passed**2 * np.maximum(whole - fixed, 0.0))
+        return self._replace(films=(self.films[0], slopes.view(np.float64)))

@@ -12,12 +12,12 @@ together with the two backgrounds, within their covariance.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from erlif.calibration import BackgroundError, Calibration
+from erlif.calibration import TERMS, Calibration, Systematics
 from erlif.core.arrays import Array, Mask
 
 # Chi-square of two shares that noise exceeds once in 370 cases, as a deviation of three standard
@@ -126,9 +126,38 @@ class BackgroundEstimate:
         return self.determined and self.chi_square > SIGNIFICANT
 
     @property
-    def error(self) -> BackgroundError:
+    def error(self) -> Systematics:
         """The error that remains where the estimate is subtracted."""
-        return BackgroundError(self.brightness, self.unit, self.covariance, self.cross)
+        one, two = (unit / self.brightness for unit in self.unit)
+        return Systematics(
+            ("background",) * 2, TERMS["background"], self.covariance, self.cross, (one, two)
+        )
+
+    @property
+    def second_moment(self) -> Systematics:
+        """The error where the estimate is not subtracted."""
+        whole = self.covariance + np.outer(self.share, self.share)
+        return replace(self.error, covariance=whole)
+
+    def given(self, prior: Array) -> BackgroundEstimate:
+        """The estimate with a prior about zero.
+
+        Parameters
+        ----------
+        prior : array, (2, 2)
+            Covariance of the shares. [1]
+
+        Returns
+        -------
+        BackgroundEstimate
+        """
+        gain = prior @ np.linalg.inv(prior + self.covariance)
+        return replace(
+            self,
+            share=gain @ self.share,
+            covariance=prior - gain @ prior,
+            cross=self.cross @ gain.T,
+        )
 
     def film_shift(self, thickness: Array, calibration: Calibration) -> Array:
         """Error of the measured film by this background, at median illumination. [um]"""
@@ -142,9 +171,8 @@ class BackgroundEstimate:
 
     def _gradient(self, thickness: Array, calibration: Calibration) -> Array:
         """Change of the film with both shares, (camera, ...). [um]"""
-        signal = calibration.model.light(thickness).signal
-        by_share = self.error.gradient(signal, ratio=calibration.predict(thickness))
-        return by_share / calibration.slope(thickness)
+        slope = calibration.slope(thickness)
+        return self.error.gradient(thickness, calibration.model, slope) / slope
 
 
 def estimate_background(

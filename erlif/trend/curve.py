@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -86,6 +86,16 @@ class FilmCurve:
             np.gradient(rate, centre),
             -calibration.gradient(film) * rate,
         )
+
+    def at(self, passed: float) -> FilmCurve:
+        """The same when a share of a run has passed, as `Calibration.at`."""
+        calibration = self.calibration.at(passed)
+        if calibration is self.calibration or calibration.systematics is None:
+            return self
+        weight = calibration.systematics.weight
+        gradient = self.gradient.copy()
+        gradient[len(gradient) - weight.size :] *= weight[:, None]
+        return replace(self, gradient=gradient)
 
     def predict(self, film: Array) -> tuple[Array, Array]:
         """Log ratio and slope of films.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -61,6 +61,29 @@ class FilmStatistics:
     minimum_gradient: Array
     minimum_place: Array
     beyond_range: float
+
+    def with_errors(self, covariance: Array) -> FilmStatistics:
+        """The same with the shared errors of another covariance.
+
+        Parameters
+        ----------
+        covariance : array
+            As `Calibration.full_covariance`.
+
+        Returns
+        -------
+        FilmStatistics
+        """
+        mean, minimum = (
+            float(gradient @ covariance @ gradient)
+            for gradient in (self.mean_gradient, self.minimum_gradient)
+        )
+        own = self.minimum_random_std**2 + self.minimum_surface_std**2
+        return replace(
+            self,
+            mean_std=math.sqrt(self.mean_random_std**2 + mean),
+            minimum_std=math.sqrt(own + minimum),
+        )
 
 
 def summarise_film(
@@ -164,16 +187,13 @@ def summarise_blocks(
     mean, mean_random, mean_gradient = _average_film(sums, curve)
     minimum = find_gap_minimum(sums, curve, region=region, sliding_along_x=sliding_along_x)
 
-    covariance = curve.calibration.full_covariance
-    mean_shared = float(mean_gradient @ covariance @ mean_gradient)
-    minimum_shared = float(minimum.gradient @ covariance @ minimum.gradient)
-    return FilmStatistics(
+    found = FilmStatistics(
         mean=mean,
-        mean_std=math.sqrt(mean_random**2 + mean_shared),
+        mean_std=math.nan,
         mean_random_std=mean_random,
         mean_gradient=mean_gradient,
         minimum=minimum.value,
-        minimum_std=math.sqrt(minimum.random_std**2 + minimum.surface_std**2 + minimum_shared),
+        minimum_std=math.nan,
         minimum_random_std=minimum.random_std,
         minimum_surface_std=minimum.surface_std,
         minimum_gradient=minimum.gradient,
@@ -181,6 +201,7 @@ def summarise_blocks(
         # of the otherwise valid pixels, those whose film lies outside the measurable range
         beyond_range=sums.beyond / max(sums.valid + sums.beyond, 1),
     )
+    return found.with_errors(curve.calibration.full_covariance)
 
 
 def _average_film(sums: BlockSums, curve: FilmCurve) -> tuple[float, float, Array]:

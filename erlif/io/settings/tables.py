@@ -110,6 +110,7 @@ def quantity(
 
 
 Length = Annotated[float, *quantity("length", "5.5 cm", "m", Gt(0))]
+Distance = Annotated[float, *quantity("length, or 0 mm", "0.06 mm", "m", Ge(0))]
 Angle = Annotated[float, *quantity("angle", "0 deg", "rad")]
 Speed = Annotated[float, *quantity("speed of rotation", "114 rpm", "rad/s", Gt(0))]
 Frequency = Annotated[float, *quantity("frequency", "5 Hz", "Hz", Gt(0))]
@@ -133,6 +134,8 @@ TemperatureDifference = Annotated[
 ]
 
 
+# a standard deviation as a share, kept in per cent
+Share = Annotated[float, *quantity("share", "1 %", "%", between=("0 %", "50 %"))]
 Start = Annotated[float | Literal["fit"], *quantity("time", "0.25 s", "s", words=("fit",))]
 StartFilm = Annotated[
     float | Literal["fit"], *quantity("length", "20 um", "m", words=("fit",), positive=True)
@@ -424,6 +427,30 @@ class LightOptions(Settings):
     bleaching: Literal["report", "correct"] = "report"
 
 
+class SystematicsOptions(Settings):
+    """Errors of a run that its frames do not show, as standard deviations."""
+
+    ratio: Share = 1.0
+    background: Share = 1.5
+    bleaching: Share = 1.0
+    temperature: Share = 0.5
+    wall: Share = 2.0
+    linearity: Share = 1.0
+    lag: Share = 0.5
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Standard deviations by name. [1]"""
+        return {name: getattr(self, name) / 100 for name in type(self).model_fields}
+
+
+class FixtureSystematics(Settings):
+    """Errors of a fixture that its frames do not show, as standard deviations."""
+
+    position: Distance | None = None
+    size: Share = 0.5
+
+
 class ReferenceSettings(Settings):
     """A patch of known film that both cameras see in every frame."""
 
@@ -477,6 +504,7 @@ class RunSettings(Settings):
     registration: RegistrationOptions = RegistrationOptions()
     thickness: ThicknessOptions = ThicknessOptions()
     light: LightOptions = LightOptions()
+    systematics: SystematicsOptions = SystematicsOptions()
     reference: ReferenceSettings = ReferenceSettings()
     prediction: PredictionOptions = PredictionOptions()
 
@@ -536,6 +564,7 @@ class FixtureSettings(Settings):
     optics: OpticsSettings
     registration: RegistrationOptions = RegistrationOptions()
     thickness: ThicknessOptions = ThicknessOptions()
+    systematics: FixtureSystematics = FixtureSystematics()
 
     @property
     def name(self) -> str:

@@ -70,11 +70,13 @@ class TriggerTask(PickledByFields):
         kept: list[FrameResult] = []
         model = self.calibration.model
         plane, region = self.plane, self.plane.region
+        passed = self._passed(frames)
+        curve, tables = self.curve.at(passed), self._tables_at(passed)
         smoothing = plane.settings.thickness.smoothing
         if len(frames) == 1:  # the film of the trigger is that of its only frame
             ratio = self.chain.measure(frames[0], with_fixed=smoothing is not None)
             only = self._keep(frames[0], ratio)  # the maps may take the place of the ratio
-            film = measure_film(ratio, self.tables, region)
+            film = measure_film(ratio, tables, region)
             energy = measure_pulse_energy(ratio.light_one, film.thickness, film.flags, model=model)
             kept.append(replace(only, pulse_energy=energy))
         else:
@@ -82,23 +84,23 @@ class TriggerTask(PickledByFields):
             for frame in frames:
                 pair = self.chain.measure(frame)
                 total.add(pair)
-                energy = measure_pulse(pair, self.tables, model=model)
+                energy = measure_pulse(pair, tables, model=model)
                 kept.append(replace(self._keep(frame, pair), pulse_energy=energy))
             ratio = total.mean()
             if not frames:
                 ratio.flags[:] = Flag.OUTSIDE_OVERLAP
-            film = measure_film(ratio, self.tables, region)
+            film = measure_film(ratio, tables, region)
         statistics = summarise_blocks(
-            film.sums, self.curve, region=region, sliding_along_x=plane.sliding_along_x
+            film.sums, curve, region=region, sliding_along_x=plane.sliding_along_x
         )
         position = None
         if plane.view is not None:
-            position = find_pin_in_blocks(film.sums, self.curve, region=region, view=plane.view)
+            position = find_pin_in_blocks(film.sums, curve, region=region, view=plane.view)
 
         # the statistics above need pixels with independent noise, so smoothing comes last
         if smoothing is not None:
             smooth = smooth_ratio(ratio.to_images(), resolution=smoothing)
-            film = measure_film(PairRatio.of(smooth), self.tables, region)
+            film = measure_film(PairRatio.of(smooth), tables, region)
         maps = {variable.name: getattr(film, variable.name) for variable in MAPS}
         pixels = tuple(count_flags(maps["flags"]))
         return maps, TriggerResult(statistics, tuple(kept), pixels, position)
@@ -108,15 +110,26 @@ class TriggerTask(PickledByFields):
         cells = frame in self.sampled
         return FrameResult.of(frame, pair, patch=self.plane.patch, with_cells=cells)
 
+    def _passed(self, frames: Sequence[int]) -> float:
+        """Share of the run that has passed at the mean of some frames; 0 without any."""
+        last = len(self.chain.pairs.pages[0]) - 1
+        return sum(frames) / len(frames) / last if frames and last else 0.0
+
+    def _tables_at(self, passed: float) -> FilmTables:
+        """The calibration in tables for the maps, when a share of the run has passed."""
+        first, last = self.tables
+        return first if last is None else first.growing_to(last, passed)
+
     @cached_property
-    def tables(self) -> FilmTables:
-        """The calibration in tables for the maps."""
-        return FilmTables.of(self.calibration)
+    def tables(self) -> tuple[FilmTables, FilmTables | None]:
+        """The calibration in tables at the first frame, and at the last where they differ."""
+        first, last = self.calibration.at(0.0), self.calibration.at(1.0)
+        return FilmTables.of(first), None if last is first else FilmTables.of(last)
 
     @cached_property
     def curve(self) -> FilmCurve:
-        """The calibration in tables for the statistics."""
-        return FilmCurve.of(self.calibration)
+        """The calibration in tables for the statistics, at the last frame."""
+        return FilmCurve.of(self.calibration.at(1.0))
 
 
 class FinishedTrigger(NamedTuple):

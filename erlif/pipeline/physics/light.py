@@ -20,8 +20,8 @@ from erlif.io.settings import LightOptions
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Threads
 from erlif.pipeline.engines.results import FrameResult, TriggerResult
-from erlif.pipeline.physics.position import AXES
 from erlif.pipeline.physics.reference import describe_reference
+from erlif.pipeline.physics.systematics import with_background, without_background
 from erlif.ratio import cell_places
 from erlif.trend import (
     BackgroundEstimate,
@@ -111,7 +111,7 @@ def find_background(
     estimate = estimate_background(
         LightRecord(*parts),
         cell_places(),
-        calibration,
+        without_background(calibration),
         energies=None if energies is None else energies[frames],
     )
     return estimate if estimate is not None and estimate.determined else None
@@ -328,7 +328,7 @@ def correct_light(
     """Chain and calibration with which the films are measured, where corrections are asked for."""
     if options.background == "correct" and findings.background is not None:
         chain = subtract(chain, findings.background)
-        calibration = replace(calibration, background=findings.background.error)
+        calibration = with_background(calibration, findings.background.error)
     if options.bleaching == "correct" and findings.bleaching is not None:
         chain = replace(chain, ratio_drift=findings.bleaching.log_ratio)
     return chain, calibration
@@ -357,72 +357,3 @@ def describe_light(
         variables |= more
         notes += also
     return variables, notes
-
-
-def remaining_errors(
-    findings: LightFindings,
-    options: LightOptions,
-    film: Array,
-    pulses: Array,
-    calibration: Calibration,
-) -> dict[str, Array]:
-    """Errors that background and bleaching leave in films, beyond those of the calibration.
-
-    Parameters
-    ----------
-    findings : LightFindings
-    options : LightOptions
-    film : array, (film,)
-        [um]
-    pulses : array, (film,)
-        Number of the pulse at which each was measured.
-    calibration : Calibration
-
-    Returns
-    -------
-    dict of str to array
-        By source: what is significant and not corrected, and the uncertainty of a drift that was
-        taken out. The uncertainty of a background that was subtracted is part of the calibration
-        with which the films were measured. [um]
-    """
-    low, high = calibration.thickness_range
-    values = np.clip(np.nan_to_num(film, nan=high), low, high)
-    errors = {}
-    background = findings.background
-    if options.background != "correct" and background is not None and background.significant:
-        errors["background"] = np.abs(background.film_shift(values, calibration))
-
-    trend = findings.bleaching
-    if trend is not None and (options.bleaching == "correct" or trend.significant()):
-        corrected = options.bleaching == "correct"
-        change = trend.log_ratio_std if corrected else abs(trend.log_ratio)
-        errors["bleaching"] = np.nan_to_num(pulses) * change / calibration.slope(values)
-    return errors
-
-
-def widen_errors(
-    film: xr.Dataset,
-    findings: LightFindings,
-    results: Sequence[TriggerResult],
-    options: LightOptions,
-    calibration: Calibration,
-) -> xr.Dataset:
-    """Add `remaining_errors` to the errors of mean and minimum film and of the pin.
-
-    They move the pin towards the load by as much as they move the film at the load line.
-    """
-    pulses = np.array([np.mean([one.frame for one in result.frames] or [0]) for result in results])
-    for name in ("film_mean", "film_min"):
-        std = film[f"{name}_std"]
-        errors = remaining_errors(findings, options, film[name].values, pulses, calibration)
-        for error in errors.values():
-            std = std.copy(data=np.hypot(std.values, error))
-        film[f"{name}_std"] = std
-
-    if "pin_position_cov" in film:
-        place, whole = film.pin_displacement, film.pin_position_cov.copy()
-        at_line = place.attrs["clearance"] - place.values[:, AXES.index("load")]
-        for error in remaining_errors(findings, options, at_line, pulses, calibration).values():
-            whole.values[:, 0, 0] += error**2
-        film["pin_position_cov"] = whole
-    return film

@@ -18,6 +18,7 @@ from erlif.core.timing import stage
 from erlif.io.ingest import Fixture, Run
 from erlif.pipeline.chain import FrameChain, FrameCorrection
 from erlif.pipeline.physics.light import LightFindings, correct_light, find_light, measure_lights
+from erlif.pipeline.physics.systematics import add_systematics
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.cameras import characterise_cameras
 from erlif.pipeline.recording.noise import NoiseCompletion, complete_noise, find_unknowns
@@ -201,6 +202,7 @@ def prepare_run(
     prepared = prepare_chain(run, progress, stored=known.stored, tables_only=not correct)
     chain = prepared.chain
     refuse_swapped_cameras(chain, calibration, prepared.sample, stored=known.nodes)
+    calibration = add_systematics(calibration, run.settings, chain, prepared.sample)
 
     # a background that is to be subtracted is found before the films are measured
     energies, findings, measuring = read_energies(run.log), LightFindings(), calibration

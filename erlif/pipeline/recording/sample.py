@@ -6,6 +6,11 @@ are read and aligned once for both.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from erlif.core.arrays import Image
 from erlif.core.products import AlignedFrames
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.ratio import BlurDifference, BlurMoments
@@ -83,3 +88,30 @@ def compare_sharpness(sample: tuple[Bands, ...]) -> BlurDifference:
         for band in bands:
             moments.add(band)
     return moments.solve()
+
+
+def ratios_of(chain: FrameChain, sample: Sequence[Bands]) -> Iterator[tuple[Image, Image]]:
+    """Ratios of the sound pixels of each pair of a sample.
+
+    Parameters
+    ----------
+    chain : FrameChain
+    sample : sequence of tuple of AlignedFrames
+
+    Yields
+    ------
+    log_ratio : array, (pixel,)
+        Logarithm of the ratio. [1]
+    noise : array, (pixel,)
+        Its standard deviation. [1]
+    """
+    for bands in sample:
+        log_ratios: list[Image] = []
+        noise: list[Image] = []
+        for band in bands:
+            ratios = chain.divide(band)
+            good = ratios.flags.values == 0
+            log_ratios.append(ratios.log_ratio.values[good])
+            noise.append(np.sqrt(ratios.log_ratio_var.values[good]))
+        if any(ratio.size for ratio in log_ratios):
+            yield np.concatenate(log_ratios), np.concatenate(noise)

@@ -10,7 +10,7 @@ import numpy as np
 from erlif.calibration import Calibration
 from erlif.core.arrays import Image
 from erlif.pipeline.chain import FrameChain
-from erlif.pipeline.recording.sample import Bands
+from erlif.pipeline.recording.sample import Bands, ratios_of
 from erlif.pipeline.refusals import refusal
 from erlif.registration import MapNodes, compare_with_inverse
 
@@ -80,19 +80,10 @@ def _check_map(chain: FrameChain, stored: MapNodes) -> None:
 
 def _check_ratio(chain: FrameChain, calibration: Calibration, sample: Sequence[Bands]) -> None:
     low, high = calibration.predict_log(calibration.thickness_range)
-    shares = []
-    for bands in sample:
-        log_ratios: list[Image] = []
-        noise: list[Image] = []
-        for band in bands:
-            ratios = chain.divide(band)
-            good = ratios.flags.values == 0
-            log_ratios.append(ratios.log_ratio.values[good])
-            noise.append(np.sqrt(ratios.log_ratio_var.values[good]))
-        if any(ratio.size for ratio in log_ratios):
-            shares.append(
-                _share_ratios(np.concatenate(log_ratios), np.concatenate(noise), calibration)
-            )
+    shares = [
+        _share_ratios(log_ratio, noise, calibration)
+        for log_ratio, noise in ratios_of(chain, sample)
+    ]
     if not shares:
         return
 

@@ -62,6 +62,7 @@ def describe_film(film: xr.Dataset, shares: Array) -> dict[str, str]:
     rows = {
         "minimum film thickness": _describe_statistic(film, "film_min"),
         "mean film thickness": _describe_statistic(film, "film_mean"),
+        "largest error": str(film.attrs.get("largest_error", "")),
         "displacement of the pin": _describe_pin(film),
         "valid pixels": f"{valid:.1%}",
         "flagged pixels": ", ".join(occurring) or "none",

@@ -1,0 +1,276 @@
+"""Errors that the frames do not show, as further parameters of a calibration (GUM, type B).
+
+Each parameter has a standard deviation, and the derivative of the logarithm of the ratio by it
+follows from the curve of the calibration:
+
+================  ==================================================================
+ratio             gain, exposure and filters between fixture and run: 1
+lag               light that a camera keeps from the frame before: 1
+temperature       brightness of both dyes, between fixture and run and during it: 1
+bleaching         brightness of both dyes: 1; their absorption: -h s
+wall              reflectance behind the film: the derivative of the model by R
+linearity         counts that a camera loses in proportion to its light: -L1, +L2
+background        light that is not film, in both bands: -1/L1, +1/L2
+position          origin of the fixture's profile: s
+size              scale of the fixture's profile: h s
+================  ==================================================================
+
+with the film h, the slope s of the curve and the light L of each band over its median in the run.
+What grows during the run is multiplied by the share of it that has passed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from erlif.calibration.regression import Reabsorption
+from erlif.core.arrays import Array, Mask
+
+# Parameters of each term. What is "rising" grows from nothing at the first frame of the run.
+TERMS: dict[str, tuple[str, ...]] = {
+    "ratio": ("constant",),
+    "lag": ("constant",),
+    "temperature": ("constant", "rising constant"),
+    "bleaching": ("rising constant", "rising absorption"),
+    "wall": ("wall",),
+    "linearity": ("light 1", "light 2"),
+    "background": ("background 1", "background 2"),
+    "position": ("position",),
+    "size": ("size",),
+}
+
+# Correlation of the background of both bands where it is not measured: fluorescence of a window
+# and light that leaks through a filter change little from 580 to 610 nm.
+ALIKE = 0.9
+
+_THINNEST = 0.01  # um: film below which the light is not extrapolated
+_LEVEL = 0.4  # median light of a run, of full scale
+_BLACK_LASER = 0.8  # attenuation of the laser over that of camera 2 where the wall was black
+
+
+@dataclass(frozen=True)
+class Systematics:
+    """Errors that the frames do not show.
+
+    Attributes
+    ----------
+    terms : tuple[str, ...]
+        Term of each parameter, (parameter,).
+    kinds : tuple[str, ...]
+        How each acts on the ratio, (parameter,).
+    covariance : Array
+        Covariance of the parameters, (parameter, parameter). [1; um for a position]
+    cross : Array
+        Covariance of the errors of the calibration (row) and of the parameters (column).
+    light : tuple[float, float]
+        Light of both bands that a share of 1 stands for, over the light per um of a very thin film
+        in band 1. [um]
+    passed : float
+        Share of the run that has passed. [1]
+    """
+
+    terms: tuple[str, ...]
+    kinds: tuple[str, ...]
+    covariance: Array
+    cross: Array
+    light: tuple[float, float]
+    passed: float = 1.0
+
+    @classmethod
+    def of(
+        cls,
+        widths: dict[str, float],
+        *,
+        parameters: int,
+        light: tuple[float, float] = (1.0, 1.0),
+    ) -> Systematics:
+        """Errors of given widths.
+
+        Parameters
+        ----------
+        widths : dict of str to float
+            Standard deviation of each term of `TERMS`; one that is not named has no parameter, one
+            of 0 has no error until a run measures it. [1; um for a position]
+        parameters : int
+            Of the calibration, its departure included.
+        light : tuple of float, optional
+            As the attribute.
+
+        Returns
+        -------
+        Systematics
+            Without a parameter where nothing has an error.
+        """
+        rows = [
+            (term, kind, widths[term])
+            for term, kinds in TERMS.items()
+            for kind in kinds
+            if term in widths
+        ]
+        terms, kinds = (tuple(str(row[n]) for row in rows) for n in (0, 1))
+        std = np.array([width for _, _, width in rows])
+        covariance = np.diag(std**2)
+        if "background" in terms:
+            n = terms.index("background")
+            covariance[n, n + 1] = covariance[n + 1, n] = ALIKE * std[n] * std[n + 1]
+        return cls(terms, kinds, covariance, np.zeros((parameters, len(rows))), light)
+
+    @property
+    def widths(self) -> dict[str, float]:
+        """Standard deviation of each term, that of its first parameter. [1; um for a position]"""
+        std = np.sqrt(np.diag(self.covariance))
+        return {term: float(std[self.terms.index(term)]) for term in self.terms}
+
+    @property
+    def rising(self) -> Mask:
+        """Parameters that grow during the run, (parameter,)."""
+        return np.array([kind.startswith("rising") for kind in self.kinds])
+
+    @property
+    def weight(self) -> Array:
+        """Factor of each parameter when `passed` of the run is over, (parameter,). [1]"""
+        return np.where(self.rising, self.passed, 1.0)
+
+    @property
+    def prior(self) -> Systematics:
+        """What is not measured in a run and has an error: all but the background."""
+        std = np.diag(self.covariance)
+        return self._take([n for n in self._others if std[n] > 0])
+
+    @property
+    def _others(self) -> list[int]:
+        """Numbers of the parameters that are no background."""
+        return [n for n, term in enumerate(self.terms) if term != "background"]
+
+    def _take(self, kept: list[int]) -> Systematics:
+        return replace(
+            self,
+            terms=tuple(self.terms[n] for n in kept),
+            kinds=tuple(self.kinds[n] for n in kept),
+            covariance=self.covariance[np.ix_(kept, kept)],
+            cross=self.cross[:, kept],
+        )
+
+    def with_background(self, measured: Systematics) -> Systematics:
+        """The same with a background whose error was measured.
+
+        Parameters
+        ----------
+        measured : Systematics
+            The two shares alone; rows of its `cross` are the parameters of the calibration, then
+            those of `prior`.
+
+        Returns
+        -------
+        Systematics
+            With the same parameters.
+        """
+        parameters = len(self.cross)
+        covariance, cross = self.covariance.copy(), self.cross.copy()
+        shares = [n for n, term in enumerate(self.terms) if term == "background"]
+        std = np.diag(covariance)
+        kept = [n for n in self._others if std[n] > 0]
+        covariance[np.ix_(shares, shares)] = measured.covariance
+        covariance[np.ix_(kept, shares)] = measured.cross[parameters:]
+        covariance[np.ix_(shares, kept)] = measured.cross[parameters:].T
+        cross[:, shares] = measured.cross[:parameters]
+        return replace(self, covariance=covariance, cross=cross, light=measured.light)
+
+    def with_width(self, kind: str, width: float, *, term: str) -> Systematics:
+        """The same with another standard deviation of one parameter of a term."""
+        covariance = self.covariance.copy()
+        n = list(zip(self.terms, self.kinds, strict=True)).index((term, kind))
+        covariance[n, :] = covariance[:, n] = 0.0
+        covariance[n, n] = width**2
+        return replace(self, covariance=covariance)
+
+    def gradient(self, thickness: npt.ArrayLike, model: Reabsorption, slope: Array) -> Array:
+        """Derivatives of the logarithm of the ratio by the parameters, (parameter, ...).
+
+        Parameters
+        ----------
+        thickness : array
+            [um]
+        model : Reabsorption
+            Of the calibration.
+        slope : array
+            Derivative of the logarithm of the ratio by thickness. [1/um]
+
+        Returns
+        -------
+        array
+            By each parameter at its full size, times `weight`.
+        """
+        h = np.asarray(thickness, float)
+        one = model.light(np.maximum(h, _THINNEST)).signal
+        two = one * np.exp(model.predict(h))
+        acts: dict[str, Any] = {
+            "constant": np.ones_like(h),
+            "absorption": -h * slope,
+            "wall": _by_wall(h, model),
+            "light 1": -_LEVEL * one / self.light[0],
+            "light 2": _LEVEL * two / self.light[1],
+            "background 1": -self.light[0] / one,
+            "background 2": self.light[1] / two,
+            "position": slope,
+            "size": h * slope,
+        }
+        rows = np.empty((len(self.kinds), *h.shape))
+        for n, kind in enumerate(self.kinds):
+            rows[n] = acts[kind.removeprefix("rising ")]
+        return np.asarray(rows * self.weight.reshape(-1, *[1] * h.ndim))
+
+    def to_record(self) -> dict[str, Any]:
+        """Fields for a file."""
+        arrays = {"covariance": self.covariance.tolist(), "cross": self.cross.tolist()}
+        return vars(self) | arrays
+
+    @classmethod
+    def from_record(cls, record: dict[str, Any]) -> Systematics:
+        """Systematics of the fields that `to_record` gives."""
+        size = len(record["terms"])
+        one, two = record["light"]
+        return cls(
+            terms=tuple(map(str, record["terms"])),
+            kinds=tuple(map(str, record["kinds"])),
+            covariance=np.asarray(record["covariance"], float).reshape(size, size),
+            cross=np.asarray(record["cross"], float).reshape(-1, size),
+            light=(float(one), float(two)),
+            passed=float(record["passed"]),
+        )
+
+    def extend(self, covariance: Array) -> Array:
+        """Covariance of a calibration with these as further parameters."""
+        return np.block([[covariance, self.cross], [self.cross.T, self.covariance]])
+
+    def split(self, gradient: Array) -> dict[str, float]:
+        """Standard deviation by each term.
+
+        Parameters
+        ----------
+        gradient : array, (parameter,)
+            Change of a quantity with the parameters. [unit of the quantity]
+
+        Returns
+        -------
+        dict of str to float
+            By term, in the order of the parameters.
+        """
+        found = {}
+        for term in dict.fromkeys(self.terms):
+            own = np.array([name == term for name in self.terms])
+            part = np.where(own, gradient, 0.0)
+            found[term] = float(np.sqrt(part @ self.covariance @ part))
+        return found
+
+
+def _by_wall(thickness: Array, model: Reabsorption) -> Array:
+    """Derivative of the logarithm of the ratio by the reflectance of the wall. [1]"""
+    if not model.reflects:
+        K, p, q = model.parameters
+        model = Reabsorption(np.array([K, p, q, _BLACK_LASER * q, 0.0]))
+    return np.asarray(model.gradient(thickness)[-1])

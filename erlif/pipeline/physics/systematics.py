@@ -1,0 +1,213 @@
+"""Errors that the frames of a run do not show, in its calibration and beside its films."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from erlif.calibration import TERMS, Calibration, Systematics
+from erlif.core.tables import read_table
+from erlif.core.variables import FILM
+from erlif.io.settings import LightOptions, RunSettings
+from erlif.pipeline.chain import FrameChain
+from erlif.pipeline.recording.sample import Bands, ratios_of
+from erlif.trend import BackgroundEstimate, FilmStatistics, Trend
+
+_TEXTS = read_table("erlif.pipeline", "words.toml")["systematics"]
+
+
+def add_systematics(
+    calibration: Calibration,
+    settings: RunSettings,
+    chain: FrameChain,
+    sample: Sequence[Bands],
+) -> Calibration:
+    """The calibration with the errors of a run beside those of its fixture.
+
+    Parameters
+    ----------
+    calibration : Calibration
+        Of the fixture.
+    settings : RunSettings
+    chain : FrameChain
+    sample : sequence of tuple of AlignedFrames
+        Parts of some frames of the run: the light of their median film is that to which a
+        background is compared. Where frames of the dry joint are subtracted, none is left.
+
+    Returns
+    -------
+    Calibration
+    """
+    shares = settings.systematics.shares
+    if settings.camera1.background is not None:
+        shares["background"] = 0.0
+    of_fixture = calibration.systematics
+    fixture = {} if of_fixture is None else of_fixture.widths
+    film = calibration.covered_range[1] / 2
+    if ratios := [ratio for ratio, _ in ratios_of(chain, sample)]:
+        median = np.median(np.concatenate(ratios))
+        film = float(calibration.inverse.look_up(np.array([median]))[0])
+    one = float(calibration.model.light(film).signal)
+    two = one * float(calibration.predict(film))
+    alone = replace(calibration, systematics=None)
+    found = Systematics.of(
+        fixture | shares, parameters=len(alone.full_covariance), light=(one, two)
+    )
+    return replace(alone, systematics=found)
+
+
+def without_background(calibration: Calibration) -> Calibration:
+    """The calibration with what the light of a run does not measure."""
+    systematics = calibration.systematics
+    prior = None if systematics is None else systematics.prior
+    return replace(calibration, systematics=prior if prior is not None and prior.terms else None)
+
+
+def with_background(calibration: Calibration, measured: Systematics) -> Calibration:
+    """The calibration with the error of a background that was measured.
+
+    Without systematics it receives those of the background alone.
+    """
+    systematics = calibration.systematics
+    if systematics is None:
+        systematics = Systematics.of({"background": 0.0}, parameters=len(measured.cross))
+    return replace(calibration, systematics=systematics.with_background(measured))
+
+
+def update_systematics(
+    calibration: Calibration,
+    background: BackgroundEstimate | None,
+    bleaching: Trend | None,
+    options: LightOptions,
+    *,
+    pulses: int,
+) -> Calibration:
+    """The calibration with what light and films of a run show of its systematics.
+
+    What was subtracted leaves its uncertainty. What was not leaves its second moment, with the
+    width of the settings as prior; of a term that the settings exclude, only what is significant
+    counts.
+
+    Parameters
+    ----------
+    calibration : Calibration
+        With which the films were measured.
+    background, bleaching
+        As the run shows them; None where it does not determine them.
+    options : LightOptions
+    pulses : int
+        Frames of the run.
+
+    Returns
+    -------
+    Calibration
+        With the same parameters.
+    """
+    systematics = calibration.systematics
+    if systematics is None:
+        return calibration
+
+    if background is not None and options.background != "correct":
+        shares = [n for n, term in enumerate(systematics.terms) if term == "background"]
+        prior = systematics.covariance[np.ix_(shares, shares)]
+        if prior.any():
+            systematics = systematics.with_background(background.given(prior).second_moment)
+        elif background.significant:
+            systematics = systematics.with_background(background.second_moment)
+
+    if bleaching is not None:
+        kind = "rising constant"
+        width = systematics.widths["bleaching"]
+        change, std = pulses * bleaching.log_ratio, pulses * bleaching.log_ratio_std
+        if options.bleaching == "correct":
+            systematics = systematics.with_width(kind, std, term="bleaching")
+        elif width > 0:
+            gain = width**2 / (width**2 + std**2)
+            rest = math.hypot(gain * change, math.sqrt(1 - gain) * width)
+            systematics = systematics.with_width(kind, rest, term="bleaching")
+        elif bleaching.significant():
+            systematics = systematics.with_width(kind, abs(change), term="bleaching")
+    return replace(calibration, systematics=systematics)
+
+
+def describe_errors(
+    statistics: Sequence[FilmStatistics], calibration: Calibration
+) -> dict[str, Any]:
+    """Errors of mean and minimum film by source, as variables of the film.
+
+    Parameters
+    ----------
+    statistics : sequence of FilmStatistics
+        Of the triggers.
+    calibration : Calibration
+        With what the run shows of its systematics.
+
+    Returns
+    -------
+    dict of str to variable
+    """
+    columns: dict[str, list[dict[str, float]]] = {"film_mean_error": [], "film_min_error": []}
+    for one in statistics:
+        mean, minimum = (
+            calibration.split_error(gradient)
+            for gradient in (one.mean_gradient, one.minimum_gradient)
+        )
+        columns["film_mean_error"].append({"noise": one.mean_random_std, "marks": 0.0} | mean)
+        noise = {"noise": one.minimum_random_std, "marks": one.minimum_surface_std}
+        columns["film_min_error"].append(noise | minimum)
+
+    known = {term for rows in columns.values() for row in rows for term in row}
+    terms = [term for term in _TEXTS["terms"] if term in known]
+    values: dict[str, Any] = {"error_term": np.array(terms)}
+    for name, rows in columns.items():
+        values[name] = np.array([[row.get(term, 0.0) for row in rows] for term in terms])
+    return {name: FILM[name].fill(column) for name, column in values.items()}
+
+
+def name_largest_error(
+    film: xr.Dataset, settings: RunSettings, before: Calibration, after: Calibration
+) -> str:
+    """The largest error of the median mean film, its size, where it comes from and what lowers it.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        With the variables of `describe_errors`.
+    settings : RunSettings
+    before, after : Calibration
+        With the systematics of the settings, and with those that the run shows.
+
+    Returns
+    -------
+    str
+        Empty where no trigger has a mean film.
+    """
+    known = np.flatnonzero(np.isfinite(film.film_mean.values))
+    if not known.size:
+        return ""
+    trigger = known[np.argsort(film.film_mean.values[known])[known.size // 2]]
+    errors = film.film_mean_error.values[:, trigger]
+    term = str(film.error_term.values[int(np.argmax(errors))])
+    what, cure = _TEXTS["terms"][term]
+    source = _TEXTS[_source_of(term, settings, before, after)] if term in TERMS else ""
+    return str(
+        _TEXTS["largest"].format(
+            what=f"{what}, {source}" if source else what,
+            error=1e3 * errors.max(),
+            film=float(film.film_mean[trigger]),
+            cure=cure,
+        )
+    )
+
+
+def _source_of(term: str, settings: RunSettings, before: Calibration, after: Calibration) -> str:
+    """Whether the width of a term was measured in the run, stated, or is the default."""
+    widths = [{} if one.systematics is None else one.systematics.widths for one in (before, after)]
+    if widths[0].get(term) != widths[1].get(term):
+        return "measured"
+    return "declared" if term in settings.systematics.model_fields_set else "default"
