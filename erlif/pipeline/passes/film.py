@@ -115,12 +115,11 @@ def measure_pulse(pair: PairRatio, tables: FilmTables, *, model: Reabsorption) -
 
     Examples
     --------
-    >>> from erlif.models.fluorescence import band_signal
     >>> from erlif.show.plots import example_calibration
     >>> calibration = example_calibration()
     >>> even = np.full((64, 64), calibration.predict_log(3.0), np.float32)
     >>> noise, flags = np.full_like(even, 1e-6), np.zeros(even.shape, np.uint8)
-    >>> light = np.full_like(even, 500 * band_signal(3.0, attenuation=0.4))
+    >>> light = np.full_like(even, 500 * calibration.model.light(3.0).signal)
     >>> pair = PairRatio(even, noise, 0 * noise, 0 * noise, flags, light)
     >>> round(measure_pulse(pair, FilmTables.of(calibration), model=calibration.model))
     500
