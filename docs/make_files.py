@@ -80,6 +80,7 @@ FILM_ATTRIBUTES = (
         "Which physics carries the film, and how sure that is, in one line.",
         "the film of an oscillating joint is predicted and positions of its pin are measured",
     ),
+    Attribute("largest_error", "The largest error of the mean film, and what would lower it."),
     Attribute(
         "smoothing", "Resolution of the smoothed ratio behind the maps. [px]", "smoothing is set"
     ),
@@ -235,6 +236,11 @@ CALIBRATION_ATTRIBUTES = (
         "pose",
         "Origin, direction and scale of the profile as refined, with covariance, as JSON.",
         "align = true",
+    ),
+    Attribute(
+        "systematics",
+        "Errors of the fixture that its frames do not show, and their covariance, as JSON.",
+        "[systematics] of fixture.toml has a width above 0",
     ),
 )
 

@@ -177,8 +177,9 @@ def fit_calibration(
     notes += [*_describe_unresolved(calibration), *_describe_wall(calibration)]
     moved = freedom.displacement @ best.displacement
     _refuse_nonsense(calibration, thickness_range, points, moved)
+    widths = {"position": steepness * position_std, "size": size_std}
     systematics = Systematics.of(
-        {"position": steepness * position_std, "size": size_std},
+        {term: width for term, width in widths.items() if width > 0},
         parameters=len(calibration.full_covariance),
     )
     return replace(

@@ -167,18 +167,19 @@ class Systematics:
         Returns
         -------
         Systematics
-            With the same parameters.
+            With the same parameters, shares of the same light.
         """
         parameters = len(self.cross)
         covariance, cross = self.covariance.copy(), self.cross.copy()
+        scale = np.divide(measured.light, self.light)
         shares = [n for n, term in enumerate(self.terms) if term == "background"]
         std = np.diag(covariance)
         kept = [n for n in self._others if std[n] > 0]
-        covariance[np.ix_(shares, shares)] = measured.covariance
-        covariance[np.ix_(kept, shares)] = measured.cross[parameters:]
-        covariance[np.ix_(shares, kept)] = measured.cross[parameters:].T
-        cross[:, shares] = measured.cross[:parameters]
-        return replace(self, covariance=covariance, cross=cross, light=measured.light)
+        covariance[np.ix_(shares, shares)] = np.outer(scale, scale) * measured.covariance
+        covariance[np.ix_(kept, shares)] = scale * measured.cross[parameters:]
+        covariance[np.ix_(shares, kept)] = (scale * measured.cross[parameters:]).T
+        cross[:, shares] = scale * measured.cross[:parameters]
+        return replace(self, covariance=covariance, cross=cross)
 
     def with_width(self, kind: str, width: float, *, term: str) -> Systematics:
         """The same with another standard deviation of one parameter of a term."""

@@ -237,4 +237,4 @@ def test_a_misplaced_straight_wedge_shifts_all_films_by_what_the_note_states():
     films = np.linspace(3.0, 10.0, 8)
     read = np.interp(placed.predict(films), misplaced.predict(WEDGE), WEDGE)
     npt.assert_allclose(read - films, 20 * per_pixel, rtol=0.15)
-    assert has_note(misplaced, f"all films are wrong by {per_pixel:.2g} um for each pixel")
+    assert has_note(misplaced, f"each pixel of error shifts all films by {per_pixel:.2g} um")

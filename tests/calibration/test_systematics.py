@@ -1,47 +1,103 @@
-"""The error of a background among the parameters of a calibration."""
+"""Errors that frames do not show: their effect on the film against the model that is disturbed."""
 
 from dataclasses import replace
 
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.fixture import WEDGE, K, P, Q, calibrate, image, log_ratio, wedge_profile
 
-from erlif.calibration import BackgroundError
+from erlif.calibration import TERMS, Systematics, open_calibration, save_calibration
+from erlif.calibration.systematics import ALIKE
+from erlif.models.fluorescence import wall_ratio
 from erlif.show.plots import example_calibration
 
 CALIBRATION = example_calibration()
 FILMS = np.array([1.0, 3.0, 6.0, 10.0])
+MEDIAN = 5.0
+"""Film whose light the shares of light refer to. [um]"""
 
 
-@pytest.fixture
-def extended():
-    """A brightness of 400 DN/um, units of 900 and 1100 DN."""
-    parameters = len(CALIBRATION.full_covariance)
-    cross = 1e-6 * np.arange(2 * parameters).reshape(parameters, 2)
-    covariance = np.array([[4e-4, 3e-4], [3e-4, 5e-4]])
-    error = BackgroundError(400.0, (900.0, 1100.0), covariance, cross)
-    return replace(CALIBRATION, background=error)
+def band(film, attenuation):
+    return -np.expm1(-attenuation * film) / attenuation
 
 
-def test_gradient_is_the_change_of_the_ratio_with_light_added(extended):
-    """Light of camera 1 is 400 (1 - exp(-p h))/p, that of camera 2 the ratio times this."""
+def with_systematics(**widths):
     p = CALIBRATION.attenuation_camera1
-    one = 400 * (1 - np.exp(-p * FILMS)) / p
-    two = one * CALIBRATION.predict(FILMS)
+    one = band(MEDIAN, p)
+    light = float(one), float(one * CALIBRATION.predict(MEDIAN))
+    return replace(CALIBRATION, systematics=Systematics.of(widths, parameters=3, light=light))
 
-    def log_ratio(first, second):
-        return np.log((two + second * 1100) / (one + first * 900))
 
+def disturbed(term, size):
+    """Logarithm of the ratio where one thing is wrong by `size`, from the light of two bands."""
+    K, p, q = CALIBRATION.parameters
+    h = FILMS
+
+    def ratio(film=h, less=0.0):
+        left = 1 - less
+        one, two = (band(film, left * each) for each in (p, q))
+        return one, K * two
+
+    one, two = ratio()
+    level = 0.4  # of full scale, where the film is the median one
+    of_one = one / ratio(MEDIAN)[0]
+    changed = {
+        "ratio": (one, two * (1 + size)),
+        "lag": (one, two * (1 + size)),
+        "temperature": (one, two * (1 + size)),
+        "bleaching": ratio(less=size),
+        "linearity": (one * (1 + size * level * of_one), two),
+        "background": (one + size * one / of_one, two),
+        "position": ratio(h + size),
+        "size": ratio(h * (1 + size)),
+    }
+    first, second = changed[term]
+    return np.log(second / first)
+
+
+ROWS = {
+    "ratio": "constant",
+    "lag": "constant",
+    "temperature": "constant",
+    "bleaching": "rising absorption",
+    "linearity": "light 1",
+    "background": "background 1",
+    "position": "position",
+    "size": "size",
+}
+
+
+@pytest.mark.parametrize("term", ROWS)
+def test_gradient_is_the_change_of_the_ratio_of_a_disturbed_film(term):
+    extended = with_systematics(**{term: 0.01})
     step = 1e-6
-    expected = [
-        (log_ratio(step, 0) - log_ratio(-step, 0)) / (2 * step),
-        (log_ratio(0, step) - log_ratio(0, -step)) / (2 * step),
+    expected = (disturbed(term, step) - disturbed(term, -step)) / (2 * step)
+    row = 3 + extended.systematics.kinds.index(ROWS[term])
+    npt.assert_allclose(extended.gradient(FILMS)[row], expected, rtol=1e-5)
+    npt.assert_array_equal(extended.gradient(FILMS)[:3], CALIBRATION.gradient(FILMS))
+
+
+def test_a_wall_acts_as_the_model_before_it():
+    """A joint that reflects 1 % more than the fixture; the laser has 0.8 of the attenuation q."""
+    extended = with_systematics(wall=0.01)
+    K, p, q = CALIBRATION.parameters
+    two = [
+        wall_ratio(
+            FILMS,
+            ratio_at_zero=K,
+            attenuation_camera1=p,
+            attenuation_camera2=q,
+            attenuation_laser=0.8 * q,
+            reflectance=R,
+        ).log_ratio
+        for R in (0.0, 1e-6)
     ]
-    npt.assert_allclose(extended.gradient(FILMS)[-2:], expected, rtol=1e-6)
-    npt.assert_array_equal(extended.gradient(FILMS)[:-2], CALIBRATION.gradient(FILMS))
+    npt.assert_allclose(extended.gradient(FILMS)[-1], (two[1] - two[0]) / 1e-6, rtol=1e-4)
 
 
-def test_scatter_of_both_is_the_standard_deviation_of_the_film(extended):
+def test_scatter_of_all_terms_is_the_standard_deviation_of_the_film():
+    extended = with_systematics(**dict.fromkeys(TERMS, 0.01))
     rng = np.random.default_rng(3)
     covariance = extended.full_covariance
     npt.assert_array_equal(covariance, covariance.T)
@@ -51,5 +107,82 @@ def test_scatter_of_both_is_the_standard_deviation_of_the_film(extended):
     assert (extended.thickness_std(FILMS) > CALIBRATION.thickness_std(FILMS)).all()
 
 
-def test_the_file_of_a_calibration_holds_no_background_of_a_run(extended):
-    assert extended.to_dataset().identical(CALIBRATION.to_dataset())
+def test_terms_add_up_to_the_standard_deviation():
+    extended = with_systematics(**dict.fromkeys(TERMS, 0.01))
+    terms = extended.split_error(extended.film_gradient(6.0))
+    assert list(terms) == ["calibration", *TERMS]
+    npt.assert_allclose(
+        np.sqrt(sum(std**2 for std in terms.values())), extended.thickness_std(6.0), rtol=1e-9
+    )
+
+
+def test_what_grows_during_the_run_is_absent_at_its_first_frame():
+    extended = with_systematics(bleaching=0.02, ratio=0.01)
+    first, half, last = (extended.at(passed).thickness_std(FILMS) for passed in (0.0, 0.5, 1.0))
+    plain = with_systematics(ratio=0.01).thickness_std(FILMS)
+    npt.assert_allclose(first, plain, rtol=1e-12)
+    npt.assert_allclose(half**2 - plain**2, (last**2 - plain**2) / 4, rtol=1e-9)
+
+
+def test_backgrounds_of_both_bands_are_alike():
+    """Equal shares change the ratio by nothing where the film is the median one."""
+    extended = with_systematics(background=0.01)
+    std = np.sqrt(2 * (1 - ALIKE)) * 0.01
+    near = extended.log_ratio_std(MEDIAN) ** 2 - CALIBRATION.log_ratio_std(MEDIAN) ** 2
+    npt.assert_allclose(near, std**2, rtol=1e-6)
+
+
+def test_a_measured_background_takes_the_place_of_its_width():
+    extended = with_systematics(background=0.02, ratio=0.01)
+    measured = Systematics(
+        ("background",) * 2,
+        TERMS["background"],
+        np.array([[4e-6, 3e-6], [3e-6, 5e-6]]),
+        1e-7 * np.arange(8).reshape(4, 2),  # K, p, q and the ratio
+        (4.0, 3.0),
+    )
+    found = extended.systematics.with_background(measured)
+    assert found.terms == extended.systematics.terms
+
+    # the same light, whatever a share of it refers to
+    films = np.array([2.0, 7.0])
+    whole, alone = replace(extended, systematics=found), replace(CALIBRATION, systematics=measured)
+    parts = [each.gradient(films)[-2:] for each in (whole, alone)]
+    for own, other in (
+        (found.covariance[1:, 1:], measured.covariance),
+        (found.cross[:, 1:].T @ found.cross[:, 1:], measured.cross[:3].T @ measured.cross[:3]),
+    ):
+        variances = [
+            np.einsum("if,ij,jf->f", part, matrix, part)
+            for part, matrix in zip(parts, (own, other), strict=True)
+        ]
+        npt.assert_allclose(*variances, rtol=1e-12)
+    npt.assert_allclose(found.covariance[0, 1:] @ parts[0], measured.cross[3] @ parts[1])
+    assert found.prior.terms == ("ratio",)
+    whole = replace(extended, systematics=found).full_covariance
+    npt.assert_array_equal(whole, whole.T)
+
+
+def test_a_width_of_one_parameter_is_replaced():
+    found = with_systematics(temperature=0.01, bleaching=0.01).systematics
+    changed = found.with_width("rising constant", 0.05, term="bleaching")
+    expected = np.diag([0.01, 0.01, 0.05, 0.01]) ** 2
+    npt.assert_allclose(changed.covariance, expected)
+    assert changed.widths == {"temperature": 0.01, "bleaching": 0.05}
+
+
+def test_errors_of_a_fixture_are_stored_with_its_calibration(tmp_path):
+    rng = np.random.default_rng(4)
+    found = calibrate(
+        image(rng, log_ratio(WEDGE)), wedge_profile(rng), position_std=0.06, size_std=0.005
+    )
+    # the wedge rises by 17.9 um over 319 pixels of 0.06 mm
+    npt.assert_allclose(found.systematics.widths["position"], 17.9 / 319, rtol=0.05)
+    assert found.systematics.widths["size"] == 0.005
+    back = open_calibration(save_calibration(found, tmp_path / "calibration.nc"))
+    npt.assert_array_equal(back.full_covariance, found.full_covariance)
+    films = np.array([2.0, 8.0])
+    alone = replace(found, systematics=None)
+    extra = found.thickness_std(films) ** 2 - alone.thickness_std(films) ** 2
+    npt.assert_allclose(np.sqrt(extra), np.hypot(17.9 / 319, 0.005 * films), rtol=0.05)
+    npt.assert_allclose(alone.parameters, [K, P, Q], rtol=0.05)

@@ -173,7 +173,7 @@ def make_film(cycles, calibration, *, notes=(), **changes):
         describe_triggers(run, cycle),
         results,
         calibration,
-        measured=describe_statistics(results),
+        measured=describe_statistics(results, calibration),
         prediction=NO_PREDICTION,
         hashes={"run.toml": "ab" * 32},
         notes=[*notes, Note(Level.WARNING, "camera1", "a note of the cameras")],

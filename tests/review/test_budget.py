@@ -12,9 +12,8 @@ import tifffile
 from click.testing import CliRunner
 
 import erlif
-from erlif.calibration import BackgroundError
+from erlif.calibration import TERMS, Systematics
 from erlif.commands.main import main
-from erlif.review.budget import split_calibration
 from erlif.rig import RigSettings, simulate
 from erlif.show.plots import example_calibration
 
@@ -135,12 +134,13 @@ def test_calibration_and_background_add_up_however_they_are_correlated(correlati
     """A background that is found with the calibration may compensate a part of its error."""
     plain = example_calibration()
     shares = size**2 * np.diag([1e-2, 1e-2])
-    empty = BackgroundError(1000.0, (3000.0, 2000.0), shares, np.zeros((3, 2)))
-    gradient = replace(plain, background=empty).gradient(3.0)
+    kinds = TERMS["background"]
+    empty = Systematics(("background",) * 2, kinds, shares, np.zeros((3, 2)), (3.0, 2.0))
+    gradient = replace(plain, systematics=empty).gradient(3.0)
     own, other = plain.full_covariance @ gradient[:3], shares @ gradient[3:]
     scale = correlation / np.sqrt((gradient[:3] @ own) * (gradient[3:] @ other))
-    both = replace(plain, background=replace(empty, cross=scale * np.outer(own, other)))
+    both = replace(plain, systematics=replace(empty, cross=scale * np.outer(own, other)))
 
-    terms = split_calibration(gradient, both)
+    terms = both.split_error(gradient)
     total = gradient @ both.full_covariance @ gradient
     npt.assert_allclose(terms["calibration"] ** 2 + terms["background"] ** 2, total)

@@ -23,7 +23,7 @@ def test_run_directory_has_its_settings_log_and_frames(written):
     settings = tomllib.loads((run / "run.toml").read_text(encoding="utf-8"))
     assert list(settings) == [
         "calibration", "run", "camera1", "camera2", "optics",
-        "encoder", "mechanism", "joint", "oil", "thickness",
+        "encoder", "mechanism", "joint", "oil", "systematics", "thickness",
     ]  # fmt: skip
     assert settings["encoder"]["triggers_per_cycle"] == 50
     assert settings["optics"]["pixel_pitch"] == "200 um"
@@ -43,7 +43,7 @@ def test_run_directory_has_its_settings_log_and_frames(written):
 def test_fixture_directory_has_its_settings_profile_and_frames(written, truth):
     fixture = written / "fixture"
     settings = tomllib.loads((fixture / "fixture.toml").read_text(encoding="utf-8"))
-    assert list(settings) == ["fixture", "camera1", "camera2", "optics"]
+    assert list(settings) == ["fixture", "systematics", "camera1", "camera2", "optics"]
     assert settings["fixture"]["origin"] == [0.0, 0.0]
     x, _, uncertainty = np.loadtxt(fixture / "profile.csv", delimiter=",", skiprows=1, unpack=True)
     npt.assert_allclose(np.diff(x), 0.1, atol=1e-9)

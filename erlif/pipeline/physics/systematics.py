@@ -116,7 +116,10 @@ def update_systematics(
         shares = [n for n, term in enumerate(systematics.terms) if term == "background"]
         prior = systematics.covariance[np.ix_(shares, shares)]
         if prior.any():
-            systematics = systematics.with_background(background.given(prior).second_moment)
+            # the width is a share of the light of the sample, the estimate of that of its cells
+            scale = np.divide(systematics.light, background.error.light)
+            posterior = background.given(np.outer(scale, scale) * prior)
+            systematics = systematics.with_background(posterior.second_moment)
         elif background.significant:
             systematics = systematics.with_background(background.second_moment)
 

@@ -8,6 +8,7 @@ from scenes.pin import fit_true_film
 from scenes.results import make_position
 
 import erlif
+from erlif.calibration import calibration_of
 from erlif.core.notes import Level
 from erlif.io.ingest import open_run
 from erlif.pipeline.physics.position import describe_positions, note_form
@@ -36,15 +37,16 @@ def test_position_follows_the_true_film(opened, truth):
     assert np.abs(pulls).max() < 4
 
 
-def test_covariance_has_the_stored_parts(opened, calibration):
+def test_covariance_has_the_stored_parts(opened):
     """Whole = noise + calibration + surfaces, and the rest has no negative variance."""
+    covariance = calibration_of(opened).full_covariance
     for whole, random, gradient in zip(
         opened.pin_position_cov.values,
         opened.pin_position_cov_random.values,
         opened.pin_position_gradient.values,
         strict=True,
     ):
-        rest = whole - random - gradient @ calibration.full_covariance @ gradient.T
+        rest = whole - random - gradient @ covariance @ gradient.T
         scale = 1 / np.sqrt(np.diag(whole))
         assert np.linalg.eigvalsh(rest * scale * scale[:, None]).min() > -1e-9
 

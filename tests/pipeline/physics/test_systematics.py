@@ -1,0 +1,139 @@
+"""Errors that the frames of a run do not show: widths of the settings, and what a run measures."""
+
+import tomllib
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+from scenes.film import RUN_TOML
+from scenes.results import make_result
+
+from erlif.calibration import Systematics
+from erlif.io.settings import LightOptions, RunSettings
+from erlif.pipeline.physics.systematics import (
+    add_systematics,
+    describe_errors,
+    name_largest_error,
+    update_systematics,
+)
+from erlif.show.plots import example_calibration
+from erlif.trend import BackgroundEstimate, Trend
+
+PLAIN = example_calibration()
+REPORT, CORRECT = LightOptions(), LightOptions(background="correct", bleaching="correct")
+
+
+def settings_with(text=""):
+    return RunSettings.model_validate(tomllib.loads(RUN_TOML + text))
+
+
+def calibration_of(text="", plain=PLAIN):
+    """With the systematics of settings; no frame is sampled."""
+    return add_systematics(plain, settings_with(text), SimpleNamespace(), ())
+
+
+def widths(calibration):
+    return calibration.systematics.widths
+
+
+def test_defaults_and_stated_widths_are_those_of_the_settings():
+    found = widths(calibration_of('\n[systematics]\nratio = "0.2 %"\nwall = "0 %"\n'))
+    assert found["ratio"] == 0.002
+    assert found["wall"] == 0
+    assert found["background"] == 0.015
+    assert found["linearity"] == 0.01
+
+
+def test_errors_of_the_fixture_stay_beside_those_of_the_run():
+    fixture = Systematics.of({"position": 0.056, "size": 0.004}, parameters=3)
+    found = widths(calibration_of(plain=replace(PLAIN, systematics=fixture)))
+    assert (found["position"], found["size"]) == (0.056, 0.004)
+    assert found["ratio"] == 0.01
+
+
+def test_dry_frames_leave_no_background():
+    text = RUN_TOML.replace("[camera1]", '[camera1]\nbackground = "dry1.tif"')
+    text = text.replace("[camera2]", '[camera2]\nbackground = "dry2.tif"')
+    settings = RunSettings.model_validate(tomllib.loads(text))
+    assert widths(add_systematics(PLAIN, settings, SimpleNamespace(), ()))["background"] == 0
+
+
+def estimate(share=(0.02, 0.02), std=0.004):
+    return BackgroundEstimate(
+        share=np.array(share),
+        covariance=std**2 * np.array([[1.0, 0.5], [0.5, 1.0]]),
+        cross=np.zeros((12, 2)),  # K, p, q, and all systematics but the background
+        chi_square=100.0,
+        unit=(1000.0, 800.0),
+        brightness=400.0,
+        film=5.0,
+        energy_std=np.nan,
+    )
+
+
+def update(calibration, background=None, bleaching=None, options=REPORT):
+    """Of a run of 100 pulses."""
+    return update_systematics(calibration, background, bleaching, options, pulses=100)
+
+
+def test_a_reported_background_leaves_its_second_moment_given_the_width():
+    """A width of 1.5 % in both bands, of correlation 0.9, and an estimate of 2 ± 0.4 %."""
+    before = calibration_of()
+    after = update(before, estimate())
+    prior = 0.015**2 * np.array([[1.0, 0.9], [0.9, 1.0]])
+    scale = np.divide(before.systematics.light, (2.5, 2.0))
+    prior *= np.outer(scale, scale)
+    gain = prior @ np.linalg.inv(prior + estimate().covariance)
+    mean = gain @ [0.02, 0.02]
+    second = (np.eye(2) - gain) @ prior + np.outer(mean, mean)
+    shares = [n for n, term in enumerate(after.systematics.terms) if term == "background"]
+    found = after.systematics.covariance[np.ix_(shares, shares)]
+    npt.assert_allclose(found, second / np.outer(scale, scale), rtol=1e-9)
+
+
+def test_an_excluded_background_counts_where_the_run_shows_it():
+    excluded = calibration_of('\n[systematics]\nbackground = "0 %"\n')
+    shown = update(excluded, estimate())
+    assert widths(shown)["background"] > 0
+    weak = replace(estimate(), chi_square=5.0)
+    assert widths(update(excluded, weak))["background"] == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "text", "expected"),
+    [
+        # 1 ± 0.5 % over the run, of a width of 1 %: mean 0.8 %, and 0.45 % about it
+        (REPORT, "", np.hypot(0.008, 0.01 * np.sqrt(0.2))),
+        (CORRECT, "", 0.005),
+        (REPORT, '\n[systematics]\nbleaching = "0 %"\n', 0.0),
+    ],
+)
+def test_bleaching_that_a_run_shows_takes_the_place_of_its_width(options, text, expected):
+    trend = Trend(-1e-4, 5e-5, np.nan, np.nan)
+    found = update(calibration_of(text), bleaching=trend, options=options)
+    npt.assert_allclose(widths(found)["bleaching"], expected, atol=1e-12)
+
+
+def test_sources_of_error_add_up_and_the_largest_is_named():
+    calibration = calibration_of('\n[systematics]\nwall = "5 %"\n')
+    size = len(calibration.full_covariance)
+    rng = np.random.default_rng(1)
+    statistics = []
+    for k in range(3):
+        one = make_result(k, k).statistics
+        gradient = calibration.film_gradient(4.0 + k) + 1e-3 * rng.normal(size=size)
+        one = replace(one, mean=4.0 + k, mean_gradient=gradient, minimum_gradient=gradient)
+        statistics.append(one.with_errors(calibration.full_covariance))
+    film = xr.Dataset(describe_errors(statistics, calibration))
+    for name, stated in (("film_mean_error", "mean_std"), ("film_min_error", "minimum_std")):
+        total = np.sqrt((film[name] ** 2).sum("error_term"))
+        npt.assert_allclose(total, [getattr(one, stated) for one in statistics], rtol=1e-9)
+
+    film["film_mean"] = "trigger", np.array([4.0, 5.0, 6.0])
+    text = name_largest_error(film, settings_with(), calibration, calibration)
+    size = 1e3 * float(film.film_mean_error.sel(error_term="wall")[1])
+    assert "reflectance of the wall" in text
+    assert f"{size:.0f} nm at 5 um" in text
