@@ -1,26 +1,77 @@
-"""Renew the budget of the sample run in docs/uncertainty.md: ``python docs/make_budget.py``.
+"""Renew the tables of errors: ``python docs/make_budget.py``.
 
-A test holds the table to what `erlif budget data_samples/straight_bushing` prints.
+In docs/uncertainty.md the budget of the sample run, in docs/limits.md the errors that frames do not
+show. Tests hold both to what erlif computes.
 """
 
 from __future__ import annotations
 
+import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import erlif
+from erlif.calibration import TERMS, Systematics
+from erlif.io.settings import FixtureSettings, RunSettings, keys_of
 from erlif.show.report import render_budget
 
 ROOT = Path(__file__).parents[1]
-BEGIN, END = "<!-- budget -->\n", "<!-- end of budget -->"
+FILMS = (1.0, 3.0, 6.0, 10.0)
+"""Films of the table of limits. [um]"""
+MEDIAN = 6.0
+"""Median film of its run. [um]"""
+STEEPNESS = 17.9 / 19.14
+"""Rise of the wedge, by its profile. [um/mm]"""
+
+
+def limits() -> str:
+    """The table of docs/limits.md."""
+    calibration = replace(erlif.calibrate(ROOT / "calibration" / "wedge"), systematics=None)
+    one = float(calibration.model.light(MEDIAN).signal)
+    light = one, one * float(calibration.predict(MEDIAN))
+    widths = RunSettings.model_fields["systematics"].default.shares
+    of_fixture = FixtureSettings.model_fields["systematics"].default
+    widths |= {"position": 0.06 * STEEPNESS, "size": of_fixture.size / 100}
+    parameters = len(calibration.full_covariance)
+    whole = replace(
+        calibration, systematics=Systematics.of(widths, parameters=parameters, light=light)
+    )
+    split = [whole.split_error(whole.film_gradient(film)) for film in FILMS]
+
+    words = tomllib.loads((ROOT / "erlif/pipeline/words.toml").read_text(encoding="utf-8"))
+    named = words["systematics"]["terms"]
+    stated = {
+        key.name: key.default
+        for kind in (type(RunSettings.model_fields["systematics"].default), type(of_fixture))
+        for key in keys_of(kind)
+    }
+    rows = []
+    for term in ("calibration", *TERMS):
+        what, cure = named[term]
+        default = stated.get(term) or ("one pixel" if term == "position" else "")
+        sizes = " | ".join(f"{1e3 * each[term]:.0f}" for each in split)
+        rows.append(f"| `{term}` | {what} | {default} | {sizes} | {cure} |\n")
+    total = " | ".join(f"**{1e3 * float(whole.thickness_std(film)):.0f}**" for film in FILMS)
+    head = (
+        "| key | what it stands for | default | 1 um | 3 um | 6 um | 10 um | what removes it |\n"
+        "|---|---|---|---:|---:|---:|---:|---|\n"
+    )
+    return head + "".join(rows) + f"| **all** | | | {total} | |\n"
+
+
+def renew(page: str, name: str, table: str) -> None:
+    """Replace the table between the marks of a page."""
+    path, begin, end = ROOT / "docs" / page, f"<!-- {name} -->\n", f"<!-- end of {name} -->"
+    before, rest = path.read_text(encoding="utf-8").split(begin)
+    _, after = rest.split(end)
+    path.write_text(before + begin + table + end + after, encoding="utf-8")
 
 
 def main() -> None:
-    """Replace the table between the marks."""
-    page = ROOT / "docs" / "uncertainty.md"
-    before, rest = page.read_text(encoding="utf-8").split(BEGIN)
-    _, after = rest.split(END)
-    table = render_budget(erlif.budget(ROOT / "data_samples" / "straight_bushing"))
-    page.write_text(before + BEGIN + table + END + after, encoding="utf-8")
+    """Renew both tables."""
+    budget = erlif.budget(ROOT / "data_samples" / "straight_bushing")
+    renew("uncertainty.md", "budget", render_budget(budget))
+    renew("limits.md", "limits", limits())
 
 
 if __name__ == "__main__":

@@ -53,3 +53,33 @@ def test_overwriting_spares_what_the_rig_has_not_written(tmp_path, command, refu
     command("simulate", out, *SMALL)
     (out / precious).write_text("years of work")
     assert precious in refused("simulate", out, *SMALL, "--overwrite")
+
+
+def test_a_file_of_settings_has_what_no_option_has(tmp_path, command):
+    out, stated = tmp_path / "out", tmp_path / "rig.toml"
+    stated.write_text("wall = [0.2, 0.3]\nload = 100.0\ncycles = 2\n", encoding="utf-8")
+    command("simulate", out, *SMALL, "--settings", stated, "--cycles", "1")
+    text = (out / "run" / "run.toml").read_text()
+    assert 'load = "100 N"' in text
+    assert "wall" not in text
+    with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
+        assert truth.sizes["frame"] == 6
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("walls = [0.2, 0.3]", "walls"),
+        ("wall = 0.2", "wall = 0.2"),
+        ("wall = [0.2, 1.3]", "wall of the virtual rig as a number from 0 to 1"),
+        ("wall [", "TOML"),
+    ],
+)
+def test_a_setting_that_the_rig_does_not_have_is_named(tmp_path, text, words):
+    stated = tmp_path / "rig.toml"
+    stated.write_text(text, encoding="utf-8")
+    options = ["simulate", str(tmp_path / "out"), "--settings", str(stated)]
+    result = CliRunner().invoke(main, options)
+    assert result.exit_code == 2
+    assert words in result.stderr
+    assert not (tmp_path / "out").exists()

@@ -50,6 +50,8 @@ def case(request, tmp_path_factory):
     (lab.run / "run.toml").unlink()
     erlif.init(lab.run, kind=request.param)
     fill_gaps(lab.run / "run.toml")
+    excluded = "".join(f'{name} = "0 %"\n' for name in rig.excluded)
+    lab.edit("run/run.toml", ("[systematics]\n", f"[systematics]\n{excluded}"))
 
     film = erlif.process(lab.run, output=lab.film).load()
     return Case(request.param, lab, film, lab.truth)

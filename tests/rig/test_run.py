@@ -12,7 +12,7 @@ import xarray as xr
 from scenes.rig import QUICK, read_frames
 
 from erlif.rig import RigSettings, simulate
-from erlif.rig.film import Wedge, list_triggers
+from erlif.rig.film import Wedge, list_pictures, list_triggers
 from erlif.rig.run import run_toml, write_encoder_log, write_profile
 
 # what is written
@@ -205,3 +205,81 @@ def test_the_patch_has_its_film_at_all_triggers_and_is_named_in_run_toml(odd):
         npt.assert_array_equal(patch, 4.0)
         (left, _), _ = RigSettings(width=64, height=48).region
         assert region["x"][1] < left
+
+
+# what changes during the run
+
+
+def simulate_pairs(out, **changes):
+    """Counts of both cameras less their dark level: a static film, no speckle, even pulses."""
+    still = {"pulse_jitter": 0.0, "speckle_fixed": 0.0, "speckle_new": 0.0, "bubbles": 0}
+    still |= {"vibration": 0.0, "marks": 0.0, "mechanism": "static", "pictures": 6}
+    simulate(out, seed=4, rig=replace(QUICK, **still | changes))
+    dark = [
+        tifffile.imread(out / "run" / f"camera{number}_dark.tif").mean(axis=0) for number in (1, 2)
+    ]
+    return [read_frames(out / "run", n) - level for n, level in zip((1, 2), dark, strict=True)]
+
+
+def light_over_first(pairs):
+    """Light of each frame over that of the first one, (camera, frame)."""
+    return np.array([(each.sum(axis=(1, 2)) / each[0].sum()) for each in pairs])
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        # a camera that keeps 10 % of its last light has 1.1 of the first frame from then on
+        ({"lag": (0.1, 0.0)}, ([1, 1.1, 1.1, 1.1, 1.1, 1.1], [1] * 6)),
+        ({"gain_step": (3, 1.05)}, ([1] * 6, [1, 1, 1, 1.05, 1.05, 1.05])),
+        # 0.2 and 0.1 % per K of dye 1 and dye 2; nearly all light behind both filters is dye 1's
+        ({"warming": 50.0}, ([1, 0.98, 0.96, 0.94, 0.92, 0.9],) * 2),
+    ],
+    ids=["lag", "step", "warming"],
+)
+def test_light_changes_from_frame_to_frame(tmp_path, changes, expected):
+    found = light_over_first(simulate_pairs(tmp_path / "out", **changes))
+    npt.assert_allclose(found, expected, atol=0.03 if "warming" in changes else 0.004)
+
+
+def test_the_run_differs_from_its_calibration_as_stated(tmp_path):
+    plain = simulate_pairs(tmp_path / "plain")
+    changed = simulate_pairs(tmp_path / "changed", brightness=(1.0, 0.8), dark_drift=(7.0, 0.0))
+    one, two = (
+        after.mean() - factor * before.mean()
+        for before, after, factor in zip(plain, changed, (1.0, 0.8), strict=True)
+    )
+    npt.assert_allclose(one, 7.0, atol=0.1)
+    npt.assert_allclose(two, 0.0, atol=0.1)
+
+
+def test_a_compressed_camera_loses_light_in_proportion_to_it(tmp_path):
+    """20 % at full scale: half of it at half of full scale."""
+    plain, bent = (
+        simulate_pairs(tmp_path / name, compression=(share, 0.0))[0].mean(axis=0)
+        for name, share in (("plain", 0.0), ("bent", 0.2))
+    )
+    bright = plain > 500
+    expected = plain[bright] * (1 - 0.2 * plain[bright] / 4095)
+    assert np.abs((bent[bright] - expected).mean()) < 2
+
+
+def test_a_bump_displaces_camera_2_from_its_frame_on(tmp_path):
+    out = tmp_path / "out"
+    simulate_pairs(out, bump=(2, 5.0, -3.0))
+    with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
+        npt.assert_array_equal(truth.drift_x, [0, 0, 5, 5, 5, 5])
+        npt.assert_array_equal(truth.drift_y, [0, 0, -3, -3, -3, -3])
+
+
+def test_settings_file_states_what_the_rig_does_not_have():
+    def stated(**changes):
+        text = run_toml(replace(QUICK, **changes), list_pictures(QUICK))
+        return tomllib.loads(text).get("systematics", {})
+
+    terms = {"ratio", "background", "bleaching", "temperature", "wall", "linearity", "lag"}
+    assert stated() == dict.fromkeys(terms, "0 %")
+    assert set(stated(wall=(0.3, 0.3))) == terms
+    assert set(stated(wall=(0.0, 0.1), lag=(0.01, 0.0))) == terms - {"wall", "lag"}
+    assert set(stated(dark_drift=(0.0, 5.0))) == terms - {"background"}
+    assert stated(write_systematics=False) == {}
