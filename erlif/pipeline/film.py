@@ -232,6 +232,7 @@ def complete_film(
         findings.bleaching,
         options,
         pulses=len(run.pairs.usable),
+        course=findings.course,
     )
 
     plane, of_frames = ObjectPlane(run.settings, run.pairs.shape), frames_of_run(run, cycle)

@@ -156,7 +156,12 @@ def budget(
     chain, measuring = correct_light(chain, calibration, findings, options)
     pulses = len(run.pairs.usable)
     measuring = update_systematics(
-        measuring, findings.background, findings.bleaching, options, pulses=pulses
+        measuring,
+        findings.background,
+        findings.bleaching,
+        options,
+        pulses=pulses,
+        course=findings.course,
     ).at(float(np.mean(frames)) / max(pulses - 1, 1))
 
     sources = _split_variance(chain, frames)

@@ -1,6 +1,7 @@
 from .background import BackgroundEstimate, LightRecord, estimate_background
 from .bleaching import Trend, fit_trend
 from .blocks import BLOCK, BlockSums, sum_blocks
+from .course import Change, find_ratio_change, find_shift
 from .curve import FilmCurve
 from .exponent import SLOWEST, Exponent, fit_exponent
 from .form import SCALE_STD, SIGNIFICANT, Cause, GapForm, judge_form
@@ -35,6 +36,7 @@ __all__ = [
     "BackgroundEstimate",
     "BlockSums",
     "Cause",
+    "Change",
     "Exponent",
     "FilmCurve",
     "FilmStatistics",
@@ -55,7 +57,9 @@ __all__ = [
     "estimate_background",
     "find_pin_in_blocks",
     "find_pin_position",
+    "find_ratio_change",
     "find_region",
+    "find_shift",
     "fit_exponent",
     "fit_trend",
     "judge_form",

@@ -22,9 +22,15 @@ from erlif.ratio import (
     sample_pulse,
 )
 from erlif.thickness import NO_PATCH, PatchMean, sample_patch
-from erlif.trend import FilmStatistics, FittedNumbers, PinPosition, Region
+from erlif.trend import FilmStatistics, FittedNumbers, PinPosition, Region, find_shift
 
 _note = note_writer("erlif.pipeline")
+
+# Frames by which a step or drift of the registration is looked for, spread over the recording.
+_FOLLOWED = 400
+
+# Step or drift of the registration that is reported: several times what vibration leaves. [px]
+_MOVED = 1.0
 
 # Arrays of a trigger with one row for each frame pair: type in the file, and shape of a row.
 _OF_FRAMES: dict[str, tuple[Any, tuple[int, ...]]] = {
@@ -209,4 +215,18 @@ def describe_frame_notes(frames: Sequence[FrameResult], pairs: FramePairs) -> li
     if lost:
         subject = f"frame pairs {', '.join(str(frame) for frame in lost)}"
         notes.append(_note("no_texture", subject=subject))
-    return [note for note in notes if note is not None]
+    return [*(note for note in notes if note is not None), *_describe_moves(frames)]
+
+
+def _describe_moves(frames: Sequence[FrameResult]) -> list[Note]:
+    """A step or drift of camera 2 against camera 1 along each axis."""
+    ordered = sorted(frames, key=lambda one: one.frame)
+    ordered = ordered[:: -(-len(ordered) // _FOLLOWED)] if ordered else []
+    numbers = np.array([one.frame for one in ordered])
+    notes = []
+    for axis, name in enumerate("xy"):
+        found = find_shift(numbers, np.array([one.drift[axis] for one in ordered]))
+        if found is not None and found.significant and abs(found.size) > _MOVED:
+            key = "camera_drifts" if found.frame is None else "camera_bumped"
+            notes.append(_note(key, axis=name, frame=found.frame, size=found.size, std=found.std))
+    return notes

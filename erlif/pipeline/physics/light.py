@@ -25,10 +25,12 @@ from erlif.pipeline.physics.systematics import with_background, without_backgrou
 from erlif.ratio import cell_places
 from erlif.trend import (
     BackgroundEstimate,
+    Change,
     LightRecord,
     Region,
     Trend,
     estimate_background,
+    find_ratio_change,
     fit_trend,
 )
 
@@ -107,14 +109,19 @@ def find_background(
     frames = sorted(lights)
     if not frames:
         return None
-    parts = np.array([lights[frame].cells for frame in frames], float).transpose(1, 0, 2)
     estimate = estimate_background(
-        LightRecord(*parts),
+        _record(lights),
         cell_places(),
         without_background(calibration),
         energies=None if energies is None else energies[frames],
     )
     return estimate if estimate is not None and estimate.determined else None
+
+
+def _record(lights: dict[int, FrameResult]) -> LightRecord:
+    """Light and ratio of the cells, frames in their order."""
+    parts = np.array([lights[frame].cells for frame in sorted(lights)], float)
+    return LightRecord(*parts.transpose(1, 0, 2))
 
 
 def describe_background(
@@ -296,17 +303,21 @@ class LightFindings:
         None where it is not determined.
     source : str
         Where the film is the same, for bleaching.
+    course : Change | None
+        Largest step or drift of the logarithm of the ratio at equal film; None where it is not
+        determined.
     """
 
     background: BackgroundEstimate | None = None
     bleaching: Trend | None = None
     source: str = ""
+    course: Change | None = None
 
     def complete(self, remaining: LightFindings, options: LightOptions) -> LightFindings:
         """What was corrected as it was found before, and the rest from the finished films."""
         even = self if options.background == "correct" else remaining
         bleached = self if options.bleaching == "correct" else remaining
-        return LightFindings(even.background, bleached.bleaching, bleached.source)
+        return LightFindings(even.background, bleached.bleaching, bleached.source, remaining.course)
 
 
 def find_light(
@@ -315,11 +326,47 @@ def find_light(
     triggers: AnyArray,
     energies: Array | None,
 ) -> LightFindings:
-    """Background and bleaching of a run; parameters as for both."""
-    return LightFindings(
-        find_background(lights, calibration, energies),
-        *find_bleaching(lights, triggers, energies),
-    )
+    """Background, bleaching and course of a run; parameters as for the first two."""
+    bleaching, source = find_bleaching(lights, triggers, energies)
+    course = None
+    if lights:
+        frames = np.array(sorted(lights))
+        course = find_ratio_change(frames, _record(lights), cell_places(), calibration)
+
+    # equal films show a drift better than one cycle does
+    if course is not None and course.frame is None and bleaching is not None:
+        course = None
+    background = find_background(lights, calibration, energies)
+    return LightFindings(background, bleaching, source, course)
+
+
+def describe_course(course: Change | None, calibration: Calibration) -> list[Note]:
+    """Notes about a step or a drift of the ratio.
+
+    Parameters
+    ----------
+    course : Change or None
+    calibration : Calibration
+
+    Returns
+    -------
+    list of Note
+        Empty where nothing is significant.
+    """
+    if course is None or not course.significant:
+        return []
+    per_share = 1e3 / float(calibration.slope(course.film))
+    return [
+        _note(
+            "ratio_drift" if course.frame is None else "ratio_step",
+            frame=course.frame,
+            size=100 * np.expm1(course.size),
+            std=100 * course.std,
+            film=course.film,
+            shift=per_share * course.size,
+            shift_std=per_share * course.std,
+        )
+    ]
 
 
 def correct_light(
@@ -337,7 +384,7 @@ def correct_light(
 def describe_light(
     findings: LightFindings, results: Sequence[TriggerResult], run: Run, calibration: Calibration
 ) -> tuple[dict[str, Any], list[Note]]:
-    """Variables and notes about background, bleaching and reference patch."""
+    """Variables and notes about background, bleaching, reference patch and course."""
     options = run.settings.light
     parts = [
         describe_background(
@@ -352,7 +399,7 @@ def describe_light(
         describe_reference(results, run.settings.reference, calibration),
     ]
     variables: dict[str, Any] = {}
-    notes: list[Note] = []
+    notes = describe_course(findings.course, calibration)
     for more, also in parts:
         variables |= more
         notes += also

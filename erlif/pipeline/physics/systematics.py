@@ -16,7 +16,7 @@ from erlif.core.variables import FILM
 from erlif.io.settings import LightOptions, RunSettings
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.recording.sample import Bands, ratios_of
-from erlif.trend import BackgroundEstimate, FilmStatistics, Trend
+from erlif.trend import BackgroundEstimate, Change, FilmStatistics, Trend
 
 _TEXTS = read_table("erlif.pipeline", "words.toml")["systematics"]
 
@@ -86,6 +86,7 @@ def update_systematics(
     options: LightOptions,
     *,
     pulses: int,
+    course: Change | None = None,
 ) -> Calibration:
     """The calibration with what light and films of a run show of its systematics.
 
@@ -102,6 +103,8 @@ def update_systematics(
     options : LightOptions
     pulses : int
         Frames of the run.
+    course : Change, optional
+        Step or drift of the ratio that the run shows.
 
     Returns
     -------
@@ -135,6 +138,10 @@ def update_systematics(
             systematics = systematics.with_width(kind, rest, term="bleaching")
         elif bleaching.significant():
             systematics = systematics.with_width(kind, abs(change), term="bleaching")
+    # which part of the run has the ratio of the fixture is not known
+    if course is not None and course.significant:
+        width = math.hypot(systematics.widths["ratio"], course.size, course.std)
+        systematics = systematics.with_width("constant", width, term="ratio")
     return replace(calibration, systematics=systematics)
 
 

@@ -20,7 +20,7 @@ from erlif.pipeline.physics.systematics import (
     update_systematics,
 )
 from erlif.show.plots import example_calibration
-from erlif.trend import BackgroundEstimate, Trend
+from erlif.trend import BackgroundEstimate, Change, Trend
 
 PLAIN = example_calibration()
 REPORT, CORRECT = LightOptions(), LightOptions(background="correct", bleaching="correct")
@@ -137,3 +137,15 @@ def test_sources_of_error_add_up_and_the_largest_is_named():
     size = 1e3 * float(film.film_mean_error.sel(error_term="wall")[1])
     assert "reflectance of the wall" in text
     assert f"{size:.0f} nm at 5 um" in text
+
+
+@pytest.mark.parametrize(("stated", "width"), [("1 %", 0.0510), ("0 %", 0.0500)])
+def test_change_of_the_ratio_is_added_to_its_width_where_it_is_significant(stated, width):
+    """Roots of 0.03^2 + 0.04^2 and 0.01^2 + 0.03^2 + 0.04^2."""
+    before = calibration_of(f'\n[systematics]\nratio = "{stated}"\n')
+    step = Change(frame=25, size=-0.03, std=0.04, significance=9.0)
+    found = update_systematics(before, None, None, REPORT, pulses=50, course=step)
+    assert widths(found)["ratio"] == pytest.approx(width, abs=1e-4)
+    chance = replace(step, significance=3.0)
+    kept = update_systematics(before, None, None, REPORT, pulses=50, course=chance)
+    assert widths(kept) == widths(before)

@@ -1,0 +1,266 @@
+"""Course of a run: what should stay the same from frame to frame, and steps or drifts of it.
+
+The light of camera 1 and the ratio are two witnesses of one film. In each cell of the image the
+light of camera 1 is that of the film which the ratio shows, times an illumination of the cell and
+the energy of the pulse. Where the light of camera 2 over camera 1 changes during a run, the films
+of all cells change in the ratio and not in the light. The light of camera 1 over that of the film
+then changes by more in thin than in thick films, which neither the energy of a pulse nor a beam
+that moves can do: a plane over the cells of each frame is free. A smooth function of the film that
+is the same in all frames is free as well, so that errors of the calibration do not count.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from erlif.calibration import Calibration
+from erlif.core.arrays import AnyArray, Array, Mask
+from erlif.trend.background import LightRecord
+
+# Standard deviations from which on a change is reported. The largest of 400 possible steps exceeds
+# them by chance once in 400 runs.
+_SIGNIFICANT = 4.5
+
+_FEWEST_FRAMES = 12  # frames of a course, at least
+
+_SIDE = 3  # frames before and after a step, at least
+
+_FEWEST_CELLS = 24  # cells of a frame, at least
+
+_FEWEST_VISITS = 6  # frames in which a cell must be measured
+
+_THINNEST = 1.0  # film below which the response of the light is steep [um]
+
+_THICKEST = 0.8  # share of the covered range beyond which noise selects the cells
+
+_LOOSE = 0.05  # standard deviation of a change of the ratio that determines nothing [1]
+
+_TINY = 1e-12  # in place of the scatter of values without noise
+
+_ROUNDS = 8  # of the search for the size, at most; four are usual
+
+_SETTLED = 0.1  # rest of a change over its standard deviation at which the search ends
+
+
+@dataclass(frozen=True)
+class Change:
+    """A step or a drift.
+
+    Attributes
+    ----------
+    frame : int | None
+        First frame after a step; None for a drift, which is linear over the run.
+    size : float
+        After less before, or at the last frame less at the first.
+    std : float
+        Its standard deviation.
+    significance : float
+        Size over its standard deviation when it was looked for; of one number for each frame, over
+        the scatter of the frames.
+    film : float
+        Median film of the cells, for a change of the ratio. [um]
+    """
+
+    frame: int | None
+    size: float
+    std: float
+    significance: float
+    film: float = float("nan")
+
+    @property
+    def significant(self) -> bool:
+        """Whether it is more than chance among all frames that a step may begin at."""
+        return self.significance > _SIGNIFICANT
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Equations ``value = response * course + others @ unknowns``, with a course by frame."""
+
+    value: Array  # (row,)
+    response: Array  # (row,)
+    others: Array  # (row, unknown)
+    frame: npt.NDArray[np.intp]  # (row,), rising from 0; each has a row
+    count: int  # frames
+
+    def find(self, courses: Array) -> tuple[int, float, float]:
+        """The course (course, frame) that explains most, its size and the standard deviation."""
+        n, others = self.count, self.others
+        inverse = np.linalg.pinv(others.T @ others, rcond=1e-10, hermitian=True)
+        value = self.value - others @ (inverse @ (others.T @ self.value))
+        first = np.searchsorted(self.frame, np.arange(n))
+        mixed = np.add.reduceat(others * self.response[:, None], first)
+        normal = np.diag(np.bincount(self.frame, self.response**2, n)) - mixed @ inverse @ mixed.T
+        score = courses @ np.bincount(self.frame, self.response * value, n)
+        square = np.einsum("kn,nm,km->k", courses, normal, courses, optimize=True)
+        explained = np.where(square > 0, score**2 / np.where(square > 0, square, 1.0), 0.0)
+
+        best = int(np.argmax(explained))
+        if not square[best] > 0:
+            return best, 0.0, np.inf
+        size = float(score[best] / square[best])
+        response = self.response * courses[best, self.frame]
+        response -= others @ (inverse @ (courses[best] @ mixed))
+        rest = value - size * response
+
+        # errors of the cells of a frame, and of a few frames in turn, are not independent
+        alone = float((rest**2).mean() * square[best])
+        together = _long_run(np.bincount(self.frame, response * rest, n).astype(float))
+        return best, size, float(np.sqrt(max(alone, together))) / float(square[best])
+
+
+def _long_run(values: Array) -> float:
+    """Variance of the sum of values that are correlated over a few frames (Newey, West 1987)."""
+    lags = int(4 * (len(values) / 100) ** (2 / 9))
+    products = [float(values[lag:] @ values[: len(values) - lag]) for lag in range(lags + 1)]
+    weights = [2 * (1 - lag / (lags + 1)) for lag in range(1, lags + 1)]
+    return max(products[0] + float(np.dot(weights, products[1:])), products[0])
+
+
+def _courses(count: int) -> Array:
+    """Possible courses, (course, frame): a drift, then a step at each frame."""
+    frame = np.arange(count)
+    steps = frame >= np.arange(_SIDE, count - _SIDE + 1)[:, None]
+    return np.concatenate([frame[None] / (count - 1), steps.astype(float)])
+
+
+def find_shift(frames: AnyArray, values: Array) -> Change | None:
+    """The largest step or drift of one number of each frame.
+
+    Parameters
+    ----------
+    frames : array of int, (frame,)
+        Numbers of the frames.
+    values : array, (frame,)
+        NaN where it was not measured.
+
+    Returns
+    -------
+    Change or None
+        None with fewer than 12 frames.
+
+    Examples
+    --------
+    >>> values = np.random.default_rng(1).normal(size=40) + 8 * (np.arange(40) >= 25)
+    >>> found = find_shift(np.arange(40), values)
+    >>> found.frame, found.significant, round(found.size)
+    (25, True, 8)
+    """
+    known = np.flatnonzero(np.isfinite(values))
+    if known.size < _FEWEST_FRAMES:
+        return None
+    one, courses = np.ones((known.size, 1)), _courses(known.size)
+    rows = _Rows(values[known], one[:, 0], one, np.arange(known.size), known.size)
+    best, size, std = rows.find(courses)
+
+    # values that wander have their largest step somewhere: one that counts exceeds their scatter
+    scatter = float(np.std(rows.value - size * courses[best]))
+    significance = abs(size) / max(scatter, _TINY)
+    return Change(_frame_of(best, frames[known]), size, std, significance)
+
+
+def find_ratio_change(
+    frames: AnyArray,
+    record: LightRecord,
+    places: tuple[Array, Array],
+    calibration: Calibration,
+) -> Change | None:
+    """The largest step or drift of the logarithm of the ratio at equal film.
+
+    Parameters
+    ----------
+    frames : array of int, (frame,)
+        Numbers of the frames, rising.
+    record : LightRecord
+        Of these frames.
+    places : tuple of two arrays, (cell,)
+        Positions (x, y) of the cells, from -1 to 1.
+    calibration : Calibration
+
+    Returns
+    -------
+    Change or None
+        None where too few frames or cells show a film within the calibrated range, or where one
+        film in all cells and frames leaves nothing to compare.
+
+    Examples
+    --------
+    A run of four frames is too short:
+
+    >>> from erlif.show.plots import example_calibration
+    >>> empty = LightRecord(*np.full((4, 4, 120), np.nan))
+    >>> places = np.zeros(120), np.zeros(120)
+    >>> find_ratio_change(np.arange(4), empty, places, example_calibration()) is None
+    True
+    """
+    film, chosen = _choose(record.log_ratio, record.light, calibration)
+    used = np.flatnonzero(chosen.any(axis=1))
+    if used.size < _FEWEST_FRAMES:
+        return None
+    courses = _courses(used.size)
+    light, chosen = record.light[used], chosen[used]
+    log_ratio = np.where(chosen, record.log_ratio[used], record.log_ratio[used][chosen].mean())
+
+    # the first round decides; the next ones subtract what was found and look for the rest of it,
+    # by secants, because films of another ratio also change the smooth function
+    total = step = rest = significance = 0.0
+    best = 0
+    for n in range(_ROUNDS):
+        shifted = log_ratio - total * courses[best][:, None]
+        rows = _compare(light, shifted, chosen, places, calibration)
+        found, size, std = rows.find(courses[best : best + 1] if n else courses)
+        if not std < _LOOSE:
+            return None
+        if not n:
+            best, significance, step = found, abs(size) / max(std, _TINY), size
+        elif abs(size) < _SETTLED * std or size == rest:
+            break
+        else:
+            step *= size / (rest - size)
+        rest, total = size, total + step
+    median = float(np.median(film[used][chosen]))
+    return Change(_frame_of(best, frames[used]), total, std, significance, median)
+
+
+def _frame_of(course: int, frames: AnyArray) -> int | None:
+    """Frame at which a course of `_courses` has its step."""
+    return int(frames[course - 1 + _SIDE]) if course else None
+
+
+def _choose(log_ratio: Array, light: Array, calibration: Calibration) -> tuple[Array, Mask]:
+    """Films, and the cells whose light can be compared with them, (frame, cell)."""
+    table = calibration.inverse
+    first, last = table.log_ratio[[0, -1]]
+    known = np.isfinite(log_ratio) & np.isfinite(light) & (log_ratio > first) & (log_ratio < last)
+    film = table.look_up(np.where(known, log_ratio, first))
+    low = max(calibration.thickness_range[0], _THINNEST)
+    chosen = known & (film > low) & (film < _THICKEST * table.thickness[-1])
+    chosen &= chosen.sum(axis=0) >= _FEWEST_VISITS
+    return film, chosen & (chosen.sum(axis=1) >= _FEWEST_CELLS)[:, None]
+
+
+def _compare(
+    light: Array, log_ratio: Array, chosen: Mask, places: tuple[Array, Array], cal: Calibration
+) -> _Rows:
+    """Equations of the light of camera 1 over that of the film which the ratio shows."""
+    film = cal.inverse.look_up(log_ratio)
+    of_film = cal.model.light(film)
+    response = of_film.slope / cal.slope(film)
+    frame, cell = np.nonzero(chosen)
+
+    # the illumination of each cell, and what errors of the calibration do in all frames alike
+    own = [response, response**2, response**3, film, film**2, film * response]
+    smooth = np.stack(own, axis=-1)[chosen]
+    others = np.concatenate([np.eye(light.shape[1])[cell], smooth], axis=1)
+
+    # energy and pointing of each pulse: a plane over the cells of a frame
+    value = (light - np.log(of_film.signal))[chosen]
+    columns = np.concatenate([value[:, None], -response[chosen][:, None], others], axis=1)
+    plane = np.stack([np.ones_like(places[0]), *places], axis=1)[cell]
+    for at in np.split(np.arange(len(frame)), np.searchsorted(frame, np.arange(1, len(light)))):
+        base = np.linalg.qr(plane[at])[0]
+        columns[at] -= base @ (base.T @ columns[at])
+    return _Rows(columns[:, 0], columns[:, 1], columns[:, 2:], frame, len(light))
