@@ -293,17 +293,16 @@ class Gap:
     marks: Marks
 
     def smooth(self, x: Array, y: Array) -> Array:
-        """Film without marks: h_min + (x - x0)^2/(2 R) and a tilt. [um]
+        """Film without marks, c - e cos(phi); phi = 0 is the thin line. [um]
 
-        The tilt is zero at the edge of the region, so that h_min is the minimum in the region.
+        The tilt moves the pin by a part of e that is zero at the edge of the region, so that h_min
+        is the minimum in the region.
         """
         rig = self.rig
-        from_line = (x - rig.centre[0]) * rig.pitch - rig.thin_line  # mm
+        phi = ((x - rig.centre[0]) * rig.pitch - rig.thin_line) / rig.journal_radius
         from_edge = y * rig.pitch - rig.region[1][0 if rig.tilt >= 0 else 1]  # mm
-        rise = rig.tilt / (rig.height * rig.pitch)
-        return np.asarray(
-            self.film_min + 1e3 * from_line**2 / (2 * rig.relative_radius) + rise * from_edge
-        )
+        rise = rig.tilt / (rig.height * rig.pitch) * from_edge
+        return np.asarray(rig.clearance - (rig.clearance - self.film_min - rise) * np.cos(phi))
 
     def __call__(self, x: Array, y: Array) -> Array:
         """Film with marks at object points [pixel]. [um]"""

@@ -440,11 +440,6 @@ class RigSettings:
         return self.field_width / self.width
 
     @property
-    def relative_radius(self) -> float:
-        """R = R1 R2 / (R1 - R2) of a pin in a bushing. [mm]"""
-        return self.bushing_radius * self.pin_radius / (self.bushing_radius - self.pin_radius)
-
-    @property
     def journal_radius(self) -> float:
         """Geometric mean of both radii. [mm]"""
         return math.sqrt(self.pin_radius * self.bushing_radius)
