@@ -111,7 +111,7 @@ def fit_calibration(
     ------
     CalibrationError
         If too little of the profile lies in the image, if its thickness or its position does not
-        change, or if the ratio falls with thickness (cameras swapped).
+        change, or if the ratio falls with thickness.
 
     Examples
     --------
@@ -143,7 +143,7 @@ def fit_calibration(
     pose, profile = Pose(origin, direction, pixel_pitch), thin_out(profile, pixel_pitch=pixel_pitch)
     points, notes = pair_profile_with_image(ratios, profile, pose)
     _refuse_constant_thickness(points)
-    _refuse_swapped_cameras(points)
+    _refuse_falling_ratio(points)
 
     freedom, refined_pose = Freedom.none(points), None
     if align:
@@ -268,13 +268,20 @@ def _refuse_constant_thickness(points: Points) -> None:
         raise refusal("constant_thickness", thickness=points.thickness[0])
 
 
-def _refuse_swapped_cameras(points: Points) -> None:
-    """Refuse a ratio that falls from the thin to the thick third of the points."""
+def _refuse_falling_ratio(points: Points) -> None:
+    """Refuse a ratio that falls from the thin to the thick third of the points.
+
+    Thick films give more light, and their pixels less noise: where the noise rises with thickness,
+    the profile is likely to run the other way.
+    """
     order = np.argsort(points.thickness)
     third = max(len(order) // 3, 2)
-    rise = points.log_ratio[order[-third:]].mean() - points.log_ratio[order[:third]].mean()
+    thin, thick = order[:third], order[-third:]
+    rise = points.log_ratio[thick].mean() - points.log_ratio[thin].mean()
     if rise < 0:
-        raise refusal("falling_ratio", direction=DIRECTION, fall=-rise)
+        mirrored = points.pixel_var[thick].mean() > points.pixel_var[thin].mean()
+        name = "falling_ratio_and_light" if mirrored else "falling_ratio"
+        raise refusal(name, direction=DIRECTION, fall=-rise)
 
 
 class _Settled(NamedTuple):

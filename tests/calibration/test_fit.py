@@ -88,11 +88,22 @@ def test_thin_wedge_determines_k_and_the_difference_of_p_and_q_alone():
     assert abs(slope - (P - Q)) < 4 * std
 
 
-def test_exchanged_cameras_are_recognised():
-    with pytest.raises(CalibrationError, match="cameras look swapped"):
-        fit(
-            np.random.default_rng(10), image=ratio_image(np.random.default_rng(10), ratio=1 / RATIO)
-        )
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_falling_ratio_has_its_likely_cause_first(mirrored):
+    """Thick films have more light, and pixels of less noise, unless the profile is mirrored."""
+    rng = np.random.default_rng(10)
+    noise = 0.004 / np.sqrt(1 - np.exp(-0.4 * (WEDGE + 0.3)))
+    image = ratio_image(rng, noise=np.median(noise), ratio=RATIO if mirrored else 1 / RATIO)
+    image.log_ratio_var[:] = noise**2
+    profile = wedge_profile(rng)
+    if mirrored:
+        profile = Profile(profile.position, profile.thickness[::-1], profile.uncertainty)
+    with pytest.raises(CalibrationError, match="to rise with thickness") as caught:
+        fit(rng, image=image, profile=profile)
+    first, _, second = str(caught.value).partition("(2)")
+    assert ("profile runs the other way" in first) == mirrored
+    assert ("cameras look swapped" in first) != mirrored
+    assert ("cameras are exchanged" in second) == mirrored
 
 
 def test_curve_holds_the_points_that_were_kept():

@@ -25,7 +25,7 @@ from erlif.pipeline.recording.noise import NoiseCompletion, complete_noise, find
 from erlif.pipeline.recording.pulses import read_energies, refuse_stuck_cameras
 from erlif.pipeline.recording.register import FixtureMap, register_cameras
 from erlif.pipeline.recording.sample import compare_sharpness, sample_frames
-from erlif.pipeline.recording.swap import refuse_swapped_cameras
+from erlif.pipeline.recording.swap import judge_ratios
 from erlif.ratio import BlurDifference
 from erlif.registration import CameraMap
 
@@ -161,7 +161,7 @@ class PreparedRun:
     energies : Array | None
         Relative pulse energy of each frame in the log, (frame,).
     notes : tuple[Note, ...]
-        On both cameras.
+        On both cameras and their ratio.
     """
 
     chain: FrameChain
@@ -201,7 +201,7 @@ def prepare_run(
     correct = "correct" in (options.background, options.bleaching)
     prepared = prepare_chain(run, progress, stored=known.stored, tables_only=not correct)
     chain = prepared.chain
-    refuse_swapped_cameras(chain, calibration, prepared.sample, stored=known.nodes)
+    misfit = judge_ratios(chain, calibration, prepared.sample, stored=known.nodes)
     calibration = add_systematics(calibration, run.settings, chain, prepared.sample)
 
     # a background that is to be subtracted is found before the films are measured
@@ -213,4 +213,5 @@ def prepare_run(
         chain, measuring = correct_light(chain, calibration, findings, options)
 
     # the frames need neither the sample nor the references
-    return PreparedRun(chain.tabulated(), measuring, findings, energies, tuple(prepared.notes))
+    notes = (*prepared.notes, *misfit)
+    return PreparedRun(chain.tabulated(), measuring, findings, energies, notes)

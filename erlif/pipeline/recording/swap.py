@@ -1,4 +1,4 @@
-"""Cameras exchanged in run.toml, recognised by their ratio and by their map."""
+"""Cameras exchanged in run.toml, proved by their map, and ratios that no film explains."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from erlif.calibration import Calibration
-from erlif.core.arrays import Image
+from erlif.core.arrays import Array
+from erlif.core.notes import Note, note_writer
+from erlif.core.tables import read_table
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.recording.sample import Bands, ratios_of
 from erlif.pipeline.refusals import refusal
@@ -16,37 +18,35 @@ from erlif.registration import MapNodes, compare_with_inverse
 
 _logger = logging.getLogger(__name__)
 
-# Widening of the calibrated range on both sides, for noise. [share of the log ratio's range]
-_MARGIN = 0.1
+_note = note_writer("erlif.pipeline")
 
-# Share of inverse ratios above which most of the image speaks for exchanged cameras.
-_MOST = 0.6
+_TEXTS = read_table("erlif.pipeline", "words.toml")["misfit"]
 
-# Share of regular ratios below which hardly any of the image speaks against it.
-_FEW = 0.2
-
-# Share of ratios that no film has from which the cameras cannot be in order.
+# Share of ratios that no film has from which something is wrong.
 _IMPOSSIBLE = 0.15
 
-# Standard deviations by which a ratio must exceed the highest possible one.
+# Half the difference of the blur variances from which one camera is out of focus. [px2]
+_DEFOCUSED = 0.3
+
+# Standard deviations by which a ratio must lie beyond those of films.
 _SIGMAS = 2
 
-# Films among which the highest ratio is sought, and their number. [um]
-_FILMS, _GRID = (0.1, 1e4), 2001
+# Films among which the lowest and the highest ratio are sought, and their number. [um]
+_FILMS, _GRID = (0.01, 1e4), 2001
 
 
-def refuse_swapped_cameras(
+def judge_ratios(
     chain: FrameChain,
     calibration: Calibration,
     sample: Sequence[Bands],
     *,
     stored: MapNodes | None = None,
-) -> None:
-    """Refuse a run whose cameras are exchanged against its calibration.
+) -> list[Note]:
+    """Refuse a run whose map proves exchanged cameras, and note ratios that do not fit.
 
-    Exchanged cameras show the inverse of the ratio. Where that could be a ratio as well (films of
-    about 10 um have a ratio near 1), the map decides: exchanged cameras have the inverse of the map
-    that is stored with the calibration.
+    Exchanged cameras have the inverse of the map that is stored with the calibration. They show the
+    inverse of the ratio as well, but so do light, gain, filters and walls that have changed: the
+    ratio proves nothing, and a note lists its causes.
 
     Parameters
     ----------
@@ -57,17 +57,24 @@ def refuse_swapped_cameras(
     stored : MapNodes, optional
         The map that is stored with the calibration.
 
+    Returns
+    -------
+    list of Note
+        Empty where the ratios are those of films.
+
     Raises
     ------
     CalibrationError
-        If the cameras are exchanged.
+        If the map is the inverse of the stored one.
     """
-    if stored is not None and not chain.camera_map.stored:
-        _check_map(chain, stored)
-    _check_ratio(chain, calibration, sample)
+    in_order = chain.camera_map.stored
+    if stored is not None and not in_order:
+        in_order = _check_map(chain, stored)
+    return _note_misfit(chain, calibration, sample, in_order=in_order)
 
 
-def _check_map(chain: FrameChain, stored: MapNodes) -> None:
+def _check_map(chain: FrameChain, stored: MapNodes) -> bool:
+    """Refuse the inverse of the stored map; whether the map proves the stored order."""
     comparison = compare_with_inverse(stored, chain.camera_map)
     _logger.info(
         "map of the run: %.2f px from the calibration's, %.2f px from its inverse",
@@ -76,37 +83,36 @@ def _check_map(chain: FrameChain, stored: MapNodes) -> None:
     )
     if comparison.inverted:
         raise refusal("map_inverse", comparison=comparison)
+    return comparison.inverted is False
 
 
-def _check_ratio(chain: FrameChain, calibration: Calibration, sample: Sequence[Bands]) -> None:
-    low, high = calibration.predict_log(calibration.thickness_range)
+def _note_misfit(
+    chain: FrameChain, calibration: Calibration, sample: Sequence[Bands], *, in_order: bool
+) -> list[Note]:
+    ends = _ratios_of_films(calibration)
     shares = [
-        _share_ratios(log_ratio, noise, calibration)
-        for log_ratio, noise in ratios_of(chain, sample)
+        np.mean((ratio + _SIGMAS * std < ends[0]) | (ratio - _SIGMAS * std > ends[1]))
+        for ratio, std in ratios_of(chain, sample)
     ]
-    if not shares:
-        return
+    if not shares or np.median(shares) <= _IMPOSSIBLE:
+        return []
 
-    regular, inverted, impossible = np.median(shares, axis=0).tolist()
-    if inverted > _MOST and (regular < _FEW or impossible > _IMPOSSIBLE):
-        raise refusal(
-            "ratios_inverse", low=np.exp(low), high=np.exp(high), inverse=inverted, none=impossible
-        )
+    causes = ["light", "wall", "fixture"]
+    if max(abs(chain.blur.x), abs(chain.blur.y)) > _DEFOCUSED:
+        causes.insert(0, "focus")
+    if not in_order:
+        causes.append("exchanged")
+    listed = "; ".join(f"({n}) {_TEXTS[cause]}" for n, cause in enumerate(causes, 1))
+    low, high = np.exp(ends)
+    order = _TEXTS["in_order"] if in_order else ""
+    share = float(np.median(shares))
+    return [_note("ratios_misfit", share=share, low=low, high=high, order=order, causes=listed)]
 
 
-def _share_ratios(log_ratio: Image, std: Image, calibration: Calibration) -> list[float]:
-    """Shares of ratios in the calibrated range, of inverse ones in it, and above any film's."""
-    low, high = calibration.predict_log(calibration.thickness_range)
-    margin = _MARGIN * (high - low)
-
-    # no film, however thick, has a ratio above the highest of the model
-    films = np.geomspace(*_FILMS, _GRID)
-    highest = films[np.argmax(calibration.model.predict(films))]
-    gradient = calibration.model.gradient(highest)
-    ceiling_std = np.sqrt(gradient @ calibration.covariance @ gradient)
-    ceiling = float(calibration.model.predict(highest)) + _SIGMAS * ceiling_std
-    return [
-        float(((log_ratio > low - margin) & (log_ratio < high + margin)).mean()),
-        float(((-log_ratio > low - margin) & (-log_ratio < high + margin)).mean()),
-        float((log_ratio - _SIGMAS * std > ceiling).mean()),
-    ]
+def _ratios_of_films(calibration: Calibration) -> Array:
+    """Logarithms of the lowest and the highest ratio of any film, less and plus their error."""
+    model, films = calibration.model, np.geomspace(*_FILMS, _GRID)
+    extreme = np.array([films[0], films[np.argmax(model.predict(films))]])
+    gradient = model.gradient(extreme)
+    std = np.sqrt(np.einsum("it,ij,jt->t", gradient, calibration.covariance, gradient))
+    return np.asarray(model.predict(extreme) + np.array([-_SIGMAS, _SIGMAS]) * std)

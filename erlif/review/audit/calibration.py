@@ -12,7 +12,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
 from erlif.core.notes import Note, note_writer
 from erlif.io.ingest import Run, hash_inputs, open_fixture
-from erlif.pipeline.recording.swap import refuse_swapped_cameras
+from erlif.pipeline.recording.swap import judge_ratios
 from erlif.registration import MapNodes
 from erlif.review.audit.cameras import CameraSurvey
 
@@ -48,7 +48,7 @@ def note_calibration(run: Run, cameras: CameraSurvey, *, allow_outside: bool) ->
     calibration = open_calibration(path)
     check_bands(calibration, (settings.camera1.band, settings.camera2.band))
     own_map = calibration.camera_map
-    refuse_swapped_cameras(
+    yield from judge_ratios(
         cameras.chain,
         calibration,
         cameras.sample,

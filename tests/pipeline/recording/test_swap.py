@@ -1,9 +1,12 @@
-"""Runs whose cameras are exchanged in run.toml, with films whose ratio lies near 1."""
+"""Runs whose cameras are exchanged, and runs whose ratio is wrong by another cause."""
+
+from dataclasses import replace
 
 import pytest
 
 import erlif
 from erlif.core.errors import CalibrationError
+from erlif.core.notes import Level
 from erlif.core.progress import silent
 from erlif.io.ingest import open_run
 from erlif.pipeline.physics.joint import locate_run
@@ -41,11 +44,62 @@ def test_exchanged_cameras_are_recognised_by_their_map(rehearsal):
         erlif.process(rehearsal / "run", calibration=calibration)
 
 
+def notes_on_ratio(directory, calibration):
+    """Notes of the way to a film as far as the ratio is judged."""
+    run = open_run(directory / "run")
+    known = FixtureMap.of(calibration, run.settings)
+    prepared = prepare_run(run, locate_run(run), calibration, known, silent)
+    return [note for note in prepared.notes if note.subject == "ratio"]
+
+
+def order_of(note, *causes):
+    """Places of words in the text of a note."""
+    places = [note.text.find(cause) for cause in causes]
+    assert min(places) > 0, note.text
+    return places
+
+
 @pytest.mark.parametrize("seed", [20, 22, 24])
 def test_cameras_in_order_are_never_taken_for_exchanged(tmp_path, seed):
-    """The way to a film as far as exchanged cameras are refused; two of the rigs vibrate."""
+    """Two of the rigs vibrate."""
     rig = RigSettings(**SMALL, **NEAR_ONE, vibration=0.2 * (seed - 20))
     simulate(tmp_path, seed=seed, rig=rig)
-    run, calibration = open_run(tmp_path / "run"), erlif.calibrate(tmp_path / "fixture")
-    known = FixtureMap.of(calibration, run.settings)
-    prepare_run(run, locate_run(run), calibration, known, silent)
+    assert notes_on_ratio(tmp_path, erlif.calibrate(tmp_path / "fixture")) == []
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        {"brightness": (0.9, 1.0)},
+        {"brightness": (1.0, 1.25)},
+        {"brightness": (1.0, 0.75), "film_reference": 3.0},  # below the ratio of no film
+        {"wall": (0.1, 0.3)},
+    ],
+)
+def test_wrong_ratio_is_a_warning_and_the_map_excludes_exchanged_cameras(tmp_path, damage):
+    """Light, filter or gain of one camera, and a wall of another reflectance."""
+    simulate(tmp_path, seed=3, rig=RigSettings(**(SMALL | damage)))
+    (note,) = notes_on_ratio(tmp_path, erlif.calibrate(tmp_path / "fixture"))
+    assert note.level is Level.WARNING
+    light, wall, fixture = order_of(note, "exposure, filter or gain", "the wall", "the profile")
+    assert light < wall < fixture
+    assert "The cameras are not exchanged" in note.text
+
+
+def test_camera_out_of_focus_is_the_first_cause(tmp_path):
+    rig = RigSettings(**SMALL)
+    simulate(tmp_path / "sharp", seed=3, rig=rig)
+    simulate(tmp_path / "blurred", seed=3, rig=replace(rig, blur=(0.5, 2.0)))
+    calibration = erlif.calibrate(tmp_path / "sharp" / "fixture")
+    (note,) = notes_on_ratio(tmp_path / "blurred", calibration)
+    focus, light = order_of(note, "out of focus", "exposure, filter or gain")
+    assert focus < light
+
+
+def test_exchanged_cameras_without_a_map_are_one_cause_among_others(tmp_path):
+    simulate(tmp_path, seed=3, rig=RigSettings(**SMALL))
+    exchange_cameras(tmp_path / "run")
+    calibration = replace(erlif.calibrate(tmp_path / "fixture"), camera_map=None)
+    (note,) = notes_on_ratio(tmp_path, calibration)
+    light, exchanged = order_of(note, "exposure, filter or gain", "the cameras are exchanged")
+    assert light < exchanged
