@@ -4,7 +4,7 @@ The gap of rigid circles has the curvature of their radii along sliding and none
 deviation has one of few causes. Wrong radii change the curvature by the same share at any film. So
 does a wrong scale of the calibration, by which curvature and film grow together; any other error of
 the calibration changes with the film. A bent pin has a curvature along the axis. The pressure of a
-thin film flattens the surfaces.
+thin film flattens the surfaces. Errors that frames do not show imitate each of them.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from enum import StrEnum
 
 import numpy as np
 
+from erlif.calibration import Systematics
 from erlif.core.arrays import Array
 from erlif.trend.position import FittedNumbers, PinPosition, PinView
 
@@ -24,6 +25,9 @@ SCALE_STD = 0.01
 
 # Deviation from which a cause is named. [std]
 SIGNIFICANT = 3.0
+
+# Largest size of an error that frames do not show for which it is named. [1]
+_LARGEST = 0.1
 
 # Change of the excess over the films, relative to it, from which it depends on the film.
 _DISTINCT = 0.3
@@ -37,6 +41,25 @@ class Cause(StrEnum):
     CALIBRATION = "calibration"
     BENDING = "bending"
     FLATTENING = "flattening"
+
+
+@dataclass(frozen=True)
+class Imitation:
+    """An error that frames do not show and that makes the same deviation.
+
+    Attributes
+    ----------
+    term : str
+        As in [systematics].
+    size : float
+        How large it would be in the run. [1]
+    cost : float
+        Misfit of the triggers with it, and its size over its standard deviation, squared. [1]
+    """
+
+    term: str
+    size: float
+    cost: float
 
 
 @dataclass(frozen=True)
@@ -60,7 +83,9 @@ class GapForm:
     films : tuple[float, float]
         Thinnest and thickest film at the load line. [um]
     cause : Cause
-        What is likely behind a significant deviation.
+        What is behind a significant deviation where it is that of the joint or of the fixture.
+    imitations : tuple[Imitation, ...]
+        What makes the same deviation, the likeliest first; empty where there is none.
     """
 
     excess: float
@@ -71,6 +96,7 @@ class GapForm:
     bend_std: float
     films: tuple[float, float]
     cause: Cause
+    imitations: tuple[Imitation, ...] = ()
 
 
 def judge_form(
@@ -80,6 +106,7 @@ def judge_form(
     calibration_cov: Array,
     clearance_std: float = 0.0,
     flattening: float = 0.0,
+    systematics: Systematics | None = None,
 ) -> GapForm | None:
     """Compare the form of the gap at all triggers with that of rigid circles.
 
@@ -95,6 +122,8 @@ def judge_form(
         and scale are weighed. [um]
     flattening : float
         Depth 2 q / (pi E*) of a Hertzian contact under the load; 0 for rigid bodies. [um]
+    systematics : Systematics, optional
+        Of the calibration; the last parameters of `calibration_cov`.
 
     Returns
     -------
@@ -151,6 +180,12 @@ def judge_form(
     else:
         clearance = clearance_std / view.clearance
         cause = Cause.RADII if clearance > SCALE_STD else Cause.CALIBRATION
+
+    imitations: list[Imitation] = []
+    if cause is not Cause.NONE and systematics is not None:
+        n, values = (1, bend) if cause is Cause.BENDING else (0, excess)
+        gradient = np.array([one.form.gradient[n] for one in known])
+        imitations = _find_imitations(values, cov[n], gradient, systematics)
     return GapForm(
         excess=mean,
         excess_std=excess_std,
@@ -160,7 +195,25 @@ def judge_form(
         bend_std=bent_std,
         films=(float(film.min()), float(film.max())),
         cause=cause,
+        imitations=tuple(imitations),
     )
+
+
+def _find_imitations(
+    values: Array, covariance: Array, gradient: Array, systematics: Systematics
+) -> list[Imitation]:
+    """Terms whose size explains a number of all triggers, each by its best parameter."""
+    found: dict[str, Imitation] = {}
+    width, scale = np.sqrt(np.diag(systematics.covariance)), np.diag(covariance)
+    for n, term in enumerate(systematics.terms):
+        column = gradient[:, n - len(width)]
+        if term == "position" or width[n] == 0 or not column.any():  # a position is in um
+            continue
+        error, _ = _combine(values, covariance, column[None])
+        cost = float(((values - error * column) ** 2 / scale).sum() + (error / width[n]) ** 2)
+        if abs(error) < _LARGEST and (term not in found or cost < found[term].cost):
+            found[term] = Imitation(term, -error, cost)  # the run has what its calibration lacks
+    return sorted(found.values(), key=lambda one: one.cost)
 
 
 def _covariance(forms: Sequence[FittedNumbers], number: int, calibration_cov: Array) -> Array:

@@ -21,6 +21,7 @@ from erlif.models.contact import conformal_radius, contact_modulus, hertz_line
 from erlif.pipeline.plane import ObjectPlane
 from erlif.trend import (
     PARAMETERS,
+    SCALE_STD,
     SIGNIFICANT,
     Cause,
     GapForm,
@@ -31,7 +32,11 @@ from erlif.trend import (
 
 _note = note_writer("erlif.pipeline")
 
-_TEXTS = read_table("erlif.pipeline", "words.toml")["pin"]
+_WORDS = read_table("erlif.pipeline", "words.toml")
+_TEXTS, _SYSTEMATICS = _WORDS["pin"], _WORDS["systematics"]["terms"]
+
+# Errors that frames do not show, of those that a note names.
+_LISTED = 3
 
 # Directions of displacement and tilt: towards the load, and sideways along sliding.
 AXES = ("load", "side")
@@ -129,6 +134,7 @@ def note_form(
         calibration_cov=calibration.full_covariance,
         clearance_std=_clearance_std(joint),
         flattening=depth,
+        systematics=calibration.systematics,
     )
     if form is None:
         return []
@@ -144,24 +150,42 @@ def note_form(
 
 
 def _note_cause(form: GapForm, view: PinView, joint: JointSettings) -> Note:
-    """A deviation of the form, with its likely cause."""
+    """A deviation of the form, with its causes by likelihood."""
+    imitations = [
+        _TEXTS["by_systematics"].format(what=_SYSTEMATICS[one.term][0], size=100 * one.size)
+        for one in form.imitations[:_LISTED]
+    ]
     if form.cause is Cause.BENDING:
-        return _note("pin_bent", bend=1e3 * form.bend, std=1e3 * form.bend_std)
+        causes = _list([_TEXTS["by_bending"], _TEXTS["by_dark"], *imitations])
+        return _note("pin_bent", bend=1e3 * form.bend, std=1e3 * form.bend_std, causes=causes)
+
     excess, (low, high) = 100 * form.excess, form.films
     change, change_std = 100 * form.excess_change, 100 * form.excess_change_std
+    std = _clearance_std(joint)
     if form.cause is Cause.FLATTENING:
-        cause = _TEXTS["by_flattening"]
+        own = [_TEXTS["by_flattening"]]
     elif abs(change) > SIGNIFICANT * change_std and form.cause is Cause.CALIBRATION:
-        cause = _TEXTS["by_calibration"].format(change=change, std=change_std)
+        own = [_TEXTS["by_calibration"].format(change=change, std=change_std)]
     else:
-        clearance, std = view.clearance * (1 + form.excess), _clearance_std(joint)
+        clearance = view.clearance * (1 + form.excess)
         radii = _TEXTS["by_radii"].format(clearance=clearance, stated=view.clearance, std=std)
         thick = "thick" if form.excess > 0 else "thin"
         scale = _TEXTS["by_scale"].format(excess=abs(excess), thick=thick)
-        first, second = (radii, scale) if form.cause is Cause.RADII else (scale, radii)
-        cause = _TEXTS["either"].format(first=first, second=second)
+        own = [radii, scale] if form.cause is Cause.RADII else [scale, radii]
+
+    # radii and scale are known better than the errors that frames do not show, or less well
+    own_cost = (form.excess / math.hypot(std / view.clearance, SCALE_STD)) ** 2
+    first = bool(form.imitations) and form.imitations[0].cost < own_cost
+    causes = _list([*imitations, *own] if first else [*own, *imitations])
     std = 100 * form.excess_std
-    return _note("pin_curved", excess=excess, std=std, low=low, high=high, cause=cause)
+    return _note("pin_curved", excess=excess, std=std, low=low, high=high, causes=causes)
+
+
+def _list(causes: Sequence[str]) -> str:
+    """Causes as one text, numbered where there are several."""
+    if len(causes) == 1:
+        return causes[0]
+    return "; ".join(f"({n}) {cause}" for n, cause in enumerate(causes, 1))
 
 
 def _flattening(joint: JointSettings, load: float) -> float:
