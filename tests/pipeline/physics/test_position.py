@@ -1,5 +1,7 @@
 """The position of the pin of a run: against its true film, and as variables of the film."""
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -8,7 +10,7 @@ from scenes.pin import fit_true_film
 from scenes.results import make_position
 
 import erlif
-from erlif.calibration import calibration_of
+from erlif.calibration import Systematics, calibration_of
 from erlif.core.notes import Level
 from erlif.io.ingest import open_run
 from erlif.pipeline.physics.position import describe_positions, note_form
@@ -95,10 +97,15 @@ FLATTENED = [make_position((-1.5 * 0.382 / h * 0.20525, 0.0), film=h) for h in (
         # 10 % less of 0.2053 um/mm2; radii to 0.01 mm give a clearance to 4.1 um
         (forms(-0.02053), {}, "deviates by -10.0 ± 1."),
         (forms(-0.02053), {}, "a clearance of 207.0 um in place of 230.0 um, stated to ± 4.1 um"),
-        (forms(0.02053), {"radii": EXACT}, "Likely: films that the calibration makes 10.0 % too"),
-        (CHANGING, {}, "Likely: the calibration, because the deviation changes with the film"),
+        (
+            forms(0.02053),
+            {"radii": EXACT},
+            "likely, in this order: (1) films that the calibration makes 10.0 % too",
+        ),
+        (CHANGING, {}, "likely, in this order: the calibration, because the deviation changes"),
         (forms(0.0, 0.01), {}, "curved along the axis, 10.00 ± 0.71 nm/mm2"),
-        (FLATTENED, {"load": 222.4}, "Likely: elastic flattening"),
+        (forms(0.0, 0.01), {}, "(1) a bent pin or an uneven bore; (2) a wrong dark, or light"),
+        (FLATTENED, {"load": 222.4}, "likely, in this order: elastic flattening"),
     ],
 )
 def test_curvature_is_reported_with_its_likely_cause(
@@ -107,6 +114,30 @@ def test_curvature_is_reported_with_its_likely_cause(
     note = notes_of(small_rig, calibration, positions, **options)[0]
     assert note.level is Level.WARNING
     assert words in note.text
+
+
+@pytest.mark.parametrize(
+    ("width", "first"), [(0.014, "scale of the ratio"), (0.004, "a clearance of 207.0 um")]
+)
+def test_errors_that_frames_do_not_show_are_among_the_causes(small_rig, calibration, width, first):
+    """A calibration 1 % low in the ratio makes gaps 2 % flatter here; these are 10 % flatter.
+
+    The radii are known to 1.8 % and the film scale to 1 %: 10 % are 4.9 of their standard
+    deviations, a ratio 5 % high is 3.6 or 12.5 of its own.
+    """
+    systematics = Systematics.of({"ratio": width}, parameters=3)
+    known = replace(calibration, systematics=systematics)
+    gradient = np.array([[0.0, 0.0, 0.0, 2 * 0.20525], [0.0, 0.0, 0.0, 0.0]])
+    wide = np.zeros((4, 4))
+    positions = [
+        replace(one, gradient=wide, form=replace(one.form, gradient=gradient))
+        for one in forms(-0.02053)
+    ]
+    (note,) = notes_of(small_rig, known, positions)
+    likeliest, _, _ = note.text.partition("(2)")
+    assert first in likeliest
+    assert "scale of the ratio between fixture and run (+5.0 %)" in note.text
+    assert "a clearance of 207.0 um" in note.text
 
 
 def test_flattening_beyond_the_error_of_the_position_is_noted(small_rig, calibration):
