@@ -27,7 +27,7 @@ SCALE_STD = 0.01
 SIGNIFICANT = 3.0
 
 # Largest size of an error that frames do not show for which it is named. [1]
-_LARGEST = 0.1
+_LARGEST = 0.3
 
 # Change of the excess over the films, relative to it, from which it depends on the film.
 _DISTINCT = 0.3
