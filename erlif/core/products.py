@@ -33,7 +33,7 @@ read_noise [electron], full_scale (count at saturation) [DN]: (camera).
 
 Where the dry joint was recorded, background and background_var (camera, y, x), its light above the
 dark at the mean pulse energy [DN, DN2]; the variance is that of the mean page, dark not included.
-background_recorded (camera) is False where there were no pages.
+background_recorded (camera) is False where there were no pages, background_pages is their number.
 
 Characteristics after EMVA 1288, (camera), NaN where not measured: gain_measured and
 read_noise_measured with gain_std and read_noise_std, dark_signal with dark_signal_std and

@@ -404,6 +404,7 @@ def _describe_background(measured: CameraMeasurement, dataset: xr.Dataset) -> xr
             "background": (("y", "x"), mean, {"units": "DN"}),
             "background_var": (("y", "x"), variance, {"units": "DN2"}),
             "background_recorded": ((), background is not None),
+            "background_pages": ((), 0 if background is None else background.pages),
         }
     )
 

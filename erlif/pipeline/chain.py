@@ -72,6 +72,12 @@ class FrameCorrection(PickledByFields):
         tabulated.__dict__["tables"] = self.tables
         return tabulated
 
+    def with_energies(self, energies: Array) -> FrameCorrection:
+        """The same with other pulse energies, (frame,). [1]"""
+        changed = replace(self, energies=energies)
+        changed.__dict__["tables"] = self.tables
+        return changed
+
     def light(self, frame: int, *, out: PairLight | None = None) -> PairLight:
         """Light of one frame pair as plain arrays, in those of ``out`` where they are given."""
         return self.measure(frame, read_pair(self.pairs, frame).counts, out=out)

@@ -30,7 +30,7 @@ from erlif.pipeline.physics.light import (
 from erlif.pipeline.physics.systematics import add_systematics, update_systematics
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.prepare import prepare_chain
-from erlif.pipeline.recording.pulses import read_energies
+from erlif.pipeline.recording.pulses import complete_energies, read_energies
 from erlif.pipeline.recording.register import FixtureMap
 from erlif.ratio import PairRatio, RatioSum
 from erlif.review.refusals import refusal
@@ -145,7 +145,7 @@ def budget(
     check_bands(calibration, (settings.camera1.band, settings.camera2.band))
     known = FixtureMap.of(calibration, settings)
     prepared = prepare_chain(run, progress, stored=known.stored)
-    chain = prepared.chain
+    chain = complete_energies(prepared.chain, calibration)
     calibration = add_systematics(calibration, settings, chain, prepared.sample)
     plane = ObjectPlane(settings, run.pairs.shape)
 

@@ -183,6 +183,7 @@ def write_background_pages(directory: Path, setup: Setup, rng: np.random.Generat
         return
     for number, camera in enumerate(setup.cameras, start=1):
         energy = 1 + rig.pulse_jitter * rng.standard_normal(rig.background_pages)
+        energy *= rig.background_energy
         light = setup.background(number, setup.x, setup.y)
         write_pages(
             directory / f"camera{number}_background.tif",

@@ -198,6 +198,8 @@ class RigSettings:
         The same with the shape of the laser beam.
     background_pages : int
         Pages of the dry joint written for each camera; 0 writes none.
+    background_energy : float
+        Mean pulse energy of these pages over that of the run.
     bleaching : tuple[float, float]
         Share of dye 1 and dye 2 that each pulse of the run destroys.
     wall : tuple[float, float]
@@ -328,6 +330,7 @@ class RigSettings:
     background: float = 0.0
     background_beam: float = 0.0
     background_pages: int = 0
+    background_energy: float = 1.0
     bleaching: tuple[float, float] = (0.0, 0.0)
     reference: float = 0.0
 
@@ -370,6 +373,7 @@ class RigSettings:
         found = {
             "ratio": self.brightness != (1, 1) or self.gain_step[1] != 1,
             "background": any((self.background, self.background_beam, *self.dark_drift)),
+            **({"energy": self.background_energy != 1} if self.background_pages else {}),
             "bleaching": any(self.bleaching),
             "temperature": self.warming != 0,
             "wall": self.wall[0] != self.wall[1],

@@ -3,10 +3,16 @@
 import shutil
 
 import numpy as np
+import numpy.testing as npt
 import pytest
 
 import erlif
 from conftest import Laboratory
+from erlif.core.progress import silent
+from erlif.io.ingest import open_run
+from erlif.pipeline.physics.joint import locate_run
+from erlif.pipeline.recording.prepare import prepare_run
+from erlif.pipeline.recording.register import FixtureMap
 from erlif.rig import RigSettings
 
 RIG = RigSettings(
@@ -72,3 +78,33 @@ def test_background_of_the_wrong_frames_is_refused(lab):
     shutil.copy(copy / "camera1" / "frame_0005.tif", copy / "camera1_background.tif")
     with pytest.raises(erlif.ErlifError, match="dry or dye-free joint"):
         erlif.process(copy, workers=1)
+
+
+def test_pulse_energies_come_from_the_light_where_the_log_has_none(lab, corrected):
+    run = lab.copy_run("without")
+    rows = [row.rsplit(",", 1)[0] for row in (run / "encoder.csv").read_text().splitlines()]
+    (run / "encoder.csv").write_text("\n".join(rows) + "\n")
+    film = erlif.process(run, workers=1)
+
+    # the meter is good to half a per cent; at the mean energy films would change by up to 20 nm
+    true = lab.truth.film.values
+    inside = (film["flags"].values == 0) & (corrected["flags"].values == 0) & (true < 5)
+    change = film.thickness.values - corrected.thickness.values
+    means = [one[good].mean() for one, good in zip(change, inside, strict=True) if good.sum() > 999]
+    assert len(means) > 3
+    assert np.abs(means).max() < 0.003
+
+
+def test_error_of_the_energy_of_dry_frames_is_one_of_the_systematics(lab, corrected):
+    run = open_run(lab.copy_run("energy", ('\nenergy = "0 %"', '\nenergy = "5 %"')))
+    calibration = erlif.open_calibration(lab.fixture / "calibration.nc")
+    known = FixtureMap.of(calibration, run.settings)
+    ready = prepare_run(run, locate_run(run), calibration, known, silent)
+    systematics = ready.measuring.systematics
+    rows = [n for n, term in enumerate(systematics.terms) if term == "background"]
+
+    # 3 % of the light, 5 % by the mean energy; about 10 % by each of 8 pages and 16 frames
+    by_chance = np.var(lab.truth.pulse_energy.values) * (1 / 8 + 1 / 16) * np.eye(2)
+    found = systematics.covariance[np.ix_(rows, rows)] / 0.03**2
+    npt.assert_allclose(found, 0.05**2 + by_chance, rtol=0.3)
+    assert corrected.film_mean_error.sel(error_term="background").min() > 0.005

@@ -432,6 +432,7 @@ class SystematicsOptions(Settings):
 
     ratio: Share = 1.0
     background: Share = 1.5
+    energy: Share = 5.0
     bleaching: Share = 1.0
     temperature: Share = 0.5
     wall: Share = 2.0

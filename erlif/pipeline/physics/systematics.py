@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.calibration import TERMS, Calibration, Systematics
+from erlif.core.arrays import Array
 from erlif.core.tables import read_table
 from erlif.core.variables import FILM
 from erlif.io.settings import LightOptions, RunSettings
@@ -43,8 +44,9 @@ def add_systematics(
     -------
     Calibration
     """
-    shares = settings.systematics.shares
-    if settings.camera1.background is not None:
+    shares, stated = settings.systematics.shares, settings.systematics.model_fields_set
+    dry = "background_recorded" in chain.references
+    if dry and "background" not in stated:
         shares["background"] = 0.0
     of_fixture = calibration.systematics
     fixture = {} if of_fixture is None else of_fixture.widths
@@ -54,11 +56,36 @@ def add_systematics(
         film = float(calibration.inverse.look_up(np.array([median]))[0])
     one = float(calibration.model.light(film).signal)
     two = one * float(calibration.predict(film))
+    of_dry = _error_of_dry_joint(chain, sample, shares["energy"]) if dry else np.zeros((2, 2))
     alone = replace(calibration, systematics=None)
     found = Systematics.of(
         fixture | shares, parameters=len(alone.full_covariance), light=(one, two)
     )
+    shares_of_light = [n for n, term in enumerate(found.terms) if term == "background"]
+    found.covariance[np.ix_(shares_of_light, shares_of_light)] += of_dry
     return replace(alone, systematics=found)
+
+
+def _error_of_dry_joint(chain: FrameChain, sample: Sequence[Bands], energy_std: float) -> Array:
+    """Covariance of what the frames of a dry joint leave of its light, (camera, camera). [1]
+
+    Their mean energy over that of the run is an error common to both cameras. By chance it differs
+    with the number of pages as well, in each camera for itself.
+    """
+    correct, pages = chain.correct, chain.references.background_pages.values
+    bands = [
+        band.signal.values / correct.energy(int(band.frame[0])) for each in sample for band in each
+    ]
+    lights = np.nanmedian(np.concatenate([band.reshape(2, -1) for band in bands], axis=1), axis=1)
+    dry = np.array(
+        [
+            np.median(table.noise.dry_light) / light
+            for table, light in zip(correct.tables, lights, strict=True)
+        ]
+    )
+    energies = np.ones(1) if correct.energies is None else correct.energies
+    by_chance = np.var(energies) * (1 / np.maximum(pages, 1) + 1 / energies.size)
+    return np.outer(dry, dry) * (energy_std**2 + np.diag(by_chance))
 
 
 def without_background(calibration: Calibration) -> Calibration:
@@ -203,7 +230,8 @@ def name_largest_error(
     trigger = known[np.argsort(film.film_mean.values[known])[known.size // 2]]
     errors = film.film_mean_error.values[:, trigger]
     term = str(film.error_term.values[int(np.argmax(errors))])
-    what, cure = _TEXTS["terms"][term]
+    dry = term == "background" and settings.camera1.background is not None
+    what, cure = _TEXTS["terms"]["dry" if dry else term]
     source = _TEXTS[_source_of(term, settings, before, after)] if term in TERMS else ""
     return str(
         _TEXTS["largest"].format(

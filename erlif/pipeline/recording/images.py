@@ -86,6 +86,8 @@ def restore_images(
         raise refusal("no_pair_of_trigger", trigger=trigger)
 
     chain = prepare_with_map(run, stored.camera_map, blur=stored.blur).chain
+    if chain.correct.energies is None:
+        chain = replace(chain, correct=chain.correct.with_energies(stored.energies))
     return _combine(chain, stored, frames, trigger)
 
 
@@ -99,6 +101,7 @@ class _Stored:
     trigger_of: npt.NDArray[np.int64]  # (frame,): trigger of each frame
     # (frame, axis x y): drift on top of the camera map; NaN where it is not known. [px]
     drift: Array
+    energies: Array  # (frame,): pulse energy over the mean of the run. [1]
     files: tuple[list[str], list[str]]  # file of each frame, camera 1 and camera 2
     x: xr.DataArray  # columns in the object plane. [mm]
     y: xr.DataArray  # rows in the object plane. [mm]
@@ -122,10 +125,13 @@ def _read_stored(film_path: Path, trigger: int) -> _Stored:
             raise refusal("no_frame_names", film=film_path)
         drift = np.column_stack([frames.drift_x.values, frames.drift_y.values])
         files = [[str(name) for name in frames[f"file_camera{n}"].values] for n in (1, 2)]
+        energies = np.nan_to_num(frames.pulse_energy.values, nan=1.0)
         trigger_of = frames.trigger.values.astype(np.int64)
 
     blur = BlurDifference(*map(float, difference), *map(float, std))
-    return _Stored(settings, camera_map, blur, trigger_of, drift, (files[0], files[1]), x, y)
+    return _Stored(
+        settings, camera_map, blur, trigger_of, drift, energies, (files[0], files[1]), x, y
+    )
 
 
 def _check_run(run: Run, stored: _Stored) -> None:

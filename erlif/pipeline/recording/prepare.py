@@ -22,7 +22,11 @@ from erlif.pipeline.physics.systematics import add_systematics
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.cameras import characterise_cameras
 from erlif.pipeline.recording.noise import NoiseCompletion, complete_noise, find_unknowns
-from erlif.pipeline.recording.pulses import read_energies, refuse_stuck_cameras
+from erlif.pipeline.recording.pulses import (
+    complete_energies,
+    read_energies,
+    refuse_stuck_cameras,
+)
 from erlif.pipeline.recording.register import FixtureMap, register_cameras
 from erlif.pipeline.recording.sample import compare_sharpness, sample_frames
 from erlif.pipeline.recording.swap import judge_ratios
@@ -202,6 +206,7 @@ def prepare_run(
     prepared = prepare_chain(run, progress, stored=known.stored, tables_only=not correct)
     chain = prepared.chain
     misfit = judge_ratios(chain, calibration, prepared.sample, stored=known.nodes)
+    chain = complete_energies(chain, calibration)
     calibration = add_systematics(calibration, run.settings, chain, prepared.sample)
 
     # a background that is to be subtracted is found before the films are measured

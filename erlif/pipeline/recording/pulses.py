@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from erlif.calibration import Calibration
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError
 from erlif.core.notes import Note, list_some, note_writer
 from erlif.core.products import EncoderLog
 from erlif.core.tables import read_table
 from erlif.io.ingest import FramePairs, read_pair
+from erlif.pipeline.chain import FrameChain
+from erlif.pipeline.engines.engine import Threads
 from erlif.pipeline.engines.results import FrameResult
+from erlif.pipeline.passes import measure_pulse
 from erlif.ratio import PulseFault, PulseSample, find_pulse_faults
+from erlif.thickness import FilmTables
 
 _note = note_writer("erlif.pipeline")
 
@@ -63,6 +69,39 @@ def read_energies(log: EncoderLog) -> Array | None:
             return None
         return np.asarray(energy / energy.mean(), float)
     return None
+
+
+def complete_energies(chain: FrameChain, calibration: Calibration) -> FrameChain:
+    """The chain with the energy of each pulse by the light of its film, where a log has none.
+
+    Only the light of a dry joint is scaled by it. The film of the mean energy is good enough: where
+    the dry joint has 3 % of the light, a pulse that is 10 % off is known to 0.3 %.
+
+    Parameters
+    ----------
+    chain : FrameChain
+    calibration : Calibration
+
+    Returns
+    -------
+    FrameChain
+        The same where the dry joint was not photographed, or the energies are known. A frame whose
+        energy is not found has that of the mean.
+    """
+    correct, frames = chain.correct, chain.pairs.usable
+    if "background_recorded" not in correct.references or correct.energies is not None:
+        return chain
+
+    tables, model = FilmTables.of(calibration), calibration.model
+    energies = np.full(len(chain.pairs.pages[0]), np.nan)
+    Threads().compute(
+        lambda frame: measure_pulse(chain.measure(frame), tables, model=model),
+        frames,
+        energies.__setitem__,
+    )
+    if np.isfinite(energies).any():
+        energies /= np.nanmean(energies)
+    return replace(chain, correct=correct.with_energies(np.nan_to_num(energies, nan=1.0)))
 
 
 def refuse_stuck_cameras(pairs: FramePairs) -> None:
