@@ -102,6 +102,10 @@ class Calibration:
         a, attenuation of the laser alone; None where the wall behind the film is black. [1/um]
     reflectance : float | None
         R, share of laser and emission that the wall behind the film returns; None likewise. [1]
+    later : Calibration | None
+        That of the fixture after the run, as `until` takes it; None where there is one fixture.
+    passed : float
+        Share of the run that has passed: the curve lies so far on the way to that of `later`. [1]
     """
 
     ratio_at_zero: float
@@ -123,6 +127,8 @@ class Calibration:
     systematics: Systematics | None = field(default=None, repr=False)
     attenuation_laser: float | None = None
     reflectance: float | None = None
+    later: Calibration | None = field(default=None, repr=False)
+    passed: float = 0.0
 
     def __repr__(self) -> str:
         lines = [f"calibration {self.fixture!r}"]
@@ -146,6 +152,9 @@ class Calibration:
         It may extend beyond `thickness_range`: a pixel whose film lies within that range may
         exceed it by its noise, and is then still measured.
         """
+        if self.later is not None:
+            low, high = replace(self, later=None).covered_range
+            return max(low, self.later.covered_range[0]), min(high, self.later.covered_range[1])
         low, high = self.thickness_range
         measured = self.curve.get("curve_thickness")
         if measured is None or not self.model.reflects:
@@ -179,13 +188,27 @@ class Calibration:
 
     def predict_log(self, thickness: npt.ArrayLike) -> Array:
         """Natural logarithm of the ratio of a film, departure included. `thickness` in um."""
-        modelled = self.model.predict(thickness)
-        return modelled if self.departure is None else modelled + self.departure.predict(thickness)
+        found = self.model.predict(thickness)
+        if self.departure is not None:
+            found = found + self.departure.predict(thickness)
+        if self.later is not None:
+            found = found + self.passed * (self.later.predict_log(thickness) - found)
+        return found
+
+    def change(self, thickness: npt.ArrayLike) -> Array:
+        """Logarithm of the ratio after the run less that before it; 0 of one fixture. [1]"""
+        if self.later is None:
+            return np.zeros(np.shape(thickness))
+        return self.later.predict_log(thickness) - self.at(0.0).predict_log(thickness)
 
     def slope(self, thickness: npt.ArrayLike) -> Array:
         """Derivative of the logarithm of the ratio by thickness. [1/um]"""
-        modelled = self.model.slope(thickness)
-        return modelled if self.departure is None else modelled + self.departure.slope(thickness)
+        found = self.model.slope(thickness)
+        if self.departure is not None:
+            found = found + self.departure.slope(thickness)
+        if self.later is not None:
+            found = found + self.passed * (self.later.slope(thickness) - found)
+        return found
 
     def gradient(self, thickness: npt.ArrayLike) -> Array:
         """Derivatives of the logarithm of the ratio by all fitted parameters, (n, ...).
@@ -196,7 +219,8 @@ class Calibration:
         if self.departure is not None:
             parts.append(self.departure.basis(thickness))
         if self.systematics is not None:
-            parts.append(self.systematics.gradient(thickness, self.model, self.slope(thickness)))
+            slope, change = self.slope(thickness), self.change(thickness)
+            parts.append(self.systematics.gradient(thickness, self.model, slope, change))
         return np.concatenate(parts)
 
     def film_gradient(self, thickness: npt.ArrayLike) -> Array:
@@ -248,10 +272,59 @@ class Calibration:
         return np.asarray(self.log_ratio_std(thickness) / self.slope(thickness))
 
     def at(self, passed: float) -> Calibration:
-        """The same with what grows during a run as it is when a share of the run has passed."""
-        if self.systematics is None or not self.systematics.rising.any():
+        """The same with what changes during a run as it is when a share of the run has passed."""
+        systematics = self.systematics
+        if systematics is not None and systematics.varies.any():
+            systematics = replace(systematics, passed=passed)
+        elif self.later is None:
             return self
-        return replace(self, systematics=replace(self.systematics, passed=passed))
+        return replace(self, systematics=systematics, passed=passed)
+
+    def until(self, later: Calibration) -> Calibration:
+        """This calibration before a run with that of a fixture after it.
+
+        `at` gives the curve between the two. The errors are those of the first one: both fixtures
+        rest on one profile, whose readings are the larger part of it.
+
+        Parameters
+        ----------
+        later : Calibration
+            Of the same filter bands.
+
+        Returns
+        -------
+        Calibration
+            In the range that both cover.
+
+        Raises
+        ------
+        CalibrationError
+            If the bands differ, or no film is in both ranges.
+
+        Examples
+        --------
+        >>> from erlif.show.plots import example_calibration
+        >>> before = example_calibration()
+        >>> run = before.until(replace(before, ratio_at_zero=0.62))
+        >>> [round(float(run.at(passed).predict(5.0)), 3) for passed in (0.0, 0.5, 1.0)]
+        [0.865, 0.838, 0.812]
+        """
+        check_bands(later, self.bands)
+        low, high = (
+            choose(one, other)
+            for choose, one, other in zip(
+                (max, min), self.thickness_range, later.thickness_range, strict=True
+            )
+        )
+        if low >= high:
+            raise refusal(
+                "no_common_range", before=self.thickness_range, after=later.thickness_range
+            )
+        return replace(
+            self,
+            later=replace(later, camera_map=None, systematics=None),
+            thickness_range=(low, high),
+        )
 
     @cached_property
     def inverse(self) -> InverseTable:

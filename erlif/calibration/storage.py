@@ -164,7 +164,8 @@ def record_calibration(calibration: Calibration) -> str:
     Returns
     -------
     str
-        Parameters, covariance, ranges [um], departure and input hashes; `calibration_of` reads it.
+        Parameters, covariance, ranges [um], departure, input hashes, and the same of the fixture
+        after the run; `calibration_of` reads it.
 
     Examples
     --------
@@ -187,6 +188,8 @@ def record_calibration(calibration: Calibration) -> str:
         kept["departure"] = {name: each.tolist() for name, each in asdict(departure).items()}
     if calibration.systematics is not None:
         kept["systematics"] = calibration.systematics.to_record()
+    if calibration.later is not None:
+        kept["later"] = json.loads(record_calibration(calibration.later))
     return json.dumps(kept, sort_keys=True)
 
 
@@ -255,4 +258,5 @@ def _read_record(kept: dict[str, Any], settings: RunSettings) -> Calibration:
         systematics=(
             Systematics.from_record(kept["systematics"]) if "systematics" in kept else None
         ),
+        later=_read_record(kept["later"], settings) if "later" in kept else None,
     )

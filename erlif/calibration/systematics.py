@@ -13,10 +13,12 @@ linearity         counts that a camera loses in proportion to its light: -L1, +L
 background        light that is not film, in both bands: -1/L1, +1/L2
 position          origin of the fixture's profile: s
 size              scale of the fixture's profile: h s
+course            change between the fixtures before and after a run, off a straight line: D
 ================  ==================================================================
 
-with the film h, the slope s of the curve and the light L of each band over its median in the run.
-What grows during the run is multiplied by the share of it that has passed.
+with the film h, the slope s of the curve, the light L of each band over its median in the run and
+the change D of the curve from fixture to fixture. What grows during the run is multiplied by the
+share t of it that has passed, the course by 4 t (1 - t): it is known at both ends.
 """
 
 from __future__ import annotations
@@ -41,6 +43,7 @@ TERMS: dict[str, tuple[str, ...]] = {
     "background": ("background 1", "background 2"),
     "position": ("position",),
     "size": ("size",),
+    "course": ("course",),
 }
 
 # Correlation of the background of both bands where it is not measured: fluorescence of a window
@@ -128,12 +131,21 @@ class Systematics:
     @property
     def rising(self) -> Mask:
         """Parameters that grow during the run, (parameter,)."""
-        return np.array([kind.startswith("rising") for kind in self.kinds])
+        return np.array([kind.startswith("rising") for kind in self.kinds], bool)
+
+    @property
+    def varies(self) -> Mask:
+        """Parameters that act differently during the run, (parameter,)."""
+        return np.array(
+            [one or kind == "course" for one, kind in zip(self.rising, self.kinds, strict=True)],
+            bool,
+        )
 
     @property
     def weight(self) -> Array:
         """Factor of each parameter when `passed` of the run is over, (parameter,). [1]"""
-        return np.where(self.rising, self.passed, 1.0)
+        between = 4 * self.passed * (1 - self.passed)
+        return np.where(self.rising, self.passed, np.where(self.varies, between, 1.0))
 
     @property
     def prior(self) -> Systematics:
@@ -189,7 +201,9 @@ class Systematics:
         covariance[n, n] = width**2
         return replace(self, covariance=covariance)
 
-    def gradient(self, thickness: npt.ArrayLike, model: Reabsorption, slope: Array) -> Array:
+    def gradient(
+        self, thickness: npt.ArrayLike, model: Reabsorption, slope: Array, change: Array
+    ) -> Array:
         """Derivatives of the logarithm of the ratio by the parameters, (parameter, ...).
 
         Parameters
@@ -200,6 +214,8 @@ class Systematics:
             Of the calibration.
         slope : array
             Derivative of the logarithm of the ratio by thickness. [1/um]
+        change : array
+            Logarithm of the ratio of this film after the run less that before it. [1]
 
         Returns
         -------
@@ -219,6 +235,7 @@ class Systematics:
             "background 2": self.light[1] / two,
             "position": slope,
             "size": h * slope,
+            "course": change,
         }
         rows = np.empty((len(self.kinds), *h.shape))
         for n, kind in enumerate(self.kinds):

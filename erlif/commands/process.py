@@ -61,7 +61,7 @@ def _named_calibration(run_dir: Path) -> Path | None:
     from erlif.io.settings import read_run_settings
 
     try:
-        named = read_run_settings(run_dir).calibration
+        named = read_run_settings(run_dir).calibrations
     except ErlifError:
         return None
-    return None if named is None else Path(normpath(run_dir / named))
+    return Path(normpath(run_dir / named[0])) if len(named) == 1 else None

@@ -188,11 +188,18 @@ def find_calibration(
         return given
     if given is not None:
         return open_calibration(given)
-    if run.settings.calibration is None:
+    if not run.settings.calibrations:
         raise refusal("no_calibration")
 
-    # a fixture that was not calibrated yet is calibrated on the way
-    path = run.directory / run.settings.calibration
+    first, *others = (
+        _open_or_make(run.directory / name, allow_outside=allow_outside, progress=progress)
+        for name in run.settings.calibrations
+    )
+    return first.until(others[0]) if others else first
+
+
+def _open_or_make(path: Path, *, allow_outside: bool, progress: Progress) -> Calibration:
+    """A calibration from its file; a fixture that was not calibrated yet is calibrated."""
     if path.exists() or not (path.parent / "fixture.toml").is_file():
         return open_calibration(path)
     with stage("calibration", _logger):

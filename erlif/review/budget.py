@@ -181,13 +181,13 @@ def budget(
 
     # film thickness by the surroundings of each pixel
     near = np.where(valid, maps.log_ratio_near.values, 0.0)
-    film = calibration.inverse.look_up(near)
+    film = measuring.inverse.look_up(near)
 
     # single pixels, then the two statistics of the region
     columns = _pixel_columns(sources, film, valid, measuring, films, trigger)
     inside = np.zeros_like(valid)
     inside[region.rows, region.columns] = valid[region.rows, region.columns]
-    rate = 1 / calibration.slope(film)
+    rate = 1 / measuring.slope(film)
     columns += [
         _mean_column(statistics, measuring, sources, rate, inside),
         _minimum_column(statistics, measuring),

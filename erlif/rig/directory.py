@@ -15,15 +15,16 @@ from erlif.rig.run import write_rig
 from erlif.rig.settings import RigSettings
 
 # Names that a simulation writes into its directory.
-WRITTEN = ("fixture", "run", "truth.nc")
+WRITTEN = ("fixture", "fixture_after", "run", "truth.nc")
 
 # Files that a simulation writes, and those that the commands write beside them by default.
 _OWN = re.compile(
     r"truth\.nc"
-    r"|(run|fixture)/camera[12]/frame_\d+\.tif"
-    r"|(run|fixture)/camera[12]_(dark|flat|background)\.tif"
-    r"|run/(run\.toml|encoder\.\w+)|fixture/(fixture\.toml|profile\.csv)"
-    r"|run/(\.?film\.(nc|zarr)[^/]*(/.*)?|figures/.*|report\.html)|fixture/calibration\.\w+"
+    r"|(run|fixture(_after)?)/camera[12]/frame_\d+\.tif"
+    r"|(run|fixture(_after)?)/camera[12]_(dark|flat|background)\.tif"
+    r"|run/(run\.toml|encoder\.\w+)|fixture(_after)?/(fixture\.toml|profile\.csv)"
+    r"|run/(\.?film\.(nc|zarr)[^/]*(/.*)?|figures/.*|report\.html)"
+    r"|fixture(_after)?/calibration\.\w+"
 )
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
@@ -103,8 +104,8 @@ def simulate(
             )
             for name in existing:
                 shutil.rmtree(out / name) if (out / name).is_dir() else (out / name).unlink()
-            for name in WRITTEN:
-                (Path(scratch) / name).rename(out / name)
+            for path in Path(scratch).iterdir():
+                path.rename(out / path.name)
     except OSError as error:
         raise refusal("unwritable", out=out, reason=error.strerror or error) from error
     return out

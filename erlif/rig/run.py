@@ -1,6 +1,7 @@
 """Directories as the laboratory writes them: a fixture, a run, and the truth beside them."""
 
 import dataclasses
+import shutil
 from collections.abc import Callable, Iterable
 from functools import lru_cache, partial
 from pathlib import Path
@@ -45,6 +46,7 @@ _SMALLEST_UNCERTAINTY = 0.01  # um: a CMM states no uncertainty of zero
 _EVERY = 4  # pixel: step of the grid on which the median light is taken
 _REFERENCE_STD = 0.02  # um: uncertainty of the reference film
 _PATCH_EDGE = 2  # pixel: margin of the region named in run.toml within the patch
+_SESSION = 1_000_000  # frames of a fixture at most, so that those of two sessions differ
 _COMPRESSION = 3  # of zlib: higher levels are slower and compress noise no better
 
 
@@ -64,22 +66,30 @@ def write_rig(out: Path, *, seed: int, rig: RigSettings, progress: Progress) -> 
     setup = build_setup(seed, rig)
     drift = write_fixture(out / "fixture", setup, seed, progress)
     write_run(out / "run", out / "truth.nc", setup, seed, drift, progress)
+    if rig.fixture_after:
+        last = frame_times(list_pictures(rig), rig).size - 1
+        same_wall = dataclasses.replace(rig, wall=(rig.wall[0], rig.wall[0]))
+        aged = age(dataclasses.replace(setup, rig=same_wall), last, last + 1)
+        write_fixture(out / "fixture_after", aged, seed, progress, session=1)
+        shutil.copy(out / "fixture" / "profile.csv", out / "fixture_after")
 
 
-def write_fixture(directory: Path, setup: Setup, seed: int, progress: Progress) -> Array:
-    """Write the calibration fixture's session.
+def write_fixture(
+    directory: Path, setup: Setup, seed: int, progress: Progress, *, session: int = 0
+) -> Array:
+    """Write a session of the calibration fixture.
 
     Returns the drift of camera 2, (frame, axis x y). [pixel]
     """
     rig = setup.rig
     wedge = Wedge(rig)
-    rng = random_stream(seed, "fixture")
+    rng = random_stream(seed, "fixture", session)
     drift = vibrate(rig.fixture_frames, rig, rng) + rig.fixture_offset
     no_bubbles = Bubbles(*np.empty((3, 0)))
 
-    write_reference_pages(directory, setup, random_stream(seed, "fixture pages"))
+    write_reference_pages(directory, setup, random_stream(seed, "fixture pages", session))
     for k in range(rig.fixture_frames):
-        rng_frame = random_stream(seed, "fixture frame", k)
+        rng_frame = random_stream(seed, "fixture frame", session * _SESSION + k)
         energy = 1 + rig.pulse_jitter * rng_frame.standard_normal()
         grains = mix_grains(setup.grains, rig, rng_frame)
         shot = Shot(wedge, no_bubbles, grains, energy, (drift[k, 0], drift[k, 1]))

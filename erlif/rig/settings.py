@@ -236,6 +236,8 @@ class RigSettings:
         Standard deviation per axis of the extra shift of camera 2 in each frame. [pixel]
     fixture_frames : int
         Frame pairs of the wedge.
+    fixture_after : bool
+        Photograph the wedge once more after the run, with its last dyes, oil and gain.
     wedge : tuple[float, float]
         Film at the first and the last column. [um]
     wedge_form : float
@@ -355,6 +357,7 @@ class RigSettings:
 
     # calibration fixture
     fixture_frames: int = 12
+    fixture_after: bool = False
     wedge: tuple[float, float] = (0.1, 18.0)
     wedge_form: float = 0.1
     cmm_noise: float = 0.15

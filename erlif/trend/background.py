@@ -172,7 +172,8 @@ class BackgroundEstimate:
     def _gradient(self, thickness: Array, calibration: Calibration) -> Array:
         """Change of the film with both shares, (camera, ...). [um]"""
         slope = calibration.slope(thickness)
-        return self.error.gradient(thickness, calibration.model, slope) / slope
+        acts = self.error.gradient(thickness, calibration.model, slope, np.zeros_like(slope))
+        return np.asarray(acts / slope)
 
 
 def estimate_background(

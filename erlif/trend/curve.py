@@ -90,6 +90,8 @@ class FilmCurve:
     def at(self, passed: float) -> FilmCurve:
         """The same when a share of a run has passed, as `Calibration.at`."""
         calibration = self.calibration.at(passed)
+        if calibration.later is not None:
+            return FilmCurve.of(calibration)
         if calibration is self.calibration or calibration.systematics is None:
             return self
         weight = calibration.systematics.weight

@@ -160,6 +160,11 @@ FileName = Annotated[
     Form("file name or pattern", "camera1/*.tif"),
 ]
 
+CalibrationNames = Annotated[
+    FileName | tuple[FileName, FileName],
+    Form("file name, or two of them", "../fixture/calibration.nc"),
+]
+
 ColumnName = Annotated[
     str, Field(min_length=1, pattern=NO_CONTROL_CHARACTERS), Form("column", "Encoder [deg]")
 ]
@@ -438,6 +443,7 @@ class SystematicsOptions(Settings):
     wall: Share = 2.0
     linearity: Share = 1.0
     lag: Share = 0.5
+    course: Share = 7.0
 
     @property
     def shares(self) -> dict[str, float]:
@@ -493,7 +499,7 @@ MechanismSettings = Annotated[
 class RunSettings(Settings):
     """run.toml."""
 
-    calibration: FileName | None = None
+    calibration: CalibrationNames | None = None
     run: RunName
     camera1: CameraSettings
     camera2: CameraSettings
@@ -515,6 +521,12 @@ class RunSettings(Settings):
         return self.run.name
 
     @property
+    def calibrations(self) -> tuple[str, ...]:
+        """Files of the calibration: none, one, or those of the fixtures before and after a run."""
+        named = self.calibration
+        return (named,) if isinstance(named, str) else named or ()
+
+    @property
     def linkage(self) -> CrankRockerSettings | SliderCrankSettings | None:
         """The mechanism where it is a linkage, whose position follows from the encoder alone."""
         if isinstance(self.mechanism, CrankRockerSettings | SliderCrankSettings):
@@ -533,6 +545,12 @@ class RunSettings(Settings):
             yield (
                 "bins in [encoder] are parts of the cycle of a mechanism: add [mechanism], or "
                 "remove bins"
+            )
+
+        if len(self.calibrations) > 1 and self.light.bleaching == "correct":
+            yield (
+                "the fixture after the run shows the bleaching as well: remove bleaching from "
+                "[light], or name one calibration"
             )
 
         here = getattr(self.mechanism, "load", None)

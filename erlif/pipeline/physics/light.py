@@ -89,7 +89,11 @@ def kept_lights(frames: Sequence[FrameResult], pairs: FramePairs) -> dict[int, F
 
 
 def find_background(
-    lights: dict[int, FrameResult], calibration: Calibration, energies: Array | None
+    lights: dict[int, FrameResult],
+    calibration: Calibration,
+    energies: Array | None,
+    *,
+    pairs: int,
 ) -> BackgroundEstimate | None:
     """Estimate the background of a run.
 
@@ -100,6 +104,8 @@ def find_background(
     calibration : Calibration
     energies : array, (frame,), optional
         Relative pulse energies of all frames of the run, from the log. [1]
+    pairs : int
+        Frame pairs of the run.
 
     Returns
     -------
@@ -109,8 +115,9 @@ def find_background(
     frames = sorted(lights)
     if not frames:
         return None
+    record, calibration = _record(lights, calibration, pairs)
     estimate = estimate_background(
-        _record(lights),
+        record,
         cell_places(),
         without_background(calibration),
         energies=None if energies is None else energies[frames],
@@ -118,10 +125,21 @@ def find_background(
     return estimate if estimate is not None and estimate.determined else None
 
 
-def _record(lights: dict[int, FrameResult]) -> LightRecord:
-    """Light and ratio of the cells, frames in their order."""
-    parts = np.array([lights[frame].cells for frame in sorted(lights)], float)
-    return LightRecord(*parts.transpose(1, 0, 2))
+def _record(
+    lights: dict[int, FrameResult], calibration: Calibration, pairs: int
+) -> tuple[LightRecord, Calibration]:
+    """Light and ratio of the cells, frames in their order, and the curve that holds for all."""
+    frames = np.array(sorted(lights))
+    parts = np.array([lights[frame].cells for frame in frames], float)
+    record = LightRecord(*parts.transpose(1, 0, 2))
+    if calibration.later is None:
+        return record, calibration
+
+    # between two fixtures: the ratios of the same films in the middle of the run
+    middle = calibration.at(0.5)
+    early = 0.5 - frames[:, None] / max(pairs - 1, 1)
+    change = middle.change(middle.inverse.look_up(record.log_ratio))
+    return record._replace(log_ratio=record.log_ratio + early * change), middle
 
 
 def describe_background(
@@ -331,12 +349,13 @@ def find_light(
     course = None
     if lights:
         frames = np.array(sorted(lights))
-        course = find_ratio_change(frames, _record(lights), cell_places(), calibration)
+        record, curve = _record(lights, calibration, triggers.size)
+        course = find_ratio_change(frames, record, cell_places(), curve)
 
     # equal films show a drift better than one cycle does
     if course is not None and course.frame is None and bleaching is not None:
         course = None
-    background = find_background(lights, calibration, energies)
+    background = find_background(lights, calibration, energies, pairs=triggers.size)
     return LightFindings(background, bleaching, source, course)
 
 
@@ -396,7 +415,9 @@ def describe_light(
             frames=len(run.pairs.usable),
             corrected=options.bleaching == "correct",
         ),
-        describe_reference(results, run.settings.reference, calibration),
+        describe_reference(
+            results, run.settings.reference, calibration, pairs=len(run.pairs.pages[0])
+        ),
     ]
     variables: dict[str, Any] = {}
     notes = describe_course(findings.course, calibration)

@@ -23,7 +23,11 @@ _DEVIANT = 3.0
 
 
 def describe_reference(
-    results: Sequence[TriggerResult], reference: ReferenceSettings, calibration: Calibration
+    results: Sequence[TriggerResult],
+    reference: ReferenceSettings,
+    calibration: Calibration,
+    *,
+    pairs: int = 1,
 ) -> tuple[dict[str, Any], list[Note]]:
     """Film of the patch at each trigger, and whether it deviates from the known one.
 
@@ -33,6 +37,8 @@ def describe_reference(
         In the order of the triggers.
     reference : ReferenceSettings
     calibration : Calibration
+    pairs : int
+        Frame pairs of the run.
 
     Returns
     -------
@@ -45,7 +51,16 @@ def describe_reference(
         return {}, []
     known = 1e6 * reference.thickness
     uncertainty = 0.0 if reference.uncertainty is None else 1e6 * reference.uncertainty
-    film, random = np.array([_average(result, calibration) for result in results]).T.reshape(2, -1)
+    passed = [
+        sum(one.frame for one in result.frames) / (max(len(result.frames), 1) * max(pairs - 1, 1))
+        for result in results
+    ]
+    film, random = np.array(
+        [
+            _average(result, calibration.at(share))
+            for result, share in zip(results, passed, strict=True)
+        ]
+    ).T.reshape(2, -1)
     shared = np.asarray(calibration.thickness_std(np.where(np.isfinite(film), film, known)))
     variables = {
         "reference_film": FILM["reference_film"].fill(

@@ -22,6 +22,10 @@ from erlif.trend import BackgroundEstimate, Change, FilmStatistics, Trend
 _TEXTS = read_table("erlif.pipeline", "words.toml")["systematics"]
 
 
+# Terms that the difference of two fixtures holds.
+_BETWEEN_FIXTURES = ("ratio", "temperature", "bleaching")
+
+
 def add_systematics(
     calibration: Calibration,
     settings: RunSettings,
@@ -48,6 +52,11 @@ def add_systematics(
     dry = "background_recorded" in chain.references
     if dry and "background" not in stated:
         shares["background"] = 0.0
+    if calibration.later is None:
+        del shares["course"]
+    else:
+        # a fixture after the run shows their sum
+        shares |= {name: 0.0 for name in _BETWEEN_FIXTURES if name not in stated}
     of_fixture = calibration.systematics
     fixture = {} if of_fixture is None else of_fixture.widths
     film = calibration.covered_range[1] / 2
@@ -153,7 +162,8 @@ def update_systematics(
         elif background.significant:
             systematics = systematics.with_background(background.second_moment)
 
-    if bleaching is not None:
+    # between two fixtures the curve follows the dyes, and the change of the ratio is no error
+    if bleaching is not None and calibration.later is None:
         kind = "rising constant"
         width = systematics.widths["bleaching"]
         change, std = pulses * bleaching.log_ratio, pulses * bleaching.log_ratio_std

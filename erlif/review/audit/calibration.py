@@ -34,15 +34,18 @@ def note_calibration(run: Run, cameras: CameraSurvey, *, allow_outside: bool) ->
     CalibrationError
         If the calibration cannot be used, or the cameras are exchanged against it.
     """
-    settings = run.settings
-    if settings.calibration is None:
+    if not run.settings.calibrations:
         yield _note("unnamed")
-        return
+    for name in run.settings.calibrations:
+        yield from _note_one(run, cameras, name, allow_outside=allow_outside)
 
-    path = run.directory / settings.calibration
+
+def _note_one(run: Run, cameras: CameraSurvey, name: str, *, allow_outside: bool) -> Iterator[Note]:
+    """The same of one calibration that the settings name."""
+    settings, path = run.settings, run.directory / name
     has_fixture = (path.parent / "fixture.toml").is_file()
     if not path.exists():
-        yield _note("not_made" if has_fixture else "absent", name=settings.calibration)
+        yield _note("not_made" if has_fixture else "absent", name=name)
         return
 
     calibration = open_calibration(path)

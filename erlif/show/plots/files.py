@@ -103,10 +103,10 @@ def find_fixture(film: xr.Dataset, run_dir: Path | None) -> Path | None:
     >>> find_fixture(example_film(), Path("run")) is None
     True
     """
-    named = stored.settings_of(film).calibration
-    if named is None or run_dir is None:
+    named = stored.settings_of(film).calibrations
+    if not named or run_dir is None:
         return None
-    directory = (run_dir / named).parent
+    directory = (run_dir / named[0]).parent
     return directory if (directory / "fixture.toml").is_file() else None
 
 
@@ -168,8 +168,8 @@ class FigureSource:
 
     def _calibration_files(self) -> list[Path]:
         """Where the calibration can lie: as run.toml names it, and beside the fixture."""
-        named = stored.settings_of(self.film).calibration
-        files = [self.run_dir / named] if self.run_dir is not None and named is not None else []
+        named = stored.settings_of(self.film).calibrations
+        files = [] if self.run_dir is None else [self.run_dir / name for name in named[:1]]
         if self.fixture_dir is not None:
             files.append(self.fixture_dir / "calibration.nc")
         return files

@@ -249,6 +249,9 @@ def provenance_section(film: xr.Dataset) -> Markup:
     inputs = {
         "Inputs of the run": json.loads(str(film.attrs.get("input_hashes", "{}"))),
         "Inputs of the calibration": calibration.get("input_hashes", {}),
+        "Inputs of the calibration after the run": calibration.get("later", {}).get(
+            "input_hashes", {}
+        ),
     }
     rows = {
         title: layout.Table(list(hashes.items()), ("File", "SHA-256"))
