@@ -317,9 +317,7 @@ class Calibration:
             )
         )
         if low >= high:
-            raise refusal(
-                "no_common_range", before=self.thickness_range, after=later.thickness_range
-            )
+            raise refusal("no_common_range", one=self.thickness_range, other=later.thickness_range)
         return replace(
             self,
             later=replace(later, camera_map=None, systematics=None),

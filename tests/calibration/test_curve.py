@@ -156,3 +156,22 @@ def test_a_calibration_shows_its_parameters_with_their_errors():
     assert page.count("<circle") == 20
     assert "<script" not in page
     assert "<b>" not in page
+
+
+def test_curve_between_two_fixtures_is_their_mixture():
+    before = example_calibration()
+    later = replace(before, ratio_at_zero=0.6, attenuation_camera2=0.24, thickness_range=(1.0, 9.0))
+    run = before.until(later)
+    films = np.linspace(1.0, 9.0, 9)
+    expected = 0.7 * before.predict_log(films) + 0.3 * later.predict_log(films)
+    npt.assert_allclose(run.at(0.3).predict_log(films), expected, rtol=1e-12)
+    slope = (run.at(0.3).predict_log(films + 1e-5) - run.at(0.3).predict_log(films - 1e-5)) / 2e-5
+    npt.assert_allclose(run.at(0.3).slope(films), slope, rtol=1e-6)
+    npt.assert_allclose(run.at(0.3).inverse.look_up(expected), films, atol=1e-4)
+    assert run.thickness_range == (1.0, 9.0)
+
+
+def test_fixtures_without_a_common_film_are_refused():
+    before = example_calibration()
+    with pytest.raises(CalibrationError, match="share a range of films"):
+        before.until(replace(before, thickness_range=(90.0, 99.0)))

@@ -110,7 +110,8 @@ def test_scatter_of_all_terms_is_the_standard_deviation_of_the_film():
 def test_terms_add_up_to_the_standard_deviation():
     extended = with_systematics(**dict.fromkeys(TERMS, 0.01))
     terms = extended.split_error(extended.film_gradient(6.0))
-    assert list(terms) == ["calibration", *TERMS]
+    # of one fixture nothing has a course
+    assert list(terms) == ["calibration", *(term for term in TERMS if term != "course")]
     npt.assert_allclose(
         np.sqrt(sum(std**2 for std in terms.values())), extended.thickness_std(6.0), rtol=1e-9
     )
@@ -186,3 +187,12 @@ def test_errors_of_a_fixture_are_stored_with_its_calibration(tmp_path):
     extra = found.thickness_std(films) ** 2 - alone.thickness_std(films) ** 2
     npt.assert_allclose(np.sqrt(extra), np.hypot(17.9 / 319, 0.005 * films), rtol=0.05)
     npt.assert_allclose(alone.parameters, [K, P, Q], rtol=0.05)
+
+
+def test_course_between_two_fixtures_is_known_at_both_ends():
+    later = replace(CALIBRATION, ratio_at_zero=0.6, attenuation_camera2=0.24)
+    systematics = Systematics.of({"course": 0.07}, parameters=3)
+    run = replace(CALIBRATION, systematics=systematics).until(later)
+    change = later.predict_log(FILMS) - CALIBRATION.predict_log(FILMS)
+    for passed, factor in ((0.0, 0.0), (0.25, 0.75), (0.5, 1.0), (1.0, 0.0)):
+        npt.assert_allclose(run.at(passed).gradient(FILMS)[3], factor * change, atol=1e-15)

@@ -72,4 +72,6 @@ def _simplify(part: Any) -> Any:
     if len(options) == 1:
         del left["anyOf"]
         left = {**options[0], **left}
+    elif options:
+        left["anyOf"] = options
     return left
