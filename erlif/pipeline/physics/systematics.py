@@ -49,7 +49,7 @@ def add_systematics(
     Calibration
     """
     shares, stated = settings.systematics.shares, settings.systematics.model_fields_set
-    dry = "background_recorded" in chain.references
+    dry = bool(settings.camera1.background or settings.camera2.background)
     if dry and "background" not in stated:
         shares["background"] = 0.0
     if calibration.later is None:

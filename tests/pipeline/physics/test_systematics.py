@@ -54,13 +54,6 @@ def test_errors_of_the_fixture_stay_beside_those_of_the_run():
     assert found["ratio"] == 0.01
 
 
-def test_dry_frames_leave_no_background():
-    text = RUN_TOML.replace("[camera1]", '[camera1]\nbackground = "dry1.tif"')
-    text = text.replace("[camera2]", '[camera2]\nbackground = "dry2.tif"')
-    settings = RunSettings.model_validate(tomllib.loads(text))
-    assert widths(add_systematics(PLAIN, settings, SimpleNamespace(), ()))["background"] == 0
-
-
 def estimate(share=(0.02, 0.02), std=0.004):
     return BackgroundEstimate(
         share=np.array(share),
