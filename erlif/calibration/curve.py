@@ -157,13 +157,14 @@ class Calibration:
             return max(low, self.later.covered_range[0]), min(high, self.later.covered_range[1])
         low, high = self.thickness_range
         measured = self.curve.get("curve_thickness")
-        if measured is None or not self.model.reflects:
-            return low, high if measured is None else max(high, float(measured.max()))
+        thickest = high if measured is None else max(high, float(measured.max()))
 
-        # before a reflecting wall the ratio has a maximum, where its inverse ends
-        films = np.linspace(high, max(high, float(measured.max())), _BEYOND)
+        # a ratio with a maximum has its inverse up to there alone
+        films = np.linspace(high, thickest, _BEYOND)
         slope = self.slope(films)
-        flat = np.append(slope < _FLAT * slope[0], True)
+        if (slope > 0).all():
+            return low, thickest
+        flat = slope < _FLAT * slope[0]
         return low, float(films[max(int(np.argmax(flat)) - 1, 0)])
 
     @property

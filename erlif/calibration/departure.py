@@ -25,7 +25,7 @@ import xarray as xr
 from erlif.calibration.points import Points
 from erlif.calibration.pose import Freedom
 from erlif.calibration.regression import VERY_STRONG, Fit
-from erlif.core.arrays import Array
+from erlif.core.arrays import Array, Mask
 
 # Probability of chance below which structure in the residuals is reported.
 STRUCTURE = 1e-3
@@ -40,6 +40,7 @@ _STORED = {
 _MAXIMUM_KNOTS = 5  # inner knots, that is six pieces
 _POINTS_PER_FUNCTION = 10  # each B-spline is supported by as many points
 _PASSES = 6  # Gauss-Newton steps; the change is below rounding after four
+_MOST_RISING = 0.9  # share of the range of the ratio over which the curve must rise
 _GRID = 1001  # places at which the slope of the curve is checked
 _NEIGHBOURS = 20  # points from which on their correlation is estimated
 
@@ -150,8 +151,7 @@ class Choice:
     smooth : Candidate
         The spline from which `chance` was computed.
     falling : bool
-        Whether the most flexible spline was rejected because the ratio would fall with
-        thickness.
+        Whether the ratio falls somewhere with the spline to use; the range ends there.
     """
 
     candidate: Candidate | None
@@ -184,6 +184,16 @@ def choose_departure(points: Points, fit: Fit, freedom: Freedom) -> Choice | Non
         return None
     candidates = [fit_departure(points, fit, freedom, knots) for knots in range(most + 1)]
 
+    # twice the pieces where six do not follow a precise fixture; no other number, because a choice
+    # among many by the same data makes the standard deviations too small
+    finer = 2 * _MAXIMUM_KNOTS + 1
+    if count // _POINTS_PER_FUNCTION - 4 >= finer:
+        more = fit_departure(points, fit, freedom, finer)
+        noise = max(1.0, more.noise(count, parameters))
+        gained = (candidates[-1].chi_square - more.chi_square) / noise
+        if gained - (more.freedom - candidates[-1].freedom) * math.log(count) >= VERY_STRONG:
+            candidates.append(more)
+
     # scatter about the most flexible spline is noise; a noise below the stated one is chance
     noise = max(1.0, candidates[-1].noise(count, parameters))
     gain = np.array([(fit.chi_square - candidate.chi_square) / noise for candidate in candidates])
@@ -194,8 +204,10 @@ def choose_departure(points: Points, fit: Fit, freedom: Freedom) -> Choice | Non
     chance = float(scipy.stats.chi2.sf(gain[most // 2], smooth.freedom))
     chosen, falling = None, False
     if evidence.max() >= VERY_STRONG:
-        chosen = next((candidate for candidate in candidates[::-1] if _rises(fit, candidate)), None)
-        falling = chosen is not candidates[-1]
+        chosen = next(
+            (one for one in candidates[::-1] if _rise_of(fit, one) >= _MOST_RISING), candidates[0]
+        )
+        falling = _rise_of(fit, chosen) < 1
     return Choice(
         candidate=chosen,
         evidence=float(evidence.max()),
@@ -205,11 +217,38 @@ def choose_departure(points: Points, fit: Fit, freedom: Freedom) -> Choice | Non
     )
 
 
-def _rises(fit: Fit, candidate: Candidate) -> bool:
-    """Whether model and spline together rise with thickness over the range of the fixture."""
+def _rise_of(fit: Fit, candidate: Candidate) -> float:
+    """Share of the range of the ratio over which model and spline rise without a break."""
     true = candidate.true_thickness[fit.kept]
     grid = np.linspace(float(true.min()), float(true.max()), _GRID)
-    return bool(np.all(fit.slope(grid) + candidate.departure.slope(grid) > 0))
+    ratio = fit.predict(grid) + candidate.departure.predict(grid)
+    first, last = longest_rise(np.diff(ratio) > 0)
+    return float((ratio[last] - ratio[first]) / np.ptp(ratio))
+
+
+def longest_rise(rises: Mask) -> tuple[int, int]:
+    """First place and end of the longest stretch over which a curve rises.
+
+    Parameters
+    ----------
+    rises : array of bool, (place,)
+
+    Returns
+    -------
+    tuple of int
+        As of a slice; the whole where it rises nowhere.
+
+    Examples
+    --------
+    >>> longest_rise(np.array([True, False, True, True]))
+    (2, 4)
+    """
+    edges = np.flatnonzero(np.diff(rises.astype(int), prepend=0, append=0))
+    if not edges.size:
+        return 0, rises.size
+    starts, ends = edges[::2], edges[1::2]
+    longest = int(np.argmax(ends - starts))
+    return int(starts[longest]), int(ends[longest])
 
 
 def fit_departure(points: Points, fit: Fit, freedom: Freedom, inner_knots: int) -> Candidate:

@@ -20,6 +20,7 @@ from erlif.calibration.departure import (
     choose_departure,
     find_correlation,
     fit_departure,
+    longest_rise,
 )
 from erlif.calibration.pairing import pair_profile_with_image, thin_out
 from erlif.calibration.placement import add_uncertainty_of_turn, refine_pose
@@ -321,7 +322,7 @@ def _settle_departure(points: Points, fit: Fit, freedom: Freedom) -> _Settled:
 def _describe_departure(fit: Fit, candidate: Candidate, choice: Choice) -> Note:
     """Note on the spline that is used."""
     pieces = candidate.inner_knots + 1
-    falling = " (with more pieces the ratio would fall somewhere)" if choice.falling else ""
+    falling = "; it falls somewhere, where the calibrated range ends" if choice.falling else ""
     return _make_note(
         "departure",
         largest=_describe_largest(fit, candidate),
@@ -333,14 +334,9 @@ def _describe_departure(fit: Fit, candidate: Candidate, choice: Choice) -> Note:
 
 def _describe_structure(fit: Fit, choice: Choice) -> Note:
     """Note on a departure that is not used."""
-    why = (
-        "but the ratio would fall with thickness; it is not used"
-        if choice.falling
-        else "but the evidence is too weak to use it"
-    )
     chance = max(choice.chance, 1e-12)  # below it only the order of magnitude is known
     largest = _describe_largest(fit, choice.smooth)
-    return _make_note("structure", once=1 / chance, largest=largest, why=why)
+    return _make_note("structure", once=1 / chance, largest=largest)
 
 
 def _residuals(points: Points, fit: Fit, freedom: Freedom, candidate: Candidate | None) -> Array:
@@ -414,10 +410,10 @@ def _calibrated_range(
     # In dim light no single pixel may reach the limit; the range then ends where pixels are a
     # quarter worse than the best. Thin films stay although their relative noise is large, because
     # averages over pixels resolve them.
-    rising = np.logical_and.accumulate(relative > 0)  # up to a maximum of the ratio
-    relative = np.where(rising, relative, np.inf)
-    useful = relative <= max(USEFUL, DIM_LIGHT * float(relative.min()))
-    thickest = float(grid[useful][-1])
+    first, last = longest_rise(relative > 0)
+    rising = slice(first, last)
+    useful = relative[rising] <= max(USEFUL, DIM_LIGHT * float(relative[rising].min()))
+    low, thickest = low if first == 0 else float(grid[first]), float(grid[rising][useful][-1])
     return (low, thickest), bool(thickest < grid[-1])
 
 

@@ -40,6 +40,7 @@ VERY_STRONG = 10.0
 # at half width give 0.08. [1]
 LEAST_REFLECTANCE = 0.15
 
+_MOST_REFLECTANCE = 0.95  # a fit that ends at the bound of 1 follows something else
 _PASSES = 6  # without outliers; the set of kept points is stable after two or three
 _FIRST_STD = 0.1  # um: error of the CMM assumed in the first pass where none is stated
 _SMALLEST_STD = 1e-3  # um: resolution of a CMM, so that exact data keep a finite weight
@@ -180,7 +181,7 @@ def fit_robustly(points: Points, freedom: Freedom) -> Fit:
     black = _fit_once(points, wall.thickness_std, wall.kept, freedom, reflects=False)
     gain = (black.chi_square - wall.chi_square) / max(1.0, wall.reduced_chi_square)
     evidence = gain - _MORE * math.log(int(wall.kept.sum()))
-    reflects = wall.parameters[-1] >= LEAST_REFLECTANCE
+    reflects = LEAST_REFLECTANCE <= wall.parameters[-1] < _MOST_REFLECTANCE
     return wall if reflects and evidence >= VERY_STRONG else fit
 
 
