@@ -38,7 +38,7 @@ VERY_STRONG = 10.0
 
 # Reflectance below which a spline follows the curve as well, and broad filters look the same: 50 nm
 # at half width give 0.08. [1]
-LEAST_REFLECTANCE = 0.15
+LEAST_REFLECTANCE = 0.1
 
 _MOST_REFLECTANCE = 0.95  # a fit that ends at the bound of 1 follows something else
 _PASSES = 6  # without outliers; the set of kept points is stable after two or three
