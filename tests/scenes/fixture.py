@@ -112,6 +112,17 @@ def calibrate_wedge(rng, *, profile=None, noise=0.15, **ratio):
     return calibrate(image(rng, log_ratio(WEDGE, **ratio)), profile, fixture="wedge")
 
 
+def walled(calibration):
+    """A calibration with a wall that reflects 30 ± 1 %, and a range in which its ratio rises."""
+    return replace(
+        calibration,
+        attenuation_laser=0.2,
+        reflectance=0.3,
+        covariance=np.diag([1e-6, 4e-6, 4e-6, 1e-5, 1e-4]),
+        thickness_range=(0.5, 10.0),
+    )
+
+
 def has_note(product, text):
     """Whether a calibration or a profile carries a note with this text."""
     return any(text in note.text for note in product.notes)

@@ -23,6 +23,9 @@ _PANELS = (2.1, 1)  # heights of curve and residuals
 _ABOVE = 1.6  # lines of text above the curve
 _GRID = 400  # points of a curve
 
+# Parameters and their units; the last two only where the wall reflects.
+_PARAMETERS = (("K", ""), ("p", " µm⁻¹"), ("q", " µm⁻¹"), ("a", " µm⁻¹"), ("R", ""))
+
 
 def _draw_points(
     ax: Axes, x: Array, y: Array, std: Array | None, *, size: float = 1.8, label: str | None = None
@@ -157,9 +160,12 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
 
 def _parameters(calibration: Calibration) -> str:
     """Fitted parameters with their standard deviations, one a line."""
-    values = zip(calibration.parameters, calibration.standard_deviations, strict=True)
-    k, p, q = (f"{value:.4f} ± {std:.4f}" for value, std in values)
-    lines = [f"K = {k}", f"p = {p} µm⁻¹", f"q = {q} µm⁻¹"]
+    lines = [
+        f"{name} = {value:.4f} ± {std:.4f}{unit}"
+        for (name, unit), value, std in zip(
+            _PARAMETERS, calibration.parameters, calibration.standard_deviations, strict=False
+        )
+    ]
     if np.isfinite(calibration.reduced_chi_square):
         lines.append(f"reduced χ² = {calibration.reduced_chi_square:.2f}")
     return "\n".join(lines)

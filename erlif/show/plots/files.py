@@ -158,7 +158,8 @@ class FigureSource:
             except ErlifError as error:
                 logger.warning("%s", error)
                 continue
-            if np.allclose(opened.parameters, kept.parameters, rtol=_SAME):
+            one, other = opened.parameters, kept.parameters
+            if one.size == other.size and np.allclose(one, other, rtol=_SAME):
                 return opened
             logger.warning(
                 "%s is not the calibration that the film was made with; its points are not drawn",

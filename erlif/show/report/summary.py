@@ -210,7 +210,7 @@ def describe_calibration(calibration: Calibration) -> str:
     stds = calibration.standard_deviations
     rows = {
         name: f"{value:.5f} ± {std:.5f}"
-        for name, value, std in zip(names, calibration.parameters, stds, strict=True)
+        for name, value, std in zip(names, calibration.parameters, stds, strict=False)
     }
 
     low, high = calibration.thickness_range

@@ -29,6 +29,15 @@ from erlif.show.report.summary import describe_film
 
 _UNKNOWN = "not known"
 
+# Parameters of a calibration and their units; the last two only where the wall reflects.
+_PARAMETERS = (
+    ("Ratio of a vanishing film, K", ""),
+    ("Attenuation of camera 1, p", "µm⁻¹"),
+    ("Attenuation of camera 2, q", "µm⁻¹"),
+    ("Attenuation of the laser, a", "µm⁻¹"),
+    ("Reflectance of the wall, R", ""),
+)
+
 
 def with_error(value: float, std: float, unit: str = "") -> str:
     """Write a value and its standard deviation, both to the second digit of the latter."""
@@ -115,17 +124,18 @@ def _theory_rows(film: xr.Dataset) -> list[tuple[str, str]]:
 def calibration_table(source: FigureSource) -> Table:
     """Make the table of the calibration."""
     calibration = source.calibration
-    values = zip(calibration.parameters, calibration.standard_deviations, strict=True)
-    k, p, q = ((float(value), float(std)) for value, std in values)
     low, high = calibration.thickness_range
     one, two = calibration.bands
     date = f", {calibration.date}" if calibration.date else ""
     rows = [
         ("Fixture", calibration.fixture + date),
         ("Ratio", f"{two:g} nm over {one:g} nm (camera 2 over camera 1)"),
-        ("Ratio of a vanishing film, K", with_error(*k)),
-        ("Attenuation of camera 1, p", with_error(*p, "µm⁻¹")),
-        ("Attenuation of camera 2, q", with_error(*q, "µm⁻¹")),
+        *(
+            (name, with_error(float(value), float(std), unit))
+            for (name, unit), value, std in zip(
+                _PARAMETERS, calibration.parameters, calibration.standard_deviations, strict=False
+            )
+        ),
         ("Calibrated range", f"{low:.2f} to {high:.2f} µm"),
     ]
     if math.isfinite(calibration.reduced_chi_square):

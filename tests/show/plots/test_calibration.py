@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 from scenes import film as scene
+from scenes.fixture import walled
 from scenes.pictures import labels_of, picture, without_texts
 
 from erlif.calibration import Profile
@@ -53,6 +54,11 @@ def test_spline_is_named_and_the_model_alone_is_drawn(calibration):
     _, _, alone, _ = plots.ratio_residuals(lifted)
     npt.assert_allclose(alone.get_ydata(), 100 * (np.exp(-0.01) - 1))
     assert labels_of(alone.axes) == ["fit, 95 % band", "model alone"]
+
+
+def test_wall_that_reflects_stands_among_the_parameters(calibration):
+    fit, *_ = plots.ratio_against_thickness(walled(calibration))
+    assert "R = 0.3000 ± 0.0100" in "".join(text.get_text() for text in fit.axes.texts)
 
 
 def test_profile_of_a_surface_is_drawn_as_coloured_points():

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes import film as scene
+from scenes.fixture import walled
 from scenes.pictures import picture, without_texts
 
 from erlif.calibration import save_calibration
@@ -211,6 +212,9 @@ def test_points_of_the_calibration_are_drawn_if_it_is_that_of_the_film(
     with caplog.at_level(logging.WARNING, logger="erlif"):
         assert "curve_ratio" not in found().curve
         assert "not the calibration that the film was made with" in caplog.text
+        path.unlink()
+        save_calibration(walled(calibration), path)  # of more parameters
+        assert "curve_ratio" not in found().curve
         path.write_bytes(b"no calibration")
         npt.assert_allclose(found().parameters, [scene.K, scene.P, scene.Q])
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from scenes import film as scene
+from scenes.fixture import walled
 
 from erlif.calibration.departure import Departure
 from erlif.show import plots
@@ -104,6 +105,12 @@ def test_calibration_is_described_with_its_errors_and_the_range_of_a_spline(cali
     text = describe_calibration(replace(calibration, departure=departure))
     assert line_of(text, "departure from the model").startswith("+1.01 to +1.01 % of the ratio")
     assert "departure from the model" not in describe_calibration(calibration)
+
+
+def test_wall_that_reflects_is_described_with_the_calibration(calibration):
+    text = describe_calibration(walled(calibration))
+    assert line_of(text, "R, reflectance of the wall") == "0.30000 ± 0.01000"
+    assert "reflectance" not in describe_calibration(calibration)
 
 
 def test_a_mean_over_a_part_of_the_region_is_described_as_such(film):
