@@ -97,7 +97,7 @@ class FilmCurve:
         weight = calibration.systematics.weight
         gradient = self.gradient.copy()
         gradient[len(gradient) - weight.size :] *= weight[:, None]
-        return replace(self, gradient=gradient)
+        return replace(self, calibration=calibration, gradient=gradient)
 
     def predict(self, film: Array) -> tuple[Array, Array]:
         """Log ratio and slope of films.
