@@ -8,6 +8,7 @@ import numpy as np
 import scipy
 
 from erlif.core.arrays import Array
+from erlif.review.comparison.calibrations import joint_covariance
 from erlif.review.comparison.records import RunRecord
 from erlif.trend import SLOWEST, Exponent, fit_exponent
 
@@ -59,8 +60,9 @@ def duty_parameters(records: list[RunRecord]) -> tuple[list[Array], str, str]:
 def fit_runs(records: list[RunRecord], duties: list[Array], statistic: str) -> list[Exponent]:
     """Fit film = c duty^n to each run, then to all runs together.
 
-    Triggers slower than a tenth of the fastest of their run are left out. Errors of a calibration
-    are common to all its runs, marks of the surfaces to the triggers of a run.
+    Triggers slower than a tenth of the fastest of their run are left out. Errors of a fixture are
+    common to all its runs; what lies between it and a run, and marks of the surfaces, to the
+    triggers of a run.
 
     Parameters
     ----------
@@ -94,9 +96,10 @@ def fit_runs(records: list[RunRecord], duties: list[Array], statistic: str) -> l
 
 def _fit(records: list[RunRecord], duties: list[Array], statistic: str) -> Exponent:
     """One power for all triggers of some runs."""
-    covariances = {record.calibration_key: record.calibration.full_covariance for record in records}
-    ends = np.cumsum([len(one) for one in covariances.values()])
-    end_of = dict(zip(covariances, ends, strict=True))
+    calibrations = joint_covariance(
+        [record.calibration for record in records], [record.calibration_key for record in records]
+    )
+    ends = np.cumsum([record.gradient[statistic].shape[1] for record in records])
     shared = ends[-1]
     marks = statistic == "film_min"
 
@@ -107,7 +110,7 @@ def _fit(records: list[RunRecord], duties: list[Array], statistic: str) -> Expon
         known = np.isfinite(each) & (each > 0)
         fast = known & (speed >= SLOWEST * np.max(speed, where=known, initial=0.0))
         gradient = np.zeros((fast.sum(), shared + len(records)))
-        own_gradient, end = record.gradient[statistic][fast], end_of[record.calibration_key]
+        own_gradient, end = record.gradient[statistic][fast], ends[n]
         gradient[:, end - own_gradient.shape[1] : end] = own_gradient
         own = record.own_std[statistic][fast]
         if marks:  # the same at every trigger of a run
@@ -116,8 +119,8 @@ def _fit(records: list[RunRecord], duties: list[Array], statistic: str) -> Expon
         film.append(record.value[statistic][fast])
         std.append(_SMALL * record.value[statistic][fast] if marks else own)
         duty.append(each[fast])
-    # calibrations are independent of each other, and so are the marks of two runs
-    covariance = scipy.linalg.block_diag(*covariances.values(), np.eye(len(records)))
+    # the marks of two runs are independent
+    covariance = scipy.linalg.block_diag(calibrations, np.eye(len(records)))
     one = np.concatenate(film)
     if one.size == 0:
         return Exponent(math.nan, math.nan, math.nan, 0)

@@ -16,6 +16,7 @@ from erlif.calibration import Calibration, calibration_of
 from erlif.core.arrays import Array, FlagImage
 from erlif.core.described import describe
 from erlif.io.files import describe_trigger, settings_of
+from erlif.review.comparison.calibrations import joint_covariance, key_of
 from erlif.review.refusals import refusal
 
 # Edge of a cell, in pixels of the coarser camera. Errors of the registration are common to it.
@@ -57,7 +58,8 @@ def calibration_var(
 ) -> Array:
     """Variance that calibrations add to the difference of two films.
 
-    Errors of one calibration cancel as far as the films are equal; those of two add.
+    Errors of one fixture cancel as far as the films are equal; those of two add, and so does what
+    lies between a fixture and each run.
 
     Parameters
     ----------
@@ -65,17 +67,15 @@ def calibration_var(
         Change of each film with the parameters of its calibration.
     calibrations : (Calibration, Calibration)
     same : bool
-        Whether both are one.
+        Whether both are of one fixture.
 
     Returns
     -------
     array, (...)
         [um2]
     """
-    first, second = (each.full_covariance for each in calibrations)
-    if same:
-        return quadratic(other - one, first)
-    return quadratic(one, first) + quadratic(other, second)
+    covariance = joint_covariance(calibrations, ["one", "one" if same else "other"])
+    return np.maximum(quadratic(np.concatenate([-one, other], axis=-1), covariance), 0.0)
 
 
 def quadratic(gradient: Array, covariance: Array) -> Array:
@@ -300,7 +300,7 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
         average_cells(film, trigger, calibration, **edges)
         for film, trigger, calibration in zip((one, other), triggers, calibrations, strict=True)
     )
-    same = one.attrs["calibration"] == other.attrs["calibration"]
+    same = key_of(calibrations[0]) == key_of(calibrations[1])
     shared = calibration_var(a.gradient, b.gradient, calibrations, same=same)
 
     difference = b.film - a.film

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from erlif.core.arrays import Array
 from erlif.io.files import region_of, settings_of
 from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.joint import describe_joint
+from erlif.review.comparison.calibrations import key_of
 from erlif.review.comparison.maps import (
     CELL,
     average_cells,
@@ -53,7 +53,7 @@ class RunRecord:
     settings : RunSettings
     calibration : Calibration
     calibration_key : str
-        Hash of the calibration; equal for films of the same one.
+        As `erlif.review.comparison.calibrations.key_of`: equal for films of one fixture.
     frames_key : str
         Hash of the frames of camera 1; empty where it is not recorded.
     identity : str
@@ -168,7 +168,7 @@ def read_run(film: xr.Dataset) -> RunRecord:
         name=settings.name,
         settings=settings,
         calibration=calibration,
-        calibration_key=hashlib.sha256(film.attrs["calibration"].encode()).hexdigest(),
+        calibration_key=key_of(calibration),
         frames_key=str(hashes.get(settings.camera1.files, "")),
         identity=str(film.attrs.get("identity", "")),
         angle=np.asarray(angle, float),

@@ -1,0 +1,100 @@
+"""Errors of the calibrations of several runs, and which of them the runs have in common.
+
+Runs with one fixture have its errors in common: those of the fit, and position and size of the
+fixture. What lies between the fixture and a run is new in each of them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from erlif.calibration import Calibration, record_calibration
+from erlif.core.arrays import Array
+
+# Terms of the systematics that belong to the fixture.
+_OF_FIXTURE = ("position", "size")
+
+
+def key_of(calibration: Calibration) -> str:
+    """Hash of a calibration, the same for all runs with one fixture.
+
+    Parameters
+    ----------
+    calibration : Calibration
+
+    Returns
+    -------
+    str
+    """
+    record = record_calibration(replace(calibration, systematics=None))
+    return hashlib.sha256(record.encode()).hexdigest()
+
+
+def joint_covariance(calibrations: Sequence[Calibration], keys: Sequence[str]) -> Array:
+    """Covariance of the errors of the calibrations of several runs.
+
+    Parameters
+    ----------
+    calibrations : sequence of Calibration
+        One for each run, with its systematics.
+    keys : sequence of str
+        As `key_of` gives them; runs with one key have one fixture.
+
+    Returns
+    -------
+    array, (all parameters, all parameters)
+        The parameters of each run in the order of its `Calibration.full_covariance`.
+
+    Examples
+    --------
+    Two runs with one fixture have its three parameters in common, and nothing else:
+
+    >>> from erlif.calibration import Systematics
+    >>> from erlif.show.plots import example_calibration
+    >>> systematics = Systematics.of({"ratio": 0.01}, parameters=3)
+    >>> run = replace(example_calibration(), systematics=systematics)
+    >>> whole = joint_covariance([run, run], ["a", "a"])
+    >>> np.allclose(whole[:3, 4:7], run.covariance), float(whole[3, 7])
+    (True, 0.0)
+    """
+    blocks = [
+        [
+            one.full_covariance
+            if n == m
+            else _common(one, other)
+            if keys[n] == keys[m]
+            else np.zeros((len(one.full_covariance), len(other.full_covariance)))
+            for m, other in enumerate(calibrations)
+        ]
+        for n, one in enumerate(calibrations)
+    ]
+    return np.block(blocks)
+
+
+def _common(one: Calibration, other: Calibration) -> Array:
+    """Covariance of the errors of two runs (parameter, parameter) by those of their fixture."""
+    places = _of_fixture(one), _of_fixture(other)
+    both = [kind for kind in places[0] if kind in places[1]]
+    here, there = (np.array([place[kind] for kind in both], int) for place in places)
+    fixture = one.full_covariance[np.ix_(here, here)]
+
+    # a background that was measured depends on the errors of the fixture as well
+    std = np.sqrt(np.diag(fixture))
+    scale = np.where(std > 0, std, 1.0)
+    inverse = np.linalg.pinv(fixture / np.outer(scale, scale), hermitian=True)
+    share = inverse / np.outer(scale, scale)
+    return np.asarray(one.full_covariance[:, here] @ share @ other.full_covariance[there])
+
+
+def _of_fixture(calibration: Calibration) -> dict[str | int, int]:
+    """Places of the errors of the fixture in the full covariance."""
+    fitted = len(replace(calibration, systematics=None).full_covariance)
+    places: dict[str | int, int] = {n: n for n in range(fitted)}
+    if calibration.systematics is not None:
+        terms = calibration.systematics.terms
+        places |= {name: fitted + terms.index(name) for name in _OF_FIXTURE if name in terms}
+    return places
