@@ -16,9 +16,11 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from erlif.calibration import TERMS, Calibration, Systematics
 from erlif.core.arrays import Array, Mask
+from erlif.core.statistics import covariance_root
 
 # Chi-square of two shares that noise exceeds once in 370 cases, as a deviation of three standard
 # deviations of one number.
@@ -272,6 +274,9 @@ class _Fit:
             float(np.median(np.exp((light + record.log_ratio)[known]))),
         )
         self.table = calibration.inverse
+        # independent causes of shares and errors: a spline has fewer of them than parameters
+        errors = covariance_root(calibration.full_covariance)
+        self.causes = scipy.linalg.block_diag(np.eye(2), errors)
 
     def solve(self) -> BackgroundEstimate | None:
         """The estimate; None where too few cells lie within the range of the model."""
@@ -436,9 +441,9 @@ class _Fit:
         tie = 1e-9 * np.trace(by_frame) / frames * np.eye(frames)
         solved = np.linalg.solve(by_frame + tie, mixed.T)
         normal = square - mixed @ solved
-        prior = np.zeros((unknowns, unknowns))
-        prior[2:, 2:] = np.linalg.inv(self.calibration.full_covariance)
-        covariance = np.linalg.inv(normal[:-1, :-1] + prior)
+        prior = np.diag([0.0, 0.0, *np.ones(unknowns - 2)])
+        by_cause = self.causes.T @ normal[:-1, :-1] @ self.causes + prior
+        covariance = self.causes @ np.linalg.inv(by_cause) @ self.causes.T
         solution = covariance @ normal[:-1, -1]
 
         energies = solved[:, -1] - solved[:, :-1] @ solution

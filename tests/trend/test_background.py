@@ -1,10 +1,13 @@
 """The background of a run, from light of simulated cells."""
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes.cells import CALIBRATION, P, X, Y, draw_run
 
+from erlif.calibration.departure import Departure
 from erlif.trend import LightRecord, estimate_background
 
 
@@ -41,6 +44,21 @@ def test_no_false_alarm_and_no_miss():
         share = 2 * clean.detectable
         record, energies = draw_run(rng, background=(share, share))
         assert estimate_background(record, (X, Y), CALIBRATION, energies=energies).significant
+
+
+def test_errors_of_a_spline_that_depend_on_each_other_are_no_knowledge():
+    """The errors of four functions have two causes, and a third that is too small to count."""
+    record, logged = draw_run(np.random.default_rng(4), background=(0.02, 0.02))
+    knots = np.array([0.3] * 4 + [16.0] * 4)
+    causes = 1e-3 * np.array([[1.0, 0.0], [2.0, 1.0], [-1.0, 3.0], [0.5, -1.0]])
+    found = []
+    for noise in (0.0, 1e-7):
+        covariance = causes @ causes.T + noise**2 * np.eye(4)
+        departure = Departure(knots, np.zeros(4), covariance)
+        calibration = replace(CALIBRATION, departure=departure)
+        found.append(estimate_background(record, (X, Y), calibration, energies=logged))
+    npt.assert_allclose(found[0].share, found[1].share, rtol=1e-4)
+    npt.assert_allclose(found[0].covariance, found[1].covariance, rtol=1e-4)
 
 
 def test_shift_of_the_film_is_that_of_the_ratio_with_the_background():
