@@ -45,6 +45,8 @@ _ROUNDS = 12  # steps of Gauss and Newton, at most; three are usual
 
 _LOST = 0.5  # share beyond which the search has left the range of its equations [1]
 
+_LOST_FILM = 0.05  # film to which a search comes down that has left it likewise [um]
+
 _SETTLED = 0.05  # last step over the standard deviation at which the search ends
 
 # Relative scatter of the light of a cell to start from: speckle that is new with every pulse.
@@ -330,6 +332,8 @@ class _Fit:
             chosen = self._choose(smooth, inside)
             if chosen is None:
                 return None
+        if not (smooth[chosen] > _LOST_FILM).all():
+            return None
         return _Point(self._compare(light, film, smooth, chosen), smooth, chosen)
 
     def _subtract(self, share: Array, energies: Array) -> tuple[Array, Array]:
