@@ -11,7 +11,7 @@ from scenes.fixture import K, Q, autoregression, calibrate_wedge, log_ratio, wed
 from scipy.stats import binom, norm
 
 import erlif
-from erlif.calibration import Calibration, compare_calibrations
+from erlif.calibration import Calibration, Systematics, compare_calibrations
 from erlif.core.errors import CalibrationError
 
 
@@ -65,6 +65,16 @@ def test_the_same_cmm_readings_make_the_check_sharper():
     assert uncertain.significant
     assert not uncertain.drifted
     assert "measurably" in uncertain.verdict
+
+
+def test_position_and_size_of_one_fixture_are_no_drift():
+    calibration, earlier = pair(np.random.default_rng(9), shared=True)
+    systematics = Systematics.of({"position": 0.05, "size": 0.005}, parameters=3)
+    both = [replace(each, systematics=systematics) for each in (calibration, earlier)]
+    found, expected = compare_calibrations(*both), compare_calibrations(calibration, earlier)
+    assert found.paired
+    assert found.probability == expected.probability
+    npt.assert_array_equal(found.difference_std, expected.difference_std)
 
 
 def test_correlated_noise_is_no_drift_and_hides_none():
