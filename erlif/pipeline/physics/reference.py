@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -94,15 +95,17 @@ def _compare(
     uncertainty: float,
     calibration: Calibration,
 ) -> list[Note]:
-    """Deviation of the mean, in units of its error."""
+    """Deviation of the mean, in units of its error.
+
+    That of `systematics` does not count: the patch is there to show it.
+    """
     valid = np.isfinite(film) & (random > 0)
     if not valid.any():
         return [_note("patch_absent")]
     weight = random[valid] ** -2.0
     mean = float((weight * film[valid]).sum() / weight.sum())
-    std = float(
-        np.sqrt(1 / weight.sum() + uncertainty**2 + float(calibration.thickness_std(known)) ** 2)
-    )
+    of_fixture = float(replace(calibration, systematics=None).thickness_std(known))
+    std = float(np.sqrt(1 / weight.sum() + uncertainty**2 + of_fixture**2))
     off = mean - known
     stated = _TEXTS["stated"].format(mean=mean, known=known, off=off)
     if abs(off) <= _DEVIANT * std:

@@ -94,7 +94,12 @@ def test_one_cycle_without_a_patch_cannot_be_corrected(lab):
 
 
 def test_a_wrong_film_of_the_patch_is_reported(dyes):
-    copy = dyes.copy_run("wrong", ('thickness = "4 um"', 'thickness = "4.6 um"'))
+    """Whatever the width of a ratio that the patch would show."""
+    changes = (
+        ('thickness = "4 um"', 'thickness = "4.6 um"'),
+        ('ratio = "0 %"', 'ratio = "5 %"'),
+    )
+    copy = dyes.copy_run("wrong", *changes)
     film = erlif.process(copy, workers=1)
     assert "reference: " in film.attrs["notes"]
     assert "4.600 um known" in film.attrs["notes"].split("reference: ")[1]
