@@ -264,7 +264,7 @@ def find_bleaching(
 
 
 def describe_bleaching(
-    trend: Trend | None, source: str, *, frames: int, corrected: bool
+    trend: Trend | None, source: str, *, frames: int, corrected: bool, followed: bool = False
 ) -> tuple[dict[str, Any], list[Note]]:
     """Variables of the film and notes about bleaching dyes.
 
@@ -277,6 +277,8 @@ def describe_bleaching(
         Frames of the run.
     corrected : bool
         Whether it was to be taken out.
+    followed : bool
+        Whether the curve between two fixtures contains it.
 
     Returns
     -------
@@ -306,7 +308,8 @@ def describe_bleaching(
     text = texts["found"].format(source=source, change=ratio, light=light)
     if source == "at equal triggers":
         text += texts["or_films"]
-    return variables, [_note("bleaching_corrected" if corrected else "bleaching", changes=text)]
+    key = "corrected" if corrected else "followed" if followed else "reported"
+    return variables, [_note(f"bleaching_{key}", changes=text)]
 
 
 @dataclass(frozen=True)
@@ -414,6 +417,7 @@ def describe_light(
             findings.source,
             frames=len(run.pairs.usable),
             corrected=options.bleaching == "correct",
+            followed=calibration.later is not None,
         ),
         describe_reference(
             results, run.settings.reference, calibration, pairs=len(run.pairs.pages[0])
