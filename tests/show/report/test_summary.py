@@ -109,6 +109,7 @@ def test_calibration_is_described_with_its_errors_and_the_range_of_a_spline(cali
 
 def test_wall_that_reflects_is_described_with_the_calibration(calibration):
     text = describe_calibration(walled(calibration))
+    assert line_of(text, "a, attenuation laser [1/um]") == "0.20000 ± 0.00316"
     assert line_of(text, "R, reflectance of the wall") == "0.30000 ± 0.01000"
     assert "reflectance" not in describe_calibration(calibration)
 
