@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from erlif.calibration import TERMS, Calibration, Systematics
+from erlif.calibration import Calibration, Systematics
 from erlif.core.arrays import Array
 from erlif.core.tables import read_table
 from erlif.core.variables import FILM
@@ -49,7 +49,7 @@ def add_systematics(
     Calibration
     """
     shares, stated = settings.systematics.shares, settings.systematics.model_fields_set
-    dry = bool(settings.camera1.background or settings.camera2.background)
+    dry = _has_dry_joint(settings)
     if dry and "background" not in stated:
         shares["background"] = 0.0
     if calibration.later is None:
@@ -240,9 +240,9 @@ def name_largest_error(
     trigger = known[np.argsort(film.film_mean.values[known])[known.size // 2]]
     errors = film.film_mean_error.values[:, trigger]
     term = str(film.error_term.values[int(np.argmax(errors))])
-    dry = term == "background" and settings.camera1.background is not None
+    dry = term == "background" and _has_dry_joint(settings)
     what, cure = _TEXTS["terms"]["dry" if dry else term]
-    source = _TEXTS[_source_of(term, settings, before, after)] if term in TERMS else ""
+    source = _source_of(term, "energy" if dry else term, settings, before, after)
     return str(
         _TEXTS["largest"].format(
             what=f"{what}, {source}" if source else what,
@@ -253,9 +253,22 @@ def name_largest_error(
     )
 
 
-def _source_of(term: str, settings: RunSettings, before: Calibration, after: Calibration) -> str:
-    """Whether the width of a term was measured in the run, stated, or is the default."""
+def _source_of(
+    term: str, key: str, settings: RunSettings, before: Calibration, after: Calibration
+) -> str:
+    """Whether the width of a term was measured in the run, stated by a key, or is the default.
+
+    Empty for what is no error of the run: fixture.toml states those of the fixture.
+    """
+    if key not in type(settings.systematics).model_fields:
+        return ""
     widths = [{} if one.systematics is None else one.systematics.widths for one in (before, after)]
     if widths[0].get(term) != widths[1].get(term):
-        return "measured"
-    return "declared" if term in settings.systematics.model_fields_set else "default"
+        return str(_TEXTS["measured"])
+    stated = key in settings.systematics.model_fields_set
+    return str(_TEXTS["declared" if stated else "default"])
+
+
+def _has_dry_joint(settings: RunSettings) -> bool:
+    """Whether frames of the dry joint are named."""
+    return bool(settings.camera1.background or settings.camera2.background)

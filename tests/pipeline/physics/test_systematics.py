@@ -1,5 +1,6 @@
 """Errors that the frames of a run do not show: widths of the settings, and what a run measures."""
 
+import re
 import tomllib
 from dataclasses import replace
 from types import SimpleNamespace
@@ -142,3 +143,21 @@ def test_change_of_the_ratio_is_added_to_its_width_where_it_is_significant(state
     chance = replace(step, significance=3.0)
     kept = update_systematics(before, None, None, REPORT, pulses=50, course=chance)
     assert widths(kept) == widths(before)
+
+
+@pytest.mark.parametrize(
+    ("term", "text", "source"),
+    [
+        ("wall", "", ", not stated in [systematics]"),
+        ("wall", '\n[systematics]\nwall = "2 %"\n', ", as stated in [systematics]"),
+        ("position", "", ""),  # fixture.toml states it, which the run does not know
+    ],
+)
+def test_largest_error_is_named_with_its_source(term, text, source):
+    film = xr.Dataset(
+        {"film_mean": ("trigger", [5.0]), "film_mean_error": (("error_term", "trigger"), [[0.1]])},
+        {"error_term": [term]},
+    )
+    run = calibration_of(text)
+    named = name_largest_error(film, settings_with(text), run, run)
+    assert re.match(rf"[a-z ]+{re.escape(source)}: 100 nm at 5 um\.", named)
