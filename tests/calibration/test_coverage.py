@@ -80,15 +80,15 @@ def test_false_alarms_are_as_rare_as_stated(photographed, shared):
     npt.assert_allclose(pulls.std(axis=0), 1, atol=0.35)
 
 
-@pytest.mark.parametrize("reflectance", [0.0, 0.05, 0.1, 0.3, 0.6] if FULL else [0.1, 0.3])
+@pytest.mark.parametrize("reflectance", [0.0, 0.05, 0.1, 0.3, 0.6] if FULL else [0.3])
 def test_films_before_a_wall_that_reflects_cover(reflectance):
-    """Fifty fixtures each: ends of the range, and films of it within one and two errors.
+    """Many fixtures each: ends of the range, and films of it within one and two errors.
 
-    Measured with all of them: 67 to 75 % and 93 to 98 %.
+    Measured with fifty each: 70 to 73 % and 93 to 97 %.
     """
     rng, true = np.random.default_rng(11), through_filters(reflectance)
-    pulls = []
-    for _ in range(50):
+    pulls, count = [], 50 if FULL else 25
+    for _ in range(count):
         found = calibrate(image(rng, true(WEDGE)), wedge_profile(rng, noise=0.1))
         low, high = found.thickness_range
         assert low < 0.5
@@ -96,5 +96,5 @@ def test_films_before_a_wall_that_reflects_cover(reflectance):
         films = np.linspace(1.0, 0.95 * high, 5)
         pulls.append((found.invert(true(films)) - films) / found.thickness_std(films))
     # neighbouring films share their error: five count as two
-    assert abs(share_within(pulls, 1).mean() - 0.683) < 3 * np.sqrt(0.683 * 0.317 / 100)
-    assert share_within(pulls, 2).mean() > 0.954 - 3 * np.sqrt(0.954 * 0.046 / 100)
+    assert abs(share_within(pulls, 1).mean() - 0.683) < 3 * np.sqrt(0.683 * 0.317 / (2 * count))
+    assert share_within(pulls, 2).mean() > 0.954 - 3 * np.sqrt(0.954 * 0.046 / (2 * count))
