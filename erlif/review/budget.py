@@ -162,7 +162,7 @@ def budget(
         options,
         pulses=pulses,
         course=findings.course,
-    ).at(float(np.mean(frames)) / max(pulses - 1, 1))
+    ).at(float(np.mean(frames)) / max(len(run.pairs.pages[0]) - 1, 1))
 
     sources = _split_variance(chain, frames)
     maps = measure_thickness(sources.ratio, measuring)

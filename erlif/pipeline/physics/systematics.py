@@ -212,7 +212,8 @@ def describe_errors(
     terms = [term for term in _TEXTS["terms"] if term in known]
     values: dict[str, Any] = {"error_term": np.array(terms)}
     for name, rows in columns.items():
-        values[name] = np.array([[row.get(term, 0.0) for row in rows] for term in terms])
+        whole = np.array([[row.get(term, 0.0) for row in rows] for term in terms])
+        values[name] = np.where(np.isnan(whole).any(axis=0), np.nan, whole)  # no film, no error
     return {name: FILM[name].fill(column) for name, column in values.items()}
 
 

@@ -126,6 +126,9 @@ def test_sources_of_error_add_up_and_the_largest_is_named():
         total = np.sqrt((film[name] ** 2).sum("error_term"))
         npt.assert_allclose(total, [getattr(one, stated) for one in statistics], rtol=1e-9)
 
+    nothing = replace(statistics[0], mean_gradient=np.full(size, np.nan))
+    assert np.isnan(describe_errors([nothing], calibration)["film_mean_error"]).all()
+
     film["film_mean"] = "trigger", np.array([4.0, 5.0, 6.0])
     text = name_largest_error(film, settings_with(), calibration, calibration)
     size = 1e3 * float(film.film_mean_error.sel(error_term="wall")[1])
