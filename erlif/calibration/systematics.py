@@ -202,7 +202,13 @@ class Systematics:
         return replace(self, covariance=covariance)
 
     def gradient(
-        self, thickness: npt.ArrayLike, model: Reabsorption, slope: Array, change: Array
+        self,
+        thickness: npt.ArrayLike,
+        model: Reabsorption,
+        slope: Array,
+        change: Array,
+        *,
+        illumination: Array | float = 1.0,
     ) -> Array:
         """Derivatives of the logarithm of the ratio by the parameters, (parameter, ...).
 
@@ -216,6 +222,8 @@ class Systematics:
             Derivative of the logarithm of the ratio by thickness. [1/um]
         change : array
             Logarithm of the ratio of this film after the run less that before it. [1]
+        illumination : array, optional
+            Over that of the median light. [1]
 
         Returns
         -------
@@ -223,12 +231,12 @@ class Systematics:
             By each parameter at its full size, times `weight`.
         """
         h = np.asarray(thickness, float)
-        one = model.light(np.maximum(h, _THINNEST)).signal
+        one = illumination * model.light(np.maximum(h, _THINNEST)).signal
         two = one * np.exp(model.predict(h))
         acts: dict[str, Any] = {
             "constant": np.ones_like(h),
             "absorption": -h * slope,
-            "wall": _by_wall(h, model),
+            "wall": _with_wall(model).gradient(h)[-1],
             "light 1": -_LEVEL * one / self.light[0],
             "light 2": _LEVEL * two / self.light[1],
             "background 1": -self.light[0] / one,
@@ -240,6 +248,37 @@ class Systematics:
         rows = np.empty((len(self.kinds), *h.shape))
         for n, kind in enumerate(self.kinds):
             rows[n] = acts[kind.removeprefix("rising ")]
+        return np.asarray(rows * self.weight.reshape(-1, *[1] * h.ndim))
+
+    def light_gradient(
+        self, thickness: npt.ArrayLike, model: Reabsorption, *, illumination: Array | float = 1.0
+    ) -> Array:
+        """Derivatives of the logarithm of the light of camera 1, (parameter, ...).
+
+        What changes the light of all films alike, or is a background, is left out.
+
+        Parameters
+        ----------
+        thickness, model, illumination
+            As for `gradient`.
+
+        Returns
+        -------
+        array
+            By each parameter at its full size, times `weight`.
+        """
+        h = np.maximum(np.asarray(thickness, float), _THINNEST)
+        light = model.light(h)
+        shape = h * light.slope - 1  # of a film that is thicker, or absorbs more, by a share
+        acts = {
+            "absorption": -shape,
+            "wall": _with_wall(model).light(h).gradient[-1],
+            "light 1": -_LEVEL * illumination * light.signal / self.light[0],
+            "size": shape,
+        }
+        rows = np.zeros((len(self.kinds), *h.shape))
+        for n, kind in enumerate(self.kinds):
+            rows[n] = acts.get(kind.removeprefix("rising "), 0.0)
         return np.asarray(rows * self.weight.reshape(-1, *[1] * h.ndim))
 
     def to_record(self) -> dict[str, Any]:
@@ -286,9 +325,9 @@ class Systematics:
         return found
 
 
-def _by_wall(thickness: Array, model: Reabsorption) -> Array:
-    """Derivative of the logarithm of the ratio by the reflectance of the wall. [1]"""
-    if not model.reflects:
-        K, p, q = model.parameters
-        model = Reabsorption(np.array([K, p, q, _BLACK_LASER * q, 0.0]))
-    return np.asarray(model.gradient(thickness)[-1])
+def _with_wall(model: Reabsorption) -> Reabsorption:
+    """The model with the parameters of a wall, which is black where it had none."""
+    if model.reflects:
+        return model
+    K, p, q = model.parameters
+    return Reabsorption(np.array([K, p, q, _BLACK_LASER * q, 0.0]))

@@ -269,6 +269,7 @@ class _Fit:
     ) -> None:
         self.record, self.known, self.calibration = record, known, calibration
         self.energies = energies
+        self.fitted = replace(calibration, systematics=None)
         self.surface = _quadratic(places)
         light = np.where(known, record.light, 0.0)
         self.unit = (
@@ -405,11 +406,23 @@ class _Fit:
 
         # a larger film by the error of the ratio lowers light over expected light by the response
         shares = [self.unit[0] / one * (1 + response), -self.unit[1] / two * response]
-        errors = response * calibration.gradient(smooth)
+        errors = response * self.fitted.gradient(smooth)
         errors[1] -= light.gradient[0]
         if calibration.model.reflects:
             errors[3:5] -= light.gradient[1:]
-        return np.stack([*shares, *errors]), response
+        return np.stack([*shares, *errors, *self._act(smooth, illumination, response)]), response
+
+    def _act(self, smooth: Array, illumination: Array, response: Array) -> Array:
+        """Derivatives by errors that frames do not show, in the light of each cell."""
+        calibration, systematics = self.calibration, self.calibration.systematics
+        if systematics is None:
+            return np.empty((0, *smooth.shape))
+        bright = np.exp(illumination) * systematics.light[0] / self.unit[0]
+        slope, change = calibration.slope(smooth), calibration.change(smooth)
+        model = calibration.model
+        of_ratio = systematics.gradient(smooth, model, slope, change, illumination=bright)
+        of_light = systematics.light_gradient(smooth, model, illumination=bright)
+        return np.asarray(response * of_ratio - of_light)
 
     def _solve_linear(
         self,

@@ -9,7 +9,7 @@ from scenes.fixture import WEDGE, K, P, Q, calibrate, image, log_ratio, wedge_pr
 
 from erlif.calibration import TERMS, Systematics, open_calibration, save_calibration
 from erlif.calibration.systematics import ALIKE
-from erlif.models.fluorescence import wall_ratio
+from erlif.models.fluorescence import band_light, wall_ratio
 from erlif.show.plots import example_calibration
 
 CALIBRATION = example_calibration()
@@ -196,3 +196,28 @@ def test_course_between_two_fixtures_is_known_at_both_ends():
     change = later.predict_log(FILMS) - CALIBRATION.predict_log(FILMS)
     for passed, factor in ((0.0, 0.0), (0.25, 0.75), (0.5, 1.0), (1.0, 0.0)):
         npt.assert_allclose(run.at(passed).gradient(FILMS)[3], factor * change, atol=1e-15)
+
+
+def test_light_agrees_with_films_that_are_wrong_by_a_share():
+    """Light and ratio change as one with the size of the fixture and the absorption of the dyes."""
+    extended = with_systematics(size=0.01, bleaching=0.01)
+    systematics, model = extended.systematics, extended.model
+    film = np.array([1.0, 3.0, 8.0])
+    response = model.light(film).slope / extended.slope(film)
+    own = extended.gradient(film)[-len(systematics.kinds) :]
+    left = response * own - systematics.light_gradient(film, model)
+    for kind in ("rising absorption", "size"):
+        n = systematics.kinds.index(kind)
+        npt.assert_allclose(left[n], left[n][0], rtol=1e-9)
+
+
+def test_light_before_a_wall_is_that_of_the_model():
+    extended = with_systematics(wall=0.01)
+    _, p, q = extended.parameters
+    film = np.array([1.0, 3.0, 8.0])
+    lights = [
+        np.log(band_light(film, attenuation=p, attenuation_laser=0.8 * q, reflectance=R).signal)
+        for R in (0.0, 1e-6)
+    ]
+    found = extended.systematics.light_gradient(film, extended.model)[0]
+    npt.assert_allclose(found, (lights[1] - lights[0]) / 1e-6, rtol=1e-4)

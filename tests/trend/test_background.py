@@ -7,6 +7,7 @@ import numpy.testing as npt
 import pytest
 from scenes.cells import CALIBRATION, P, X, Y, draw_run
 
+from erlif.calibration import Systematics
 from erlif.calibration.departure import Departure
 from erlif.trend import LightRecord, estimate_background
 
@@ -59,6 +60,31 @@ def test_errors_of_a_spline_that_depend_on_each_other_are_no_knowledge():
         found.append(estimate_background(record, (X, Y), calibration, energies=logged))
     npt.assert_allclose(found[0].share, found[1].share, rtol=1e-4)
     npt.assert_allclose(found[0].covariance, found[1].covariance, rtol=1e-4)
+
+
+def test_cameras_that_lose_light_are_not_taken_for_a_background():
+    """Both cameras lose 2 % of full scale, or gain it; the median light is 40 % of it."""
+    pulls = []
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        record, logged = draw_run(rng)
+        lights = [np.exp(record.light), np.exp(record.light + record.log_ratio)]
+        unit = [float(np.median(light)) for light in lights]
+        one, two = (
+            light * (1 - 0.02 * rng.standard_normal() * 0.4 * light / median)
+            for light, median in zip(lights, unit, strict=True)
+        )
+        record = record._replace(light=np.log(one), log_ratio=np.log(two / one))
+        film = np.median(CALIBRATION.inverse.look_up(record.log_ratio))
+        of_film = float(CALIBRATION.model.light(film).signal)
+        light = of_film, of_film * float(CALIBRATION.predict(film))
+        systematics = Systematics.of({"linearity": 0.02}, parameters=3, light=light)
+        calibration = replace(CALIBRATION, systematics=systematics)
+        found = estimate_background(record, (X, Y), calibration, energies=logged)
+        assert not found.significant
+        pulls.append(found.share / found.std)
+    # three standard deviations of a scatter of 60
+    assert np.std(pulls, axis=0) == pytest.approx(1.0, abs=0.3)
 
 
 def test_shift_of_the_film_is_that_of_the_ratio_with_the_background():
