@@ -1,0 +1,165 @@
+"""Films of rigs that have what every laboratory has, against their truth and their error bars.
+
+``python benchmarks/real_rigs.py`` prints a row for each fault on three seeds: the median error of
+the pixels and their stated shared standard deviation, in nm, for films of 3 to 5 and of 8 to 11 um.
+The rig states nothing in [systematics], so the default widths hold. What changes during the run is
+judged over its last ten frames.
+
+``python benchmarks/real_rigs.py --coverage 200`` draws rigs from the default widths and prints the
+shares of errors within one and two standard deviations. The run divides its work among processes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import tempfile
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+import erlif
+from erlif.core.errors import ErlifError
+from erlif.rig import RigSettings, simulate
+
+PULSES = 50
+
+
+def per_pulse(share: float) -> float:
+    """Share that each pulse destroys where so much is lost at the last one."""
+    return float(1 - (1 - share) ** (1 / (PULSES - 1)))
+
+
+FAULTS: dict[str, dict[str, Any]] = {
+    "nothing": {},
+    "background of 1 % of the light": {"background": 0.01},
+    "background of 3 %": {"background": 0.03},
+    "3 %, with 16 frames of the dry joint": {"background": 0.03, "background_pages": 16},
+    "dye 2 bleaches by 5 %, dye 1 by 2.5 %": {"bleaching": (per_pulse(0.025), per_pulse(0.05))},
+    "oil 10 K warmer at the end": {"warming": 10.0},
+    "walls of fixture and joint reflect 30 %": {"wall": (0.3, 0.3)},
+    "walls reflect 60 %": {"wall": (0.6, 0.6)},
+    "wall of the joint 30 %, of the fixture 10 %": {"wall": (0.1, 0.3)},
+    "wall of the joint alone reflects 5 %": {"wall": (0.0, 0.05)},
+    "camera 2 2 % brighter than at calibration": {"brightness": (1.0, 1.02)},
+    "gain of camera 2 up by 5 % from frame 25 on": {"gain_step": (25, 1.05)},
+    "camera 2 keeps 3 % of its last light": {"lag": (0.0, 0.03)},
+    "camera 2 loses 5 % at full scale": {"compression": (0.0, 0.05)},
+    "dark of camera 2 up by 20 DN": {"dark_drift": (0.0, 20.0)},
+    "camera 2 bumped by 6 px at frame 25": {"bump": (25, 6.0, 0.0)},
+}
+
+DURING = ("bleaching", "warming", "gain_step", "bump")
+"""Settings that act at the end of the run."""
+
+
+def judge_fault(job: tuple[str, int]) -> str:
+    """One row of the table."""
+    name, seed = job
+    changes = FAULTS[name]
+    with tempfile.TemporaryDirectory() as scratch:
+        out = Path(scratch) / "rig"
+        simulate(out, seed=seed, rig=RigSettings(write_systematics=False, **changes))
+        try:
+            film = erlif.process(out / "run")
+        except ErlifError as error:
+            return f"{name:44s} {seed}  refused: {error}"
+        with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
+            true = truth.film.values
+    chosen = slice(-10, None) if set(DURING) & set(changes) else slice(None)
+    error, std = (film.thickness.values - true)[chosen], film.thickness_std_shared.values[chosen]
+    valid, true = film["flags"].values[chosen] == 0, true[chosen]
+    parts = []
+    for low, high in ((3, 5), (8, 11)):
+        of = valid & (true > low) & (true < high)
+        if of.sum() < PULSES:
+            parts.append("   none      ")
+            continue
+        parts.append(f"{1e3 * np.median(error[of]):+6.0f} / {1e3 * np.median(std[of]):4.0f}")
+    return f"{name:44s} {seed}  {'   '.join(parts)}"
+
+
+def draw_rig(rng: np.random.Generator) -> tuple[RigSettings, float, float]:
+    """A rig of the default widths, the error of its origin [px], and the scale of its profile."""
+    draw = partial(rng.normal, 0.0)
+    warmer, bleached = float(draw(5.0)), abs(float(draw(0.01))) / 30
+    rig = RigSettings(
+        width=160,
+        height=128,
+        spacing=2.0,
+        fixture_frames=6,
+        bubbles=0,
+        dark_pages=4,
+        flat_pages=3,
+        write_systematics=False,
+        # scale of the ratio, lag, and the temperature between fixture and run
+        brightness=(1.0, 1 + float(draw(0.01) + draw(0.005) + draw(0.005))),
+        warming=abs(warmer),
+        glow_per_kelvin=(-0.002, -0.001) if warmer > 0 else (-0.001, -0.002),
+        bleaching=(bleached, 0.0) if rng.random() < 0.5 else (0.0, bleached),
+        background=abs(float(draw(0.015))),
+        wall=(0.0, abs(float(draw(0.02)))),
+        compression=(float(draw(0.01)), float(draw(0.01))),
+    )
+    return rig, float(draw(1.0)), 1 + float(draw(0.005))
+
+
+def pull_rig(seed: int) -> dict[str, float]:
+    """Errors of one drawn rig over their standard deviations."""
+    rig, origin, size = draw_rig(np.random.default_rng([77, seed]))
+    with tempfile.TemporaryDirectory() as scratch:
+        out = Path(scratch) / "rig"
+        simulate(out, seed=1000 + seed, rig=rig)
+        settings, profile = out / "fixture" / "fixture.toml", out / "fixture" / "profile.csv"
+        text = settings.read_text(encoding="utf-8")
+        settings.write_text(text.replace("[0.0, 0.0]", f"[{origin:.3f}, 0.0]"), encoding="utf-8")
+        with profile.open(encoding="utf-8") as file:
+            head, *rows = csv.reader(file)
+        with profile.open("w", encoding="utf-8", newline="") as file:
+            table = [[x, f"{size * float(h):.5f}", std] for x, h, std in rows]
+            csv.writer(file).writerows([head, *table])
+        film = erlif.process(out / "run")
+        with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
+            truth.load()
+
+    found = {}
+    last = film.sizes["trigger"] - 1
+    for k, when in ((2, "first"), (last // 2, "middle"), (last - 2, "last")):
+        valid = film["flags"].values[k] == 0
+        error = (film.thickness.values[k] - truth.film.values[k])[valid]
+        std = film.thickness_std_shared.values[k][valid]
+        found[f"map median, {when}"] = float(np.median(error) / np.median(std))
+        found[f"film_mean, {when}"] = float(error.mean() / film.film_mean_std[k])
+        minimum = film.film_min[k] - truth.film_min[k]
+        found[f"film_min, {when}"] = float(minimum / film.film_min_std[k])
+    found["exponent"] = float((film.speed_exponent - rig.exponent) / film.speed_exponent_std)
+    return found
+
+
+def main() -> None:
+    """Print the table, or the coverage."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--coverage", type=int, help="rigs drawn from the default widths")
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
+    parser.add_argument("--only", help="faults whose name contains this text")
+    parser.add_argument("--workers", type=int, default=2)
+    options = parser.parse_args()
+    with ProcessPoolExecutor(options.workers) as pool:
+        if options.coverage is None:
+            names = [name for name in FAULTS if (options.only or "") in name]
+            for row in pool.map(judge_fault, [(name, n) for name in names for n in options.seeds]):
+                print(row, flush=True)
+            return
+        pulls = list(pool.map(pull_rig, range(options.coverage)))
+    for name in pulls[0]:
+        values = np.abs([each[name] for each in pulls])
+        one, two = (100 * np.mean(values < width) for width in (1, 2))
+        print(f"{name:20s} {one:5.1f} % {two:5.1f} %   largest {values.max():.2f}")
+
+
+if __name__ == "__main__":
+    main()
