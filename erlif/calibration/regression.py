@@ -191,9 +191,9 @@ def _is_bent(points: Points, fit: Fit, freedom: Freedom) -> bool:
     """Whether a smooth curve through the residuals would be worth two parameters."""
     film = points.thickness + freedom.displacement @ fit.displacement
     std = np.hypot(points.log_ratio_std, fit.thickness_std * fit.slope(film))
-    residual = (points.log_ratio - fit.predict(film)) / std
+    residual = ((points.log_ratio - fit.predict(film)) / std)[fit.kept]
     basis = np.polynomial.chebyshev.chebvander(film / film.max(), _BENDS) / std[:, None]
-    rest = np.linalg.lstsq(basis, residual, rcond=None)[1]
+    rest = np.linalg.lstsq(basis[fit.kept], residual, rcond=None)[1]
     gain = float(residual @ residual - rest.sum()) / max(1.0, float(rest.sum()) / residual.size)
     return gain > VERY_STRONG + _MORE * math.log(residual.size)
 
