@@ -7,6 +7,7 @@ not fail by itself: it gives wrong films, or error bars that are NaN.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -15,6 +16,7 @@ from erlif.calibration.curve import PARAMETERS, Calibration
 from erlif.calibration.departure import Departure
 from erlif.calibration.profile import THICKEST
 from erlif.calibration.refusals import refusal
+from erlif.calibration.systematics import TERMS, Systematics
 from erlif.core.arrays import Array, Image
 from erlif.core.format import is_later
 
@@ -109,6 +111,9 @@ def check_calibration(calibration: Calibration) -> None:
     ]
     if calibration.departure is not None:
         faults += _departure_faults(calibration.departure)
+    if calibration.systematics is not None:
+        alone = replace(calibration, systematics=None).full_covariance
+        faults += _systematics_faults(calibration.systematics, len(alone))
     if faults:
         raise ValueError(faults[0])
 
@@ -245,6 +250,18 @@ def _curve_faults(curve: xr.Dataset) -> Iterator[str]:
             yield f"{name} has values that are not finite"
         elif name in ("curve_ratio", "curve_ratio_std") and (values <= 0).any():
             yield f"{name} has a value of {values.min():g}, not a positive number"
+
+
+def _systematics_faults(systematics: Systematics, parameters: int) -> Iterator[str]:
+    known = {(term, kind) for term, kinds in TERMS.items() for kind in kinds}
+    unknown = set(zip(systematics.terms, systematics.kinds, strict=True)) - known
+    if unknown:
+        yield f"its systematics have a term that this version does not know, {min(unknown)[0]}"
+    covariance, size = systematics.covariance, len(systematics.terms)
+    if covariance.shape != (size, size) or systematics.cross.shape != (parameters, size):
+        yield f"the covariance of its {size} systematics has the shape {covariance.shape}"
+    elif not np.isfinite(covariance).all() or (np.diag(covariance) < 0).any():
+        yield "the covariance of its systematics has values that no error has"
 
 
 def _departure_faults(departure: Departure) -> Iterator[str]:

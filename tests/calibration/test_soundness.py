@@ -1,12 +1,14 @@
 """A calibration file with numbers that no fit gives is refused when it is opened."""
 
+import json
+
 import h5netcdf
 import h5py
 import numpy as np
 import pytest
 from scenes.fixture import calibrate_wedge
 
-from erlif.calibration import open_calibration, save_calibration
+from erlif.calibration import Systematics, open_calibration, save_calibration
 from erlif.core.errors import CalibrationError
 
 
@@ -59,6 +61,12 @@ def exchange_p_and_q(file):
     file["attenuation_camera1"][()], file["attenuation_camera2"][()] = q, p
 
 
+def systematics(**changes):
+    """Those of a fixture whose size is known to 0.5 %, changed."""
+    sound = Systematics.of({"size": 0.005}, parameters=3).to_record()
+    return attribute("systematics", json.dumps(sound | changes))
+
+
 def mirror_one_element(file):
     file["covariance"][0, 1] = -file["covariance"][1, 0]
 
@@ -86,6 +94,9 @@ def swell(file):
         (put("covariance", np.nan), "covariance has values that are not finite"),
         (put("covariance", -1e-6, (1, 1)), "covariance has a variance of -1e-06"),
         (mirror_one_element, "covariance is not symmetric"),
+        (systematics(terms=["fog"]), "a term that this version does not know, fog"),
+        (systematics(covariance=[[-1e-4]]), "systematics has values that no error has"),
+        (systematics(cross=[0.0] * 6), "systematics has the shape"),
         (correlate_beyond_one, "covariance is not positive definite"),
         (put("thickness_range", [12.0, 0.1]), "thickness_range is 12 to 0.1 um"),
         (put("thickness_range", [0.1, 1e9]), "thickness_range is 0.1 to 1e+09 um"),
