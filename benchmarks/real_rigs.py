@@ -126,6 +126,10 @@ def pull_rig(seed: int) -> dict[str, float]:
         with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
             truth.load()
 
+    # the statistics are those of the region of interest
+    (left, right), (upper, lower) = rig.region
+    x, y = film.x.values, film.y.values
+    inside = np.ix_((y >= upper) & (y <= lower), (x >= left) & (x <= right))
     found = {}
     last = film.sizes["trigger"] - 1
     for k, when in ((2, "first"), (last // 2, "middle"), (last - 2, "last")):
@@ -133,7 +137,10 @@ def pull_rig(seed: int) -> dict[str, float]:
         error = (film.thickness.values[k] - truth.film.values[k])[valid]
         std = film.thickness_std_shared.values[k][valid]
         found[f"map median, {when}"] = float(np.median(error) / np.median(std))
-        found[f"film_mean, {when}"] = float(error.mean() / film.film_mean_std[k])
+        of_region = np.zeros_like(valid)
+        of_region[inside] = valid[inside]
+        mean = (film.thickness.values[k] - truth.film.values[k])[of_region].mean()
+        found[f"film_mean, {when}"] = float(mean / film.film_mean_std[k])
         minimum = film.film_min[k] - truth.film_min[k]
         found[f"film_min, {when}"] = float(minimum / film.film_min_std[k])
     found["exponent"] = float((film.speed_exponent - rig.exponent) / film.speed_exponent_std)

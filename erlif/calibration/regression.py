@@ -40,7 +40,7 @@ VERY_STRONG = 10.0
 # at half width give 0.08. [1]
 LEAST_REFLECTANCE = 0.1
 
-_MOST_REFLECTANCE = 0.95  # a fit that ends at the bound of 1 follows something else
+_MOST_REFLECTANCE = 0.999  # a fit that ends at the bound of 1 follows something else
 _PASSES = 6  # without outliers; the set of kept points is stable after two or three
 _FIRST_STD = 0.1  # um: error of the CMM assumed in the first pass where none is stated
 _SMALLEST_STD = 1e-3  # um: resolution of a CMM, so that exact data keep a finite weight
@@ -188,14 +188,23 @@ def fit_robustly(points: Points, freedom: Freedom) -> Fit:
 
 
 def _is_bent(points: Points, fit: Fit, freedom: Freedom) -> bool:
-    """Whether a smooth curve through the residuals would be worth two parameters."""
+    """Whether a smooth curve through the residuals would be worth two parameters.
+
+    Of the kept points, or of all: dust hides a curve among all, and a bent curve is itself left out
+    as outliers.
+    """
     film = points.thickness + freedom.displacement @ fit.displacement
     std = np.hypot(points.log_ratio_std, fit.thickness_std * fit.slope(film))
-    residual = ((points.log_ratio - fit.predict(film)) / std)[fit.kept]
+    residual = (points.log_ratio - fit.predict(film)) / std
     basis = np.polynomial.chebyshev.chebvander(film / film.max(), _BENDS) / std[:, None]
-    rest = np.linalg.lstsq(basis[fit.kept], residual, rcond=None)[1]
-    gain = float(residual @ residual - rest.sum()) / max(1.0, float(rest.sum()) / residual.size)
-    return gain > VERY_STRONG + _MORE * math.log(residual.size)
+
+    def gain(of: Mask) -> float:
+        rest = np.linalg.lstsq(basis[of], residual[of], rcond=None)[1].sum()
+        gained = float(residual[of] @ residual[of] - rest)
+        return gained / max(1.0, float(rest) / int(of.sum()))
+
+    needed = VERY_STRONG + _MORE * math.log(residual.size)
+    return any(gain(of) > needed for of in (fit.kept, np.ones_like(fit.kept)))
 
 
 def _drop_outliers(points: Points, freedom: Freedom, *, reflects: bool) -> Fit:

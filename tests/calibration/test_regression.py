@@ -87,3 +87,17 @@ def test_a_wall_that_reflects_is_found_where_it_bends_the_curve(reflectance):
         of_curve = np.sqrt(np.einsum("ip,ij,jp->p", gradient, found.covariance, gradient))
         assert np.all(np.abs(found.predict(film) - true(film)) < 4 * of_curve + 1e-4)
         assert found.reduced_chi_square < 1.5
+
+
+def test_a_strong_wall_is_found_although_the_bent_part_looks_like_outliers():
+    """A precise fixture: the model before a black wall leaves out a sixth of the points."""
+    film, rng = np.linspace(0.1, 18, 190), np.random.default_rng(2)
+    true = through_filters(0.6)
+    points = make_points(
+        film,
+        thickness=film + rng.normal(0, 0.15, film.size),
+        thickness_std=np.full(film.size, 0.15),
+        log_ratio=true(film) + rng.normal(0, 1e-4, film.size),
+        log_ratio_std=np.full(film.size, 1e-4),
+    )
+    assert fit(points).reflects
