@@ -117,10 +117,11 @@ class Systematics:
         terms, kinds = (tuple(str(row[n]) for row in rows) for n in (0, 1))
         std = np.array([width for _, _, width in rows])
         covariance = np.diag(std**2)
-        if "background" in terms:
-            n = terms.index("background")
-            covariance[n, n + 1] = covariance[n + 1, n] = ALIKE * std[n] * std[n + 1]
-        return cls(terms, kinds, covariance, np.zeros((parameters, len(rows))), light)
+        found = cls(terms, kinds, covariance, np.zeros((parameters, len(rows))), light)
+        if (shares := found.places("background")).size:
+            one, two = shares
+            covariance[one, two] = covariance[two, one] = ALIKE * std[one] * std[two]
+        return found
 
     @property
     def widths(self) -> dict[str, float]:
@@ -147,18 +148,14 @@ class Systematics:
         between = 4 * self.passed * (1 - self.passed)
         return np.where(self.rising, self.passed, np.where(self.varies, between, 1.0))
 
+    def places(self, term: str) -> npt.NDArray[np.intp]:
+        """Numbers of the parameters of a term; none where it is not among them."""
+        return np.flatnonzero([name == term for name in self.terms])
+
     @property
     def prior(self) -> Systematics:
         """What is not measured in a run and has an error: all but the background."""
-        std = np.diag(self.covariance)
-        return self._take([n for n in self._others if std[n] > 0])
-
-    @property
-    def _others(self) -> list[int]:
-        """Numbers of the parameters that are no background."""
-        return [n for n, term in enumerate(self.terms) if term != "background"]
-
-    def _take(self, kept: list[int]) -> Systematics:
+        kept = self._of_prior
         return replace(
             self,
             terms=tuple(self.terms[n] for n in kept),
@@ -166,6 +163,12 @@ class Systematics:
             covariance=self.covariance[np.ix_(kept, kept)],
             cross=self.cross[:, kept],
         )
+
+    @property
+    def _of_prior(self) -> npt.NDArray[np.intp]:
+        """Numbers of the parameters of `prior`."""
+        other = np.array([term != "background" for term in self.terms], bool)
+        return np.flatnonzero(other & (np.diag(self.covariance) > 0))
 
     def with_background(self, measured: Systematics) -> Systematics:
         """The same with a background whose error was measured.
@@ -181,20 +184,19 @@ class Systematics:
         Systematics
             With the same parameters, shares of the same light.
         """
-        parameters = len(self.cross)
-        covariance, cross = self.covariance.copy(), self.cross.copy()
+        parameters, shares, kept = len(self.cross), self.places("background"), self._of_prior
         scale = np.divide(measured.light, self.light)
-        shares = [n for n, term in enumerate(self.terms) if term == "background"]
-        std = np.diag(covariance)
-        kept = [n for n in self._others if std[n] > 0]
+        with_fit, with_prior = np.split(scale * measured.cross, [parameters])
+
+        covariance, cross = self.covariance.copy(), self.cross.copy()
         covariance[np.ix_(shares, shares)] = np.outer(scale, scale) * measured.covariance
-        covariance[np.ix_(kept, shares)] = scale * measured.cross[parameters:]
-        covariance[np.ix_(shares, kept)] = (scale * measured.cross[parameters:]).T
-        cross[:, shares] = scale * measured.cross[:parameters]
+        covariance[np.ix_(kept, shares)] = with_prior
+        covariance[np.ix_(shares, kept)] = with_prior.T
+        cross[:, shares] = with_fit
         return replace(self, covariance=covariance, cross=cross)
 
     def with_width(self, kind: str, width: float, *, term: str) -> Systematics:
-        """The same with another standard deviation of one parameter of a term."""
+        """The same with another standard deviation of one parameter of a term. [1]"""
         covariance = self.covariance.copy()
         n = list(zip(self.terms, self.kinds, strict=True)).index((term, kind))
         covariance[n, :] = covariance[:, n] = 0.0
@@ -319,9 +321,9 @@ class Systematics:
         """
         found = {}
         for term in dict.fromkeys(self.terms):
-            own = np.array([name == term for name in self.terms])
-            part = np.where(own, gradient, 0.0)
-            found[term] = float(np.sqrt(part @ self.covariance @ part))
+            own = self.places(term)
+            part = gradient[own]
+            found[term] = float(np.sqrt(part @ self.covariance[np.ix_(own, own)] @ part))
         return found
 
 

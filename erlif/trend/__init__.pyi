@@ -1,6 +1,7 @@
-from .background import BackgroundEstimate, LightRecord, estimate_background
+from .background import BackgroundEstimate, estimate_background
 from .bleaching import Trend, fit_trend
 from .blocks import BLOCK, BlockSums, sum_blocks
+from .cells import LightRecord
 from .course import Change, find_ratio_change, find_shift
 from .curve import FilmCurve
 from .exponent import SLOWEST, Exponent, fit_exponent

@@ -21,6 +21,7 @@ import scipy
 from erlif.calibration import TERMS, Calibration, Systematics
 from erlif.core.arrays import Array, Mask
 from erlif.core.statistics import covariance_root
+from erlif.trend.cells import FEWEST_FRAMES, LightRecord, choose_cells
 
 # Chi-square of two shares that noise exceeds once in 370 cases, as a deviation of three standard
 # deviations of one number.
@@ -28,18 +29,6 @@ SIGNIFICANT = 11.83
 
 # Share of the median light; a run that would not show this much determines no background. [1]
 _LARGEST = 0.05
-
-_FEWEST_FRAMES = 12  # frames of an estimate, at least
-
-_FEWEST_CELLS = 24  # cells of a frame, at least; the surface through its films has six coefficients
-
-_FEWEST_VISITS = 6  # frames in which a cell must be measured
-
-_THINNEST = 1.0  # film below which the model is not linear in a background of a few per cent [um]
-
-# Share of the covered range; the noise of a cell with a thicker film may reach beyond it, and a
-# choice that depends on the noise would bias the estimate.
-_THICKEST = 0.8
 
 _ROUNDS = 12  # steps of Gauss and Newton, at most; three are usual
 
@@ -53,27 +42,6 @@ _SETTLED = 0.05  # last step over the standard deviation at which the search end
 _START_NOISE = 0.02
 
 _LEAST_ENERGY_STD = 1e-3  # relative accuracy that is granted to the energies of a log at best
-
-
-class LightRecord(NamedTuple):
-    """Light and ratio of the cells of a run, each (frame, cell); NaN where not measured.
-
-    Attributes
-    ----------
-    light : Array
-        Mean logarithm of the light of camera 1. [ln DN]
-    log_ratio : Array
-        Mean logarithm of the ratio. [1]
-    spread : Array
-        Variance of the logarithm of the ratio within a cell. [1]
-    variance : Array
-        Variance of log_ratio by noise. [1]
-    """
-
-    light: Array
-    log_ratio: Array
-    spread: Array
-    variance: Array
 
 
 @dataclass(frozen=True)
@@ -221,7 +189,7 @@ def estimate_background(
             known &= measured[:, None]
         else:
             energies = None
-    if known.any(axis=1).sum() < _FEWEST_FRAMES:
+    if known.any(axis=1).sum() < FEWEST_FRAMES:
         return None
     used = known.any(axis=1)
     fit = _Fit(
@@ -374,11 +342,8 @@ class _Fit:
 
     def _choose(self, smooth: Array, inside: Mask) -> Mask | None:
         """Cells and frames of the estimate; they stay the same while it is improved."""
-        low = max(self.calibration.thickness_range[0], _THINNEST)
-        usable = inside & (smooth > low) & (smooth < _THICKEST * self.table.thickness[-1])
-        usable &= (usable.sum(axis=1) >= _FEWEST_CELLS)[:, None]
-        usable &= usable.sum(axis=0) >= _FEWEST_VISITS
-        return usable if usable.any(axis=1).sum() >= _FEWEST_FRAMES else None
+        usable = choose_cells(smooth, inside, self.calibration)
+        return usable if usable.any(axis=1).sum() >= FEWEST_FRAMES else None
 
     def _compare(self, light: Array, film: Array, smooth: Array, chosen: Mask) -> Array:
         """Logarithm of light over that of the film; 0 where it is not chosen."""

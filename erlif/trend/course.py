@@ -1,7 +1,7 @@
 """Course of a run: what should stay the same from frame to frame, and steps or drifts of it.
 
-The light of camera 1 and the ratio are two witnesses of one film. In each cell of the image the
-light of camera 1 is that of the film which the ratio shows, times an illumination of the cell and
+The light of camera 1 and the ratio both depend on the film. In each cell of the image the light of
+camera 1 is that of the film which the ratio shows, times an illumination of the cell and
 the energy of the pulse. Where the light of camera 2 over camera 1 changes during a run, the films
 of all cells change in the ratio and not in the light. The light of camera 1 over that of the film
 then changes by more in thin than in thick films, which neither the energy of a pulse nor a beam
@@ -18,23 +18,13 @@ import numpy.typing as npt
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import AnyArray, Array, Mask
-from erlif.trend.background import LightRecord
+from erlif.trend.cells import FEWEST_FRAMES, LightRecord, choose_cells
 
 # Standard deviations from which on a change is reported. The largest of 400 possible steps exceeds
 # them by chance once in 400 runs.
 _SIGNIFICANT = 4.5
 
-_FEWEST_FRAMES = 12  # frames of a course, at least
-
 _SIDE = 3  # frames before and after a step, at least
-
-_FEWEST_CELLS = 24  # cells of a frame, at least
-
-_FEWEST_VISITS = 6  # frames in which a cell must be measured
-
-_THINNEST = 1.0  # film below which the response of the light is steep [um]
-
-_THICKEST = 0.8  # share of the covered range beyond which noise selects the cells
 
 _LOOSE = 0.05  # standard deviation of a change of the ratio that determines nothing [1]
 
@@ -150,7 +140,7 @@ def find_shift(frames: AnyArray, values: Array) -> Change | None:
     (25, True, 8)
     """
     known = np.flatnonzero(np.isfinite(values))
-    if known.size < _FEWEST_FRAMES:
+    if known.size < FEWEST_FRAMES:
         return None
     one, courses = np.ones((known.size, 1)), _courses(known.size)
     rows = _Rows(values[known], one[:, 0], one, np.arange(known.size), known.size)
@@ -198,7 +188,7 @@ def find_ratio_change(
     """
     film, chosen = _choose(record.log_ratio, record.light, calibration)
     used = np.flatnonzero(chosen.any(axis=1))
-    if used.size < _FEWEST_FRAMES:
+    if used.size < FEWEST_FRAMES:
         return None
     courses = _courses(used.size)
     light, chosen = record.light[used], chosen[used]
@@ -236,10 +226,7 @@ def _choose(log_ratio: Array, light: Array, calibration: Calibration) -> tuple[A
     first, last = table.log_ratio[[0, -1]]
     known = np.isfinite(log_ratio) & np.isfinite(light) & (log_ratio > first) & (log_ratio < last)
     film = table.look_up(np.where(known, log_ratio, first))
-    low = max(calibration.thickness_range[0], _THINNEST)
-    chosen = known & (film > low) & (film < _THICKEST * table.thickness[-1])
-    chosen &= chosen.sum(axis=0) >= _FEWEST_VISITS
-    return film, chosen & (chosen.sum(axis=1) >= _FEWEST_CELLS)[:, None]
+    return film, choose_cells(film, known, calibration)
 
 
 def _compare(

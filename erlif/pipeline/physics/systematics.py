@@ -48,31 +48,45 @@ def add_systematics(
     -------
     Calibration
     """
+    alone = replace(calibration, systematics=None)
+    of_fixture = {} if calibration.systematics is None else calibration.systematics.widths
+    found = Systematics.of(
+        of_fixture | _widths_of_run(calibration, settings),
+        parameters=len(alone.full_covariance),
+        light=_light_of_median(calibration, chain, sample),
+    )
+    if _has_dry_joint(settings):
+        shares = found.places("background")
+        covariance = found.covariance.copy()
+        covariance[np.ix_(shares, shares)] += _error_of_dry_joint(
+            chain, sample, settings.systematics.shares["energy"]
+        )
+        found = replace(found, covariance=covariance)
+    return replace(alone, systematics=found)
+
+
+def _widths_of_run(calibration: Calibration, settings: RunSettings) -> dict[str, float]:
+    """Standard deviations of the settings, without what fixtures or a dry joint show. [1]"""
     shares, stated = settings.systematics.shares, settings.systematics.model_fields_set
-    dry = _has_dry_joint(settings)
-    if dry and "background" not in stated:
-        shares["background"] = 0.0
+    shown = {"background"} if _has_dry_joint(settings) else set()
     if calibration.later is None:
         del shares["course"]
     else:
         # a fixture after the run shows their sum
-        shares |= {name: 0.0 for name in _BETWEEN_FIXTURES if name not in stated}
-    of_fixture = calibration.systematics
-    fixture = {} if of_fixture is None else of_fixture.widths
+        shown |= set(_BETWEEN_FIXTURES)
+    return shares | dict.fromkeys(shown - stated, 0.0)
+
+
+def _light_of_median(
+    calibration: Calibration, chain: FrameChain, sample: Sequence[Bands]
+) -> tuple[float, float]:
+    """Light of both bands of the median film of a sample, per um of a very thin film. [um]"""
     film = calibration.covered_range[1] / 2
     if ratios := [ratio for ratio, _ in ratios_of(chain, sample)]:
         median = np.median(np.concatenate(ratios))
         film = float(calibration.inverse.look_up(np.array([median]))[0])
     one = float(calibration.model.light(film).signal)
-    two = one * float(calibration.predict(film))
-    of_dry = _error_of_dry_joint(chain, sample, shares["energy"]) if dry else np.zeros((2, 2))
-    alone = replace(calibration, systematics=None)
-    found = Systematics.of(
-        fixture | shares, parameters=len(alone.full_covariance), light=(one, two)
-    )
-    shares_of_light = [n for n, term in enumerate(found.terms) if term == "background"]
-    found.covariance[np.ix_(shares_of_light, shares_of_light)] += of_dry
-    return replace(alone, systematics=found)
+    return one, one * float(calibration.predict(film))
 
 
 def _error_of_dry_joint(chain: FrameChain, sample: Sequence[Bands], energy_std: float) -> Array:
@@ -152,34 +166,48 @@ def update_systematics(
         return calibration
 
     if background is not None and options.background != "correct":
-        shares = [n for n, term in enumerate(systematics.terms) if term == "background"]
-        prior = systematics.covariance[np.ix_(shares, shares)]
-        if prior.any():
-            # the width is a share of the light of the sample, the estimate of that of its cells
-            scale = np.divide(systematics.light, background.error.light)
-            posterior = background.given(np.outer(scale, scale) * prior)
-            systematics = systematics.with_background(posterior.second_moment)
-        elif background.significant:
-            systematics = systematics.with_background(background.second_moment)
-
+        systematics = _with_background_of_run(systematics, background)
     # between two fixtures the curve follows the dyes, and the change of the ratio is no error
     if bleaching is not None and calibration.later is None:
-        kind = "rising constant"
-        width = systematics.widths["bleaching"]
-        change, std = pulses * bleaching.log_ratio, pulses * bleaching.log_ratio_std
-        if options.bleaching == "correct":
-            systematics = systematics.with_width(kind, std, term="bleaching")
-        elif width > 0:
-            gain = width**2 / (width**2 + std**2)
-            rest = math.hypot(gain * change, math.sqrt(1 - gain) * width)
-            systematics = systematics.with_width(kind, rest, term="bleaching")
-        elif bleaching.significant():
-            systematics = systematics.with_width(kind, abs(change), term="bleaching")
+        corrected = options.bleaching == "correct"
+        width = _bleaching_of_run(systematics, bleaching, pulses=pulses, corrected=corrected)
+        systematics = systematics.with_width("rising constant", width, term="bleaching")
     # which part of the run has the ratio of the fixture is not known
     if course is not None and course.significant:
         width = math.hypot(systematics.widths["ratio"], course.size, course.std)
         systematics = systematics.with_width("constant", width, term="ratio")
     return replace(calibration, systematics=systematics)
+
+
+def _with_background_of_run(
+    systematics: Systematics, background: BackgroundEstimate
+) -> Systematics:
+    """The systematics with a background that is reported and not subtracted."""
+    shares = systematics.places("background")
+    prior = systematics.covariance[np.ix_(shares, shares)]
+    if not prior.any():
+        if not background.significant:
+            return systematics
+        return systematics.with_background(background.second_moment)
+
+    # the width is a share of the light of the sample, the estimate of that of its cells
+    scale = np.divide(systematics.light, background.error.light)
+    posterior = background.given(np.outer(scale, scale) * prior)
+    return systematics.with_background(posterior.second_moment)
+
+
+def _bleaching_of_run(
+    systematics: Systematics, trend: Trend, *, pulses: int, corrected: bool
+) -> float:
+    """Width of the change of the ratio by bleaching, over the run. [1]"""
+    width = systematics.widths["bleaching"]
+    change, std = pulses * trend.log_ratio, pulses * trend.log_ratio_std
+    if corrected:
+        return std
+    if width == 0:
+        return abs(change) if trend.significant() else 0.0
+    gain = width**2 / (width**2 + std**2)
+    return math.hypot(gain * change, math.sqrt(1 - gain) * width)
 
 
 def describe_errors(

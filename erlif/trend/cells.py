@@ -1,0 +1,74 @@
+"""Light and ratio of a run in the coarse cells of its image, and the cells that are compared."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from erlif.calibration import Calibration
+from erlif.core.arrays import Array, Mask
+
+# Frames of an estimate from the light of a run, at least.
+FEWEST_FRAMES = 12
+
+_FEWEST_CELLS = 24  # cells of a frame, at least; a surface through its films has six coefficients
+_FEWEST_VISITS = 6  # frames in which a cell must be measured
+_THINNEST = 1.0  # um: below it the response of a film to its light is steep and not linear
+
+# Share of the covered range; the noise of a cell with a thicker film may reach beyond it, and a
+# choice that depends on the noise would bias what is estimated.
+_THICKEST = 0.8
+
+
+class LightRecord(NamedTuple):
+    """Light and ratio of the cells of a run, each (frame, cell); NaN where not measured.
+
+    Attributes
+    ----------
+    light : Array
+        Mean logarithm of the light of camera 1. [ln DN]
+    log_ratio : Array
+        Mean logarithm of the ratio. [1]
+    spread : Array
+        Variance of the logarithm of the ratio within a cell. [1]
+    variance : Array
+        Variance of log_ratio by noise. [1]
+    """
+
+    light: Array
+    log_ratio: Array
+    spread: Array
+    variance: Array
+
+
+def choose_cells(film: Array, measured: Mask, calibration: Calibration) -> Mask:
+    """Cells whose light can be compared with that of their film, in each frame.
+
+    Parameters
+    ----------
+    film : array, (frame, cell)
+        [um]
+    measured : array of bool, (frame, cell)
+        Whether light and film are known.
+    calibration : Calibration
+
+    Returns
+    -------
+    array of bool, (frame, cell)
+        Films from 1 um to 0.8 of the covered range, of frames with 24 cells and of cells with 6
+        frames at least.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from erlif.show.plots import example_calibration
+    >>> film = np.full((8, 30), 4.0)
+    >>> film[:, 0] = 0.5
+    >>> chosen = choose_cells(film, np.ones(film.shape, bool), example_calibration())
+    >>> int(chosen.sum())
+    232
+    """
+    low = max(calibration.thickness_range[0], _THINNEST)
+    usable: Mask = measured & (film > low) & (film < _THICKEST * calibration.inverse.thickness[-1])
+    usable &= (usable.sum(axis=1) >= _FEWEST_CELLS)[:, None]
+    usable &= usable.sum(axis=0) >= _FEWEST_VISITS
+    return usable

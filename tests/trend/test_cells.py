@@ -1,0 +1,29 @@
+"""Cells of a run whose light is compared with that of their film."""
+
+import numpy as np
+import numpy.testing as npt
+
+from erlif.show.plots import example_calibration
+from erlif.trend.cells import choose_cells
+
+CALIBRATION = example_calibration()
+
+
+def test_films_beyond_the_response_of_the_light_are_left_out():
+    """Below 1 um, and above 0.8 of the thickest film that the fixture covers."""
+    thickest = CALIBRATION.covered_range[1]
+    films = np.array([0.5, 1.5, 5.0, 0.75 * thickest, 0.85 * thickest])
+    film = np.repeat(films, 30)[None].repeat(8, axis=0)
+    chosen = choose_cells(film, np.ones(film.shape, bool), CALIBRATION)
+    npt.assert_array_equal(chosen, (film > 1) & (film < 0.8 * thickest))
+
+
+def test_frames_of_few_cells_and_cells_of_few_frames_are_left_out():
+    """Frame 0 has 23 cells, one less than are needed; cell 29 has then 5 frames of 6."""
+    film, measured = np.full((10, 30), 4.0), np.ones((10, 30), bool)
+    measured[0, :7] = False
+    measured[5:9, 29] = False
+    chosen = choose_cells(film, measured, CALIBRATION)
+    assert not chosen[0].any()
+    assert not chosen[:, 29].any()
+    assert chosen[1:, :29].all()
