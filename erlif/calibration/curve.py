@@ -16,7 +16,7 @@ import xarray as xr
 from erlif.calibration.departure import Departure
 from erlif.calibration.pose import FoundPose
 from erlif.calibration.refusals import refusal
-from erlif.calibration.regression import Reabsorption
+from erlif.calibration.regression import BLACK, Reabsorption
 from erlif.calibration.systematics import Systematics
 from erlif.core.arrays import Array
 from erlif.core.html import card, curve_picture, findings_list, rows_table
@@ -38,9 +38,6 @@ PARAMETERS = (
     "attenuation_laser",
     "reflectance",
 )
-
-# As many of them as a black wall has.
-_BLACK = 3
 
 # Entries of the table of the inverse.
 _ENTRIES = 20001
@@ -457,7 +454,7 @@ def parameters_in(names: Container[Any]) -> tuple[str, ...]:
     >>> len(parameters_in({}))
     3
     """
-    return PARAMETERS if PARAMETERS[-1] in names else PARAMETERS[:_BLACK]
+    return PARAMETERS if PARAMETERS[-1] in names else PARAMETERS[:BLACK]
 
 
 @dataclass(frozen=True)
@@ -595,7 +592,7 @@ def describe_parameters(calibration: Calibration) -> list[tuple[str, str]]:
     >>> describe_parameters(example_calibration())[0]
     ('K, ratio of a vanishing film', '0.66000 ± 0.00100')
     """
-    K, p, q = calibration.parameters[:3]
+    K, p, q = calibration.parameters[:BLACK]
     std = calibration.standard_deviations
     low, high = calibration.thickness_range
     one, two = calibration.bands

@@ -40,6 +40,9 @@ VERY_STRONG = 10.0
 # at half width give 0.08. [1]
 LEAST_REFLECTANCE = 0.1
 
+# Parameters of the model before a black wall: K, p and q.
+BLACK = 3
+
 _MOST_REFLECTANCE = 0.999  # a fit that ends at the bound of 1 follows something else
 _PASSES = 6  # without outliers; the set of kept points is stable after two or three
 _FIRST_STD = 0.1  # um: error of the CMM assumed in the first pass where none is stated
@@ -51,7 +54,6 @@ _DISPLACEMENT_BOUND = 5.0  # mm
 _ITERATIONS = 200
 _MORE = 2  # parameters of a reflecting wall
 _BENDS = 6  # degree of the smooth curve through the residuals
-_BLACK = 3  # parameters of the model before a black wall
 _REFLECTANCES = (0.5, 0.1)  # starting points of R
 _WALL_ITERATIONS = 60  # with the two parameters of a wall; a good start settles in 30
 _AS_NOISE = 1.3  # reduced chi-square of a fit that leaves noise alone
@@ -75,7 +77,7 @@ class Reabsorption:
     @property
     def reflects(self) -> bool:
         """Whether the wall behind the film reflects."""
-        return len(self.parameters) > _BLACK
+        return len(self.parameters) > BLACK
 
     def predict(self, thickness: npt.ArrayLike) -> Array:
         """Logarithm of the ratio of a film. `thickness` in um."""
@@ -309,7 +311,7 @@ def _regress(
 
 def _parameters_of(beta: Array) -> Array:
     """K, p and q, and a and R, of the searched ln K, ln(p - q) and ln q, a/q and R."""
-    K, difference, q = (math.exp(value) for value in beta[:_BLACK])
+    K, difference, q = (math.exp(value) for value in beta[:BLACK])
     return np.array([K, q + difference, q, *(beta[3:4] * q), *beta[4:]])
 
 

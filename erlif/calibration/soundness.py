@@ -16,6 +16,7 @@ from erlif.calibration.curve import PARAMETERS, Calibration
 from erlif.calibration.departure import Departure
 from erlif.calibration.profile import THICKEST
 from erlif.calibration.refusals import refusal
+from erlif.calibration.regression import BLACK
 from erlif.calibration.systematics import TERMS, Systematics
 from erlif.core.arrays import Array, Image
 from erlif.core.format import is_later
@@ -192,7 +193,7 @@ def _parameter_faults(parameters: Array) -> Iterator[str]:
     for name, value in zip(PARAMETERS, parameters, strict=False):
         if not (np.isfinite(value) and value > 0):
             yield f"{name} is {value:g}, not a positive number"
-    K, p, q = parameters[:3]
+    K, p, q = parameters[:BLACK]
     if not RATIOS[0] < K < RATIOS[1]:
         yield f"ratio_at_zero is {K:g}, outside {RATIOS[0]:g} to {RATIOS[1]:g}"
 
@@ -202,8 +203,8 @@ def _parameter_faults(parameters: Array) -> Iterator[str]:
             f"attenuation_camera1 is {p:g}, below attenuation_camera2, {q:g}: the ratio would fall "
             "with thickness, and the two look exchanged"
         )
-    if len(parameters) > 3 and not (parameters[3] <= q and parameters[4] <= 1):
-        a, R = parameters[3:]
+    if len(parameters) > BLACK and not (parameters[3] <= q and parameters[4] <= 1):
+        a, R = parameters[BLACK:]
         yield f"attenuation_laser is {a:g} and reflectance {R:g}, above attenuation_camera2 or 1"
 
 
