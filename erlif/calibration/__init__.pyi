@@ -1,6 +1,7 @@
 from .comparison import Comparison, compare_calibrations
-from .curve import DIRECTION, Calibration, InverseTable, check_bands, share_bands
+from .curve import DIRECTION, Calibration, check_bands, share_bands
 from .fit import DIM_LIGHT, USEFUL, fit_calibration
+from .inverse import InverseTable
 from .profile import Profile, read_profile
 from .regression import Reabsorption
 from .storage import (

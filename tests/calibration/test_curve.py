@@ -1,45 +1,16 @@
-"""The curve of a calibration and its inverse, on parameters that are known exactly."""
+"""The curve of a calibration, on parameters that are known exactly."""
 
 from dataclasses import replace
 
 import numpy as np
 import numpy.testing as npt
 import pytest
-import xarray as xr
 from scenes.fixture import FILMS, K, P, Q, log_ratio
 
-from erlif.calibration import Calibration, check_bands, share_bands
-from erlif.calibration.departure import Departure
+from erlif.calibration import check_bands, share_bands
 from erlif.core.errors import CalibrationError
 from erlif.core.notes import Level, Note
 from erlif.show.plots import example_calibration
-
-
-@pytest.fixture
-def exact():
-    """The true curve, with a covariance in which K and p are correlated."""
-    covariance = np.array([[4e-6, 1e-6, 0], [1e-6, 4e-6, 0], [0, 0, 1e-6]])
-    points = np.array([0.2, 9.0, 17.0])
-    curve = xr.Dataset(
-        {
-            "curve_thickness": ("bin", points),
-            "curve_ratio": ("bin", np.exp(log_ratio(points))),
-            "curve_ratio_std": ("bin", np.full(3, 1e-3)),
-            "curve_residual": ("bin", np.zeros(3)),
-        }
-    )
-    return Calibration(K, P, Q, covariance, (0.3, 14.0), (580.0, 610.0), curve, 1.0, "wedge")
-
-
-@pytest.fixture
-def departing(exact):
-    """The same with a spline of two pieces, its coefficients known to 0.001."""
-    knots = np.array([0.3] * 4 + [6.0] + [14.0] * 4)
-    spline = Departure(knots, np.array([0.0, 0.005, 0.0, 0.01, 0.015]), 1e-6 * np.eye(5))
-    return replace(exact, departure=spline)
-
-
-# the curve
 
 
 def test_prediction_is_the_integrated_ratio(exact):
@@ -90,39 +61,6 @@ def test_error_of_a_film_is_that_of_drawn_parameters(departing):
     npt.assert_allclose(
         departing.thickness_std(FILMS), departing.log_ratio_std(FILMS) / departing.slope(FILMS)
     )
-
-
-# the inverse
-
-
-@pytest.mark.parametrize("name", ["exact", "departing"])
-def test_table_of_the_inverse_agrees_with_root_finding(name, request):
-    calibration = request.getfixturevalue(name)
-    table = calibration.inverse
-    entries = np.arange(table.thickness.size)
-    first, last = np.interp(calibration.thickness_range, table.thickness, entries)
-    place = np.random.default_rng(0).uniform(first, last, 200)
-    values = table.start + table.step * place
-    film = calibration.invert(values)
-    npt.assert_allclose(calibration.predict_log(film), values, atol=1e-9)
-    low, high = calibration.thickness_range
-    beyond = calibration.predict_log([[low - 0.01], [high + 0.01]])
-    npt.assert_array_equal(calibration.invert(beyond), [[np.nan], [np.nan]])
-    npt.assert_allclose(np.interp(place, entries, table.thickness), film, atol=2e-5)
-    npt.assert_allclose(
-        np.interp(place, entries, table.per_log_ratio), 1 / calibration.slope(film), rtol=1e-4
-    )
-    npt.assert_allclose(
-        np.interp(place, entries, table.calibration_std),
-        calibration.thickness_std(film),
-        rtol=1e-3,
-    )
-
-
-def test_table_covers_the_fixture_and_not_the_calibrated_range_alone(exact):
-    assert exact.covered_range == (0.3, 17.0)
-    npt.assert_allclose(exact.inverse.thickness[[0, -1]], [0.3, 17.0])
-    assert replace(exact, curve=xr.Dataset()).covered_range == (0.3, 14.0)
 
 
 # bands
