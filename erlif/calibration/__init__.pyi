@@ -1,5 +1,6 @@
+from .bands import check_bands, share_bands
 from .comparison import Comparison, compare_calibrations
-from .curve import DIRECTION, Calibration, check_bands, share_bands
+from .curve import DIRECTION, Calibration
 from .fit import DIM_LIGHT, USEFUL, fit_calibration
 from .inverse import InverseTable
 from .profile import Profile, read_profile

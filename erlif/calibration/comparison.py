@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from erlif.calibration.curve import Calibration, share_bands
+from erlif.calibration.bands import share_bands
+from erlif.calibration.curve import Calibration
 from erlif.calibration.departure import find_correlation
 from erlif.calibration.refusals import refusal
 from erlif.calibration.regression import OUTLIER

@@ -13,6 +13,7 @@ import numpy.typing as npt
 import scipy
 import xarray as xr
 
+from erlif.calibration.bands import check_bands
 from erlif.calibration.departure import Departure
 from erlif.calibration.inverse import InverseTable
 from erlif.calibration.pose import FoundPose
@@ -453,66 +454,6 @@ def parameters_in(names: Container[Any]) -> tuple[str, ...]:
     3
     """
     return PARAMETERS if PARAMETERS[-1] in names else PARAMETERS[:BLACK]
-
-
-_SAME_BAND = 1.0  # nm: filters of the same name differ by less
-
-
-def share_bands(bands: tuple[float, float], others: tuple[float, float]) -> bool:
-    """Compare the filter bands of two pairs of cameras.
-
-    Parameters
-    ----------
-    bands, others : (float, float)
-        Bands of camera 1 and 2. [nm]
-
-    Returns
-    -------
-    bool
-        Whether both bands agree to 1 nm.
-
-    Examples
-    --------
-    >>> share_bands((580.0, 610.0), (580.5, 610.0))
-    True
-    >>> share_bands((580.0, 610.0), (610.0, 580.0))
-    False
-    """
-    return bool(np.allclose(bands, others, rtol=0.0, atol=_SAME_BAND))
-
-
-def check_bands(calibration: Calibration, bands: tuple[float, float]) -> None:
-    """Refuse a calibration of other filter bands.
-
-    Parameters
-    ----------
-    calibration : Calibration
-        Calibration to be used for a run.
-    bands : (float, float)
-        Bands of camera 1 and 2 of the run. [nm]
-
-    Raises
-    ------
-    CalibrationError
-        If a band differs by more than 1 nm; exchanged cameras are recognised.
-
-    Examples
-    --------
-    >>> calibration = Calibration(
-    ...     0.65, 0.40, 0.25, np.eye(3), (0.1, 12.0), (580.0, 610.0), xr.Dataset(), 1.0, "wedge"
-    ... )
-    >>> check_bands(calibration, (580.0, 610.0))
-    >>> check_bands(calibration, (610.0, 580.0))
-    Traceback (most recent call last):
-        ...
-    erlif.core.errors.CalibrationError: Expected a calibration of the bands of the run, 610 and \
-580 nm; got one of 580 and 610 nm. The bands are exchanged: the cameras look swapped. Calibrate \
-with the filters of the run.
-    """
-    if share_bands(calibration.bands, bands):
-        return
-    key = "exchanged_bands" if share_bands(calibration.bands, bands[::-1]) else "other_bands"
-    raise refusal(key, bands=bands, calibrated=calibration.bands)
 
 
 def describe_parameters(calibration: Calibration) -> list[tuple[str, str]]:

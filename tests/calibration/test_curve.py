@@ -7,7 +7,6 @@ import numpy.testing as npt
 import pytest
 from scenes.fixture import FILMS, K, P, Q, log_ratio
 
-from erlif.calibration import check_bands, share_bands
 from erlif.core.errors import CalibrationError
 from erlif.core.notes import Level, Note
 from erlif.show.plots import example_calibration
@@ -61,23 +60,6 @@ def test_error_of_a_film_is_that_of_drawn_parameters(departing):
     npt.assert_allclose(
         departing.thickness_std(FILMS), departing.log_ratio_std(FILMS) / departing.slope(FILMS)
     )
-
-
-# bands
-
-
-def test_other_bands_are_refused_and_exchanged_ones_recognised(exact):
-    check_bands(exact, (580.0, 610.0))
-    with pytest.raises(CalibrationError, match="560 and 610 nm"):
-        check_bands(exact, (560.0, 610.0))
-    with pytest.raises(CalibrationError, match="swapped"):
-        check_bands(exact, (610.0, 580.0))
-
-
-def test_bands_agree_to_one_nanometre_in_both_cameras():
-    assert share_bands((580.0, 610.0), (580.9, 609.1))
-    assert not share_bands((580.0, 610.0), (581.1, 610.0))
-    assert not share_bands((580.0, 610.0), (580.0, 608.9))
 
 
 def test_a_calibration_shows_its_parameters_with_their_errors():

@@ -1,0 +1,75 @@
+"""Filter bands of a calibration and of the run that it is used for."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from erlif.calibration.refusals import refusal
+
+_SAME_BAND = 1.0  # nm: filters of the same name differ by less
+
+
+class Banded(Protocol):
+    """What has filter bands: a calibration, which checks those of a later one by this module."""
+
+    @property
+    def bands(self) -> tuple[float, float]:
+        """Filter bands of camera 1 and 2. [nm]"""
+
+
+def share_bands(bands: tuple[float, float], others: tuple[float, float]) -> bool:
+    """Compare the filter bands of two pairs of cameras.
+
+    Parameters
+    ----------
+    bands, others : (float, float)
+        Bands of camera 1 and 2. [nm]
+
+    Returns
+    -------
+    bool
+        Whether both bands agree to 1 nm.
+
+    Examples
+    --------
+    >>> share_bands((580.0, 610.0), (580.5, 610.0))
+    True
+    >>> share_bands((580.0, 610.0), (610.0, 580.0))
+    False
+    """
+    return bool(np.allclose(bands, others, rtol=0.0, atol=_SAME_BAND))
+
+
+def check_bands(calibration: Banded, bands: tuple[float, float]) -> None:
+    """Refuse a calibration of other filter bands.
+
+    Parameters
+    ----------
+    calibration : Calibration
+        Calibration to be used for a run.
+    bands : (float, float)
+        Bands of camera 1 and 2 of the run. [nm]
+
+    Raises
+    ------
+    CalibrationError
+        If a band differs by more than 1 nm; exchanged cameras are recognised.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_calibration
+    >>> calibration = example_calibration()
+    >>> check_bands(calibration, (580.0, 610.0))
+    >>> check_bands(calibration, (610.0, 580.0))
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.CalibrationError: Expected a calibration of the bands of the run, 610 and \
+580 nm; got one of 580 and 610 nm. The bands are exchanged: the cameras look swapped. Calibrate \
+with the filters of the run.
+    """
+    if share_bands(calibration.bands, bands):
+        return
+    key = "exchanged_bands" if share_bands(calibration.bands, bands[::-1]) else "other_bands"
+    raise refusal(key, bands=bands, calibrated=calibration.bands)
