@@ -15,13 +15,14 @@ import xarray as xr
 
 from erlif.calibration.bands import check_bands
 from erlif.calibration.departure import Departure
+from erlif.calibration.description import describe_parameters, draw_curve
 from erlif.calibration.inverse import InverseTable
 from erlif.calibration.pose import FoundPose
 from erlif.calibration.refusals import refusal
 from erlif.calibration.regression import BLACK, Reabsorption
 from erlif.calibration.systematics import Systematics
 from erlif.core.arrays import Array
-from erlif.core.html import card, curve_picture, findings_list, rows_table
+from erlif.core.html import card, findings_list, rows_table
 from erlif.core.notes import Level, Note, join_notes
 from erlif.core.variables import CALIBRATION
 from erlif.registration import CameraMap
@@ -44,9 +45,6 @@ PARAMETERS = (
 # Films at which the end of a curve with a maximum is sought, and its slope there over that at the
 # end of the calibrated range.
 _BEYOND, _FLAT = 501, 0.1
-
-# Points of the curve in a notebook.
-_CURVE_POINTS = 60
 
 
 @dataclass(frozen=True, repr=False)
@@ -128,7 +126,7 @@ class Calibration:
 
     def __repr__(self) -> str:
         lines = [f"calibration {self.fixture!r}"]
-        lines += [f"  {name:<36}{value}" for name, value in describe_parameters(self)]
+        lines += [f"  {name:<36}{value}" for name, value in self._describe()]
         warnings = [note for note in self.notes if note.level is not Level.NOTE]
         return "\n".join([*lines, *(f"  {note.level.value}: {note}" for note in warnings)])
 
@@ -136,9 +134,20 @@ class Calibration:
         return card(
             f"calibration {self.fixture}",
             self.date,
-            rows_table(describe_parameters(self)),
-            _draw_curve(self),
+            rows_table(self._describe()),
+            draw_curve(self.curve, self.covered_range, self.predict),
             findings_list([(note.level, str(note)) for note in self.notes]),
+        )
+
+    def _describe(self) -> list[tuple[str, str]]:
+        return describe_parameters(
+            self.model,
+            self.standard_deviations,
+            thickness_range=self.thickness_range,
+            bands=self.bands,
+            reduced_chi_square=self.reduced_chi_square,
+            curve=self.curve,
+            departure=self.departure,
         )
 
     @property
@@ -454,64 +463,3 @@ def parameters_in(names: Container[Any]) -> tuple[str, ...]:
     3
     """
     return PARAMETERS if PARAMETERS[-1] in names else PARAMETERS[:BLACK]
-
-
-def describe_parameters(calibration: Calibration) -> list[tuple[str, str]]:
-    """Parameters, ranges and quality of a calibration by name and value, for people.
-
-    Parameters
-    ----------
-    calibration : Calibration
-
-    Returns
-    -------
-    list of (str, str)
-
-    Examples
-    --------
-    >>> from erlif.show.plots import example_calibration
-    >>> describe_parameters(example_calibration())[0]
-    ('K, ratio of a vanishing film', '0.66000 ± 0.00100')
-    """
-    K, p, q = calibration.parameters[:BLACK]
-    std = calibration.standard_deviations
-    low, high = calibration.thickness_range
-    one, two = calibration.bands
-    rows = [
-        ("K, ratio of a vanishing film", f"{K:.5f} ± {std[0]:.5f}"),
-        ("p, attenuation camera 1", f"{p:.5f} ± {std[1]:.5f} 1/um"),
-        ("q, attenuation camera 2", f"{q:.5f} ± {std[2]:.5f} 1/um"),
-        *(
-            [
-                (
-                    "a, attenuation of the laser",
-                    f"{calibration.parameters[3]:.3f} ± {std[3]:.3f} 1/um",
-                ),
-                ("R, reflectance of the wall", f"{calibration.parameters[4]:.3f} ± {std[4]:.3f}"),
-            ]
-            if calibration.model.reflects
-            else []
-        ),
-        ("calibrated range", f"{low:.2f} to {high:.2f} um"),
-        ("reduced chi-square", f"{calibration.reduced_chi_square:.2f}"),
-        ("bands", f"{one:g} nm and {two:g} nm"),
-    ]
-    if "curve_ratio" in calibration.curve:
-        rows.append(("fitted points", f"{calibration.curve.curve_ratio.size}"))
-    if calibration.departure is not None:
-        rows.append(("departure from the model", "spline"))
-    return rows
-
-
-def _draw_curve(calibration: Calibration) -> str:
-    """Ratio against thickness as a small picture; empty without fitted points."""
-    if not {"curve_thickness", "curve_ratio"} <= set(calibration.curve):
-        return ""
-    low, high = calibration.covered_range
-    thickness = np.linspace(low, high, _CURVE_POINTS)
-    points = (calibration.curve.curve_thickness.values, calibration.curve.curve_ratio.values)
-    return curve_picture(
-        (thickness, calibration.predict(thickness)),
-        (np.asarray(points[0], float), np.asarray(points[1], float)),
-        labels=("film thickness [um]", "ratio camera 2 / camera 1"),
-    )

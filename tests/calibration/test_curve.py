@@ -8,7 +8,6 @@ import pytest
 from scenes.fixture import FILMS, K, P, Q, log_ratio
 
 from erlif.core.errors import CalibrationError
-from erlif.core.notes import Level, Note
 from erlif.show.plots import example_calibration
 
 
@@ -60,22 +59,6 @@ def test_error_of_a_film_is_that_of_drawn_parameters(departing):
     npt.assert_allclose(
         departing.thickness_std(FILMS), departing.log_ratio_std(FILMS) / departing.slope(FILMS)
     )
-
-
-def test_a_calibration_shows_its_parameters_with_their_errors():
-    calibration = replace(
-        example_calibration(),
-        fixture="<script>",
-        notes=(Note(Level.WARNING, "profile", "<b>too short"),),
-    )
-    text, page = repr(calibration), calibration._repr_html_()
-    for shown in ("0.66000 ± 0.00100", "0.24500 ± 0.00100 1/um", "0.30 to 16.00 um", "580 nm"):
-        assert shown in text
-        assert shown in page
-    assert "warning: profile: <b>too short" in text
-    assert page.count("<circle") == 20
-    assert "<script" not in page
-    assert "<b>" not in page
 
 
 def test_curve_between_two_fixtures_is_their_mixture():
