@@ -30,6 +30,7 @@ from erlif.pipeline.engines.results import (
     frames_in,
     mean_drift,
 )
+from erlif.pipeline.physics.errors import describe_errors, name_largest_error
 from erlif.pipeline.physics.fit import state_physics
 from erlif.pipeline.physics.joint import describe_joint, missing_load
 from erlif.pipeline.physics.light import (
@@ -46,11 +47,7 @@ from erlif.pipeline.physics.prediction import (
     note_difference,
     try_prediction,
 )
-from erlif.pipeline.physics.systematics import (
-    describe_errors,
-    name_largest_error,
-    update_systematics,
-)
+from erlif.pipeline.physics.systematics import update_systematics
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.omissions import note_omissions
 from erlif.pipeline.recording.prepare import PreparedRun

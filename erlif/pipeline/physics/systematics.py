@@ -1,26 +1,19 @@
-"""Errors that the frames of a run do not show, in its calibration and beside its films."""
+"""Errors that the frames of a run do not show, in its calibration."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from erlif.calibration import Calibration, Systematics
 from erlif.core.arrays import Array
-from erlif.core.tables import read_table
-from erlif.core.variables import FILM
 from erlif.io.settings import LightOptions, RunSettings
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.recording.sample import Bands, ratios_of
-from erlif.trend import BackgroundEstimate, Change, FilmStatistics, Trend
-
-_TEXTS = read_table("erlif.pipeline", "words.toml")["systematics"]
-
+from erlif.trend import BackgroundEstimate, Change, Trend
 
 # Terms that the difference of two fixtures holds.
 _BETWEEN_FIXTURES = ("ratio", "temperature", "bleaching")
@@ -55,7 +48,7 @@ def add_systematics(
         parameters=len(alone.full_covariance),
         light=_light_of_median(calibration, chain, sample),
     )
-    if _has_dry_joint(settings):
+    if has_dry_joint(settings):
         shares = found.places("background")
         covariance = found.covariance.copy()
         covariance[np.ix_(shares, shares)] += _error_of_dry_joint(
@@ -68,7 +61,7 @@ def add_systematics(
 def _widths_of_run(calibration: Calibration, settings: RunSettings) -> dict[str, float]:
     """Standard deviations of the settings, without what fixtures or a dry joint show. [1]"""
     shares, stated = settings.systematics.shares, settings.systematics.model_fields_set
-    shown = {"background"} if _has_dry_joint(settings) else set()
+    shown = {"background"} if has_dry_joint(settings) else set()
     if calibration.later is None:
         del shares["course"]
     else:
@@ -210,94 +203,6 @@ def _bleaching_of_run(
     return math.hypot(gain * change, math.sqrt(1 - gain) * width)
 
 
-def describe_errors(
-    statistics: Sequence[FilmStatistics], calibration: Calibration
-) -> dict[str, Any]:
-    """Errors of mean and minimum film by source, as variables of the film.
-
-    Parameters
-    ----------
-    statistics : sequence of FilmStatistics
-        Of the triggers.
-    calibration : Calibration
-        With what the run shows of its systematics.
-
-    Returns
-    -------
-    dict of str to variable
-    """
-    columns: dict[str, list[dict[str, float]]] = {"film_mean_error": [], "film_min_error": []}
-    for one in statistics:
-        mean, minimum = (
-            calibration.split_error(gradient)
-            for gradient in (one.mean_gradient, one.minimum_gradient)
-        )
-        columns["film_mean_error"].append({"noise": one.mean_random_std, "marks": 0.0} | mean)
-        noise = {"noise": one.minimum_random_std, "marks": one.minimum_surface_std}
-        columns["film_min_error"].append(noise | minimum)
-
-    known = {term for rows in columns.values() for row in rows for term in row}
-    terms = [term for term in _TEXTS["terms"] if term in known]
-    values: dict[str, Any] = {"error_term": np.array(terms)}
-    for name, rows in columns.items():
-        whole = np.array([[row.get(term, 0.0) for row in rows] for term in terms])
-        values[name] = np.where(np.isnan(whole).any(axis=0), np.nan, whole)  # no film, no error
-    return {name: FILM[name].fill(column) for name, column in values.items()}
-
-
-def name_largest_error(
-    film: xr.Dataset, settings: RunSettings, before: Calibration, after: Calibration
-) -> str:
-    """The largest error of the median mean film, its size, where it comes from and what lowers it.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-        With the variables of `describe_errors`.
-    settings : RunSettings
-    before, after : Calibration
-        With the systematics of the settings, and with those that the run shows.
-
-    Returns
-    -------
-    str
-        Empty where no trigger has a mean film.
-    """
-    known = np.flatnonzero(np.isfinite(film.film_mean.values))
-    if not known.size:
-        return ""
-    trigger = known[np.argsort(film.film_mean.values[known])[known.size // 2]]
-    errors = film.film_mean_error.values[:, trigger]
-    term = str(film.error_term.values[int(np.argmax(errors))])
-    dry = term == "background" and _has_dry_joint(settings)
-    what, cure = _TEXTS["terms"]["dry" if dry else term]
-    source = _source_of(term, "energy" if dry else term, settings, before, after)
-    return str(
-        _TEXTS["largest"].format(
-            what=f"{what}, {source}" if source else what,
-            error=1e3 * errors.max(),
-            film=float(film.film_mean[trigger]),
-            cure=cure,
-        )
-    )
-
-
-def _source_of(
-    term: str, key: str, settings: RunSettings, before: Calibration, after: Calibration
-) -> str:
-    """Whether the width of a term was measured in the run, stated by a key, or is the default.
-
-    Empty for what is no error of the run: fixture.toml states those of the fixture.
-    """
-    if key not in type(settings.systematics).model_fields:
-        return ""
-    widths = [{} if one.systematics is None else one.systematics.widths for one in (before, after)]
-    if widths[0].get(term) != widths[1].get(term):
-        return str(_TEXTS["measured"])
-    stated = key in settings.systematics.model_fields_set
-    return str(_TEXTS["declared" if stated else "default"])
-
-
-def _has_dry_joint(settings: RunSettings) -> bool:
+def has_dry_joint(settings: RunSettings) -> bool:
     """Whether frames of the dry joint are named."""
     return bool(settings.camera1.background or settings.camera2.background)

@@ -1,6 +1,5 @@
 """Errors that the frames of a run do not show: widths of the settings, and what a run measures."""
 
-import re
 import tomllib
 from dataclasses import replace
 from types import SimpleNamespace
@@ -8,16 +7,12 @@ from types import SimpleNamespace
 import numpy as np
 import numpy.testing as npt
 import pytest
-import xarray as xr
 from scenes.film import RUN_TOML
-from scenes.results import make_result
 
 from erlif.calibration import Systematics
 from erlif.io.settings import LightOptions, RunSettings
 from erlif.pipeline.physics.systematics import (
     add_systematics,
-    describe_errors,
-    name_largest_error,
     update_systematics,
 )
 from erlif.show.plots import example_calibration
@@ -111,31 +106,6 @@ def test_bleaching_that_a_run_shows_takes_the_place_of_its_width(options, text, 
     npt.assert_allclose(widths(found)["bleaching"], expected, atol=1e-12)
 
 
-def test_sources_of_error_add_up_and_the_largest_is_named():
-    calibration = calibration_of('\n[systematics]\nwall = "5 %"\n')
-    size = len(calibration.full_covariance)
-    rng = np.random.default_rng(1)
-    statistics = []
-    for k in range(3):
-        one = make_result(k, k).statistics
-        gradient = calibration.film_gradient(4.0 + k) + 1e-3 * rng.normal(size=size)
-        one = replace(one, mean=4.0 + k, mean_gradient=gradient, minimum_gradient=gradient)
-        statistics.append(one.with_errors(calibration.full_covariance))
-    film = xr.Dataset(describe_errors(statistics, calibration))
-    for name, stated in (("film_mean_error", "mean_std"), ("film_min_error", "minimum_std")):
-        total = np.sqrt((film[name] ** 2).sum("error_term"))
-        npt.assert_allclose(total, [getattr(one, stated) for one in statistics], rtol=1e-9)
-
-    nothing = replace(statistics[0], mean_gradient=np.full(size, np.nan))
-    assert np.isnan(describe_errors([nothing], calibration)["film_mean_error"]).all()
-
-    film["film_mean"] = "trigger", np.array([4.0, 5.0, 6.0])
-    text = name_largest_error(film, settings_with(), calibration, calibration)
-    size = 1e3 * float(film.film_mean_error.sel(error_term="wall")[1])
-    assert "reflectance of the wall" in text
-    assert f"{size:.0f} nm at 5 um" in text
-
-
 @pytest.mark.parametrize(("stated", "width"), [("1 %", 0.0510), ("0 %", 0.0500)])
 def test_change_of_the_ratio_is_added_to_its_width_where_it_is_significant(stated, width):
     """Roots of 0.03^2 + 0.04^2 and 0.01^2 + 0.03^2 + 0.04^2."""
@@ -146,21 +116,3 @@ def test_change_of_the_ratio_is_added_to_its_width_where_it_is_significant(state
     chance = replace(step, significance=3.0)
     kept = update_systematics(before, None, None, REPORT, pulses=50, course=chance)
     assert widths(kept) == widths(before)
-
-
-@pytest.mark.parametrize(
-    ("term", "text", "source"),
-    [
-        ("wall", "", ", not stated in [systematics]"),
-        ("wall", '\n[systematics]\nwall = "2 %"\n', ", as stated in [systematics]"),
-        ("position", "", ""),  # fixture.toml states it, which the run does not know
-    ],
-)
-def test_largest_error_is_named_with_its_source(term, text, source):
-    film = xr.Dataset(
-        {"film_mean": ("trigger", [5.0]), "film_mean_error": (("error_term", "trigger"), [[0.1]])},
-        {"error_term": [term]},
-    )
-    run = calibration_of(text)
-    named = name_largest_error(film, settings_with(text), run, run)
-    assert re.match(rf"[a-z ]+{re.escape(source)}: 100 nm at 5 um\.", named)

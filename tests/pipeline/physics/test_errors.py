@@ -1,0 +1,70 @@
+"""Errors of the films by source: they add up to the stated ones, and the largest is named."""
+
+import re
+import tomllib
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+from scenes.film import RUN_TOML
+from scenes.results import make_result
+
+from erlif.io.settings import RunSettings
+from erlif.pipeline.physics.errors import describe_errors, name_largest_error
+from erlif.pipeline.physics.systematics import add_systematics
+from erlif.show.plots import example_calibration
+
+
+def settings_with(text=""):
+    return RunSettings.model_validate(tomllib.loads(RUN_TOML + text))
+
+
+def with_systematics(text):
+    """The calibration of the example with the systematics of settings; no frame is sampled."""
+    return add_systematics(example_calibration(), settings_with(text), SimpleNamespace(), ())
+
+
+def test_sources_of_error_add_up_and_the_largest_is_named():
+    calibration = with_systematics('\n[systematics]\nwall = "5 %"\n')
+    size = len(calibration.full_covariance)
+    rng = np.random.default_rng(1)
+    statistics = []
+    for k in range(3):
+        one = make_result(k, k).statistics
+        gradient = calibration.film_gradient(4.0 + k) + 1e-3 * rng.normal(size=size)
+        one = replace(one, mean=4.0 + k, mean_gradient=gradient, minimum_gradient=gradient)
+        statistics.append(one.with_errors(calibration.full_covariance))
+    film = xr.Dataset(describe_errors(statistics, calibration))
+    for name, stated in (("film_mean_error", "mean_std"), ("film_min_error", "minimum_std")):
+        total = np.sqrt((film[name] ** 2).sum("error_term"))
+        npt.assert_allclose(total, [getattr(one, stated) for one in statistics], rtol=1e-9)
+
+    nothing = replace(statistics[0], mean_gradient=np.full(size, np.nan))
+    assert np.isnan(describe_errors([nothing], calibration)["film_mean_error"]).all()
+
+    film["film_mean"] = "trigger", np.array([4.0, 5.0, 6.0])
+    text = name_largest_error(film, settings_with(), calibration, calibration)
+    size = 1e3 * float(film.film_mean_error.sel(error_term="wall")[1])
+    assert "reflectance of the wall" in text
+    assert f"{size:.0f} nm at 5 um" in text
+
+
+@pytest.mark.parametrize(
+    ("term", "text", "source"),
+    [
+        ("wall", "", ", not stated in [systematics]"),
+        ("wall", '\n[systematics]\nwall = "2 %"\n', ", as stated in [systematics]"),
+        ("position", "", ""),  # fixture.toml states it, which the run does not know
+    ],
+)
+def test_largest_error_is_named_with_its_source(term, text, source):
+    film = xr.Dataset(
+        {"film_mean": ("trigger", [5.0]), "film_mean_error": (("error_term", "trigger"), [[0.1]])},
+        {"error_term": [term]},
+    )
+    run = with_systematics(text)
+    named = name_largest_error(film, settings_with(text), run, run)
+    assert re.match(rf"[a-z ]+{re.escape(source)}: 100 nm at 5 um\.", named)
