@@ -98,3 +98,33 @@ def _of_fixture(calibration: Calibration) -> dict[str | int, int]:
         terms = calibration.systematics.terms
         places |= {name: fitted + terms.index(name) for name in _OF_FIXTURE if name in terms}
     return places
+
+
+def calibration_var(
+    one: Array, other: Array, calibrations: tuple[Calibration, Calibration], *, same: bool
+) -> Array:
+    """Variance that calibrations add to the difference of two films.
+
+    Errors of one fixture cancel as far as the films are equal; those of two add, and so does what
+    lies between a fixture and each run.
+
+    Parameters
+    ----------
+    one, other : array, (..., parameter)
+        Change of each film with the parameters of its calibration.
+    calibrations : (Calibration, Calibration)
+    same : bool
+        Whether both are of one fixture.
+
+    Returns
+    -------
+    array, (...)
+        [um2]
+    """
+    covariance = joint_covariance(calibrations, ["one", "one" if same else "other"])
+    return np.maximum(quadratic(np.concatenate([-one, other], axis=-1), covariance), 0.0)
+
+
+def quadratic(gradient: Array, covariance: Array) -> Array:
+    """Variance of values whose change with the parameters is the last axis of the gradient."""
+    return np.asarray(np.einsum("...i,ij,...j->...", gradient, covariance, gradient))

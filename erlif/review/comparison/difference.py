@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from erlif.core.arrays import Array, Mask
-from erlif.review.comparison.maps import calibration_var
+from erlif.review.comparison.calibrations import calibration_var
 from erlif.review.comparison.records import REPEATING, RunRecord
 from erlif.review.refusals import refusal
 

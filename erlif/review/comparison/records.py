@@ -16,14 +16,8 @@ from erlif.core.arrays import Array
 from erlif.io.files import region_of, settings_of
 from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.joint import describe_joint
-from erlif.review.comparison.calibrations import key_of
-from erlif.review.comparison.maps import (
-    CELL,
-    average_cells,
-    cell_edges,
-    noise_inflation,
-    quadratic,
-)
+from erlif.review.comparison.calibrations import key_of, quadratic
+from erlif.review.comparison.cells import CELL, average_cells, cell_edges, noise_inflation
 from erlif.review.refusals import refusal
 from erlif.trend import viscosity_at
 
