@@ -8,8 +8,9 @@ from erlif.joint.endurance.analysis import (
 )
 from erlif.joint.endurance.blocks import StageFriction
 from erlif.joint.endurance.comparison import DesignComparison, compare_designs
-from erlif.joint.endurance.onset import Onset, OnsetSearch, find_onset
+from erlif.joint.endurance.onset import Onset
 from erlif.joint.endurance.other_sensors import SensorChange, check_other_sensors
+from erlif.joint.endurance.search import OnsetSearch, find_onset
 from erlif.joint.endurance.stages import Stage, find_stages, join_stages
 from erlif.joint.endurance.summary import describe_designs, describe_test, write_test_table
 from erlif.joint.friction import LogColumns, measure_friction

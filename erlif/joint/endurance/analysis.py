@@ -14,8 +14,9 @@ from erlif.core.errors import EnduranceError
 from erlif.core.notes import Note
 from erlif.joint.endurance.blocks import StageFriction
 from erlif.joint.endurance.levels import find_level_rises, first_doubtful, note_level_rises
-from erlif.joint.endurance.onset import Onset, OnsetSearch, find_onset
+from erlif.joint.endurance.onset import Onset
 from erlif.joint.endurance.other_sensors import SensorChange, check_other_sensors, unusable_sensors
+from erlif.joint.endurance.search import OnsetSearch, find_onset
 from erlif.joint.endurance.stages import Stage, find_stages, join_stages, note_stages
 from erlif.joint.friction import measure_friction
 

@@ -13,7 +13,7 @@ from erlif.io.conversion import table_csv
 from erlif.io.files import write_file
 from erlif.joint.endurance.analysis import EnduranceResult
 from erlif.joint.endurance.comparison import DesignComparison
-from erlif.joint.endurance.onset import FEWEST
+from erlif.joint.endurance.search import FEWEST
 from erlif.joint.friction.coefficient import doubt_friction
 
 _NO_CHANCE = 1e-12  # probabilities below it depend on tails that nobody has measured
