@@ -66,9 +66,7 @@ from .maps import (
     band_images,
     band_images_figure,
     map_sheet_figure,
-    profile_residual,
     ratio_image,
-    sliding_profile,
     thickness_figure,
     thickness_map,
 )
@@ -90,6 +88,7 @@ from .pressure import (
     pressure_profile,
     write_pressure_figure,
 )
+from .profiles import profile_residual, sliding_profile
 from .registration import displacement_map, drift_of_frames, registration_figure
 from .slider import extrapolation_error, joint_force, joint_wear
 from .style import save_figure

@@ -1,4 +1,4 @@
-"""Maps of film thickness, and profiles along the sliding direction."""
+"""Maps of film thickness, and the axes that all images of the joint share."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from matplotlib.colors import ListedColormap
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 
-from erlif.core.arrays import AnyArray, Array, FlagImage, Mask
+from erlif.core.arrays import AnyArray, FlagImage, Mask
 from erlif.core.flags import Flag, describe_share
 from erlif.core.statistics import central_range
 from erlif.io.files import axis_labels as axis_labels
 from erlif.io.files import check_trigger, describe_trigger, region_of, settings_of
 from erlif.show.plots import style
 from erlif.show.plots.naming import name_film, reason_empty
-from erlif.show.plots.style import ONE_COLUMN, OUTWARD, RETURN, TWO_COLUMNS, AnyFigure, pt, styled
-from erlif.trend import average_across_sliding, rigid_gap
+from erlif.show.plots.profiles import profile_residual, sliding_profile
+from erlif.show.plots.style import ONE_COLUMN, TWO_COLUMNS, AnyFigure, pt, styled
 
 Limits = tuple[float, float]
 
@@ -41,8 +41,6 @@ _LABELS = 0.75  # inch above and below a single map
 _FOOT = 0.35  # inch for the texts above and below a sheet
 _TITLE = 0.17  # inch for the angle above a map of a sheet
 _BAR = 0.75  # inch beside a sheet for its colour bar
-_ROOM = 0.08  # above a profile, in heights of the profile
-_NOTE = 4.5  # lines of text below it
 _LIGHT = 0.37  # of two columns, for one of two images of light beside their colour bars
 _AROUND_LIGHT = 0.62  # inch above and below an image of light or ratio, for title and labels
 
@@ -206,111 +204,6 @@ def _outline_region(ax: Axes, film: xr.Dataset) -> Line2D:
     look |= {"form": (0, (4, 3)), "label": "region of interest"}
     (dashes,) = style.draw_line(ax, *corners, "black", **look)
     return dashes
-
-
-@styled
-def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> list[Artist]:
-    """Draw the profile along sliding with the gap of rigid bodies.
-
-    The profile is the average over the axial extent of the region of interest. The band is 95 % of
-    the random error, the dashed lines are 95 % of the error that all pixels share.
-    Arguments as in `erlif.plots`.
-
-    Returns
-    -------
-    list of Artist
-        Profile, random band, upper and lower limit of the shared error; the rigid gap where it
-        could be fitted.
-
-    Examples
-    --------
-    >>> from erlif.show.plots import example_film
-    >>> line, *_ = sliding_profile(example_film(), trigger=1)
-    >>> line.axes.get_xlabel(), line.axes.get_ylabel()
-    ('x (sliding) [mm]', 'film thickness [µm]')
-    """
-    ax = style.given_or_new(ax, film)
-    profile = average_across_sliding(film, trigger=trigger)
-    x, h = profile.position.values, profile.thickness.values
-    artists = _draw_profile(ax, film, profile, np.zeros_like(x))
-
-    gap = rigid_gap(profile, film)
-    if gap is not None:
-        # wide and pale below the profile, which follows it closely
-        look: dict[str, Any] = {"width": 2.5, "alpha": 0.5, "zorder": 1.2, "label": "rigid gap"}
-        artists += style.draw_line(ax, x, gap.thickness(x), RETURN, **look)
-        text = (
-            f"curvature {gap.curvature:.4f} ± {gap.curvature_std:.4f},\n"
-            f"of the rigid gap {gap.rigid_curvature:.4f} µm/mm²;\n"
-            f"its minimum {gap.minimum:.2f} µm"
-        )
-        style.write_inside(ax, text, (0.5, 0.03), ha="center", va="bottom")
-
-    # the limits leave room for the text; the rigid gap may leave them beside the measured profile
-    if np.isfinite(h).any():
-        low, high = float(np.nanmin(h)), float(np.nanmax(h))
-        below = _ROOM if gap is None else style.room_for(ax, _NOTE)
-        ax.set_ylim(low - below * (high - low), high + _ROOM * (high - low))
-    else:
-        style.state_empty(ax, "no valid pixel in the region of interest")
-    ax.set_ylabel("film thickness [µm]")
-    style.legend_above(ax, ncols=2)
-    return artists
-
-
-@styled
-def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> list[Artist]:
-    """Draw the difference of the profile along sliding and the gap of rigid bodies.
-
-    Arguments as in `sliding_profile`.
-
-    Returns
-    -------
-    list of Artist
-        Difference, random band, upper and lower limit of the shared error, line at zero.
-
-    Examples
-    --------
-    The noise of one pixel is 0.05 um, and the profile averages 17 rows:
-
-    >>> import numpy as np
-    >>> from erlif.show.plots import example_film
-    >>> line, *_ = profile_residual(example_film(), trigger=1)
-    >>> bool(0.5 < np.nanstd(line.get_ydata()) / (0.05 / 17**0.5) < 1.5)
-    True
-    """
-    ax = style.given_or_new(ax, film)
-    profile = average_across_sliding(film, trigger=trigger)
-    gap = rigid_gap(profile, film)
-    x = profile.position.values
-    base = np.zeros_like(x) if gap is None else gap.thickness(x)
-    artists = _draw_profile(ax, film, profile, base)
-
-    artists.append(ax.axhline(0, color=RETURN, linewidth=pt(1.6), alpha=0.5, zorder=1.2))
-    ax.set_ylabel("measured −\nrigid gap [µm]")
-    return artists
-
-
-def _draw_profile(ax: Axes, film: xr.Dataset, profile: xr.Dataset, base: Array) -> list[Artist]:
-    """Draw the profile less `base`, with its random band and the limits of its shared error."""
-    # a profile along y runs to the right as well, so that both directions compare
-    x, h = profile.position.values, profile.thickness.values - base
-    random = style.COVERAGE * profile.thickness_std.values
-    shared = style.COVERAGE * profile.thickness_std_shared.values
-    (line,) = style.draw_line(ax, x, h, OUTWARD, width=0.7, label="measured")
-    band = style.draw_band(ax, x, h - random, h + random, OUTWARD, label="random, 95 %")
-
-    # about a difference, the shared error lies about zero
-    look: dict[str, Any] = {"color": "black", "linewidth": 0.6, "linestyle": (0, (2, 1.5))}
-    centre = np.where(np.isfinite(h), 0.0, np.nan) if base.any() else h
-    (above,) = ax.plot(x, centre + shared, label="shared, 95 %", **look)
-    (below,) = ax.plot(x, centre - shared, **look)
-
-    x_label, y_label = axis_labels(film)
-    along_x = str(profile.position.attrs["long_name"]).startswith("x")
-    ax.set_xlabel(x_label if along_x else y_label)
-    ax.set_xlim(float(x[0]), float(x[-1]))
-    return [line, band, above, below]
 
 
 @styled
