@@ -51,6 +51,7 @@ from .example import (
 )
 from .files import find_fixture, find_run, missing_figures, write_figures
 from .friction import friction_over_reversals, write_reversal_figure
+from .images import band_images, band_images_figure, ratio_image
 from .kinematics import cycle_figure, film_over_cycle, speed_against_angle, speed_over_cycle
 from .linkage import (
     example_linkage,
@@ -63,10 +64,7 @@ from .linkage import (
     write_linkage,
 )
 from .maps import (
-    band_images,
-    band_images_figure,
     map_sheet_figure,
-    ratio_image,
     thickness_figure,
     thickness_map,
 )

@@ -21,13 +21,12 @@ from erlif.io.settings import read_fixture_settings, read_run_settings
 from erlif.pipeline import restore_images
 from erlif.show.plots import style as looks
 from erlif.show.plots.calibration import calibration_figure, fixture_profile
+from erlif.show.plots.images import band_images_figure, ratio_image
 from erlif.show.plots.kinematics import cycle_figure, speed_against_angle
 from erlif.show.plots.maps import (
     MAP_WIDTH,
-    band_images_figure,
     image_height,
     map_sheet_figure,
-    ratio_image,
     thickness_figure,
 )
 from erlif.show.plots.orbit import has_position, pin_figure
