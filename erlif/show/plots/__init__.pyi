@@ -64,7 +64,6 @@ from .linkage import (
     write_linkage,
 )
 from .maps import (
-    map_sheet_figure,
     thickness_figure,
     thickness_map,
 )
@@ -88,6 +87,7 @@ from .pressure import (
 )
 from .profiles import profile_residual, sliding_profile
 from .registration import displacement_map, drift_of_frames, registration_figure
+from .sheet import map_sheet_figure
 from .slider import extrapolation_error, joint_force, joint_wear
 from .style import save_figure
 from .trend import film_against_speed, film_and_theory, speed_figure

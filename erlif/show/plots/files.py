@@ -26,12 +26,12 @@ from erlif.show.plots.kinematics import cycle_figure, speed_against_angle
 from erlif.show.plots.maps import (
     MAP_WIDTH,
     image_height,
-    map_sheet_figure,
     thickness_figure,
 )
 from erlif.show.plots.orbit import has_position, pin_figure
 from erlif.show.plots.prediction import has_prediction, prediction_figure, prediction_map_figure
 from erlif.show.plots.registration import registration_figure
+from erlif.show.plots.sheet import map_sheet_figure
 from erlif.show.plots.style import ONE_COLUMN, AnyFigure, given_figure, new_figure, styled
 from erlif.show.plots.trend import speed_figure, speed_over_load
 from erlif.show.plots.triggers import has_varying_speed

@@ -24,8 +24,9 @@ from erlif.io.files import describe_trigger, open_film, refuse_existing, write_f
 from erlif.show.plots import maps
 from erlif.show.plots import style as looks
 from erlif.show.plots.kinematics import film_over_cycle
-from erlif.show.plots.maps import joint_image, sheet_groups, thin_map
+from erlif.show.plots.maps import joint_image, thin_map
 from erlif.show.plots.mechanism import MechanismView, draw_mechanism
+from erlif.show.plots.sheet import sheet_groups
 from erlif.show.plots.style import MEAN, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
 from erlif.show.plots.triggers import choose_abscissa
 from erlif.show.refusals import refusal
