@@ -10,12 +10,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
-import xarray as xr
 
 # As in the commands, before numpy is loaded: pytest-xdist has a process for each core, and threads
 # of linear algebra that wait for each other triple the processor time of a fit.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+import numpy as np
+import xarray as xr
 from click.testing import CliRunner, Result
 
 import erlif
@@ -76,6 +77,21 @@ class Laboratory:
         with (self.directory / name / "run.toml").open("a", encoding="utf-8") as settings:
             settings.write(add)
         return self.directory / name
+
+    def process_copy(self, name: str, *changes: tuple[str, str], add: str = "") -> xr.Dataset:
+        """Film of the same frames with other settings."""
+        return erlif.process(self.copy_run(name, *changes, add=add), workers=1)
+
+    def errors(
+        self, film: xr.Dataset, *, above: float, below: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Valid pixels whose true film lies between two films [um], and film less true film [um].
+
+        Both are (trigger, y, x).
+        """
+        true = self.truth.film.values
+        inside = (film["flags"].values == 0) & (true > above) & (true < below)
+        return inside, film.thickness.values - true
 
     def edit(self, file: str, *changes: tuple[str, str]) -> None:
         """Replace text in a file, each piece once."""

@@ -5,14 +5,10 @@ import shutil
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.preparing import prepare
 
 import erlif
 from conftest import Laboratory
-from erlif.core.progress import silent
-from erlif.io.ingest import open_run
-from erlif.pipeline.physics.joint import locate_run
-from erlif.pipeline.recording.prepare import prepare_run
-from erlif.pipeline.recording.register import FixtureMap
 from erlif.rig import RigSettings
 
 RIG = RigSettings(
@@ -37,7 +33,7 @@ def lab(tmp_path_factory):
 def plain(lab):
     """The same run, processed as if there were no background."""
     changes = [("\nbackground =", "\n# background =")] * 2
-    return erlif.process(lab.copy_run("plain", *changes), workers=1)
+    return lab.process_copy("plain", *changes)
 
 
 @pytest.fixture(scope="module")
@@ -45,17 +41,14 @@ def corrected(lab):
     return erlif.process(lab.run, workers=1)
 
 
-def errors(film, lab):
-    """Film less true film of the valid pixels, of which those of 3 to 4 um; and their std. [um]"""
-    true = lab.truth.film.values
-    inside = (film["flags"].values == 0) & (true > 3) & (true < 4)
-    error = (film.thickness.values - true)[inside]
-    return error, np.hypot(film.thickness_std, film.thickness_std_shared).values[inside]
-
-
 def test_frames_of_the_dry_joint_take_the_bias_away(lab, plain, corrected):
-    before, _ = errors(plain, lab)
-    after, std = errors(corrected, lab)
+    """Valid pixels of 3 to 4 um."""
+    inside, error = lab.errors(plain, above=3, below=4)
+    before = error[inside]
+    inside, error = lab.errors(corrected, above=3, below=4)
+    after = error[inside]
+    std = np.hypot(corrected.thickness_std, corrected.thickness_std_shared).values[inside]
+
     shared = float(np.median(corrected.thickness_std_shared.values[corrected["flags"] == 0]))
     assert before.mean() > 0.08
     assert abs(after.mean()) < 2 * shared
@@ -87,20 +80,19 @@ def test_pulse_energies_come_from_the_light_where_the_log_has_none(lab, correcte
     film = erlif.process(run, workers=1)
 
     # the meter is good to half a per cent; at the mean energy films would change by up to 20 nm
-    true = lab.truth.film.values
-    inside = (film["flags"].values == 0) & (corrected["flags"].values == 0) & (true < 5)
-    change = film.thickness.values - corrected.thickness.values
+    (inside, error), (valid, known) = (
+        lab.errors(each, above=0, below=5) for each in (film, corrected)
+    )
+    inside, change = inside & valid, error - known
     means = [one[good].mean() for one, good in zip(change, inside, strict=True) if good.sum() > 999]
     assert len(means) > 3
     assert np.abs(means).max() < 0.003
 
 
 def test_error_of_the_energy_of_dry_frames_is_one_of_the_systematics(lab, corrected):
-    run = open_run(lab.copy_run("energy", ('\nenergy = "0 %"', '\nenergy = "5 %"')))
+    run = lab.copy_run("energy", ('\nenergy = "0 %"', '\nenergy = "5 %"'))
     calibration = erlif.open_calibration(lab.fixture / "calibration.nc")
-    known = FixtureMap.of(calibration, run.settings)
-    ready = prepare_run(run, locate_run(run), calibration, known, silent)
-    systematics = ready.measuring.systematics
+    systematics = prepare(run, calibration).measuring.systematics
     rows = [n for n, term in enumerate(systematics.terms) if term == "background"]
 
     # 3 % of the light, 5 % by the mean energy; about 10 % by each of 8 pages and 16 frames

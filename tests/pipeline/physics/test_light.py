@@ -36,8 +36,7 @@ def reported(lab):
 @pytest.fixture(scope="module")
 def corrected(lab):
     patch = '[reference]\nregion = { x = [4, 8], y = [4, 8] }\nthickness = "3 um"\n'
-    copy = lab.copy_run("corrected", add=f'\n[light]\nbackground = "correct"\n{patch}')
-    return erlif.process(copy, workers=1)
+    return lab.process_copy("corrected", add=f'\n[light]\nbackground = "correct"\n{patch}')
 
 
 @pytest.fixture(scope="module")
@@ -75,17 +74,15 @@ def test_reported_background_is_in_the_error_of_the_pin(reported, truth):
     assert np.nanmax(np.abs(error) / std) < 2.5  # 5 without the background
 
 
-def test_subtracted_background_leaves_films_within_their_errors(reported, corrected, truth):
-    films = truth.film.values
-    inside = (films > 3) & (films < 4)
-    errors = []
-    for film in (reported, corrected):
-        chosen = inside & (film["flags"].values == 0)
-        errors.append((film.thickness.values - films)[chosen].mean())
-    shared = corrected.thickness_std_shared.values[inside & (corrected["flags"].values == 0)].mean()
-    assert errors[0] > 0.06
-    assert abs(errors[1]) < 2.5 * shared
-    assert abs(errors[1]) < 0.5 * errors[0]
+def test_subtracted_background_leaves_films_within_their_errors(lab, reported, corrected):
+    inside, error = lab.errors(reported, above=3, below=4)
+    before = error[inside].mean()
+    inside, error = lab.errors(corrected, above=3, below=4)
+    after, shared = error[inside].mean(), corrected.thickness_std_shared.values[inside].mean()
+
+    assert before > 0.06
+    assert abs(after) < 2.5 * shared
+    assert abs(after) < 0.5 * before
     assert "light that is not film subtracted" in corrected.attrs["notes"]
 
 
@@ -96,6 +93,7 @@ def test_what_the_subtraction_leaves_takes_the_place_of_an_unknown_background(re
         np.median(film.thickness_std_shared.values[both]) for film in (reported, corrected)
     )
     assert after < 0.5 * before
+
     films = corrected.thickness.values[both]
     own = replace(calibration_of(corrected), systematics=None).thickness_std(films)
     assert after > 1.3 * np.median(own)

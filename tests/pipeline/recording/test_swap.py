@@ -3,15 +3,11 @@
 from dataclasses import replace
 
 import pytest
+from scenes.preparing import prepare
 
 import erlif
 from erlif.core.errors import CalibrationError
 from erlif.core.notes import Level
-from erlif.core.progress import silent
-from erlif.io.ingest import open_run
-from erlif.pipeline.physics.joint import locate_run
-from erlif.pipeline.recording.prepare import prepare_run
-from erlif.pipeline.recording.register import FixtureMap
 from erlif.rig import RigSettings, simulate
 
 NEAR_ONE = {"film_reference": 9.5, "film_floor": 8.0}
@@ -45,10 +41,7 @@ def test_exchanged_cameras_are_recognised_by_their_map(rehearsal):
 
 
 def notes_on_ratio(directory, calibration):
-    """Notes of the way to a film as far as the ratio is judged."""
-    run = open_run(directory / "run")
-    known = FixtureMap.of(calibration, run.settings)
-    prepared = prepare_run(run, locate_run(run), calibration, known, silent)
+    prepared = prepare(directory / "run", calibration)
     return [note for note in prepared.notes if note.subject == "ratio"]
 
 
