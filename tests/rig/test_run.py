@@ -1,6 +1,7 @@
 """Directories as the laboratory writes them, and frames that carry the true light."""
 
 import csv
+import itertools
 import tomllib
 from dataclasses import replace
 
@@ -211,7 +212,7 @@ def test_the_patch_has_its_film_at_all_triggers_and_is_named_in_run_toml(odd):
 
 
 def simulate_pairs(out, **changes):
-    """Counts of both cameras less their dark level: a static film, no speckle, even pulses."""
+    """Counts of both cameras less their dark level [DN]: a static film, no speckle, even pulses."""
     still = {"pulse_jitter": 0.0, "speckle_fixed": 0.0, "speckle_new": 0.0, "bubbles": 0}
     still |= {"vibration": 0.0, "marks": 0.0, "mechanism": "static", "pictures": 6}
     simulate(out, seed=4, rig=replace(QUICK, **still | changes))
@@ -219,6 +220,16 @@ def simulate_pairs(out, **changes):
         tifffile.imread(out / "run" / f"camera{number}_dark.tif").mean(axis=0) for number in (1, 2)
     ]
     return [read_frames(out / "run", n) - level for n, level in zip((1, 2), dark, strict=True)]
+
+
+def find_displacement(before, after):
+    """Whole pixels (x, y) by which an image has moved: the smallest squared difference of all."""
+
+    def difference(shift):
+        x, y = shift
+        return np.square(np.roll(after, (-y, -x), (0, 1)) - before)[8:-8, 8:-8].mean()
+
+    return min(itertools.product(range(-8, 9), repeat=2), key=difference)
 
 
 def light_over_first(pairs):
@@ -232,7 +243,7 @@ def light_over_first(pairs):
         # a camera that keeps 10 % of its last light has 1.1 of the first frame from then on
         ({"lag": (0.1, 0.0)}, ([1, 1.1, 1.1, 1.1, 1.1, 1.1], [1] * 6)),
         ({"gain_step": (3, 1.05)}, ([1] * 6, [1, 1, 1, 1.05, 1.05, 1.05])),
-        # 0.2 and 0.1 % per K of dye 1 and dye 2; nearly all light behind both filters is dye 1's
+        # 50 K at 0.2 % per K of dye 1, which emits nearly all light behind both filters
         ({"warming": 50.0}, ([1, 0.98, 0.96, 0.94, 0.92, 0.9],) * 2),
     ],
     ids=["lag", "step", "warming"],
@@ -265,8 +276,17 @@ def test_a_compressed_camera_loses_light_in_proportion_to_it(tmp_path):
 
 
 def test_a_bump_displaces_camera_2_from_its_frame_on(tmp_path):
+    """By 5 pixels along x and -3 along y, as speckle of the oil behind an even flat shows."""
     out = tmp_path / "out"
-    simulate_pairs(out, bump=(2, 5.0, -3.0))
+    pairs = simulate_pairs(out, bump=(2, 5.0, -3.0), speckle_fixed=0.3)
+    for number, counts, expected in zip((1, 2), pairs, [(0, 0), (5, -3)], strict=True):
+        dark, flat = (
+            tifffile.imread(out / "run" / f"camera{number}_{name}.tif").astype(float)
+            for name in ("dark", "flat")
+        )
+        even = counts / (flat - dark).mean(axis=0)
+        assert find_displacement(even[:2].mean(axis=0), even[2:].mean(axis=0)) == expected
+
     with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
         npt.assert_array_equal(truth.drift_x, [0, 0, 5, 5, 5, 5])
         npt.assert_array_equal(truth.drift_y, [0, 0, -3, -3, -3, -3])
