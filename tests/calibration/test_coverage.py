@@ -5,15 +5,10 @@ import numpy.testing as npt
 import pytest
 from scenes.fixture import (
     FILMS,
-    WEDGE,
-    K,
-    P,
-    Q,
-    calibrate,
     calibrate_wedge,
+    find_pulls,
     has_note,
-    image,
-    log_ratio,
+    pulls_of_curve,
     share_within,
     through_filters,
     wedge_profile,
@@ -40,14 +35,9 @@ def photographed():
 
 def test_uncertainties_of_parameters_and_films_cover(photographed):
     """68 and 95 % within one and two standard deviations: K, p, q, and films of 1, 3 and 8 um."""
-    read = log_ratio(FILMS)
-    pulls = []
-    for calibration in photographed[0]:
-        assert calibration.departure is None
-        found = (calibration.invert(read) - FILMS) / calibration.thickness_std(FILMS)
-        pulls.append(
-            [*(calibration.parameters - [K, P, Q]) / calibration.standard_deviations, *found]
-        )
+    assert all(calibration.departure is None for calibration in photographed[0])
+    pulls = [pulls_of_curve(calibration, FILMS) for calibration in photographed[0]]
+
     # 100 draws scatter by 4.7 and 2.1 % about 68.3 and 95.4 %
     assert np.all(np.abs(share_within(pulls, 1) - 0.683) < 3 * 0.047)
     assert np.all(np.abs(share_within(pulls, 2) - 0.954) < 3 * 0.021)
@@ -89,12 +79,12 @@ def test_films_before_a_wall_that_reflects_cover(reflectance):
     rng, true = np.random.default_rng(11), through_filters(reflectance)
     pulls, count = [], 50 if FULL else 25
     for _ in range(count):
-        found = calibrate(image(rng, true(WEDGE)), wedge_profile(rng, noise=0.1))
+        found = calibrate_wedge(rng, noise=0.1, true=true)
         low, high = found.thickness_range
-        assert low < 0.5
+        assert low < 0.5  # um
         assert true(high, 1) > 0  # before the maximum of the true ratio
-        films = np.linspace(1.0, 0.95 * high, 5)
-        pulls.append((found.invert(true(films)) - films) / found.thickness_std(films))
+        pulls.append(find_pulls(found, np.linspace(1.0, 0.95 * high, 5), true))
+
     # neighbouring films share their error: five count as two
     assert abs(share_within(pulls, 1).mean() - 0.683) < 3 * np.sqrt(0.683 * 0.317 / (2 * count))
     assert share_within(pulls, 2).mean() > 0.954 - 3 * np.sqrt(0.954 * 0.046 / (2 * count))

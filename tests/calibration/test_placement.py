@@ -17,6 +17,7 @@ from scenes.fixture import (
     has_note,
     image,
     log_ratio,
+    pulls_of_curve,
     wedge_profile,
 )
 
@@ -88,7 +89,7 @@ def pulls_of_line(rng):
     middle = float(calibration.curve.curve_x.mean())
     expected = np.array([true["along"] + true["scale"] * middle, true["scale"]])
     pose = (found.change[[0, 2]] - expected) / found.standard_deviations[[0, 2]]
-    return [*pose, *pulls_of_curve(calibration)]
+    return [*pose, *pulls_of_curve(calibration, FILMS)]
 
 
 def pulls_of_surface(rng):
@@ -96,13 +97,10 @@ def pulls_of_surface(rng):
     calibration = calibrate(*turned_surface(rng, **true), align=True)
     found = calibration.pose
     expected = np.array([true[name] for name in ("along", "across", "scale", "turn")])
-    return [*(found.change - expected) / found.standard_deviations, *pulls_of_curve(calibration)]
-
-
-def pulls_of_curve(calibration):
-    parameters = (calibration.parameters - [K, P, Q]) / calibration.standard_deviations
-    films = (calibration.invert(log_ratio(FILMS)) - FILMS) / calibration.thickness_std(FILMS)
-    return [*parameters, *films]
+    return [
+        *(found.change - expected) / found.standard_deviations,
+        *pulls_of_curve(calibration, FILMS),
+    ]
 
 
 def film_error(calibration):

@@ -5,23 +5,19 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.fixture import K, P, Q, log_ratio, make_points, through_filters
+from scenes.fixture import K, P, Q, measure_points, through_filters
 
 from erlif.calibration.pose import Freedom
 from erlif.calibration.regression import fit_robustly
 
-FILM = np.linspace(0.2, 15, 80)
+FILM = np.linspace(0.2, 15, 80)  # um
+THICK = np.linspace(0.1, 18, 190)
+"""Films up to those in which a wall bends the curve. [um]"""
 
 
 def measure(rng, *, film_std=0.05, ratio_std=1e-3):
     """Points of the true curve with errors in both variables."""
-    return make_points(
-        FILM,
-        thickness=FILM + rng.normal(0, film_std, FILM.size),
-        thickness_std=np.full(FILM.size, film_std),
-        log_ratio=log_ratio(FILM) + rng.normal(0, ratio_std, FILM.size),
-        log_ratio_std=np.full(FILM.size, ratio_std),
-    )
+    return measure_points(rng, FILM, film_std=film_std, ratio_std=ratio_std)
 
 
 def fit(points):
@@ -68,36 +64,25 @@ def test_unknown_error_of_the_cmm_is_estimated_from_the_scatter(std):
 
 @pytest.mark.parametrize("reflectance", [0.0, 0.3, 0.6])
 def test_a_wall_that_reflects_is_found_where_it_bends_the_curve(reflectance):
-    """Invented dyes through their filters, one attenuation for each of which is fitted."""
-    film, rng = np.linspace(0.1, 18, 190), np.random.default_rng(6)
-    true = through_filters(reflectance)
-    points = make_points(
-        film,
-        thickness=film + rng.normal(0, 0.05, film.size),
-        thickness_std=np.full(film.size, 0.05),
-        log_ratio=true(film) + rng.normal(0, 3e-4, film.size),
-        log_ratio_std=np.full(film.size, 3e-4),
-    )
-    found = fit(points)
+    """Invented dyes through their filters; one attenuation is fitted for each filter.
+
+    The films are known to 0.05 um, the logarithms of the ratio to 3e-4.
+    """
+    true, rng = through_filters(reflectance), np.random.default_rng(6)
+    found = fit(measure_points(rng, THICK, true=true, film_std=0.05, ratio_std=3e-4))
     assert found.reflects == (reflectance > 0.2)
+
     if found.reflects:
         std = np.sqrt(found.covariance[4, 4])
         assert abs(found.parameters[4] - reflectance) < 2 * std + 0.04  # one attenuation a band
-        gradient = found.gradient(film)
+
+        gradient = found.gradient(THICK)
         of_curve = np.sqrt(np.einsum("ip,ij,jp->p", gradient, found.covariance, gradient))
-        assert np.all(np.abs(found.predict(film) - true(film)) < 4 * of_curve + 1e-4)
+        assert np.all(np.abs(found.predict(THICK) - true(THICK)) < 4 * of_curve + 1e-4)
         assert found.reduced_chi_square < 1.5
 
 
 def test_a_strong_wall_is_found_although_the_bent_part_looks_like_outliers():
-    """A precise fixture: the model before a black wall leaves out a sixth of the points."""
-    film, rng = np.linspace(0.1, 18, 190), np.random.default_rng(2)
-    true = through_filters(0.6)
-    points = make_points(
-        film,
-        thickness=film + rng.normal(0, 0.15, film.size),
-        thickness_std=np.full(film.size, 0.15),
-        log_ratio=true(film) + rng.normal(0, 1e-4, film.size),
-        log_ratio_std=np.full(film.size, 1e-4),
-    )
-    assert fit(points).reflects
+    """A precise ratio, to 1e-4: the model of a black wall leaves out a sixth of the points."""
+    true, rng = through_filters(0.6), np.random.default_rng(2)
+    assert fit(measure_points(rng, THICK, true=true, film_std=0.15, ratio_std=1e-4)).reflects

@@ -40,8 +40,7 @@ def placed():
 
 @pytest.fixture(scope="module")
 def walled():
-    rng = np.random.default_rng(6)
-    return calibrate(image(rng, through_filters(0.4)(WEDGE)), wedge_profile(rng))
+    return calibrate_wedge(np.random.default_rng(6), true=through_filters(0.4))
 
 
 @pytest.mark.parametrize("name", ["wedge", "departing", "placed", "walled"])

@@ -5,10 +5,19 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.fixture import WEDGE, K, P, Q, calibrate, image, log_ratio, wedge_profile
+from scenes.fixture import (
+    WEDGE,
+    K,
+    P,
+    Q,
+    calibrate,
+    image,
+    log_ratio,
+    wedge_profile,
+    with_systematics,
+)
 
 from erlif.calibration import TERMS, Systematics, open_calibration, save_calibration
-from erlif.calibration.systematics import ALIKE
 from erlif.models.fluorescence import band_light, wall_ratio
 from erlif.show.plots import example_calibration
 
@@ -22,11 +31,11 @@ def band(film, attenuation):
     return -np.expm1(-attenuation * film) / attenuation
 
 
-def with_systematics(**widths):
-    p = CALIBRATION.attenuation_camera1
-    one = band(MEDIAN, p)
-    light = float(one), float(one * CALIBRATION.predict(MEDIAN))
-    return replace(CALIBRATION, systematics=Systematics.of(widths, parameters=3, light=light))
+def extend(**widths):
+    """The calibration with errors, shares of light referring to that of the median film."""
+    K, p, q = CALIBRATION.parameters
+    light = float(band(MEDIAN, p)), float(K * band(MEDIAN, q))
+    return with_systematics(CALIBRATION, light=light, **widths)
 
 
 def disturbed(term, size):
@@ -34,23 +43,23 @@ def disturbed(term, size):
     K, p, q = CALIBRATION.parameters
     h = FILMS
 
-    def ratio(film=h, less=0.0):
-        left = 1 - less
-        one, two = (band(film, left * each) for each in (p, q))
+    def lights(film=h, bleached=0.0):
+        one, two = (band(film, (1 - bleached) * each) for each in (p, q))
         return one, K * two
 
-    one, two = ratio()
+    one, two = lights()
     level = 0.4  # of full scale, where the film is the median one
-    of_one = one / ratio(MEDIAN)[0]
+    of_one = one / lights(MEDIAN)[0]
+
     changed = {
         "ratio": (one, two * (1 + size)),
         "lag": (one, two * (1 + size)),
         "temperature": (one, two * (1 + size)),
-        "bleaching": ratio(less=size),
+        "bleaching": lights(bleached=size),
         "linearity": (one * (1 + size * level * of_one), two),
-        "background": (one + size * one / of_one, two),
-        "position": ratio(h + size),
-        "size": ratio(h * (1 + size)),
+        "background": (one + size * lights(MEDIAN)[0], two),
+        "position": lights(h + size),
+        "size": lights(h * (1 + size)),
     }
     first, second = changed[term]
     return np.log(second / first)
@@ -70,7 +79,7 @@ ROWS = {
 
 @pytest.mark.parametrize("term", ROWS)
 def test_gradient_is_the_change_of_the_ratio_of_a_disturbed_film(term):
-    extended = with_systematics(**{term: 0.01})
+    extended = extend(**{term: 0.01})
     step = 1e-6
     expected = (disturbed(term, step) - disturbed(term, -step)) / (2 * step)
     row = 3 + extended.systematics.kinds.index(ROWS[term])
@@ -80,7 +89,7 @@ def test_gradient_is_the_change_of_the_ratio_of_a_disturbed_film(term):
 
 def test_a_wall_acts_as_the_model_before_it():
     """A joint that reflects 1 % more than the fixture; the laser has 0.8 of the attenuation q."""
-    extended = with_systematics(wall=0.01)
+    extended = extend(wall=0.01)
     K, p, q = CALIBRATION.parameters
     two = [
         wall_ratio(
@@ -97,7 +106,7 @@ def test_a_wall_acts_as_the_model_before_it():
 
 
 def test_scatter_of_all_terms_is_the_standard_deviation_of_the_film():
-    extended = with_systematics(**dict.fromkeys(TERMS, 0.01))
+    extended = extend(**dict.fromkeys(TERMS, 0.01))
     rng = np.random.default_rng(3)
     covariance = extended.full_covariance
     npt.assert_array_equal(covariance, covariance.T)
@@ -108,7 +117,7 @@ def test_scatter_of_all_terms_is_the_standard_deviation_of_the_film():
 
 
 def test_terms_add_up_to_the_standard_deviation():
-    extended = with_systematics(**dict.fromkeys(TERMS, 0.01))
+    extended = extend(**dict.fromkeys(TERMS, 0.01))
     terms = extended.split_error(extended.film_gradient(6.0))
     # of one fixture nothing has a course
     assert list(terms) == ["calibration", *(term for term in TERMS if term != "course")]
@@ -118,23 +127,23 @@ def test_terms_add_up_to_the_standard_deviation():
 
 
 def test_what_grows_during_the_run_is_absent_at_its_first_frame():
-    extended = with_systematics(bleaching=0.02, ratio=0.01)
+    extended = extend(bleaching=0.02, ratio=0.01)
     first, half, last = (extended.at(passed).thickness_std(FILMS) for passed in (0.0, 0.5, 1.0))
-    plain = with_systematics(ratio=0.01).thickness_std(FILMS)
+    plain = extend(ratio=0.01).thickness_std(FILMS)
     npt.assert_allclose(first, plain, rtol=1e-12)
     npt.assert_allclose(half**2 - plain**2, (last**2 - plain**2) / 4, rtol=1e-9)
 
 
 def test_backgrounds_of_both_bands_are_alike():
-    """Equal shares change the ratio by nothing where the film is the median one."""
-    extended = with_systematics(background=0.01)
-    std = np.sqrt(2 * (1 - ALIKE)) * 0.01
+    """Their correlation is 0.9; equal shares do not change the ratio of the median film."""
+    extended = extend(background=0.01)
+    std = np.sqrt(2 * (1 - 0.9)) * 0.01
     near = extended.log_ratio_std(MEDIAN) ** 2 - CALIBRATION.log_ratio_std(MEDIAN) ** 2
     npt.assert_allclose(near, std**2, rtol=1e-6)
 
 
 def test_a_measured_background_takes_the_place_of_its_width():
-    extended = with_systematics(background=0.02, ratio=0.01)
+    extended = extend(background=0.02, ratio=0.01)
     measured = Systematics(
         ("background",) * 2,
         TERMS["background"],
@@ -142,6 +151,7 @@ def test_a_measured_background_takes_the_place_of_its_width():
         1e-7 * np.arange(8).reshape(4, 2),  # K, p, q and the ratio
         (4.0, 3.0),
     )
+
     found = extended.systematics.with_background(measured)
     assert found.terms == extended.systematics.terms
 
@@ -165,7 +175,7 @@ def test_a_measured_background_takes_the_place_of_its_width():
 
 
 def test_a_width_of_one_parameter_is_replaced():
-    found = with_systematics(temperature=0.01, bleaching=0.01).systematics
+    found = extend(temperature=0.01, bleaching=0.01).systematics
     changed = found.with_width("rising constant", 0.05, term="bleaching")
     expected = np.diag([0.01, 0.01, 0.05, 0.01]) ** 2
     npt.assert_allclose(changed.covariance, expected)
@@ -191,8 +201,7 @@ def test_errors_of_a_fixture_are_stored_with_its_calibration(tmp_path):
 
 def test_course_between_two_fixtures_is_known_at_both_ends():
     later = replace(CALIBRATION, ratio_at_zero=0.6, attenuation_camera2=0.24)
-    systematics = Systematics.of({"course": 0.07}, parameters=3)
-    run = replace(CALIBRATION, systematics=systematics).until(later)
+    run = with_systematics(CALIBRATION, course=0.07).until(later)
     change = later.predict_log(FILMS) - CALIBRATION.predict_log(FILMS)
     for passed, factor in ((0.0, 0.0), (0.25, 0.75), (0.5, 1.0), (1.0, 0.0)):
         npt.assert_allclose(run.at(passed).gradient(FILMS)[3], factor * change, atol=1e-15)
@@ -200,8 +209,9 @@ def test_course_between_two_fixtures_is_known_at_both_ends():
 
 def test_light_agrees_with_films_that_are_wrong_by_a_share():
     """Light and ratio change as one with the size of the fixture and the absorption of the dyes."""
-    extended = with_systematics(size=0.01, bleaching=0.01)
+    extended = extend(size=0.01, bleaching=0.01)
     systematics, model = extended.systematics, extended.model
+
     film = np.array([1.0, 3.0, 8.0])
     response = model.light(film).slope / extended.slope(film)
     own = extended.gradient(film)[-len(systematics.kinds) :]
@@ -212,7 +222,7 @@ def test_light_agrees_with_films_that_are_wrong_by_a_share():
 
 
 def test_light_before_a_wall_is_that_of_the_model():
-    extended = with_systematics(wall=0.01)
+    extended = extend(wall=0.01)
     _, p, q = extended.parameters
     film = np.array([1.0, 3.0, 8.0])
     lights = [

@@ -21,12 +21,16 @@ def draw_run(
     meter=0.005,
     flat=False,
 ):
-    """Record and logged energies of a run; its calibration errs within its covariance."""
+    """Record and logged energies of a run whose calibration errs within its covariance.
+
+    Minimum films lie between two `films` [um]; `flat` is one film and one illumination in all
+    cells. Shares: background of the median light of each camera, speckle and meter of the light.
+    """
     phase = 2 * np.pi * np.arange(frames) / frames
-    least = np.mean(films) + np.ptp(films) / 2 * np.cos(phase)
-    gap = least[:, None] + (0.0 if flat else 5.0 * X**2 + 0.3 * Y) + 0.1 * np.sin(9 * X + 5 * Y)
-    if flat:
-        gap = gap - 0.1 * np.sin(9 * X + 5 * Y)
+    minimum = np.mean(films) + np.ptp(films) / 2 * np.cos(phase)
+    form = 0.0 * X if flat else 5.0 * X**2 + 0.3 * Y + 0.1 * np.sin(9 * X + 5 * Y)
+    gap = minimum[:, None] + form
+
     error = rng.multivariate_normal(np.zeros(3), CALIBRATION.covariance)
     k, p, q = np.array([K, P, Q]) - error
 
@@ -34,12 +38,15 @@ def draw_run(
     beam = 1.0 if flat else np.exp(-0.4 * (X**2 + Y**2))
     illumination = 800 * beam * energy[:, None] * np.ones_like(gap)
     illumination = illumination * np.exp(speckle * rng.standard_normal(gap.shape))
+
+    # light of both bands, in which the background is a share of the median, and its noise
     one = illumination * (1 - np.exp(-p * gap)) / p
     two = k * illumination * (1 - np.exp(-q * gap)) / q
     one, two = (
         light + share * np.median(light) * energy[:, None]
         for light, share in zip((one, two), background, strict=True)
     )
+
     variance = np.full(gap.shape, 1e-6)
     ratio = np.log(two / one) + np.sqrt(variance) * rng.standard_normal(gap.shape)
     logged = energy * (1 + meter * rng.standard_normal(frames))

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicSpline
 
-from erlif.calibration import Profile, fit_calibration
+from erlif.calibration import Profile, Systematics, fit_calibration
 from erlif.calibration.points import Points
 from erlif.core.products import RatioImages
 from erlif.rig import dyes
@@ -89,6 +89,17 @@ def make_points(film, **changes):
     return replace(points, **changes)
 
 
+def measure_points(rng, film, *, true=log_ratio, film_std, ratio_std):
+    """CMM points of the curve `true`, with errors in film [um] and logarithm of the ratio [1]."""
+    return make_points(
+        film,
+        thickness=film + rng.normal(0, film_std, film.size),
+        thickness_std=np.full(film.size, film_std),
+        log_ratio=true(film) + rng.normal(0, ratio_std, film.size),
+        log_ratio_std=np.full(film.size, ratio_std),
+    )
+
+
 def wedge_profile(rng, *, noise=0.15):
     """Profile of the straight wedge every 0.1 mm, with the noise of a CMM [um]."""
     x = np.arange(0, SHAPE[1] * PITCH, 0.1)
@@ -106,10 +117,28 @@ def calibrate(ratios, profile, **options):
     )
 
 
-def calibrate_wedge(rng, *, profile=None, noise=0.15, **ratio):
-    """A straight wedge, photographed and calibrated."""
+def calibrate_wedge(rng, *, profile=None, noise=0.15, true=log_ratio, **ratio):
+    """A straight wedge whose ratio is `true`, photographed and calibrated."""
     profile = wedge_profile(rng, noise=noise) if profile is None else profile
-    return calibrate(image(rng, log_ratio(WEDGE, **ratio)), profile, fixture="wedge")
+    return calibrate(image(rng, true(WEDGE, **ratio)), profile, fixture="wedge")
+
+
+def find_pulls(calibration, films, true=log_ratio, **ratio):
+    """Error of films measured with a calibration, over their standard deviation. [1]"""
+    return (calibration.invert(true(films, **ratio)) - films) / calibration.thickness_std(films)
+
+
+def pulls_of_curve(calibration, films):
+    """Errors of K, p, q and films [um] over their standard deviations. [1]"""
+    parameters = (calibration.parameters - [K, P, Q]) / calibration.standard_deviations
+    return [*parameters, *find_pulls(calibration, films)]
+
+
+def with_systematics(calibration, *, light=(1.0, 1.0), **widths):
+    """A calibration with errors of these standard deviations. [1; um for a position]"""
+    size = len(replace(calibration, systematics=None).full_covariance)
+    systematics = Systematics.of(widths, parameters=size, light=light)
+    return replace(calibration, systematics=systematics)
 
 
 def walled(calibration):
@@ -133,9 +162,12 @@ def share_within(pulls, width):
     return (np.abs(np.array(pulls)) < width).mean(axis=0)
 
 
-def assert_covers(pulls):
-    """68 and 95 % lie within one and two standard deviations, to three of the binomial."""
-    count = len(pulls)
+def assert_covers(pulls, *, count=None):
+    """68 and 95 % lie within one and two standard deviations, to three of the binomial.
+
+    `count` is the number of independent pulls, where those of one fixture share its error.
+    """
+    count = len(pulls) if count is None else count
     for width, share in ((1, 0.683), (2, 0.954)):
         assert np.all(
             np.abs(share_within(pulls, width) - share) < 3 * np.sqrt(share * (1 - share) / count)

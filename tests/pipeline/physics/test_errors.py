@@ -29,27 +29,28 @@ def with_systematics(text):
 
 def test_sources_of_error_add_up_and_the_largest_is_named():
     calibration = with_systematics('\n[systematics]\nwall = "5 %"\n')
-    size = len(calibration.full_covariance)
+    parameters = len(calibration.full_covariance)
     rng = np.random.default_rng(1)
     statistics = []
     for k in range(3):
         one = make_result(k, k).statistics
-        gradient = calibration.film_gradient(4.0 + k) + 1e-3 * rng.normal(size=size)
+        gradient = calibration.film_gradient(4.0 + k) + 1e-3 * rng.normal(size=parameters)
         one = replace(one, mean=4.0 + k, mean_gradient=gradient, minimum_gradient=gradient)
         statistics.append(one.with_errors(calibration.full_covariance))
+
     film = xr.Dataset(describe_errors(statistics, calibration))
     for name, stated in (("film_mean_error", "mean_std"), ("film_min_error", "minimum_std")):
         total = np.sqrt((film[name] ** 2).sum("error_term"))
         npt.assert_allclose(total, [getattr(one, stated) for one in statistics], rtol=1e-9)
 
-    nothing = replace(statistics[0], mean_gradient=np.full(size, np.nan))
+    nothing = replace(statistics[0], mean_gradient=np.full(parameters, np.nan))
     assert np.isnan(describe_errors([nothing], calibration)["film_mean_error"]).all()
 
     film["film_mean"] = "trigger", np.array([4.0, 5.0, 6.0])
     text = name_largest_error(film, settings_with(), calibration, calibration)
-    size = 1e3 * float(film.film_mean_error.sel(error_term="wall")[1])
+    of_wall = 1e3 * float(film.film_mean_error.sel(error_term="wall")[1])  # nm
     assert "reflectance of the wall" in text
-    assert f"{size:.0f} nm at 5 um" in text
+    assert f"{of_wall:.0f} nm at 5 um" in text
 
 
 @pytest.mark.parametrize(

@@ -6,11 +6,12 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.fixture import with_systematics
 from scenes.pin import fit_true_film
 from scenes.results import make_position
 
 import erlif
-from erlif.calibration import Systematics, calibration_of
+from erlif.calibration import calibration_of
 from erlif.core.notes import Level
 from erlif.io.ingest import open_run
 from erlif.pipeline.physics.position import describe_positions, note_form
@@ -125,8 +126,7 @@ def test_errors_that_frames_do_not_show_are_among_the_causes(small_rig, calibrat
     The radii are known to 1.8 % and the film scale to 1 %: 10 % are 4.9 of their standard
     deviations, a ratio 5 % high is 3.6 or 12.5 of its own.
     """
-    systematics = Systematics.of({"ratio": width}, parameters=3)
-    known = replace(calibration, systematics=systematics)
+    known = with_systematics(calibration, ratio=width)
     gradient = np.array([[0.0, 0.0, 0.0, 2 * 0.20525], [0.0, 0.0, 0.0, 0.0]])
     wide = np.zeros((4, 4))
     positions = [

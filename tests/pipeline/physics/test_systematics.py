@@ -8,8 +8,8 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes.film import RUN_TOML
+from scenes.fixture import with_systematics
 
-from erlif.calibration import Systematics
 from erlif.io.settings import LightOptions, RunSettings
 from erlif.pipeline.physics.systematics import (
     add_systematics,
@@ -44,8 +44,8 @@ def test_defaults_and_stated_widths_are_those_of_the_settings():
 
 
 def test_errors_of_the_fixture_stay_beside_those_of_the_run():
-    fixture = Systematics.of({"position": 0.056, "size": 0.004}, parameters=3)
-    found = widths(calibration_of(plain=replace(PLAIN, systematics=fixture)))
+    fixture = with_systematics(PLAIN, position=0.056, size=0.004)
+    found = widths(calibration_of(plain=fixture))
     assert (found["position"], found["size"]) == (0.056, 0.004)
     assert found["ratio"] == 0.01
 

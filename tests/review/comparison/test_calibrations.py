@@ -6,18 +6,19 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.fixture import with_systematics
 
-from erlif.calibration import Systematics, record_calibration
+from erlif.calibration import record_calibration
 from erlif.review.comparison import average_difference, difference_map, read_run
 from erlif.review.comparison.calibrations import joint_covariance, key_of
 from erlif.show.plots import example_calibration
 
 FIXTURE = {"position": 0.05, "size": 0.005}
+"""Origin of the profile to 0.05 um, its scale to 0.5 %."""
 
 
 def run_with(light=(1.0, 1.0), **widths):
-    systematics = Systematics.of(FIXTURE | widths, parameters=3, light=light)
-    return replace(example_calibration(), systematics=systematics)
+    return with_systematics(example_calibration(), light=light, **FIXTURE, **widths)
 
 
 @pytest.fixture
@@ -35,6 +36,7 @@ def test_errors_of_the_fixture_are_common_and_those_of_the_run_are_not(run):
     other = run_with(ratio=0.01, background=0.015, course=0.07)
     size, whole = len(run.full_covariance), joint_covariance([run, other], ["a", "a"])
     common = whole[:size, size:]
+
     npt.assert_allclose(common[:3, :3], run.covariance)
     for name, std in FIXTURE.items():
         here, there = (3 + one.systematics.terms.index(name) for one in (run, other))
@@ -52,10 +54,12 @@ def test_a_measured_background_is_correlated_between_runs_by_their_fixture():
     cross = run.systematics.cross.copy()
     cross[0, first : first + 2] = std * 0.02 / np.sqrt(2)
     run = replace(run, systematics=replace(run.systematics, cross=cross))
+
     size, whole = len(run.full_covariance), joint_covariance([run, run], ["a", "a"])
     assert whole[3 + first, size + 3 + first] == pytest.approx(0.02**2 / 2, rel=1e-6)
-    size_of = np.sqrt(np.diag(whole))
-    assert np.linalg.eigvalsh(whole / np.outer(size_of, size_of)).min() > -1e-9
+
+    root = np.sqrt(np.diag(whole))
+    assert np.linalg.eigvalsh(whole / np.outer(root, root)).min() > -1e-9
 
 
 def test_the_scale_of_the_ratio_does_not_cancel_between_two_runs(film):
@@ -66,9 +70,18 @@ def test_the_scale_of_the_ratio_does_not_cancel_between_two_runs(film):
         for one, hashes in ((run, {}), (run_with(ratio=0.01, light=(2.0, 1.5)), {"a": "b"}))
     ]
     records = [read_run(one) for one in pair]
+
     found = average_difference(*records, "film_mean", angle=records[0].angle)
     shared = np.sqrt(found.std**2 - found.own_std**2)
     ratio = np.abs(records[0].gradient["film_mean"][:, 3]).mean() * 0.01
     assert shared == pytest.approx(np.sqrt(2) * ratio, rel=1e-3)
+
+    # 1 % of the ratio shifts a film by 0.01 over the slope of the curve
+    found = average_difference(*records, "film_min", angle=records[0].angle)
+    shared = np.sqrt(found.std**2 - found.own_std**2)
+    film_min, step = film.film_min.values, 1e-4  # um
+    slope = (run.predict_log(film_min + step) - run.predict_log(film_min - step)) / (2 * step)
+    assert shared == pytest.approx(np.sqrt(2) * 0.01 * np.mean(1 / slope), rel=1e-3)
+
     mapped = difference_map(*pair, triggers=(0, 0))
     assert float(mapped.difference_std.min()) > 0.01 / run.slope(1.0)
