@@ -279,12 +279,20 @@ class Calibration:
 
     def at(self, passed: float) -> Calibration:
         """The same with what changes during a run as it is when a share of the run has passed."""
-        systematics = self.systematics
-        if systematics is not None and systematics.varies.any():
-            systematics = replace(systematics, passed=passed)
-        elif self.later is None:
+        if not self.varies:
             return self
+        systematics = self.systematics
+        if systematics is not None:
+            systematics = replace(systematics, passed=passed)
         return replace(self, systematics=systematics, passed=passed)
+
+    @property
+    def varies(self) -> bool:
+        """Whether the curve or its errors change during a run."""
+        systematics = self.systematics
+        return self.later is not None or (
+            systematics is not None and bool(systematics.varies.any())
+        )
 
     def until(self, later: Calibration) -> Calibration:
         """This calibration before a run with that of a fixture after it.

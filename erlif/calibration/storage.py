@@ -193,7 +193,7 @@ def record_calibration(calibration: Calibration) -> str:
     return json.dumps(kept, sort_keys=True)
 
 
-def calibration_of(film: xr.Dataset) -> Calibration:
+def calibration_of(film: xr.Dataset, trigger: int | None = None) -> Calibration:
     """The calibration that a film was made with.
 
     Its curve holds the covered range alone: a film stores the parameters, not the fitted points.
@@ -202,6 +202,8 @@ def calibration_of(film: xr.Dataset) -> Calibration:
     ----------
     film : xarray.Dataset
         film.nc, opened.
+    trigger : int, optional
+        At which what changes during the run is taken; default: as the record holds it.
 
     Returns
     -------
@@ -230,7 +232,9 @@ erlif process writes it; there is none. Make the film again with: erlif process 
     except Exception as error:  # a damaged record has values of any type
         reason = f"it has no {error}" if isinstance(error, KeyError) else str(error).rstrip(".")
         raise refusal("no_record", reason=f"the one there cannot be used: {reason}") from error
-    return calibration
+    if trigger is None or "share_passed" not in film:
+        return calibration
+    return calibration.at(float(film.share_passed[trigger]))
 
 
 def _read_record(kept: dict[str, Any], settings: RunSettings) -> Calibration:

@@ -29,6 +29,7 @@ from erlif.pipeline.engines.results import (
     describe_frame_notes,
     frames_in,
     mean_drift,
+    share_passed,
 )
 from erlif.pipeline.physics.errors import describe_errors, name_largest_error
 from erlif.pipeline.physics.fit import state_physics
@@ -301,7 +302,10 @@ def describe_film(
         The root group of film.nc without thickness, its standard deviations and flags.
     """
     film = triggers.copy()
-    film["frames_used"] = FILM["frames_used"].fill([len(result.frames) for result in results])
+    frames = [[one.frame for one in result.frames] for result in results]
+    film["frames_used"] = FILM["frames_used"].fill([len(each) for each in frames])
+    passed = [share_passed(each, len(run.pairs.pages[0])) for each in frames]
+    film["share_passed"] = FILM["share_passed"].fill(passed)
     film = film.assign(count_pixels(results)).assign(measured)
     settings, plane = run.settings, ObjectPlane(run.settings, run.pairs.shape)
     theory = choose_theory(settings, predict_theory(settings, film), prediction.triggers)

@@ -48,7 +48,7 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        On dim position [mm]: thickness, thickness_std (random) and thickness_std_shared [um]. NaN
+        On dim position [mm], with the trigger among its attributes: thickness, thickness_std (random) and thickness_std_shared [um]. NaN
         where fewer than a quarter of the pixels are valid, or more than 2 % lie outside the
         measurable range.
 
@@ -69,7 +69,7 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
     """
     check_trigger(film, trigger)
     sliding, axial = ("x", "y") if settings_of(film).optics.x_axis == "sliding" else ("y", "x")
-    calibration, region = calibration_of(film), region_of(film)
+    calibration, region = calibration_of(film, trigger), region_of(film)
     low, high = getattr(region, axial)
     inside = (film[axial].values >= low) & (film[axial].values <= high)
     names = ["thickness", "thickness_std", "thickness_std_shared", "flags"]
@@ -101,7 +101,7 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
             "thickness_std_shared": ("position", common, "um", f"{name}, common to all pixels"),
         },
         {"position": ("position", film[sliding].values, "mm", f"{sliding}, sliding")},
-    )
+    ).assign_attrs(trigger=trigger)
 
 
 @dataclass(frozen=True)
@@ -206,7 +206,7 @@ def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
     # the error of the curvature: scatter of the blocks, and what the calibration shares with all
     residual = root * (h - design @ (solve @ (root * h)))
     scale = float(residual @ residual) / max(h.size - 3, 1)
-    calibration = calibration_of(film)
+    calibration = calibration_of(film, profile.attrs.get("trigger"))
     change = solve[2] @ (root * calibration.film_gradient(h)).T
     variance = float(solve[2] @ solve[2]) * max(scale, 1.0) + float(
         change @ calibration.full_covariance @ change

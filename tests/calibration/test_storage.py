@@ -1,5 +1,7 @@
 """calibration.nc and the record in film.nc: everything comes back, damage is recognised."""
 
+from dataclasses import replace
+
 import h5netcdf
 import h5py
 import numpy as np
@@ -17,7 +19,13 @@ from scenes.fixture import (
     wedge_profile,
 )
 
-from erlif.calibration import calibration_of, open_calibration, record_calibration, save_calibration
+from erlif.calibration import (
+    Systematics,
+    calibration_of,
+    open_calibration,
+    record_calibration,
+    save_calibration,
+)
 from erlif.core.errors import CalibrationError, OutputError
 from erlif.io.files import open_film
 
@@ -91,6 +99,20 @@ def test_film_keeps_the_whole_curve_it_was_measured_with(departing, tmp_path):
     npt.assert_array_equal(again.predict_log(films), departing.predict_log(films))
     npt.assert_allclose(again.thickness_std(films), departing.thickness_std(films), rtol=1e-12)
     assert again.covered_range == departing.covered_range
+
+
+def test_at_a_trigger_the_calibration_has_the_errors_of_its_share_of_the_run(departing, tmp_path):
+    """A temperature of 1 % at first and another 1 % at the last frame: w sqrt(1 + t2)."""
+    width = 0.01
+    systematics = Systematics.of({"temperature": width}, parameters=len(departing.full_covariance))
+    with open_film(film_scene.make_film(tmp_path)) as film:
+        film.attrs["calibration"] = record_calibration(replace(departing, systematics=systematics))
+        film["share_passed"] = ("trigger", np.linspace(0, 1, film.sizes["trigger"]))
+        for trigger in (0, 1, film.sizes["trigger"] - 1):
+            share = float(film.share_passed[trigger])
+            whole = calibration_of(film, trigger).log_ratio_std(5.0)
+            added = np.sqrt(whole**2 - departing.log_ratio_std(5.0) ** 2)
+            npt.assert_allclose(added, width * np.sqrt(1 + share**2), rtol=1e-9)
 
 
 def test_a_film_without_calibration_is_refused():

@@ -184,6 +184,11 @@ def frames_in(results: Iterable[TriggerResult]) -> list[FrameResult]:
     return [one for result in results for one in result.frames]
 
 
+def share_passed(frames: Sequence[int], count: int) -> float:
+    """Share of a recording of `count` pairs that has passed at the mean of some; 0 without any."""
+    return sum(frames) / len(frames) / (count - 1) if frames and count > 1 else 0.0
+
+
 def mean_drift(frames: Iterable[FrameResult]) -> Array:
     """Mean drift (x, y) over the frames whose drift is known; zero where there is none. [px]"""
     known = np.array([one.drift for one in frames if not np.isnan(one.drift[0])])

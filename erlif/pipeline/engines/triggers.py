@@ -18,7 +18,7 @@ from erlif.core.progress import Progress
 from erlif.io.files import MapStore, PartialFilm
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Engine
-from erlif.pipeline.engines.results import FrameResult, TriggerResult
+from erlif.pipeline.engines.results import FrameResult, TriggerResult, share_passed
 from erlif.pipeline.film import MAPS
 from erlif.pipeline.passes import measure_film, measure_pulse
 from erlif.pipeline.plane import ObjectPlane
@@ -70,7 +70,7 @@ class TriggerTask(PickledByFields):
         kept: list[FrameResult] = []
         model = self.calibration.model
         plane, region = self.plane, self.plane.region
-        passed = self._passed(frames)
+        passed = share_passed(frames, len(self.chain.pairs.pages[0]))
         curve, tables = self.curve.at(passed), self._tables_at(passed)
         smoothing = plane.settings.thickness.smoothing
         if len(frames) == 1:  # the film of the trigger is that of its only frame
@@ -109,11 +109,6 @@ class TriggerTask(PickledByFields):
         """What is kept of a frame, with its light in the cells of the image and in the patch."""
         cells = frame in self.sampled
         return FrameResult.of(frame, pair, patch=self.plane.patch, with_cells=cells)
-
-    def _passed(self, frames: Sequence[int]) -> float:
-        """Share of the run that has passed at the mean of some frames; 0 without any."""
-        last = len(self.chain.pairs.pages[0]) - 1
-        return sum(frames) / len(frames) / last if frames and last else 0.0
 
     def _tables_at(self, passed: float) -> FilmTables:
         """The calibration in tables for the maps, when a share of the run has passed."""

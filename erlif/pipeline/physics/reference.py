@@ -13,7 +13,7 @@ from erlif.core.notes import Note, note_writer
 from erlif.core.tables import read_table
 from erlif.core.variables import FILM
 from erlif.io.settings import ReferenceSettings
-from erlif.pipeline.engines.results import TriggerResult
+from erlif.pipeline.engines.results import TriggerResult, share_passed
 
 _note = note_writer("erlif.pipeline")
 
@@ -52,10 +52,7 @@ def describe_reference(
         return {}, []
     known = 1e6 * reference.thickness
     uncertainty = 0.0 if reference.uncertainty is None else 1e6 * reference.uncertainty
-    passed = [
-        sum(one.frame for one in result.frames) / (max(len(result.frames), 1) * max(pairs - 1, 1))
-        for result in results
-    ]
+    passed = [share_passed([one.frame for one in result.frames], pairs) for result in results]
     film, random = np.array(
         [
             _average(result, calibration.at(share))

@@ -53,7 +53,7 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
     if settings_of(one).optics.x_axis != settings_of(other).optics.x_axis:
         raise refusal("other_x_axis")
     edges = {f"{axis}_edges": cell_edges([one, other], axis) for axis in ("x", "y")}
-    calibrations = calibration_of(one), calibration_of(other)
+    calibrations = calibration_of(one, triggers[0]), calibration_of(other, triggers[1])
     a, b = (
         average_cells(film, trigger, calibration, **edges)
         for film, trigger, calibration in zip((one, other), triggers, calibrations, strict=True)

@@ -136,15 +136,16 @@ def read_run(film: xr.Dataset) -> RunRecord:
         partial = film.share_beyond_range.values > _BEYOND
         value["film_mean"] = np.where(partial, np.nan, value["film_mean"])
 
-    gradient["film_min"] = calibration.film_gradient(value["film_min"]).T
+    passed = film.share_passed.values if "share_passed" in film else np.ones(triggers)
+    gradient["film_min"] = _film_gradients(value["film_min"], calibration, passed)
     own["film_min"] = _remainder(std["film_min"], gradient["film_min"], covariance)
     sampled = np.unique(np.linspace(0, triggers - 1, min(triggers, _SAMPLED)).astype(int))
-    parts = [_mean_errors(film, int(k), calibration) for k in sampled]
+    parts = [_mean_errors(film, int(k), calibration.at(float(passed[k]))) for k in sampled]
     random = np.array([noise for noise, _ in parts])
     offset = np.array([change for _, change in parts])
 
     # the gradient at the mean film, with what the spread of films in the region adds
-    at = calibration.film_gradient(value["film_mean"]).T
+    at = _film_gradients(value["film_mean"], calibration, passed)
     known = np.isfinite(offset).all(axis=1) & np.isfinite(at[sampled]).all(axis=1)
     added = (offset[known] - at[sampled][known]).mean(axis=0) if known.any() else 0.0
     gradient["film_mean"] = at + added
@@ -201,6 +202,18 @@ def _conditions(
         "theory": known.get("film_theory"),
         "patch_ratio": patch,
     }
+
+
+def _film_gradients(value: Array, calibration: Calibration, passed: Array) -> Array:
+    """Change of a film of each trigger with the parameters, (trigger, parameter)."""
+    if not calibration.varies:
+        return calibration.film_gradient(value).T
+    return np.array(
+        [
+            calibration.at(float(share)).film_gradient(one)
+            for one, share in zip(value, passed, strict=True)
+        ]
+    )
 
 
 def _remainder(std: Array, gradient: Array, covariance: Array) -> Array:

@@ -56,7 +56,6 @@ def summarise_region(
     if "trigger" not in film.dims:
         return summarise_region(film.expand_dims("trigger"), x=x, y=y).isel(trigger=0)
     region = _find_region(film, x, y)
-    calibration = calibration_of(film)
     along_x = settings_of(film).optics.x_axis == "sliding"
     names = ["thickness", "thickness_std", "thickness_std_shared", "flags"]
     maps = film[names].isel(y=region.rows, x=region.columns)
@@ -65,7 +64,7 @@ def summarise_region(
     rows = []
     for trigger in range(film.sizes["trigger"]):
         one = maps.isel(trigger=trigger).load()
-        row = _tabulate(_summarise(one, calibration, along_x=along_x))
+        row = _tabulate(_summarise(one, calibration_of(film, trigger), along_x=along_x))
         row["film_min_x"] += region.columns.start
         row["film_min_y"] += region.rows.start
         row["pixels"] = int((one.flags == 0).sum())
