@@ -83,10 +83,22 @@ def judge_fault(job: tuple[str, int]) -> str:
     return f"{name:44s} {seed}  {'   '.join(parts)}"
 
 
+_BAND_PER_DYE = 0.484
+"""Change of the ratio by that of the light of dye 2 over dye 1, of the rig's invented spectra."""
+
+
 def draw_rig(rng: np.random.Generator) -> tuple[RigSettings, float, float]:
-    """A rig of the default widths, the error of its origin [px], and the scale of its profile."""
+    """A rig of the default widths, the error of its origin [px], and the scale of its profile.
+
+    The widths are those of the bands. The background of camera 2 has a correlation of 0.9 with that
+    of camera 1; what rises during the run is the temperature and the bleaching of the brightness as
+    one, and the bleaching of both dyes alike.
+    """
     draw = partial(rng.normal, 0.0)
-    warmer, bleached = float(draw(5.0)), abs(float(draw(0.01))) / 30
+    rises = float(np.hypot(0.005, 0.01) * draw()) / _BAND_PER_DYE
+    bleached = per_pulse(abs(float(draw(0.01))))
+    light = rng.multivariate_normal([0, 0], [[1, 0.9], [0.9, 1]])
+    one, two = np.abs(0.015 * light)
     rig = RigSettings(
         width=160,
         height=128,
@@ -98,10 +110,11 @@ def draw_rig(rng: np.random.Generator) -> tuple[RigSettings, float, float]:
         write_systematics=False,
         # scale of the ratio, lag, and the temperature between fixture and run
         brightness=(1.0, 1 + float(draw(0.01) + draw(0.005) + draw(0.005))),
-        warming=abs(warmer),
-        glow_per_kelvin=(-0.002, -0.001) if warmer > 0 else (-0.001, -0.002),
-        bleaching=(bleached, 0.0) if rng.random() < 0.5 else (0.0, bleached),
-        background=abs(float(draw(0.015))),
+        warming=1.0,
+        glow_per_kelvin=(-rises / 2, rises / 2),
+        bleaching=(bleached, bleached),
+        background=float(one),
+        background_second=float(two / one),
         wall=(0.0, abs(float(draw(0.02)))),
         compression=(float(draw(0.01)), float(draw(0.01))),
     )

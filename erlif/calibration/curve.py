@@ -297,8 +297,8 @@ class Calibration:
     def until(self, later: Calibration) -> Calibration:
         """This calibration before a run with that of a fixture after it.
 
-        `at` gives the curve between the two. The errors are those of the first one: both fixtures
-        rest on one profile, whose readings are the larger part of it.
+        `at` gives the curve between the two. The errors are those of the first one, which rests on
+        the same profile; `erlif.process` adds what those of the later one exceed them by.
 
         Parameters
         ----------

@@ -14,6 +14,7 @@ background        light that is not film, in both bands: -1/L1, +1/L2
 position          origin of the fixture's profile: s
 size              scale of the fixture's profile: h s
 course            change between the fixtures before and after a run, off a straight line: D
+later             curve of the fixture after a run, beyond the error of that before it: 1
 ================  ==================================================================
 
 with the film h, the slope s of the curve, the light L of each band over its median in the run and
@@ -44,6 +45,7 @@ TERMS: dict[str, tuple[str, ...]] = {
     "position": ("position",),
     "size": ("size",),
     "course": ("course",),
+    "later": ("rising constant",),
 }
 
 # Correlation of the background of both bands where it is not measured: fluorescence of a window

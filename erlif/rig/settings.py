@@ -196,6 +196,8 @@ class RigSettings:
         run in each camera.
     background_beam : float
         The same with the shape of the laser beam.
+    background_second : float
+        Both in camera 2, over what they are in camera 1.
     background_pages : int
         Pages of the dry joint written for each camera; 0 writes none.
     background_energy : float
@@ -331,6 +333,7 @@ class RigSettings:
     # light that is not film, in the run alone
     background: float = 0.0
     background_beam: float = 0.0
+    background_second: float = 1.0
     background_pages: int = 0
     background_energy: float = 1.0
     bleaching: tuple[float, float] = (0.0, 0.0)

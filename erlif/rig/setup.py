@@ -76,6 +76,8 @@ class Setup:
         Transmission of the lens and pulse energy are not included.
         """
         rig, typical = self.rig, self.typical[number - 1]
+        if number == 2:
+            typical *= rig.background_second
         even = rig.background * typical
         if rig.background_beam == 0:
             return even

@@ -48,9 +48,9 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        On dim position [mm], with the trigger among its attributes: thickness, thickness_std (random) and thickness_std_shared [um]. NaN
-        where fewer than a quarter of the pixels are valid, or more than 2 % lie outside the
-        measurable range.
+        On dim position [mm], with the trigger among its attributes: thickness, thickness_std
+        (random) and thickness_std_shared [um]. NaN where fewer than a quarter of the pixels are
+        valid, or more than 2 % lie outside the measurable range.
 
     Raises
     ------

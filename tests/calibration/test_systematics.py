@@ -119,7 +119,7 @@ def test_scatter_of_all_terms_is_the_standard_deviation_of_the_film():
 def test_terms_add_up_to_the_standard_deviation():
     extended = extend(**dict.fromkeys(TERMS, 0.01))
     terms = extended.split_error(extended.film_gradient(6.0))
-    # of one fixture nothing has a course
+    # the curve of one fixture does not change, and what rises has its full size at the end
     assert list(terms) == ["calibration", *(term for term in TERMS if term != "course")]
     npt.assert_allclose(
         np.sqrt(sum(std**2 for std in terms.values())), extended.thickness_std(6.0), rtol=1e-9

@@ -84,11 +84,20 @@ def test_grains_cover_every_object_point_of_camera_2():
 
 
 def test_a_dry_joint_shows_the_background_times_the_pulse_energy():
-    """Even light of 2 % and light with the beam's shape of 1 % of 5000 electrons, no film."""
+    """Even light of 2 % and light with the beam's shape of 1 % of 5000 electrons, no film.
+
+    In camera 2 the share of 2000 electrons is 2.5 times as large.
+    """
     rig = RigSettings(
-        width=64, height=48, hot_fraction=0.0, dead_pixels=0, background=0.02, background_beam=0.01
+        width=64,
+        height=48,
+        hot_fraction=0.0,
+        dead_pixels=0,
+        background=0.02,
+        background_beam=0.01,
+        background_second=2.5,
     )
-    setup = replace(build_setup(3, rig), typical=(5000.0, 4000.0))
+    setup = replace(build_setup(3, rig), typical=(5000.0, 1600.0))
     shot = Shot(lambda x, y: np.zeros(x.shape), NO_BUBBLES, setup.grains, 3.0, (0.0, 0.0))
     frames = photograph(setup, shot, np.random.default_rng(1))
     for number, camera, typical in ((1, setup.cameras[0], 5000), (2, setup.cameras[1], 4000)):

@@ -18,6 +18,8 @@ from erlif.trend import BackgroundEstimate, Change, Trend
 # Terms that the difference of two fixtures holds.
 _BETWEEN_FIXTURES = ("ratio", "temperature", "bleaching")
 
+_FILMS = 50  # of the range, at which two curves are compared
+
 
 def add_systematics(
     calibration: Calibration,
@@ -58,6 +60,15 @@ def add_systematics(
     return replace(alone, systematics=found)
 
 
+def _less_certain(before: Calibration, after: Calibration) -> float:
+    """Error of a later curve beyond that of the earlier one, over the films of both. [1]"""
+    films = np.linspace(*before.thickness_range, _FILMS)
+    one, two = (
+        replace(each, systematics=None).log_ratio_std(films) for each in (before, after)
+    )
+    return float(np.sqrt(max(np.mean(two**2 - one**2), 0.0)))
+
+
 def _widths_of_run(calibration: Calibration, settings: RunSettings) -> dict[str, float]:
     """Standard deviations of the settings, without what fixtures or a dry joint show. [1]"""
     shares, stated = settings.systematics.shares, settings.systematics.model_fields_set
@@ -67,6 +78,7 @@ def _widths_of_run(calibration: Calibration, settings: RunSettings) -> dict[str,
     else:
         # a fixture after the run shows their sum
         shown |= set(_BETWEEN_FIXTURES)
+        shares["later"] = _less_certain(calibration.at(0.0), calibration.later)
     return shares | dict.fromkeys(shown - stated, 0.0)
 
 

@@ -116,3 +116,18 @@ def test_change_of_the_ratio_is_added_to_its_width_where_it_is_significant(state
     chance = replace(step, significance=3.0)
     kept = update_systematics(before, None, None, REPORT, pulses=50, course=chance)
     assert widths(kept) == widths(before)
+
+
+@pytest.mark.parametrize("scale", [0.5, 2.0])
+def test_at_the_end_of_a_run_the_less_certain_of_two_fixtures_counts(scale):
+    """Over the films of both: mean variance of a curve with twice, or half, the errors."""
+    later = replace(PLAIN, covariance=scale**2 * PLAIN.covariance)
+    excluded = "\n[systematics]\n" + "\n".join(
+        f'{name} = "0 %"'
+        for name in ("ratio", "lag", "temperature", "bleaching", "wall", "linearity", "background")
+    )
+    run = calibration_of(excluded, plain=PLAIN.until(later))
+    films = np.linspace(*PLAIN.thickness_range, 50)
+    mean = [np.mean(run.at(share).log_ratio_std(films) ** 2) for share in (0.0, 1.0)]
+    alone = np.mean(PLAIN.log_ratio_std(films) ** 2)
+    npt.assert_allclose(mean, [alone, max(scale, 1) ** 2 * alone], rtol=1e-9)
