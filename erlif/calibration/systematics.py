@@ -19,7 +19,8 @@ later             curve of the fixture after a run, beyond the error of that bef
 
 with the film h, the slope s of the curve, the light L of each band over its median in the run and
 the change D of the curve from fixture to fixture. What grows during the run is multiplied by the
-share t of it that has passed, the course by 4 t (1 - t): it is known at both ends.
+share t of it that has passed, the course by 4 t (1 - t): it is known at both ends. A change of the
+ratio that a run shows is a further parameter of the term ratio: a drift that grows, or a step.
 """
 
 from __future__ import annotations
@@ -76,6 +77,8 @@ class Systematics:
         in band 1. [um]
     passed : float
         Share of the run that has passed. [1]
+    start : float
+        Share of the run that had passed when a step came. [1]
     """
 
     terms: tuple[str, ...]
@@ -84,6 +87,7 @@ class Systematics:
     cross: Array
     light: tuple[float, float]
     passed: float = 1.0
+    start: float = 0.0
 
     @classmethod
     def of(
@@ -140,15 +144,20 @@ class Systematics:
     def varies(self) -> Mask:
         """Parameters that act differently during the run, (parameter,)."""
         return np.array(
-            [one or kind == "course" for one, kind in zip(self.rising, self.kinds, strict=True)],
-            bool,
+            [kind.startswith(("rising", "stepped", "course")) for kind in self.kinds], bool
         )
+
+    @property
+    def _stepped(self) -> Mask:
+        """Parameters that act from a step on, (parameter,)."""
+        return np.array([kind.startswith("stepped") for kind in self.kinds], bool)
 
     @property
     def weight(self) -> Array:
         """Factor of each parameter when `passed` of the run is over, (parameter,). [1]"""
         between = 4 * self.passed * (1 - self.passed)
-        return np.where(self.rising, self.passed, np.where(self.varies, between, 1.0))
+        cases = [self.rising, self._stepped, self.varies]
+        return np.select(cases, [self.passed, float(self.passed >= self.start), between], 1.0)
 
     def places(self, term: str) -> npt.NDArray[np.intp]:
         """Numbers of the parameters of a term; none where it is not among them."""
@@ -205,6 +214,42 @@ class Systematics:
         covariance[n, n] = width**2
         return replace(self, covariance=covariance)
 
+    def with_course(self, size: float, *, start: float | None) -> Systematics:
+        """The same with a change of the ratio during the run, as the last parameter.
+
+        Parameters
+        ----------
+        size : float
+            Root mean square of the change. [1]
+        start : float or None
+            Share of the run after which a step comes; None for a drift, which grows from nothing at
+            the first frame. Which part of the run before and after a step has the ratio of the
+            calibration is not known: each has an error of this size, independent of the other.
+
+        Returns
+        -------
+        Systematics
+            Unchanged where the ratio is not among the terms.
+        """
+        if not (own := self.places("ratio")).size:
+            return self
+        count, constant = len(self.terms), own[0]
+        covariance = np.zeros((count + 1, count + 1))
+        covariance[:count, :count] = self.covariance
+        covariance[count, count] = size**2
+        if start is not None:
+            covariance[constant, constant] += size**2
+            covariance[count, count] *= 2
+            covariance[constant, count] = covariance[count, constant] = -(size**2)
+        return replace(
+            self,
+            terms=(*self.terms, "ratio"),
+            kinds=(*self.kinds, "rising constant" if start is None else "stepped constant"),
+            covariance=covariance,
+            cross=np.column_stack([self.cross, np.zeros(len(self.cross))]),
+            start=self.start if start is None else start,
+        )
+
     def gradient(
         self,
         thickness: npt.ArrayLike,
@@ -251,7 +296,7 @@ class Systematics:
         }
         rows = np.empty((len(self.kinds), *h.shape))
         for n, kind in enumerate(self.kinds):
-            rows[n] = acts[kind.removeprefix("rising ")]
+            rows[n] = acts[_act_of(kind)]
         return np.asarray(rows * self.weight.reshape(-1, *[1] * h.ndim))
 
     def light_gradient(
@@ -282,7 +327,7 @@ class Systematics:
         }
         rows = np.zeros((len(self.kinds), *h.shape))
         for n, kind in enumerate(self.kinds):
-            rows[n] = acts.get(kind.removeprefix("rising "), 0.0)
+            rows[n] = acts.get(_act_of(kind), 0.0)
         return np.asarray(rows * self.weight.reshape(-1, *[1] * h.ndim))
 
     def to_record(self) -> dict[str, Any]:
@@ -302,6 +347,7 @@ class Systematics:
             cross=np.asarray(record["cross"], float).reshape(-1, size),
             light=(float(one), float(two)),
             passed=float(record["passed"]),
+            start=float(record.get("start", 0.0)),
         )
 
     def extend(self, covariance: Array) -> Array:
@@ -327,6 +373,11 @@ class Systematics:
             part = gradient[own]
             found[term] = float(np.sqrt(part @ self.covariance[np.ix_(own, own)] @ part))
         return found
+
+
+def _act_of(kind: str) -> str:
+    """How a parameter acts at its full size."""
+    return kind.removeprefix("rising ").removeprefix("stepped ")
 
 
 def _with_wall(model: Reabsorption) -> Reabsorption:

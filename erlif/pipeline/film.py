@@ -48,7 +48,7 @@ from erlif.pipeline.physics.prediction import (
     note_difference,
     try_prediction,
 )
-from erlif.pipeline.physics.systematics import update_systematics
+from erlif.pipeline.physics.systematics import follow_course, update_systematics
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.omissions import note_omissions
 from erlif.pipeline.recording.prepare import PreparedRun
@@ -223,6 +223,7 @@ def complete_film(
         kept_lights(frames, run.pairs), ready.measuring, cycle.trigger.values, ready.energies
     )
     findings = ready.light.complete(remaining, options)
+    last = cycle.sizes["frame"] - 1
     light, notes_on_light = describe_light(findings, results, run, ready.measuring)
     measured_with = update_systematics(
         ready.measuring,
@@ -231,7 +232,9 @@ def complete_film(
         options,
         pulses=len(run.pairs.usable),
         course=findings.course,
+        last=last,
     )
+    results = follow_course(results, ready.measuring, findings.course, last=last)
 
     plane, of_frames = ObjectPlane(run.settings, run.pairs.shape), frames_of_run(run, cycle)
     with stage("prediction", _logger):

@@ -154,15 +154,16 @@ def budget(
     lights = measure_lights(chain, plane.patch)
     findings = find_light(lights, calibration, cycle.trigger.values, read_energies(run.log))
     chain, measuring = correct_light(chain, calibration, findings, options)
-    pulses = len(run.pairs.usable)
+    last = max(len(run.pairs.pages[0]) - 1, 1)
     measuring = update_systematics(
         measuring,
         findings.background,
         findings.bleaching,
         options,
-        pulses=pulses,
+        pulses=len(run.pairs.usable),
         course=findings.course,
-    ).at(float(np.mean(frames)) / max(len(run.pairs.pages[0]) - 1, 1))
+        last=last,
+    ).at(float(np.mean(frames)) / last)
 
     sources = _split_variance(chain, frames)
     maps = measure_thickness(sources.ratio, measuring)

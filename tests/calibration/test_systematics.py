@@ -134,6 +134,37 @@ def test_what_grows_during_the_run_is_absent_at_its_first_frame():
     npt.assert_allclose(half**2 - plain**2, (last**2 - plain**2) / 4, rtol=1e-9)
 
 
+def test_a_drift_of_the_ratio_grows_and_a_step_leaves_both_parts_of_a_run_in_doubt():
+    """Of a ratio of which 1 % is stated, and a change of 3 %; 0.4 of the run is before the step."""
+    extended = extend(ratio=0.01, wall=0.02)
+    shares, std = (0.0, 0.3, 0.5, 1.0), 0.01
+    alone = replace(extended, systematics=extended.systematics.with_width("wall", 0, term="wall"))
+
+    def films(start):
+        changed = replace(alone, systematics=alone.systematics.with_course(0.03, start=start))
+        return [changed.at(share) for share in shares]
+
+    for share, one in zip(shares, films(None), strict=True):
+        own = one.log_ratio_std(3.0) ** 2 - CALIBRATION.log_ratio_std(3.0) ** 2
+        npt.assert_allclose(own, std**2 + (0.03 * share) ** 2, rtol=1e-9)
+
+    before, still, after, last = films(0.4)
+    gradient = [one.gradient(3.0)[3:] for one in (before, still, after, last)]
+    covariance = before.systematics.covariance
+    found = np.array(gradient) @ covariance @ np.array(gradient).T
+    parts = np.kron(np.eye(2), np.ones((2, 2)))  # frames of one part have one error
+    npt.assert_allclose(found, std**2 + 0.03**2 * parts, rtol=1e-9)
+
+
+def test_a_course_is_stored_with_the_calibration_and_needs_the_ratio():
+    systematics = extend(ratio=0.01, background=0.02).systematics.with_course(0.03, start=0.4)
+    back = Systematics.from_record(systematics.to_record())
+    npt.assert_array_equal(back.covariance, systematics.covariance)
+    assert (back.kinds, back.start) == (systematics.kinds, 0.4)
+    without = extend(wall=0.01).systematics
+    assert without.with_course(0.03, start=None) is without
+
+
 def test_backgrounds_of_both_bands_are_alike():
     """Their correlation is 0.9; equal shares do not change the ratio of the median film."""
     extended = extend(background=0.01)

@@ -127,6 +127,35 @@ class TriggerResult:
     pixels: tuple[int, ...]
     position: PinPosition | None = None
 
+    def with_parameter(self, like: int, weight: float) -> TriggerResult:
+        """The same with one more parameter of the calibration, as the last.
+
+        Parameters
+        ----------
+        like : int
+            Parameter that acts on the film in the same way.
+        weight : float
+            Its share of that effect in this trigger. [1]
+
+        Returns
+        -------
+        TriggerResult
+        """
+
+        def extend(gradient: Array) -> Array:
+            return np.concatenate([gradient, weight * gradient[..., like : like + 1]], axis=-1)
+
+        statistics, position = self.statistics, self.position
+        statistics = replace(
+            statistics,
+            mean_gradient=extend(statistics.mean_gradient),
+            minimum_gradient=extend(statistics.minimum_gradient),
+        )
+        if position is not None:
+            form = replace(position.form, gradient=extend(position.form.gradient))
+            position = replace(position, gradient=extend(position.gradient), form=form)
+        return replace(self, statistics=statistics, position=position)
+
     def to_arrays(self) -> dict[str, AnyArray]:
         """Arrays by name, for a file."""
         arrays = {

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.calibration import Calibration
+from erlif.core.arrays import Array
 from erlif.core.tables import read_table
 from erlif.core.variables import FILM
 from erlif.io.settings import RunSettings
@@ -99,8 +100,16 @@ def _source_of(
     """
     if key not in type(settings.systematics).model_fields:
         return ""
-    widths = [{} if one.systematics is None else one.systematics.widths for one in (before, after)]
-    if widths[0].get(term) != widths[1].get(term):
+    if not np.array_equal(_covariance_of(term, before), _covariance_of(term, after)):
         return str(_TEXTS["measured"])
     stated = key in settings.systematics.model_fields_set
     return str(_TEXTS["declared" if stated else "default"])
+
+
+def _covariance_of(term: str, calibration: Calibration) -> Array:
+    """Covariance of the parameters of a term, empty where it has none."""
+    systematics = calibration.systematics
+    if systematics is None:
+        return np.zeros((0, 0))
+    own = systematics.places(term)
+    return systematics.covariance[np.ix_(own, own)]

@@ -12,6 +12,7 @@ from erlif.calibration import Calibration, Systematics
 from erlif.core.arrays import Array
 from erlif.io.settings import LightOptions, RunSettings
 from erlif.pipeline.chain import FrameChain
+from erlif.pipeline.engines.results import TriggerResult
 from erlif.pipeline.recording.sample import Bands, ratios_of
 from erlif.trend import BackgroundEstimate, Change, Trend
 
@@ -140,6 +141,7 @@ def update_systematics(
     *,
     pulses: int,
     course: Change | None = None,
+    last: int = 1,
 ) -> Calibration:
     """The calibration with what light and films of a run show of its systematics.
 
@@ -158,11 +160,13 @@ def update_systematics(
         Frames of the run.
     course : Change, optional
         Step or drift of the ratio that the run shows.
+    last : int
+        Number of the last frame.
 
     Returns
     -------
     Calibration
-        With the same parameters.
+        With the same parameters, and one more for a significant course, as the last.
     """
     systematics = calibration.systematics
     if systematics is None:
@@ -175,11 +179,44 @@ def update_systematics(
         corrected = options.bleaching == "correct"
         width = _bleaching_of_run(systematics, bleaching, pulses=pulses, corrected=corrected)
         systematics = systematics.with_width("rising constant", width, term="bleaching")
-    # which part of the run has the ratio of the fixture is not known
     if course is not None and course.significant:
-        width = math.hypot(systematics.widths["ratio"], course.size, course.std)
-        systematics = systematics.with_width("constant", width, term="ratio")
+        start = None if course.frame is None else course.frame / last
+        systematics = systematics.with_course(math.hypot(course.size, course.std), start=start)
     return replace(calibration, systematics=systematics)
+
+
+def follow_course(
+    results: Sequence[TriggerResult], calibration: Calibration, course: Change | None, *, last: int
+) -> list[TriggerResult]:
+    """Results of all triggers with the change of their films by the course of `update_systematics`.
+
+    Parameters
+    ----------
+    results : sequence of TriggerResult
+    calibration : Calibration
+        With which they were measured.
+    course : Change or None
+    last : int
+        Number of the last frame.
+
+    Returns
+    -------
+    list of TriggerResult
+        Unchanged without a significant course.
+    """
+    systematics = calibration.systematics
+    if systematics is None or course is None or not course.significant:
+        return list(results)
+    parameter = len(systematics.cross) + int(systematics.places("ratio")[0])
+    weights = []
+    for result in results:
+        frames = np.array([one.frame for one in result.frames], float)
+        shares = frames / last if course.frame is None else frames >= course.frame
+        weights.append(float(shares.mean()) if frames.size else 0.0)
+    return [
+        result.with_parameter(parameter, weight)
+        for result, weight in zip(results, weights, strict=True)
+    ]
 
 
 def _with_background_of_run(

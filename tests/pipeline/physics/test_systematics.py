@@ -11,12 +11,21 @@ from scenes.film import RUN_TOML
 from scenes.fixture import with_systematics
 
 from erlif.io.settings import LightOptions, RunSettings
+from erlif.pipeline.engines.results import FrameResult, TriggerResult
 from erlif.pipeline.physics.systematics import (
     add_systematics,
+    follow_course,
     update_systematics,
 )
 from erlif.show.plots import example_calibration
-from erlif.trend import BackgroundEstimate, Change, Trend
+from erlif.trend import (
+    BackgroundEstimate,
+    Change,
+    FilmStatistics,
+    FittedNumbers,
+    PinPosition,
+    Trend,
+)
 
 PLAIN = example_calibration()
 REPORT, CORRECT = LightOptions(), LightOptions(background="correct", bleaching="correct")
@@ -106,16 +115,61 @@ def test_bleaching_that_a_run_shows_takes_the_place_of_its_width(options, text, 
     npt.assert_allclose(widths(found)["bleaching"], expected, atol=1e-12)
 
 
-@pytest.mark.parametrize(("stated", "width"), [("1 %", 0.0510), ("0 %", 0.0500)])
-def test_change_of_the_ratio_is_added_to_its_width_where_it_is_significant(stated, width):
-    """Roots of 0.03^2 + 0.04^2 and 0.01^2 + 0.03^2 + 0.04^2."""
+STEP = Change(frame=25, size=-0.03, std=0.04, significance=9.0)
+"""Of 3 ± 4 %, root mean square 5 %."""
+
+
+def follow(calibration, course):
+    return update_systematics(calibration, None, None, REPORT, pulses=51, course=course, last=50)
+
+
+@pytest.mark.parametrize(("stated", "own"), [("1 %", 0.01), ("0 %", 0.0)])
+def test_step_of_the_ratio_counts_in_both_parts_and_drift_at_the_end(stated, own):
     before = calibration_of(f'\n[systematics]\nratio = "{stated}"\n')
-    step = Change(frame=25, size=-0.03, std=0.04, significance=9.0)
-    found = update_systematics(before, None, None, REPORT, pulses=50, course=step)
-    assert widths(found)["ratio"] == pytest.approx(width, abs=1e-4)
-    chance = replace(step, significance=3.0)
-    kept = update_systematics(before, None, None, REPORT, pulses=50, course=chance)
-    assert widths(kept) == widths(before)
+    stepped, drifts = (follow(before, replace(STEP, frame=frame)) for frame in (25, None))
+
+    def ratio_var(calibration, passed):
+        """Variance by the term alone, from that of all terms with and without it."""
+        none = follow(before, None)
+        change = calibration.at(passed).log_ratio_std(3.0) ** 2
+        return change - none.at(passed).log_ratio_std(3.0) ** 2 + own**2
+
+    for passed in (0.0, 0.48, 0.5, 1.0):
+        npt.assert_allclose(ratio_var(stepped, passed), own**2 + 0.05**2, rtol=1e-6)
+        npt.assert_allclose(ratio_var(drifts, passed), own**2 + (0.05 * passed) ** 2, rtol=1e-6)
+    assert widths(follow(before, replace(STEP, significance=3.0))) == widths(before)
+
+
+def test_films_follow_the_course_by_the_share_of_their_frames_after_it():
+    """Triggers of frames 0 to 3; that of frames 1 and 2 lies on both sides of a step at 2."""
+    before = calibration_of()
+    size = len(before.full_covariance)
+    ratio = size - len(before.systematics.terms) + before.systematics.terms.index("ratio")
+    results = [make_result(frames, size) for frames in ((0,), (1, 2), (3,), ())]
+    stepped = follow_course(results, before, replace(STEP, frame=2), last=3)
+    drifts = follow_course(results, before, replace(STEP, frame=None), last=3)
+    for found, weights in ((stepped, (0.0, 0.5, 1.0, 0.0)), (drifts, (0.0, 0.5, 1.0, 0.0))):
+        for result, weight in zip(found, weights, strict=True):
+            gradient = result.statistics.mean_gradient
+            npt.assert_allclose(gradient[:-1], np.arange(size))
+            npt.assert_allclose(gradient[-1], weight * ratio)
+            npt.assert_allclose(result.position.gradient[:, -1], weight * ratio)
+    chance = replace(STEP, significance=3.0)
+    assert follow_course(results, before, chance, last=3) == results
+
+
+def make_result(frames, size):
+    """A trigger whose film changes by n um with parameter n."""
+    gradient = np.arange(size, dtype=float)
+    statistics = FilmStatistics(
+        *(5.0, 0.1, 0.1, gradient, 4.0, 0.1, 0.1, 0.1, gradient, np.zeros(2), 0.0)
+    )
+    numbers = [np.zeros(n) for n in (4, 2)]
+    rows = [(value, np.eye(len(value)), np.eye(len(value))) for value in numbers]
+    pin, form = ((*row, np.tile(gradient, (len(row[0]), 1))) for row in rows)
+    position = PinPosition(*pin, form=FittedNumbers(*form))
+    kept = tuple(FrameResult(frame, (0.0, 0.0), (0, 0)) for frame in frames)
+    return TriggerResult(statistics, kept, (), position)
 
 
 @pytest.mark.parametrize("scale", [0.5, 2.0])
