@@ -41,6 +41,7 @@ FAULTS: dict[str, dict[str, Any]] = {
     "3 %, with 16 frames of the dry joint": {"background": 0.03, "background_pages": 16},
     "dye 2 bleaches by 5 %, dye 1 by 2.5 %": {"bleaching": (per_pulse(0.025), per_pulse(0.05))},
     "oil 10 K warmer at the end": {"warming": 10.0},
+    "oil 10 K warmer, log and coefficients stated": {"warming": 10.0},
     "walls of fixture and joint reflect 30 %": {"wall": (0.3, 0.3)},
     "walls reflect 60 %": {"wall": (0.6, 0.6)},
     "wall of the joint 30 %, of the fixture 10 %": {"wall": (0.1, 0.3)},
@@ -53,8 +54,24 @@ FAULTS: dict[str, dict[str, Any]] = {
     "camera 2 bumped by 6 px at frame 25": {"bump": (25, 6.0, 0.0)},
 }
 
+STATED: dict[str, dict[str, str]] = {
+    "oil 10 K warmer, log and coefficients stated": {
+        "fixture/fixture.toml": '[fixture]\ntemperature = "25 degC"\n',
+        "run/run.toml": '[temperature]\ncamera1 = "-0.199 %/K"\ncamera2 = "-0.150 %/K"\n'
+        'std = "0.01 %/K"\n',
+    },
+}
+"""What a laboratory states of a fault, by file: a heading of its table and further lines."""
+
 DURING = ("bleaching", "warming", "gain_step", "bump")
 """Settings that act at the end of the run."""
+
+
+def state(file: Path, lines: str) -> None:
+    """Add lines to a settings file, below the heading in the first of them if it is there."""
+    text, heading = file.read_text(encoding="utf-8"), lines.partition("\n")[0]
+    whole = text.replace(heading, lines.rstrip(), 1) if heading in text else f"{text}\n{lines}"
+    file.write_text(whole, encoding="utf-8")
 
 
 def judge_fault(job: tuple[str, int]) -> str:
@@ -64,6 +81,8 @@ def judge_fault(job: tuple[str, int]) -> str:
     with tempfile.TemporaryDirectory() as scratch:
         out = Path(scratch) / "rig"
         simulate(out, seed=seed, rig=RigSettings(write_systematics=False, **changes))
+        for file, lines in STATED.get(name, {}).items():
+            state(out / file, lines)
         try:
             film = erlif.process(out / "run")
         except ErlifError as error:

@@ -228,6 +228,11 @@ CALIBRATION_ATTRIBUTES = (
     Attribute("ratio_direction", "camera2/camera1."),
     Attribute("fixture", "Name of the fixture."),
     Attribute("date", "Day the first frame was written, year-month-day."),
+    Attribute(
+        "temperature_degC",
+        "Temperature of the oil of the fixture. [degree_Celsius]",
+        "fixture.toml states it",
+    ),
     Attribute("input_hashes", "SHA-256 of every input by its relative name, as JSON."),
     Attribute("notes", "Findings about inputs and fit, one a line, warnings first."),
     Attribute("note_records", "The same with level and subject, as JSON."),

@@ -96,6 +96,8 @@ class Calibration:
         a, attenuation of the laser alone; None where the wall behind the film is black. [1/um]
     reflectance : float | None
         R, share of laser and emission that the wall behind the film returns; None likewise. [1]
+    temperature : float | None
+        Of the oil of the fixture; None where it is not known. [degree_Celsius]
     later : Calibration | None
         That of the fixture after the run, as `until` takes it; None where there is one fixture.
     passed : float
@@ -121,6 +123,7 @@ class Calibration:
     systematics: Systematics | None = field(default=None, repr=False)
     attenuation_laser: float | None = None
     reflectance: float | None = None
+    temperature: float | None = None
     later: Calibration | None = field(default=None, repr=False)
     passed: float = 0.0
 
@@ -393,6 +396,7 @@ class Calibration:
             "input_hashes": json.dumps(self.input_hashes, sort_keys=True),
             "profile_file": self.profile_file,
             "date": self.date,
+            **({} if self.temperature is None else {"temperature_degC": self.temperature}),
             **{
                 name: json.dumps(part.to_record())
                 for name, part in (("pose", self.pose), ("systematics", self.systematics))
@@ -439,6 +443,9 @@ class Calibration:
                 input_hashes=json.loads(attrs["input_hashes"]),
                 profile_file=str(attrs["profile_file"]),
                 date=str(attrs["date"]),
+                temperature=(
+                    float(attrs["temperature_degC"]) if "temperature_degC" in attrs else None
+                ),
                 departure=Departure.from_dataset(dataset),
                 pose=pose,
                 systematics=(

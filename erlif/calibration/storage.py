@@ -186,6 +186,8 @@ def record_calibration(calibration: Calibration) -> str:
     departure = calibration.departure
     if departure is not None:
         kept["departure"] = {name: each.tolist() for name, each in asdict(departure).items()}
+    if calibration.temperature is not None:
+        kept["temperature"] = calibration.temperature
     if calibration.systematics is not None:
         kept["systematics"] = calibration.systematics.to_record()
     if calibration.later is not None:
@@ -258,6 +260,7 @@ def _read_record(kept: dict[str, Any], settings: RunSettings) -> Calibration:
         fixture=str(kept["fixture"]),
         input_hashes=dict(kept["input_hashes"]),
         date=str(kept["date"]),
+        temperature=float(kept["temperature"]) if "temperature" in kept else None,
         departure=departure,
         systematics=(
             Systematics.from_record(kept["systematics"]) if "systematics" in kept else None

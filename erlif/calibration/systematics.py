@@ -206,6 +206,12 @@ class Systematics:
         cross[:, shares] = with_fit
         return replace(self, covariance=covariance, cross=cross)
 
+    def adding(self, term: str, covariance: Array) -> Systematics:
+        """The same with a further error of a term; covariance of its parameters. [1]"""
+        own, whole = self.places(term), self.covariance.copy()
+        whole[np.ix_(own, own)] += covariance
+        return replace(self, covariance=whole)
+
     def with_width(self, kind: str, width: float, *, term: str) -> Systematics:
         """The same with another standard deviation of one parameter of a term. [1]"""
         covariance = self.covariance.copy()

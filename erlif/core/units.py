@@ -45,7 +45,7 @@ _USUAL = {
 # A decimal number and a short unit; pint would compute arithmetic such as 2**99999999.
 _QUANTITY = re.compile(
     r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)"
-    r"\s*((?:1\s*/\s*)?[^\W\d](?:[\w ^/·()⁻-]|\*(?!\*)){0,40}|°C?|%)\s*\Z"
+    r"\s*((?:1\s*/\s*)?[^\W\d](?:[\w ^/·()⁻-]|\*(?!\*)){0,40}|°C?|%(?:\s?/\s?K)?)\s*\Z"
 )
 
 # What to write in place of a unit of mass where a force is expected.

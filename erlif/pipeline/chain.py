@@ -144,16 +144,16 @@ class FrameChain(PickledByFields):
         Difference of sharpness that is removed from the ratio.
     no_film_below : float
         Light relative to the surroundings below which both bands show a bubble. [1]
-    ratio_drift : float
-        Change of the logarithm of the ratio from frame to frame by bleaching dyes, which is taken
-        out; frame 0 stays as it is. [1]
+    ratio_change : Array | None
+        Change of the logarithm of the ratio by what is not film, (frame,), which is taken out; None
+        where nothing is. [1]
     """
 
     correct: FrameCorrection
     camera_map: CameraMap
     blur: BlurDifference = field(default_factory=BlurDifference)
     no_film_below: float = 0.25
-    ratio_drift: float = 0.0
+    ratio_change: Array | None = None
 
     @property
     def pairs(self) -> FramePairs:
@@ -164,6 +164,11 @@ class FrameChain(PickledByFields):
     def references(self) -> References:
         """Dark, flat, gain and read noise of both cameras."""
         return self.correct.references
+
+    def without(self, change: Array) -> FrameChain:
+        """The chain that takes out a change of the logarithm of the ratio as well, (frame,). [1]"""
+        before = 0.0 if self.ratio_change is None else self.ratio_change
+        return replace(self, ratio_change=before + change)
 
     def tabulated(self) -> FrameChain:
         """The chain with the tables alone, without the references from which they were made."""
@@ -212,10 +217,10 @@ class FrameChain(PickledByFields):
     def divide(self, aligned: AlignedFrames) -> RatioImages:
         """The ratio images of aligned frame pairs."""
         ratios = compute_ratio(aligned, no_film_below=self.no_film_below, blur=self.blur)
-        if self.ratio_drift:
+        if self.ratio_change is not None:
             # in single precision, as `_divide` does it for plain arrays
             for n, frame in enumerate(ratios.frame.values):
-                ratios.log_ratio.values[n] -= np.float32(self.ratio_drift * int(frame))
+                ratios.log_ratio.values[n] -= np.float32(self.ratio_change[int(frame)])
         return ratios
 
     def measure(self, frame: int, *, with_fixed: bool = True) -> PairRatio:
@@ -251,7 +256,7 @@ class FrameChain(PickledByFields):
     def _divide(
         self, frame: int, light: PairLight, drift: tuple[float, float], buffers: _Buffers
     ) -> PairRatio:
-        """The ratio of one frame pair with fresh dyes."""
+        """The ratio of one frame pair, with what is not film taken out."""
         ratio = measure_ratio(
             light,
             self.tables,
@@ -262,8 +267,8 @@ class FrameChain(PickledByFields):
             warped=buffers.warped,
             out=buffers.ratio,
         )
-        if self.ratio_drift:
-            ratio.log_ratio[:] -= np.float32(self.ratio_drift * frame)
+        if self.ratio_change is not None:
+            ratio.log_ratio[:] -= np.float32(self.ratio_change[frame])
         return ratio
 
     def _find_drift(self, light: PairLight) -> tuple[float, float]:

@@ -264,7 +264,9 @@ def complete_film(
     # the stored map is that of the mean over the run; drifts are stored about it
     camera_map = move_map(ready.chain.camera_map, drift)
     return film, {
-        "frames": describe_frames(run, cycle, results, drift).assign(prediction.frames),
+        "frames": describe_frames(run, cycle, results, drift, ready.chain.ratio_change).assign(
+            prediction.frames
+        ),
         "registration": describe_registration(camera_map, ready.chain.blur),
     }
 
@@ -449,7 +451,11 @@ def describe_exponents(
 
 
 def describe_frames(
-    run: Run, cycle: xr.Dataset, results: Sequence[TriggerResult], mean_drift: Array
+    run: Run,
+    cycle: xr.Dataset,
+    results: Sequence[TriggerResult],
+    mean_drift: Array,
+    ratio_change: Array | None = None,
 ) -> xr.Dataset:
     """The group of the film that holds what belongs to single frames.
 
@@ -461,6 +467,8 @@ def describe_frames(
     results : sequence of TriggerResult
     mean_drift : array, (2,)
         Part of the drifts (x, y) that the stored map has taken up. [px]
+    ratio_change : array, (frame,), optional
+        Change of the logarithm of the ratio that was taken out. [1]
 
     Returns
     -------
@@ -481,6 +489,8 @@ def describe_frames(
     logged: dict[str, Any] = {}
     if energies is not None:
         logged["pulse_energy_logged"] = FRAMES["pulse_energy_logged"].fill(energies)
+    if ratio_change is not None:
+        logged["ratio_change"] = FRAMES["ratio_change"].fill(ratio_change)
     names = [np.array([page.name for page in pages]) for pages in run.pairs.pages]
     group = xr.Dataset(
         {

@@ -126,6 +126,7 @@ def calibrate(
         calibration,
         input_hashes=hashes,
         date=_date_of(fixture.pairs),
+        temperature=settings.fixture.temperature,
         profile_file=os.path.relpath(
             fixture.directory / settings.fixture.profile, fixture.directory
         ),

@@ -28,6 +28,7 @@ from erlif.pipeline.physics.light import (
     measure_lights,
 )
 from erlif.pipeline.physics.systematics import add_systematics, update_systematics
+from erlif.pipeline.physics.temperature import read_warming, without_warming
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.prepare import prepare_chain
 from erlif.pipeline.recording.pulses import complete_energies, read_energies
@@ -144,9 +145,11 @@ def budget(
     calibration = find_calibration(run, calibration, allow_outside=allow_outside, progress=progress)
     check_bands(calibration, (settings.camera1.band, settings.camera2.band))
     known = FixtureMap.of(calibration, settings)
+    warmer = read_warming(run, calibration)
     prepared = prepare_chain(run, progress, stored=known.stored)
-    chain = complete_energies(prepared.chain, calibration)
-    calibration = add_systematics(calibration, settings, chain, prepared.sample)
+    chain = without_warming(prepared.chain, warmer, settings.temperature)
+    chain = complete_energies(chain, calibration)
+    calibration = add_systematics(calibration, settings, chain, prepared.sample, warmer=warmer)
     plane = ObjectPlane(settings, run.pairs.shape)
 
     # light that is not film needs the whole run, as the film had it

@@ -136,6 +136,13 @@ TemperatureDifference = Annotated[
 
 # a standard deviation as a share, kept in per cent
 Share = Annotated[float, *quantity("share", "1 %", "%", between=("0 %", "50 %"))]
+TemperatureCoefficient = Annotated[
+    float, *quantity("relative change with temperature", "-0.2 %/K", "%/K")
+]
+TemperatureCoefficientStd = Annotated[
+    float, *quantity("relative change with temperature", "0.02 %/K", "%/K", Ge(0))
+]
+TemperatureStd = Annotated[float, *quantity("temperature difference", "1 K", "delta_degC", Ge(0))]
 Start = Annotated[float | Literal["fit"], *quantity("time", "0.25 s", "s", words=("fit",))]
 StartFilm = Annotated[
     float | Literal["fit"], *quantity("length", "20 um", "m", words=("fit",), positive=True)
@@ -451,6 +458,27 @@ class SystematicsOptions(Settings):
         return {name: getattr(self, name) / 100 for name in type(self).model_fields}
 
 
+class TemperatureOptions(Settings):
+    """Light of both bands and the temperature of the oil, by which the ratio is corrected."""
+
+    camera1: TemperatureCoefficient | None = None
+    camera2: TemperatureCoefficient | None = None
+    std: TemperatureCoefficientStd | None = None
+    reading_std: TemperatureStd = 1.0
+
+    @property
+    def coefficient(self) -> float | None:
+        """Change of the logarithm of the ratio; None where none is stated. [1/K]"""
+        if self.camera1 is None or self.camera2 is None:
+            return None
+        return (self.camera2 - self.camera1) / 100
+
+    def faults(self) -> Iterator[str]:
+        given = [one is not None for one in (self.camera1, self.camera2, self.std)]
+        if any(given) and not all(given):
+            yield "give camera1, camera2 and std of the change with temperature together"
+
+
 class FixtureSystematics(Settings):
     """Errors of a fixture that its frames do not show, as standard deviations."""
 
@@ -512,6 +540,7 @@ class RunSettings(Settings):
     thickness: ThicknessOptions = ThicknessOptions()
     light: LightOptions = LightOptions()
     systematics: SystematicsOptions = SystematicsOptions()
+    temperature: TemperatureOptions = TemperatureOptions()
     reference: ReferenceSettings = ReferenceSettings()
     prediction: PredictionOptions = PredictionOptions()
 
@@ -553,6 +582,12 @@ class RunSettings(Settings):
                 "[light], or name one calibration"
             )
 
+        if len(self.calibrations) > 1 and self.temperature.coefficient is not None:
+            yield (
+                "the fixture after the run shows the temperature as well: remove [temperature], or "
+                "name one calibration"
+            )
+
         here = getattr(self.mechanism, "load", None)
         if here is not None and self.joint is not None and self.joint.load is not None:
             yield "give the load once, in [mechanism] or in [joint]"
@@ -572,6 +607,7 @@ class FixtureProfile(Settings):
     origin: tuple[float, float] = (0.0, 0.0)
     direction: Angle = 0.0
     align: bool = False
+    temperature: Temperature | None = None
 
 
 class FixtureSettings(Settings):

@@ -79,8 +79,10 @@ def name_largest_error(
     errors = film.film_mean_error.values[:, trigger]
     term = str(film.error_term.values[int(np.argmax(errors))])
     dry = term == "background" and has_dry_joint(settings)
-    what, cure = _TEXTS["terms"]["dry" if dry else term]
-    source = _source_of(term, "energy" if dry else term, settings, before, after)
+    followed = term == "temperature" and settings.temperature.coefficient is not None
+    what, cure = _TEXTS["terms"]["dry" if dry else "followed" if followed else term]
+    key = "energy" if dry else "" if followed else term
+    source = _source_of(term, key, settings, before, after)
     return str(
         _TEXTS["largest"].format(
             what=f"{what}, {source}" if source else what,

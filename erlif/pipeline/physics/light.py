@@ -399,7 +399,8 @@ def correct_light(
         chain = subtract(chain, findings.background)
         calibration = with_background(calibration, findings.background.error)
     if options.bleaching == "correct" and findings.bleaching is not None:
-        chain = replace(chain, ratio_drift=findings.bleaching.log_ratio)
+        frames = np.arange(len(chain.pairs.pages[0]), dtype=float)
+        chain = chain.without(findings.bleaching.log_ratio * frames)
     return chain, calibration
 
 

@@ -13,6 +13,7 @@ from erlif.core.arrays import Array
 from erlif.io.settings import LightOptions, RunSettings
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.results import TriggerResult
+from erlif.pipeline.physics.temperature import error_of_warming
 from erlif.pipeline.recording.sample import Bands, ratios_of
 from erlif.trend import BackgroundEstimate, Change, Trend
 
@@ -27,6 +28,8 @@ def add_systematics(
     settings: RunSettings,
     chain: FrameChain,
     sample: Sequence[Bands],
+    *,
+    warmer: Array | None = None,
 ) -> Calibration:
     """The calibration with the errors of a run beside those of its fixture.
 
@@ -39,6 +42,8 @@ def add_systematics(
     sample : sequence of tuple of AlignedFrames
         Parts of some frames of the run: the light of their median film is that to which a
         background is compared. Where frames of the dry joint are subtracted, none is left.
+    warmer : array, (frame,), optional
+        Temperature over that of the fixture, by which the ratio was corrected. [K]
 
     Returns
     -------
@@ -52,12 +57,10 @@ def add_systematics(
         light=_light_of_median(calibration, chain, sample),
     )
     if has_dry_joint(settings):
-        shares = found.places("background")
-        covariance = found.covariance.copy()
-        covariance[np.ix_(shares, shares)] += _error_of_dry_joint(
-            chain, sample, settings.systematics.shares["energy"]
-        )
-        found = replace(found, covariance=covariance)
+        energy_std = settings.systematics.shares["energy"]
+        found = found.adding("background", _error_of_dry_joint(chain, sample, energy_std))
+    if warmer is not None:
+        found = found.adding("temperature", error_of_warming(warmer, settings.temperature))
     return replace(alone, systematics=found)
 
 
@@ -69,9 +72,11 @@ def _less_certain(before: Calibration, after: Calibration) -> float:
 
 
 def _widths_of_run(calibration: Calibration, settings: RunSettings) -> dict[str, float]:
-    """Standard deviations of the settings, without what fixtures or a dry joint show. [1]"""
+    """Standard deviations of the settings, without what is measured. [1]"""
     shares, stated = settings.systematics.shares, settings.systematics.model_fields_set
     shown = {"background"} if has_dry_joint(settings) else set()
+    if settings.temperature.coefficient is not None:
+        shown.add("temperature")
     if calibration.later is None:
         del shares["course"]
     else:

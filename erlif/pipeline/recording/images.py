@@ -86,6 +86,7 @@ def restore_images(
         raise refusal("no_pair_of_trigger", trigger=trigger)
 
     chain = prepare_with_map(run, stored.camera_map, blur=stored.blur).chain
+    chain = replace(chain, ratio_change=stored.ratio_change)
     if chain.correct.energies is None:
         chain = replace(chain, correct=chain.correct.with_energies(stored.energies))
     return _combine(chain, stored, frames, trigger)
@@ -102,6 +103,7 @@ class _Stored:
     # (frame, axis x y): drift on top of the camera map; NaN where it is not known. [px]
     drift: Array
     energies: Array  # (frame,): pulse energy over the mean of the run. [1]
+    ratio_change: Array | None  # (frame,): what was taken out of the log ratio. [1]
     files: tuple[list[str], list[str]]  # file of each frame, camera 1 and camera 2
     x: xr.DataArray  # columns in the object plane. [mm]
     y: xr.DataArray  # rows in the object plane. [mm]
@@ -126,11 +128,21 @@ def _read_stored(film_path: Path, trigger: int) -> _Stored:
         drift = np.column_stack([frames.drift_x.values, frames.drift_y.values])
         files = [[str(name) for name in frames[f"file_camera{n}"].values] for n in (1, 2)]
         energies = np.nan_to_num(frames.pulse_energy.values, nan=1.0)
+        change = frames.ratio_change.values if "ratio_change" in frames else None
         trigger_of = frames.trigger.values.astype(np.int64)
 
     blur = BlurDifference(*map(float, difference), *map(float, std))
     return _Stored(
-        settings, camera_map, blur, trigger_of, drift, energies, (files[0], files[1]), x, y
+        settings,
+        camera_map,
+        blur,
+        trigger_of,
+        drift,
+        energies,
+        change,
+        (files[0], files[1]),
+        x,
+        y,
     )
 
 

@@ -19,6 +19,7 @@ from erlif.io.ingest import Fixture, Run
 from erlif.pipeline.chain import FrameChain, FrameCorrection
 from erlif.pipeline.physics.light import LightFindings, correct_light, find_light, measure_lights
 from erlif.pipeline.physics.systematics import add_systematics
+from erlif.pipeline.physics.temperature import read_warming, without_warming
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.cameras import characterise_cameras
 from erlif.pipeline.recording.noise import NoiseCompletion, complete_noise, find_unknowns
@@ -203,11 +204,12 @@ def prepare_run(
     refuse_stuck_cameras(run.pairs)
     options = run.settings.light
     correct = "correct" in (options.background, options.bleaching)
+    warmer = read_warming(run, calibration)
     prepared = prepare_chain(run, progress, stored=known.stored, tables_only=not correct)
-    chain = prepared.chain
+    chain = without_warming(prepared.chain, warmer, run.settings.temperature)
     misfit = judge_ratios(chain, calibration, prepared.sample, stored=known.nodes)
     chain = complete_energies(chain, calibration)
-    calibration = add_systematics(calibration, run.settings, chain, prepared.sample)
+    calibration = add_systematics(calibration, run.settings, chain, prepared.sample, warmer=warmer)
 
     # a background that is to be subtracted is found before the films are measured
     energies, findings, measuring = read_energies(run.log), LightFindings(), calibration

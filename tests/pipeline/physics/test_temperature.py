@@ -1,0 +1,145 @@
+"""An oil that warms during the run, and the changes of the light that a laboratory has measured."""
+
+import shutil
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+import erlif
+from conftest import Laboratory
+from erlif.io.settings import TemperatureOptions
+from erlif.pipeline import restore_images
+from erlif.pipeline.physics.temperature import error_of_warming
+from erlif.rig import RigSettings
+from erlif.rig.dyes import BANDS, band_signal
+
+WARMER = 10.0
+"""Last frame over the first, whose oil is that of the fixture. [K]"""
+
+RIG = RigSettings(
+    width=160,
+    height=128,
+    spacing=2.0,
+    fixture_frames=6,
+    bubbles=0,
+    film_reference=4.0,
+    warming=WARMER,
+)
+
+
+def change_of(band):
+    """Change of the light of a thin film behind a filter, as a fluorimeter measures it. [%/K]"""
+    thin = np.array([0.1])
+    glow = tuple(1 + each for each in RIG.glow_per_kelvin)
+    warm, cold = (float(band_signal(thin, band, glow=of)[0]) for of in (glow, (1.0, 1.0)))
+    return 100 * (warm / cold - 1)
+
+
+STATED = (
+    "\n[temperature]\n"
+    + "".join(f'camera{n} = "{change_of(band):.4f} %/K"\n' for n, band in enumerate(BANDS, 1))
+    + 'std = "0.01 %/K"\nreading_std = "0.5 K"\n'
+)
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory):
+    lab = Laboratory.simulated(tmp_path_factory.mktemp("warm"), seed=61, rig=RIG)
+    lab.edit("fixture/fixture.toml", ('name = "vir', 'temperature = "25 degC"\nname = "vir'))
+    erlif.save_calibration(
+        erlif.calibrate(lab.fixture), lab.fixture / "calibration.nc", overwrite=True
+    )
+    return lab
+
+
+@pytest.fixture(scope="module")
+def plain(lab):
+    return erlif.process(lab.run, workers=1)
+
+
+@pytest.fixture(scope="module")
+def corrected(lab):
+    return lab.process_copy("corrected", add=STATED)
+
+
+def last_films(film, lab):
+    """Median error over the true film [1] and stated standard deviation, last ten frames. [um]"""
+    inside, error = lab.errors(film, above=3, below=8)
+    inside[:-10] = False
+    relative = float(np.median(error[inside] / lab.truth.film.values[inside]))
+    return relative, float(np.median(error[inside])), film.thickness_std_shared.values[inside]
+
+
+def test_films_of_warm_oil_are_those_of_the_truth(lab, plain, corrected):
+    before, _, wide = last_films(plain, lab)
+    after, off, std = last_films(corrected, lab)
+    assert before > 0.02
+    assert abs(after) < 0.02
+    assert abs(off) < 2 * np.median(std)
+    assert np.median(std) < 0.7 * np.median(wide)
+
+
+def test_stated_error_is_that_of_coefficient_and_reading(lab, corrected):
+    """Of the last frame: 0.01 %/K of 10 K, and twice 0.5 K of 0.1 %/K of the ratio."""
+    coefficient = change_of(BANDS[1]) - change_of(BANDS[0])
+    expected = 0.01 * np.hypot(0.01 * WARMER, np.sqrt(2) * 0.5 * coefficient)
+    film = float(corrected.film_mean[-3])
+    slope = erlif.open_calibration(lab.fixture / "calibration.nc").slope(film)
+    found = corrected.film_mean_error.sel(error_term="temperature").values[-3]
+    assert found == pytest.approx(expected / float(slope), rel=0.1)
+
+
+def test_images_behind_a_map_have_its_ratio(lab, corrected, tmp_path):
+    """The ratio of a corrected film, inverted, is that film."""
+    output = tmp_path / "film.nc"
+    erlif.process(lab.directory / "corrected", output=output, workers=1).close()
+    last = corrected.sizes["trigger"] - 1
+    images = restore_images(output, lab.directory / "corrected", trigger=last)
+    calibration = erlif.open_calibration(lab.fixture / "calibration.nc")
+    film = calibration.inverse.look_up(images.log_ratio.values.astype(float))
+    valid = corrected["flags"].values[last] == 0
+    rounding = 0.11 * corrected.thickness_std.values[last][valid]
+    npt.assert_array_less(np.abs(film - corrected.thickness.values[last])[valid], rounding)
+
+
+def test_budget_has_the_error_of_the_film(lab, corrected):
+    trigger = corrected.sizes["trigger"] - 3
+    table = erlif.budget(lab.directory / "corrected", trigger=trigger)
+    found = float(table["std"].sel(term="temperature", quantity="mean film"))
+    expected = float(corrected.film_mean_error.sel(error_term="temperature")[trigger])
+    assert found == pytest.approx(expected, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("add", "message"),
+    [
+        (STATED, "no column temperature. Add it to the log"),
+        ('\n[temperature]\ncamera1 = "-0.2 %/K"\n', "camera1, camera2 and std"),
+        ('\n[temperature]\ncamera1 = "-0.2 K"\n', 'such as "5 %/K"'),
+    ],
+)
+def test_what_is_missing_is_named(lab, refused, add, message):
+    run = lab.copy_run(f"missing {len(add)}", add=add)
+    log = run / "encoder.csv"
+    rows = [row.split(",") for row in log.read_text(encoding="utf-8").splitlines()]
+    n = rows[0].index("temperature_C")
+    text = "\n".join(",".join(row[:n] + row[n + 1 :]) for row in rows) + "\n"
+    log.write_text(text, encoding="utf-8")
+    assert message in refused("process", run)
+
+
+def test_fixture_without_a_temperature_is_refused(small_rig, tmp_path, refused):
+    shutil.copytree(small_rig.directory, tmp_path / "lab")
+    run = Laboratory(tmp_path / "lab").copy_run("cold", add=STATED)
+    assert 'Add temperature = "23 degC" to [fixture]' in refused("process", run)
+
+
+def test_error_grows_with_the_temperature_of_the_run():
+    """A rise of 8 K from 2 K: the error of the coefficient is 2 K of it, then 10 K."""
+    options = TemperatureOptions(
+        camera1="-0.2 %/K", camera2="-0.1 %/K", std="0.02 %/K", reading_std="0 K"
+    )
+    covariance = error_of_warming(np.linspace(2.0, 10.0, 30), options)
+    assert np.sqrt(covariance[0, 0]) == pytest.approx(2 * 2e-4)
+    assert np.sqrt(covariance.sum()) == pytest.approx(10 * 2e-4)
