@@ -147,17 +147,14 @@ class Systematics:
             [kind.startswith(("rising", "stepped", "course")) for kind in self.kinds], bool
         )
 
-    @property
-    def _stepped(self) -> Mask:
-        """Parameters that act from a step on, (parameter,)."""
-        return np.array([kind.startswith("stepped") for kind in self.kinds], bool)
-
-    @property
-    def weight(self) -> Array:
-        """Factor of each parameter when `passed` of the run is over, (parameter,). [1]"""
-        between = 4 * self.passed * (1 - self.passed)
-        cases = [self.rising, self._stepped, self.varies]
-        return np.select(cases, [self.passed, float(self.passed >= self.start), between], 1.0)
+    def weight_at(self, passed: npt.ArrayLike) -> Array:
+        """Factors of the parameters when shares of the run have passed, (parameter, ...). [1]"""
+        share = np.asarray(passed, float)
+        shape = (-1, *[1] * share.ndim)
+        stepped = np.array([kind.startswith("stepped") for kind in self.kinds], bool)
+        cases = [each.reshape(shape) for each in (self.rising, stepped, self.varies)]
+        factors = [share, share >= self.start, 4 * share * (1 - share)]
+        return np.select(cases, factors, 1.0)
 
     def places(self, term: str) -> npt.NDArray[np.intp]:
         """Numbers of the parameters of a term; none where it is not among them."""
@@ -264,6 +261,7 @@ class Systematics:
         change: Array,
         *,
         illumination: Array | float = 1.0,
+        passed: Array | float | None = None,
     ) -> Array:
         """Derivatives of the logarithm of the ratio by the parameters, (parameter, ...).
 
@@ -279,11 +277,13 @@ class Systematics:
             Logarithm of the ratio of this film after the run less that before it. [1]
         illumination : array, optional
             Over that of the median light. [1]
+        passed : array, optional
+            Share of the run that has passed, with the axes of the films; default: the attribute.
 
         Returns
         -------
         array
-            By each parameter at its full size, times `weight`.
+            By each parameter at its full size, times its factor at that share.
         """
         h = np.asarray(thickness, float)
         one = illumination * model.light(np.maximum(h, _THINNEST)).signal
@@ -303,10 +303,21 @@ class Systematics:
         rows = np.empty((len(self.kinds), *h.shape))
         for n, kind in enumerate(self.kinds):
             rows[n] = acts[_act_of(kind)]
-        return np.asarray(rows * self.weight.reshape(-1, *[1] * h.ndim))
+        return self._weigh(rows, passed)
+
+    def _weigh(self, rows: Array, passed: Array | float | None) -> Array:
+        """Rows (parameter, ...) times the factors of the parameters."""
+        if passed is None:
+            passed = np.full([1] * (rows.ndim - 1), self.passed)
+        return np.asarray(rows * self.weight_at(passed))
 
     def light_gradient(
-        self, thickness: npt.ArrayLike, model: Reabsorption, *, illumination: Array | float = 1.0
+        self,
+        thickness: npt.ArrayLike,
+        model: Reabsorption,
+        *,
+        illumination: Array | float = 1.0,
+        passed: Array | float | None = None,
     ) -> Array:
         """Derivatives of the logarithm of the light of camera 1, (parameter, ...).
 
@@ -314,13 +325,13 @@ class Systematics:
 
         Parameters
         ----------
-        thickness, model, illumination
+        thickness, model, illumination, passed
             As for `gradient`.
 
         Returns
         -------
         array
-            By each parameter at its full size, times `weight`.
+            By each parameter at its full size, times its factor at that share.
         """
         h = np.maximum(np.asarray(thickness, float), _THINNEST)
         light = model.light(h)
@@ -334,7 +345,7 @@ class Systematics:
         rows = np.zeros((len(self.kinds), *h.shape))
         for n, kind in enumerate(self.kinds):
             rows[n] = acts.get(_act_of(kind), 0.0)
-        return np.asarray(rows * self.weight.reshape(-1, *[1] * h.ndim))
+        return self._weigh(rows, passed)
 
     def to_record(self) -> dict[str, Any]:
         """Fields for a file."""

@@ -154,6 +154,7 @@ def estimate_background(
     calibration: Calibration,
     *,
     energies: Array | None = None,
+    passed: Array | None = None,
 ) -> BackgroundEstimate | None:
     """Estimate the background of both cameras from light and films of a run.
 
@@ -167,6 +168,8 @@ def estimate_background(
     energies : array, (frame,), optional
         Relative pulse energies of the log. A frame with 0, a pulse that the meter missed, is left
         out; where these are most frames, the energies are not used. [1]
+    passed : array, (frame,), optional
+        Share of the run that has passed; default: all frames belong to its end. [1]
 
     Returns
     -------
@@ -198,6 +201,7 @@ def estimate_background(
         places,
         calibration,
         None if energies is None else np.asarray(energies, float)[used],
+        np.ones((used.sum(), 1)) if passed is None else np.asarray(passed, float)[used, None],
     )
     return fit.solve()
 
@@ -234,9 +238,10 @@ class _Fit:
         places: tuple[Array, Array],
         calibration: Calibration,
         energies: Array | None,
+        passed: Array,
     ) -> None:
         self.record, self.known, self.calibration = record, known, calibration
-        self.energies = energies
+        self.energies, self.passed = energies, passed
         self.fitted = replace(calibration, systematics=None)
         self.surface = _quadratic(places)
         light = np.where(known, record.light, 0.0)
@@ -384,9 +389,9 @@ class _Fit:
             return np.empty((0, *smooth.shape))
         bright = np.exp(illumination) * systematics.light[0] / self.unit[0]
         slope, change = calibration.slope(smooth), calibration.change(smooth)
-        model = calibration.model
-        of_ratio = systematics.gradient(smooth, model, slope, change, illumination=bright)
-        of_light = systematics.light_gradient(smooth, model, illumination=bright)
+        at = {"illumination": bright, "passed": self.passed}
+        of_ratio = systematics.gradient(smooth, calibration.model, slope, change, **at)
+        of_light = systematics.light_gradient(smooth, calibration.model, **at)
         return np.asarray(response * of_ratio - of_light)
 
     def _solve_linear(

@@ -94,7 +94,7 @@ class FilmCurve:
             return FilmCurve.of(calibration)
         if calibration is self.calibration or calibration.systematics is None:
             return self
-        weight = calibration.systematics.weight
+        weight = calibration.systematics.weight_at(passed)
         gradient = self.gradient.copy()
         gradient[len(gradient) - weight.size :] *= weight[:, None]
         return replace(self, calibration=calibration, gradient=gradient)

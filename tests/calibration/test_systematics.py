@@ -238,6 +238,22 @@ def test_course_between_two_fixtures_is_known_at_both_ends():
         npt.assert_allclose(run.at(passed).gradient(FILMS)[3], factor * change, atol=1e-15)
 
 
+def test_frames_of_a_run_have_the_errors_of_their_share():
+    """Two frames at 0.25 and 1 of the run, each with all films, are those of `at`."""
+    later = replace(CALIBRATION, ratio_at_zero=0.6, attenuation_camera2=0.24)
+    run = with_systematics(CALIBRATION, temperature=0.01, course=0.07, wall=0.02).until(later)
+    systematics, model = run.systematics, run.model
+    films, passed = np.stack([FILMS, FILMS]), np.array([[0.25], [1.0]])
+    found = systematics.gradient(
+        films, model, run.slope(films), run.change(films), passed=passed
+    ), systematics.light_gradient(films, model, passed=passed)
+    for n, share in enumerate(passed[:, 0]):
+        at = replace(systematics, passed=share)
+        one = at.gradient(FILMS, model, run.slope(FILMS), run.change(FILMS))
+        npt.assert_allclose(found[0][:, n], one, rtol=1e-12)
+        npt.assert_allclose(found[1][:, n], at.light_gradient(FILMS, model), rtol=1e-12)
+
+
 def test_light_agrees_with_films_that_are_wrong_by_a_share():
     """Light and ratio change as one with the size of the fixture and the absorption of the dyes."""
     extended = extend(size=0.01, bleaching=0.01)

@@ -121,6 +121,7 @@ def find_background(
         cell_places(),
         without_background(calibration),
         energies=None if energies is None else energies[frames],
+        passed=np.array(frames) / max(pairs - 1, 1),
     )
     return estimate if estimate is not None and estimate.determined else None
 

@@ -68,7 +68,7 @@ def _less_certain(before: Calibration, after: Calibration) -> float:
     """Error of a later curve beyond that of the earlier one, over the films of both. [1]"""
     films = np.linspace(*before.thickness_range, _FILMS)
     one, two = (replace(each, systematics=None).log_ratio_std(films) for each in (before, after))
-    return math.sqrt(max(float(np.mean(two**2 - one**2)), 0.0))
+    return math.sqrt(max(float((two**2 - one**2).mean()), 0.0))
 
 
 def _widths_of_run(calibration: Calibration, settings: RunSettings) -> dict[str, float]:
