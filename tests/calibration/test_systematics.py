@@ -244,9 +244,10 @@ def test_frames_of_a_run_have_the_errors_of_their_share():
     run = with_systematics(CALIBRATION, temperature=0.01, course=0.07, wall=0.02).until(later)
     systematics, model = run.systematics, run.model
     films, passed = np.stack([FILMS, FILMS]), np.array([[0.25], [1.0]])
-    found = systematics.gradient(
-        films, model, run.slope(films), run.change(films), passed=passed
-    ), systematics.light_gradient(films, model, passed=passed)
+    found = (
+        systematics.gradient(films, model, run.slope(films), run.change(films), passed=passed),
+        systematics.light_gradient(films, model, passed=passed),
+    )
     for n, share in enumerate(passed[:, 0]):
         at = replace(systematics, passed=share)
         one = at.gradient(FILMS, model, run.slope(FILMS), run.change(FILMS))
