@@ -46,6 +46,8 @@ FAULTS: dict[str, dict[str, Any]] = {
     "walls reflect 60 %": {"wall": (0.6, 0.6)},
     "wall of the joint 30 %, of the fixture 10 %": {"wall": (0.1, 0.3)},
     "wall of the joint alone reflects 5 %": {"wall": (0.0, 0.05)},
+    "wall of the joint 30 %, of the fixture 10 %, stated": {"wall": (0.1, 0.3)},
+    "wall of the joint alone reflects 5 %, stated": {"wall": (0.0, 0.05)},
     "camera 2 2 % brighter than at calibration": {"brightness": (1.0, 1.02)},
     "gain of camera 2 up by 5 % from frame 25 on": {"gain_step": (25, 1.05)},
     "camera 2 keeps 3 % of its last light": {"lag": (0.0, 0.03)},
@@ -60,6 +62,11 @@ STATED: dict[str, dict[str, str]] = {
         "run/run.toml": '[temperature]\ncamera1 = "-0.199 %/K"\ncamera2 = "-0.150 %/K"\n'
         'std = "0.01 %/K"\n',
     },
+    "wall of the joint 30 %, of the fixture 10 %, stated": {
+        "fixture/fixture.toml": '[optics]\nwall = "10 %"\n',
+        "run/run.toml": '[optics]\nwall = "30 %"\n',
+    },
+    "wall of the joint alone reflects 5 %, stated": {"run/run.toml": '[optics]\nwall = "5 %"\n'},
 }
 """What a laboratory states of a fault, by file: a heading of its table and further lines."""
 

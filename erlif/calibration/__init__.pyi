@@ -12,6 +12,7 @@ from .storage import (
     save_calibration,
 )
 from .systematics import TERMS, Systematics
+from .wall import change_wall
 
 __all__ = [
     "DIM_LIGHT",
@@ -25,6 +26,7 @@ __all__ = [
     "Reabsorption",
     "Systematics",
     "calibration_of",
+    "change_wall",
     "check_bands",
     "compare_calibrations",
     "fit_calibration",

@@ -70,6 +70,7 @@ def fit_calibration(
     fixture: str = "",
     position_std: float = 0.0,
     size_std: float = 0.0,
+    reflectance: float | None = None,
 ) -> Calibration:
     """Fit the reabsorption model to the fixture's ratio and its CMM profile.
 
@@ -103,6 +104,9 @@ def fit_calibration(
         [mm]
     size_std : float
         Standard deviation of the scale of the profile's thickness. [1]
+    reflectance : float, optional
+        Share of laser and emission that the wall behind the film returns; default: as the ratio
+        shows it. [1]
 
     Returns
     -------
@@ -157,7 +161,7 @@ def fit_calibration(
         steepness = float(np.median(np.abs(points.gradient[:, 0])))  # um/mm
         notes.append(_make_note("given_origin", shift=steepness * pixel_pitch))
 
-    fit = fit_robustly(points, freedom)
+    fit = fit_robustly(points, freedom, reflectance=reflectance)
     if refined_pose is not None:
         fit = add_uncertainty_of_turn(fit, points, freedom, refined_pose)
     settled = _settle_departure(points, fit, freedom)

@@ -8,6 +8,7 @@ with the parameters.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -43,6 +44,15 @@ LEAST_REFLECTANCE = 0.1
 # Parameters of the model before a black wall: K, p and q.
 BLACK = 3
 
+# Attenuation of the laser over that of camera 2 where the wall does not show it, and its error.
+LASER_SHARE, LASER_SHARE_STD = 0.8, 0.1
+
+# Reflectance from which on a fixture shows the attenuation of the laser better. [1]
+_SHOWS_LASER = 0.2
+
+# Standard deviation of a stated reflectance, whose error is the term `wall` of the systematics.
+EXACT = 1e-6
+
 _MOST_REFLECTANCE = 0.999  # a fit that ends at the bound of 1 follows something else
 _PASSES = 6  # without outliers; the set of kept points is stable after two or three
 _FIRST_STD = 0.1  # um: error of the CMM assumed in the first pass where none is stated
@@ -57,7 +67,7 @@ _BENDS = 6  # degree of the smooth curve through the residuals
 _REFLECTANCES = (0.5, 0.1)  # starting points of R
 _WALL_ITERATIONS = 60  # with the two parameters of a wall; a good start settles in 30
 _AS_NOISE = 1.3  # reduced chi-square of a fit that leaves noise alone
-_LASER_SHARE = 0.75  # of the attenuation of camera 2, to start from
+_FIRST_LASER_SHARE = 0.75  # of the attenuation of camera 2, to start from
 _LEAST_LASER_SHARE = 0.4  # the dyes absorb the laser at least about as much as their own light
 
 
@@ -160,7 +170,7 @@ class Fit(Reabsorption):
         return self.chi_square / max(int(self.kept.sum()) - len(self.covariance), 1)
 
 
-def fit_robustly(points: Points, freedom: Freedom) -> Fit:
+def fit_robustly(points: Points, freedom: Freedom, *, reflectance: float | None = None) -> Fit:
     """Fit the model by orthogonal distance regression, repeated without outliers.
 
     The wall behind the film is black, or reflects where the Bayesian criterion is lower by 10 with
@@ -173,11 +183,17 @@ def fit_robustly(points: Points, freedom: Freedom) -> Fit:
         the scatter about the curve.
     freedom : Freedom
         Changes of the pose to fit with the model.
+    reflectance : float, optional
+        Stated share of the light that the wall returns; default: as the points show it. The
+        attenuation of the laser is then fitted from a reflectance of 20 % on; below, it is 0.8 ±
+        0.1 of that in the band of camera 2. [1]
 
     Returns
     -------
     Fit
     """
+    if reflectance is not None:
+        return _drop_outliers(points, freedom, reflects=reflectance > 0, reflectance=reflectance)
     fit = _drop_outliers(points, freedom, reflects=False)
     if not _is_bent(points, fit, freedom):
         return fit
@@ -209,13 +225,17 @@ def _is_bent(points: Points, fit: Fit, freedom: Freedom) -> bool:
     return any(gain(of) > needed for of in (fit.kept, np.ones_like(fit.kept)))
 
 
-def _drop_outliers(points: Points, freedom: Freedom, *, reflects: bool) -> Fit:
+def _drop_outliers(
+    points: Points, freedom: Freedom, *, reflects: bool, reflectance: float | None = None
+) -> Fit:
     """The fit of one form of the model without its outliers."""
     kept = np.ones(points.thickness.size, bool)
     unknown = not points.has_error_bars
     thickness_std = np.full(kept.size, _FIRST_STD) if unknown else points.thickness_std
     for _ in range(_PASSES):
-        fit = _fit_once(points, thickness_std, kept, freedom, reflects=reflects)
+        fit = _fit_once(
+            points, thickness_std, kept, freedom, reflects=reflects, reflectance=reflectance
+        )
         film = points.thickness + freedom.displacement @ fit.displacement
         slope = np.abs(fit.slope(points.thickness))
         residual = points.log_ratio - fit.predict(film)
@@ -235,10 +255,17 @@ def _drop_outliers(points: Points, freedom: Freedom, *, reflects: bool) -> Fit:
 
 
 def _fit_once(
-    points: Points, thickness_std: Array, kept: Mask, freedom: Freedom, *, reflects: bool
+    points: Points,
+    thickness_std: Array,
+    kept: Mask,
+    freedom: Freedom,
+    *,
+    reflects: bool,
+    reflectance: float | None = None,
 ) -> Fit:
     """One regression over the kept points, with the covariance of its parameters."""
-    solution = _regress(points, thickness_std, kept, freedom, reflects=reflects)
+    stated = _stated(reflectance) if reflects else {}
+    solution = _regress(points, thickness_std, kept, freedom, reflects=reflects, stated=stated)
     displacement = freedom.displacement[kept]
     beta, shift = solution.beta, np.array(solution.beta[len(solution.beta) - freedom.size :])
     moved = displacement @ shift
@@ -261,13 +288,40 @@ def _fit_once(
     design /= np.hypot(points.log_ratio_std[kept], slope * thickness_std[kept])[:, None]
     # of a wall that hardly reflects, the attenuation of the laser is not determined
     invert = np.linalg.pinv if reflects else np.linalg.inv
-    return replace(fit, covariance=np.asarray(invert(design.T @ design)))
+    if not stated:
+        return replace(fit, covariance=np.asarray(invert(design.T @ design)))
+
+    # what is not fitted moves the others by its error
+    curvature = design.T @ design
+    free = np.delete(np.arange(len(curvature)), list(stated))
+    fitted = np.zeros_like(curvature)
+    fitted[np.ix_(free, free)] = invert(curvature[np.ix_(free, free)])
+    covariance, scale = fitted.copy(), {BLACK: fit.parameters[2], BLACK + 1: 1.0}  # a over q
+    for n, (_, std) in stated.items():
+        response = -fitted @ curvature[n]
+        response[n] = 1.0
+        covariance += np.outer(response, response) * (std * scale[n]) ** 2
+    return replace(fit, covariance=covariance)
+
+
+def _stated(reflectance: float | None) -> dict[int, tuple[float, float]]:
+    """Value and standard deviation of the searched parameters that are not fitted, by number."""
+    if reflectance is None:
+        return {}
+    wall = {BLACK + 1: (reflectance, EXACT)}
+    return wall if reflectance >= _SHOWS_LASER else {BLACK: (LASER_SHARE, LASER_SHARE_STD), **wall}
 
 
 def _regress(
-    points: Points, thickness_std: Array, kept: Mask, freedom: Freedom, *, reflects: bool
+    points: Points,
+    thickness_std: Array,
+    kept: Mask,
+    freedom: Freedom,
+    *,
+    reflects: bool,
+    stated: Mapping[int, tuple[float, float]],
 ) -> OdrResult:
-    """The best of the regressions from several starting points.
+    """The best of the regressions from several starting points, without what is `stated`.
 
     Its parameters are ln K, ln(p - q) and ln q, so that all are positive and p exceeds q, before a
     reflecting wall a/q and R, then the displacement.
@@ -287,8 +341,11 @@ def _regress(
     if reflects:
         # the laser is attenuated less than laser and band together
         low, high = np.append(low, [_LEAST_LASER_SHARE, 0.0]), np.append(high, [1.0, 1.0])
-        starts = [[*start, _LASER_SHARE, R] for R in _REFLECTANCES for start in starts[1:]]
+        starts = [[*start, _FIRST_LASER_SHARE, R] for R in _REFLECTANCES for start in starts[1:]]
     low, high = np.append(low, -reach), np.append(high, reach)
+    for n, (value, _) in stated.items():
+        starts = [[*start[:n], value, *start[n + 1 :]] for start in starts]
+    fixed = np.isin(np.arange(len(low)), list(stated)) if stated else None
 
     trials: list[OdrResult] = []
     for start in starts:
@@ -300,6 +357,7 @@ def _regress(
             weight_x=thickness_std[kept] ** -2.0,
             weight_y=points.log_ratio_std[kept] ** -2.0,
             bounds=(low, high),
+            fix_beta=fixed,
             maxit=_WALL_ITERATIONS if reflects else _ITERATIONS,
         )
         trials.append(trial)

@@ -31,7 +31,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from erlif.calibration.regression import Reabsorption
+from erlif.calibration.regression import LASER_SHARE, Reabsorption
 from erlif.core.arrays import Array, Mask
 
 # Parameters of each term. What is "rising" grows from nothing at the first frame of the run.
@@ -55,7 +55,6 @@ ALIKE = 0.9
 
 _THINNEST = 0.01  # um: film below which the light is not extrapolated
 _LEVEL = 0.4  # median light of a run, of full scale
-_BLACK_LASER = 0.8  # attenuation of the laser over that of camera 2 where the wall was black
 
 
 @dataclass(frozen=True)
@@ -402,4 +401,4 @@ def _with_wall(model: Reabsorption) -> Reabsorption:
     if model.reflects:
         return model
     K, p, q = model.parameters
-    return Reabsorption(np.array([K, p, q, _BLACK_LASER * q, 0.0]))
+    return Reabsorption(np.array([K, p, q, LASER_SHARE * q, 0.0]))

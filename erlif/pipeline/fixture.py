@@ -11,6 +11,7 @@ from pathlib import Path
 
 from erlif.calibration import (
     Calibration,
+    change_wall,
     fit_calibration,
     open_calibration,
     read_profile,
@@ -112,6 +113,7 @@ def calibrate(
             fixture=settings.name,
             position_std=(pitch if position is None else 1e3 * position),
             size_std=settings.systematics.size / 100,
+            reflectance=settings.optics.reflectance,
         )
 
     _logger.info(
@@ -186,17 +188,24 @@ def find_calibration(
         If there is none.
     """
     if isinstance(given, Calibration):
-        return given
+        return before_wall_of(run, given)
     if given is not None:
-        return open_calibration(given)
+        return before_wall_of(run, open_calibration(given))
     if not run.settings.calibrations:
         raise refusal("no_calibration")
 
+    names = [run.directory / name for name in run.settings.calibrations]
     first, *others = (
-        _open_or_make(run.directory / name, allow_outside=allow_outside, progress=progress)
-        for name in run.settings.calibrations
+        before_wall_of(run, _open_or_make(path, allow_outside=allow_outside, progress=progress))
+        for path in names
     )
     return first.until(others[0]) if others else first
+
+
+def before_wall_of(run: Run, calibration: Calibration) -> Calibration:
+    """The calibration for the wall of a run, where its settings state what it reflects."""
+    reflectance = run.settings.optics.reflectance
+    return calibration if reflectance is None else change_wall(calibration, reflectance)
 
 
 def _open_or_make(path: Path, *, allow_outside: bool, progress: Progress) -> Calibration:

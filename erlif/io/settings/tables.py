@@ -143,6 +143,7 @@ TemperatureCoefficientStd = Annotated[
     float, *quantity("relative change with temperature", "0.02 %/K", "%/K", Ge(0))
 ]
 TemperatureStd = Annotated[float, *quantity("temperature difference", "1 K", "delta_degC", Ge(0))]
+Reflectance = Annotated[float, *quantity("share", "30 %", "%", between=("0 %", "100 %"))]
 Start = Annotated[float | Literal["fit"], *quantity("time", "0.25 s", "s", words=("fit",))]
 StartFilm = Annotated[
     float | Literal["fit"], *quantity("length", "20 um", "m", words=("fit",), positive=True)
@@ -244,10 +245,16 @@ class CameraSettings(Settings):
 
 
 class OpticsSettings(Settings):
-    """Scale and direction of the image of camera 1 in the object plane."""
+    """Scale and direction of the image of camera 1 in the object plane, and the wall there."""
 
     pixel_pitch: PixelPitch
     x_axis: Literal["sliding", "axial"] = "sliding"
+    wall: Reflectance | None = None
+
+    @property
+    def reflectance(self) -> float | None:
+        """Share of the light that the wall behind the film returns; None where not stated. [1]"""
+        return None if self.wall is None else self.wall / 100
 
 
 # units of a log; the first of a quantity is that of films

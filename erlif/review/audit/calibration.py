@@ -12,6 +12,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
 from erlif.core.notes import Note, note_writer
 from erlif.io.ingest import Run, hash_inputs, open_fixture
+from erlif.pipeline.fixture import before_wall_of
 from erlif.pipeline.recording.swap import judge_ratios
 from erlif.registration import MapNodes
 from erlif.review.audit.cameras import CameraSurvey
@@ -48,7 +49,7 @@ def _note_one(run: Run, cameras: CameraSurvey, name: str, *, allow_outside: bool
         yield _note("not_made" if has_fixture else "absent", name=name)
         return
 
-    calibration = open_calibration(path)
+    calibration = before_wall_of(run, open_calibration(path))
     check_bands(calibration, (settings.camera1.band, settings.camera2.band))
     own_map = calibration.camera_map
     yield from judge_ratios(
