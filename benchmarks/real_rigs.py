@@ -53,6 +53,12 @@ FAULTS: dict[str, dict[str, Any]] = {
     "camera 2 keeps 3 % of its last light": {"lag": (0.0, 0.03)},
     "camera 2 loses 5 % at full scale": {"compression": (0.0, 0.05)},
     "dark of camera 2 up by 20 DN": {"dark_drift": (0.0, 20.0)},
+    "the same, with dark corners and glare of 0.3 %": {
+        "dark_drift": (0.0, 20.0),
+        "iris": 0.9,
+        "glare": 0.003,
+    },
+    "dark of camera 2 up by 20 DN from frame 25 on": {"dark_step": (25, 20.0), "iris": 0.9},
     "camera 2 bumped by 6 px at frame 25": {"bump": (25, 6.0, 0.0)},
 }
 
@@ -70,7 +76,7 @@ STATED: dict[str, dict[str, str]] = {
 }
 """What a laboratory states of a fault, by file: a heading of its table and further lines."""
 
-DURING = ("bleaching", "warming", "gain_step", "bump")
+DURING = ("bleaching", "warming", "gain_step", "dark_step", "bump")
 """Settings that act at the end of the run."""
 
 

@@ -20,6 +20,7 @@ from .references import (
     make_references,
 )
 from .saturation import count_pixels, find_pile_up
+from .unlit import UnlitPixels, find_unlit
 
 __all__ = [
     "CHARACTERISTICS",
@@ -36,11 +37,13 @@ __all__ = [
     "PageStack",
     "PairLight",
     "PhotonTransfer",
+    "UnlitPixels",
     "correct_frames",
     "count_pixels",
     "declare_darks",
     "find_pile_up",
     "find_reference_faults",
+    "find_unlit",
     "fit_photon_transfer",
     "gather_light",
     "make_flat_field",

@@ -10,6 +10,7 @@ from erlif.correction.darks import Background, Darks, declare_darks, reduce_back
 from erlif.correction.flats import reduce_flats, sum_light
 from erlif.correction.photon_transfer import LightLevel, reduce_level
 from erlif.correction.saturation import Histogram
+from erlif.correction.unlit import UnlitPixels
 from erlif.correction.view import FrameView
 
 # Share of the saturation below which a pixel of a flat is linear.
@@ -39,6 +40,8 @@ class CameraMeasurement:
         Flat pages of each light level.
     view : FrameView | None
         Mean of the frames with which darks and flats are compared; None where there are none.
+    unlit : UnlitPixels | None
+        Pixels that no light reaches in these frames; None where there are none.
     """
 
     darks: Darks
@@ -50,6 +53,7 @@ class CameraMeasurement:
     background: Background | None = None
     level_pages: tuple[int, ...] = ()
     view: FrameView | None = None
+    unlit: UnlitPixels | None = None
 
     @property
     def has_flat(self) -> bool:

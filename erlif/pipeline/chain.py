@@ -19,7 +19,7 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.pickling import PickledByFields
 from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, References
-from erlif.correction import CameraTables, NoiseTables, PairLight, gather_light
+from erlif.correction import CameraTables, NoiseTables, PairLight, UnlitPixels, gather_light
 from erlif.correction.light import measure_light, tabulate
 from erlif.io.ingest import FramePairs, read_pair
 from erlif.pipeline.passes.drift import PairDrift
@@ -45,12 +45,15 @@ class FrameCorrection(PickledByFields):
     energies : Array | None
         Pulse energy of each frame over the mean of the run, (frame,); it scales a background. None:
         not known, the mean is taken. [1]
+    unlit : tuple of UnlitPixels or None
+        Pixels of each camera that no light reaches, (camera,); None where there are none.
     """
 
     pairs: FramePairs
     references: References
     least_signal: float = 100.0
     energies: Array | None = None
+    unlit: tuple[UnlitPixels | None, ...] = (None, None)
 
     @cached_property
     def tables(self) -> tuple[CameraTables, CameraTables]:
@@ -87,6 +90,14 @@ class FrameCorrection(PickledByFields):
     ) -> PairLight:
         """Light of one frame pair whose counts were read."""
         return measure_light(counts, self.tables, out=out, energy=self.energy(frame))
+
+    def read_dark(self, counts: Sequence[AnyArray]) -> tuple[tuple[float, float], ...]:
+        """Mean and variance of the unlit pixels of each camera, as `UnlitPixels.read`, or NaN."""
+        nothing = (float("nan"), float("nan"))
+        return tuple(
+            nothing if unlit is None else unlit.read(image)
+            for unlit, image in zip(self.unlit, counts, strict=True)
+        )
 
     def energy(self, frame: int) -> float:
         """Energy of a pulse over the mean of the run; 1 where it is not known."""
@@ -239,9 +250,10 @@ class FrameChain(PickledByFields):
     def _measure(self, frame: int, buffers: _Buffers) -> PairRatio:
         counts, digests = read_pair(self.pairs, frame, digests=True)
         light = self.correct.measure(frame, counts, out=buffers.light)
+        dark = self.correct.read_dark(counts)
         del counts  # 5 MB a pair and thread, while the ratio is made
         ratio = self._divide(frame, light, self._find_drift(light), buffers)
-        return replace(ratio, digests=digests)
+        return replace(ratio, digests=digests, dark=dark)
 
     def restore(self, frame: int, drift: tuple[float, float]) -> tuple[PairRatio, Array]:
         """The ratio of one frame pair whose drift (x, y) [px] is known, and its light.

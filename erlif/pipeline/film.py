@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -31,6 +32,7 @@ from erlif.pipeline.engines.results import (
     mean_drift,
     share_passed,
 )
+from erlif.pipeline.physics.dark import describe_dark_levels, find_dark_levels
 from erlif.pipeline.physics.errors import describe_errors, name_largest_error
 from erlif.pipeline.physics.fit import state_physics
 from erlif.pipeline.physics.joint import describe_joint, missing_load
@@ -219,12 +221,15 @@ def complete_film(
     ]
 
     # light that is not film, as the finished frames show it
-    remaining = find_light(
-        kept_lights(frames, run.pairs), ready.measuring, cycle.trigger.values, ready.energies
-    )
+    lights, correct = kept_lights(frames, run.pairs), ready.chain.correct
+    remaining = find_light(lights, ready.measuring, cycle.trigger.values, ready.energies)
+    darks = find_dark_levels(lights, correct.unlit, correct.references.gain.values)
     findings = ready.light.complete(remaining, options)
     last = cycle.sizes["frame"] - 1
     light, notes_on_light = describe_light(findings, results, run, ready.measuring)
+    films = np.array([one.statistics.mean for one in results])
+    median = float(np.median(films[np.isfinite(films)])) if np.isfinite(films).any() else math.nan
+    notes += describe_dark_levels(darks, ready.measuring, median)
     measured_with = update_systematics(
         ready.measuring,
         findings.background,
@@ -232,6 +237,7 @@ def complete_film(
         options,
         pulses=len(run.pairs.usable),
         course=findings.course,
+        darks=darks,
         last=last,
     )
     results = follow_course(results, ready.measuring, findings.course, last=last)

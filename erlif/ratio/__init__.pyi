@@ -4,13 +4,14 @@ from .camera_noise import NoiseEstimate, NoiseView, estimate_camera_noise
 from .cells import NO_CELLS, LightCells, cell_places, sample_cells
 from .log_ratio import compute_ratio
 from .noise_fit import NoiseUnknowns
-from .pair import PairRatio
+from .pair import NO_DARK, PairRatio
 from .pulses import NO_PULSE, PulseFault, PulseSample, find_pulse_faults, sample_pulse
 from .sharpness import BlurDifference, BlurMoments
 from .smoothing import smooth_ratio
 
 __all__ = [
     "NO_CELLS",
+    "NO_DARK",
     "NO_PULSE",
     "BlurDifference",
     "BlurMoments",

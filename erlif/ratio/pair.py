@@ -20,6 +20,9 @@ _IMAGES = {
     "log_ratio_var_shared": "variance_shared",
 }
 
+# Stands for cameras all of whose pixels are lit.
+NO_DARK = ((float("nan"), float("nan")),) * 2
+
 
 @dataclass(frozen=True)
 class PairRatio:
@@ -48,6 +51,9 @@ class PairRatio:
         Highest counts of camera 1 and camera 2. [DN]
     digests : tuple[str, str]
         SHA-256 of the files, hexadecimal; empty where it is not known.
+    dark : tuple[tuple[float, float], ...]
+        Mean [DN] and variance [DN2] of the pixels of each camera that no light reaches, dark
+        subtracted, (camera, 2); NaN without such pixels.
     spare : tuple[Image, ...]
         Three images of the same shape whose content is not needed any more; `measure_film` fills
         them. They may be log_ratio, variance and variance_shared.
@@ -63,6 +69,7 @@ class PairRatio:
     drift: tuple[float, float] = (0.0, 0.0)
     peaks: tuple[int, int] = (0, 0)
     digests: tuple[str, str] = ("", "")
+    dark: tuple[tuple[float, float], ...] = NO_DARK
     spare: tuple[Image, ...] = ()
 
     @property

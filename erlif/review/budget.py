@@ -21,6 +21,7 @@ from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.film import group_frames
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.physics.clock import fit_start
+from erlif.pipeline.physics.dark import find_dark_levels
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.physics.light import (
     correct_light,
@@ -165,6 +166,7 @@ def budget(
         options,
         pulses=len(run.pairs.usable),
         course=findings.course,
+        darks=find_dark_levels(lights, chain.correct.unlit, chain.references.gain.values),
         last=last,
     ).at(float(np.mean(frames)) / last)
 

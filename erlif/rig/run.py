@@ -174,12 +174,13 @@ def age(setup: Setup, pulse: int, pulses: int) -> Setup:
     )
     if oil != Oil(reflectance=rig.wall[0]):
         setup = dataclasses.replace(setup, signals=_signals(rig.dyes, oil))
-    start, factor = rig.gain_step
-    if factor == 1 or pulse < start:
-        return setup
     first, second = setup.cameras
-    brighter = dataclasses.replace(second, sensitivity=factor * second.sensitivity)
-    return dataclasses.replace(setup, cameras=(first, brighter))
+    (start, factor), (since, rise) = rig.gain_step, rig.dark_step
+    if factor != 1 and pulse >= start:
+        second = dataclasses.replace(second, sensitivity=factor * second.sensitivity)
+    if rise != 0 and pulse >= since:
+        second = dataclasses.replace(second, dark_level=second.dark_level + rise)
+    return dataclasses.replace(setup, cameras=(first, second))
 
 
 # a joint whose wall differs from the fixture's has one oil in all its frames

@@ -17,10 +17,17 @@ _TABLE = 4096  # steps of the squared distance in a table of the Gaussian, good 
 
 
 def beam(x: Array, y: Array, rig: RigSettings) -> Array:
-    """Gaussian beam: 1 on its axis beside the middle, `beam_corner` half a diagonal away."""
+    """Gaussian beam: 1 on its axis beside the middle, `beam_corner` half a diagonal away.
+
+    An iris about the middle of the field cuts it.
+    """
     from_axis_x = x - rig.centre[0] - _BEAM_AXIS[0] * rig.width
     from_axis_y = y - rig.centre[1] - _BEAM_AXIS[1] * rig.height
-    return np.asarray(rig.beam_corner ** ((from_axis_x**2 + from_axis_y**2) / rig.half_diagonal**2))
+    light = rig.beam_corner ** ((from_axis_x**2 + from_axis_y**2) / rig.half_diagonal**2)
+    if rig.iris == 0:
+        return np.asarray(light)
+    distance = np.hypot(x - rig.centre[0], y - rig.centre[1])
+    return np.where(distance < rig.iris * rig.half_diagonal, light, 0.0)
 
 
 @dataclass(frozen=True)

@@ -159,6 +159,10 @@ class RigSettings:
         Dyes, laser and filters in place of the invented dyes at 532, 580 and 610 nm.
     beam_corner : float
         Brightness of the laser beam at the corners of the field, relative to its axis.
+    iris : float
+        Radius of the iris that cuts the laser beam, over half the diagonal of the field; 0: none.
+    glare : float
+        Light that each lens scatters evenly over its picture, of the mean light of the frame.
     pulse_jitter : float
         Relative standard deviation of the pulse energy.
     speckle_fixed : float
@@ -222,6 +226,8 @@ class RigSettings:
         Share of the light that each camera loses at full scale in the run.
     dark_drift : tuple[float, float]
         Dark level of each camera in the run over that of its dark pages. [DN]
+    dark_step : tuple[float, float]
+        Frame from which on the dark level of camera 2 is higher, and by how much. [DN]
     write_systematics : bool
         Write into run.toml and fixture.toml which of these the rig does not have.
     reference : float
@@ -311,6 +317,8 @@ class RigSettings:
     light: float = 1.0
     dyes: DyeSpectra | None = None
     beam_corner: float = 0.5
+    iris: float = 0.0
+    glare: float = 0.0
     pulse_jitter: float = 0.03
     speckle_fixed: float = 0.08
     speckle_new: float = 0.08
@@ -349,6 +357,7 @@ class RigSettings:
     lag: tuple[float, float] = (0.0, 0.0)
     compression: tuple[float, float] = (0.0, 0.0)
     dark_drift: tuple[float, float] = (0.0, 0.0)
+    dark_step: tuple[float, float] = (0.0, 0.0)
     write_systematics: bool = True
 
     # from camera 1 to camera 2
@@ -378,7 +387,15 @@ class RigSettings:
             return []
         found = {
             "ratio": self.brightness != (1, 1) or self.gain_step[1] != 1,
-            "background": any((self.background, self.background_beam, *self.dark_drift)),
+            "background": any(
+                (
+                    self.background,
+                    self.background_beam,
+                    self.glare,
+                    *self.dark_drift,
+                    self.dark_step[1],
+                )
+            ),
             **({"energy": self.background_energy != 1} if self.background_pages else {}),
             "bleaching": any(self.bleaching),
             "temperature": self.warming != 0,

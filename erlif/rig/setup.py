@@ -158,6 +158,7 @@ def photograph(
         pattern = speckle(x, y, shot.grains, size=rig.speckle_size, blur=rig.blur[number - 1])
         of_film = np.maximum(pattern, 0) * setup.light(number, film, x, y)
         light = shot.energy * of_film + shot.energy * setup.background(number, x, y)
+        light = light + rig.glare * light.mean() if rig.glare else light
         if last is not None:
             before, last[number - 1] = last[number - 1], light
             light = light if before is None else light + rig.lag[number - 1] * before

@@ -1,4 +1,6 @@
-"""A run whose camera 2 grows brighter and is bumped, from frames to film."""
+"""Runs whose camera 2 grows brighter and is bumped, or has another dark, from frames to film."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,6 +18,9 @@ RIG = RigSettings(
     bump=(25, 6.0, 0.0),
 )
 """Forty frames of one cycle."""
+
+DARK = replace(RIG, gain_step=(0, 1.0), bump=(0, 0.0, 0.0), dark_drift=(0.0, 40.0), iris=0.9)
+"""A dark of camera 2 that is 40 DN above its dark frames, and corners without light."""
 
 
 @pytest.fixture(scope="module")
@@ -52,3 +57,30 @@ def test_error_of_the_mean_film_holds_the_step(lab, film):
     assert np.median(mean[known]) > 0.5  # um
     assert np.mean(pull < 2) > 0.9
     assert "scale of the ratio" in film.attrs["largest_error"]
+
+
+@pytest.fixture(scope="module")
+def dark_lab(tmp_path_factory):
+    return Laboratory.simulated(tmp_path_factory.mktemp("dark"), seed=42, rig=DARK)
+
+
+@pytest.fixture(scope="module")
+def dark_film(dark_lab):
+    exact = ("[systematics]", '[systematics]\nbackground = "0 %"')
+    return dark_lab.process_copy("exact", exact)
+
+
+def test_wrong_dark_is_named_before_everything_else_that_it_causes(dark_film):
+    warnings = [line for line in dark_film.attrs["notes"].splitlines() if "warning" in line]
+    assert "camera2: pixels that no light reaches read +4" in warnings[0]
+    level = float(warnings[0].split("read ")[1].split(" ±")[0])
+    assert level == pytest.approx(40, abs=1)
+
+
+def test_error_of_the_mean_film_holds_the_wrong_dark(dark_lab, dark_film):
+    error = (dark_film.thickness - dark_lab.truth.film.values).where(dark_film.thickness > 0)
+    mean, std = error.mean(("y", "x")).values, dark_film.film_mean_std.values
+    known = np.isfinite(std) & np.isfinite(mean)
+    assert np.median(mean[known]) > 0.3  # um
+    assert np.mean(np.abs(mean[known]) < 2 * std[known]) > 0.9
+    assert "light that is not film" in dark_film.attrs["largest_error"]

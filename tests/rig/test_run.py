@@ -275,6 +275,31 @@ def test_a_compressed_camera_loses_light_in_proportion_to_it(tmp_path):
     assert np.abs((bent[bright] - expected).mean()) < 2
 
 
+def test_dark_of_camera_2_rises_at_its_frame(tmp_path):
+    before, after = (
+        simulate_pairs(tmp_path / name, dark_step=(4, rise))
+        for name, rise in (("before", 0.0), ("after", 9.0))
+    )
+    npt.assert_array_equal(before[0], after[0])
+    npt.assert_array_equal(before[1][:4], after[1][:4])
+    npt.assert_allclose((after[1] - before[1])[4:].mean(), 9.0, atol=0.01)
+
+
+def test_an_iris_leaves_dark_corners_to_which_a_lens_scatters_light(tmp_path):
+    """Glare of 2 % of the mean light of each frame, which the light of the film does not reach."""
+    y, x = np.indices((48, 64))
+    outside = np.hypot(x - 31.5, y - 23.5) > 0.8 * np.hypot(31.5, 23.5) + 6  # of both cameras
+    dark, scattered = (
+        simulate_pairs(tmp_path / name, iris=0.8, glare=glare, hot_fraction=0.0)
+        for name, glare in (("dark", 0.0), ("scattered", 0.02))
+    )
+    for camera in range(2):
+        npt.assert_allclose(dark[camera][:, outside].mean(), 0.0, atol=0.5)
+        light = scattered[camera] - dark[camera]
+        expected = 0.02 * dark[camera].mean()
+        npt.assert_allclose(light[:, outside].mean(), expected, rtol=0.2)
+
+
 def test_a_bump_displaces_camera_2_from_its_frame_on(tmp_path):
     """By 5 pixels along x and -3 along y, as speckle of the oil behind an even flat shows."""
     out = tmp_path / "out"
@@ -301,5 +326,6 @@ def test_settings_file_states_what_the_rig_does_not_have():
     assert stated() == dict.fromkeys(terms, "0 %")
     assert set(stated(wall=(0.3, 0.3))) == terms
     assert set(stated(wall=(0.0, 0.1), lag=(0.01, 0.0))) == terms - {"wall", "lag"}
-    assert set(stated(dark_drift=(0.0, 5.0))) == terms - {"background"}
+    for dark in ({"dark_drift": (0.0, 5.0)}, {"dark_step": (3, 5.0)}, {"glare": 0.01}):
+        assert set(stated(**dark)) == terms - {"background"}
     assert stated(write_systematics=False) == {}

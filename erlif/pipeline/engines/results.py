@@ -14,6 +14,7 @@ from erlif.core.notes import Note, note_writer
 from erlif.io.ingest import FramePairs, depth_warning
 from erlif.ratio import (
     NO_CELLS,
+    NO_DARK,
     NO_PULSE,
     LightCells,
     PairRatio,
@@ -43,6 +44,7 @@ _OF_FRAMES: dict[str, tuple[Any, tuple[int, ...]]] = {
     "pulse": (np.float32, np.shape(NO_PULSE)),
     "cells": (np.float32, np.shape(NO_CELLS)),
     "patch": (float, (3,)),
+    "dark": (float, (2, 2)),
 }
 
 
@@ -69,6 +71,9 @@ class FrameResult:
         Light and ratio in coarse cells; NaN in frames that are not sampled.
     patch : PatchMean
         Light and ratio of the reference patch; NaN without one.
+    dark : tuple[tuple[float, float], ...]
+        Mean [DN] and variance [DN2] of the unlit pixels of each camera, dark subtracted,
+        (camera, 2); NaN without such pixels.
     """
 
     frame: int
@@ -79,6 +84,7 @@ class FrameResult:
     pulse: PulseSample = field(default=NO_PULSE, compare=False)
     cells: LightCells = field(default=NO_CELLS, compare=False)
     patch: PatchMean = field(default=NO_PATCH, compare=False)
+    dark: tuple[tuple[float, float], ...] = field(default=NO_DARK, compare=False)
 
     @classmethod
     def of(
@@ -92,6 +98,7 @@ class FrameResult:
             pair.drift,
             pair.peaks,
             digests=pair.digests,
+            dark=pair.dark,
             pulse=sample_pulse(light, log_ratio, flags),
             cells=sample_cells(light, log_ratio, variance, flags) if with_cells else NO_CELLS,
         )
@@ -193,8 +200,9 @@ class TriggerResult:
                 PulseSample(*pulse),
                 LightCells(*cells),
                 PatchMean(*patch.tolist()),
+                tuple(map(tuple, dark.tolist())),
             )
-            for frame, drift, peaks, energy, digests, pulse, cells, patch in zip(
+            for frame, drift, peaks, energy, digests, pulse, cells, patch, dark in zip(
                 *(arrays[name] for name in _OF_FRAMES), strict=True
             )
         )

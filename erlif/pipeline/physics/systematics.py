@@ -13,6 +13,7 @@ from erlif.core.arrays import Array
 from erlif.io.settings import LightOptions, RunSettings
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.results import TriggerResult
+from erlif.pipeline.physics.dark import DarkLevel
 from erlif.pipeline.physics.temperature import error_of_warming
 from erlif.pipeline.recording.sample import Bands, ratios_of
 from erlif.trend import BackgroundEstimate, Change, Trend
@@ -146,6 +147,7 @@ def update_systematics(
     *,
     pulses: int,
     course: Change | None = None,
+    darks: Sequence[DarkLevel] = (),
     last: int = 1,
 ) -> Calibration:
     """The calibration with what light and films of a run show of its systematics.
@@ -165,6 +167,9 @@ def update_systematics(
         Frames of the run.
     course : Change, optional
         Step or drift of the ratio that the run shows.
+    darks : sequence of DarkLevel
+        Dark levels of the run that are not those of the dark frames. A background that was
+        subtracted contains them.
     last : int
         Number of the last frame.
 
@@ -179,6 +184,11 @@ def update_systematics(
 
     if background is not None and options.background != "correct":
         systematics = _with_background_of_run(systematics, background)
+    if background is None or options.background != "correct":
+        for dark in darks:
+            offset = np.zeros((2, 2))
+            offset[dark.camera - 1, dark.camera - 1] = dark.share**2
+            systematics = systematics.adding("background", offset)
     # between two fixtures the curve follows the dyes, and the change of the ratio is no error
     if bleaching is not None and calibration.later is None:
         corrected = options.bleaching == "correct"

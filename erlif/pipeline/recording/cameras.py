@@ -16,6 +16,7 @@ from erlif.correction import (
     DeclaredNoise,
     count_pixels,
     find_reference_faults,
+    find_unlit,
     make_references,
     measure_camera,
 )
@@ -110,21 +111,27 @@ class FrameLook(NamedTuple):
         Pixels by count, (full scale + 1,).
     view : FrameView
         Their mean.
+    highest : array of int, (y, x)
+        Highest count of each pixel. [DN]
     """
 
     histogram: Histogram
     view: FrameView
+    highest: Counts
 
 
 def look_at_frames(pairs: FramePairs) -> tuple[FrameLook, FrameLook]:
     """Read a few frames of each camera, evenly spread over the recording."""
     counted = [np.zeros(full_scale + 1, np.int64) for full_scale in pairs.full_scales]
     totals = [ViewSum(pairs.shape) for _ in counted]
+    highest = [np.zeros(pairs.shape, np.uint16) for _ in counted]
     for frame in pairs.spread(_FRAMES_SEARCHED):
         for camera, counts in enumerate(read_pair(pairs, frame).counts):
             counted[camera] += count_pixels(counts, counted[camera].size - 1)
             totals[camera].add(counts)
-    one, two = (FrameLook(*both) for both in zip(counted, (t.mean() for t in totals), strict=True))
+            np.maximum(highest[camera], counts, out=highest[camera])
+    views = (total.mean() for total in totals)
+    one, two = (FrameLook(*all_of) for all_of in zip(counted, views, highest, strict=True))
     return one, two
 
 
@@ -152,4 +159,5 @@ def _measure(recording: Run | Fixture, number: int, look: FrameLook) -> CameraMe
         camera=camera,
         background=() if settings.background is None else read(settings.background, "background"),
     )
-    return replace(measured, view=look.view)
+    unlit = find_unlit(look.highest, look.histogram, measured.darks)
+    return replace(measured, view=look.view, unlit=unlit)

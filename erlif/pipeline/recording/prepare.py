@@ -11,7 +11,6 @@ import xarray as xr
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
 from erlif.core.notes import Note
-from erlif.core.products import References
 from erlif.core.progress import Progress
 from erlif.core.speed.memory import release_memory
 from erlif.core.timing import stage
@@ -21,7 +20,7 @@ from erlif.pipeline.physics.light import LightFindings, correct_light, find_ligh
 from erlif.pipeline.physics.systematics import add_systematics
 from erlif.pipeline.physics.temperature import read_warming, without_warming
 from erlif.pipeline.plane import ObjectPlane
-from erlif.pipeline.recording.cameras import characterise_cameras
+from erlif.pipeline.recording.cameras import Characterised, characterise_cameras
 from erlif.pipeline.recording.noise import NoiseCompletion, complete_noise, find_unknowns
 from erlif.pipeline.recording.pulses import (
     complete_energies,
@@ -75,7 +74,7 @@ def prepare_chain(
             _logger.info("%s", note)
 
     # where nothing is left to be estimated, the references are all that is needed
-    correct = correct_recording(recording, known.cameras.references)
+    correct = correct_recording(recording, known)
     if not find_unknowns(correct.references).any:
         correct = correct.tabulated() if tables_only else correct
         cameras = replace(known.cameras, references=correct.references)
@@ -112,13 +111,14 @@ def prepare_chain(
     return replace(completed, notes=(*completed.notes, *known.faults))
 
 
-def correct_recording(recording: Run | Fixture, references: References) -> FrameCorrection:
+def correct_recording(recording: Run | Fixture, known: Characterised) -> FrameCorrection:
     """Counts to light for the frames of a recording, with the energies of its log if it has any."""
     return FrameCorrection(
         recording.pairs,
-        references,
+        known.cameras.references,
         recording.settings.thickness.least_signal,
         read_energies(recording.log) if isinstance(recording, Run) else None,
+        tuple(camera.unlit for camera in known.measured),
     )
 
 
@@ -143,7 +143,7 @@ def prepare_with_map(
         As `prepare_chain`.
     """
     known = characterise_cameras(recording)
-    correct = correct_recording(recording, known.cameras.references)
+    correct = correct_recording(recording, known)
     chain = FrameChain(correct, camera_map, blur, recording.settings.thickness.no_film_below)
     completed = complete_noise(chain, known)
 

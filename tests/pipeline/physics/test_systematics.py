@@ -12,6 +12,7 @@ from scenes.fixture import with_systematics
 
 from erlif.io.settings import LightOptions, RunSettings
 from erlif.pipeline.engines.results import FrameResult, TriggerResult
+from erlif.pipeline.physics.dark import DarkLevel
 from erlif.pipeline.physics.systematics import (
     add_systematics,
     follow_course,
@@ -113,6 +114,21 @@ def test_bleaching_that_a_run_shows_takes_the_place_of_its_width(options, text, 
     trend = Trend(-1e-4, 5e-5, np.nan, np.nan)
     found = update(calibration_of(text), bleaching=trend, options=options)
     npt.assert_allclose(widths(found)["bleaching"], expected, atol=1e-12)
+
+
+@pytest.mark.parametrize(("options", "added"), [(REPORT, 0.05), (CORRECT, 0.0)])
+def test_a_wrong_dark_is_a_background_of_its_camera_unless_that_was_subtracted(options, added):
+    """30 ± 40 DN of 1000 DN; a background that was subtracted contains the dark."""
+    before, dark = calibration_of(), DarkLevel(2, 30.0, 40.0, 1000.0)
+    plain, found = (
+        update_systematics(before, estimate(), None, options, pulses=50, darks=darks).systematics
+        for darks in ((), (dark,))
+    )
+    camera_2 = plain.places("background")[1]
+    growth = found.covariance - plain.covariance
+    npt.assert_allclose(growth[camera_2, camera_2], added**2, atol=1e-12)
+    growth[camera_2, camera_2] = 0.0
+    npt.assert_array_equal(growth, 0.0)
 
 
 STEP = Change(frame=25, size=-0.03, std=0.04, significance=9.0)

@@ -1,0 +1,151 @@
+"""Dark level of both cameras over a run and against their dark frames, by pixels without light."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from erlif.calibration import Calibration
+from erlif.core.arrays import Array
+from erlif.core.notes import Note, note_writer
+from erlif.correction import UnlitPixels
+from erlif.pipeline.engines.results import FrameResult
+from erlif.trend import Change, find_shift
+
+_note = note_writer("erlif.pipeline")
+
+# Standard deviations from which on a level is neither chance nor light.
+_SIGNIFICANT = 3.0
+
+# Share of the light from which on a level is reported: it shifts films of 3 um by some 20 nm. [1]
+_LEAST = 0.005
+
+
+@dataclass(frozen=True)
+class DarkLevel:
+    """Dark level of one camera in a run, less that of its dark frames.
+
+    Attributes
+    ----------
+    camera : int
+        1 or 2.
+    level : float
+        Mean over the run. [DN]
+    std : float
+        Its standard deviation, with the light that the noise of the pixels allows. [DN]
+    light : float
+        Median light of the run. [DN]
+    change : Change | None
+        Step or drift during the run; None where there is none of consequence. [DN]
+    """
+
+    camera: int
+    level: float
+    std: float
+    light: float
+    change: Change | None = None
+
+    @property
+    def counts(self) -> bool:
+        """Whether the level of the run, or a part of it, is not that of the dark frames."""
+        off = abs(self.level) > max(_SIGNIFICANT * self.std, _LEAST * self.light)
+        return off or self.change is not None
+
+    @property
+    def share(self) -> float:
+        """Root mean square of the largest level during the run, over the light. [1]"""
+        half = 0.0 if self.change is None else abs(self.change.size)
+        return math.hypot(abs(self.level) + half, self.std) / self.light
+
+
+def find_dark_levels(
+    lights: Mapping[int, FrameResult], unlit: Sequence[UnlitPixels | None], gains: Array
+) -> list[DarkLevel]:
+    """Dark levels that are not those of the dark frames, or change during a run.
+
+    A level that is the same in all pixels without light may still be light. Its shot noise then
+    exceeds that of the dark frames, and what it allows is part of the standard deviation.
+
+    Parameters
+    ----------
+    lights : mapping of int to FrameResult
+        By frame.
+    unlit : sequence of UnlitPixels or None
+        Of both cameras.
+    gains : array, (camera,)
+        [electron/DN]
+
+    Returns
+    -------
+    list of DarkLevel
+        Of cameras whose level differs by five thousandths of the light, and significantly.
+    """
+    frames = np.array(sorted(lights))
+    found = []
+    for n, pixels in enumerate(unlit):
+        if pixels is None or not frames.size:
+            continue
+        level, variance = np.array([lights[frame].dark[n] for frame in frames], float).T
+        if not np.isfinite(level).all():
+            continue
+
+        # light that would give the variance beyond that of the dark, and how well it is known
+        of_frames = pixels.variance * math.sqrt(3 / (frames.size * (pixels.place.size - 1)))
+        light_std = float(gains[n]) * math.hypot(of_frames, pixels.variance_std)
+        light = float(gains[n] * (np.median(variance) - pixels.variance)) - light_std
+        chance = float(level.std()) / math.sqrt(frames.size)
+        std = math.hypot(max(light, 0.0), light_std, pixels.dark_std, chance)
+
+        change = find_shift(frames, level)
+        if change is not None:
+            size = abs(change.size)
+            consequence = size > max(_SIGNIFICANT * change.std, _LEAST * pixels.light, 2 * std)
+            change = change if change.significant and consequence else None
+        one = DarkLevel(n + 1, float(level.mean()), std, pixels.light, change)
+        if one.counts:
+            found.append(one)
+    return found
+
+
+def describe_dark_levels(
+    levels: Sequence[DarkLevel], calibration: Calibration, film: float
+) -> list[Note]:
+    """Notes about wrong dark levels.
+
+    Parameters
+    ----------
+    levels : sequence of DarkLevel
+        As `find_dark_levels` gives them.
+    calibration : Calibration
+    film : float
+        Median film of the run; NaN where it is not known. [um]
+
+    Returns
+    -------
+    list of Note
+    """
+    at = film if math.isfinite(film) else calibration.covered_range[1] / 2
+    notes = []
+    for one in levels:
+        change = one.change
+        size, std = (one.level, one.std) if change is None else (change.size, change.std)
+        sign = 1.0 if one.camera == 2 else -1.0
+        per_count = sign * 1e3 / (one.light * float(calibration.slope(at)))
+        key = "off" if change is None else "drift" if change.frame is None else "step"
+        notes.append(
+            _note(
+                f"dark_{key}",
+                subject=f"camera{one.camera}",
+                frame=None if change is None else change.frame,
+                size=size,
+                std=std,
+                level=one.level,
+                share=100 * abs(size) / one.light,
+                film=at,
+                shift=per_count * size,
+            )
+        )
+    return notes
