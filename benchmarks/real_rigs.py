@@ -49,6 +49,11 @@ FAULTS: dict[str, dict[str, Any]] = {
     "wall of the joint 30 %, of the fixture 10 %, stated": {"wall": (0.1, 0.3)},
     "wall of the joint alone reflects 5 %, stated": {"wall": (0.0, 0.05)},
     "camera 2 2 % brighter than at calibration": {"brightness": (1.0, 1.02)},
+    "camera 2 2 % brighter, patch of 6 um": {"brightness": (1.0, 1.02), "reference": 6.0},
+    "dyes bleach, patch of 6 um": {
+        "bleaching": (per_pulse(0.025), per_pulse(0.05)),
+        "reference": 6.0,
+    },
     "gain of camera 2 up by 5 % from frame 25 on": {"gain_step": (25, 1.05)},
     "camera 2 keeps 3 % of its last light": {"lag": (0.0, 0.03)},
     "camera 2 loses 5 % at full scale": {"compression": (0.0, 0.05)},
@@ -72,6 +77,8 @@ STATED: dict[str, dict[str, str]] = {
         "fixture/fixture.toml": '[optics]\nwall = "10 %"\n',
         "run/run.toml": '[optics]\nwall = "30 %"\n',
     },
+    "camera 2 2 % brighter, patch of 6 um": {"run/run.toml": '[light]\nratio = "correct"\n'},
+    "dyes bleach, patch of 6 um": {"run/run.toml": '[light]\nratio = "correct"\n'},
     "wall of the joint alone reflects 5 %, stated": {"run/run.toml": '[optics]\nwall = "5 %"\n'},
 }
 """What a laboratory states of a fault, by file: a heading of its table and further lines."""

@@ -156,7 +156,13 @@ def budget(
     # light that is not film needs the whole run, as the film had it
     options = settings.light
     lights = measure_lights(chain, plane.patch)
-    findings = find_light(lights, calibration, cycle.trigger.values, read_energies(run.log))
+    findings = find_light(
+        lights,
+        calibration,
+        cycle.trigger.values,
+        read_energies(run.log),
+        reference=settings.reference if options.ratio == "correct" else None,
+    )
     chain, measuring = correct_light(chain, calibration, findings, options)
     last = max(len(run.pairs.pages[0]) - 1, 1)
     measuring = update_systematics(

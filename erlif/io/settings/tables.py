@@ -444,6 +444,19 @@ class LightOptions(Settings):
 
     background: Literal["report", "correct"] = "report"
     bleaching: Literal["report", "correct"] = "report"
+    ratio: Literal["report", "correct"] = "report"
+
+    @property
+    def corrects(self) -> bool:
+        """Whether anything is taken out of the frames that they show themselves."""
+        return "correct" in (self.background, self.bleaching, self.ratio)
+
+    def faults(self) -> Iterator[str]:
+        if self.ratio == "correct" and "correct" in (self.background, self.bleaching):
+            yield (
+                "the ratio of the patch holds background and bleaching as well: with ratio = "
+                '"correct", remove background and bleaching'
+            )
 
 
 class SystematicsOptions(Settings):
@@ -594,6 +607,9 @@ class RunSettings(Settings):
                 "the fixture after the run shows the temperature as well: remove [temperature], or "
                 "name one calibration"
             )
+
+        if self.light.ratio == "correct" and self.reference.region is None:
+            yield 'ratio = "correct" in [light] needs a patch of known film: add [reference]'
 
         here = getattr(self.mechanism, "load", None)
         if here is not None and self.joint is not None and self.joint.load is not None:

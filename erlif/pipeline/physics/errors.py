@@ -80,8 +80,10 @@ def name_largest_error(
     term = str(film.error_term.values[int(np.argmax(errors))])
     dry = term == "background" and has_dry_joint(settings)
     followed = term == "temperature" and settings.temperature.coefficient is not None
-    what, cure = _TEXTS["terms"]["dry" if dry else "followed" if followed else term]
-    key = "energy" if dry else "" if followed else term
+    on_patch = term == "ratio" and settings.light.ratio == "correct"
+    variant = "dry" if dry else "followed" if followed else "patch" if on_patch else term
+    what, cure = _TEXTS["terms"][variant]
+    key = "energy" if dry else "" if followed or on_patch else term
     source = _source_of(term, key, settings, before, after)
     return str(
         _TEXTS["largest"].format(

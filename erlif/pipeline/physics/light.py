@@ -16,12 +16,21 @@ from erlif.core.products import References
 from erlif.core.tables import read_table
 from erlif.core.variables import FILM
 from erlif.io.ingest import FramePairs, Run
-from erlif.io.settings import LightOptions
+from erlif.io.settings import LightOptions, ReferenceSettings
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Threads
 from erlif.pipeline.engines.results import FrameResult, TriggerResult
-from erlif.pipeline.physics.reference import describe_reference
-from erlif.pipeline.physics.systematics import with_background, without_background
+from erlif.pipeline.physics.reference import (
+    PatchScale,
+    describe_reference,
+    describe_scale,
+    find_scale,
+)
+from erlif.pipeline.physics.systematics import (
+    with_background,
+    with_scale_of_patch,
+    without_background,
+)
 from erlif.ratio import cell_places
 from erlif.trend import (
     BackgroundEstimate,
@@ -328,18 +337,27 @@ class LightFindings:
     course : Change | None
         Largest step or drift of the logarithm of the ratio at equal film; None where it is not
         determined.
+    scale : PatchScale | None
+        Ratio of the patch against that of its film; None where it is not determined.
     """
 
     background: BackgroundEstimate | None = None
     bleaching: Trend | None = None
     source: str = ""
     course: Change | None = None
+    scale: PatchScale | None = None
 
     def complete(self, remaining: LightFindings, options: LightOptions) -> LightFindings:
         """What was corrected as it was found before, and the rest from the finished films."""
         even = self if options.background == "correct" else remaining
-        bleached = self if options.bleaching == "correct" else remaining
-        return LightFindings(even.background, bleached.bleaching, bleached.source, remaining.course)
+        bleached = self if "correct" in (options.bleaching, options.ratio) else remaining
+        return replace(
+            remaining,
+            background=even.background,
+            bleaching=bleached.bleaching,
+            source=bleached.source,
+            scale=self.scale,
+        )
 
 
 def find_light(
@@ -347,8 +365,13 @@ def find_light(
     calibration: Calibration,
     triggers: AnyArray,
     energies: Array | None,
+    *,
+    reference: ReferenceSettings | None = None,
 ) -> LightFindings:
-    """Background, bleaching and course of a run; parameters as for the first two."""
+    """Background, bleaching and course of a run, and the scale of its ratio on a patch.
+
+    Parameters as for the first two, and as for `find_scale`.
+    """
     bleaching, source = find_bleaching(lights, triggers, energies)
     course = None
     if lights:
@@ -360,7 +383,10 @@ def find_light(
     if course is not None and course.frame is None and bleaching is not None:
         course = None
     background = find_background(lights, calibration, energies, pairs=triggers.size)
-    return LightFindings(background, bleaching, source, course)
+    scale = None
+    if reference is not None:
+        scale = find_scale(lights, calibration, reference, pairs=triggers.size)
+    return LightFindings(background, bleaching, source, course, scale)
 
 
 def describe_course(course: Change | None, calibration: Calibration) -> list[Note]:
@@ -402,6 +428,9 @@ def correct_light(
     if options.bleaching == "correct" and findings.bleaching is not None:
         frames = np.arange(len(chain.pairs.pages[0]), dtype=float)
         chain = chain.without(findings.bleaching.log_ratio * frames)
+    if options.ratio == "correct" and findings.scale is not None:
+        chain = chain.without(findings.scale.change(len(chain.pairs.pages[0])))
+        calibration = with_scale_of_patch(calibration, findings.scale)
     return chain, calibration
 
 
@@ -418,13 +447,15 @@ def describe_light(
             findings.bleaching,
             findings.source,
             frames=len(run.pairs.usable),
-            corrected=options.bleaching == "correct",
+            corrected="correct" in (options.bleaching, options.ratio),
             followed=calibration.later is not None,
         ),
-        describe_reference(
-            results, run.settings.reference, calibration, pairs=len(run.pairs.pages[0])
-        ),
     ]
+    patch, notes_on_patch = describe_reference(
+        results, run.settings.reference, calibration, pairs=len(run.pairs.pages[0])
+    )
+    # a patch that sets the ratio agrees with its film
+    parts.append((patch, describe_scale(findings.scale) or notes_on_patch))
     variables: dict[str, Any] = {}
     notes = describe_course(findings.course, calibration)
     for more, also in parts:

@@ -1,19 +1,20 @@
-"""A patch of known film, watched over the run."""
+"""A patch of known film, watched over the run, and the scale of the ratio that it shows."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from erlif.calibration import Calibration
+from erlif.core.arrays import Array
 from erlif.core.notes import Note, note_writer
 from erlif.core.tables import read_table
 from erlif.core.variables import FILM
 from erlif.io.settings import ReferenceSettings
-from erlif.pipeline.engines.results import TriggerResult, share_passed
+from erlif.pipeline.engines.results import FrameResult, TriggerResult, share_passed
 
 _note = note_writer("erlif.pipeline")
 
@@ -21,6 +22,87 @@ _TEXTS = read_table("erlif.pipeline", "words.toml")["reference"]
 
 # Standard deviations from which on a deviation is reported.
 _DEVIANT = 3.0
+
+
+# Frames whose patch is valid, for the scale of the ratio at least.
+_FEWEST = 6
+
+
+@dataclass(frozen=True)
+class PatchScale:
+    """Logarithm of the ratio on a patch, less that of its film by the calibration.
+
+    Attributes
+    ----------
+    course : Array
+        At the first frame, and what is added until the last, (2,). [1]
+    covariance : Array
+        Its covariance by the scatter of the frames, (2, 2).
+    film : float
+        Film of the patch. [um]
+    film_std : float
+        Its standard deviation. [um]
+    """
+
+    course: Array
+    covariance: Array
+    film: float
+    film_std: float
+
+    def change(self, frames: int) -> Array:
+        """Change of the logarithm of the ratio, (frame,). [1]"""
+        start, rise = self.course
+        return np.asarray(start + rise * np.linspace(0.0, 1.0, frames))
+
+
+def find_scale(
+    lights: Mapping[int, FrameResult],
+    calibration: Calibration,
+    reference: ReferenceSettings,
+    *,
+    pairs: int,
+) -> PatchScale | None:
+    """Line through the ratio of a patch over the frames, less that of its film.
+
+    Parameters
+    ----------
+    lights : mapping of int to FrameResult
+        By frame.
+    calibration : Calibration
+    reference : ReferenceSettings
+    pairs : int
+        Frame pairs of the run.
+
+    Returns
+    -------
+    PatchScale or None
+        None without a patch, or where fewer than six frames show it.
+    """
+    if reference.thickness is None:
+        return None
+    film, film_std = 1e6 * reference.thickness, 1e6 * (reference.uncertainty or 0.0)
+    rows = [(frame / max(pairs - 1, 1), *lights[frame].patch[1:]) for frame in sorted(lights)]
+    table = np.array([row for row in rows if np.isfinite(row).all()]).reshape(-1, 3)
+    if len(table) < _FEWEST:
+        return None
+
+    passed, measured, variance = table.T
+    off = measured - [float(calibration.at(share).predict_log(film)) for share in passed]
+    design = np.column_stack([np.ones_like(passed), passed]) / np.sqrt(variance)[:, None]
+    off = off / np.sqrt(variance)
+    course = np.linalg.lstsq(design, off)[0]
+    scatter = float(((off - design @ course) ** 2).sum()) / (len(off) - 2)
+    covariance = max(1.0, scatter) * np.linalg.inv(design.T @ design)
+    return PatchScale(course, covariance, film, film_std)
+
+
+def describe_scale(scale: PatchScale | None) -> list[Note]:
+    """Note about what was taken out of the ratio; empty where nothing was."""
+    if scale is None:
+        return []
+    first, last = scale.course[0], scale.course.sum()
+    std = float(np.sqrt(scale.covariance[0, 0]))
+    return [_note("patch_scale", first=100 * first, last=100 * last, std=100 * std)]
 
 
 def describe_reference(

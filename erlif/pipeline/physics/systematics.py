@@ -14,6 +14,7 @@ from erlif.io.settings import LightOptions, RunSettings
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.results import TriggerResult
 from erlif.pipeline.physics.dark import DarkLevel
+from erlif.pipeline.physics.reference import PatchScale
 from erlif.pipeline.physics.temperature import error_of_warming
 from erlif.pipeline.recording.sample import Bands, ratios_of
 from erlif.trend import BackgroundEstimate, Change, Trend
@@ -139,6 +140,49 @@ def with_background(calibration: Calibration, measured: Systematics) -> Calibrat
     return replace(calibration, systematics=systematics.with_background(measured))
 
 
+def with_scale_of_patch(calibration: Calibration, scale: PatchScale) -> Calibration:
+    """The calibration with the error of ratios that were set to the film of a patch.
+
+    What acts on all films alike is then zero. Of everything else the film of the patch has none,
+    and other films the difference to it: the scale of the ratio is correlated with all errors of
+    calibration and run.
+
+    Parameters
+    ----------
+    calibration : Calibration
+        With the systematics of the run.
+    scale : PatchScale
+
+    Returns
+    -------
+    Calibration
+        With the same parameters.
+    """
+    systematics = calibration.systematics
+    assert systematics is not None
+    parameters, kinds = len(systematics.cross), np.array(systematics.kinds)
+    alike = parameters + np.flatnonzero(np.isin(kinds, ("constant", "rising constant")))
+    constant, rising = (
+        parameters + list(zip(systematics.terms, systematics.kinds, strict=True)).index(one)
+        for one in (("ratio", "constant"), ("bleaching", "rising constant"))
+    )
+
+    # change of the ratio of the patch with all other errors, at the first frame and until the last
+    first, last = (calibration.at(share).gradient(scale.film) for share in (0.0, 1.0))
+    acts = np.eye(len(first))
+    acts[alike] = 0.0
+    acts[constant], acts[rising] = -first, first - last
+    acts[:, alike] = 0.0
+
+    whole, places = acts @ calibration.full_covariance @ acts.T, np.ix_(*[[constant, rising]] * 2)
+    whole[places] += scale.covariance
+    whole[constant, constant] += (float(calibration.slope(scale.film)) * scale.film_std) ** 2
+    covariance, cross = whole[parameters:, parameters:], whole[:parameters, parameters:]
+    return replace(
+        calibration, systematics=replace(systematics, covariance=covariance, cross=cross)
+    )
+
+
 def update_systematics(
     calibration: Calibration,
     background: BackgroundEstimate | None,
@@ -190,7 +234,7 @@ def update_systematics(
             offset[dark.camera - 1, dark.camera - 1] = dark.share**2
             systematics = systematics.adding("background", offset)
     # between two fixtures the curve follows the dyes, and the change of the ratio is no error
-    if bleaching is not None and calibration.later is None:
+    if bleaching is not None and calibration.later is None and options.ratio != "correct":
         corrected = options.bleaching == "correct"
         width = _bleaching_of_run(systematics, bleaching, pulses=pulses, corrected=corrected)
         systematics = systematics.with_width("rising constant", width, term="bleaching")

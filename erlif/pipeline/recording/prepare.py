@@ -203,7 +203,7 @@ def prepare_run(
     """
     refuse_stuck_cameras(run.pairs)
     options = run.settings.light
-    correct = "correct" in (options.background, options.bleaching)
+    correct = options.corrects
     warmer = read_warming(run, calibration)
     prepared = prepare_chain(run, progress, stored=known.stored, tables_only=not correct)
     chain = without_warming(prepared.chain, warmer, run.settings.temperature)
@@ -216,7 +216,13 @@ def prepare_run(
     if correct:
         with stage("light", _logger):
             lights = measure_lights(chain, ObjectPlane(run.settings, run.pairs.shape).patch)
-            findings = find_light(lights, calibration, cycle.trigger.values, energies)
+            findings = find_light(
+                lights,
+                calibration,
+                cycle.trigger.values,
+                energies,
+                reference=run.settings.reference if options.ratio == "correct" else None,
+            )
         chain, measuring = correct_light(chain, calibration, findings, options)
 
     # the frames need neither the sample nor the references

@@ -1,13 +1,23 @@
-"""A patch of known film, and dyes that bleach, from frames to film."""
+"""A patch of known film, dyes that bleach, and cameras that differ, from frames to film."""
+
+import shutil
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.fixture import with_systematics
 
 import erlif
 from conftest import Laboratory
+from erlif.io.settings import ReferenceSettings
+from erlif.pipeline.physics.reference import find_scale
+from erlif.pipeline.physics.systematics import with_scale_of_patch
 from erlif.rig import RigSettings
 from erlif.rig.dyes import BANDS, tabulate_signal
+from erlif.show.plots import example_calibration
+from erlif.thickness import PatchMean
 
 LOSS = (1e-3, 2e-3)
 """Shares of dye 1 and dye 2 that a pulse destroys."""
@@ -103,3 +113,122 @@ def test_a_wrong_film_of_the_patch_is_reported(dyes):
     assert "reference: " in film.attrs["notes"]
     assert "4.600 um known" in film.attrs["notes"].split("reference: ")[1]
     assert "Calibrate again" in film.attrs["notes"]
+
+
+# scale of the ratio
+
+SCALED = '\n[light]\nratio = "correct"\n'
+
+UNLIKE = replace(
+    RIG,
+    spacing=3.0,
+    cycles=1,
+    film_reference=4.0,
+    reference=5.0,
+    brightness=(1.0, 1.02),
+    bleaching=(1.5e-3, 3e-3),
+    write_systematics=False,
+)
+"""Camera 2 is 2 % brighter than at the calibration, and dye 2 loses 5 % over the run."""
+
+
+@pytest.fixture(scope="module")
+def unlike(tmp_path_factory):
+    return Laboratory.simulated(tmp_path_factory.mktemp("unlike"), seed=52, rig=UNLIKE)
+
+
+@pytest.fixture(scope="module")
+def scaled(unlike):
+    return unlike.process_copy("scaled", add=SCALED)
+
+
+@pytest.fixture(scope="module")
+def unscaled(unlike):
+    return erlif.process(unlike.run, workers=1)
+
+
+@pytest.mark.parametrize("part", ["first", "last"])
+def test_films_are_true_where_a_patch_sets_the_ratio(unlike, scaled, unscaled, part):
+    inside, error = unlike.errors(scaled, above=3, below=9)
+    chosen = slice(0, 5) if part == "first" else slice(-5, None)
+    within, error = inside[chosen], error[chosen]
+    film = unlike.truth.film.values[chosen]
+    std = scaled.thickness_std_shared.values[chosen][within]
+    assert abs(np.median(error[within] / film[within])) < 0.02
+    assert abs(np.median(error[within])) < 2 * np.median(std)
+    assert np.median(std) < 0.3 * np.nanmedian(unscaled.thickness_std_shared.values[chosen][within])
+    if part == "first":
+        off = unlike.errors(unscaled, above=3, below=9)[1][chosen]
+        assert np.nanmedian(off[within] / film[within]) > 0.05
+
+
+def test_term_of_the_scale_is_that_of_the_patch(unlike, scaled):
+    """A film of 5 um known to 0.02 um is measured as such; films beside it have other errors."""
+    near = np.abs(scaled.thickness.values - 5) < 0.05
+    std = scaled.thickness_std_shared.values[near & (scaled["flags"].values == 0)]
+    assert 0.02 <= np.median(std) < 0.03
+    assert "temperature" not in scaled.error_term
+    assert "taken out of all frames" in scaled.attrs["notes"]
+    trigger = scaled.sizes["trigger"] // 2
+    table = erlif.budget(unlike.directory / "scaled", trigger=trigger)
+    found = float(table["std"].sel(term="shared part", quantity="mean film"))
+    terms = scaled.film_mean_error.isel(trigger=trigger).drop_sel(error_term=["noise", "marks"])
+    assert found == pytest.approx(float(np.sqrt((terms**2).sum())), rel=0.1)
+
+
+def test_line_through_the_patch_has_its_course_and_scatter():
+    """Frames of a scatter of 0.01 over 100 pulses that lose 3 % of the ratio, from + 2 %."""
+    rng, calibration = np.random.default_rng(5), example_calibration()
+    expected = float(calibration.predict_log(5.0))
+    reference = ReferenceSettings(
+        region={"x": [1, 2], "y": [1, 2]}, thickness="5 um", uncertainty="0.02 um"
+    )
+    pulls = []
+    for _ in range(200):
+        ratio = expected + 0.02 - 0.03 * np.arange(101) / 100 + rng.normal(0, 0.01, 101)
+        lights = {
+            n: SimpleNamespace(patch=PatchMean(7.0, one, 1e-5)) for n, one in enumerate(ratio)
+        }
+        found = find_scale(lights, calibration, reference, pairs=101)
+        pulls.append((found.course - [0.02, -0.03]) / np.sqrt(np.diag(found.covariance)))
+    npt.assert_allclose(np.std(pulls, axis=0), 1, atol=0.15)
+    npt.assert_allclose(np.mean(pulls, axis=0), 0, atol=0.25)
+    npt.assert_allclose(found.change(101)[[0, -1]], found.course.cumsum())
+    few = {n: lights[n] for n in range(5)}
+    assert find_scale(few, calibration, reference, pairs=101) is None
+
+
+def test_errors_are_those_of_the_difference_to_the_patch():
+    """Drawn errors of curve and run, less those of the film of the patch."""
+    widths = {"ratio": 0.01, "bleaching": 0.01, "wall": 0.02, "background": 0.01, "size": 0.005}
+    before = with_systematics(example_calibration(), light=(4.0, 4.0), **widths)
+    scale = SimpleNamespace(film=5.0, film_std=0.02, covariance=1e-8 * np.eye(2))
+    after = with_scale_of_patch(before, scale)
+
+    rng = np.random.default_rng(8)
+    errors = rng.multivariate_normal(
+        np.zeros(len(before.full_covariance)), before.full_covariance, 20000
+    )
+    for passed in (0.0, 0.5, 1.0):
+        for film in (2.0, 5.0, 9.0):
+            curve = before.at(passed)
+            drawn = errors @ (curve.gradient(film) - curve.gradient(5.0))
+            patch = 0.02 * float(before.slope(5.0)) * rng.standard_normal(drawn.size)
+            expected = np.std(drawn + patch)
+            found = float(after.at(passed).log_ratio_std(film))
+            assert found == pytest.approx(expected, rel=0.03, abs=2e-4)
+
+
+@pytest.mark.parametrize(
+    ("lab_of", "add", "message"),
+    [
+        ("unlike", SCALED + 'bleaching = "correct"\n', "remove background and bleaching"),
+        ("small_rig", SCALED, "add [reference]"),
+    ],
+)
+def test_settings_without_a_sense_are_refused(request, tmp_path, refused, lab_of, add, message):
+    run = tmp_path / "run"
+    shutil.copytree(request.getfixturevalue(lab_of).run, run)
+    with (run / "run.toml").open("a", encoding="utf-8") as settings:
+        settings.write(add)
+    assert message in refused("process", run)
