@@ -22,6 +22,7 @@ FALSE_ALARM = 0.01
 # Standard deviations of a calibration beyond which a significant difference is a drift.
 DRIFT = 2.0
 
+_WARMER = 1.0  # K: difference from which on a change with temperature is computed
 _GRID = 60  # films at which the curves are compared
 _NO_VARIANCE = 1e-5  # of the largest: shapes below it are fixed by the covariance's rounding
 _SHARED = 0.8  # of the CMM points: above it, two calibrations rest on the same readings
@@ -66,6 +67,9 @@ class Comparison:
         cancels.
     earlier : str
         Name and date of the earlier calibration.
+    warmer : float | None
+        Temperature of the fixture less that at the earlier calibration; None where one is not
+        known. [K]
     """
 
     thickness: Array
@@ -79,6 +83,20 @@ class Comparison:
     same_profile: bool | None
     paired: bool
     earlier: str
+    warmer: float | None = None
+
+    @property
+    def temperature_coefficient(self) -> tuple[float, float] | None:
+        """Change of the logarithm of the ratio with temperature, and its standard deviation. [1/K]
+
+        None where the temperatures are not known or differ by less than 1 K, or where the ratio
+        changed by more at some films than at others. The films share their error.
+        """
+        if self.warmer is None or abs(self.warmer) < _WARMER or self.bends:
+            return None
+        weight = self.difference_std**-2.0 / np.sum(self.difference_std**-2.0)
+        change, std = (float(weight @ each) for each in (self.difference, self.difference_std))
+        return change / self.warmer, std / abs(self.warmer)
 
     @property
     def significant(self) -> bool:
@@ -95,7 +113,21 @@ class Comparison:
 
     @property
     def verdict(self) -> str:
-        """The result in a sentence or two."""
+        """The result in a few sentences."""
+        found = self.temperature_coefficient
+        if found is None or self.warmer is None:
+            return self._describe_drift()
+        than = "warmer" if self.warmer > 0 else "colder"
+        coefficient, std = (100 * each for each in found)
+        return (
+            f"{self._describe_drift()}. The oil was {abs(self.warmer):.1f} K {than}. If nothing "
+            f"else changed, the ratio changes by {coefficient:+.4f} ± {std:.4f} %/K; in "
+            f'[temperature] of run.toml: camera1 = "0 %/K", camera2 = "{coefficient:.4f} %/K", '
+            f'std = "{std:.4f} %/K"'
+        )
+
+    def _describe_drift(self) -> str:
+        """Whether the calibration has drifted, by how much, and why."""
         basis = self._basis()
         if not self.significant:
             return (
@@ -226,6 +258,11 @@ def compare_calibrations(calibration: Calibration, earlier: Calibration) -> Comp
         same_profile=_share_readings(calibration, earlier, paired=pairs is not None),
         paired=pairs is not None,
         earlier=f"{earlier.fixture or 'the earlier calibration'}{date}",
+        warmer=(
+            None
+            if calibration.temperature is None or earlier.temperature is None
+            else calibration.temperature - earlier.temperature
+        ),
     )
 
 

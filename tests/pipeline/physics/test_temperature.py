@@ -1,6 +1,7 @@
 """An oil that warms during the run, and the changes of the light that a laboratory has measured."""
 
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import numpy.testing as npt
@@ -8,12 +9,14 @@ import pytest
 
 import erlif
 from conftest import Laboratory
+from erlif.calibration import compare_calibrations
 from erlif.io.settings import TemperatureOptions
 from erlif.pipeline import restore_images
 from erlif.pipeline.physics.temperature import error_of_warming
 from erlif.rig import RigSettings
 from erlif.rig.dyes import BANDS, band_signal
 
+BOTH = 'calibration = ["../fixture/calibration.nc", "../fixture_after/calibration.nc"]'
 WARMER = 10.0
 """Last frame over the first, whose oil is that of the fixture. [K]"""
 
@@ -25,6 +28,7 @@ RIG = RigSettings(
     bubbles=0,
     film_reference=4.0,
     warming=WARMER,
+    fixture_after=True,
 )
 
 
@@ -46,10 +50,12 @@ STATED = (
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory):
     lab = Laboratory.simulated(tmp_path_factory.mktemp("warm"), seed=61, rig=RIG)
-    lab.edit("fixture/fixture.toml", ('name = "vir', 'temperature = "25 degC"\nname = "vir'))
-    erlif.save_calibration(
-        erlif.calibrate(lab.fixture), lab.fixture / "calibration.nc", overwrite=True
-    )
+    for name, temperature in (("fixture", 25.0), ("fixture_after", 25.0 + WARMER)):
+        stated = f'temperature = "{temperature:g} degC"\nname = "vir'
+        lab.edit(f"{name}/fixture.toml", ('name = "vir', stated))
+        made, path = erlif.calibrate(lab.directory / name), lab.directory / name / "calibration.nc"
+        erlif.save_calibration(made, path, overwrite=True)
+    lab.edit("run/run.toml", (BOTH, 'calibration = "../fixture/calibration.nc"'))
     return lab
 
 
@@ -78,6 +84,21 @@ def test_films_of_warm_oil_are_those_of_the_truth(lab, plain, corrected):
     assert abs(after) < 0.02
     assert abs(off) < 2 * np.median(std)
     assert np.median(std) < 0.7 * np.median(wide)
+
+
+def test_fixtures_at_two_temperatures_show_the_coefficient_of_the_ratio(lab):
+    cold, warm = (
+        erlif.open_calibration(lab.directory / name / "calibration.nc")
+        for name in ("fixture", "fixture_after")
+    )
+    found = compare_calibrations(warm, cold)
+    true = (change_of(BANDS[1]) - change_of(BANDS[0])) / 100
+    coefficient, std = found.temperature_coefficient
+    assert abs(coefficient - true) < 3 * std
+    assert std < 0.2 * abs(true)
+    assert f'camera2 = "{100 * coefficient:.4f} %/K"' in found.verdict
+    assert replace(found, warmer=0.5).temperature_coefficient is None
+    assert "[temperature]" not in replace(found, warmer=None).verdict
 
 
 def test_stated_error_is_that_of_coefficient_and_reading(lab, corrected):
@@ -127,6 +148,12 @@ def test_what_is_missing_is_named(lab, refused, add, message):
     text = "\n".join(",".join(row[:n] + row[n + 1 :]) for row in rows) + "\n"
     log.write_text(text, encoding="utf-8")
     assert message in refused("process", run)
+
+
+def test_temperature_between_two_fixtures_is_refused(lab, refused):
+    one = 'calibration = "../fixture/calibration.nc"'
+    run = lab.copy_run("between", (one, BOTH), add=STATED)
+    assert "shows the temperature as well" in refused("process", run)
 
 
 def test_fixture_without_a_temperature_is_refused(small_rig, tmp_path, refused):
