@@ -1,7 +1,7 @@
 from .accumulation import RatioSum, combine_frames
 from .bubbles import find_bubbles
 from .camera_noise import NoiseEstimate, NoiseView, estimate_camera_noise
-from .cells import NO_CELLS, LightCells, cell_places, sample_cells
+from .cells import NO_CELLS, LightCells, cell_centres, cell_places, sample_cells
 from .log_ratio import compute_ratio
 from .noise_fit import NoiseUnknowns
 from .pair import NO_DARK, PairRatio
@@ -23,6 +23,7 @@ __all__ = [
     "PulseFault",
     "PulseSample",
     "RatioSum",
+    "cell_centres",
     "cell_places",
     "combine_frames",
     "compute_ratio",

@@ -107,6 +107,37 @@ def cell_places() -> tuple[Array, Array]:
     return (2 * x + 1) / CELLS[1] - 1, (2 * y + 1) / CELLS[0] - 1
 
 
+def cell_centres(shape: tuple[int, int]) -> tuple[Array, Array]:
+    """Means of column and row over the pixels of each cell, (cell,).
+
+    They differ from `cell_places`, which takes all cells for equal: a cell has whole blocks.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Rows and columns of the image, at least 80 and 96.
+
+    Returns
+    -------
+    tuple of two arrays
+        Columns and rows. [px]
+
+    Examples
+    --------
+    >>> x, y = cell_centres((80, 120))
+    >>> x[:4].tolist(), y[::12][:2].tolist()
+    ([7.5, 19.5, 27.5, 35.5], [3.5, 11.5])
+    """
+    centres = []
+    for size, cells in zip(shape, CELLS, strict=True):
+        block = np.arange(size // BLOCK)
+        cell = block * cells // block.size
+        mean = np.bincount(cell, block) / np.bincount(cell)
+        centres.append(BLOCK * mean + (BLOCK - 1) / 2)
+    y, x = np.meshgrid(*centres, indexing="ij")
+    return x.ravel(), y.ravel()
+
+
 @numba.njit(nogil=True, cache=True)
 def _sum(light, log_ratio, variance, flags, step, sums):  # type: ignore[no-untyped-def]
     """Blocks, used blocks, and sums over the used ones, of each cell; one block in step counts."""

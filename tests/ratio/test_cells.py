@@ -4,7 +4,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
-from erlif.ratio import NO_CELLS, sample_cells
+from erlif.ratio import NO_CELLS, cell_centres, sample_cells
 
 
 def images(shape=(160, 192), seed=1):
@@ -47,3 +47,14 @@ def test_a_cell_with_a_bubble_is_left_out_and_single_defects_are_not():
 @pytest.mark.parametrize("shape", [(72, 200), (200, 88)])
 def test_small_images_have_no_cells(shape):
     npt.assert_array_equal(sample_cells(*images(shape)), NO_CELLS)
+
+
+@pytest.mark.parametrize("shape", [(80, 96), (128, 160), (256, 320)])
+def test_centres_are_those_of_the_pixels_that_are_averaged(shape):
+    """Images of the column and of the row as ratios."""
+    light, variance = np.full(shape, 1000, np.float32), np.full(shape, 1e-4, np.float32)
+    flags = np.zeros(shape, np.uint8)
+    rows, columns = (np.asarray(part, np.float32) for part in np.indices(shape))
+    for image, centre in zip((columns, rows), cell_centres(shape), strict=True):
+        found = sample_cells(light, np.ascontiguousarray(image), variance, flags)
+        npt.assert_allclose(centre, found.log_ratio, rtol=1e-5)
