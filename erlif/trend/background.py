@@ -21,7 +21,7 @@ import scipy
 from erlif.calibration import TERMS, Calibration, Systematics
 from erlif.core.arrays import Array, Mask
 from erlif.core.statistics import covariance_root
-from erlif.trend.cells import FEWEST_FRAMES, LightRecord, choose_cells
+from erlif.trend.cells import FEWEST_FRAMES, LightRecord, choose_cells, separate_light
 
 # Chi-square of two shares that noise exceeds once in 370 cases, as a deviation of three standard
 # deviations of one number.
@@ -263,7 +263,7 @@ class _Fit:
         if point is None:
             return None
         null, chosen = point, point.chosen
-        illumination = _separate(point.value, chosen)
+        illumination = separate_light(point.value, chosen)
 
         for _ in range(_ROUNDS):
             shift = float(np.log(energies).mean())
@@ -466,15 +466,3 @@ def _quadratic(places: tuple[Array, Array]) -> Array:
     """Terms of a quadratic surface, (cell, 6)."""
     x, y = places
     return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
-
-
-def _separate(value: Array, chosen: Mask) -> Array:
-    """Illumination of each cell, with the energies of the frames taken out."""
-    cells, frames = (np.maximum(chosen.sum(axis=axis), 1) for axis in (0, 1))
-    energies = np.zeros(len(value))
-    illumination = np.zeros(value.shape[1])
-    for _ in range(10):  # a start for the search
-        illumination = (chosen * (value - energies[:, None])).sum(axis=0) / cells
-        energies = (chosen * (value - illumination)).sum(axis=1) / frames
-        energies -= energies.mean()
-    return illumination

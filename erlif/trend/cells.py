@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array, Mask
 
@@ -72,3 +74,34 @@ def choose_cells(film: Array, measured: Mask, calibration: Calibration) -> Mask:
     usable &= (usable.sum(axis=1) >= _FEWEST_CELLS)[:, None]
     usable &= usable.sum(axis=0) >= _FEWEST_VISITS
     return usable
+
+
+def separate_light(light: Array, chosen: Mask) -> Array:
+    """Part of each cell in logarithms of light, beside a part of each frame.
+
+    Parameters
+    ----------
+    light : array, (frame, cell)
+        [1]
+    chosen : array of bool, (frame, cell)
+        What is used.
+
+    Returns
+    -------
+    array, (cell,)
+        By ten rounds of means, a start for a search. The parts of the frames have the mean zero.
+
+    Examples
+    --------
+    >>> light = np.array([[0.1], [-0.1]]) + np.array([1.0, 2.0, 3.0])
+    >>> separate_light(light, np.ones((2, 3), bool))
+    array([1., 2., 3.])
+    """
+    cells, frames = (np.maximum(chosen.sum(axis=axis), 1) for axis in (0, 1))
+    energies = np.zeros(len(light))
+    illumination = np.zeros(light.shape[1])
+    for _ in range(10):
+        illumination = (chosen * (light - energies[:, None])).sum(axis=0) / cells
+        energies = (chosen * (light - illumination)).sum(axis=1) / frames
+        energies -= energies.mean()
+    return illumination

@@ -4,7 +4,7 @@ import numpy as np
 import numpy.testing as npt
 
 from erlif.show.plots import example_calibration
-from erlif.trend.cells import choose_cells
+from erlif.trend.cells import choose_cells, separate_light
 
 CALIBRATION = example_calibration()
 
@@ -27,3 +27,12 @@ def test_frames_of_few_cells_and_cells_of_few_frames_are_left_out():
     assert not chosen[0].any()
     assert not chosen[:, 29].any()
     assert chosen[1:, :29].all()
+
+
+def test_cells_and_frames_are_separated_where_some_are_missing():
+    rng = np.random.default_rng(1)
+    of_cell, of_frame = rng.normal(size=12), rng.normal(size=30)
+    of_frame -= of_frame.mean()
+    chosen = rng.random((30, 12)) > 0.2
+    light = np.where(chosen, of_frame[:, None] + of_cell, 99.0)
+    npt.assert_allclose(separate_light(light, chosen), of_cell, atol=1e-4)
