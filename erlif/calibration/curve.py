@@ -202,7 +202,20 @@ class Calibration:
             found = found + self.departure.predict(thickness)
         if self.later is not None:
             found = found + self.passed * (self.later.predict_log(thickness) - found)
-        return found
+        return found + self._add(thickness) if self.follows_run else found
+
+    @property
+    def follows_run(self) -> bool:
+        """Whether a run has added something to the curve of the fixture."""
+        return self.systematics is not None and self.systematics.value is not None
+
+    def _add(self, thickness: npt.ArrayLike) -> Array:
+        """What the run adds to the logarithm of the ratio. [1]"""
+        systematics = self.systematics
+        assert systematics is not None
+        assert systematics.value is not None
+        alone = replace(self, systematics=replace(systematics, value=None))
+        return np.tensordot(systematics.value, alone.gradient(thickness), 1)
 
     def change(self, thickness: npt.ArrayLike) -> Array:
         """Logarithm of the ratio after the run less that before it; 0 of one fixture. [1]"""
@@ -217,7 +230,10 @@ class Calibration:
             found = found + self.departure.slope(thickness)
         if self.later is not None:
             found = found + self.passed * (self.later.slope(thickness) - found)
-        return found
+        if not self.follows_run:
+            return found
+        step, film = 1e-3, np.asarray(thickness, float)  # um
+        return np.asarray(found + (self._add(film + step) - self._add(film - step)) / (2 * step))
 
     def gradient(self, thickness: npt.ArrayLike) -> Array:
         """Derivatives of the logarithm of the ratio by all fitted parameters, (n, ...).

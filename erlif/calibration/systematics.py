@@ -78,6 +78,10 @@ class Systematics:
         Share of the run that has passed. [1]
     start : float
         Share of the run that had passed when a step came. [1]
+    fit_covariance : Array | None
+        Covariance of the calibration where a run has lowered it; None: that of the fixture.
+    value : Array | None
+        What a run adds to the parameters of the calibration and to these; None: nothing.
     """
 
     terms: tuple[str, ...]
@@ -87,6 +91,8 @@ class Systematics:
     light: tuple[float, float]
     passed: float = 1.0
     start: float = 0.0
+    fit_covariance: Array | None = None
+    value: Array | None = None
 
     @classmethod
     def of(
@@ -169,6 +175,11 @@ class Systematics:
             kinds=tuple(self.kinds[n] for n in kept),
             covariance=self.covariance[np.ix_(kept, kept)],
             cross=self.cross[:, kept],
+            value=None
+            if self.value is None
+            else np.concatenate(
+                [self.value[: len(self.cross)], self.value[len(self.cross) + kept]]
+            ),
         )
 
     @property
@@ -208,13 +219,38 @@ class Systematics:
         whole[np.ix_(own, own)] += covariance
         return replace(self, covariance=whole)
 
+    def with_errors(self, covariance: Array, value: Array | None = None) -> Systematics:
+        """The same with the errors that a run leaves.
+
+        Parameters
+        ----------
+        covariance : array
+            Of the parameters of the calibration, then of these.
+        value : array, optional
+            What the run adds to them.
+
+        Returns
+        -------
+        Systematics
+        """
+        fitted = len(self.cross)
+        return replace(
+            self,
+            covariance=covariance[fitted:, fitted:],
+            cross=covariance[:fitted, fitted:],
+            fit_covariance=covariance[:fitted, :fitted],
+            value=value,
+        )
+
     def with_width(self, kind: str, width: float, *, term: str) -> Systematics:
         """The same with another standard deviation of one parameter of a term. [1]"""
         covariance = self.covariance.copy()
         n = list(zip(self.terms, self.kinds, strict=True)).index((term, kind))
         covariance[n, :] = covariance[:, n] = 0.0
         covariance[n, n] = width**2
-        return replace(self, covariance=covariance)
+        cross = self.cross.copy()
+        cross[:, n] = 0.0
+        return replace(self, covariance=covariance, cross=cross)
 
     def with_course(self, size: float, *, start: float | None) -> Systematics:
         """The same with a change of the ratio during the run, as the last parameter.
@@ -348,8 +384,11 @@ class Systematics:
 
     def to_record(self) -> dict[str, Any]:
         """Fields for a file."""
-        arrays = {"covariance": self.covariance.tolist(), "cross": self.cross.tolist()}
-        return vars(self) | arrays
+        return {
+            name: value.tolist() if isinstance(value, np.ndarray) else value
+            for name, value in vars(self).items()
+            if value is not None
+        }
 
     @classmethod
     def from_record(cls, record: dict[str, Any]) -> Systematics:
@@ -364,10 +403,17 @@ class Systematics:
             light=(float(one), float(two)),
             passed=float(record["passed"]),
             start=float(record.get("start", 0.0)),
+            **{
+                name: np.asarray(record[name], float)
+                for name in ("fit_covariance", "value")
+                if name in record
+            },
         )
 
     def extend(self, covariance: Array) -> Array:
         """Covariance of a calibration with these as further parameters."""
+        if self.fit_covariance is not None:
+            covariance = self.fit_covariance
         return np.block([[covariance, self.cross], [self.cross.T, self.covariance]])
 
     def split(self, gradient: Array) -> dict[str, float]:

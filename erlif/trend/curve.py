@@ -90,7 +90,7 @@ class FilmCurve:
     def at(self, passed: float) -> FilmCurve:
         """The same when a share of a run has passed, as `Calibration.at`."""
         calibration = self.calibration.at(passed)
-        if calibration.later is not None:
+        if calibration.later is not None or calibration.follows_run:
             return FilmCurve.of(calibration)
         if calibration is self.calibration or calibration.systematics is None:
             return self

@@ -279,3 +279,30 @@ def test_light_before_a_wall_is_that_of_the_model():
     ]
     found = extended.systematics.light_gradient(film, extended.model)[0]
     npt.assert_allclose(found, (lights[1] - lights[0]) / 1e-6, rtol=1e-4)
+
+
+def test_what_a_run_adds_is_in_curve_slope_and_file():
+    """2 % of the ratio in the whole run and 1 % at its end; then 1 % less absorption."""
+    extended = extend(ratio=0.02, bleaching=0.01)
+    size = len(extended.full_covariance)
+    value = np.zeros(size)
+    value[3:5] = 0.02, 0.01  # after K, p and q; then the absorption, whose row stays 0
+    systematics = extended.systematics.with_errors(0.25 * extended.full_covariance, value)
+    assert Systematics.from_record(systematics.to_record()).to_record() == systematics.to_record()
+    assert not extended.follows_run
+
+    found = replace(extended, systematics=systematics)
+    for passed in (0.0, 0.5, 1.0):
+        more = found.at(passed).predict_log(FILMS) - CALIBRATION.predict_log(FILMS)
+        npt.assert_allclose(more, 0.02 + 0.01 * passed, atol=1e-12)
+    npt.assert_allclose(found.thickness_std(FILMS), 0.5 * extended.thickness_std(FILMS), rtol=1e-9)
+
+    value = np.zeros(size)
+    value[5] = 0.01
+    bent = replace(extended, systematics=extended.systematics.with_errors(np.eye(size), value))
+    thinner = CALIBRATION.predict_log(0.99 * FILMS) - CALIBRATION.predict_log(FILMS)
+    more = bent.predict_log(FILMS) - CALIBRATION.predict_log(FILMS)
+    npt.assert_allclose(more, thinner, rtol=0.015)
+    step = 1e-4
+    numerical = (bent.predict_log(FILMS + step) - bent.predict_log(FILMS - step)) / (2 * step)
+    npt.assert_allclose(bent.slope(FILMS), numerical, rtol=1e-4)

@@ -112,7 +112,7 @@ class TriggerTask(PickledByFields):
 
     def _tables_at(self, passed: float) -> FilmTables:
         """The calibration in tables for the maps, when a share of the run has passed."""
-        if self.calibration.later is not None:
+        if self.calibration.later is not None or self.calibration.follows_run:
             return FilmTables.of(self.calibration.at(passed))
         first, last = self.tables
         return first if last is None else first.growing_to(last, passed)
