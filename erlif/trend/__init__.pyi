@@ -18,6 +18,16 @@ from .position import (
 )
 from .profile import RigidGap, average_across_sliding, rigid_gap
 from .region import Region, find_region
+from .rigidity import (
+    CLEARANCE_STD,
+    Equations,
+    ErrorEstimate,
+    Unknowns,
+    act_on_ratio,
+    estimate_errors,
+    gap_of_pin,
+    solve_equations,
+)
 from .statistics import FilmStatistics, summarise_blocks, summarise_film
 from .theory import (
     Joint,
@@ -30,6 +40,7 @@ from .theory import (
 
 __all__ = [
     "BLOCK",
+    "CLEARANCE_STD",
     "PARAMETERS",
     "SCALE_STD",
     "SIGNIFICANT",
@@ -38,6 +49,8 @@ __all__ = [
     "BlockSums",
     "Cause",
     "Change",
+    "Equations",
+    "ErrorEstimate",
     "Exponent",
     "FilmCurve",
     "FilmStatistics",
@@ -52,10 +65,13 @@ __all__ = [
     "RigidGap",
     "Solid",
     "Trend",
+    "Unknowns",
     "VogelLaw",
+    "act_on_ratio",
     "average_across_sliding",
     "compare_with_roughness",
     "estimate_background",
+    "estimate_errors",
     "find_pin_in_blocks",
     "find_pin_position",
     "find_ratio_change",
@@ -63,10 +79,12 @@ __all__ = [
     "find_shift",
     "fit_exponent",
     "fit_trend",
+    "gap_of_pin",
     "judge_form",
     "pin_covariance",
     "predict_film",
     "rigid_gap",
+    "solve_equations",
     "sum_blocks",
     "summarise_blocks",
     "summarise_film",

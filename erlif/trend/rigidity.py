@@ -1,0 +1,406 @@
+"""Errors that no single frame shows, from a gap whose form is known and the same in all frames.
+
+A rigid pin in a rigid bore changes the film between two frames by a displacement and a tilt alone:
+four numbers. The form of the gap is that of circles of known radii, but for their roundness. An
+error of the ratio or of the curve changes the film by more in thick than in thin films, and so the
+curvature of the gap. All frames are fitted together: positions of the pin, form of the gap, and the
+errors of the calibration and of its systematics within their covariance.
+
+The light of camera 1 gives the illumination of the cells alone. As an equation of its own it would
+lower the errors by another fifth, at the price of its energies and of the model of the light.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from erlif.calibration import Calibration, Reabsorption, Systematics
+from erlif.core.arrays import Array, Mask
+from erlif.core.statistics import covariance_root
+from erlif.trend.cells import FEWEST_FRAMES, LightRecord, choose_cells, separate_light
+from erlif.trend.position import PinView
+
+# Accuracy of the clearance by the radii at best. [1]
+CLEARANCE_STD = 0.01
+
+_ROUNDNESS = 0.5  # um: smooth departure of pin and bore from circles at the edge of the image
+_MARKS = 0.1  # um: marks of the surfaces, in the mean over a cell
+_BEND = 0.01  # um: change of the form from frame to frame, at the edge of the image
+_FREE = 1e3  # um: standard deviation of a position that is not known
+
+_MOST_FRAMES = 100  # more of them hardly lower the errors, which are common to all
+_ROUNDS = 10  # steps of Gauss and Newton, at most; four are usual
+_SETTLED = 0.02  # last step over the standard deviation at which the search ends
+_THINNEST = 0.05  # um: film to which a search comes down that has left its equations
+_NEWTON = 5  # steps to the film whose ratio has the errors
+_LARGEST = 5.0  # standard deviations beyond which the errors are not those of their widths
+
+
+class Equations(NamedTuple):
+    """What the logarithm of the ratio of the cells depends on, to first order.
+
+    Attributes
+    ----------
+    slope : Array
+        Derivative by the film, (frame, cell). [1/um]
+    errors : Array
+        Derivatives by the errors, (error, frame, cell).
+    variance : Array
+        (frame, cell); infinite where a cell is not used. [1]
+    motion : Array
+        Change of the film with the position of the pin and with a bend, (motion, cell).
+    motion_std : Array
+        Standard deviations of these, (motion,). [um]
+    form : Array
+        Covariance of the form of the gap, (cell, cell). [um2]
+    """
+
+    slope: Array
+    errors: Array
+    variance: Array
+    motion: Array
+    motion_std: Array
+    form: Array
+
+
+class Unknowns(NamedTuple):
+    """Values of all unknowns, or a change of them."""
+
+    errors: Array  # (error,)
+    form: Array  # (cell,) [um]
+    motion: Array  # (frame, motion) [um]
+
+
+def solve_equations(
+    equations: Equations, prior: Array, rest: Array, at: Unknowns
+) -> tuple[Unknowns, Array]:
+    """Solve the equations of all frames together.
+
+    Parameters
+    ----------
+    equations : Equations
+    prior : array, (error, error)
+        Covariance of the errors.
+    rest : array, (frame, cell)
+        Measured less expected logarithm of the ratio. [1]
+    at : Unknowns
+        Where the equations hold; the priors draw towards zero.
+
+    Returns
+    -------
+    change : Unknowns
+    covariance : array, (error, error)
+        Of the errors with the run.
+    """
+    root = covariance_root(prior)
+    cells, causes = len(equations.form), root.shape[1]
+    weight = 1 / equations.variance
+    by_cause = np.einsum("efc,en->fcn", equations.errors, root, optimize=True)
+    known = np.zeros((cells + causes, cells + causes))
+    known[:cells, :cells] = np.linalg.inv(equations.form)
+    known[cells:, cells:] = np.eye(causes)
+    normal = known.copy()
+    right = -known @ np.concatenate([at.form, np.linalg.pinv(root) @ at.errors])
+
+    # the position of each frame is eliminated
+    each, kept = equations.motion_std**-2.0, []
+    for k, slope in enumerate(equations.slope):
+        common = np.concatenate([np.diag(slope), by_cause[k]], axis=1)
+        own = (equations.motion * slope).T
+        weighted = weight[k][:, None] * own
+        pull = weighted.T @ rest[k] - each * at.motion[k]
+        mixed = weighted.T @ common
+        solved = np.linalg.solve(own.T @ weighted + np.diag(each), np.column_stack([mixed, pull]))
+        normal += common.T @ (weight[k][:, None] * common) - mixed.T @ solved[:, :-1]
+        right += common.T @ (weight[k] * rest[k]) - mixed.T @ solved[:, -1]
+        kept.append(solved)
+
+    inverse = np.linalg.inv(normal)
+    change = inverse @ right
+    motion = np.array([solved[:, -1] - solved[:, :-1] @ change for solved in kept])
+    covariance = root @ inverse[cells:, cells:] @ root.T
+    return Unknowns(root @ change[cells:], change[:cells], motion), covariance
+
+
+def act_on_ratio(
+    systematics: Systematics,
+    model: Reabsorption,
+    film: Array,
+    slope: Array,
+    passed: Array,
+    illumination: npt.ArrayLike = 1.0,
+) -> Array:
+    """Derivatives of the logarithm of the ratio by the systematics of a run.
+
+    Parameters
+    ----------
+    systematics : Systematics
+    model : Reabsorption
+        Of the calibration.
+    film : array, (frame, cell)
+        [um]
+    slope : array, (frame, cell)
+        Derivative of the logarithm of the ratio by the film. [1/um]
+    passed : array, (frame,)
+        Share of the run that has passed at each frame. [1]
+    illumination : array, (cell,), optional
+        Over that of the median light. [1]
+
+    Returns
+    -------
+    array, (parameter, frame, cell)
+    """
+    bright = np.broadcast_to(np.asarray(illumination, float), film.shape[1:])
+    acts = np.empty((len(systematics.kinds), *film.shape))
+    for k, share in enumerate(passed):
+        now, none = replace(systematics, passed=float(share)), np.zeros_like(film[k])
+        acts[:, k] = now.gradient(film[k], model, slope[k], none, illumination=bright)
+    return acts
+
+
+def gap_of_pin(
+    along: Array, across: Array, radius: float, *, clearance_std: float
+) -> tuple[Array, Array, Array]:
+    """Motion of a pin in its bore, and what is known of the form of the gap.
+
+    Parameters
+    ----------
+    along, across : array, (cell,)
+        Positions along sliding and along the axis, from the load line. [mm]
+    radius : float
+        `PinView.radius`. [mm]
+    clearance_std : float
+        Standard deviation of the radial clearance by the radii. [um]
+
+    Returns
+    -------
+    motion, motion_std, form : array
+        As in `Equations`.
+
+    Examples
+    --------
+    Tilts count as films at the edge of the image; the last motion is a bend:
+
+    >>> x, z = np.meshgrid(np.linspace(-8, 8, 12), np.linspace(-6, 6, 10))
+    >>> motion, std, form = gap_of_pin(x.ravel(), z.ravel(), 33.5, clearance_std=3.0)
+    >>> motion.shape, form.shape, float(std[-1])
+    ((5, 120), (120, 120), 0.01)
+    """
+    phi = along / radius
+    u, v = along / np.abs(along).max(), across / np.abs(across).max()
+    cosine, sine = np.cos(phi), np.sin(phi)
+    motion = np.stack([-cosine, -sine, -v * cosine, -v * sine, u**2])
+    powers = ((2, 0), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3), (4, 0))
+    shapes = np.stack(
+        [clearance_std * (1 - cosine), *(_ROUNDNESS * u**a * v**b for a, b in powers)]
+    )
+    form = shapes.T @ shapes + _MARKS**2 * np.eye(along.size)
+    return motion, np.array([_FREE] * 4 + [_BEND]), form
+
+
+@dataclass(frozen=True)
+class ErrorEstimate:
+    """Errors of a calibration and of its systematics as a run shows them.
+
+    Attributes
+    ----------
+    value : Array
+        What the parameters lack, (error,), in the order of `Calibration.full_covariance`.
+    covariance : Array
+        Their covariance with the run, (error, error).
+    prior : Array
+        Their covariance without it.
+    noise : float
+        Scatter of the logarithm of the ratio of a cell beyond photon noise. [1]
+    film : float
+        Median film of the cells. [um]
+    """
+
+    value: Array
+    covariance: Array
+    prior: Array
+    noise: float
+    film: float
+
+    @property
+    def second_moment(self) -> Array:
+        """The errors where the estimate is not taken out, (error, error)."""
+        return np.asarray(self.covariance + np.outer(self.value, self.value))
+
+    def film_shift(self, film: npt.ArrayLike, calibration: Calibration) -> Array:
+        """Error of a measured film. [um]"""
+        measured = np.asarray(film, float)
+        goal, found = calibration.predict_log(measured), measured
+        for _ in range(_NEWTON):
+            added = np.tensordot(self.value, calibration.gradient(found), axes=1)
+            found = found - (calibration.predict_log(found) + added - goal) / calibration.slope(
+                found
+            )
+        return np.asarray(measured - found)
+
+    def film_std(
+        self, film: npt.ArrayLike, calibration: Calibration, *, before: bool = False
+    ) -> Array:
+        """Standard deviation of a measured film with the run, or before it. [um]"""
+        by_error = calibration.film_gradient(film)
+        covariance = self.prior if before else self.covariance
+        variance = np.einsum("i...,ij,j...->...", by_error, covariance, by_error)
+        return np.asarray(np.sqrt(variance))
+
+
+def estimate_errors(
+    record: LightRecord,
+    centres: tuple[Array, Array],
+    calibration: Calibration,
+    view: PinView,
+    *,
+    passed: Array,
+    clearance_std: float,
+) -> ErrorEstimate | None:
+    """Estimate the errors of a run from the gap that all its frames show.
+
+    Parameters
+    ----------
+    record : LightRecord
+    centres : tuple of two arrays, (cell,)
+        Columns and rows of the middles of the cells. [px]
+    calibration : Calibration
+        Of one fixture, with its systematics: their covariance is the prior.
+    view : PinView
+    passed : array, (frame,)
+        Share of the run that has passed at each frame. [1]
+    clearance_std : float
+        How well the radii are stated; at least 1 % of the clearance is taken. [um]
+
+    Returns
+    -------
+    ErrorEstimate or None
+        None where the run has too few frames or cells, or an error far beyond its width.
+
+    Examples
+    --------
+    A run of four frames is too short:
+
+    >>> from erlif.show.plots import example_calibration
+    >>> empty, none = LightRecord(*np.full((4, 4, 120), np.nan)), np.zeros(120)
+    >>> view = PinView(33.36e-3, 33.59e-3, 0.06, load_line=9.6, axial_origin=7.7)
+    >>> found = estimate_errors(
+    ...     empty, (none, none), example_calibration(), view,
+    ...     passed=np.linspace(0, 1, 4), clearance_std=4.0,
+    ... )
+    >>> found is None
+    True
+    """
+    steps = np.unique(np.linspace(0, len(passed) - 1, _MOST_FRAMES).round().astype(int))
+    record = LightRecord(*(np.asarray(part, float)[steps] for part in record))
+    known = np.isfinite(record.log_ratio) & np.isfinite(record.light) & (record.variance > 0)
+    film = calibration.inverse.look_up(np.where(known, record.log_ratio, 0.0))
+    chosen = choose_cells(film, known, calibration)
+    if chosen.any(axis=1).sum() < FEWEST_FRAMES:
+        return None
+    x, y = (view.pitch * centre for centre in centres)
+    along, across = (x, y) if view.sliding_along_x else (y, x)
+    gap = gap_of_pin(
+        along - view.load_line,
+        across - view.axial_origin,
+        view.radius,
+        clearance_std=float(np.hypot(clearance_std, CLEARANCE_STD * view.clearance)),
+    )
+    record = LightRecord(*(np.where(chosen, part, 0.0) for part in record))
+    return _Fit(record, chosen, calibration, passed[steps], gap, view.clearance).solve(film)
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """Gauss-Newton for errors, positions and form."""
+
+    record: LightRecord
+    chosen: Mask
+    calibration: Calibration
+    passed: Array
+    gap: tuple[Array, Array, Array]
+    clearance: float
+
+    def solve(self, measured: Array) -> ErrorEstimate | None:
+        """The estimate; None where it does not settle within the widths."""
+        prior, noise = self.calibration.full_covariance, 0.0
+        state, bright = self._start(measured), self._illumination(measured)
+        for _ in range(_ROUNDS):
+            film = self._film(state)
+            if not (film > _THINNEST).all():
+                return None
+            equations = self._linearise(film, bright, noise)
+            rest = self._rest(film, equations.errors, state.errors)
+            step, covariance = solve_equations(equations, prior, rest, state)
+            state = Unknowns(*(old + new for old, new in zip(state, step, strict=True)))
+            noise = max(noise + self._excess(equations, rest, step), 0.0)
+            if (np.abs(step.errors) <= _SETTLED * np.sqrt(np.diag(covariance))).all():
+                break
+        else:
+            return None
+        if (np.abs(state.errors) > _LARGEST * np.sqrt(np.diag(prior))).any():
+            return None
+        return ErrorEstimate(
+            state.errors,
+            covariance,
+            prior,
+            float(np.sqrt(noise)),
+            float(np.median(film[self.chosen])),
+        )
+
+    def _start(self, measured: Array) -> Unknowns:
+        """Positions by the measured films."""
+        motion, cells = self.gap[0], measured.shape[1]
+        found = np.zeros((len(measured), len(motion)))
+        for k, used in enumerate(self.chosen):
+            rest = measured[k, used] - self.clearance
+            found[k, :-1] = np.linalg.lstsq(motion[:-1, used].T, rest, rcond=None)[0]
+        return Unknowns(np.zeros(len(self.calibration.full_covariance)), np.zeros(cells), found)
+
+    def _illumination(self, measured: Array) -> Array:
+        """Light of each cell over that of its film and of the median, (cell,). [1]"""
+        film = np.where(self.chosen, measured, 3.0)
+        light = self.record.light - np.log(self.calibration.model.light(film).signal)
+        bright = separate_light(np.where(self.chosen, light, 0.0), self.chosen)
+        return np.asarray(np.exp(bright - np.median(bright[self.chosen.any(axis=0)])))
+
+    def _film(self, state: Unknowns) -> Array:
+        """Film of each cell; 3 um where it is not used. [um]"""
+        film = self.clearance + state.motion @ self.gap[0] + state.form
+        return np.where(self.chosen, film, 3.0)
+
+    def _linearise(self, film: Array, bright: Array, noise: float) -> Equations:
+        """The equations at these films."""
+        calibration, slope = self.calibration, self.calibration.slope(film)
+        variance = np.where(self.chosen, self.record.variance + noise, np.inf)
+        errors = replace(calibration, systematics=None).gradient(film)
+        if calibration.systematics is not None:
+            acts = act_on_ratio(
+                calibration.systematics, calibration.model, film, slope, self.passed, bright
+            )
+            errors = np.concatenate([errors, acts])
+        return Equations(slope, errors, variance, *self.gap)
+
+    def _rest(self, film: Array, acts: Array, errors: Array) -> Array:
+        """Measured less expected logarithm of the ratio. [1]"""
+        step, slope = 0.01, self.calibration.slope
+        curvature = (slope(film + step) - slope(film - step)) / (2 * step)
+
+        # mean of the logarithm over a cell whose films differ, to second order
+        bent = 0.5 * curvature * np.maximum(self.record.spread, 0.0) / slope(film) ** 2
+        expected = self.calibration.predict_log(film) + np.tensordot(errors, acts, axes=1) + bent
+        return np.where(self.chosen, self.record.log_ratio - expected, 0.0)
+
+    def _excess(self, equations: Equations, rest: Array, step: Unknowns) -> float:
+        """Variance of the logarithm of the ratio beyond the one taken. [1]"""
+        moved = step.motion @ equations.motion + step.form
+        left = rest - equations.slope * moved - np.tensordot(step.errors, equations.errors, axes=1)
+        weight = np.where(self.chosen, 1 / equations.variance, 0.0)
+        cells, frames = (int(self.chosen.any(axis=axis).sum()) for axis in (0, 1))
+        freedom = self.chosen.sum() - cells - (len(equations.motion) - 1) * frames
+        reduced = float((weight * left**2).sum()) / max(int(freedom), 1)
+        return (reduced - 1) * float(self.chosen.sum() / weight.sum())
