@@ -221,10 +221,20 @@ def complete_film(
     ]
 
     # light that is not film, as the finished frames show it
+    plane = ObjectPlane(run.settings, run.pairs.shape)
     lights, correct = kept_lights(frames, run.pairs), ready.chain.correct
-    remaining = find_light(lights, ready.measuring, cycle.trigger.values, ready.energies)
+    remaining = find_light(
+        lights,
+        ready.measuring,
+        cycle.trigger.values,
+        ready.energies,
+        plane=plane,
+        options=options,
+    )
     darks = find_dark_levels(lights, correct.unlit, correct.references.gain.values)
     findings = ready.light.complete(remaining, options)
+    if darks:  # a background beyond its width
+        findings = replace(findings, errors=None)
     last = cycle.sizes["frame"] - 1
     light, notes_on_light = describe_light(findings, results, run, ready.measuring)
     films = np.array([one.statistics.mean for one in results])
@@ -239,10 +249,11 @@ def complete_film(
         course=findings.course,
         darks=darks,
         last=last,
+        errors=findings.errors,
     )
     results = follow_course(results, ready.measuring, findings.course, last=last)
 
-    plane, of_frames = ObjectPlane(run.settings, run.pairs.shape), frames_of_run(run, cycle)
+    of_frames = frames_of_run(run, cycle)
     with stage("prediction", _logger):
         positions = [one.position for one in results]
         measured = describe_statistics(results, measured_with)

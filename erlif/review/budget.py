@@ -161,6 +161,8 @@ def budget(
         calibration,
         cycle.trigger.values,
         read_energies(run.log),
+        plane=plane,
+        options=options,
         reference=settings.reference if options.ratio == "correct" else None,
     )
     chain, measuring = correct_light(chain, calibration, findings, options)
@@ -174,6 +176,7 @@ def budget(
         course=findings.course,
         darks=find_dark_levels(lights, chain.correct.unlit, chain.references.gain.values),
         last=last,
+        errors=findings.errors,
     ).at(float(np.mean(frames)) / last)
 
     sources = _split_variance(chain, frames)

@@ -440,15 +440,21 @@ class ThicknessOptions(Settings):
 
 
 class LightOptions(Settings):
-    """Light that is not film."""
+    """Light that is not film, and what light and films show of other errors."""
 
     background: Literal["report", "correct"] = "report"
     bleaching: Literal["report", "correct"] = "report"
     ratio: Literal["report", "correct"] = "report"
+    errors: Literal["report", "correct"] = "report"
 
     @property
     def corrects(self) -> bool:
         """Whether anything is taken out of the frames that they show themselves."""
+        return self.corrects_light or self.errors == "correct"
+
+    @property
+    def corrects_light(self) -> bool:
+        """The same of light that is not film, bleaching, and the ratio of a patch."""
         return "correct" in (self.background, self.bleaching, self.ratio)
 
     def faults(self) -> Iterator[str]:

@@ -104,7 +104,8 @@ def _source_of(
     """
     if key not in type(settings.systematics).model_fields:
         return ""
-    if not np.array_equal(_covariance_of(term, before), _covariance_of(term, after)):
+    changed = not np.array_equal(_covariance_of(term, before), _covariance_of(term, after))
+    if after.follows_run or changed:
         return str(_TEXTS["measured"])
     stated = key in settings.systematics.model_fields_set
     return str(_TEXTS["declared" if stated else "default"])

@@ -20,6 +20,7 @@ from erlif.io.settings import LightOptions, ReferenceSettings
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Threads
 from erlif.pipeline.engines.results import FrameResult, TriggerResult
+from erlif.pipeline.physics.gap import describe_gap, find_errors, with_errors
 from erlif.pipeline.physics.reference import (
     PatchScale,
     describe_reference,
@@ -31,10 +32,12 @@ from erlif.pipeline.physics.systematics import (
     with_scale_of_patch,
     without_background,
 )
+from erlif.pipeline.plane import ObjectPlane
 from erlif.ratio import cell_places
 from erlif.trend import (
     BackgroundEstimate,
     Change,
+    ErrorEstimate,
     LightRecord,
     Region,
     Trend,
@@ -46,6 +49,9 @@ from erlif.trend import (
 _note = note_writer("erlif.pipeline")
 
 _TEXTS = read_table("erlif.pipeline", "words.toml")
+
+# Standard deviations of its width up to which a drift of the ratio is one of the known errors.
+_MOST_RISING = 3.0
 
 # Frames of an estimate, spread over the run: their number bounds memory and time.
 _MOST_FRAMES = 400
@@ -339,6 +345,10 @@ class LightFindings:
         determined.
     scale : PatchScale | None
         Ratio of the patch against that of its film; None where it is not determined.
+    errors : ErrorEstimate | None
+        What the gap of the joint shows of the errors of the run; None where it is not determined,
+        where background or bleaching are corrected by themselves, and where a change is far
+        beyond the widths.
     """
 
     background: BackgroundEstimate | None = None
@@ -346,9 +356,12 @@ class LightFindings:
     source: str = ""
     course: Change | None = None
     scale: PatchScale | None = None
+    errors: ErrorEstimate | None = None
 
     def complete(self, remaining: LightFindings, options: LightOptions) -> LightFindings:
         """What was corrected as it was found before, and the rest from the finished films."""
+        if options.errors == "correct" and self.errors is not None:
+            return self
         even = self if options.background == "correct" else remaining
         bleached = self if "correct" in (options.bleaching, options.ratio) else remaining
         return replace(
@@ -366,11 +379,13 @@ def find_light(
     triggers: AnyArray,
     energies: Array | None,
     *,
+    plane: ObjectPlane,
+    options: LightOptions,
     reference: ReferenceSettings | None = None,
 ) -> LightFindings:
-    """Background, bleaching and course of a run, and the scale of its ratio on a patch.
+    """Background, bleaching, course and errors of a run, and the scale of its ratio on a patch.
 
-    Parameters as for the first two, and as for `find_scale`.
+    Parameters as for the first two, and as for `find_errors` and `find_scale`.
     """
     bleaching, source = find_bleaching(lights, triggers, energies)
     course = None
@@ -386,7 +401,39 @@ def find_light(
     scale = None
     if reference is not None:
         scale = find_scale(lights, calibration, reference, pairs=triggers.size)
-    return LightFindings(background, bleaching, source, course, scale)
+    errors = None
+    beyond = _is_beyond(calibration, background, bleaching, course, triggers.size)
+    if not options.corrects_light and not beyond:
+        errors = find_errors(lights, calibration, plane, pairs=triggers.size)
+    # a drift within the widths is among the errors
+    course = course if errors is None else None
+    return LightFindings(background, bleaching, source, course, scale, errors)
+
+
+def _is_beyond(
+    calibration: Calibration,
+    background: BackgroundEstimate | None,
+    bleaching: Trend | None,
+    course: Change | None,
+    pulses: int,
+) -> bool:
+    """Whether a run shows a change that the widths of its errors do not hold."""
+    systematics = calibration.systematics
+    if systematics is None:
+        return False
+    excluded = systematics.widths.get("background", 0.0) == 0
+    if background is not None and background.significant and excluded:
+        return True
+
+    # bleaching and half of the temperature rise during the run; nothing has a step
+    rising = [kind == "rising constant" for kind in systematics.kinds]
+    most = _MOST_RISING * np.sqrt(np.diag(systematics.covariance)[rising].sum())
+    drifts = [] if bleaching is None or not bleaching.significant() else [bleaching.log_ratio]
+    if any(pulses * abs(drift) > most for drift in drifts):
+        return True
+    if course is None or not course.significant:
+        return False
+    return course.frame is not None or abs(course.size) > most
 
 
 def describe_course(course: Change | None, calibration: Calibration) -> list[Note]:
@@ -431,6 +478,8 @@ def correct_light(
     if options.ratio == "correct" and findings.scale is not None:
         chain = chain.without(findings.scale.change(len(chain.pairs.pages[0])))
         calibration = with_scale_of_patch(calibration, findings.scale)
+    if options.errors == "correct" and findings.errors is not None:
+        calibration = with_errors(calibration, findings.errors, corrected=True)
     return chain, calibration
 
 
@@ -458,6 +507,7 @@ def describe_light(
     parts.append((patch, describe_scale(findings.scale) or notes_on_patch))
     variables: dict[str, Any] = {}
     notes = describe_course(findings.course, calibration)
+    notes += describe_gap(findings.errors, calibration, corrected=options.errors == "correct")
     for more, also in parts:
         variables |= more
         notes += also

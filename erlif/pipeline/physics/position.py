@@ -132,7 +132,7 @@ def note_form(
         known,
         view,
         calibration_cov=calibration.full_covariance,
-        clearance_std=_clearance_std(joint),
+        clearance_std=clearance_std(joint),
         flattening=depth,
         systematics=calibration.systematics,
     )
@@ -161,7 +161,7 @@ def _note_cause(form: GapForm, view: PinView, joint: JointSettings) -> Note:
 
     excess, (low, high) = 100 * form.excess, form.films
     change, change_std = 100 * form.excess_change, 100 * form.excess_change_std
-    std = _clearance_std(joint)
+    std = clearance_std(joint)
     if form.cause is Cause.FLATTENING:
         own = [_TEXTS["by_flattening"]]
     elif abs(change) > SIGNIFICANT * change_std and form.cause is Cause.CALIBRATION:
@@ -203,7 +203,7 @@ def _flattening(joint: JointSettings, load: float) -> float:
     return float(1e6 * contact.half_width**2 / (2 * radius))
 
 
-def _clearance_std(joint: JointSettings) -> float:
+def clearance_std(joint: JointSettings) -> float:
     """Standard deviation of the clearance by the last digits of both radii. [um]"""
     return math.hypot(_rounding(joint.pin_radius), _rounding(joint.bushing_radius))
 

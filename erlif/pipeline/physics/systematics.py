@@ -14,10 +14,11 @@ from erlif.io.settings import LightOptions, RunSettings
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.results import TriggerResult
 from erlif.pipeline.physics.dark import DarkLevel
+from erlif.pipeline.physics.gap import with_errors
 from erlif.pipeline.physics.reference import PatchScale
 from erlif.pipeline.physics.temperature import error_of_warming
 from erlif.pipeline.recording.sample import Bands, ratios_of
-from erlif.trend import BackgroundEstimate, Change, Trend
+from erlif.trend import BackgroundEstimate, Change, ErrorEstimate, Trend
 
 # Terms that the difference of two fixtures holds.
 _BETWEEN_FIXTURES = ("ratio", "temperature", "bleaching")
@@ -193,6 +194,7 @@ def update_systematics(
     course: Change | None = None,
     darks: Sequence[DarkLevel] = (),
     last: int = 1,
+    errors: ErrorEstimate | None = None,
 ) -> Calibration:
     """The calibration with what light and films of a run show of its systematics.
 
@@ -216,6 +218,9 @@ def update_systematics(
         subtracted contains them.
     last : int
         Number of the last frame.
+    errors : ErrorEstimate, optional
+        All errors together as the gap of the joint shows them, in place of background and
+        bleaching.
 
     Returns
     -------
@@ -223,8 +228,10 @@ def update_systematics(
         With the same parameters, and one more for a significant course, as the last.
     """
     systematics = calibration.systematics
-    if systematics is None:
+    if systematics is None or calibration.follows_run:
         return calibration
+    if errors is not None and not darks:
+        return with_errors(calibration, errors, corrected=False)
 
     if background is not None and options.background != "correct":
         systematics = _with_background_of_run(systematics, background)

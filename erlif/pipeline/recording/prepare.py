@@ -215,12 +215,15 @@ def prepare_run(
     energies, findings, measuring = read_energies(run.log), LightFindings(), calibration
     if correct:
         with stage("light", _logger):
-            lights = measure_lights(chain, ObjectPlane(run.settings, run.pairs.shape).patch)
+            plane = ObjectPlane(run.settings, run.pairs.shape)
+            lights = measure_lights(chain, plane.patch)
             findings = find_light(
                 lights,
                 calibration,
                 cycle.trigger.values,
                 energies,
+                plane=plane,
+                options=options,
                 reference=run.settings.reference if options.ratio == "correct" else None,
             )
         chain, measuring = correct_light(chain, calibration, findings, options)

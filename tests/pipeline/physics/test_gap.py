@@ -1,0 +1,93 @@
+"""Errors that the gap of a joint shows, from frames to film."""
+
+import tomllib
+
+import numpy as np
+import pytest
+from scenes.film import RUN_TOML
+from scenes.fixture import with_systematics
+
+import erlif
+from conftest import Laboratory
+from erlif.core.notes import Level
+from erlif.io.settings import RunSettings
+from erlif.pipeline.physics.gap import describe_gap, find_errors
+from erlif.pipeline.plane import ObjectPlane
+from erlif.rig import RigSettings
+from erlif.show.plots import example_calibration
+
+RIG = RigSettings(
+    width=160,
+    height=128,
+    spacing=2.0,
+    fixture_frames=6,
+    dark_pages=4,
+    flat_pages=3,
+    bubbles=0,
+    brightness=(1.0, 1.02),
+    write_systematics=False,
+)
+"""Camera 2 is 2 % brighter in the run than at the calibration; 24 frames, nothing stated."""
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory):
+    return Laboratory.simulated(tmp_path_factory.mktemp("gap"), seed=43, rig=RIG)
+
+
+@pytest.fixture(scope="module")
+def reported(lab):
+    return erlif.process(lab.run, workers=1)
+
+
+@pytest.fixture(scope="module")
+def corrected(lab):
+    return lab.process_copy("corrected", add='\n[light]\nerrors = "correct"\n')
+
+
+def median_error(lab, film):
+    """Of the pixels between 6 and 8 um. [um]"""
+    inside, error = lab.errors(film, above=6, below=8)
+    return float(np.median(error[inside]))
+
+
+def test_a_scale_of_the_ratio_is_reported_and_stays_in_the_maps(lab, reported):
+    error = median_error(lab, reported)
+    assert error > 0.5
+    (note,) = [line for line in reported.attrs["notes"].splitlines() if "pin and bore" in line]
+    assert 'errors = "correct"' in note
+    pull = (reported.film_min - lab.truth.film_min) / reported.film_min_std
+    assert 0.5 < float(np.abs(pull).median()) < 1.5
+
+
+def test_on_request_it_is_taken_out_and_its_error_remains(lab, reported, corrected):
+    before, after = median_error(lab, reported), median_error(lab, corrected)
+    assert abs(after) < 0.5 * before
+    inside, _ = lab.errors(corrected, above=6, below=8)
+    std = float(np.median(corrected.thickness_std_shared.values[inside]))
+    assert abs(after) < 2.5 * std
+    wide = float(np.median(reported.thickness_std_shared.values[inside]))
+    assert std < 0.5 * wide
+
+    pull = (corrected.film_min - lab.truth.film_min) / corrected.film_min_std
+    assert float(np.abs(pull).max()) < 3
+    assert float(corrected.film_min_std.median()) < 0.5 * float(reported.film_min_std.median())
+    assert "taken out of the films" in corrected.attrs["notes"]
+
+
+@pytest.mark.parametrize("widths", [{}, {"ratio": 0.0, "wall": 0.0}])
+def test_excluded_errors_are_not_looked_for(widths):
+    """The frames are not even read."""
+    calibration = with_systematics(example_calibration(), **widths)
+    assert find_errors(None, calibration, None, pairs=50) is None
+
+
+def test_a_run_without_a_joint_shows_no_errors():
+    calibration = with_systematics(example_calibration(), ratio=0.01)
+    settings = RunSettings.model_validate(tomllib.loads(RUN_TOML))
+    plane = ObjectPlane(settings.model_copy(update={"joint": None}), (96, 128))
+    assert plane.view is None
+    assert find_errors({}, calibration, plane, pairs=50) is None
+    (note,) = describe_gap(None, calibration, corrected=True)
+    assert note.level is Level.WARNING
+    assert describe_gap(None, calibration, corrected=False) == []
