@@ -17,7 +17,9 @@ from erlif.core.tables import read_table
 from erlif.core.units import Quantity
 from erlif.io.settings import (
     DyeSettings,
+    FixtureSystematics,
     PlanSettings,
+    SystematicsOptions,
     read_plan_settings,
     settings_of,
     to_toml,
@@ -51,6 +53,8 @@ from erlif.planning import (
     thickness_std,
     vary_tolerances,
 )
+from erlif.planning.limit import FILMS as FILMS_OF_LIMIT
+from erlif.planning.limit import Joint, attainable_errors
 from erlif.planning.refusals import refusal
 from erlif.rig import DyeSpectra, RigSettings
 from erlif.rig.settings import LIMITS
@@ -95,7 +99,8 @@ def plan(source: Path | str | PlanSettings, *, folder: Path | None = None) -> xr
         Over ``thickness``: ratio, signal of each ``camera``, standard deviation of a pixel for one
         frame and for the frames of the plan, frames needed. Over ``dye``: concentrations as
         planned and the best ones, whose variables begin with ``optimum``. Over ``bound``: ranges.
-        Over ``tolerance``: the effect of each tolerance, the largest first.
+        Over ``tolerance``: the effect of each tolerance, the largest first. Over ``limit`` and
+        ``limit_film``: errors that no frame shows, by their widths and with the gap of the joint.
 
     Raises
     ------
@@ -126,6 +131,7 @@ def plan(source: Path | str | PlanSettings, *, folder: Path | None = None) -> xr
             long_name=f"{variable.attrs['long_name']}, best concentrations"
         )
     planned = planned.merge(_describe_tolerances(design, film, settings))
+    planned = planned.merge(_describe_limit(design, film, settings))
     planned.attrs = {
         "title": settings.name,
         "uncertainty": settings.film.uncertainty,
@@ -384,6 +390,34 @@ def _describe_tolerances(design: Design, film: Film, settings: PlanSettings) -> 
     described["tolerance_size"] = ("tolerance", of_parts, {"long_name": "tolerance"})
     ranges = _as_variables(film_range=(film.thinnest, film.thickest), covered_range=film.covered)
     return described.merge(ranges)
+
+
+def _describe_limit(design: Design, film: Film, settings: PlanSettings) -> xr.Dataset:
+    """Errors that no frame shows, and what the gap of a joint leaves of them."""
+    widths = SystematicsOptions().shares | {"size": FixtureSystematics().size / 100}
+    # no frames of a dry joint are planned, and no second fixture
+    del widths["energy"], widths["course"]
+    given = settings.joint
+    joint = None
+    if given is not None:
+        joint = Joint(
+            1e3 * float(given.pin_radius),
+            1e3 * float(given.bushing_radius),
+            1e3 * float(given.width),
+            given.frames,
+        )
+    systematics, covariance, std = attainable_errors(design, film, widths, joint)
+    terms = list(dict.fromkeys(systematics.terms))
+    values = {"limit_std": systematics.covariance, "limit_std_gap": covariance}
+    variables: dict[str, Array] = {
+        name: np.array([np.sqrt(np.diag(each)[systematics.places(term)].max()) for term in terms])
+        for name, each in values.items()
+    }
+    variables |= {"limit_film_std": std[0], "limit_film_std_gap": std[1]}
+    if joint is None:
+        variables = {name: each for name, each in variables.items() if not name.endswith("gap")}
+    films = ("limit_film", np.array(FILMS_OF_LIMIT), {"units": "um", "long_name": "film thickness"})
+    return _as_variables(**variables).assign_coords(limit=terms, limit_film=films)
 
 
 def _describe_pulse(settings: PlanSettings, design: Design) -> dict[str, float]:

@@ -148,6 +148,21 @@ class FixtureOfPlan(Settings):
     thickest: Length | None = None
 
 
+class JointOfPlan(Settings):
+    """The joint whose gap shows what no frame shows."""
+
+    pin_radius: Length
+    bushing_radius: Length
+    width: Length
+    frames: int = Field(50, ge=12)
+
+    def faults(self) -> Iterator[str]:
+        if not self.pin_radius < self.bushing_radius:
+            yield "expected a pin_radius below bushing_radius. Correct one of them"
+        elif not self.width < 2 * self.pin_radius:
+            yield "expected a width of the image below the diameter of the pin. Correct it"
+
+
 class ReferencesOfPlan(Settings):
     """Dark and flat pages."""
 
@@ -191,6 +206,7 @@ class PlanSettings(Settings):
     camera2: CameraOfPlan
     film: FilmOfPlan
     fixture: FixtureOfPlan = FixtureOfPlan()
+    joint: JointOfPlan | None = None
     optics: OpticsOfPlan | None = None
     references: ReferencesOfPlan = ReferencesOfPlan()
     optimum: OptimumOptions = OptimumOptions()

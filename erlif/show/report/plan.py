@@ -77,6 +77,8 @@ def summarise_plan(plan: xr.Dataset) -> str:
         bleached=fluence > _FAR_BELOW * saturation,
         films=_film_table(plan),
         tolerances=_tolerance_table(plan),
+        limit=_limit_table(plan),
+        gap="limit_std_gap" in plan,
     )
 
 
@@ -123,6 +125,18 @@ def _film_table(plan: xr.Dataset) -> str:
         ratio = f"{float(one.ratio):.4f}"
         lines.append((f"{film:.3g}", ratio, *signals, std, share, averaged, *needed))
     return print_columns(lines, ">8 >7 >11 >11 >8 >8 >14 >13 >10")
+
+
+def _limit_table(plan: xr.Dataset) -> str:
+    kinds = ["", "_gap"] if "limit_std_gap" in plan else [""]
+    lines = [("no frame shows", "width", "with the gap")[: 1 + len(kinds)]]
+    for k, term in enumerate(plan.limit.values.tolist()):
+        shares = (f"{100 * float(plan[f'limit_std{kind}'][k]):.2f} %" for kind in kinds)
+        lines.append((term, *shares))
+    for k, film in enumerate(plan.limit_film.values.tolist()):
+        stds = (f"{1e3 * float(plan[f'limit_film_std{kind}'][k]):.0f} nm" for kind in kinds)
+        lines.append((f"film of {film:g} um", *stds))
+    return print_columns(lines, "<16 >8 >14" if len(kinds) > 1 else "<16 >8")
 
 
 def _tolerance_table(plan: xr.Dataset) -> str:

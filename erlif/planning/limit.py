@@ -1,0 +1,133 @@
+"""Errors that no frame shows: those of a planned rig, and what the gap of a joint leaves of them.
+
+The widths of the errors are the defaults of a run. A joint whose radii are known shows part of them
+in the curvature of its gap; what it leaves follows from the equations of `erlif.trend.rigidity`,
+which need no measured value. A constant error of all films remains: it is a displacement of the
+pin. The error of the calibration and the position of the fixture are not part of a plan.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from erlif.calibration import Reabsorption, Systematics
+from erlif.core.arrays import Array
+from erlif.planning.design import Design, log_ratio, log_ratio_slope, mean_attenuation
+from erlif.planning.precision import Film, log_ratio_variance
+from erlif.ratio import cell_centres
+from erlif.trend import (
+    CLEARANCE_STD,
+    Equations,
+    Unknowns,
+    act_on_ratio,
+    gap_of_pin,
+    solve_equations,
+)
+
+_SHAPE = (256, 320)  # px: rows and columns of the image, of which a cell is one of 120
+_CELL = _SHAPE[0] * _SHAPE[1] / 120  # px in a cell
+_EXCESS = 3e-4  # scatter of the ratio of a cell beyond photons, as virtual rigs show it [1]
+_TURNS = 1.5  # times that the pin goes up and down in a run
+
+FILMS = (1.0, 3.0, 10.0)
+"""Films whose errors are stated. [um]"""
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A pin in a bore, as its camera sees it.
+
+    Attributes
+    ----------
+    pin_radius, bushing_radius : float
+        [mm]
+    width : float
+        Extent of the image along sliding. [mm]
+    frames : int
+        Frame pairs of a run.
+    """
+
+    pin_radius: float
+    bushing_radius: float
+    width: float
+    frames: int
+
+
+def attainable_errors(
+    design: Design, film: Film, widths: dict[str, float], joint: Joint | None
+) -> tuple[Systematics, Array, Array]:
+    """Errors of a run by their widths, and by the gap of a joint.
+
+    Parameters
+    ----------
+    design : Design
+    film : Film
+        The minimum film of the joint moves through the wanted range.
+    widths : dict of str to float
+        Standard deviation of each term of `erlif.calibration.TERMS`. [1]
+    joint : Joint or None
+        None: the form of the gap is not known.
+
+    Returns
+    -------
+    systematics : Systematics
+        By the widths; it names the parameters.
+    covariance : array, (parameter, parameter)
+        With the gap.
+    film_std : array, (2, film)
+        Standard deviation of `FILMS` in the middle of a run by the widths, and with the gap. [um]
+
+    Examples
+    --------
+    >>> from erlif.planning.design import example_design
+    >>> joint = Joint(33.36, 33.59, 19.2, frames=30)
+    >>> wanted = Film(2.0, 10.0, (0.1, 18.0))
+    >>> found = attainable_errors(example_design(), wanted, {"ratio": 0.01}, joint)
+    >>> bool((found[2][1] < 0.2 * found[2][0]).all())
+    True
+    """
+    attenuation = [mean_attenuation(design, number) for number in (1, 2)]
+    model = Reabsorption(np.array([float(np.exp(log_ratio(design, 1e-6))), *attenuation]))
+    middle = float(np.sqrt(film.thinnest * film.thickest))
+    light = float(model.light(middle).signal)
+    pair = (light, light * float(np.exp(model.predict(middle))))
+    systematics = Systematics.of(widths, parameters=0, light=pair)
+    covariance = systematics.covariance
+    if joint is not None:
+        covariance = _constrain(design, film, model, systematics, joint)
+
+    films, half = np.array(FILMS)[None], np.array([0.5])
+    slope = log_ratio_slope(design, films)
+    acts = act_on_ratio(systematics, model, films, slope, half)[:, 0] / slope[0]
+    std = [
+        np.sqrt(np.einsum("if,ij,jf->f", acts, each, acts))
+        for each in (systematics.covariance, covariance)
+    ]
+    return systematics, covariance, np.array(std)
+
+
+def _constrain(
+    design: Design, film: Film, model: Reabsorption, systematics: Systematics, joint: Joint
+) -> Array:
+    """Covariance of the errors where all frames show one gap."""
+    x, y = (joint.width / _SHAPE[1] * centre for centre in cell_centres(_SHAPE))
+    x, y = x - x.mean(), y - y.mean()
+    radius = float(np.sqrt(joint.pin_radius * joint.bushing_radius))
+    clearance = 1e3 * (joint.bushing_radius - joint.pin_radius)
+    gap = gap_of_pin(x, y, radius, clearance_std=CLEARANCE_STD * clearance)
+
+    # the minimum film takes the part of the wanted range that the form of the gap leaves
+    passed = np.linspace(0, 1, joint.frames)
+    form = clearance * (1 - np.cos(x / radius))
+    span = max(film.thickest - film.thinnest - float(form.max()), 0.0)
+    minimum = film.thinnest + span * np.sin(np.pi * _TURNS * passed) ** 2
+    films = minimum[:, None] + form
+
+    slope, (new, _) = log_ratio_slope(design, films), log_ratio_variance(design, films, average=1)
+    acts = act_on_ratio(systematics, model, films, slope, passed)
+    variance = np.where(films <= film.thickest, new / _CELL + _EXCESS**2, np.inf)
+    nothing = Unknowns(np.zeros(len(acts)), np.zeros(x.size), np.zeros((joint.frames, len(gap[0]))))
+    equations = Equations(slope, acts, variance, *gap)
+    return solve_equations(equations, systematics.covariance, np.zeros(films.shape), nothing)[1]
