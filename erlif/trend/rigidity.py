@@ -68,11 +68,21 @@ class Equations(NamedTuple):
 
 
 class Unknowns(NamedTuple):
-    """Values of all unknowns, or a change of them."""
+    """Values of all unknowns, or a change of them.
 
-    errors: Array  # (error,)
-    form: Array  # (cell,) [um]
-    motion: Array  # (frame, motion) [um]
+    Attributes
+    ----------
+    errors : Array
+        (error,)
+    form : Array
+        Of the gap, (cell,). [um]
+    motion : Array
+        Of the pin, (frame, motion). [um]
+    """
+
+    errors: Array
+    form: Array
+    motion: Array
 
 
 def solve_equations(
@@ -95,6 +105,19 @@ def solve_equations(
     change : Unknowns
     covariance : array, (error, error)
         Of the errors with the run.
+
+    Examples
+    --------
+    A shift of the ratio at one film is a displacement; its error stays as it was:
+
+    >>> x = np.linspace(-8, 8, 40)
+    >>> gap = gap_of_pin(x, np.tile([-6.0, 6.0], 20), 33.5, clearance_std=2.0)
+    >>> still = np.full((20, 40), 0.1)
+    >>> equations = Equations(still, 0 * still[None] + 1, 1e-6 + 0 * still, *gap)
+    >>> at = Unknowns(np.zeros(1), np.zeros(40), np.zeros((20, 5)))
+    >>> _, covariance = solve_equations(equations, np.array([[1e-4]]), 0 * still, at)
+    >>> round(float(covariance[0, 0] / 1e-4), 1)
+    1.0
     """
     root = covariance_root(prior)
     cells, causes = len(equations.form), root.shape[1]
@@ -153,6 +176,16 @@ def act_on_ratio(
     Returns
     -------
     array, (parameter, frame, cell)
+
+    Examples
+    --------
+    What rises during the run is absent at its first frame:
+
+    >>> bleached = Systematics.of({"bleaching": 0.01}, parameters=0)
+    >>> film, slope = np.full((2, 1), 5.0), np.full((2, 1), 0.03)
+    >>> model = Reabsorption(np.array([0.65, 0.4, 0.25]))
+    >>> act_on_ratio(bleached, model, film, slope, np.array([0.0, 1.0]))[0, :, 0].tolist()
+    [0.0, 1.0]
     """
     bright = np.broadcast_to(np.asarray(illumination, float), film.shape[1:])
     acts = np.empty((len(systematics.kinds), *film.shape))
