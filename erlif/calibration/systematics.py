@@ -146,6 +146,12 @@ class Systematics:
         return np.array([kind.startswith("rising") for kind in self.kinds], bool)
 
     @property
+    def grows_apart(self) -> bool:
+        """Whether what grows during the run is independent of all other errors."""
+        grows = self.rising
+        return not (self.covariance[np.ix_(grows, ~grows)].any() or self.cross[:, grows].any())
+
+    @property
     def varies(self) -> Mask:
         """Parameters that act differently during the run, (parameter,)."""
         return np.array(

@@ -60,7 +60,9 @@ class FilmTables(NamedTuple):
             np.append(calibration.predict_log(ranges), [first, last]).astype(np.float32),
         )
 
-    def growing_to(self, last: FilmTables, passed: float) -> FilmTables:
+    def growing_to(
+        self, last: FilmTables, passed: float, middle: FilmTables | None = None
+    ) -> FilmTables:
         """Tables when a share of a run has passed, between those of its first and its last frame.
 
         Parameters
@@ -69,6 +71,8 @@ class FilmTables(NamedTuple):
             Of the same calibration; the error that grows from nothing is there at its full size.
         passed : float
             Share of the run. [1]
+        middle : FilmTables, optional
+            At half of the run, where what grows is correlated with what does not.
 
         Returns
         -------
@@ -76,5 +80,12 @@ class FilmTables(NamedTuple):
         """
         slopes, end = (tables.films[1].view(np.float32).copy() for tables in (self, last))
         fixed, whole = slopes[1::2] ** 2, end[1::2] ** 2
-        slopes[1::2] = np.sqrt(fixed + passed**2 * np.maximum(whole - fixed, 0.0))
+        if middle is None:
+            variance = fixed + passed**2 * np.maximum(whole - fixed, 0.0)
+        else:
+            # a parabola of the share
+            half = middle.films[1].view(np.float32)[1::2] ** 2
+            bend = 2 * (fixed + whole - 2 * half)
+            variance = fixed + passed * (whole - fixed - bend) + passed**2 * bend
+        slopes[1::2] = np.sqrt(np.maximum(variance, 0.0))
         return self._replace(films=(self.films[0], slopes.view(np.float64)))

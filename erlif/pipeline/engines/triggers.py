@@ -114,14 +114,21 @@ class TriggerTask(PickledByFields):
         """The calibration in tables for the maps, when a share of the run has passed."""
         if self.calibration.later is not None or self.calibration.follows_run:
             return FilmTables.of(self.calibration.at(passed))
-        first, last = self.tables
-        return first if last is None else first.growing_to(last, passed)
+        first, last, middle = self.tables
+        return first if last is None else first.growing_to(last, passed, middle)
 
     @cached_property
-    def tables(self) -> tuple[FilmTables, FilmTables | None]:
-        """The calibration in tables at the first frame, and at the last where they differ."""
+    def tables(self) -> tuple[FilmTables, FilmTables | None, FilmTables | None]:
+        """The calibration in tables at the first frame, and at the last where they differ.
+
+        And in the middle of the run, where what grows is correlated with what does not.
+        """
         first, last = self.calibration.at(0.0), self.calibration.at(1.0)
-        return FilmTables.of(first), None if last is first else FilmTables.of(last)
+        if last is first:
+            return FilmTables.of(first), None, None
+        apart = last.systematics is None or last.systematics.grows_apart
+        middle = None if apart else FilmTables.of(self.calibration.at(0.5))
+        return FilmTables.of(first), FilmTables.of(last), middle
 
     @cached_property
     def curve(self) -> FilmCurve:
