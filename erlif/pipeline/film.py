@@ -252,7 +252,9 @@ def complete_film(
         last=last,
         errors=findings.errors,
     )
-    results = follow_course(results, ready.measuring, findings.course, last=last)
+    # a small course is among the errors that the gap shows
+    course = findings.course if findings.errors is None else None
+    results = follow_course(results, ready.measuring, course, last=last)
 
     of_frames = frames_of_run(run, cycle)
     with stage("prediction", _logger):

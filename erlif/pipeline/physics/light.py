@@ -402,22 +402,34 @@ def find_light(
     if reference is not None:
         scale = find_scale(lights, calibration, reference, pairs=triggers.size)
     errors = None
-    beyond = _is_beyond(calibration, background, bleaching, course, triggers.size)
+    beyond = is_beyond_widths(calibration, background, bleaching, course, triggers.size)
     if not options.corrects_light and not beyond:
         errors = find_errors(lights, calibration, plane, pairs=triggers.size)
-    # a drift within the widths is among the errors
-    course = course if errors is None else None
     return LightFindings(background, bleaching, source, course, scale, errors)
 
 
-def _is_beyond(
+def is_beyond_widths(
     calibration: Calibration,
     background: BackgroundEstimate | None,
     bleaching: Trend | None,
     course: Change | None,
     pulses: int,
 ) -> bool:
-    """Whether a run shows a change that the widths of its errors do not hold."""
+    """Whether a run shows a change that the widths of its errors do not hold.
+
+    Parameters
+    ----------
+    calibration : Calibration
+        With the systematics of the settings.
+    background, bleaching, course
+        As the run shows them; None where it does not determine them.
+    pulses : int
+        Frames of the run.
+
+    Returns
+    -------
+    bool
+    """
     systematics = calibration.systematics
     if systematics is None:
         return False
@@ -425,7 +437,7 @@ def _is_beyond(
     if background is not None and background.significant and excluded:
         return True
 
-    # bleaching and half of the temperature rise during the run; nothing has a step
+    # bleaching and half of the temperature rise during the run; a small step looks like them
     rising = [kind == "rising constant" for kind in systematics.kinds]
     most = _MOST_RISING * np.sqrt(np.diag(systematics.covariance)[rising].sum())
     drifts = [] if bleaching is None or not bleaching.significant() else [bleaching.log_ratio]
@@ -433,7 +445,7 @@ def _is_beyond(
         return True
     if course is None or not course.significant:
         return False
-    return course.frame is not None or abs(course.size) > most
+    return bool(abs(course.size) > (most if course.frame is None else most / _MOST_RISING))
 
 
 def describe_course(course: Change | None, calibration: Calibration) -> list[Note]:

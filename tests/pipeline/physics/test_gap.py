@@ -12,9 +12,11 @@ from conftest import Laboratory
 from erlif.core.notes import Level
 from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.gap import describe_gap, find_errors
+from erlif.pipeline.physics.light import is_beyond_widths
 from erlif.pipeline.plane import ObjectPlane
 from erlif.rig import RigSettings
 from erlif.show.plots import example_calibration
+from erlif.trend import Change, Trend
 
 RIG = RigSettings(
     width=160,
@@ -91,3 +93,24 @@ def test_a_run_without_a_joint_shows_no_errors():
     (note,) = describe_gap(None, calibration, corrected=True)
     assert note.level is Level.WARNING
     assert describe_gap(None, calibration, corrected=False) == []
+
+
+@pytest.mark.parametrize(
+    ("frame", "size", "beyond"),
+    [(None, 0.03, False), (None, 0.04, True), (12, 0.01, False), (12, 0.02, True)],
+)
+def test_a_drift_of_three_widths_and_a_step_of_one_leave_the_gap_alone(frame, size, beyond):
+    """Bleaching of 1 % and a temperature of 0.5 % drift by 1.1 % together."""
+    calibration = with_systematics(example_calibration(), bleaching=0.01, temperature=0.005)
+    course = Change(frame=frame, size=size, std=0.001, significance=9.0)
+    assert is_beyond_widths(calibration, None, None, course, 50) is beyond
+    chance = Change(frame=frame, size=size, std=0.02, significance=2.0)
+    assert not is_beyond_widths(calibration, None, None, chance, 50)
+
+
+@pytest.mark.parametrize(("per_pulse", "beyond"), [(-5e-4, False), (-1e-3, True)])
+def test_bleaching_far_beyond_its_width_leaves_the_gap_alone(per_pulse, beyond):
+    """Over 50 pulses, of a width of 1 %."""
+    calibration = with_systematics(example_calibration(), bleaching=0.01)
+    trend = Trend(per_pulse, 1e-5, np.nan, np.nan)
+    assert is_beyond_widths(calibration, None, trend, None, 50) is beyond
