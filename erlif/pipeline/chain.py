@@ -25,7 +25,7 @@ from erlif.io.ingest import FramePairs, read_pair
 from erlif.pipeline.passes.drift import PairDrift
 from erlif.pipeline.passes.ratio import BAND, measure_ratio
 from erlif.pipeline.passes.warp import MapTables, PairWarp, tabulate_map, turn_noise
-from erlif.ratio import BlurDifference, PairRatio, compute_ratio
+from erlif.ratio import BlurDifference, PairRatio, compute_ratio, measure_sharpness
 from erlif.ratio.log_ratio import empty_ratio
 from erlif.registration import CameraMap, align_frames
 
@@ -251,9 +251,14 @@ class FrameChain(PickledByFields):
         counts, digests = read_pair(self.pairs, frame, digests=True)
         light = self.correct.measure(frame, counts, out=buffers.light)
         dark = self.correct.read_dark(counts)
+        one, two = (
+            measure_sharpness(light.light[n], light.flags[n], table.noise)
+            for n, table in enumerate(self.correct.tables)
+        )
+        sharpness = (one, two)
         del counts  # 5 MB a pair and thread, while the ratio is made
         ratio = self._divide(frame, light, self._find_drift(light), buffers)
-        return replace(ratio, digests=digests, dark=dark)
+        return replace(ratio, digests=digests, dark=dark, sharpness=sharpness)
 
     def restore(self, frame: int, drift: tuple[float, float]) -> tuple[PairRatio, Array]:
         """The ratio of one frame pair whose drift (x, y) [px] is known, and its light.

@@ -2,6 +2,7 @@ from .accumulation import RatioSum, combine_frames
 from .bubbles import find_bubbles
 from .camera_noise import NoiseEstimate, NoiseView, estimate_camera_noise
 from .cells import NO_CELLS, LightCells, cell_centres, cell_places, sample_cells
+from .focus import measure_sharpness
 from .log_ratio import compute_ratio
 from .noise_fit import NoiseUnknowns
 from .pair import NO_DARK, PairRatio
@@ -30,6 +31,7 @@ __all__ = [
     "estimate_camera_noise",
     "find_bubbles",
     "find_pulse_faults",
+    "measure_sharpness",
     "sample_cells",
     "sample_pulse",
     "smooth_ratio",

@@ -54,6 +54,8 @@ class PairRatio:
     dark : tuple[tuple[float, float], ...]
         Mean [DN] and variance [DN2] of the pixels of each camera that no light reaches, dark
         subtracted, (camera, 2); NaN without such pixels.
+    sharpness : tuple[float, float]
+        Of camera 1 and camera 2, as `measure_sharpness`; NaN where it is not known. [1]
     spare : tuple[Image, ...]
         Three images of the same shape whose content is not needed any more; `measure_film` fills
         them. They may be log_ratio, variance and variance_shared.
@@ -70,6 +72,7 @@ class PairRatio:
     peaks: tuple[int, int] = (0, 0)
     digests: tuple[str, str] = ("", "")
     dark: tuple[tuple[float, float], ...] = NO_DARK
+    sharpness: tuple[float, float] = (float("nan"), float("nan"))
     spare: tuple[Image, ...] = ()
 
     @property

@@ -1,6 +1,7 @@
 """Directories as the laboratory writes them: a fixture, a run, and the truth beside them."""
 
 import dataclasses
+import math
 import shutil
 from collections.abc import Callable, Iterable
 from functools import lru_cache, partial
@@ -180,6 +181,9 @@ def age(setup: Setup, pulse: int, pulses: int) -> Setup:
         second = dataclasses.replace(second, sensitivity=factor * second.sensitivity)
     if rise != 0 and pulse >= since:
         second = dataclasses.replace(second, dark_level=second.dark_level + rise)
+    if rig.blur_step[1] and pulse >= rig.blur_step[0]:
+        blur = (rig.blur[0], math.hypot(rig.blur[1], rig.blur_step[1]))
+        setup = dataclasses.replace(setup, rig=dataclasses.replace(rig, blur=blur))
     return dataclasses.replace(setup, cameras=(first, second))
 
 

@@ -218,6 +218,9 @@ class RigSettings:
         Light of camera 1 and 2 in the run over that at the calibration: filters, exposure, gain.
     gain_step : tuple[float, float]
         Frame from which on camera 2 is brighter, and by which factor.
+    blur_step : tuple[float, float]
+        Frame from which on camera 2 is less sharp, and the standard deviation of the point spread
+        that is added. [pixel]
     bump : tuple[float, float, float]
         Frame from which on camera 2 is displaced, and by how much along x and y. [pixel]
     lag : tuple[float, float]
@@ -353,6 +356,7 @@ class RigSettings:
     glow_per_kelvin: tuple[float, float] = (-0.002, -0.001)
     brightness: tuple[float, float] = (1.0, 1.0)
     gain_step: tuple[float, float] = (0.0, 1.0)
+    blur_step: tuple[float, float] = (0.0, 0.0)
     bump: tuple[float, float, float] = (0.0, 0.0, 0.0)
     lag: tuple[float, float] = (0.0, 0.0)
     compression: tuple[float, float] = (0.0, 0.0)

@@ -16,10 +16,18 @@ RIG = RigSettings(
     bubbles=0,
     gain_step=(18, 1.05),
     bump=(25, 6.0, 0.0),
+    blur_step=(30, 0.8),
 )
 """Forty frames of one cycle."""
 
-DARK = replace(RIG, gain_step=(0, 1.0), bump=(0, 0.0, 0.0), dark_drift=(0.0, 40.0), iris=0.9)
+DARK = replace(
+    RIG,
+    gain_step=(0, 1.0),
+    bump=(0, 0.0, 0.0),
+    blur_step=(0, 0.0),
+    dark_drift=(0.0, 40.0),
+    iris=0.9,
+)
 """A dark of camera 2 that is 40 DN above its dark frames, and corners without light."""
 
 
@@ -44,6 +52,9 @@ def test_step_and_bump_are_named_with_their_frames(film):
     (bump,) = notes_on(film, "registration")
     assert "from frame 25 on" in bump
     assert "along x" in bump
+    (focus,) = [line for line in film.attrs["notes"].splitlines() if "sharpness" in line]
+    assert "camera2: from frame" in focus
+    assert any(f"frame {frame} on" in focus for frame in (29, 30, 31))
 
 
 def test_error_of_the_mean_film_holds_the_step(lab, film):

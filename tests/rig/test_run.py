@@ -275,6 +275,24 @@ def test_a_compressed_camera_loses_light_in_proportion_to_it(tmp_path):
     assert np.abs((bent[bright] - expected).mean()) < 2
 
 
+def test_camera_2_loses_sharpness_at_its_frame(tmp_path):
+    """Contrast of speckle of 0.72 px, from a blur of 0.55 px to one of 1.14 px."""
+    contrast = [
+        [np.std(np.diff(frame, axis=1)) / frame.mean() for frame in camera]
+        for camera in simulate_pairs(
+            tmp_path,
+            blur_step=(3, 1.0),
+            speckle_fixed=0.3,
+            dust=0,
+            hot_fraction=0.0,
+            beam_corner=1.0,
+        )
+    ]
+    npt.assert_allclose(contrast[0], contrast[0][0], rtol=0.02)
+    npt.assert_allclose(contrast[1][:3], contrast[1][0], rtol=0.02)
+    assert max(contrast[1][3:]) < 0.7 * contrast[1][0]
+
+
 def test_dark_of_camera_2_rises_at_its_frame(tmp_path):
     before, after = (
         simulate_pairs(tmp_path / name, dark_step=(4, rise))

@@ -33,6 +33,10 @@ _FOLLOWED = 400
 # Step or drift of the registration that is reported: several times what vibration leaves. [px]
 _MOVED = 1.0
 
+# Step or drift of the logarithm of the sharpness that is reported, and its standard deviations: of
+# frames that differ by their speckle, not by chance alone. [1]
+_BLURRED, _FOCUS_SIGNIFICANT = 0.03, 6.0
+
 # Arrays of a trigger with one row for each frame pair: type in the file, and shape of a row.
 _OF_FRAMES: dict[str, tuple[Any, tuple[int, ...]]] = {
     "frame": (np.int64, ()),
@@ -45,6 +49,7 @@ _OF_FRAMES: dict[str, tuple[Any, tuple[int, ...]]] = {
     "cells": (np.float32, np.shape(NO_CELLS)),
     "patch": (float, (3,)),
     "dark": (float, (2, 2)),
+    "sharpness": (float, (2,)),
 }
 
 
@@ -74,6 +79,8 @@ class FrameResult:
     dark : tuple[tuple[float, float], ...]
         Mean [DN] and variance [DN2] of the unlit pixels of each camera, dark subtracted,
         (camera, 2); NaN without such pixels.
+    sharpness : tuple[float, float]
+        Of camera 1 and camera 2; NaN without texture. [1]
     """
 
     frame: int
@@ -85,6 +92,7 @@ class FrameResult:
     cells: LightCells = field(default=NO_CELLS, compare=False)
     patch: PatchMean = field(default=NO_PATCH, compare=False)
     dark: tuple[tuple[float, float], ...] = field(default=NO_DARK, compare=False)
+    sharpness: tuple[float, float] = field(default=(float("nan"),) * 2, compare=False)
 
     @classmethod
     def of(
@@ -99,6 +107,7 @@ class FrameResult:
             pair.peaks,
             digests=pair.digests,
             dark=pair.dark,
+            sharpness=pair.sharpness,
             pulse=sample_pulse(light, log_ratio, flags),
             cells=sample_cells(light, log_ratio, variance, flags) if with_cells else NO_CELLS,
         )
@@ -201,8 +210,9 @@ class TriggerResult:
                 LightCells(*cells),
                 PatchMean(*patch.tolist()),
                 tuple(map(tuple, dark.tolist())),
+                (float(sharpness[0]), float(sharpness[1])),
             )
-            for frame, drift, peaks, energy, digests, pulse, cells, patch, dark in zip(
+            for frame, drift, peaks, energy, digests, pulse, cells, patch, dark, sharpness in zip(
                 *(arrays[name] for name in _OF_FRAMES), strict=True
             )
         )
@@ -257,13 +267,35 @@ def describe_frame_notes(frames: Sequence[FrameResult], pairs: FramePairs) -> li
     if lost:
         subject = f"frame pairs {', '.join(str(frame) for frame in lost)}"
         notes.append(_note("no_texture", subject=subject))
-    return [*(note for note in notes if note is not None), *_describe_moves(frames)]
-
-
-def _describe_moves(frames: Sequence[FrameResult]) -> list[Note]:
-    """A step or drift of camera 2 against camera 1 along each axis."""
     ordered = sorted(frames, key=lambda one: one.frame)
-    ordered = ordered[:: -(-len(ordered) // _FOLLOWED)] if ordered else []
+    followed = ordered[:: -(-len(ordered) // _FOLLOWED)] if ordered else []
+    known = [note for note in notes if note is not None]
+    return [*known, *_describe_moves(followed), *_describe_focus(followed)]
+
+
+def _describe_focus(frames: Sequence[FrameResult]) -> list[Note]:
+    """A step or drift of the sharpness of one camera against the other.
+
+    Both see the same speckle: what it does to the sharpness of single frames is common to them.
+    """
+    numbers = np.array([one.frame for one in frames])
+    sharpness = np.log([one.sharpness for one in frames]).reshape(-1, 2)
+    found = find_shift(numbers, sharpness[:, 1] - sharpness[:, 0])
+    if found is None or abs(found.size) < max(_BLURRED, _FOCUS_SIGNIFICANT * found.std):
+        return []
+
+    # the camera that changed is the one whose own sharpness did
+    later = numbers >= (np.median(numbers) if found.frame is None else found.frame)
+    own = np.nanmean(sharpness[later], axis=0) - np.nanmean(sharpness[~later], axis=0)
+    camera = int(np.argmax(np.abs(own)))
+    size = found.size if camera == 1 else -found.size
+    key = "focus_drifts" if found.frame is None else "focus_changed"
+    size, std = 100 * float(np.expm1(size)), 100 * found.std
+    return [_note(key, subject=f"camera{camera + 1}", frame=found.frame, size=size, std=std)]
+
+
+def _describe_moves(ordered: Sequence[FrameResult]) -> list[Note]:
+    """A step or drift of camera 2 against camera 1 along each axis."""
     numbers = np.array([one.frame for one in ordered])
     notes = []
     for axis, name in enumerate("xy"):

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import numpy.testing as npt
+import pytest
 from scenes.results import make_position, make_result
 
 from erlif.core.notes import Level
@@ -78,6 +79,34 @@ def test_counts_far_below_full_scale_have_a_note_for_their_camera():
     (note,) = describe_frame_notes(frames, PAIRS)
     assert "camera1" in str(note)
     assert "255 of 4095" in note.text
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        (-0.1 * (np.arange(60) >= 35), "from frame 35 on"),
+        (-0.4 * np.arange(60) / 59, "from the first to the last frame"),
+    ],
+)
+@pytest.mark.parametrize("camera", [0, 1])
+def test_camera_that_loses_sharpness_is_named(camera, change, text):
+    """Its speckle differs from frame to frame by 5 %, in both cameras alike, and by 2 % in each."""
+    rng = np.random.default_rng(3)
+    sharpness = np.log(0.3) + 0.05 * rng.standard_normal((60, 1)) + 0.02 * rng.normal(size=(60, 2))
+    assert describe_frame_notes(with_sharpness(sharpness), PAIRS) == []
+    sharpness[:, camera] += change
+    (note,) = describe_frame_notes(with_sharpness(sharpness), PAIRS)
+    assert note.subject == f"camera{camera + 1}"
+    assert text in note.text
+    found = float(note.text.split(" ±")[0].split()[-1])
+    assert abs(found - 100 * np.expm1(change[-1])) < 4
+
+
+def with_sharpness(logarithm):
+    return [
+        FrameResult(k, (0.0, 0.0), (4000, 4000), sharpness=tuple(np.exp(row)))
+        for k, row in enumerate(logarithm)
+    ]
 
 
 def test_good_frames_and_no_frames_have_no_note():
