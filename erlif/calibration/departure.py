@@ -1,13 +1,14 @@
 """Departure of the ratio from the reabsorption model, a spline where the data require one.
 
-The candidates are cubic splines of few pieces, added to the logarithm of the modelled ratio. The
-Bayesian information criterion (Schwarz 1978) decides whether one is used: a spline of k degrees
-of freedom must lower chi-square by k ln(points) and by 10 more, "very strong" evidence (Kass &
-Raftery 1995). Otherwise the model stands alone.
+The spline is cubic and smooth, added to the logarithm of the modelled ratio. It has more pieces
+than a fixture resolves. The second differences of its coefficients are drawn from a normal
+distribution, whose width has the highest restricted likelihood (Eilers and Marx 1996):
+a ratio that bends slowly makes it stiff, one that bends quickly does not. The error bars are those
+of the posterior (Wahba 1983), which contain what the stiffness hides.
 
-The number of pieces is then six, not the number that fits best: a number chosen from the data
-leaves out what the noise hides, and the error bars would not contain it. There are fewer pieces
-where six would let the ratio fall with thickness.
+The Bayesian information criterion (Schwarz 1978) decides whether it is used: a spline that takes k
+degrees of freedom must lower chi-square by k ln(points) and by 10 more, "very strong" evidence
+(Kass & Raftery 1995). Otherwise the model stands alone.
 """
 
 from __future__ import annotations
@@ -37,10 +38,12 @@ _STORED = {
     "departure_covariance": "covariance",
 }
 
-_MAXIMUM_KNOTS = 5  # inner knots, that is six pieces
-_POINTS_PER_FUNCTION = 10  # each B-spline is supported by as many points
-_PASSES = 6  # Gauss-Newton steps; the change is below rounding after four
-_MOST_RISING = 0.9  # share of the range of the ratio over which the curve must rise
+_FEWEST_POINTS = 40  # of a spline
+_MOST_KNOTS = 47  # inner knots, that is 48 pieces; the prior holds those that noise would bend
+_POINTS_PER_KNOT = 4
+_TEST_KNOTS = 2  # inner knots of the spline without a prior that tests for structure
+_PASSES = 8  # Gauss-Newton steps; the change is below rounding after six
+_STIFFNESS = np.geomspace(1.0, 1e6, 49)  # inverse standard deviations of a second difference [1]
 _GRID = 1001  # places at which the slope of the curve is checked
 _NEIGHBOURS = 20  # points from which on their correlation is estimated
 
@@ -127,9 +130,9 @@ class Candidate:
     true_thickness: Array
 
     @property
-    def inner_knots(self) -> int:
-        """Number of places where pieces of the spline meet."""
-        return self.departure.coefficients.size - 4
+    def pieces(self) -> int:
+        """Number of its pieces."""
+        return self.departure.coefficients.size - 3
 
     def noise(self, points: int, parameters: int) -> float:
         """Variance of the noise in units of the stated one."""
@@ -145,10 +148,10 @@ class Choice:
     candidate : Candidate | None
         The spline to use; None where the model stands alone.
     evidence : float
-        Difference of the Bayesian criterion in favour of the best spline.
+        Difference of the Bayesian criterion in favour of the spline.
     chance : float
         Probability that chance alone makes the residuals of the model as smooth.
-    smooth : Candidate
+    tested : Candidate
         The spline from which `chance` was computed.
     falling : bool
         Whether the ratio falls somewhere with the spline to use; the range ends there.
@@ -157,12 +160,12 @@ class Choice:
     candidate: Candidate | None
     evidence: float
     chance: float
-    smooth: Candidate
+    tested: Candidate
     falling: bool
 
 
 def choose_departure(points: Points, fit: Fit, freedom: Freedom) -> Choice | None:
-    """Compare splines of 0 to 5 inner knots with the reabsorption model alone.
+    """Compare a spline with the reabsorption model alone.
 
     Parameters
     ----------
@@ -176,54 +179,34 @@ def choose_departure(points: Points, fit: Fit, freedom: Freedom) -> Choice | Non
     Returns
     -------
     Choice or None
-        None where there are too few points for any spline.
+        None with fewer than 40 points.
     """
     count, parameters = int(fit.kept.sum()), len(fit.covariance)
-    most = min(_MAXIMUM_KNOTS, count // _POINTS_PER_FUNCTION - 4)
-    if most < 0:
+    if count < _FEWEST_POINTS:
         return None
-    candidates = [fit_departure(points, fit, freedom, knots) for knots in range(most + 1)]
+    smooth = fit_departure(points, fit, freedom)
+    tested = fit_departure(points, fit, freedom, test_knots=_TEST_KNOTS)
 
-    # twice the pieces where six do not follow a precise fixture; no other number, because a choice
-    # among many by the same data makes the standard deviations too small
-    finer = 2 * _MAXIMUM_KNOTS + 1
-    if count // _POINTS_PER_FUNCTION - 4 >= finer:
-        more = fit_departure(points, fit, freedom, finer)
-        noise = max(1.0, more.noise(count, parameters))
-        gained = (candidates[-1].chi_square - more.chi_square) / noise
-        if gained - (more.freedom - candidates[-1].freedom) * math.log(count) >= VERY_STRONG:
-            candidates.append(more)
-
-    # scatter about the most flexible spline is noise; a noise below the stated one is chance
-    noise = max(1.0, candidates[-1].noise(count, parameters))
-    gain = np.array([(fit.chi_square - candidate.chi_square) / noise for candidate in candidates])
-    freed = np.array([candidate.freedom for candidate in candidates])
-    evidence = gain - freed * math.log(count)
-
-    smooth = candidates[most // 2]
-    chance = float(scipy.stats.chi2.sf(gain[most // 2], smooth.freedom))
-    chosen, falling = None, False
-    if evidence.max() >= VERY_STRONG:
-        chosen = next(
-            (one for one in candidates[::-1] if _rise_of(fit, one) >= _MOST_RISING), candidates[0]
-        )
-        falling = _rise_of(fit, chosen) < 1
+    # scatter about the spline is noise; a noise below the stated one is chance
+    noise = max(1.0, smooth.noise(count, parameters))
+    gain, of_test = ((fit.chi_square - one.chi_square) / noise for one in (smooth, tested))
+    evidence = gain - smooth.freedom * math.log(count)
+    used = evidence >= VERY_STRONG
     return Choice(
-        candidate=chosen,
-        evidence=float(evidence.max()),
-        chance=chance,
-        smooth=smooth,
-        falling=falling,
+        candidate=smooth if used else None,
+        evidence=evidence,
+        chance=float(scipy.stats.chi2.sf(of_test, tested.freedom)),
+        tested=tested,
+        falling=used and _falls(fit, smooth),
     )
 
 
-def _rise_of(fit: Fit, candidate: Candidate) -> float:
-    """Share of the range of the ratio over which model and spline rise without a break."""
+def _falls(fit: Fit, candidate: Candidate) -> bool:
+    """Whether model and spline fall somewhere."""
     true = candidate.true_thickness[fit.kept]
     grid = np.linspace(float(true.min()), float(true.max()), _GRID)
     ratio = fit.predict(grid) + candidate.departure.predict(grid)
-    first, last = longest_rise(np.diff(ratio) > 0)
-    return float((ratio[last] - ratio[first]) / np.ptp(ratio))
+    return bool((np.diff(ratio) <= 0).any())
 
 
 def longest_rise(rises: Mask) -> tuple[int, int]:
@@ -251,7 +234,9 @@ def longest_rise(rises: Mask) -> tuple[int, int]:
     return int(starts[longest]), int(ends[longest])
 
 
-def fit_departure(points: Points, fit: Fit, freedom: Freedom, inner_knots: int) -> Candidate:
+def fit_departure(
+    points: Points, fit: Fit, freedom: Freedom, *, test_knots: int | None = None
+) -> Candidate:
     """Fit a spline to the residuals of the model, with errors in both variables.
 
     The knots are even in the modelled logarithm of the ratio, closer where it bends. K, p and q
@@ -262,52 +247,81 @@ def fit_departure(points: Points, fit: Fit, freedom: Freedom, inner_knots: int) 
     ----------
     points, fit, freedom
         As for `choose_departure`.
-    inner_knots : int
-        Number of places where pieces of the spline meet.
+    test_knots : int, optional
+        Places where pieces meet of a spline without a prior. Default: a smooth spline.
 
     Returns
     -------
     Candidate
     """
-    kept, functions = fit.kept, inner_knots + 4
+    kept = fit.kept
+    inner = (
+        min(_MOST_KNOTS, int(kept.sum()) // _POINTS_PER_KNOT) if test_knots is None else test_knots
+    )
+    functions = inner + 4
     displaced = freedom.displacement[kept]
     y, y_std, t_std = points.log_ratio[kept], points.log_ratio_std[kept], fit.thickness_std[kept]
     true = fit.true_thickness[kept]
-    spline = Departure(_place_knots(fit, true, inner_knots), np.zeros(functions), np.empty(0))
-    coefficients = spline.coefficients
-    displacement = fit.displacement
+    spline = Departure(_place_knots(fit, true, inner), np.zeros(functions), np.empty(0))
+    unknowns = np.concatenate([spline.coefficients, fit.displacement])
     model = np.concatenate([fit.gradient(true), (fit.slope(true)[:, None] * displaced).T])
+    bends = np.diff(np.eye(functions, unknowns.size), n=2, axis=0)
+    prior = np.zeros((0, unknowns.size))
 
     for _ in range(_PASSES):
         # effective variance: the CMM's error enters the ratio through the slope of the curve
         basis = spline.basis(true).T
+        coefficients, displacement = np.split(unknowns, [functions])
         slope = fit.slope(true) + spline.basis(true, derivative=True).T @ coefficients
         film = points.thickness[kept] + displaced @ displacement
         std = np.hypot(y_std, slope * t_std)
         rest = y - fit.predict(true) - basis @ coefficients - slope * (film - true)
         design = np.column_stack([basis, slope[:, None] * displaced]) / std[:, None]
-        change = np.linalg.lstsq(design, rest / std, rcond=None)[0]
-        coefficients = coefficients + change[:functions]
-        displacement = displacement + change[functions:]
+        value = rest / std + design @ unknowns
+        if test_knots is None:
+            prior = _stiffness(design, value, bends) * bends
+        aim = np.concatenate([value, np.zeros(len(prior))])
+        unknowns = np.linalg.lstsq(np.concatenate([design, prior]), aim, rcond=None)[0]
 
         # the point on the curve nearest to each measured one
-        rest = rest - design @ change * std
+        scaled = value - design @ unknowns
+        coefficients, displacement = np.split(unknowns, [functions])
         film = points.thickness[kept] + displaced @ displacement
-        true = film + slope * (t_std / std) ** 2 * rest
-    chi_square = float(((rest / std) ** 2).sum())
+        true = film + slope * t_std**2 / std * scaled
+    chi_square = float((scaled**2).sum())
 
     # noise that the model has already absorbed is not counted again
     taken = np.linalg.qr(model.T / std[:, None])[0]
-    space = np.linalg.svd(design, full_matrices=False)[0]
-    solve = np.linalg.pinv(design)
+    solve, stiff = np.split(np.linalg.pinv(np.concatenate([design, prior])), [len(design)], axis=1)
+    used = float(np.einsum("ij,ji->", design, solve))
+    used -= float(np.einsum("ni,nj,jm,mi->", taken, design, solve, taken, optimize=True))
     solve = solve - solve @ taken @ taken.T
-    covariance = (solve @ solve.T)[:functions, :functions]
-    used = design.shape[1] - float(((space.T @ taken) ** 2).sum())
+    covariance = (solve @ solve.T + stiff @ stiff.T)[:functions, :functions]
 
     true_thickness = points.thickness + freedom.displacement @ displacement
     true_thickness[kept] = true
     departure = Departure(spline.knots, coefficients, covariance)
     return Candidate(departure, displacement, chi_square, used, true_thickness)
+
+
+def _stiffness(design: Array, value: Array, bends: Array) -> float:
+    """Inverse standard deviation of the second differences: highest restricted likelihood. [1]
+
+    The noise counts as it scatters, and not below the stated one.
+    """
+    penalty = bends.T @ bends
+    known = design.T @ design + penalty
+    share, basis = scipy.linalg.eigh(penalty, known)  # of the penalty in both together
+    aim = basis.T @ (design.T @ value)
+    weight = 1 - share + _STIFFNESS[:, None] ** 2 * share
+    cost = value @ value - (aim**2 / weight).sum(axis=1)
+
+    free = len(value) - design.shape[1] + len(bends)
+    scale = np.maximum(cost / free, 1.0)
+    likelihood = len(bends) * np.log(_STIFFNESS) - 0.5 * (
+        np.log(weight).sum(axis=1) + cost / scale + free * np.log(scale)
+    )
+    return float(_STIFFNESS[np.argmax(likelihood)])
 
 
 def _place_knots(fit: Fit, thickness: Array, inner_knots: int) -> Array:

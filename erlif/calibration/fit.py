@@ -325,12 +325,11 @@ def _settle_departure(points: Points, fit: Fit, freedom: Freedom) -> _Settled:
 
 def _describe_departure(fit: Fit, candidate: Candidate, choice: Choice) -> Note:
     """Note on the spline that is used."""
-    pieces = candidate.inner_knots + 1
     falling = "; it falls somewhere, where the calibrated range ends" if choice.falling else ""
     return _make_note(
         "departure",
         largest=_describe_largest(fit, candidate),
-        pieces=count_of(pieces, "piece"),
+        pieces=count_of(candidate.pieces, "piece"),
         evidence=choice.evidence,
         falling=falling,
     )
@@ -339,7 +338,7 @@ def _describe_departure(fit: Fit, candidate: Candidate, choice: Choice) -> Note:
 def _describe_structure(fit: Fit, choice: Choice) -> Note:
     """Note on a departure that is not used."""
     chance = max(choice.chance, 1e-12)  # below it only the order of magnitude is known
-    largest = _describe_largest(fit, choice.smooth)
+    largest = _describe_largest(fit, choice.tested)
     return _make_note("structure", once=1 / chance, largest=largest)
 
 
@@ -372,7 +371,7 @@ def _settle_outliers(
             break
         thickness_std = fit.thickness_std if known else fit.thickness_std * math.sqrt(noise)
         fit = replace(fit, kept=now, thickness_std=thickness_std)
-        candidate = fit_departure(points, fit, freedom, candidate.inner_knots)
+        candidate = fit_departure(points, fit, freedom)
     return fit, candidate
 
 

@@ -5,18 +5,25 @@ import numpy.testing as npt
 import pytest
 from scenes.fixture import (
     FILMS,
+    PITCH,
+    WEDGE,
+    assert_covers,
+    calibrate,
     calibrate_wedge,
     find_pulls,
     has_note,
+    image,
+    log_ratio,
     pulls_of_curve,
     share_within,
     through_filters,
     wedge_profile,
 )
+from scipy.ndimage import gaussian_filter1d
 from scipy.stats import binom
 
 from conftest import FULL
-from erlif.calibration import compare_calibrations
+from erlif.calibration import Profile, compare_calibrations
 
 pytestmark = pytest.mark.slow
 
@@ -88,3 +95,29 @@ def test_films_before_a_wall_that_reflects_cover(reflectance):
     # neighbouring films share their error: five count as two
     assert abs(share_within(pulls, 1).mean() - 0.683) < 3 * np.sqrt(0.683 * 0.317 / (2 * count))
     assert share_within(pulls, 2).mean() > 0.954 - 3 * np.sqrt(0.954 * 0.046 / (2 * count))
+
+
+ONE_STEP = np.where(WEDGE < 9, WEDGE / 2, WEDGE)
+STAIRS = np.array([0.5, 2.0, 4.0, 7.0, 11.0, 16.0])[np.arange(WEDGE.size) * 6 // WEDGE.size]
+
+
+@pytest.mark.parametrize("film", [ONE_STEP, STAIRS], ids=["one step", "six plateaus"])
+def test_films_of_a_fixture_with_steps_cover(film):
+    """The lens spreads each step over two pixels; films between the plateaus are measured too."""
+    rng, pulls = np.random.default_rng(6), []
+    position = np.arange(0, PITCH * film.size, 0.1)
+    readings = film[np.minimum(np.rint(position / PITCH).astype(int), film.size - 1)]
+    light = gaussian_filter1d(np.exp(log_ratio(film)), 1.0, mode="nearest")
+    count = 50 if FULL else 15
+    for _ in range(count):
+        profile = Profile(
+            position, readings + rng.normal(0, 0.1, position.size), np.full(position.size, 0.1)
+        )
+        found = calibrate(image(rng, np.log(light)), profile)
+        low, high = found.thickness_range
+        assert low < 0.6
+        assert high > 0.9 * film.max()
+        pulls.append(find_pulls(found, np.linspace(max(low, 1.0), 0.95 * high, 5)))
+
+    # five films of a fixture share their error: they count as two
+    assert_covers(np.ravel(pulls), count=2 * count)
