@@ -241,6 +241,10 @@ def complete_film(
     films = np.array([one.statistics.mean for one in results])
     median = float(np.median(films[np.isfinite(films)])) if np.isfinite(films).any() else math.nan
     notes += describe_dark_levels(darks, ready.measuring, median)
+    # a shift within the widths is one of those that the error bars are made for
+    errors = findings.errors
+    if errors is not None and options.errors != "correct":
+        errors = errors if errors.exceeds_widths(ready.measuring) else None
     measured_with = update_systematics(
         ready.measuring,
         findings.background,
@@ -250,10 +254,10 @@ def complete_film(
         course=findings.course,
         darks=darks,
         last=last,
-        errors=findings.errors,
+        errors=errors,
     )
     # a small course is among the errors that the gap shows
-    course = findings.course if findings.errors is None else None
+    course = findings.course if errors is None else None
     results = follow_course(results, ready.measuring, course, last=last)
 
     of_frames = frames_of_run(run, cycle)

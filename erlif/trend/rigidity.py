@@ -37,6 +37,7 @@ _ROUNDS = 10  # steps of Gauss and Newton, at most; four are usual
 _SETTLED = 0.02  # last step over the standard deviation at which the search ends
 _THINNEST = 0.05  # um: film to which a search comes down that has left its equations
 _NEWTON = 5  # steps to the film whose ratio has the errors
+_BEYOND = 2.0  # standard deviations of the widths: a larger shift is none of theirs
 _LARGEST = 5.0  # standard deviations beyond which the errors are not those of their widths
 
 
@@ -263,6 +264,12 @@ class ErrorEstimate:
     def second_moment(self) -> Array:
         """The errors where the estimate is not taken out, (error, error)."""
         return np.asarray(self.covariance + np.outer(self.value, self.value))
+
+    def exceeds_widths(self, calibration: Calibration) -> bool:
+        """Whether it shifts its film by more than two standard deviations of all errors."""
+        middle, film = calibration.at(0.5), np.array(self.film)
+        before = self.film_std(film, middle, before=True)
+        return bool(abs(self.film_shift(film, middle)) > _BEYOND * before)
 
     def film_shift(self, film: npt.ArrayLike, calibration: Calibration) -> Array:
         """Error of a measured film. [um]"""

@@ -111,5 +111,9 @@ def describe_gap(
     shift = 1e3 * float(errors.film_shift(film, middle))
     std, prior = (1e3 * float(errors.film_std(film, middle, before=n)) for n in (False, True))
     large = abs(shift) > _SIGNIFICANT * std
-    key = "gap_corrected" if corrected else "gap_significant" if large else "gap_agrees"
+    key = "gap_significant" if large else "gap_agrees"
+    if corrected:
+        key = "gap_corrected"
+    elif errors.exceeds_widths(calibration):
+        key = "gap_exceeds"
     return [_note(key, film=errors.film, shift=shift, std=std, prior=prior)]

@@ -244,9 +244,11 @@ def update_systematics(
     if bleaching is not None and calibration.later is None and options.ratio != "correct":
         corrected = options.bleaching == "correct"
         width = _bleaching_of_run(systematics, bleaching, pulses=pulses, corrected=corrected)
-        systematics = systematics.with_width("rising constant", width, term="bleaching")
+        systematics = _with_rise(systematics, width)
     if course is not None and course.significant:
         start = None if course.frame is None else course.frame / last
+        # a drift is all that rises
+        systematics = _with_rise(systematics, 0.0) if start is None else systematics
         systematics = systematics.with_course(math.hypot(course.size, course.std), start=start)
     return replace(calibration, systematics=systematics)
 
@@ -302,11 +304,31 @@ def _with_background_of_run(
     return systematics.with_background(posterior.second_moment)
 
 
+def _rise_of(systematics: Systematics) -> float:
+    """Width of what changes the ratio of all films alike during the run. [1]"""
+    rises = [kind == "rising constant" for kind in systematics.kinds]
+    return math.sqrt(float(np.diag(systematics.covariance)[rises].sum()))
+
+
+def _with_rise(systematics: Systematics, width: float) -> Systematics:
+    """The systematics whose terms that change the ratio of all films alike have one width. [1]
+
+    It is shared in proportion to their own widths; without any, it is that of the bleaching.
+    """
+    before, found = _rise_of(systematics), systematics
+    stds = np.sqrt(np.diag(systematics.covariance))
+    for term, kind, std in zip(systematics.terms, systematics.kinds, stds, strict=True):
+        if kind == "rising constant":
+            own = std / before if before else float(term == "bleaching")
+            found = found.with_width(kind, own * width, term=term)
+    return found
+
+
 def _bleaching_of_run(
     systematics: Systematics, trend: Trend, *, pulses: int, corrected: bool
 ) -> float:
-    """Width of the change of the ratio by bleaching, over the run. [1]"""
-    width = systematics.widths["bleaching"]
+    """Width of the change of the ratio over the run, by all that changes it. [1]"""
+    width = _rise_of(systematics)
     change, std = pulses * trend.log_ratio, pulses * trend.log_ratio_std
     if corrected:
         return std

@@ -105,14 +105,17 @@ def test_an_excluded_background_counts_where_the_run_shows_it():
     ("options", "text", "expected"),
     [
         # 1 ± 0.5 % over the run, of a width of 1 %: mean 0.8 %, and 0.45 % about it
-        (REPORT, "", np.hypot(0.008, 0.01 * np.sqrt(0.2))),
-        (CORRECT, "", 0.005),
-        (REPORT, '\n[systematics]\nbleaching = "0 %"\n', 0.0),
+        (REPORT, 'temperature = "0 %"', np.hypot(0.008, 0.01 * np.sqrt(0.2))),
+        # the same with a temperature of 1 %, which has a half of the variance: mean 8/9 %
+        (REPORT, 'temperature = "1 %"', np.hypot(0.08 / 9, 0.02**0.5 / 3 * 0.1) / np.sqrt(2)),
+        (CORRECT, 'temperature = "0 %"', 0.005),
+        (REPORT, 'bleaching = "0 %"\ntemperature = "0 %"', 0.0),
     ],
 )
 def test_bleaching_that_a_run_shows_takes_the_place_of_its_width(options, text, expected):
     trend = Trend(-1e-4, 5e-5, np.nan, np.nan)
-    found = update(calibration_of(text), bleaching=trend, options=options)
+    before = calibration_of(f"\n[systematics]\n{text}\n")
+    found = update(before, bleaching=trend, options=options)
     npt.assert_allclose(widths(found)["bleaching"], expected, atol=1e-12)
 
 
@@ -141,7 +144,8 @@ def follow(calibration, course):
 
 @pytest.mark.parametrize(("stated", "own"), [("1 %", 0.01), ("0 %", 0.0)])
 def test_step_of_the_ratio_counts_in_both_parts_and_drift_at_the_end(stated, own):
-    before = calibration_of(f'\n[systematics]\nratio = "{stated}"\n')
+    rises = 'bleaching = "0 %"\ntemperature = "0 %"'
+    before = calibration_of(f'\n[systematics]\nratio = "{stated}"\n{rises}\n')
     stepped, drifts = (follow(before, replace(STEP, frame=frame)) for frame in (25, None))
 
     def ratio_var(calibration, passed):
