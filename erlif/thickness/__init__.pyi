@@ -1,3 +1,4 @@
+from .islands import flag_beyond_maximum
 from .maps import measure_thickness
 from .patch import NO_PATCH, PatchMean, sample_patch
 from .pulse import compare_light, measure_pulse_energy, middle_of
@@ -10,6 +11,7 @@ __all__ = [
     "FilmTables",
     "PatchMean",
     "compare_light",
+    "flag_beyond_maximum",
     "measure_pulse_energy",
     "measure_thickness",
     "middle_of",

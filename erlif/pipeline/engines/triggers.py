@@ -24,7 +24,7 @@ from erlif.pipeline.passes import measure_film, measure_pulse
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.refusals import refusal
 from erlif.ratio import PairRatio, RatioSum, smooth_ratio
-from erlif.thickness import FilmTables, measure_pulse_energy
+from erlif.thickness import FilmTables, flag_beyond_maximum, measure_pulse_energy
 from erlif.trend import FilmCurve, find_pin_in_blocks, summarise_blocks
 
 # Triggers after which a run is inspected for the first time.
@@ -76,6 +76,7 @@ class TriggerTask(PickledByFields):
         if len(frames) == 1:  # the film of the trigger is that of its only frame
             ratio = self.chain.measure(frames[0], with_fixed=smoothing is not None)
             only = self._keep(frames[0], ratio)  # the maps may take the place of the ratio
+            flag_beyond_maximum(ratio.log_ratio, ratio.flags, self.calibration)
             film = measure_film(ratio, tables, region)
             energy = measure_pulse_energy(ratio.light_one, film.thickness, film.flags, model=model)
             kept.append(replace(only, pulse_energy=energy))
@@ -89,6 +90,7 @@ class TriggerTask(PickledByFields):
             ratio = total.mean()
             if not frames:
                 ratio.flags[:] = Flag.OUTSIDE_OVERLAP
+            flag_beyond_maximum(ratio.log_ratio, ratio.flags, self.calibration)
             film = measure_film(ratio, tables, region)
         statistics = summarise_blocks(
             film.sums, curve, region=region, sliding_along_x=plane.sliding_along_x

@@ -1,0 +1,50 @@
+"""Films beyond the maximum of the ratio, on the virtual rig with a wall that reflects."""
+
+import numpy as np
+import pytest
+
+import erlif
+from conftest import Laboratory
+from erlif.core.flags import Flag
+from erlif.rig import RigSettings
+from erlif.show.plots import example_calibration
+from erlif.thickness import flag_beyond_maximum
+
+RIG = RigSettings(
+    width=256,
+    height=96,
+    field_width=28.0,
+    spacing=3.0,
+    film_reference=6.0,
+    wall=(0.6, 0.6),
+    bubbles=0,
+    fixture_frames=6,
+    dark_pages=4,
+    flat_pages=3,
+)
+"""Films of 4 um in the middle of the image to 28 um at its ends; no ratio exceeds that of 12 um."""
+
+
+def test_films_beyond_the_maximum_are_not_taken_for_thin_ones(tmp_path):
+    """Without their surroundings, 87 % of those of 18 to 22 um would be 12 um too thin."""
+    lab = Laboratory.simulated(tmp_path, seed=61, rig=RIG)
+    film = erlif.process(lab.run, workers=1)
+    true, measured = lab.truth.film.values, np.isfinite(film.thickness.values)
+    beyond = true > 15
+    assert beyond.mean() > 0.2
+    assert measured[beyond].mean() < 0.02
+    thin = true < 8
+    assert measured[thin].mean() > 0.85
+    assert abs(np.median((film.thickness.values - true)[measured & thin])) < 0.1
+
+
+@pytest.mark.parametrize("film", [np.linspace(1, 30, 320), np.r_[1:30:160j, 30:1:160j]])
+def test_a_black_wall_has_no_maximum(film):
+    calibration = example_calibration()
+    image = np.tile(calibration.predict_log(film), (32, 1)).astype(np.float32)
+    flags = np.where(np.arange(320) < 20, np.uint8(Flag.DIM), np.uint8(0)) * np.ones(
+        (32, 1), np.uint8
+    )
+    before = flags.copy()
+    flag_beyond_maximum(image, flags, calibration)
+    np.testing.assert_array_equal(flags, before)
