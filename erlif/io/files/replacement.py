@@ -25,7 +25,7 @@ _SERIES = (".pvd", ".vts")
 _NOT_ALLOWED = (errno.EACCES, errno.EPERM, errno.EROFS)
 
 # Errors of a folder in the place of a file, or the other way round.
-_IN_THE_WAY = (errno.EISDIR, errno.ENOTDIR, errno.EEXIST, errno.ENOTEMPTY)
+_IN_THE_WAY = (errno.EISDIR, errno.ENOTDIR, errno.EEXIST, errno.ENOTEMPTY, errno.ELOOP)
 
 # Bytes at both ends of a file in which the mark is looked for.
 _MARKED = 2**16

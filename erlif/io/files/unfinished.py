@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -43,7 +44,9 @@ class _Lock:
         try:
             with suppress(FileExistsError):  # a file in place of the folder fails in the next line
                 self.path.parent.mkdir(parents=True, exist_ok=True)
-            file = self.path.open("w")
+            # a link of this name is not ours: what it leads to must not be touched
+            flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
+            file = os.fdopen(os.open(self.path, flags, 0o666), "w")
         except OSError as error:
             raise write_error(output, error) from error
 

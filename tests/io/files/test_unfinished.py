@@ -1,6 +1,7 @@
 """A film in the making: resumed, refused, removed, complete."""
 
 import logging
+import re
 
 import pytest
 from scenes.stores import FILM, GRID, GROUPS, VARIABLES, contents, maps_of, read_store
@@ -54,6 +55,17 @@ def test_nothing_is_left_where_no_trigger_was_finished(output, tmp_path):
 def test_a_second_process_is_refused_while_the_first_works(output):
     with begin(output), pytest.raises(OutputError, match="another erlif process"):
         begin(output)
+
+
+def test_a_link_in_place_of_the_lock_is_refused_and_its_target_kept(output):
+    own = output.with_name("notes.txt")
+    own.write_text("of the user")
+    link = output.with_name(f".{output.name}.lock")
+    link.symlink_to(own)
+    with pytest.raises(OutputError, match=f"Move {re.escape(str(link))} away"):
+        begin(output)
+    assert own.read_text() == "of the user"
+    assert link.is_symlink()
 
 
 def test_a_folder_of_the_user_is_not_touched(output):
