@@ -3,6 +3,7 @@
     pip install -e .
     python benchmarks/fit_film.py            # 20 seeds, free and guided; 100 free ones for coverage
     python benchmarks/fit_film.py --guided   # the guided ones alone
+    python benchmarks/fit_film.py --short    # guided, one cycle of 50 triggers over 0.89 of a turn
     python benchmarks/fit_film.py --held     # springs; cavitation pressure beside the viscosity
     python benchmarks/fit_film.py --time     # 200 cycles in one fit: free, folded, guided
 
@@ -19,11 +20,18 @@ import warnings
 from dataclasses import replace
 
 import numpy as np
+import xarray as xr
 
 from erlif.models import Journal, crank_motion, solve_journal
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds.full_film import follow_full_film
-from erlif.prediction import FrameMotion, MeasuredMotion, compare_models, fit_motion
+from erlif.prediction import (
+    FrameMotion,
+    MeasuredMotion,
+    compare_models,
+    fit_motion,
+    follow_motion,
+)
 from erlif.rig import cavitation
 from erlif.rig.cavitation import follow_cavitated
 from erlif.rig.orbit import Bearing, follow_orbit
@@ -37,6 +45,7 @@ STD = np.array([5e-9, 20e-9])  # new at every trigger, along the load and sidewa
 SCALE = 0.005  # of all films
 MARKS = np.array([10e-9, 30e-9])  # the same at every trigger [m]
 CYCLES, FRAMES = 2, 50
+SHORT = 0.886  # of a turn, that the triggers of one cycle span
 GUIDED = {"on which settings were chosen": range(6), "new": range(6, 18)}  # orbits, twice each
 HELD = 6  # orbits of springs, and of cavitation pressures
 
@@ -59,13 +68,15 @@ def free_orbit(viscosity, start):
     )
 
 
-def held_orbit(viscosity, film, *, along=12, steps=200, stiffness=np.inf, cavity=-1e5):
+def held_orbit(
+    viscosity, film, *, along=12, steps=200, stiffness=np.inf, cavity=-1e5, moments=None
+):
     """After three cycles, in which the cavities have formed."""
     cavitation.ALONG = along
     middle = float(np.mean(RIG.limits()))
     return follow_cavitated(
         bearing(viscosity),
-        np.append(-3 * PERIOD, times()),
+        np.append(-3 * PERIOD, times() if moments is None else moments),
         load=lambda _: LOAD,
         angle=lambda moment: float(RIG.rocker_angle(SPEED * moment)) - middle,
         step=PERIOD / steps,
@@ -102,9 +113,23 @@ def motion_of(cycles=CYCLES):
     return FrameMotion(motion, np.arange(cycles * FRAMES) * 2, crank, STATED.viscosity)
 
 
-def study(measured, truth, **options):
+def short_motion(moments):
+    """As `process` makes it of a recording of less than a turn, with its lead."""
+    crank = np.degrees(SPEED * moments)
+    frames = xr.Dataset(
+        {
+            "time": ("frame", moments),
+            "crank_angle": ("frame", crank % 360),
+            "cycle": ("frame", np.zeros(moments.size, int)),
+            "load": ("frame", np.full(moments.size, LOAD)),
+        }
+    )
+    return follow_motion(frames, RIG, crank_speed=SPEED, viscosity=STATED.viscosity)
+
+
+def study(measured, truth, *, motion=None, **options):
     """Pulls of every quantity, error of the viscosity, and what was recognised."""
-    motion = motion_of()
+    motion = motion or motion_of()
     found = fit_motion(measured, STATED, motion, profiles=False, **options)
     pulls = {k: (found.estimates[k].value - v) / found.estimates[k].std for k, v in truth.items()}
     return found, pulls, motion
@@ -171,6 +196,27 @@ def run_guided():
         report(f"guided pin, orbits {kind}", pulls, errors, recognised)
 
 
+def run_short():
+    """Guided pins recorded over one cycle, which is less than a turn."""
+    pulls, errors, recognised = [], [], 0
+    moments = np.linspace(0.0, SHORT * PERIOD, FRAMES)
+    motion = short_motion(moments)
+    for number in range(HELD):
+        rng = np.random.default_rng(3000 + number)
+        viscosity, film = rng.uniform(0.1, 0.25), rng.uniform(22e-6, 40e-6)
+        orbit = limit_orbit(viscosity, film, moments=moments)
+        measured = photograph(orbit, 0.0, rng)
+        truth = {"viscosity": viscosity, "start_film": STATED.clearance - orbit[0, 0]}
+        options = {"sideways": "guided", "load_line_std": 1e-3}
+        found, pull, _ = study(measured, truth, motion=motion, **options)
+        pulls.append(pull)
+        errors.append(found.estimates["viscosity"].value / viscosity - 1)
+        best = compare_models(measured, STATED, motion)
+        recognised += best.candidates[0].name == "a guided pin"
+        print(f"{100 * errors[-1]:+.2f} %, residuals {found.inflation:.3g} errors", flush=True)
+    report(f"guided pin, {SHORT} of a turn", pulls, errors, recognised)
+
+
 def run_held():
     """Stiffness of a spring, and a cavitation pressure beside the viscosity; an orbit each."""
     for name, options in (
@@ -228,7 +274,7 @@ def run_time(cycles=200):
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
-    for name in ("time", "guided", "held"):
+    for name in ("time", "guided", "short", "held"):
         parser.add_argument(f"--{name}", action="store_true")
     chosen = parser.parse_args()
     warnings.simplefilter("ignore")
@@ -236,6 +282,8 @@ if __name__ == "__main__":
         run_time()
     elif chosen.guided:
         run_guided()
+    elif chosen.short:
+        run_short()
     elif chosen.held:
         run_held()
     else:

@@ -29,7 +29,9 @@ def predict(source: Path, output: Path | None, fitted: bool, **options: Any) -> 
 
     --fit prints which physics carries the measured film: the steady formulas, squeeze, and the
     transient film of a free and of a guided pin are fitted to the positions of the pin and compared
-    by their likelihood, with the viscosity of the best. It needs FILM, or film.nc in RUN_DIR.
+    by their likelihood, with the viscosity of the best. Where none of them describes the film, a
+    pin on a sideways spring is tried, and the text states when that does not either. It needs FILM,
+    or film.nc in RUN_DIR.
 
     \b
     Example:

@@ -63,6 +63,7 @@ from erlif.trend import (
     fit_exponent,
     predict_film,
 )
+from erlif.trend.exponent import LARGEST_BEYOND
 
 _logger = logging.getLogger(__name__)
 
@@ -445,6 +446,12 @@ def describe_exponents(
         return {}
 
     statistics = [result.statistics for result in results]
+    films = {
+        "minimum": np.array([one.minimum for one in statistics]),
+        "mean": np.array(
+            [one.mean if one.beyond_range <= LARGEST_BEYOND else np.nan for one in statistics]
+        ),
+    }
     speed, load = film[name].values, film["load"].values
     shared = scipy.linalg.block_diag(calibration.full_covariance, np.eye(1))
 
@@ -454,7 +461,7 @@ def describe_exponents(
         # they are
         surface = [one.minimum_surface_std if kind == "minimum" else 0.0 for one in statistics]
         exponent = fit_exponent(
-            np.array([getattr(one, kind) for one in statistics]),
+            films[kind],
             np.array([getattr(one, f"{kind}_random_std") for one in statistics]),
             speed=speed,
             load=load,

@@ -46,6 +46,13 @@ HELD = {
 # The largest likelihood of a guided pin: any course along the load, at one sideways place.
 ANY_GUIDED = "any guided pin"
 
+# A pin at rest, which no theory of a moving film needs.
+CONSTANT = "a constant gap"
+
+# Factor of the stated random errors up to which a model describes a film. Films that follow a
+# candidate leave up to 1.1 (docs/theory/which.md).
+DESCRIBED = 3.0
+
 _CARRIES = {
     SQUEEZE: "squeeze carries the film, and the film shows no rotation of the bushing",
     HELD["free"]: "squeeze carries the film of a pin that is free sideways, and the pin sinks",
@@ -60,6 +67,16 @@ _CARRIES = {
 
 # Differences of BIC below which the evidence has a name. Kass and Raftery (1995).
 _STRENGTHS = ((2.0, "undecided"), (6.0, "weak"), (10.0, "strong"), (np.inf, "very strong"))
+
+_NONE = (
+    "None of the models describes this film: the best of {count}, {best}, is off by "
+    "{inflation:.3g} times the stated errors ({residual:.2g} um). Check load, clearance and tilt "
+    "of the joint, and the times of the frames."
+)
+_REST = (
+    "The film is constant within its errors, which decides nothing about what carries it. Record "
+    "from the moment of loading on, or more cycles."
+)
 
 
 @dataclass(frozen=True)
@@ -86,6 +103,11 @@ class Candidate:
     inflation: float
     residual: float
 
+    @property
+    def describes(self) -> bool:
+        """Whether the residuals are within a few of the stated random errors."""
+        return self.inflation <= DESCRIBED
+
 
 @dataclass(frozen=True)
 class Comparison:
@@ -102,12 +124,16 @@ class Comparison:
     independent : float
         Share of the values that counts as independent: residuals of neighbouring triggers are
         correlated where the model leaves a trend.
+    carrier : str or None
+        Name of the model that the verdict states; None where no model describes the film, or it is
+        constant within its errors.
     """
 
     candidates: tuple[Candidate, ...]
     verdict: str
     fit: MotionFit | None
     independent: float
+    carrier: str | None = None
 
 
 @dataclass(frozen=True)
@@ -203,7 +229,7 @@ def compare_models(
     fits: dict[str, MotionFit] = {}
     failures: list[str] = []
     transient = [one for one in sideways if one != "any guided"]
-    total = len(transient) + 1 + len(steady or {})
+    total = len(transient) + 2 + len(steady or {})
 
     # a model that cannot carry the load is left out, unless none can
     for done, held in enumerate(transient):
@@ -229,7 +255,7 @@ def compare_models(
 
     # closed forms take no time beside the transient films
     simple = [(STEADY[name], *_steady(problem, film)) for name, film in (steady or {}).items()]
-    candidates = [(SQUEEZE, *_squeeze(problem)), *simple]
+    candidates = [(CONSTANT, *_constant(problem)), (SQUEEZE, *_squeeze(problem)), *simple]
     for done, (name, unknowns, predict) in enumerate(candidates, len(transient)):
         progress("fit", done, total)
         least = LeastSquares(problem.observations(), unknowns, predict)
@@ -270,14 +296,27 @@ def _rank(fitted: Sequence[_Fitted], fits: Mapping[str, MotionFit]) -> Compariso
         for k in order
     )
     transient = [one.name for one in candidates if one.name in fits]
+    carrier, verdict = _verdict(candidates)
     return Comparison(
-        candidates, _verdict(candidates), fits[transient[0]] if transient else None, share
+        candidates, verdict, fits[transient[0]] if transient else None, share, carrier
     )
 
 
-def _verdict(candidates: Sequence[Candidate]) -> str:
-    """One line: which physics, and how sure."""
+def _verdict(candidates: Sequence[Candidate]) -> tuple[str | None, str]:
+    """The model that carries the film, and one line: which physics, and how sure."""
+    fitted = [one for one in candidates if one.name != ANY_GUIDED]
+    if fitted and fitted[0].name == CONSTANT and fitted[0].describes:
+        return None, _REST
     best = candidates[0]
+    if not best.describes:
+        closest = min(fitted or candidates, key=lambda one: one.inflation)
+        return None, _NONE.format(
+            count=len(fitted),
+            best=closest.name,
+            inflation=closest.inflation,
+            residual=closest.residual * 1e6,
+        )
+
     text = _CARRIES[best.name]
     if len(candidates) > 1:
         second = candidates[1]
@@ -285,7 +324,7 @@ def _verdict(candidates: Sequence[Candidate]) -> str:
         text += f" ({strength}: BIC {second.bic:.3g} below that of {second.name})"
     if best.inflation > MISFIT:
         text += f"; its residuals are {best.inflation:.3g} times the stated errors"
-    return text[0].upper() + text[1:] + "."
+    return best.name, text[0].upper() + text[1:] + "."
 
 
 def _independent(residual: Array) -> float:
@@ -325,14 +364,14 @@ def _bound_guided(problem: Problem, load_line_std: float) -> _Fitted:
     return _Fitted(ANY_GUIDED, found.log_likelihood + along, count, found.inflation, miss, residual)
 
 
-def _plain_unknowns(start: Mapping[str, float]) -> Unknowns:
-    """Unknowns of a closed form, unbounded."""
+def _plain_unknowns(start: Mapping[str, float], positive: str = "") -> Unknowns:
+    """Unknowns of a closed form, of which one may be bounded below by zero."""
     ones = np.ones(len(start))
     return Unknowns(
         names=tuple(start),
         start=np.array(list(start.values())),
         step=1e-4 * ones,
-        low=-np.inf * ones,
+        low=np.array([0.0 if name == positive else -np.inf for name in start]),
         high=np.inf * ones,
         expected=0 * ones,
         expected_std=np.inf * ones,
@@ -354,6 +393,18 @@ def _distances(problem: Problem) -> tuple[Array, dict[str, float]]:
         return value[:, 0], {}
     mean = value.mean(axis=0)
     return np.hypot(*value.T), {"direction": float(np.arctan2(mean[1], mean[0]))}
+
+
+def _constant(problem: Problem) -> tuple[Unknowns, Predict]:
+    """A pin at one place."""
+    clearance = problem.orbits.journal.clearance
+    place = problem.measured.value[problem.frames.measured]
+    start = dict(zip(("load", "side"), place.mean(axis=0) / clearance, strict=False))
+
+    def predict(sets: Array) -> Array:
+        return np.tile(sets[:, np.newaxis] * clearance, (1, len(place), 1))
+
+    return _plain_unknowns(start), predict
 
 
 def _steady(problem: Problem, film: Array) -> tuple[Unknowns, Predict]:
@@ -389,4 +440,4 @@ def _squeeze(problem: Problem) -> tuple[Unknowns, Predict]:
         return _pointed(problem, found, sets[:, -1])
 
     start = {"start": float(first), "slope": float(slope), **direction}
-    return _plain_unknowns(start), predict
+    return _plain_unknowns(start, positive="slope"), predict  # a viscosity is

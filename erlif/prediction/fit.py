@@ -157,9 +157,9 @@ def fit_motion(
     journal : Journal
         The joint, with the expected viscosity.
     motion : FrameMotion
-        Rotation of the bushing and load from the first frame on. Where it has a whole turn of the
-        crank, the film of a held pin is led in by one, in which its cavities form; else it is full
-        at the first frame.
+        Rotation of the bushing and load from the first frame on. The film of a held pin is led in
+        by a turn of the crank, in which its cavities form: by the first one of the motion, else by
+        the lead of the linkage. Without either it is full at the first frame.
     trigger : array, (frame,), optional
         Trigger of each frame, a negative number for one that was not measured. By default each
         frame is a trigger.
@@ -204,9 +204,17 @@ def fit_motion(
     orbits: Orbits = FreeOrbits(journal, motion.motion)
     if sideways != "free":
         lead = lead_of(motion.motion, motion.crank)
+        if lead is None and motion.lead is not None:
+            lead = _ended(motion.lead, motion.motion)
         orbits = HeldOrbits(journal, motion.motion, sideways, lead=lead)
     problem = Problem(orbits, frames, measured, sideways)
     return _search(problem, problem.unknowns(fitted, load_line_std), profiles)
+
+
+def _ended(lead: Motion, motion: Motion) -> Motion:
+    """A lead without its last step, which is the first of the motion."""
+    before = lead.at(slice(-1))
+    return replace(before, time=motion.time[0] - lead.time[-1] + before.time)
 
 
 def film_temperature(viscosity: Estimate, law: VogelLaw) -> Estimate:

@@ -12,6 +12,10 @@ from erlif.core.arrays import Array
 # Triggers below this share of the top speed are left out of the speed exponent.
 SLOWEST = 0.1
 
+# Share of the region beyond the measurable range above which a mean is that of another place: a
+# trigger with more has no part in the power of the mean film.
+LARGEST_BEYOND = 0.02
+
 _LEAST_RANGE = 0.1  # range of the logarithm of speed over load below which there is no power to fit
 
 _LEAST_TRIGGERS = 5  # triggers of a fit of two parameters and a scatter, at least

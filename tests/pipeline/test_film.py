@@ -151,6 +151,28 @@ def test_exponents_follow_the_logged_speed_where_there_is_one(power_law, calibra
     assert found.speed_exponent.attrs["speed"] == "sliding_speed"
 
 
+@pytest.mark.parametrize(
+    ("beyond", "whole", "power"), [(0.019, 0, 0.4), (0.3, 5, 0.4), (0.3, 4, None)]
+)
+def test_a_mean_of_a_part_of_the_region_has_no_exponent(
+    power_law, calibration, beyond, whole, power
+):
+    """Triggers beyond the range by more than 2 % have no part in it, as in `erlif compare`."""
+    film, results = power_law
+    parts = [
+        replace(one, statistics=replace(one.statistics, beyond_range=beyond if k >= whole else 0.0))
+        for k, one in enumerate(results)
+    ]
+    found = xr.Dataset(describe_exponents(film, parts, calibration))
+    npt.assert_allclose(found.speed_exponent, 0.62, rtol=1e-6)
+    if power is None:
+        assert np.isnan(found.speed_exponent_mean)
+        assert found.speed_exponent_mean.attrs["triggers_used"] == whole
+    else:
+        npt.assert_allclose(found.speed_exponent_mean, power, rtol=1e-6)
+        assert found.speed_exponent_mean.attrs["triggers_used"] == (whole or 12)
+
+
 def test_marks_of_the_surfaces_widen_the_exponent_of_the_minimum_alone(power_law, calibration):
     film, results = power_law
     plain = xr.Dataset(describe_exponents(film, results, calibration))

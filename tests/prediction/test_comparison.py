@@ -1,6 +1,7 @@
 """Which physics carries the film, on orbits of the virtual rig and on films of other laws."""
 
 import numpy as np
+import numpy.testing as npt
 import pytest
 from scenes.orbits import CRANK, FRAMES, MOVED, RIG, SPEED, STATED, STEPS, free_orbit, measure
 
@@ -70,11 +71,50 @@ def test_steady_film_is_recognised_and_has_any_viscosity():
     assert found.candidates[0].name == "the steady film of the regime map"
 
 
-def test_what_no_model_describes_is_stated():
+def walking(rng):
+    return 210e-6 + 50e-9 * np.cumsum(rng.normal(size=FRAMES))
+
+
+def rising(rng):
+    """Under a load that a film can but sink under."""
+    return 215e-6 - np.linspace(0.0, 2e-6, FRAMES)
+
+
+def sprung(rng):
+    """As a pin that hangs on a spring in no oil."""
+    return 210e-6 + 2e-6 * np.sin(CRANK[STEPS])
+
+
+@pytest.mark.parametrize("course", [walking, rising, sprung])
+def test_a_film_of_no_model_is_not_named_after_the_best_of_them(course):
     rng = np.random.default_rng(6)
-    orbit = np.stack([rng.uniform(190e-6, 220e-6, FRAMES), 0 * STEPS], axis=1)
+    orbit = np.stack([course(rng), 0 * STEPS], axis=1)
     found = compare(measure(orbit, 6), STATED, steady=STEADY, sideways=["free"])
+    assert found.carrier is None
+    assert found.verdict.startswith("None of the models describes this film: the best of 5, ")
     assert "times the stated errors" in found.verdict
+    assert "strong" not in found.verdict
+
+
+@pytest.mark.parametrize("known", ["positions", "minima"])
+def test_a_film_at_rest_is_of_any_model_that_holds_still(known):
+    """Squeeze of an infinite viscosity, a guided pin in it, a steady film: nothing decides."""
+    measured = measure(np.full((FRAMES, 2), [215e-6, 1e-6]), 7)
+    if known == "minima":
+        std = np.full(FRAMES, 5e-9)
+        film = STATED.clearance - measured.value[:, 0]
+        measured = measured_minima(film, std, clearance=STATED.clearance, std_shared=std)
+    found = compare(measured, STATED, steady=STEADY, sideways=["free"])
+    assert found.carrier is None
+    assert found.verdict.startswith("The film is constant within its errors")
+
+
+def test_squeeze_lets_no_film_rise():
+    """Of films that rise the closed form has the one at rest, of an infinite viscosity."""
+    orbit = np.stack([rising(None), 0 * STEPS], axis=1)
+    found = compare(measure(orbit, 6), STATED, sideways=["free"])
+    residual = {one.name: one.residual for one in found.candidates}
+    npt.assert_allclose(residual["squeeze in closed form"], residual["a constant gap"], rtol=1e-3)
 
 
 def test_trend_in_the_residuals_reduces_the_evidence():

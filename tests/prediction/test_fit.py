@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
+import xarray as xr
 from scenes.orbits import (
     FRAMES,
     MOTION,
@@ -21,7 +22,17 @@ from scenes.orbits import (
 from erlif.core.errors import ConfigError
 from erlif.models.oil import vogel_viscosity
 from erlif.models.reynolds import Motion, crank_motion, solve_journal
-from erlif.prediction import Estimate, MeasuredMotion, film_temperature, fit_motion, measured_minima
+from erlif.prediction import (
+    Estimate,
+    MeasuredMotion,
+    film_temperature,
+    fit_motion,
+    follow_motion,
+    measured_minima,
+)
+from erlif.prediction.comparison import DESCRIBED
+from erlif.rig.cavitation import follow_cavitated
+from erlif.rig.orbit import Bearing
 from erlif.trend import VogelLaw
 
 SCALE = 0.005  # error of the calibration that all films share
@@ -151,6 +162,39 @@ def test_guided_pin_is_fitted_in_a_film_with_cavities(guided):
         estimate = found.estimates[name]
         assert abs(estimate.value - value) < 3 * estimate.std
     assert abs(found.estimates["viscosity"].value / VISCOSITY - 1) < 0.03
+
+
+def test_a_guided_pin_is_led_in_also_where_the_recording_is_shorter_than_a_turn():
+    """One cycle of 50 triggers over 0.886 of a turn; the orbit is that of the virtual rig."""
+    period = 2 * np.pi / SPEED
+    moments = np.linspace(0.0, 0.886 * period, 50)
+    middle = float(np.mean(RIG.limits()))
+    orbit = follow_cavitated(
+        Bearing(STATED.radius, STATED.clearance, STATED.length, 0.16),
+        np.append(-3 * period, moments),
+        load=lambda _: 222.4,
+        angle=lambda moment: float(RIG.rocker_angle(SPEED * moment)) - middle,
+        step=period / 200,
+        stiffness=np.inf,
+        cavity=-1e5,
+        start=(STATED.clearance - 25e-6, 0.0),
+    )[1:]
+    columns = {
+        "time": moments,
+        "crank_angle": np.degrees(SPEED * moments),
+        "cycle": np.zeros(50, int),
+        "load": np.full(50, 222.4),
+    }
+    frames = xr.Dataset({name: ("frame", values) for name, values in columns.items()})
+    moved = follow_motion(frames, RIG, crank_speed=SPEED, viscosity=STATED.viscosity)
+    value = orbit + np.random.default_rng(4).normal(size=orbit.shape) * STD
+    measured = MeasuredMotion(value, np.diag(STD**2) * np.ones((50, 1, 1)), np.zeros((50, 2, 0)))
+    found = fit_motion(
+        measured, STATED, moved, sideways="guided", load_line_std=1e-3, profiles=False
+    )
+    # the steps of this orbit leave a percent of it out
+    npt.assert_allclose(found.estimates["viscosity"].value, 0.16, rtol=0.02)
+    assert found.inflation < DESCRIBED
 
 
 def test_viscosity_of_a_guided_pin_has_both_ends(guided):

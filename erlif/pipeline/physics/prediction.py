@@ -426,9 +426,8 @@ def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:
     if spread < max(_ERRORS * error, _SHARE * float(np.mean(measured[known]))):
         return []
 
-    other = "free" if options.sideways == "guided" else "guided"
     pin = describe_sideways(options)
-    return [_note("prediction_differs", pin=pin, spread=spread, error=error, other=other)]
+    return [_note("prediction_differs", pin=pin, spread=spread, error=error)]
 
 
 def describe_sideways(options: PredictionOptions) -> str:

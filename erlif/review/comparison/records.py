@@ -20,6 +20,7 @@ from erlif.review.comparison.calibrations import key_of, quadratic
 from erlif.review.comparison.cells import CELL, average_cells, cell_edges, noise_inflation
 from erlif.review.refusals import refusal
 from erlif.trend import viscosity_at
+from erlif.trend.exponent import LARGEST_BEYOND
 
 # Film statistics that are compared.
 STATISTICS = ("film_min", "film_mean")
@@ -30,7 +31,6 @@ STATISTICS = ("film_min", "film_mean")
 REPEATING = {"film_min": 1.0, "film_mean": 0.08}
 
 _SAMPLED = 12  # triggers from whose maps the errors of the mean are taken
-_BEYOND = 0.02  # largest share of the region beyond the measurable range
 _RESIDUAL = 0.1  # of the variance of a mean that its known parts may leave unexplained
 _LEAST_OWN = 0.1  # of a standard deviation is not that of the calibration, at least
 _CHOSEN = ("crank_speed", "speed", "frequency", "load")  # what a run of one mechanism may choose
@@ -133,7 +133,7 @@ def read_run(film: xr.Dataset) -> RunRecord:
 
     # a mean over less than the region is not that of the same place
     if "share_beyond_range" in film:
-        partial = film.share_beyond_range.values > _BEYOND
+        partial = film.share_beyond_range.values > LARGEST_BEYOND
         value["film_mean"] = np.where(partial, np.nan, value["film_mean"])
 
     passed = film.share_passed.values if "share_passed" in film else np.ones(triggers)

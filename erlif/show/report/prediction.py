@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
@@ -10,6 +13,7 @@ from erlif.core.notes import join_notes
 from erlif.io.files import settings_of
 from erlif.pipeline.physics.prediction import describe_sideways, note_difference
 from erlif.prediction import Comparison, Estimate, speed_correlation
+from erlif.prediction.comparison import DESCRIBED
 from erlif.show.report.layout import TABLES, decimals, print_rows
 
 
@@ -103,11 +107,6 @@ def summarise_prediction(prediction: xr.Dataset) -> str:
     return print_rows(f"{name}: {attrs['model']}, {minimum.size} triggers", rows)
 
 
-# residuals over the stated errors up to which a scaled standard deviation is one of the fit; above
-# it the model is wrong, and the scatter about it is not an error of its parameters
-_DESCRIBED = 5.0
-
-
 def summarise_comparison(found: Comparison) -> str:
     """Describe a comparison: the verdict, the models in their order, and the best fit.
 
@@ -126,24 +125,29 @@ def summarise_comparison(found: Comparison) -> str:
         f"  {one.name:{width}s}{one.bic:<4.0f} {one.residual * 1e9:.3g}" for one in found.candidates
     ]
     if found.fit is not None:
-        described = found.fit.inflation <= _DESCRIBED
+        # the scatter about a wrong model is not an error of its parameters
+        described = found.fit.inflation <= DESCRIBED
         doubt = "" if described else "; no errors, as the model does not describe the positions"
         lines.append(f"  fitted: pin {found.fit.sideways} sideways{doubt}")
         for name, shown in TABLES["fitted"].items():
             if name in found.fit.estimates:
-                value = _value(found.fit.estimates[name], shown.get("factor", 1.0), described)
-                lines.append(f"    {shown['title']}: {value} {shown['unit']}")
+                lines.append(
+                    f"    {shown['title']}: {_value(found.fit.estimates[name], shown, described)}"
+                )
         lines += [f"  {note}" for note in found.fit.notes]
     return "\n".join(lines)
 
 
-def _value(estimate: Estimate, factor: float, described: bool) -> str:
+def _value(estimate: Estimate, shown: Mapping[str, Any], described: bool) -> str:
     """A value with its standard deviation where the model holds, or the limit of the data."""
-    one = estimate.times(factor, estimate.unit)
+    one, unit = estimate.times(shown.get("factor", 1.0), estimate.unit), shown["unit"]
+    limited = described and one.low > 0 and np.isfinite(one.low) and np.isinf(one.high)
+    if limited:
+        return f"above {one.low:.3g} (95 %) {unit}"
+    if not shown.get("signed", False) and not one.std < abs(one.value):
+        return "not determined"
     if not described:
-        return f"about {one.value:.2g}"
-    if np.isfinite(one.low) and np.isinf(one.high):
-        return f"above {one.low:.3g} (95 %)"
+        return f"about {one.value:.2g} {unit}"
     # two digits of the error, as elsewhere
     digits = decimals(one.std, 2)
-    return f"{one.value:.{digits}f} ± {one.std:.{digits}f}"
+    return f"{one.value:.{digits}f} ± {one.std:.{digits}f} {unit}"

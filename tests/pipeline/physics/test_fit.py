@@ -6,6 +6,7 @@ import pytest
 import erlif
 from erlif.core.errors import ErlifError
 from erlif.pipeline.physics.fit import fit_film
+from erlif.prediction import compare_models
 from erlif.rig import RigSettings, simulate
 from erlif.show.report import summarise
 
@@ -39,7 +40,7 @@ def sinking(small_rig, tmp_path_factory):
 def test_free_pin_and_its_viscosity_are_found_in_photographs(sinking):
     found = fit_film(sinking)
     assert found.candidates[0].name == "a pin that is free sideways"
-    assert len(found.candidates) == 5
+    assert len(found.candidates) == 6
     viscosity = found.fit.estimates["viscosity"]
     assert abs(viscosity.value - 0.1) < 3 * viscosity.std
     assert viscosity.std < 0.2 * 0.1
@@ -67,3 +68,25 @@ def test_minima_determine_the_viscosity_where_positions_are_absent(sinking, tmp_
 def test_run_without_a_film_is_refused(lab):
     with pytest.raises(ErlifError, match="Run erlif process"):
         fit_film(lab.run)
+
+
+def test_a_film_that_rises_under_its_load_is_carried_by_no_model(sinking, tmp_path, monkeypatch):
+    """The films of a guided pin, which take half a minute, are left out."""
+    path = tmp_path / "film.nc"
+    with erlif.open_film(sinking / "film.nc") as film:
+        place = film.pin_displacement.values.copy()
+        place[:, 0] -= np.linspace(0.0, 5.0, len(place))
+        film.assign(pin_displacement=(film.pin_displacement.dims, place)).to_netcdf(path)
+    with erlif.open_film(sinking / "film.nc", group="frames") as frames:
+        frames.to_netcdf(path, group="frames", mode="a")
+    asked = []
+
+    def compare_quickly(*measured, sideways, **options):
+        asked.append(sideways)
+        return compare_models(*measured, sideways=["free"], **options)
+
+    monkeypatch.setattr("erlif.pipeline.physics.fit.compare_models", compare_quickly)
+    found = fit_film(path)
+    assert found.carrier is None
+    assert found.verdict.startswith("None of the models describes this film")
+    assert asked == [["free", "guided"], ["free", "guided", "spring"]]

@@ -91,6 +91,9 @@ def test_the_verdict_stands_first_then_models_then_values_with_their_errors():
         ((0.1198, 0.0006, 0.1186, 0.121), 1.0, "viscosity: 0.11980 ± 0.00060 Pa s"),
         ((36.9, 84.8, 7.69, np.inf), 1.0, "viscosity: above 7.69 (95 %) Pa s"),
         ((0.0191, 0.0022, 0.015, 0.024), 151.0, "viscosity: about 0.019 Pa s"),
+        ((1e8, 3e15, 0.0, np.inf), 1.0, "viscosity: not determined"),
+        ((1e8, 3e15, 2.1, np.inf), 151.0, "viscosity: not determined"),
+        ((0.2, 0.3, 0.0, np.inf), 1.0, "viscosity: not determined"),
     ):
         text = summarise_comparison(comparison(Estimate(*viscosity, "Pa s"), inflation))
         lines = text.splitlines()
