@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -33,7 +32,7 @@ from erlif.pipeline.engines.results import (
     mean_drift,
     share_passed,
 )
-from erlif.pipeline.physics.dark import describe_dark_levels, find_dark_levels
+from erlif.pipeline.physics.dark import describe_dark_levels
 from erlif.pipeline.physics.errors import describe_errors, name_largest_error
 from erlif.pipeline.physics.fit import state_physics
 from erlif.pipeline.physics.joint import describe_joint, missing_load
@@ -224,42 +223,29 @@ def complete_film(
 
     # light that is not film, as the finished frames show it
     plane = ObjectPlane(run.settings, run.pairs.shape)
-    lights, correct = kept_lights(frames, run.pairs), ready.chain.correct
-    remaining = find_light(
-        lights,
-        ready.measuring,
-        cycle.trigger.values,
-        ready.energies,
-        plane=plane,
-        options=options,
-    )
-    darks = find_dark_levels(lights, correct.unlit, correct.references.gain.values)
-    findings = ready.light.complete(remaining, options)
-    if darks:  # a background beyond its width
-        findings = replace(findings, errors=None)
-    last = cycle.sizes["frame"] - 1
+    findings = ready.light
+    if findings.errors is None:  # nothing was taken out, or a part
+        lights = kept_lights(frames, run.pairs)
+        remaining = find_light(
+            lights,
+            ready.measuring,
+            ready.chain.correct,
+            cycle.trigger.values,
+            ready.energies,
+            plane=plane,
+            options=options,
+        )
+        findings = findings.complete(remaining, options)
     light, notes_on_light = describe_light(findings, results, run, ready.measuring)
     films = np.array([one.statistics.mean for one in results])
     median = float(np.median(films[np.isfinite(films)])) if np.isfinite(films).any() else math.nan
-    notes += describe_dark_levels(darks, ready.measuring, median)
-    # a shift within the widths is one of those that the error bars are made for
-    errors = findings.errors
-    if errors is not None and options.errors != "correct":
-        errors = errors if errors.exceeds_widths(ready.measuring) else None
+    notes += describe_dark_levels(findings.darks, ready.measuring, median)
+    counted = findings.that_count(ready.measuring, options)
+    last = cycle.sizes["frame"] - 1
     measured_with = update_systematics(
-        ready.measuring,
-        findings.background,
-        findings.bleaching,
-        options,
-        pulses=len(run.pairs.usable),
-        course=findings.course,
-        darks=darks,
-        last=last,
-        errors=errors,
+        ready.measuring, counted, options, pulses=len(run.pairs.usable), last=last
     )
-    # a small course is among the errors that the gap shows
-    course = findings.course if errors is None else None
-    results = follow_course(results, ready.measuring, course, last=last)
+    results = follow_course(results, ready.measuring, counted.course, last=last)
 
     of_frames = frames_of_run(run, cycle)
     with stage("prediction", _logger):

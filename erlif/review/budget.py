@@ -16,12 +16,12 @@ from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.io.files import takes
-from erlif.io.ingest import open_run
+from erlif.io.ingest import Run, open_run
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.film import group_frames
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.physics.clock import fit_start
-from erlif.pipeline.physics.dark import find_dark_levels
+from erlif.pipeline.physics.findings import LightFindings
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.physics.light import (
     correct_light,
@@ -36,7 +36,7 @@ from erlif.pipeline.recording.pulses import complete_energies, read_energies
 from erlif.pipeline.recording.register import FixtureMap
 from erlif.ratio import PairRatio, RatioSum
 from erlif.review.refusals import refusal
-from erlif.thickness import measure_thickness
+from erlif.thickness import flag_beyond_maximum, measure_thickness
 from erlif.trend import FilmStatistics, summarise_film
 
 # Errors that average out over pixels and frames, over pixels only, and not at all.
@@ -154,33 +154,20 @@ def budget(
     plane = ObjectPlane(settings, run.pairs.shape)
 
     # light that is not film needs the whole run, as the film had it
-    options = settings.light
-    lights = measure_lights(chain, plane.patch)
-    findings = find_light(
-        lights,
-        calibration,
-        cycle.trigger.values,
-        read_energies(run.log),
-        plane=plane,
-        options=options,
-        reference=settings.reference if options.ratio == "correct" else None,
-    )
-    chain, measuring = correct_light(chain, calibration, findings, options)
+    chain, measuring, findings = _find_light(chain, calibration, run, cycle)
     last = max(len(run.pairs.pages[0]) - 1, 1)
     measuring = update_systematics(
         measuring,
-        findings.background,
-        findings.bleaching,
-        options,
+        findings.that_count(measuring, settings.light),
+        settings.light,
         pulses=len(run.pairs.usable),
-        course=findings.course,
-        darks=find_dark_levels(lights, chain.correct.unlit, chain.references.gain.values),
         last=last,
-        errors=findings.errors,
     ).at(float(np.mean(frames)) / last)
 
     sources = _split_variance(chain, frames)
-    maps = measure_thickness(sources.ratio, measuring)
+    images = sources.ratio
+    flag_beyond_maximum(images.log_ratio.values, images.flags.values, measuring)
+    maps = measure_thickness(images, measuring)
     valid = maps.flags.values == 0
     if not valid.any():
         raise refusal("no_valid_pixels", trigger=trigger)
@@ -208,6 +195,38 @@ def budget(
         _minimum_column(statistics, measuring),
     ]
     return _as_dataset(columns, settings.name, trigger, len(frames))
+
+
+def _find_light(
+    chain: FrameChain, calibration: Calibration, run: Run, cycle: xr.Dataset
+) -> tuple[FrameChain, Calibration, LightFindings]:
+    """Chain, calibration and findings as `erlif.process` has them at the end of a run."""
+    options, reference = run.settings.light, run.settings.reference
+    plane, found = ObjectPlane(run.settings, run.pairs.shape), LightFindings()
+    if options.corrects:
+        found = find_light(
+            measure_lights(chain, plane.patch),
+            calibration,
+            chain.correct,
+            cycle.trigger.values,
+            read_energies(run.log),
+            plane=plane,
+            options=options,
+            reference=reference if options.ratio == "correct" else None,
+        )
+        chain, calibration = correct_light(chain, calibration, found, options)
+    if found.errors is None:
+        remaining = find_light(
+            measure_lights(chain, plane.patch),
+            calibration,
+            chain.correct,
+            cycle.trigger.values,
+            read_energies(run.log),
+            plane=plane,
+            options=options,
+        )
+        found = found.complete(remaining, options)
+    return chain, calibration, found
 
 
 def _choose_trigger(

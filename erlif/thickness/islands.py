@@ -1,7 +1,7 @@
 """Films beyond the maximum of the ratio, which look like thinner ones.
 
 Before a wall that reflects, the ratio has a maximum. Films beyond it have the ratio of thinner
-ones, and both are so thick that their light hardly differs. The surroundings tell them apart. A
+ones, and both are so thick that their light hardly differs. The surroundings separate them. A
 film is continuous, so between both lies a band at the maximum, where the ratio is beyond the
 measurable range. What such a band separates from the largest measurable part of the image may lie
 on its other side.
@@ -19,6 +19,11 @@ from erlif.core.flags import Flag
 _CELL = 8  # edge of the cells whose mean ratio is compared; noise opens no band of them [px]
 _LEAST_SOUND = 0.25  # share of sound pixels of a cell, at least
 _FEWEST = 4  # cells of an island; noise alone makes smaller ones within the band
+_TOP = 0.97  # quantile of the cells whose ratio is that of the maximum
+_WIDTHS = 3.0  # standard deviations of the ratio by which its maximum may be lower
+_ENDLESS = 1e3  # um: film whose ratio does not change any more
+_REACH = 3.0  # of the thick end of the range: the maximum lies below it
+_GRID = 500  # films among which it is sought
 _BAND = 0.9  # of the thick end of the range, from which on a film belongs to the band
 _ABOVE = np.uint8(Flag.ABOVE_RANGE)
 
@@ -58,7 +63,6 @@ def flag_beyond_maximum(log_ratio: Image, flags: FlagImage, calibration: Calibra
     """
     if not calibration.model.reflects:
         return
-    highest = float(calibration.predict_log(_BAND * calibration.thickness_range[1]))
     shape = tuple(-(-size // _CELL) for size in flags.shape)
     cells = np.add.outer(
         shape[1] * (np.arange(flags.shape[0]) // _CELL), np.arange(flags.shape[1]) // _CELL
@@ -69,13 +73,27 @@ def flag_beyond_maximum(log_ratio: Image, flags: FlagImage, calibration: Calibra
     known = pixels > _LEAST_SOUND * np.bincount(cells.ravel(), minlength=count)
     mean = np.where(known, total / np.maximum(pixels, 1), np.nan).reshape(shape)
 
-    above = mean > highest
-    islands, number = scipy.ndimage.label(mean <= highest)
-    if number < 2:
+    # the highest ratio of the image is that of the maximum where the error of the ratio allows it
+    thickest, endless = calibration.thickness_range[1], float(calibration.predict_log(_ENDLESS))
+    films = np.linspace(_BAND * thickest, _REACH * thickest, _GRID)
+    ratios = calibration.predict_log(films)
+    top = float(np.nanquantile(mean, _TOP)) if known.any() else -np.inf
+    if top < ratios[0] - _WIDTHS * float(calibration.log_ratio_std(thickest)):
         return
+    highest = top - float(ratios.max() - ratios[0])
+
+    above = mean > highest
+    islands, _ = scipy.ndimage.label(mean <= highest)
     size = np.bincount(islands.ravel())
     size[0] = 0  # of no island
     touched = np.unique(islands[scipy.ndimage.binary_dilation(above)])
     other = touched[(size[touched] >= _FEWEST) & (touched != np.argmax(size))]
-    beyond = np.isin(islands, other)
+
+    if not other.size:
+        return
+
+    # films beyond the maximum have the ratio of an endless one, or more
+    offset = top - float(ratios.max())
+    middle = scipy.ndimage.median(mean, islands, other)
+    beyond = np.isin(islands, other[np.atleast_1d(middle) > endless + offset])
     flags[beyond.ravel()[cells] & sound] |= _ABOVE

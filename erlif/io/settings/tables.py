@@ -463,6 +463,11 @@ class LightOptions(Settings):
                 "the ratio of the patch holds background and bleaching as well: with ratio = "
                 '"correct", remove background and bleaching'
             )
+        if self.errors == "correct" and self.corrects_light:
+            yield (
+                "the errors that the gap shows hold background, bleaching and scale of the ratio: "
+                'with errors = "correct", remove those'
+            )
 
 
 class SystematicsOptions(Settings):

@@ -75,8 +75,8 @@ class TriggerTask(PickledByFields):
         smoothing = plane.settings.thickness.smoothing
         if len(frames) == 1:  # the film of the trigger is that of its only frame
             ratio = self.chain.measure(frames[0], with_fixed=smoothing is not None)
+            flag_beyond_maximum(ratio.log_ratio, ratio.flags, self.calibration.at(passed))
             only = self._keep(frames[0], ratio)  # the maps may take the place of the ratio
-            flag_beyond_maximum(ratio.log_ratio, ratio.flags, self.calibration)
             film = measure_film(ratio, tables, region)
             energy = measure_pulse_energy(ratio.light_one, film.thickness, film.flags, model=model)
             kept.append(replace(only, pulse_energy=energy))
@@ -90,7 +90,7 @@ class TriggerTask(PickledByFields):
             ratio = total.mean()
             if not frames:
                 ratio.flags[:] = Flag.OUTSIDE_OVERLAP
-            flag_beyond_maximum(ratio.log_ratio, ratio.flags, self.calibration)
+            flag_beyond_maximum(ratio.log_ratio, ratio.flags, self.calibration.at(passed))
             film = measure_film(ratio, tables, region)
         statistics = summarise_blocks(
             film.sums, curve, region=region, sliding_along_x=plane.sliding_along_x

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,12 +17,13 @@ from erlif.core.tables import read_table
 from erlif.core.variables import FILM
 from erlif.io.ingest import FramePairs, Run
 from erlif.io.settings import LightOptions, ReferenceSettings
-from erlif.pipeline.chain import FrameChain
+from erlif.pipeline.chain import FrameChain, FrameCorrection
 from erlif.pipeline.engines.engine import Threads
 from erlif.pipeline.engines.results import FrameResult, TriggerResult
+from erlif.pipeline.physics.dark import find_dark_levels
+from erlif.pipeline.physics.findings import LightFindings
 from erlif.pipeline.physics.gap import describe_gap, find_errors, with_errors
 from erlif.pipeline.physics.reference import (
-    PatchScale,
     describe_reference,
     describe_scale,
     find_scale,
@@ -37,7 +38,6 @@ from erlif.ratio import cell_places
 from erlif.trend import (
     BackgroundEstimate,
     Change,
-    ErrorEstimate,
     LightRecord,
     Region,
     Trend,
@@ -328,54 +328,10 @@ def describe_bleaching(
     return variables, [_note(f"bleaching_{key}", changes=text)]
 
 
-@dataclass(frozen=True)
-class LightFindings:
-    """What light and films of a run show beside the films.
-
-    Attributes
-    ----------
-    background : BackgroundEstimate | None
-        None where it is not determined.
-    bleaching : Trend | None
-        None where it is not determined.
-    source : str
-        Where the film is the same, for bleaching.
-    course : Change | None
-        Largest step or drift of the logarithm of the ratio at equal film; None where it is not
-        determined.
-    scale : PatchScale | None
-        Ratio of the patch against that of its film; None where it is not determined.
-    errors : ErrorEstimate | None
-        What the gap of the joint shows of the errors of the run; None where it is not determined,
-        where background or bleaching are corrected by themselves, and where a change is far
-        beyond the widths.
-    """
-
-    background: BackgroundEstimate | None = None
-    bleaching: Trend | None = None
-    source: str = ""
-    course: Change | None = None
-    scale: PatchScale | None = None
-    errors: ErrorEstimate | None = None
-
-    def complete(self, remaining: LightFindings, options: LightOptions) -> LightFindings:
-        """What was corrected as it was found before, and the rest from the finished films."""
-        if options.errors == "correct" and self.errors is not None:
-            return self
-        even = self if options.background == "correct" else remaining
-        bleached = self if "correct" in (options.bleaching, options.ratio) else remaining
-        return replace(
-            remaining,
-            background=even.background,
-            bleaching=bleached.bleaching,
-            source=bleached.source,
-            scale=self.scale,
-        )
-
-
 def find_light(
     lights: dict[int, FrameResult],
     calibration: Calibration,
+    correct: FrameCorrection,
     triggers: AnyArray,
     energies: Array | None,
     *,
@@ -385,7 +341,7 @@ def find_light(
 ) -> LightFindings:
     """Background, bleaching, course and errors of a run, and the scale of its ratio on a patch.
 
-    Parameters as for the first two, and as for `find_errors` and `find_scale`.
+    Parameters as for the first two, and as for `find_dark_levels`, `find_errors` and `find_scale`.
     """
     bleaching, source = find_bleaching(lights, triggers, energies)
     course = None
@@ -401,11 +357,13 @@ def find_light(
     scale = None
     if reference is not None:
         scale = find_scale(lights, calibration, reference, pairs=triggers.size)
+    darks = find_dark_levels(lights, correct.unlit, correct.references.gain.values)
     errors = None
-    beyond = is_beyond_widths(calibration, background, bleaching, course, triggers.size)
+    beyond = bool(darks)  # a background beyond its width
+    beyond |= is_beyond_widths(calibration, background, bleaching, course, triggers.size)
     if not options.corrects_light and not beyond:
         errors = find_errors(lights, calibration, plane, pairs=triggers.size)
-    return LightFindings(background, bleaching, source, course, scale, errors)
+    return LightFindings(background, bleaching, source, course, scale, errors, tuple(darks))
 
 
 def is_beyond_widths(
@@ -508,7 +466,7 @@ def describe_light(
             findings.bleaching,
             findings.source,
             frames=len(run.pairs.usable),
-            corrected="correct" in (options.bleaching, options.ratio),
+            corrected=options.bleaching == "correct" or findings.scale is not None,
             followed=calibration.later is not None,
         ),
     ]

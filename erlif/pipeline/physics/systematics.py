@@ -14,11 +14,12 @@ from erlif.io.settings import LightOptions, RunSettings
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.results import TriggerResult
 from erlif.pipeline.physics.dark import DarkLevel
+from erlif.pipeline.physics.findings import LightFindings
 from erlif.pipeline.physics.gap import with_errors
 from erlif.pipeline.physics.reference import PatchScale
 from erlif.pipeline.physics.temperature import error_of_warming
 from erlif.pipeline.recording.sample import Bands, ratios_of
-from erlif.trend import BackgroundEstimate, Change, ErrorEstimate, Trend
+from erlif.trend import BackgroundEstimate, Change, Trend
 
 # Terms that the difference of two fixtures holds.
 _BETWEEN_FIXTURES = ("ratio", "temperature", "bleaching")
@@ -186,15 +187,11 @@ def with_scale_of_patch(calibration: Calibration, scale: PatchScale) -> Calibrat
 
 def update_systematics(
     calibration: Calibration,
-    background: BackgroundEstimate | None,
-    bleaching: Trend | None,
+    findings: LightFindings,
     options: LightOptions,
     *,
     pulses: int,
-    course: Change | None = None,
-    darks: Sequence[DarkLevel] = (),
     last: int = 1,
-    errors: ErrorEstimate | None = None,
 ) -> Calibration:
     """The calibration with what light and films of a run show of its systematics.
 
@@ -206,21 +203,13 @@ def update_systematics(
     ----------
     calibration : Calibration
         With which the films were measured.
-    background, bleaching
-        As the run shows them; None where it does not determine them.
+    findings : LightFindings
+        As `LightFindings.that_count` gives them: errors of the gap in place of all others.
     options : LightOptions
     pulses : int
         Frames of the run.
-    course : Change, optional
-        Step or drift of the ratio that the run shows.
-    darks : sequence of DarkLevel
-        Dark levels of the run that are not those of the dark frames. A background that was
-        subtracted contains them.
     last : int
         Number of the last frame.
-    errors : ErrorEstimate, optional
-        All errors together as the gap of the joint shows them, in place of background and
-        bleaching.
 
     Returns
     -------
@@ -230,18 +219,20 @@ def update_systematics(
     systematics = calibration.systematics
     if systematics is None or calibration.follows_run:
         return calibration
-    if errors is not None and not darks:
-        return with_errors(calibration, errors, corrected=False)
+    if findings.errors is not None:
+        return with_errors(calibration, findings.errors, corrected=False)
 
-    if background is not None and options.background != "correct":
-        systematics = _with_background_of_run(systematics, background)
+    background, bleaching, course = findings.background, findings.bleaching, findings.course
     if background is None or options.background != "correct":
-        for dark in darks:
-            offset = np.zeros((2, 2))
-            offset[dark.camera - 1, dark.camera - 1] = dark.share**2
-            systematics = systematics.adding("background", offset)
+        if background is not None:
+            systematics = _with_background_of_run(systematics, background)
+        systematics = _with_darks(systematics, findings.darks)
+    if findings.scale is not None:
+        scaled = with_scale_of_patch(replace(calibration, systematics=systematics), findings.scale)
+        assert scaled.systematics is not None
+        systematics = scaled.systematics
     # between two fixtures the curve follows the dyes, and the change of the ratio is no error
-    if bleaching is not None and calibration.later is None and options.ratio != "correct":
+    elif bleaching is not None and calibration.later is None:
         corrected = options.bleaching == "correct"
         width = _bleaching_of_run(systematics, bleaching, pulses=pulses, corrected=corrected)
         systematics = _with_rise(systematics, width)
@@ -251,6 +242,17 @@ def update_systematics(
         systematics = _with_rise(systematics, 0.0) if start is None else systematics
         systematics = systematics.with_course(math.hypot(course.size, course.std), start=start)
     return replace(calibration, systematics=systematics)
+
+
+def _with_darks(systematics: Systematics, darks: Sequence[DarkLevel]) -> Systematics:
+    """The systematics with wrong dark levels; a background that is known contains them."""
+    for dark in darks:
+        place = systematics.places("background")[dark.camera - 1]
+        offset = np.zeros((2, 2))
+        missing = dark.share**2 - systematics.covariance[place, place]
+        offset[dark.camera - 1, dark.camera - 1] = max(missing, 0.0)
+        systematics = systematics.adding("background", offset)
+    return systematics
 
 
 def follow_course(

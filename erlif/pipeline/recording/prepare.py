@@ -16,7 +16,8 @@ from erlif.core.speed.memory import release_memory
 from erlif.core.timing import stage
 from erlif.io.ingest import Fixture, Run
 from erlif.pipeline.chain import FrameChain, FrameCorrection
-from erlif.pipeline.physics.light import LightFindings, correct_light, find_light, measure_lights
+from erlif.pipeline.physics.findings import LightFindings
+from erlif.pipeline.physics.light import correct_light, find_light, measure_lights
 from erlif.pipeline.physics.systematics import add_systematics
 from erlif.pipeline.physics.temperature import read_warming, without_warming
 from erlif.pipeline.plane import ObjectPlane
@@ -220,6 +221,7 @@ def prepare_run(
             findings = find_light(
                 lights,
                 calibration,
+                chain.correct,
                 cycle.trigger.values,
                 energies,
                 plane=plane,

@@ -1,6 +1,7 @@
 """Errors that the gap of a joint shows, from frames to film."""
 
 import tomllib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -114,3 +115,22 @@ def test_bleaching_far_beyond_its_width_leaves_the_gap_alone(per_pulse, beyond):
     calibration = with_systematics(example_calibration(), bleaching=0.01)
     trend = Trend(per_pulse, 1e-5, np.nan, np.nan)
     assert is_beyond_widths(calibration, None, trend, None, 50) is beyond
+
+
+def test_a_wrong_dark_leaves_the_errors_to_their_widths(tmp_path):
+    """30 DN in camera 2: nothing is taken out, and the note and the error bars say so."""
+    rig = replace(RIG, brightness=(1.0, 1.0), dark_drift=(0.0, 30.0))
+    lab = Laboratory.simulated(tmp_path, seed=44, rig=rig)
+    film = lab.process_copy("dark", add='\n[light]\nerrors = "correct"\n')
+    notes = film.attrs["notes"]
+    assert "nothing was taken out" in notes
+    assert "dark" in notes
+    pull = (film.film_min - lab.truth.film_min) / film.film_min_std
+    assert float(np.abs(pull).max()) < 2
+
+
+@pytest.mark.parametrize("other", ["background", "bleaching"])
+def test_errors_of_the_gap_are_not_corrected_beside_another(other):
+    text = f'\n[light]\nerrors = "correct"\n{other} = "correct"\n'
+    with pytest.raises(ValueError, match="errors that the gap shows hold background"):
+        RunSettings.model_validate(tomllib.loads(RUN_TOML + text))

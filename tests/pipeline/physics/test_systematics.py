@@ -13,10 +13,13 @@ from scenes.fixture import with_systematics
 from erlif.io.settings import LightOptions, RunSettings
 from erlif.pipeline.engines.results import FrameResult, TriggerResult
 from erlif.pipeline.physics.dark import DarkLevel
+from erlif.pipeline.physics.findings import LightFindings
+from erlif.pipeline.physics.reference import PatchScale
 from erlif.pipeline.physics.systematics import (
     add_systematics,
     follow_course,
     update_systematics,
+    with_scale_of_patch,
 )
 from erlif.show.plots import example_calibration
 from erlif.trend import (
@@ -75,7 +78,8 @@ def estimate(share=(0.02, 0.02), std=0.004):
 
 def update(calibration, background=None, bleaching=None, options=REPORT):
     """Of a run of 100 pulses."""
-    return update_systematics(calibration, background, bleaching, options, pulses=100)
+    findings = LightFindings(background=background, bleaching=bleaching)
+    return update_systematics(calibration, findings, options, pulses=100)
 
 
 def test_a_reported_background_leaves_its_second_moment_given_the_width():
@@ -119,17 +123,22 @@ def test_bleaching_that_a_run_shows_takes_the_place_of_its_width(options, text, 
     npt.assert_allclose(widths(found)["bleaching"], expected, atol=1e-12)
 
 
-@pytest.mark.parametrize(("options", "added"), [(REPORT, 0.05), (CORRECT, 0.0)])
-def test_a_wrong_dark_is_a_background_of_its_camera_unless_that_was_subtracted(options, added):
-    """30 ± 40 DN of 1000 DN; a background that was subtracted contains the dark."""
+@pytest.mark.parametrize("known", [False, True])
+@pytest.mark.parametrize("options", [REPORT, CORRECT])
+def test_a_wrong_dark_is_a_background_of_its_camera_unless_that_is_known(options, known):
+    """30 ± 40 DN of 1000 DN, 5 %; a width of 1.5 %, or a background that contains the dark."""
     before, dark = calibration_of(), DarkLevel(2, 30.0, 40.0, 1000.0)
+    background = estimate(share=(0.02, 0.3)) if known else None
     plain, found = (
-        update_systematics(before, estimate(), None, options, pulses=50, darks=darks).systematics
+        update_systematics(
+            before, LightFindings(background=background, darks=darks), options, pulses=50
+        ).systematics
         for darks in ((), (dark,))
     )
     camera_2 = plain.places("background")[1]
     growth = found.covariance - plain.covariance
-    npt.assert_allclose(growth[camera_2, camera_2], added**2, atol=1e-12)
+    expected = 0.0 if known else 0.05**2 - 0.015**2
+    npt.assert_allclose(growth[camera_2, camera_2], expected, atol=1e-12)
     growth[camera_2, camera_2] = 0.0
     npt.assert_array_equal(growth, 0.0)
 
@@ -139,7 +148,8 @@ STEP = Change(frame=25, size=-0.03, std=0.04, significance=9.0)
 
 
 def follow(calibration, course):
-    return update_systematics(calibration, None, None, REPORT, pulses=51, course=course, last=50)
+    findings = LightFindings(course=course)
+    return update_systematics(calibration, findings, REPORT, pulses=51, last=50)
 
 
 @pytest.mark.parametrize(("stated", "own"), [("1 %", 0.01), ("0 %", 0.0)])
@@ -205,3 +215,20 @@ def test_at_the_end_of_a_run_the_less_certain_of_two_fixtures_counts(scale):
     mean = [np.mean(run.at(share).log_ratio_std(films) ** 2) for share in (0.0, 1.0)]
     alone = np.mean(PLAIN.log_ratio_std(films) ** 2)
     npt.assert_allclose(mean, [alone, max(scale, 1) ** 2 * alone], rtol=1e-9)
+
+
+@pytest.mark.parametrize("std", [None, 0.004, 0.0005])
+def test_films_of_the_patch_have_the_error_of_its_scale_whatever_else_a_run_shows(std):
+    """0.1 % by the scatter of the frames, and 0.05 um of the patch through the slope."""
+    before = calibration_of()
+    scale = PatchScale(np.zeros(2), 0.001**2 * np.diag([1.0, 0.0]), film=6.0, film_std=0.05)
+    dark = DarkLevel(1, 20.0, 1.0, 1000.0)
+    background = None
+    if std is not None:  # K, p, q, and what neither the patch nor the background is
+        background = replace(estimate(std=std), cross=np.zeros((9, 2)))
+    findings = LightFindings(background=background, scale=scale, darks=(dark,))
+    measuring = with_scale_of_patch(before, scale)
+    found = update_systematics(measuring, findings, LightOptions(ratio="correct"), pulses=50)
+    expected = np.hypot(0.001, 0.05 * PLAIN.slope(6.0))
+    for share in (0.0, 0.5, 1.0):
+        npt.assert_allclose(found.at(share).log_ratio_std(6.0), expected, rtol=1e-6)

@@ -1,0 +1,79 @@
+"""What light and films of a run show beside the films, and what of it enters the error bars."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from erlif.calibration import Calibration
+from erlif.io.settings import LightOptions
+from erlif.pipeline.physics.dark import DarkLevel
+from erlif.pipeline.physics.reference import PatchScale
+from erlif.trend import BackgroundEstimate, Change, ErrorEstimate, Trend
+
+
+@dataclass(frozen=True)
+class LightFindings:
+    """What light and films of a run show beside the films.
+
+    Attributes
+    ----------
+    background : BackgroundEstimate | None
+        None where it is not determined.
+    bleaching : Trend | None
+        None where it is not determined.
+    source : str
+        Where the film is the same, for bleaching.
+    course : Change | None
+        Largest step or drift of the logarithm of the ratio at equal film; None where it is not
+        determined.
+    scale : PatchScale | None
+        Ratio of the patch against that of its film; None where it is not determined.
+    errors : ErrorEstimate | None
+        What the gap of the joint shows of the errors of the run; None where it is not determined,
+        where background or bleaching are corrected by themselves, and where a change is far
+        beyond the widths.
+    darks : tuple[DarkLevel, ...]
+        Dark levels that are not those of the dark frames.
+    """
+
+    background: BackgroundEstimate | None = None
+    bleaching: Trend | None = None
+    source: str = ""
+    course: Change | None = None
+    scale: PatchScale | None = None
+    errors: ErrorEstimate | None = None
+    darks: tuple[DarkLevel, ...] = ()
+
+    def complete(self, remaining: LightFindings, options: LightOptions) -> LightFindings:
+        """What was corrected as it was found before, and the rest from the finished films."""
+        even = self if options.background == "correct" else remaining
+        patched = self.scale is not None
+        bleached = self if options.bleaching == "correct" or patched else remaining
+        return replace(
+            remaining,
+            background=even.background,
+            bleaching=bleached.bleaching,
+            source=bleached.source,
+            scale=self.scale,
+        )
+
+    def that_count(self, calibration: Calibration, options: LightOptions) -> LightFindings:
+        """What of it enters the error bars.
+
+        A shift that the gap shows within the widths is one of those that the error bars are made
+        for. A small course is among the errors that the gap shows.
+
+        Parameters
+        ----------
+        calibration : Calibration
+            With the systematics of the settings.
+        options : LightOptions
+
+        Returns
+        -------
+        LightFindings
+        """
+        errors = self.errors
+        if errors is not None and options.errors != "correct":
+            errors = errors if errors.exceeds_widths(calibration) else None
+        return replace(self, errors=errors, course=None if errors is not None else self.course)
