@@ -3,6 +3,7 @@
     pip install -e .
     python benchmarks/pressure.py                       # all mounts, six seeds, 50 triggers
     python benchmarks/pressure.py --cases free --seeds 12
+    python benchmarks/pressure.py --cases "2 kN" --marks    # triggers at marks of the rocker
 
 Coverage is the share of errors within one and 1.96 stated standard deviations, 68.3 and 95 % where
 the error bars are true; the ends are the first two and the last two triggers.
@@ -61,7 +62,21 @@ class Truth:
     results: dict[str, np.ndarray]
 
 
-def follow(changes: dict, count: int) -> Truth:
+def choose_steps(count: int, rig, marks: bool) -> np.ndarray:
+    """Steps of the turn with a trigger: evenly spaced, or nearest to marks of the rocker.
+
+    The rocker rests at its dead points, so that its marks leave gaps of 0.1 of a turn there.
+    """
+    if not marks:
+        return np.arange(0, STEPS, STEPS // count)
+    fine = np.linspace(0.0, 1.0, 20001)
+    angle = np.asarray(rocker_angle(crank_at(cycle_time(rig) * fine, rig), rig))
+    spacing = 2 * np.ptp(angle) / (count + 1)
+    mark = np.floor((angle - angle.min()) / spacing + 0.37)
+    return np.unique(np.rint(STEPS * fine[np.flatnonzero(np.diff(mark))]).astype(int) % STEPS)
+
+
+def follow(changes: dict, count: int, marks: bool = False) -> Truth:
     """What the rig knows of a pin and its film."""
     rig = replace(RIG, **changes)
     if rig.sideways != "guided":
@@ -95,7 +110,7 @@ def follow(changes: dict, count: int) -> Truth:
     finally:
         cavitation._Film = plain
     first = round(rig.elapsed * STEPS) - 1  # the first row is that of the first step
-    some = slice(None, None, STEPS // count)
+    some = choose_steps(count, rig, marks)
     found = np.array(rows[first : first + STEPS])[some].T
     crank = crank_at(steps[some], rig)
     return Truth(
@@ -131,6 +146,7 @@ def measure(truth: Truth, rig, seed: int, cells: tuple[int, int]):
         position,
         random_cov=np.tile(random, (count, 1, 1)),
         surface_cov=np.tile(surface, (count, 1, 1)),
+        period=cycle_time(rig),
     )
     bearing = Bearing(
         1e-3 * rig.journal_radius, 1e-6 * rig.clearance, 1e-3 * rig.length, rig.viscosity
@@ -152,9 +168,10 @@ def measure(truth: Truth, rig, seed: int, cells: tuple[int, int]):
     )
 
 
-def weigh(name: str, seeds: range, count: int, cells: tuple[int, int]) -> None:
+def weigh(name: str, seeds: range, count: int, cells: tuple[int, int], marks: bool) -> None:
     """Print the coverage of one case."""
-    rig, truth = replace(RIG, **CASES[name]), follow(CASES[name], count)
+    rig, truth = replace(RIG, **CASES[name]), follow(CASES[name], count, marks)
+    count = truth.time.size
     thin = rig.clearance - 1e6 * np.hypot(*truth.position.T)
     runs = [measure(truth, rig, seed, cells) for seed in seeds]
     share = np.mean([run.pressure_measured.values for run in runs])
@@ -189,10 +206,11 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=1000, help="first seed")
     parser.add_argument("--triggers", type=int, choices=[25, 50], default=50)
     parser.add_argument("--cells", type=int, nargs=2, default=[384, 24])
+    parser.add_argument("--marks", action="store_true")
     options = parser.parse_args()
     seeds = range(options.first, options.first + options.seeds)
     for name in options.cases:
-        weigh(name, seeds, options.triggers, tuple(options.cells))
+        weigh(name, seeds, options.triggers, tuple(options.cells), options.marks)
 
 
 if __name__ == "__main__":

@@ -41,6 +41,8 @@ class PinMotion:
         By what all triggers share, surfaces and calibration; as random_root.
     noise_scale : Array
         Scatter of the positions about a smooth path over the stated one, (number,).
+    period : float or None
+        Of a turn of the crank; None for a turn of evenly spaced triggers. [s]
     """
 
     time: Array
@@ -51,6 +53,19 @@ class PinMotion:
     random_root: Array
     shared_root: Array
     noise_scale: Array
+    period: float | None = None
+
+    @property
+    def turn(self) -> float:
+        """Duration of a turn of the crank. [s]"""
+        even = float(self.time[-1] - self.time[0] + np.median(np.diff(self.time)))
+        return even if self.period is None else self.period
+
+    @property
+    def widest_gap(self) -> float:
+        """Largest part of a turn without a trigger, from turn to turn. [1]"""
+        last = self.turn - float(self.time[-1] - self.time[0])
+        return max(float(np.diff(self.time).max()), last) / self.turn
 
     @property
     def random_cov(self) -> Array:
@@ -73,6 +88,7 @@ def find_pin_motion(
     surface_cov: Array | None = None,
     gradient: Array | None = None,
     calibration_cov: Array | None = None,
+    period: float | None = None,
 ) -> PinMotion:
     """Find the rate of the pin from its positions at the triggers.
 
@@ -99,6 +115,8 @@ def find_pin_motion(
         Change of the position with the parameters of the calibration.
     calibration_cov : array, (parameter, parameter), optional
         Their covariance.
+    period : float, optional
+        As of `PinMotion`. [s]
 
     Returns
     -------
@@ -148,6 +166,7 @@ def find_pin_motion(
         random_root=whole @ path.root,
         shared_root=np.concatenate(shared, axis=2),
         noise_scale=path.noise_scale,
+        period=period,
     )
 
 

@@ -34,6 +34,10 @@ STEPS_PER_TURN = 100
 # close or open too quickly for a smooth path.
 CHANGING = 0.4
 
+# Part of a turn without a trigger above which cavities close and open unseen: with triggers at
+# marks of the rocker, which rests at its dead points, loads were off by seven of their errors.
+LARGEST_GAP = 0.05
+
 # Displacement of the pin over the turn before the recorded one, over that of the recorded turn,
 # whose cavities are compared with those of 1: shortly after loading a pin sinks from turn to turn,
 # and in the turn before it sank further.
@@ -225,8 +229,8 @@ def follow_cavities(
     from scipy.interpolate import CubicHermiteSpline  # loads scipy.optimize: only where needed
 
     # the turn before joins the recorded one, also where the film sinks from turn to turn
-    step = float(np.median(np.diff(motion.time)))
-    period = motion.time[-1] - motion.time[0] + step
+    period = motion.turn
+    step = period - (motion.time[-1] - motion.time[0])
     sunk = motion.position[-1] + step / 2 * (motion.rate[-1] + motion.rate[0])
     sunk -= motion.position[0]
     ahead = (motion.time[0] + period - motion.time[:, None]) / period  # turns to the recorded one
@@ -276,8 +280,10 @@ def find_pressures(
     the pin sinks twice as far. Cavities that are older than the recording have the last one.
 
     Where the standard deviation of the peak is above half the peak, the pressure is not known: all
-    is NaN there but the standard deviations. So it is where the gap closes outside the image, and
-    where cavities close or open so quickly that the path of the pin has a kink.
+    is NaN there but the standard deviations. So it is where the gap closes outside the image, where
+    cavities close or open so quickly that the path of the pin has a kink, where the Reynolds
+    equation has no solution (`pressure_solved` is 0 there), and at all triggers of a film with
+    cavities that leave out more than `LARGEST_GAP` of a turn.
 
     Parameters
     ----------
@@ -310,15 +316,10 @@ def find_pressures(
         peak_std_random, peak_std_shared and peak_std_settings, the parts of peak_pressure_std that
         noise, shared errors, and viscosity and clearance make [Pa]; peak_by_viscosity and
         peak_by_clearance, relative changes of the peak over those of the settings [1]; load_cov
-        (trigger, trigger_other), covariance of load_from_pressure [N2]; pressure_measured, 1 or 0;
-        cavity, the share of the image without a full film, cavity_change, how much cavities
-        change about the trigger, and cavity_history, the relative change of the peak by another
-        turn before the recorded one [1].
-
-    Raises
-    ------
-    ModelError
-        If the pressure does not converge.
+        (trigger, trigger_other), covariance of load_from_pressure [N2]; pressure_measured and
+        pressure_solved, 1 or 0; cavity, the share of the image without a full film, cavity_change,
+        how much cavities change about the trigger, and cavity_history, the relative change of the
+        peak by another turn before the recorded one [1].
 
     Examples
     --------
@@ -339,17 +340,20 @@ def find_pressures(
     ) -> list[dict[str, Array]]:
         rows = []
         for k in range(motion.turning.size):
-            solved = _find_one(
-                replace(journal, viscosity=float(viscosity[k])),
-                np.concatenate([motion.position[k], motion.rate[k]]),
-                float(motion.turning[k]),
-                replace(errors, random=motion.random_root[k], shared=motion.shared_root[k]),
-                view,
-                cells,
-                0.5 * float(motion.angle[k]),
-                {grid: void[k] for grid, void in voids.items()},
-                _voids_about(voids, older, k),
-            )
+            try:
+                solved = _find_one(
+                    replace(journal, viscosity=float(viscosity[k])),
+                    np.concatenate([motion.position[k], motion.rate[k]]),
+                    float(motion.turning[k]),
+                    replace(errors, random=motion.random_root[k], shared=motion.shared_root[k]),
+                    view,
+                    cells,
+                    0.5 * float(motion.angle[k]),
+                    {grid: void[k] for grid, void in voids.items()},
+                    _voids_about(voids, older, k),
+                )
+            except ModelError as error:
+                solved = view.nothing(solved=isinstance(error, OverlapError))
             rows.append(solved)
             what = "pressure with cavities" if voids else "pressure"
             progress(what, k + 1, motion.turning.size)
@@ -366,8 +370,8 @@ def find_pressures(
         try:
             voids = {grid: follow_cavities(mean, motion, cells=grid) for grid in grids}
             older = _follow_another_turn(mean, motion, min(grids))
-        except OverlapError:
-            rows = [_judge(view.nothing()) for _ in rows]
+        except ModelError:
+            rows = [_judge(view.nothing(solved=False)) for _ in rows]
         else:
             change = _change_of_cavities(voids[cells])
             rows = [
@@ -459,10 +463,11 @@ def _voids_about(
 
 
 def _covers_turn(motion: PinMotion) -> bool:
-    """Whether the bushing is back where it was, a step after the last trigger."""
-    step = float(np.median(np.diff(motion.time)))
+    """Whether the bushing is back where it was, a step after the last trigger, without a gap."""
+    step = motion.turn - (motion.time[-1] - motion.time[0])
     back = motion.angle[-1] + step / 2 * (motion.turning[-1] + motion.turning[0])
-    return bool(np.abs(back - motion.angle[0]) <= step * np.abs(motion.turning).max())
+    returns = np.abs(back - motion.angle[0]) <= step * np.abs(motion.turning).max()
+    return bool(returns and motion.widest_gap <= LARGEST_GAP)
 
 
 def _follow_another_turn(journal: Journal, motion: PinMotion, cells: tuple[int, int]) -> Array:
@@ -475,7 +480,7 @@ def _follow_another_turn(journal: Journal, motion: PinMotion, cells: tuple[int, 
 
 def _hide(row: dict[str, Array], change: float, history: float = np.nan) -> dict[str, Array]:
     """The row of a trigger whose cavities are not known: it has no pressure."""
-    kept = ("cavity", *_PARTS)
+    kept = ("cavity", "pressure_solved", *_PARTS)
     hidden = {
         name: value if name in kept else np.full_like(value, np.nan, float)
         for name, value in row.items()
@@ -533,8 +538,8 @@ class _View:
         found = np.linalg.lstsq(shapes, np.ones_like(angle), rcond=None)[0]
         return np.concatenate([found, np.zeros(NUMBERS - 2)])
 
-    def nothing(self) -> dict[str, Array]:
-        """A trigger at which the pressure is not known."""
+    def nothing(self, *, solved: bool) -> dict[str, Array]:
+        """A trigger without a solution, or without a gap all over the joint."""
         plane, line, one = (self.axial.size, self.place.size), (self.place.size,), ()
         shapes = {"pressure": plane, "pressure_profile": line} | dict.fromkeys(_SINGLE, one)
         rows = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
@@ -542,7 +547,8 @@ class _View:
         parts = dict.fromkeys(
             (*_PARTS, *_SENSITIVITIES, *_LOAD_PARTS, *_CAVITIES), np.array(np.nan)
         )
-        return rows | parts | {"pressure_measured": np.array(0)}
+        known = {"pressure_measured": np.array(0), "pressure_solved": np.array(int(solved))}
+        return rows | parts | known
 
 
 _CAVITIES = ("cavity", "cavity_change", "cavity_history")
@@ -643,10 +649,7 @@ def _find_one(
         )
 
     numbers = np.concatenate([numbers, np.zeros(len(SETTINGS))])
-    try:
-        solved = solve(numbers, cells)
-    except OverlapError:
-        return view.nothing()
+    solved = solve(numbers, cells)
     found = view.look(solved)
     std = np.sqrt((errors.random**2).sum(axis=1) + (errors.shared**2).sum(axis=1))
     steps = np.concatenate([_steps(std, float(solved.film.min()), journal), _NUDGE])
@@ -688,6 +691,7 @@ def _find_one(
     for name, slope in zip(_SENSITIVITIES, peak[2 * NUMBERS :], strict=True):
         rows[name] = slope / found["peak_pressure"]
 
+    rows["pressure_solved"] = np.array(1)
     rows["cavity"] = np.array((view.cut(solved.void_fraction) > 0).mean())
     rows["cavity_change"] = np.array(0.0)
     rows["cavity_history"] = np.abs(older["peak_pressure"] / found["peak_pressure"])

@@ -27,7 +27,7 @@ from erlif.pipeline.physics.prediction import (
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.refusals import refusal
 from erlif.prediction.pin_motion import PinMotion, find_pin_motion
-from erlif.prediction.pressure import CHANGING, CLEAR, find_pressures
+from erlif.prediction.pressure import CHANGING, CLEAR, LARGEST_GAP, find_pressures
 from erlif.prediction.smoothing import FEWEST
 from erlif.trend import PinView, viscosity_at
 
@@ -71,10 +71,10 @@ def pressure_from_film(
         sliding, load_from_pressure and side_from_pressure [N], each with its _std;
         peak_std_random, peak_std_shared and peak_std_settings [kPa], by noise, by errors that all
         triggers share, and by viscosity and clearance; peak_by_viscosity and peak_by_clearance [1];
-        load_cov (trigger, trigger_other) [N2]; pressure_measured, 1 or 0; film_rate and
-        film_rate_std [um s-1] at the load line; cavity and cavity_change [1]; load [N]. NaN where
-        the noise forbids the pressure. Attributes: statement, what the pressure is good for and
-        what would make it better; balance, the load in comparison; given, whether errors of
+        load_cov (trigger, trigger_other) [N2]; pressure_measured and pressure_solved, 1 or 0;
+        film_rate and film_rate_std [um s-1] at the load line; cavity and cavity_change [1]; load
+        [N]. NaN where the pressure is not known. Attributes: statement, what the pressure is good
+        for and what would make it better; balance, the load in comparison; given, whether errors of
         viscosity and clearance are part of the stated ones.
 
     Raises
@@ -183,6 +183,7 @@ def _follow(
         surface_cov=surface,
         gradient=gradient,
         calibration_cov=calibration_of(film).full_covariance,
+        period=2 * np.pi * float(np.ptp(moved.motion.time) / np.ptp(moved.crank)),
     )
     return motion, order
 
@@ -237,6 +238,7 @@ def _describe(
     columns["load_cov"] = np.full((total, total), np.nan)
     columns["load_cov"][np.ix_(order, order)] = pressures["load_cov"].values
     columns["pressure_measured"][np.isnan(columns["pressure_measured"])] = 0
+    columns["pressure_solved"][np.isnan(columns["pressure_solved"])] = 1
 
     rate = -motion.rate[:, 0] * _MICRO
     rate_std = np.sqrt((motion.random_cov + motion.shared_cov)[:, 4, 4]) * _MICRO
@@ -324,11 +326,14 @@ def state_limits(pressure: xr.Dataset) -> str:
         lines.append(_TEXTS["closing"].format(**_list_triggers(closing)))
     history = pressure.cavity_history.values
     if np.isinf(history).any():
-        return str(_TEXTS["part_of_a_turn"])
+        return str(_TEXTS["part_of_a_turn"].format(gap=100 * LARGEST_GAP))
     old = ~measured & ~closing & (history > CLEAR)
     if old.any():
         lines.append(_TEXTS["old"].format(**_list_triggers(old)))
-    refused = ~measured & ~closing & ~old
+    unsolved = pressure.pressure_solved.values == 0
+    if unsolved.any():
+        lines.append(_TEXTS["unsolved"].format(**_list_triggers(unsolved)))
+    refused = ~measured & ~closing & ~old & ~unsolved
     if refused.any():
         reason = _state_refusal(pressure, refused)
         lines.append(_TEXTS["refused"].format(reason=reason, **_list_triggers(refused)))
@@ -356,7 +361,7 @@ def _state_refusal(pressure: xr.Dataset, refused: Mask) -> str:
     goal = (CLEAR * pressure.peak_of_load.values[refused]) ** 2 - shared**2 - settings**2
     if (goal > 0).any():
         factor = float(np.nanmedian((random**2 / goal)[goal > 0]))
-        cure = _TEXTS["light"].format(factor=factor)
+        cure = _TEXTS["light"].format(factor=factor) if factor > 1 else _TEXTS["opens"]
     else:
         by_settings = np.nanmedian(settings) > np.nanmedian(shared)
         helps = _TEXTS["settings_help" if by_settings else "calibration_helps"]

@@ -11,6 +11,7 @@ import xarray as xr
 import erlif
 from erlif.core.errors import ConfigError, ErlifError, ModelError
 from erlif.pipeline.physics.pressure import pressure_from_film, state_balance, weigh_loads
+from erlif.prediction import pressure
 from erlif.rig.film import crank_at, cycle_time, rocker_speed
 from erlif.rig.journal import follow_pin
 from erlif.rig.settings import RigSettings
@@ -241,7 +242,7 @@ def test_noise_that_hides_the_rate_is_stated_with_the_light_it_needs(found):
     assert np.isnan(result.pressure.values[refused]).all()
     assert (result.peak_pressure_std.values[refused] > 0.4 * found.peak_pressure[refused]).all()
     statement = result.attrs["statement"]
-    assert "The noise forbids the pressure at" in statement
+    assert "No pressure is known at" in statement
 
     # light brings the standard deviation to half the peak, and more light below it
     factor = float(re.search(r"It needs at least (\S+) times the light", statement)[1])
@@ -251,7 +252,7 @@ def test_noise_that_hides_the_rate_is_stated_with_the_light_it_needs(found):
     assert bright.pressure_measured.values[refused].mean() > 0.5
     off = (bright.peak_pressure - found.peak_pressure) / bright.peak_pressure_std
     assert float(np.abs(off).max()) < 3.5
-    assert "noise forbids" not in found.attrs["statement"]
+    assert "No pressure is known" not in found.attrs["statement"]
 
 
 def test_a_tilt_that_closes_the_gap_outside_the_image_is_stated():
@@ -268,7 +269,43 @@ def test_cavities_in_a_part_of_a_turn_are_stated():
     film = make_film(count=12, sideways="guided", elapsed=1.5, load=2000.0)
     found = pressure_from_film(film.isel(trigger=slice(0, 7)))
     assert not found.pressure_measured.values.any()
-    assert "does not cover a turn of the crank" in found.attrs["statement"]
+    assert "no trigger was recorded over 5 % or more of a turn" in found.attrs["statement"]
+
+
+def test_a_gap_at_a_dead_point_leaves_cavities_unknown(coarse_pressure):
+    """Triggers at marks of the rocker, which rests there, leave out a tenth of a turn."""
+    film = make_film(count=26, sideways="guided", elapsed=1.5, load=2000.0)
+    found = pressure_from_film(film.isel(trigger=slice(0, 24)))
+    assert not found.pressure_measured.values.any()
+    assert "no trigger was recorded over 5 % or more of a turn" in found.attrs["statement"]
+    assert "marks of the rocker" in found.attrs["statement"]
+
+
+def test_a_film_that_no_oil_follows_is_flagged(coarse_pressure):
+    """It rises by its thickness in a turn: a turn before, pin and bushing overlap."""
+    film = make_film(count=26)
+    rising = 224.0 - np.linspace(0.0, 6.0, 26)
+    film["pin_displacement"][:] = np.stack([rising, 0 * rising], axis=1)
+    found = pressure_from_film(film)
+    assert not found.pressure_solved.values.any()
+    assert "At 26 triggers (0, 1, 2, 3, 4, 5, 6, 7, ...) no oil can follow" in found.statement
+
+
+def test_a_trigger_without_a_solution_leaves_the_others_theirs(coarse_pressure, monkeypatch):
+    film = make_film(count=7)
+    solve, calls = pressure.solve_pin_motion, []
+
+    def solve_all_but_one(journal, position, *others, **options):
+        calls.append(position[0])
+        if position[0] == calls[0]:
+            raise ModelError("The pressure did not converge.")
+        return solve(journal, position, *others, **options)
+
+    monkeypatch.setattr(pressure, "solve_pin_motion", solve_all_but_one)
+    found = pressure_from_film(film)
+    assert found.pressure_solved.values.tolist() == [0, 1, 1, 1, 1, 1, 1]
+    assert found.pressure_measured.values[1:].any()
+    assert "At 1 triggers (0) no oil can follow" in found.statement
 
 
 def test_triggers_without_a_position_have_no_pressure():
