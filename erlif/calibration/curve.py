@@ -46,6 +46,10 @@ PARAMETERS = (
 # end of the calibrated range.
 _BEYOND, _FLAT = 501, 0.1
 
+# Films at which what a run adds to a curve is tabulated: the first [um], the last over the end of
+# the calibrated range, and their number. Between them it is a cubic spline, right to 1e-8.
+_THINNEST, _THICKEST, _ADDED = 0.02, 3.0, 1201
+
 
 @dataclass(frozen=True, repr=False)
 class Calibration:
@@ -202,20 +206,25 @@ class Calibration:
             found = found + self.departure.predict(thickness)
         if self.later is not None:
             found = found + self.passed * (self.later.predict_log(thickness) - found)
-        return found + self._add(thickness) if self.follows_run else found
+        if not self.follows_run:
+            return found
+        return np.asarray(found + self._added(np.log(np.maximum(thickness, _THINNEST))))
 
     @property
     def follows_run(self) -> bool:
         """Whether a run has added something to the curve of the fixture."""
         return self.systematics is not None and self.systematics.value is not None
 
-    def _add(self, thickness: npt.ArrayLike) -> Array:
-        """What the run adds to the logarithm of the ratio. [1]"""
+    @cached_property
+    def _added(self) -> scipy.interpolate.CubicSpline:
+        """What the run adds to the logarithm of the ratio, over the logarithm of the film [um]."""
         systematics = self.systematics
         assert systematics is not None
         assert systematics.value is not None
         alone = replace(self, systematics=replace(systematics, value=None))
-        return np.tensordot(systematics.value, alone.gradient(thickness), 1)
+        films = np.geomspace(_THINNEST, _THICKEST * self.thickness_range[1], _ADDED)
+        added = np.tensordot(systematics.value, alone.gradient(films), 1)
+        return scipy.interpolate.CubicSpline(np.log(films), added)
 
     def change(self, thickness: npt.ArrayLike) -> Array:
         """Logarithm of the ratio after the run less that before it; 0 of one fixture. [1]"""
@@ -232,8 +241,8 @@ class Calibration:
             found = found + self.passed * (self.later.slope(thickness) - found)
         if not self.follows_run:
             return found
-        step, film = 1e-3, np.asarray(thickness, float)  # um
-        return np.asarray(found + (self._add(film + step) - self._add(film - step)) / (2 * step))
+        film = np.maximum(np.asarray(thickness, float), _THINNEST)
+        return np.asarray(found + self._added(np.log(film), 1) / film)
 
     def gradient(self, thickness: npt.ArrayLike) -> Array:
         """Derivatives of the logarithm of the ratio by all fitted parameters, (n, ...).

@@ -136,7 +136,7 @@ def read_run(film: xr.Dataset) -> RunRecord:
         partial = film.share_beyond_range.values > LARGEST_BEYOND
         value["film_mean"] = np.where(partial, np.nan, value["film_mean"])
 
-    passed = film.share_passed.values if "share_passed" in film else np.ones(triggers)
+    passed = _shares(film)
     gradient["film_min"] = _film_gradients(value["film_min"], calibration, passed)
     own["film_min"] = _remainder(std["film_min"], gradient["film_min"], covariance)
     sampled = np.unique(np.linspace(0, triggers - 1, min(triggers, _SAMPLED)).astype(int))
@@ -193,7 +193,8 @@ def _conditions(
     patch = None
     if "reference_film" in film:
         # the measured ratio, whatever the calibration
-        patch = calibration.predict(film.reference_film.values)
+        films = zip(film.reference_film.values, _shares(film), strict=True)
+        patch = np.array([float(calibration.at(float(at)).predict(one)) for one, at in films])
     return {
         "speed": np.abs(film[name].values) if name else None,
         "speed_name": name,
@@ -202,6 +203,12 @@ def _conditions(
         "theory": known.get("film_theory"),
         "patch_ratio": patch,
     }
+
+
+def _shares(film: xr.Dataset) -> Array:
+    """Share of the run that has passed at each trigger; all of it where that is not stored. [1]"""
+    known = "share_passed" in film
+    return film.share_passed.values if known else np.ones(film.sizes["trigger"])
 
 
 def _film_gradients(value: Array, calibration: Calibration, passed: Array) -> Array:
