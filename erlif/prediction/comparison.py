@@ -50,7 +50,7 @@ ANY_GUIDED = "any guided pin"
 CONSTANT = "a constant gap"
 
 # Factor of the stated random errors up to which a model describes a film. Films that follow a
-# candidate leave up to 1.1 (docs/theory/which.md).
+# candidate leave up to 1.1, photographed ones up to 1.7 (docs/theory/which.md).
 DESCRIBED = 3.0
 
 _CARRIES = {

@@ -103,7 +103,7 @@ def summarise_in_a_line(film: xr.Dataset) -> str:
     trend = ""
     if "speed_exponent" in film:
         fitted = np.isfinite(float(film.speed_exponent))
-        trend = f"{_power(film, 'speed_exponent') if fitted else 'n = not fitted'}, "
+        trend = f"{_power(film, 'speed_exponent') if fitted else 'n = not determined'}, "
     return (
         f"minimum film thickness {thickness}, {trend}{film.sizes['trigger']} triggers "
         f"from {int(film.frames_used.sum())} frame pairs"
@@ -153,8 +153,8 @@ def _describe_trend(film: xr.Dataset) -> str:
     if not np.isfinite(float(exponent)):
         used, all_of = int(exponent.attrs.get("triggers_used", 0)), film.sizes["trigger"]
         return (
-            f"not fitted: it takes five triggers of differing speed over load; {used} of {all_of} "
-            "can be used"
+            "not determined: it takes five triggers of differing speed over load; "
+            f"{used} of {all_of} can be used"
         )
     minimum, mean = _power(film, "speed_exponent"), _power(film, "speed_exponent_mean")
     used = exponent.attrs["triggers_used"]
@@ -165,7 +165,7 @@ def _power(film: xr.Dataset, name: str) -> str:
     """A fitted power with its standard deviation, in words where either is not known."""
     value, std = float(film[name]), float(film[f"{name}_std"])
     if not np.isfinite(value):
-        return "not fitted"
+        return "not determined"
     return f"n = {value:.3f} ± {std:.3f}" if np.isfinite(std) else f"n = {value:.3f}, error unknown"
 
 

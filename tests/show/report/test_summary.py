@@ -57,7 +57,7 @@ def test_a_power_that_is_not_known_is_given_in_words(film):
         speed_exponent_mean_std=film.speed_exponent_mean_std * np.nan,
     )
     line = line_of(summarise(unknown), "power of speed over load")
-    assert line == "minimum: n = 0.600 ± 0.010, mean: not fitted; 6 triggers"
+    assert line == "minimum: n = 0.600 ± 0.010, mean: not determined; 6 triggers"
     unknown = film.assign(speed_exponent_std=film.speed_exponent_std * np.nan)
     line = line_of(summarise(unknown), "power of speed over load")
     assert line.startswith("minimum: n = 0.600, error unknown, mean: n = 0.400 ± 0.010")
@@ -79,10 +79,10 @@ def test_film_without_valid_pixels_is_described(film):
     none = "none: no trigger has enough valid pixels in the region of interest"
     assert line_of(text, "minimum film thickness") == none
     assert line_of(text, "valid pixels") == "0.0%"
-    assert "not fitted: it takes five triggers of differing speed over load; " in text
+    assert "not determined: it takes five triggers of differing speed over load; " in text
     empty = film.assign(film_min=film.film_min * np.nan, speed_exponent=np.nan)
     line = summarise_in_a_line(empty)
-    assert line.startswith("minimum film thickness no film, n = not fitted, 6 triggers")
+    assert line.startswith("minimum film thickness no film, n = not determined, 6 triggers")
 
 
 @pytest.fixture
