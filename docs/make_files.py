@@ -214,6 +214,12 @@ BLUR_ATTRIBUTES = (
     ),
     Attribute("blur_difference_std", "Its standard deviation. [px2]"),
     Attribute("blur_difference_comment", "The definition of blur_difference."),
+    Attribute(
+        "ratio_excess",
+        "Excess of the mean logarithm of the ratio by unequal texture, taken out where it exceeds "
+        "three standard deviations. [1]",
+    ),
+    Attribute("ratio_excess_std", "Its standard deviation. [1]"),
 )
 
 CALIBRATION_ATTRIBUTES = (

@@ -536,6 +536,8 @@ def describe_registration(camera_map: CameraMap, blur: BlurDifference) -> xr.Dat
         blur_difference=[blur.x, blur.y],
         blur_difference_std=[blur.std_x, blur.std_y],
         blur_difference_comment=_TEXTS["blur_difference"],
+        ratio_excess=blur.excess,
+        ratio_excess_std=blur.excess_std,
     )
 
 

@@ -2,6 +2,7 @@ from .accumulation import RatioSum, combine_frames
 from .bubbles import find_bubbles
 from .camera_noise import NoiseEstimate, NoiseView, estimate_camera_noise
 from .cells import NO_CELLS, LightCells, cell_centres, cell_places, sample_cells
+from .excess import ExcessSums
 from .focus import measure_sharpness
 from .log_ratio import compute_ratio
 from .noise_fit import NoiseUnknowns
@@ -16,6 +17,7 @@ __all__ = [
     "NO_PULSE",
     "BlurDifference",
     "BlurMoments",
+    "ExcessSums",
     "LightCells",
     "NoiseEstimate",
     "NoiseUnknowns",

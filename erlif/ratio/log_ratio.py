@@ -60,7 +60,8 @@ def compute_ratio(
         Share of the light of its surroundings below which a pixel is flagged no_film with its
         neighbours: a bubble, or bare wall. [1]
     blur : BlurDifference, optional
-        Difference of sharpness, whose ghost of the speckle is subtracted from the ratio.
+        Difference of sharpness, whose ghost of the speckle is subtracted from the ratio, and the
+        excess of its mean.
 
     Returns
     -------
@@ -102,7 +103,8 @@ def compute_ratio(
     map_var = np.square(frames.displacement_std.values, dtype=float).astype(np.float32)
     no_flags = np.zeros(map_var.shape, np.uint8)  # those of the map are among those of camera 2
     # without a difference of sharpness there is no ghost
-    along = np.array(BlurDifference().corrected if blur is None else blur.corrected, np.float32)
+    blur = BlurDifference() if blur is None else blur
+    along = np.array([*blur.corrected, blur.corrected_excess], np.float32)
 
     ratios = []
     for n in range(signal.shape[1]):
@@ -213,6 +215,7 @@ def divide_rows(  # type: ignore[no-untyped-def]
     map_var,
     along_x,
     along_y,
+    excess,
     log_ratio,
     variance,
     fixed,
@@ -238,6 +241,8 @@ def divide_rows(  # type: ignore[no-untyped-def]
         Variance of one component of the displacement. [px2]
     along_x, along_y : float32
         Difference of sharpness, whose ghost is subtracted. [px2]
+    excess : float32
+        Excess of the mean log ratio, which is subtracted. [1]
     log_ratio, variance, fixed, shared, flags : array, (y, x)
         Receive the rows; `fixed` may have a single row.
     first, start, stop : int
@@ -264,7 +269,7 @@ def divide_rows(  # type: ignore[no-untyped-def]
         variances = var_one, fixed_one, var_two, fixed_two
         bits_of = flags_one, flags_two, map_flags
         images = log_ratio, variance, fixed, flags
-        sums = _divide_row(one, two, variances, bits_of, row, first, values, spare, images)
+        sums = _divide_row(one, two, variances, bits_of, row, first, excess, values, spare, images)
         total += float(sums[0])
         of_two += float(sums[1])
 
@@ -316,7 +321,7 @@ def _take_logs(one, two, row, start, ghost, values, bits, spare):  # type: ignor
 
 @numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def _divide_row(  # type: ignore[no-untyped-def]
-    one, two, variances, bits_of, row, first, values, spare, images
+    one, two, variances, bits_of, row, first, excess, values, spare, images
 ):
     """Log ratio, variances and flags of a row; sums of the variance, of both and of camera 2."""
     var_one, fixed_one, var_two, fixed_two = variances
@@ -338,7 +343,7 @@ def _divide_row(  # type: ignore[no-untyped-def]
         variance[y, x] = of_a + of_b if light else _NAN
         repeats = fixed_one[only, x] * per_a + fixed_two[kept, x] * per_b
         fixed[n, x] = repeats if light else _NAN
-        values[0, x] = values[0, x] + _HALF * (of_b - of_a) if light else _NAN
+        values[0, x] = values[0, x] + _HALF * (of_b - of_a) - excess if light else _NAN
     for t in range(width):
         x = _at(t)
         log_ratio[y, x] = values[0, x]

@@ -47,6 +47,10 @@ class BlurDifference:
         [px2]
     std_y : float
         [px2]
+    excess : float
+        Excess of the mean log ratio (`erlif.ratio.excess`) after the ghost is subtracted. [1]
+    excess_std : float
+        [1]
 
     Examples
     --------
@@ -60,6 +64,8 @@ class BlurDifference:
     y: float = 0.0
     std_x: float = 0.0
     std_y: float = 0.0
+    excess: float = 0.0
+    excess_std: float = 0.0
 
     @property
     def significant(self) -> bool:
@@ -70,6 +76,11 @@ class BlurDifference:
     def corrected(self) -> tuple[float, float]:
         """The difference (x, y) whose ghost is subtracted: zero unless it is significant. [px2]"""
         return (self.x, self.y) if self.significant else (0.0, 0.0)
+
+    @property
+    def corrected_excess(self) -> float:
+        """The excess that is subtracted from the log ratio: zero unless it is significant. [1]"""
+        return self.excess if abs(self.excess) > _SIGNIFICANT * self.excess_std else 0.0
 
 
 @dataclass

@@ -141,6 +141,8 @@ def compute_ratio(frames, *, no_film_below=0.25, blur=None):
     log_ratio = np.log(b / a) + 0.5 * (relative[1] - relative[0])
     if blur is not None and blur.significant:
         subtract_ghost(log_ratio, one, two, blur)
+    if blur is not None:
+        log_ratio -= blur.corrected_excess
 
     flags = frames["flags"].values[0, 0] | frames["flags"].values[1, 0]
     flags = np.where((flags == 0) & ~lit, Flag.DIM, flags)

@@ -45,7 +45,7 @@ def measure_ratio(
     drift : tuple of float
         Translation (x, y) of camera 2; NaN where it is not known. [px]
     blur : BlurDifference
-        Difference of sharpness, whose ghost is subtracted where it is significant.
+        Difference of sharpness, whose ghost and excess are subtracted where significant.
     no_film_below : float
         Light relative to the surroundings below which both bands show a bubble. [1]
     warped : PairWarp
@@ -58,7 +58,7 @@ def measure_ratio(
     PairRatio
         With the images of `out`.
     """
-    along = np.array(blur.corrected, np.float32)
+    along = np.array([*blur.corrected, blur.corrected_excess], np.float32)
     warp = Warp(light, tables, noise[1], drift, warped, band=BAND)
     height = out.log_ratio.shape[0]
     total = of_two = 0.0

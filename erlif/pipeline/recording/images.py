@@ -119,6 +119,8 @@ def _read_stored(film_path: Path, trigger: int) -> _Stored:
         try:
             difference = registration.attrs["blur_difference"]
             std = registration.attrs["blur_difference_std"]
+            # a film of an earlier version has none taken out
+            excess = [registration.attrs.get(f"ratio_excess{end}", 0.0) for end in ("", "_std")]
         except KeyError as missing:
             raise refusal("no_blur_attribute", name=missing.args[0], film=film_path) from missing
 
@@ -131,7 +133,7 @@ def _read_stored(film_path: Path, trigger: int) -> _Stored:
         change = frames.ratio_change.values if "ratio_change" in frames else None
         trigger_of = frames.trigger.values.astype(np.int64)
 
-    blur = BlurDifference(*map(float, difference), *map(float, std))
+    blur = BlurDifference(*map(float, (*difference, *std, *excess)))
     return _Stored(
         settings,
         camera_map,

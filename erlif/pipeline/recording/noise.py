@@ -98,7 +98,7 @@ def complete_noise(
         )
         chain = replace(chain, correct=replace(chain.correct, references=cameras.references))
         sample = sample_frames(chain)
-        chain = replace(chain, blur=compare_sharpness(sample))
+        chain = replace(chain, blur=compare_sharpness(chain, sample))
         now = np.nan_to_num([[noise.gain, noise.response_spread] for noise in estimate.cameras])
         if np.all(np.abs(now - before) <= _SETTLED * now):
             break

@@ -98,12 +98,14 @@ def prepare_chain(
     chain = FrameChain(correct, camera_map, no_film_below=settings.thickness.no_film_below)
     with stage("sharpness and noise", _logger):
         sample = sample_frames(chain)
-        chain = replace(chain, blur=compare_sharpness(sample))
+        chain = replace(chain, blur=compare_sharpness(chain, sample))
         _logger.info(
-            "difference of blur variance %.4f px2 along x, %.4f px2 along y, %s",
+            "difference of blur variance %.4f px2 along x, %.4f px2 along y, %s; "
+            "excess of the ratio %.3f %%",
             chain.blur.x,
             chain.blur.y,
             "removed from the ratio" if chain.blur.significant else "not significant",
+            100 * chain.blur.corrected_excess,
         )
         completed = complete_noise(chain, known, sample=sample)
         for note in completed.notes[len(known.cameras.notes) :]:

@@ -7,13 +7,14 @@ are read and aligned once for both.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from erlif.core.arrays import Image
 from erlif.core.products import AlignedFrames
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
-from erlif.ratio import BlurDifference, BlurMoments
+from erlif.ratio import BlurDifference, BlurMoments, ExcessSums
 
 # Frame pairs of the sample.
 _FRAMES = 4
@@ -81,13 +82,20 @@ def choose_bands(shape: tuple[int, int]) -> list[slice]:
     return [slice(start, start + _ROWS) for start in starts]
 
 
-def compare_sharpness(sample: tuple[Bands, ...]) -> BlurDifference:
-    """Difference of sharpness between the cameras."""
-    moments = BlurMoments.empty()
-    for bands in sample:
-        for band in bands:
-            moments.add(band)
-    return moments.solve()
+def compare_sharpness(chain: FrameChain, sample: tuple[Bands, ...]) -> BlurDifference:
+    """Difference of sharpness between the cameras, and the excess of the ratio that it leaves."""
+    moments, excess = BlurMoments.empty(), ExcessSums()
+    parts = [band for bands in sample for band in bands]
+    for band in parts:
+        moments.add(band)
+    blur = moments.solve()
+
+    plain, corrected = replace(chain, blur=BlurDifference()), replace(chain, blur=blur)
+    for band in parts:
+        ratios = plain.divide(band)
+        excess.add(band, ratios, corrected.divide(band) if blur.significant else ratios)
+    found, std = excess.solve()
+    return replace(blur, excess=found, excess_std=std)
 
 
 def ratios_of(chain: FrameChain, sample: Sequence[Bands]) -> Iterator[tuple[Image, Image]]:

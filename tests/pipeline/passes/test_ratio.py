@@ -12,7 +12,7 @@ from erlif.pipeline.passes.warp import PairWarp, tabulate_map, turn_noise
 from erlif.ratio import BlurDifference, PairRatio
 from erlif.ratio.log_ratio import _take_log, empty_ratio
 
-BLUR = BlurDifference(0.03, -0.02, 0.001, 0.001)
+BLUR = BlurDifference(0.03, -0.02, 0.001, 0.001, excess=0.004, excess_std=0.0001)
 
 
 def both(light, found, drift, blur=BLUR, share=0.25):

@@ -7,7 +7,7 @@ from erlif.io.ingest import open_run
 from erlif.pipeline.recording.prepare import prepare_chain, prepare_with_map
 from erlif.ratio import BlurDifference
 
-BLUR = BlurDifference(0.03, -0.02, 0.001, 0.001)
+BLUR = BlurDifference(0.03, -0.02, 0.001, 0.001, 0.004, 0.0001)
 
 
 def test_options_of_the_settings_reach_the_chain(lab):
