@@ -31,7 +31,10 @@ def photograph(rng, one, two, *, level=1000.0, shifted=True):
     signal = (rng.poisson(GAIN * light) + rng.normal(0, READ, light.shape)) / GAIN
     variance = (GAIN * light + READ**2) / GAIN**2
     if shifted:
-        weights = ndimage.shift(np.eye(1, 41, 20)[0], 0.5), ndimage.shift(np.eye(1, 41, 20)[0], 0.25)
+        weights = (
+            ndimage.shift(np.eye(1, 41, 20)[0], 0.5),
+            ndimage.shift(np.eye(1, 41, 20)[0], 0.25),
+        )
         signal[1] = ndimage.shift(signal[1], (0.5, 0.25), order=3, mode="grid-wrap")
         variance[1] = ndimage.shift(light[1] / GAIN, (0.5, 0.25), mode="grid-wrap")
         variance[1] = (variance[1] + (READ / GAIN) ** 2) * np.prod([w @ w for w in weights])
