@@ -19,14 +19,20 @@ from erlif.joint.friction.stretches import Stretch, find_stretches
 from erlif.joint.refusals import refusal
 from erlif.models.friction import friction_coefficient
 
-_CORRELATIONS = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.94, 0.97])
-# a prior between one even over the correlation of neighbours and one even over its arcsine
-_WIDTHS = np.gradient(_CORRELATIONS) / (1 - _CORRELATIONS**2) ** 0.25
+# Correlations of neighbours that are tried, with a prior by which the intervals hold their share
+# for friction without correlation and for that over a sixth of the log alike.
+_CORRELATIONS = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.94, 0.97, 0.985])
+_WIDTHS = np.gradient(_CORRELATIONS) / (1 - _CORRELATIONS) ** 0.15
 _NOISES = (0.0, 0.3, 0.6)  # shares of white noise in the variance
-_WHITE = 0.3  # prior share of no correlation at all
+# prior share of no correlation at all, by the number of values: few hide one
+_WHITE = ((12, 30, 40), (0.3, 0.75, 0.6))
 _VALUES = 40  # more of them are averaged in blocks
 _FEWEST = 4  # values from which on a straight line is taken off
 _LEVELS = (0.682689, 0.95)
+
+# Independent values below which the log hardly determines its mean, and pairs below which it does
+# not show whether friction wanders: the intervals then hold less than their share.
+FEW_INDEPENDENT, FEW_PAIRS = 4.0, 15
 
 _NORMAL = 1.959964  # standard deviations of 95 %, for the errors that all pairs share
 
@@ -41,10 +47,13 @@ class Spread:
         Half width of the interval of 68 %, with Student's factor.
     wide : float
         Half width of that of 95 %; more than 1.96 `std` where few values are independent.
+    independent : float
+        Number of independent values with the error of the estimate. [1]
     """
 
     std: float
     wide: float
+    independent: float
 
 
 def spread_of_line(time: Array, values: Array) -> tuple[Spread, Spread]:
@@ -80,7 +89,7 @@ def spread_of_line(time: Array, values: Array) -> tuple[Spread, Spread]:
     line = np.column_stack([np.ones(blocks), away])
     found = _spread(time, values, line if blocks >= _FEWEST else line[:, :1], mean)
     if blocks < 3:
-        return found, Spread(np.nan, np.nan)
+        return found, Spread(np.nan, np.nan, np.nan)
     return found, _spread(time, values, line, away / (away @ away))
 
 
@@ -104,7 +113,9 @@ def _spread(time: Array, values: Array, design: Array, estimate: Array) -> Sprea
     weight /= weight.sum()
 
     # each correlation gives a distribution of Student; the sum of them has the wanted share
-    scale = np.sqrt(residual / free * (estimate @ correlation @ estimate))
+    variance = estimate @ correlation @ estimate
+    scale = np.sqrt(residual / free * variance)
+    independent = float(1 / (weight @ variance))
 
     def half_width(level: float) -> float:
         tail = 0.5 * (1 - level)
@@ -113,7 +124,7 @@ def _spread(time: Array, values: Array, design: Array, estimate: Array) -> Sprea
             brentq(lambda half: float(weight @ stdtr(free, -half / scale)) - tail, 0, 2 * largest)
         )
 
-    return Spread(*(half_width(level) for level in _LEVELS))
+    return Spread(half_width(_LEVELS[0]), half_width(_LEVELS[1]), independent)
 
 
 def _correlations(time: Array) -> tuple[Array, Array]:
@@ -123,8 +134,9 @@ def _correlations(time: Array) -> tuple[Array, Array]:
     slow = _CORRELATIONS[:, None, None] ** apart
     white = np.eye(size)
     matrices = np.concatenate([[white], *((1 - part) * slow + part * white for part in _NOISES)])
-    share = (1 - _WHITE) * np.tile(_WIDTHS / _WIDTHS.sum(), len(_NOISES)) / len(_NOISES)
-    return matrices, np.append(_WHITE, share)
+    alone = float(np.interp(size, *_WHITE))
+    share = (1 - alone) * np.tile(_WIDTHS / _WIDTHS.sum(), len(_NOISES)) / len(_NOISES)
+    return matrices, np.append(alone, share)
 
 
 @dataclass(frozen=True)
@@ -152,6 +164,8 @@ class ReversalSeries:
         independent. [1]
     trend_interval : tuple[float, float]
         Interval of 95 % of `trend`. [1]
+    independent : float
+        Number of independent values among the pairs: less than these where friction wanders. [1]
     """
 
     pairs: xr.Dataset
@@ -162,6 +176,7 @@ class ReversalSeries:
     trend_std: float
     friction_interval: tuple[float, float]
     trend_interval: tuple[float, float]
+    independent: float
 
 
 def analyse_friction(
@@ -271,6 +286,7 @@ def analyse_friction(
         trend_std=of_trend.std,
         friction_interval=(mean - wide, mean + wide),
         trend_interval=(trend - of_trend.wide, trend + of_trend.wide),
+        independent=of_mean.independent,
     )
 
 
@@ -396,6 +412,8 @@ def describe_friction(found: ReversalSeries, *, torque_ratio: float = 1.0) -> li
         offset=float(found.pairs["offset"].mean()),
         dwell=float(found.pairs["dwell"].median()) / 2,
         torque_ratio=torque_ratio,
+        few=found.independent < FEW_INDEPENDENT,
+        few_pairs=found.pairs.sizes["time"] < FEW_PAIRS,
     )
     return text.splitlines()
 

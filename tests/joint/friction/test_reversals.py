@@ -76,6 +76,48 @@ def test_intervals_cover_friction_that_wanders_over_several_pairs():
         assert abs(held - share) < 3 * np.sqrt(share * (1 - share) / size)
 
 
+@pytest.mark.parametrize("memory", [0.0, 1.0, 30.0, 100.0])
+def test_intervals_hold_their_share_at_any_correlation(memory):
+    """Means and changes of 30 pairs of 20 s, 400 draws.
+
+    The bounds are two standard deviations of a binomial share, and 6 % for the mean, 8 % for the
+    change, which so few pairs determine less.
+    """
+    rng = np.random.default_rng(9)
+    size, time = 400, 20.0 * np.arange(30)
+    kept = np.exp(-1 / memory) if memory else 0.0
+    start = kept * rng.normal(size=(size, 1))
+    steps = np.sqrt(1 - kept**2) * rng.normal(size=(size, 600))
+    wander = lfilter([1], [1, -kept], steps, axis=1, zi=start)[0]
+    series = wander.reshape(size, 30, 20).mean(axis=2) + 0.2 * rng.normal(size=(size, 30))
+    away = (time - time.mean()) / time[-1]
+    inside = []
+    for values in series:
+        mean, change = spread_of_line(time, values)
+        trend = away @ values / (away @ away)
+        errors = np.abs([values.mean(), trend, values.mean(), trend])
+        inside.append(errors < [mean.std, change.std, mean.wide, change.wide])
+    shares, beyond = (0.683, 0.683, 0.95, 0.95), (0.06, 0.08, 0.03, 0.06)
+    for share, more, held in zip(shares, beyond, np.mean(inside, axis=0), strict=True):
+        assert abs(held - share) < more + 2 * np.sqrt(share * (1 - share) / size)
+
+
+def test_a_log_too_short_for_its_correlation_says_so():
+    """Friction that swings once in the log, against one that does not; and a log of six pairs."""
+    swing = 0.02 * np.sin(2 * np.pi * TIME / 600.0)
+    sense = np.where(TIME % 20.0 < 10.0, 1, -1)
+    noise = 0.01 * np.random.default_rng(3).normal(size=TIME.size)
+    wandering = analysed(torque=sense * (0.12 + swing) + noise)
+    steady = analysed(torque=sense * 0.12 + noise)
+    assert wandering.independent < 4 < 15 < steady.independent
+    for found, told in ((wandering, True), (steady, False)):
+        assert (
+            any("hardly determines the mean" in line for line in describe_friction(found)) == told
+        )
+    short = analysed(make_log(np.random.default_rng(3)).sel(time=slice(0, 120)))
+    assert any("so few pairs" in line for line in describe_friction(short))
+
+
 @pytest.mark.parametrize("change", [-0.04, 0.04])
 def test_an_offset_that_drifts_cancels(change):
     found = analysed(noise=0.0, offset_drift=change, drift=0.01)
