@@ -11,6 +11,7 @@ import argparse
 import os
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -25,6 +26,18 @@ RISE = 0.05
 
 MEMORIES = (0.0, 0.5, 0.9)
 """Correlation of neighbouring samples of the noise. [1]"""
+
+FORMS = (
+    "student",
+    "bursts",
+    "spikes",
+    "last spike",
+    "transients",
+    "oscillating",
+    "random walk",
+    "AR 0.95",
+)
+"""Kinds of noise that are not those of the model, see `EnduranceRig`, and a long memory."""
 
 LEVEL = 1.96
 """Standard deviations on either side of a 95 % interval."""
@@ -44,10 +57,14 @@ class Outcome:
     load: bool
 
 
-def draw(rng: np.random.Generator, *, galls: bool) -> tuple[EnduranceRig, float]:
+def draw(
+    rng: np.random.Generator, *, galls: bool, form: str = "normal"
+) -> tuple[EnduranceRig, float]:
     """Draw a test, and the correlation of neighbouring samples of its noise."""
     interval = float(rng.choice([1.0, 2.0]))
     memory = float(rng.choice(MEMORIES))
+    if form == "AR 0.95":
+        form, memory = "normal", 0.95
     duration = float(rng.uniform(300.0, 600.0))
     first, step = rng.uniform(20e3, 45e3), rng.uniform(10e3, 25e3)
     loads = tuple(first + step * k for k in range(rng.integers(3, 9)))
@@ -69,6 +86,7 @@ def draw(rng: np.random.Generator, *, galls: bool) -> tuple[EnduranceRig, float]
         noise=float(rng.uniform(0.003, 0.01)),
         correlation_time=-interval / np.log(memory) if memory else 0.0,
         white=float(rng.uniform(0.0, 0.3)),
+        noise_form=form,
         galling_stage=int(rng.integers(1, len(loads) + 1)) if galls else None,
         galling_time=float(rng.uniform(30.0, duration - 30.0)),
         rise=RISE,
@@ -80,11 +98,11 @@ def draw(rng: np.random.Generator, *, galls: bool) -> tuple[EnduranceRig, float]
     return rig, memory
 
 
-def measure(seed: int) -> Outcome:
-    """Simulate a test and compare what is found with its truth."""
+def measure(seed: int, form: str = "normal", *, galls: bool | None = None) -> Outcome:
+    """Simulate a test and compare what is found with its truth; every second one galls."""
     rng = np.random.default_rng([seed, 2002])
-    galls = seed % 2 == 0
-    rig, memory = draw(rng, galls=galls)
+    galls = seed % 2 == 0 if galls is None else galls
+    rig, memory = draw(rng, galls=galls, form=form)
     log, truth = simulate_endurance(rig, rng=rng)
     cells = log[["cell_1", "cell_2"]].to_dataarray("cell").drop_vars("cell")
     result = analyse_endurance(
@@ -141,6 +159,17 @@ def report(outcomes: list[Outcome]) -> str:
     return "\n".join(lines)
 
 
+def report_form(name: str, quiet: list[Outcome], galled: list[Outcome]) -> str:
+    """Write the row of a kind of noise: outcomes without galling, and with it."""
+    cells = [
+        name,
+        share([one.found for one in quiet]),
+        share([one.p_value < 0.05 for one in quiet]),
+        share([one.found for one in galled]),
+    ]
+    return f"| {' | '.join(cells)} |"
+
+
 def share(held: list[bool]) -> str:
     """A share in per cent, with its count."""
     return f"{100 * np.mean(held):.1f} % ({sum(held)}/{len(held)})" if held else ""
@@ -152,8 +181,19 @@ def main() -> None:
     parser.add_argument("--tests", type=int, default=1000)
     parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument(
+        "--forms", action="store_true", help="other kinds of noise, so many tests of each"
+    )
     options = parser.parse_args()
     seeds = range(options.first, options.first + options.tests)
+    if options.forms:
+        print("| noise | false alarms | p below 0.05 | found |\n|---|---|---|---|")
+        with ProcessPoolExecutor(options.workers) as pool:
+            for form in FORMS:
+                quiet = list(pool.map(partial(measure, form=form, galls=False), seeds))
+                galled = list(pool.map(partial(measure, form=form, galls=True), seeds[::4]))
+                print(report_form(form, quiet, galled), flush=True)
+        return
     with ProcessPoolExecutor(options.workers) as pool:
         outcomes = list(pool.map(measure, seeds, chunksize=10))
     print(report(outcomes))

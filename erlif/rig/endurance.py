@@ -66,6 +66,12 @@ class EnduranceRig:
         Correlation time of the noise. [s]
     white : float
         Share of its variance that is white. [1]
+    noise_form : str
+        "normal"; "student" (3 degrees of freedom); "bursts" (5 times the noise over 20 samples);
+        "spikes" (one sample in 100 is 10 to 40 standard deviations too high); "last spike" (one
+        such sample, 4 to 8 from the end of each stage); "transients" (one in 100 samples, 2 to 6
+        standard deviations over 4 to 10 samples); "oscillating" (a damped oscillation with a period
+        of 20 to 60 samples); "random walk" (its steps make `noise` in 100 samples).
     galling_stage : int | None
         Number of the stage in which galling begins, from 1; None for a test that survives.
     galling_time : float
@@ -117,6 +123,7 @@ class EnduranceRig:
     noise: float = 0.005
     correlation_time: float = 9.5
     white: float = 0.1
+    noise_form: str = "normal"
     galling_stage: int | None = 6
     galling_time: float = 540.0
     rise: float = 0.12
@@ -204,7 +211,9 @@ def simulate_endurance(
     time = np.arange(0.0, end, rig.interval) + rig.interval
     load, running = _load(rig, time, stages, idles)
     clean = _friction(rig, time, stages, onset, end, rng)
-    noise = _noise(rig, time.size, rng) * np.where(time >= onset, rig.noise_growth, 1.0)
+    noise = (
+        rig.noise * _noise(rig, time, stages, rng) * np.where(time >= onset, rig.noise_growth, 1.0)
+    )
     friction = np.maximum(clean + noise, 0.0)
 
     # the cells hold half of the load each, and share an error of calibration
@@ -283,6 +292,10 @@ def write_endurance_log(
 
 _Spans = list[tuple[float, float]]
 
+_WALK = 100  # samples of a random walk in which it goes as far as the noise
+_OFTEN = 0.01  # of the samples begin a disturbance
+_BURST = 20  # samples of a burst of noise
+
 
 def _schedule(rig: EnduranceRig) -> tuple[_Spans, _Spans, float, float]:
     """Spans of the stages and of the idle runs, the onset, and the end of the test. [s]"""
@@ -338,13 +351,46 @@ def _friction(
     return friction + rig.rise * grown
 
 
-def _noise(rig: EnduranceRig, size: int, rng: np.random.Generator) -> Array:
+def _noise(rig: EnduranceRig, time: Array, stages: _Spans, rng: np.random.Generator) -> Array:
+    """Noise of unit variance, but for what its form adds."""
+    size = time.size
+    if rig.noise_form == "random walk":
+        return np.asarray(np.cumsum(rng.standard_normal(size)) / np.sqrt(_WALK))
+    if rig.noise_form == "oscillating":
+        turn, kept = 2 * np.pi / rng.uniform(20, 60), np.exp(-1 / rng.uniform(20, 100))
+        wave = lfilter([1], [1, -2 * kept * np.cos(turn), kept**2], rng.standard_normal(size))
+        return np.asarray(wave / wave.std())
+    noise = _usual_noise(rig, size, rng)
+    if rig.noise_form in ("normal", "student"):
+        return noise
+    starts = np.flatnonzero(rng.random(size) < _OFTEN)
+    if rig.noise_form == "bursts":
+        burst = np.convolve(rng.random(size) < _OFTEN / 2, np.ones(_BURST))[:size] > 0
+        noise *= np.where(burst, 5.0, 1.0)
+    elif rig.noise_form == "spikes":
+        noise[starts] += rng.uniform(10, 40, starts.size)
+    elif rig.noise_form == "last spike":
+        ends = np.searchsorted(time, [stop for _, stop in stages])
+        noise[ends - rng.integers(4, 9, ends.size)] += rng.uniform(10, 40, ends.size)
+    elif rig.noise_form == "transients":
+        for start in starts:
+            noise[start : start + rng.integers(4, 11)] += rng.uniform(2, 6)
+    return noise
+
+
+def _usual_noise(rig: EnduranceRig, size: int, rng: np.random.Generator) -> Array:
     """Noise with an exponential correlation, and a white part."""
     kept = np.exp(-rig.interval / rig.correlation_time) if rig.correlation_time else 0.0
-    steps = rng.standard_normal(size)
+    student = rig.noise_form == "student"
+
+    def draw() -> Array:
+        # Student's deviates of 3 degrees of freedom have a variance of 3
+        drawn = rng.standard_t(3, size) / np.sqrt(3) if student else rng.standard_normal(size)
+        return np.asarray(drawn)
+
+    steps = draw()
     slow, _ = lfilter([np.sqrt(1 - kept**2)], [1, -kept], steps, zi=kept * steps[:1])
-    fast = rng.standard_normal(size)
-    return np.asarray(rig.noise * (np.sqrt(1 - rig.white) * slow + np.sqrt(rig.white) * fast))
+    return np.asarray(np.sqrt(1 - rig.white) * slow + np.sqrt(rig.white) * draw())
 
 
 def _temperature(rig: EnduranceRig, torque: Array, rng: np.random.Generator) -> Array:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
+import scipy.stats
 
 from erlif.core.errors import ModelError
 from erlif.rig import EnduranceRig, simulate_endurance, write_endurance_log
@@ -60,3 +61,27 @@ def test_a_schedule_that_cannot_be_is_refused():
         simulate_endurance(replace(QUIET, galling_stage=7), rng=rng)
     with pytest.raises(ModelError, match="a stage"):
         simulate_endurance(replace(QUIET, loads=()), rng=rng)
+
+
+@pytest.mark.parametrize(
+    ("form", "tails"), [("normal", 0.0), ("student", 3.0), ("bursts", 3.0), ("spikes", 3.0)]
+)
+def test_noise_of_other_forms_has_heavier_tails(form, tails):
+    """Excess kurtosis of friction in a long test; that of normal noise is 0."""
+    rig = EnduranceRig(
+        loads=(30e3,),
+        stage_duration=2e4,
+        galling_stage=None,
+        running_in=0.0,
+        drift=0.0,
+        correlation_time=0.0,
+        white=0.0,
+        stage_scatter=0.0,
+        noise_form=form,
+    )
+    log, truth = simulate_endurance(rig, rng=np.random.default_rng(4))
+    ((start, end),) = truth.stages
+    inside = (log.time > start) & (log.time < end)
+    friction = (log.arm / (log.cell_1 + log.cell_2)).values[inside]
+    excess = scipy.stats.kurtosis(friction)
+    assert abs(excess) < 0.2 if tails == 0 else excess > tails

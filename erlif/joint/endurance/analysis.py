@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from threadpoolctl import threadpool_limits
 
 from erlif.core.arrays import Array
 from erlif.core.errors import EnduranceError
@@ -40,6 +41,8 @@ class FailureLoad:
     decided : bool
         False where galling cannot be excluded in a later stage: all that is known is that the
         bearing carried `load`.
+    next_load : float
+        Load of that stage; infinite where the test is decided. [N]
     """
 
     load: float
@@ -48,6 +51,7 @@ class FailureLoad:
     failed: bool
     stage: int
     decided: bool = True
+    next_load: float = np.inf
 
 
 def failure_load(
@@ -84,17 +88,18 @@ def failure_load(
     A test that survives 36 kN:
 
     >>> test = xr.Dataset({"load": ("time", np.full(100, 36e3))}, {"time": np.arange(100.0)})
-    >>> failure_load(test, [Stage(1, 0, 99, 0.0, 99.0, 36e3)], None)
-    FailureLoad(load=36000.0, std=180.0, survived=36000.0, failed=False, stage=1, decided=True)
+    >>> found = failure_load(test, [Stage(1, 0, 99, 0.0, 99.0, 36e3)], None)
+    >>> found.load, found.std, found.failed
+    (36000.0, 180.0, False)
     """
     sound = stages if doubtful is None else stages[:doubtful]
     if onset is None:
-        decided = doubtful is None
+        doubt = (True, np.inf) if doubtful is None else (False, stages[doubtful].load)
         if not sound:
-            return FailureLoad(0.0, 0.0, 0.0, False, 0, decided)
+            return FailureLoad(0.0, 0.0, 0.0, False, 0, *doubt)
         last = max(sound, key=lambda stage: stage.load)
         std = calibration * last.load
-        return FailureLoad(last.load, std, last.load, False, last.number, decided)
+        return FailureLoad(last.load, std, last.load, False, last.number, *doubt)
 
     stage = stages[onset.stage]
     line, covariance = _fit_line(
@@ -273,11 +278,9 @@ def analyse_endurance(
         for stage in whole
     ]
     frictions = [StageFriction(time[places], friction[places]) for places in known]
-    search = find_onset(
-        frictions,
-        significance=significance,
-        least_rise=least_rise,
-    )
+    # the matrices are small: more threads of the linear algebra wait for each other
+    with threadpool_limits(1, user_api="blas"):
+        search = find_onset(frictions, significance=significance, least_rise=least_rise)
     rises = find_level_rises(frictions, search.onset, least_rise=least_rise)
     other_sensors: tuple[SensorChange, ...] = ()
     if search.onset is not None:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
-from erlif.joint.endurance.noise import StageFit
+from erlif.joint.endurance.disturbances import replace_spikes
+from erlif.joint.endurance.noise import StageFit, whiten
 
 # A longer step of the time is a pause of the log: in seconds, and in sample intervals.
 PAUSE = (20.0, 5.0)
@@ -153,6 +154,8 @@ class Record:
         Columns (block, n) of level, drift and running-in, and of each restart.
     usual : Array
         Standard deviations of these columns but the first, whose level is free. [1]
+    scale : Array
+        Noise of the blocks over that of quiet ones. [1]
     """
 
     samples: Array
@@ -161,6 +164,7 @@ class Record:
     friction: Array
     background: Array
     usual: Array
+    scale: Array
 
     @classmethod
     def of(cls, stage: StageFriction, longest: float) -> Record:
@@ -182,10 +186,35 @@ class Record:
             time,
             starts,
             _average(time, starts),
-            _average(friction, starts),
+            _without_spikes(_average(friction, starts), [first // per_block for first in parts]),
             _average(np.column_stack(columns), starts),
             np.array([*USUAL, *RESTART * (len(parts) - 1)]),
+            np.ones(starts.size),
         )
+
+    def whiten(self, factor: Array, columns: Array) -> Array:
+        """Turn columns (block, n) into ones with uncorrelated noise of equal variance."""
+        return whiten(factor, columns / self.scale[:, None])
+
+    def with_rise(self, onset: float, constant: float) -> Record:
+        """Make a record whose background holds a rise of any size."""
+        return self._with(self.average(rises(self.samples, np.array([onset]), constant)))
+
+    def with_decay(self, onset: float, constant: float) -> Record:
+        """Make a record whose background holds a rise of any size that recovers."""
+        lag = self.time - onset
+        return self._with(np.where(lag < 0, 0.0, np.exp(-np.maximum(lag, 0.0) / constant)))
+
+    def without_samples(self, start: float, end: float) -> Record:
+        """Make a record whose blocks in a span tell nothing: each has a column of its own."""
+        inside = (self.time >= start) & (self.time <= end)
+        return self._with(np.eye(self.time.size)[:, inside])
+
+    def _with(self, columns: Array) -> Record:
+        background = np.column_stack([self.background, columns])
+        more = background.shape[1] - self.background.shape[1]
+        usual = np.append(self.usual, np.full(more, np.inf))
+        return replace(self, background=background, usual=usual)
 
     def average(self, values: Array) -> Array:
         """Mean of each block of samples."""
@@ -222,6 +251,11 @@ def _kept(stage: StageFriction) -> tuple[Array, Array, list[int]]:
     return np.concatenate(times), np.concatenate(frictions), [*firsts, per_block]
 
 
+def _without_spikes(friction: Array, parts: Sequence[int]) -> Array:
+    """Friction of the blocks, each part for itself."""
+    return np.concatenate([replace_spikes(part) for part in np.split(friction, parts[1:])])
+
+
 def _average(values: Array, starts: AnyArray) -> Array:
     """Mean of each block of samples, all of one size, along the first axis."""
     return np.asarray(values.reshape(starts.size, -1, *values.shape[1:]).mean(axis=1))
@@ -250,11 +284,9 @@ def fits(records: Sequence[Record], candidate: Candidate | None) -> list[StageFi
     """Collect what the noise is fitted to: the stages, the candidate as a column of its stage."""
     stages = []
     for k, record in enumerate(records):
-        columns = record.background
         if candidate is not None and candidate.record == k:
-            rise = rises(record.samples, np.array([candidate.onset]), candidate.rise)
-            columns = np.column_stack([columns, record.average(rise)])
-        stages.append((record.time, columns, record.friction))
+            record = record.with_rise(candidate.onset, candidate.rise)
+        stages.append((record.time, record.background, record.friction))
     return stages
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -60,6 +60,12 @@ class DesignComparison:
         The smallest p-value that so few runs can give. [1]
     model : str
         "lognormal" or "weibull".
+    undecided : tuple[int, int]
+        Runs of both in which galling cannot be excluded; they count as bearings that carry more
+        than the stage before.
+    if_failed : tuple[float, float, float]
+        Low, ratio and high where each of these is a failure at the load of its doubtful stage; NaN
+        without any, or where a design still has no failure. [1]
     """
 
     first: str
@@ -74,6 +80,8 @@ class DesignComparison:
     log_rank: float
     least_p: float
     model: str
+    undecided: tuple[int, int] = (0, 0)
+    if_failed: tuple[float, float, float] = (np.nan, np.nan, np.nan)
 
 
 def compare_designs(
@@ -132,6 +140,11 @@ def compare_designs(
     ratio = low = high = probability = scatter = float("nan")
     if min(failures) > 0:
         (low, ratio, high), probability, scatter = _posterior(first, second, model)
+    undecided = (sum(not run.decided for run in first), sum(not run.decided for run in second))
+    if_failed = (np.nan, np.nan, np.nan)
+    one, two = _as_failures(first), _as_failures(second)
+    if any(undecided) and all(any(run.failed for run in runs) for runs in (one, two)):
+        if_failed = _posterior(one, two, model)[0]
     return DesignComparison(
         first=names[0],
         second=names[1],
@@ -145,10 +158,22 @@ def compare_designs(
         log_rank=p_value,
         least_p=least,
         model=model,
+        undecided=undecided,
+        if_failed=if_failed,
     )
 
 
 # ratio
+
+
+def _as_failures(runs: Sequence[FailureLoad]) -> list[FailureLoad]:
+    """Runs that are not decided as failures at the load of the doubtful stage."""
+    return [
+        run
+        if run.decided
+        else replace(run, failed=True, survived=run.load, load=max(run.next_load, run.load))
+        for run in runs
+    ]
 
 
 def _posterior(

@@ -149,6 +149,7 @@ def _level_before(record: Record, factor: Array, deviation: float, earliest: flo
 
     # the factor of the first blocks is the first block of the factor
     fixed = np.column_stack([record.background, record.friction])[:n]
+    fixed = fixed / record.scale[:n, None]
     rows = np.vstack([whiten(factor[:n, :n], fixed), record.usual_rows(deviation)])
     background, *_ = np.linalg.lstsq(rows[:, :-1], rows[:, -1], rcond=None)
     return float(record.background[n - 1] @ background)
@@ -183,7 +184,7 @@ def _log_density(
     for a, growth in enumerate(growths):
         for block in np.unique(first):
             at = np.flatnonzero(first == block)
-            scale = np.where(np.arange(n) >= block, growth, 1.0)
+            scale = record.scale * np.where(np.arange(n) >= block, growth, 1.0)
             many = shapes[:, :, at].transpose(1, 0, 2).reshape(n, -1)
             columns = whiten(factor, np.column_stack([fixed, many]) / scale[:, None])
             columns = np.vstack([columns, np.pad(usual, ((0, 0), (0, many.shape[1])))])

@@ -3,15 +3,17 @@
 Within a stage friction is a level, running-in that decays, a slow drift and correlated noise. A
 rise is tested at every place of every stage by generalised least squares, and the p-value counts
 the places (Hunter 1976; Worsley 1982). The variance of a stage is estimated with the help of the
-others (Smyth 2004).
+others (Smyth 2004). A rise must stand out from the falls of the same test, and a part of it must
+last.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri, owens_t, stdtr
 
 from erlif.core.arrays import Array
@@ -25,6 +27,7 @@ from erlif.joint.endurance.blocks import (
     rises,
     without,
 )
+from erlif.joint.endurance.disturbances import local_scale
 from erlif.joint.endurance.noise import Noise, Spread, fit_noise, pool_spreads, whiten
 from erlif.joint.endurance.onset import COLLINEAR, Onset, locate_onset
 
@@ -36,7 +39,13 @@ SCANNED = (0.0, 10.0, 40.0)
 # A rise and four columns, and as many degrees of freedom.
 FEWEST = 12
 
-_MARGIN = 3  # blocks at both ends of a stage in which no onset is searched
+_MARGIN = 3  # blocks at the start of a stage in which no onset is searched
+_END = 6  # the same at its end: fewer high ones may be a disturbance that recovers
+_MOST_TRANSIENTS = 8  # rises that recover
+_TRANSIENT = (3, 10, 20.0)  # blocks, at least and at most, and time in which a rise recovers [s]
+_PLACES = 5.0  # near the best rise, at which it may also begin
+_UNLIKE = 1.5  # power of the excess: noise that is not normal has unlike extremes
+_CHANCE_FALL = 0.3  # probability of a fall up to which it is ordinary
 _ROUNDS = 4  # of noise and candidate, which depend on each other
 
 
@@ -123,13 +132,20 @@ def find_onset(
             break
         candidate = chosen
 
-    level = _normal_quantile(scans[place])
-    p_value = min(1.0, sum(_exceedance(level, scan.correlation) for scan in scans))
+    # what the noise does not describe
+    records = [_with_scale(record, noise, candidate, k) for k, record in enumerate(records)]
+    for _ in range(_MOST_TRANSIENTS):
+        spreads = pool_spreads([_spread(record, noise) for record in records])
+        found = _most_likely(records, noise, spreads)
+        start, place = found.scan.onset, found.place
+        left = records[place].time.size - records[place].background.shape[1] - _TRANSIENT[1]
+        if found.p_value > significance or found.lasting <= significance or left < FEWEST:
+            break
+        records[place] = records[place].without_samples(start, start + _transient(interval))
+    p_value = min(max(found.p_value, found.lasting), 1.0)
     if p_value > significance:
         return OnsetSearch(None, p_value, noise, left_out, least_rise=least_rise)
-    onset = locate_onset(
-        records[place], noise, spreads[place], scans[place].deviation, usable[place]
-    )
+    onset = locate_onset(records[place], noise, spreads[place], found.scan.deviation, usable[place])
     galls = onset.rise >= least_rise
     return OnsetSearch(
         onset if galls else None, p_value, noise, left_out, None if galls else onset, least_rise
@@ -152,12 +168,76 @@ class _Scan:
     rise: float
     deviation: float
     correlation: Array
+    statistics: tuple[Array, ...]
+    lowest: float
+
+
+@dataclass(frozen=True)
+class _Found:
+    """The best rise of a test, its p-value, and that of the part of it which lasts."""
+
+    place: int
+    scan: _Scan
+    p_value: float
+    lasting: float
+
+
+def _transient(interval: float) -> float:
+    """Time in which a rise recovers that is a disturbance. [s]"""
+    least, most, time = _TRANSIENT
+    return float(np.clip(time, least * interval, most * interval))
+
+
+def _most_likely(records: Sequence[Record], noise: Noise, spreads: Sequence[Spread]) -> _Found:
+    """Search all stages for the best rise."""
+    scans = [_scan(record, noise, spread) for record, spread in zip(records, spreads, strict=True)]
+    place = max(range(len(scans)), key=lambda k: scans[k].statistic)
+    best = scans[place]
+    rest = [
+        _scan(record.with_rise(best.onset, best.rise) if k == place else record, noise, spread)
+        for k, (record, spread) in enumerate(zip(records, spreads, strict=True))
+    ]
+    excess = max(_excess(rest)[SCANNED.index(best.rise)], _fall(rest)) ** _UNLIKE
+    level = _normal_quantile(best, excess)
+    p_value = min(1.0, sum(_exceedance(level, scan.correlation) for scan in scans))
+    interval = float(np.median(np.diff(records[place].time)))
+    decay = records[place].with_decay(best.onset, _transient(interval))
+    lasting = _scan_with(
+        decay,
+        noise,
+        spreads[place],
+        best.deviation,
+        onsets=np.array([best.onset]),
+        constants=(0.0,),
+    )
+    return _Found(
+        place, best, p_value, _PLACES * float(stdtr(lasting.freedom, -lasting.statistic / excess))
+    )
+
+
+def _with_scale(record: Record, noise: Noise, candidate: Candidate | None, place: int) -> Record:
+    """A stage whose samples weigh less where they scatter more."""
+    known = record
+    if candidate is not None and candidate.record == place:
+        known = record.with_rise(candidate.onset, candidate.rise)
+    factor = noise.factor(record.time)
+    basis = np.linalg.qr(whiten(factor, known.background))[0]
+    residuals = without(basis, whiten(factor, known.friction))
+    return replace(record, scale=local_scale(residuals))
+
+
+def _excess(scans: Sequence[_Scan]) -> list[float]:
+    """Scatter of the statistics of each form of rise over that of normal noise; at least 1."""
+    forms = zip(*(scan.statistics for scan in scans), strict=True)
+    pooled = [np.concatenate(form) for form in forms]
+    return [max(1.0, float(np.sqrt(np.mean(one[np.isfinite(one)] ** 2)))) for one in pooled]
 
 
 def _spread(record: Record, noise: Noise) -> Spread:
     """Variance of a stage about its background."""
     columns = np.column_stack([record.background, record.friction])
-    triangle = np.asarray(np.linalg.qr(whiten(noise.factor(record.time), columns), mode="r"))
+    whitened = record.whiten(noise.factor(record.time), columns)
+    triangle = np.asarray(np.linalg.qr(whitened, mode="r"))
     freedom = max(record.time.size - record.background.shape[1], 1)
     return Spread(max(float(triangle[-1, -1] ** 2) / freedom, np.finfo(float).tiny), freedom)
 
@@ -170,21 +250,32 @@ def _scan(record: Record, noise: Noise, spread: Spread) -> _Scan:
     return _scan_with(record, noise, spread, scan.deviation)
 
 
-def _scan_with(record: Record, noise: Noise, spread: Spread, deviation: float) -> _Scan:
+def _scan_with(
+    record: Record,
+    noise: Noise,
+    spread: Spread,
+    deviation: float,
+    *,
+    onsets: Array | None = None,
+    constants: Sequence[float] = SCANNED,
+) -> _Scan:
     """Scan a stage whose noise has about this standard deviation."""
     factor = noise.factor(record.time)
-    columns = whiten(factor, np.column_stack([record.background, record.friction]))
+    columns = record.whiten(factor, np.column_stack([record.background, record.friction]))
     columns = np.vstack([columns, record.usual_rows(deviation)])
     basis = np.linalg.qr(columns[:, :-1])[0]
     values = without(basis, columns[:, -1])
     total = float(values @ values) + spread.power
     freedom = record.time.size - basis.shape[1] - 1 + spread.freedom
 
-    onsets = record.samples[record.starts][_MARGIN:-_MARGIN]
+    if onsets is None:
+        onsets = record.samples[record.starts][_MARGIN:-_END]
     statistics, units, smallest = [], [], total
-    for constant in SCANNED:
+    for constant in constants:
         shapes = record.average(rises(record.samples, onsets, constant))
-        shapes = np.vstack([whiten(factor, shapes), np.zeros((record.usual.size, onsets.size))])
+        shapes = np.vstack(
+            [record.whiten(factor, shapes), np.zeros((record.usual.size, onsets.size))]
+        )
         shapes = without(basis, shapes)
         norm = np.sqrt(np.einsum("ij,ij->j", shapes, shapes))
         usable = norm > COLLINEAR
@@ -201,9 +292,11 @@ def _scan_with(record: Record, noise: Noise, spread: Spread, deviation: float) -
         statistic=float(statistics[constant][place]),
         freedom=freedom,
         onset=float(onsets[place]),
-        rise=SCANNED[constant],
+        rise=constants[constant],
         deviation=float(np.sqrt(smallest / freedom)),
         correlation=_tree(units),
+        statistics=tuple(statistics),
+        lowest=-float(max(np.max(-one[np.isfinite(one)], initial=0.0) for one in statistics)),
     )
 
 
@@ -217,9 +310,20 @@ def _tree(rises: Sequence[Array]) -> Array:
     return np.asarray(np.clip(np.concatenate(sums), -1.0, 1.0))
 
 
-def _normal_quantile(scan: _Scan) -> float:
+def _fall(scans: Sequence[_Scan]) -> float:
+    """Largest fall over the one that chance explains, at least 1: noise falls as it rises."""
+    lowest = min(range(len(scans)), key=lambda k: scans[k].lowest)
+    falls = replace(scans[lowest], statistic=-scans[lowest].lowest)
+
+    def chance(level: float) -> float:
+        return sum(_exceedance(level, scan.correlation) for scan in scans) - _CHANCE_FALL
+
+    return max(1.0, _normal_quantile(falls, 1.0) / float(brentq(chance, 0.0, 10.0)))
+
+
+def _normal_quantile(scan: _Scan, excess: float) -> float:
     """The normal deviate as improbable as the statistic, whose variance is estimated."""
-    tail = max(float(stdtr(scan.freedom, -scan.statistic)), np.finfo(float).tiny)
+    tail = max(float(stdtr(scan.freedom, -scan.statistic / excess)), np.finfo(float).tiny)
     return float(-ndtri(tail))
 
 

@@ -5,7 +5,7 @@ import pytest
 import scipy.stats
 
 from erlif.core.errors import EnduranceError
-from erlif.joint.endurance import FailureLoad, compare_designs
+from erlif.joint.endurance import FailureLoad, compare_designs, describe_designs
 
 
 def exact(load):
@@ -51,6 +51,22 @@ def test_interval_holds_the_ratio_with_few_runs_in_stages_some_of_which_survive(
             held.append(found.low < 29 / 22 < found.high)
     assert len(held) > 15
     assert np.mean(held) > 0.8  # 0.95 less three standard errors
+
+
+def test_runs_that_are_not_decided_are_counted_and_their_failure_is_compared():
+    """As failures at 24 they are the same data as failures that were seen there."""
+    one = [exact(x) for x in (20.0, 22.0, 25.0)]
+    seen = [FailureLoad(30.0, 0.0, 26.0, True, 3), FailureLoad(24.0, 0.0, 20.0, True, 2)]
+    open_run = FailureLoad(20.0, 0.0, 20.0, False, 1, decided=False, next_load=24.0)
+    found = compare_designs(one, [seen[0], open_run])
+    expected = compare_designs(one, seen)
+    assert found.undecided == (0, 1)
+    assert found.if_failed == pytest.approx((expected.low, expected.ratio, expected.high))
+    assert found.ratio > expected.ratio
+    text = "\n".join(describe_designs(found))
+    assert "1 run not decided" in text
+    assert f"the ratio is {expected.ratio:.2f}" in text
+    assert np.isnan(expected.if_failed[1])
 
 
 def test_designs_alike_are_not_separated():

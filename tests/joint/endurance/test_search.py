@@ -8,6 +8,7 @@ from scipy.signal import lfilter
 
 from erlif.joint.endurance.blocks import StageFriction
 from erlif.joint.endurance.search import find_onset
+from erlif.rig import EnduranceRig, simulate_endurance
 
 
 def friction_of(*, rise, kept=0.9, at=170.0, rng, stages=2, noise=0.004):
@@ -56,6 +57,44 @@ def test_a_rise_that_is_significant_but_small_is_not_called_galling():
     assert search.onset is None
     assert search.small.rise == pytest.approx(0.012, abs=3 * search.small.rise_std)
     assert find_onset(stages, least_rise=0.005).onset is not None
+
+
+@pytest.mark.parametrize("before_end", [2, 4, 6, 9])
+def test_one_bad_sample_near_the_end_of_a_stage_is_no_galling(before_end):
+    """A torque of twice its size in one sample of 1 s."""
+    for seed in range(3):
+        time = np.arange(0.0, 300.0)
+        friction = 0.15 + 0.004 * np.random.default_rng(seed).standard_normal(300)
+        friction[-before_end] += 0.15
+        assert find_onset([StageFriction(time, friction)]).onset is None
+
+
+def test_a_rise_that_recovers_is_no_galling_and_hides_none():
+    """0.05 for 8 samples; in the same stage galling by 0.05 later."""
+    rng = np.random.default_rng(5)
+    (stage,) = friction_of(rise=0.0, kept=0.5, rng=rng, stages=1)
+    brief = 0.05 * ((stage.time >= 100) & (stage.time < 116))
+    assert find_onset([StageFriction(stage.time, stage.friction + brief)]).onset is None
+    later = 0.05 * (stage.time >= 200)
+    onset = find_onset([StageFriction(stage.time, stage.friction + brief + later)]).onset
+    assert onset.earliest < 200 < onset.latest + 2
+
+
+@pytest.mark.parametrize("form", ["student", "bursts", "spikes", "oscillating"])
+def test_noise_of_other_kinds_is_no_galling(form):
+    """Six tests of three stages, of which 0.06 may gall at 1 %."""
+    rig = EnduranceRig(
+        loads=(30e3, 40e3, 50e3), stage_duration=300, galling_stage=None, noise_form=form
+    )
+    found = 0
+    for seed in range(6):
+        log, truth = simulate_endurance(rig, rng=np.random.default_rng(seed))
+        load = log.cell_1 + log.cell_2
+        friction = log.arm * rig.arm / (load * rig.pin_radius)
+        spans = [(log.time >= start) & (log.time < end) for start, end in truth.stages]
+        stages = [StageFriction(log.time.values[s], friction.values[s]) for s in spans]
+        found += find_onset(stages).onset is not None
+    assert found == 0
 
 
 def test_a_test_without_a_searchable_stage_has_no_onset():
