@@ -1,5 +1,7 @@
 """The lines on the predicted film."""
 
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
 from scenes import film as scene
@@ -103,3 +105,14 @@ def test_the_verdict_stands_first_then_models_then_values_with_their_errors():
         assert words in text
         assert ("film at the first frame: 6.268 ± 0.014 um" in text) == (inflation == 1.0)
         assert ("±" in text) == (inflation == 1.0)
+
+
+def test_the_load_line_of_a_guided_pin_is_not_printed():
+    """Photographed with a line of 0.75 mm, it was found at 2.818 ± 0.028 mm."""
+    found = comparison(Estimate(0.12, 0.001, 0.118, 0.122, "Pa s"))
+    line = {"load_line": Estimate(2.818e-3, 28e-6, 2.76e-3, 2.87e-3, "m")}
+    for held in ("free", "guided"):
+        fit = replace(found.fit, sideways=held, estimates=dict(found.fit.estimates) | line)
+        text = summarise_comparison(replace(found, fit=fit))
+        assert ("load line" in text) == (held == "free")
+        assert "viscosity: 0.1200 ± 0.0010 Pa s" in text
