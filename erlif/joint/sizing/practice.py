@@ -24,6 +24,11 @@ LARGEST_LOAD = 10e6
 # Chosen length below which strength does not decide. [m]
 SMALLEST_MADE = 1e-3
 
+# Half swing below which fretting is stated: the loaded arc never leaves its contact. [rad]
+#
+# An assumption; no source of a limit for pins was found.
+SMALL_SWING = math.radians(5.0)
+
 _GRAVITY = 9.80665
 _LARGEST_FACTOR = 0.5  # m, size up to which the tolerance factor of ISO 286-1 is stated
 
@@ -60,6 +65,14 @@ def _notes(joint: Joint, chosen: Collection[str]) -> Iterator[str]:
         if swings > MANY_SWINGS:
             yield f"Fatigue is not checked at {swings:.2g} swings: the guide has no step for it."
 
+    if joint.half_swing and joint.half_swing < SMALL_SWING:
+        path = 1e3 * joint.half_swing * size.pin
+        yield (
+            f"Fretting is not checked: in a swing of ±{math.degrees(joint.half_swing):.3g} degrees "
+            f"the pin slides by {path:.2g} mm each way, so that debris and old oil stay in the "
+            "loaded arc. Wear and friction of a full swing may not hold."
+        )
+
     if joint.force > LARGEST_LOAD:
         weight = joint.force / _GRAVITY / 1e3
         yield f"The load of {joint.force / 1e6:.3g} MN is the weight of {weight:.4g} t: check it."
@@ -89,6 +102,8 @@ def _notes(joint: Joint, chosen: Collection[str]) -> Iterator[str]:
                 f"The {name.replace('_', ' ')} of {value * 1e3:.2g} mm is all that strength needs; "
                 "manufacture decides it."
             )
+    if "seat_width" in chosen and size.seat == SMALLEST_MADE:
+        yield f"The seat width of {size.seat * 1e3:g} mm is the least that is made."
 
 
 def tolerance_grade_7(diameter: float) -> float:

@@ -19,7 +19,7 @@ from erlif.joint.refusals import refusal
 from erlif.joint.sizing.assessment import EQUATIONS
 from erlif.joint.sizing.joint import DIMENSIONS, Joint, warn_of_units
 from erlif.joint.sizing.lock import size_lock
-from erlif.joint.sizing.practice import Series, round_up
+from erlif.joint.sizing.practice import SMALLEST_MADE, Series, round_up
 from erlif.joint.sizing.state import JointState
 from erlif.models.bearing import (
     LARGEST_HOLE_RATIO,
@@ -122,7 +122,7 @@ def _size_with_play(joint: Joint, relative: float, series: Series) -> Joint:
             least = least_seat_width(
                 joint.force, diameter=d, hardness=hardness, safety=joint.safety
             )
-        seat = round_up(least, series)
+        seat = round_up(max(least, SMALLEST_MADE), series)
 
     housing, bore = joint.housing_diameter, d + 2 * wall
     if housing is None:

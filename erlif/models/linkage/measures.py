@@ -12,6 +12,7 @@ import numpy as np
 import scipy
 
 from erlif.models.arguments import Values, formula
+from erlif.models.refusals import refusal
 
 # How a four-bar linkage moves, by Grashof's condition.
 Kind: TypeAlias = Literal[
@@ -65,6 +66,11 @@ def grashof_class(*, crank: float, coupler: float, rocker: float, ground: float)
         rocker is shortest), "double-crank" (the ground is shortest), "double-rocker" (the coupler
         is shortest), "triple-rocker" or "change point".
 
+    Raises
+    ------
+    ModelError
+        If the longest link is no shorter than the other three together: they cannot be joined.
+
     Examples
     --------
     >>> grashof_class(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
@@ -74,6 +80,9 @@ def grashof_class(*, crank: float, coupler: float, rocker: float, ground: float)
     """
     lengths = {"crank": crank, "coupler": coupler, "rocker": rocker, "ground": ground}
     shortest, *middle, longest = sorted(lengths.values())
+
+    if longest >= shortest + sum(middle):
+        raise refusal("links_apart", longest=longest, others=shortest + sum(middle))
 
     # lengths as typed, 0.1 + 0.5 against 0.2 + 0.4, differ by rounding alone
     surplus = sum(middle) - shortest - longest

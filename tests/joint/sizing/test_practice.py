@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from erlif.joint.sizing import round_up
+from erlif.joint.sizing import round_up, size_joint
 from erlif.joint.sizing.design import example_joint
 from erlif.joint.sizing.practice import practice_notes, tolerance_grade_7
 
@@ -26,6 +26,23 @@ def test_fatigue_is_stated_where_there_are_many_swings():
     assert notes() == ()
     (note,) = notes(life=1e4 * 3600, period=2.0)
     assert "Fatigue is not checked at 1.8e+07 swings" in note
+
+
+def test_a_small_swing_is_named_as_fretting_and_a_large_one_is_not():
+    (note,) = notes(half_swing=math.radians(1.5), pin_diameter=0.04)
+    assert "Fretting is not checked" in note
+    assert "1 mm each way" in note  # 40 mm times 0.0262
+    assert notes(half_swing=math.radians(20.0)) == ()
+
+
+def test_no_seat_is_proposed_that_cannot_be_made():
+    """2 kN on a pin of 20 mm would need a seat of less than a tenth of a millimetre."""
+    light = replace(example_joint(), force=2e3, pin_diameter=0.02, seat_width=None)
+    sized = size_joint(light)
+    assert sized.seat_width == pytest.approx(1e-3)
+    assert any(
+        "least that is made" in note for note in practice_notes(sized, chosen=("seat_width",))
+    )
 
 
 def test_unusual_sizes_have_a_note_with_a_reason():

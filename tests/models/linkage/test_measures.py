@@ -6,6 +6,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
+from erlif.core.errors import ModelError
 from erlif.models.linkage import grashof_class
 from erlif.models.linkage.measures import (
     Links,
@@ -132,3 +133,10 @@ def test_numbers_of_the_rig():  # derived apart from this code, with two other p
 def test_grashof_classes(lengths, kind):
     names = ("crank", "coupler", "rocker", "ground")
     assert grashof_class(**dict(zip(names, lengths, strict=True))) == kind
+
+
+@pytest.mark.parametrize("lengths", [(1, 1, 1, 4), (1, 1, 1, 3), (9, 1, 2, 3)])
+def test_links_that_cannot_be_joined_are_of_no_class(lengths):
+    names = ("crank", "coupler", "rocker", "ground")
+    with pytest.raises(ModelError, match="can be joined"):
+        grashof_class(**dict(zip(names, lengths, strict=True)))
