@@ -36,6 +36,7 @@ def test_summary_states_range_frames_optimum_and_tolerances(planned):
     text = summarise_plan(planned)
     assert "optically thick (Farzaneh 2002)" in text
     assert "The spectra are invented" in text
+    assert "a pixel in the middle of the beam" in text
     assert "One pixel of one frame is measurable from 0.8" in text
     assert "5 % of the film over the whole range needs 20 frame pairs" in text
     assert "Best concentrations: 0.00517 and 0.0476 mol/L" in text
