@@ -206,7 +206,7 @@ class Record:
         return self._with(np.where(lag < 0, 0.0, np.exp(-np.maximum(lag, 0.0) / constant)))
 
     def without_samples(self, start: float, end: float) -> Record:
-        """Make a record whose blocks in a span tell nothing: each has a column of its own."""
+        """Make a record whose blocks in a span have no weight: each has a column of its own."""
         inside = (self.time >= start) & (self.time <= end)
         return self._with(np.eye(self.time.size)[:, inside])
 
