@@ -17,6 +17,7 @@ from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.io.files import takes
 from erlif.io.ingest import Run, open_run
+from erlif.io.settings import ReferenceSettings
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.film import group_frames
 from erlif.pipeline.fixture import find_calibration
@@ -201,10 +202,11 @@ def _find_light(
     chain: FrameChain, calibration: Calibration, run: Run, cycle: xr.Dataset
 ) -> tuple[FrameChain, Calibration, LightFindings]:
     """Chain, calibration and findings as `erlif.process` has them at the end of a run."""
-    options, reference = run.settings.light, run.settings.reference
-    plane, found = ObjectPlane(run.settings, run.pairs.shape), LightFindings()
-    if options.corrects:
-        found = find_light(
+    options, plane = run.settings.light, ObjectPlane(run.settings, run.pairs.shape)
+    found = LightFindings()
+
+    def look(reference: ReferenceSettings | None = None) -> LightFindings:
+        return find_light(
             measure_lights(chain, plane.patch),
             calibration,
             chain.correct,
@@ -212,20 +214,14 @@ def _find_light(
             read_energies(run.log),
             plane=plane,
             options=options,
-            reference=reference if options.ratio == "correct" else None,
+            reference=reference,
         )
+
+    if options.corrects:
+        found = look(run.settings.reference if options.ratio == "correct" else None)
         chain, calibration = correct_light(chain, calibration, found, options)
     if found.errors is None:
-        remaining = find_light(
-            measure_lights(chain, plane.patch),
-            calibration,
-            chain.correct,
-            cycle.trigger.values,
-            read_energies(run.log),
-            plane=plane,
-            options=options,
-        )
-        found = found.complete(remaining, options)
+        found = found.complete(look(), options)
     return chain, calibration, found
 
 
