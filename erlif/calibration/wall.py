@@ -50,7 +50,7 @@ def change_wall(calibration: Calibration, reflectance: float) -> Calibration:
     >>> from erlif.show.plots import example_calibration
     >>> black = example_calibration()
     >>> mirrored = change_wall(black, 0.3)
-    >>> bool(mirrored.predict(6.0) < black.predict(6.0))
+    >>> bool(mirrored.predict(6.0) > black.predict(6.0))
     True
     >>> mirrored.thickness_range[1] < black.thickness_range[1]
     True

@@ -238,9 +238,10 @@ def update_systematics(
         systematics = _with_rise(systematics, width)
     if course is not None and course.significant:
         start = None if course.frame is None else course.frame / last
-        # a drift is all that rises
-        systematics = _with_rise(systematics, 0.0) if start is None else systematics
-        systematics = systematics.with_course(math.hypot(course.size, course.std), start=start)
+        # the course is all that changes the ratio of all films alike during the run
+        systematics = _with_rise(systematics, 0.0).with_course(
+            math.hypot(course.size, course.std), start=start
+        )
     return replace(calibration, systematics=systematics)
 
 
