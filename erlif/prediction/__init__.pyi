@@ -1,5 +1,6 @@
 from .comparison import Candidate, Comparison, compare_models
 from .fit import Estimate, MotionFit, film_temperature, fit_motion
+from .given import GivenErrors
 from .measured import MeasuredMotion, measured_minima, measured_positions
 from .motion import FrameMotion, follow_motion
 from .pin_motion import PinMotion, find_pin_motion
@@ -19,6 +20,7 @@ __all__ = [
     "Comparison",
     "Estimate",
     "FrameMotion",
+    "GivenErrors",
     "MeasuredMotion",
     "MotionFit",
     "OverlapError",

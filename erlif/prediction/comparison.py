@@ -14,6 +14,7 @@ from erlif.core.errors import ModelError
 from erlif.core.progress import Progress, silent
 from erlif.models.reynolds import Journal
 from erlif.prediction.fit import LOAD_LINE_STD, MISFIT, MotionFit, fit_motion
+from erlif.prediction.given import GivenErrors
 from erlif.prediction.least_squares import (
     LeastSquares,
     Minimum,
@@ -170,6 +171,7 @@ def compare_models(
     steady: Mapping[str, Array] | None = None,
     sideways: Sequence[str] = ("free", "guided"),
     load_line_std: float = LOAD_LINE_STD,
+    given: GivenErrors | None = None,
     progress: Progress = silent,
 ) -> Comparison:
     """Compare what may carry the film: steady wedge, squeeze, and the transient film.
@@ -183,7 +185,7 @@ def compare_models(
 
     Parameters
     ----------
-    measured, journal, motion, trigger, load_line_std
+    measured, journal, motion, trigger, load_line_std, given
         As for `fit_motion`.
     steady : mapping of str to array, (trigger,), optional
         Films of steady formulas under the names of `STEADY`. [m]
@@ -242,6 +244,7 @@ def compare_models(
                 trigger=trigger,
                 sideways=held,
                 load_line_std=load_line_std,
+                given=given,
                 profiles=False,
             )
         except ModelError as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -13,6 +13,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.core.notes import Note, note_writer
 from erlif.models.reynolds import Journal, Motion
+from erlif.prediction.given import Change, GivenErrors, follow_changes
 from erlif.prediction.least_squares import (
     CONVERGED,
     ONE_SIDED,
@@ -51,6 +52,8 @@ _FIRST_CONVERGED = 0.1  # of chi-square, in that fit
 _MOST_TURNS = 8  # of the lead of a held pin
 _NEAR = 0.2  # change of a correction over the random errors, below which it is the last
 
+_POSITIVE = "Pa s", "s"  # units of quantities that have no sign
+
 _Column = TypeVar("_Column", float, Array)
 
 # How a pin may be held.
@@ -66,14 +69,18 @@ class Estimate:
     value : float
         Its value at the least squares.
     std : float
-        Standard deviation in the linear approximation, errors shared by all triggers included.
+        Standard deviation in the linear approximation, errors shared by all triggers and those of
+        given numbers included.
     low : float
         Lower end of the 95 % interval of the profile likelihood; zero or infinite without one.
         Where only one end exists, it is the 95 % limit of one side.
     high : float
         Upper end.
     unit : str
-        Unit of all four.
+        Unit of all numbers.
+    parts : mapping of str to float
+        Standard deviations of which `std` is the root of the sum of squares: fit, and the names of
+        `GivenErrors`. Empty where only the fit has one.
     """
 
     value: float
@@ -81,6 +88,7 @@ class Estimate:
     low: float
     high: float
     unit: str
+    parts: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def determined(self) -> bool:
@@ -90,7 +98,26 @@ class Estimate:
     def times(self, factor: float, unit: str) -> Estimate:
         """The estimate of a multiple, in the unit of that."""
         low, high = sorted((float(factor * self.low), float(factor * self.high)))
-        return Estimate(factor * self.value, abs(factor) * self.std, low, high, unit)
+        parts = {name: abs(factor) * std for name, std in self.parts.items()}
+        return Estimate(factor * self.value, abs(factor) * self.std, low, high, unit, parts)
+
+    def widened(self, parts: Mapping[str, float]) -> Estimate:
+        """The estimate with standard deviations of given numbers besides; quantities above zero
+        stay there.
+        """
+        if not parts:
+            return self
+        more = float(np.hypot.reduce(list(parts.values())))
+        low = self.value - float(np.hypot(self.value - self.low, 1.96 * more))
+        high = self.value + float(np.hypot(self.high - self.value, 1.96 * more))
+        return Estimate(
+            self.value,
+            float(np.hypot(self.std, more)),
+            max(low, 0.0) if self.unit in _POSITIVE and self.low >= 0 else low,
+            high,
+            self.unit,
+            {"fit": self.std, **parts},
+        )
 
 
 @dataclass(frozen=True)
@@ -142,6 +169,7 @@ def fit_motion(
     sideways: str = "free",
     fitted: Sequence[str] = ("viscosity",),
     load_line_std: float = LOAD_LINE_STD,
+    given: GivenErrors | None = None,
     profiles: bool = True,
 ) -> MotionFit:
     """Fit viscosity, start film and mount of a joint to the measured positions of its pin.
@@ -149,7 +177,8 @@ def fit_motion(
     Weighted least squares on the transient film. Errors that all triggers share and the place of
     the load line are nuisance parameters: they are fitted with the rest, each within its own
     standard deviation. Only K/W, squeeze constant over load, is measured; the viscosity follows
-    with the given radii, length and load.
+    with the given radii, length and load, whose errors `given` states. The load line of a guided
+    pin leaves nearly the same film as its place at rest: a given one is not fitted.
 
     Parameters
     ----------
@@ -170,6 +199,8 @@ def fit_motion(
         fitted, and the stiffness and rest of a spring.
     load_line_std : float
         Standard deviation of the place of the load line along sliding; 0 where it is known. [m]
+    given : GivenErrors, optional
+        Errors of what is taken for given; by default none.
     profiles : bool
         Whether intervals come from the profile of the likelihood, or from standard deviations.
 
@@ -208,7 +239,10 @@ def fit_motion(
             lead = _ended(motion.lead, motion.motion)
         orbits = HeldOrbits(journal, motion.motion, sideways, lead=lead)
     problem = Problem(orbits, frames, measured, sideways)
-    return _search(problem, problem.unknowns(fitted, load_line_std), profiles)
+    given = given or GivenErrors()
+    if sideways == "guided" and given.load_line is not None:
+        load_line_std = 0.0
+    return _search(problem, problem.unknowns(fitted, load_line_std), given, profiles)
 
 
 def _ended(lead: Motion, motion: Motion) -> Motion:
@@ -246,11 +280,15 @@ def film_temperature(viscosity: Estimate, law: VogelLaw) -> Estimate:
         law.c + law.b / float(np.log(one / law.a)) if law.a < one < np.inf else edge
         for one, edge in ((viscosity.high, -np.inf), (viscosity.low, np.inf))
     )
-    std = law.b / logarithm**2 * viscosity.std / viscosity.value
-    return Estimate(law.c + law.b / logarithm, abs(std), low, high, "degree_Celsius")
+    slope = abs(law.b / logarithm**2 / viscosity.value)
+    parts = {name: slope * std for name, std in viscosity.parts.items()}
+    value = law.c + law.b / logarithm
+    return Estimate(value, slope * viscosity.std, low, high, "degree_Celsius", parts)
 
 
-def _search(problem: Problem, unknowns: Unknowns, profiles: bool) -> MotionFit:
+def _search(
+    problem: Problem, unknowns: Unknowns, given: GivenErrors, profiles: bool
+) -> MotionFit:
     """Fit, with the orbits of a held pin corrected where the fit ends."""
     free = isinstance(problem.orbits, FreeOrbits)
 
@@ -283,7 +321,7 @@ def _search(problem: Problem, unknowns: Unknowns, profiles: bool) -> MotionFit:
         minimum = least.solve()
         if change < _NEAR * smallest * minimum.inflation:
             break
-    return _describe(problem, least, minimum, profiles)
+    return _describe(problem, least, minimum, given, profiles)
 
 
 def _of_orbit(columns: dict[str, _Column]) -> dict[str, _Column]:
@@ -335,10 +373,11 @@ def _describe(
     problem: Problem,
     least: LeastSquares,
     minimum: Minimum,
+    given: GivenErrors,
     profiles: bool,
 ) -> MotionFit:
     """The minimum in physical quantities, with intervals and notes."""
-    names, journal, motion = least.unknowns.names, problem.orbits.journal, problem.orbits.motion
+    names = least.unknowns.names
     std = np.sqrt(np.diag(minimum.covariance))
     ends = [
         (value - 1.96 * one, value + 1.96 * one)
@@ -362,13 +401,12 @@ def _describe(
         (a if a > low[k] else -np.inf, b if b < high[k] else np.inf)
         for k, (a, b) in enumerate(ends)
     ]
-    estimates: dict[str, Estimate] = {}
-    for name, value, one, (a, b) in zip(names, minimum.value, std, ends, strict=True):
-        estimates |= _estimate(name, float(value), float(one), a, b, journal, motion)
-
+    estimates = _estimates(problem, least.unknowns, minimum.value, std, ends)
     if isinstance(problem.orbits, HeldOrbits) and problem.orbits.lead is not None:
         estimates.pop("start_attitude", None)
         estimates["start_film"] = _first_film(problem, least, minimum)
+    changes = follow_changes(problem, least, minimum, given)
+    estimates = _widened(estimates, least.unknowns, changes)
     frames = problem.frame_positions(minimum.value[np.newaxis], least.unknowns)[0]
     return MotionFit(
         sideways=problem.sideways,
@@ -381,19 +419,57 @@ def _describe(
     )
 
 
+def _widened(
+    estimates: Mapping[str, Estimate], unknowns: Unknowns, changes: Mapping[str, Change]
+) -> dict[str, Estimate]:
+    """Estimates with the errors of given numbers."""
+    parts: dict[str, dict[str, float]] = {name: {} for name in estimates}
+    for given, change in changes.items():
+        still = np.zeros(change.value.size)
+        ends = list(zip(change.value, change.value, strict=True))
+        moved = _estimates(change.problem, unknowns, change.value, still, ends)
+        if isinstance(change.problem.orbits, HeldOrbits):
+            film = _first_films(change.problem, unknowns, change.value[np.newaxis])
+            moved["start_film"] = replace(moved["start_film"], value=float(film[0]))
+        for name, estimate in estimates.items():
+            std = abs(moved[name].value - estimate.value) * change.steps
+            parts[name][given] = float(np.nan_to_num(std, nan=np.inf))
+    return {name: one.widened(parts[name]) for name, one in estimates.items()}
+
+
 def _first_film(problem: Problem, least: LeastSquares, minimum: Minimum) -> Estimate:
     """The film at the first step of the motion, where the search has that of the lead."""
-    orbits, clearance = problem.orbits, problem.orbits.journal.clearance
-    assert isinstance(orbits, HeldOrbits)
-    shift = None if orbits.shift is None else orbits.shift[:3]
-    brief = replace(orbits, motion=orbits.motion.at(slice(3)), shift=shift)
     sets = least.neighbours(minimum.value)
-    orbit = brief.follow(_of_orbit(least.unknowns.by_name(sets)))
-    film = clearance - np.hypot(*orbit[:, 0].T)
+    film = _first_films(problem, least.unknowns, sets)
     slope = (film[1:] - film[0]) / np.diag(sets[1:] - minimum.value)
     std = float(np.sqrt(slope @ minimum.covariance @ slope))
     value = float(film[0])
     return Estimate(value, std, value - 1.96 * std, value + 1.96 * std, "m")
+
+
+def _first_films(problem: Problem, unknowns: Unknowns, sets: Array) -> Array:
+    """Films of a held pin at the first step of the motion for sets of unknowns, (case,). [m]"""
+    orbits, clearance = problem.orbits, problem.orbits.journal.clearance
+    assert isinstance(orbits, HeldOrbits)
+    shift = None if orbits.shift is None else orbits.shift[:3]
+    brief = replace(orbits, motion=orbits.motion.at(slice(3)), shift=shift)
+    orbit = brief.follow(_of_orbit(unknowns.by_name(sets)))
+    return np.asarray(clearance - np.hypot(*orbit[:, 0].T))
+
+
+def _estimates(
+    problem: Problem,
+    unknowns: Unknowns,
+    value: Array,
+    std: Array,
+    ends: Sequence[tuple[float, float]],
+) -> dict[str, Estimate]:
+    """The unknowns of a search (unknown,) as quantities of the joint."""
+    journal, motion = problem.orbits.journal, problem.orbits.motion
+    found: dict[str, Estimate] = {}
+    for name, one, error, (low, high) in zip(unknowns.names, value, std, ends, strict=True):
+        found |= _estimate(name, float(one), float(error), low, high, journal, motion)
+    return found
 
 
 def _estimate(

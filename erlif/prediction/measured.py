@@ -16,6 +16,7 @@ from erlif.io.files import settings_of
 from erlif.prediction.refusals import refusal
 
 _MICRO, _MILLI = 1e6, 1e-3
+_THINNEST = 0.1  # film with which weights are computed [um]
 _PLACES = 96  # places along sliding at which marks count as independent
 _NEGLIGIBLE_MARKS = 1e-8  # share of the variance of the marks below which a source is left out
 _NEGLIGIBLE = 1e-12  # share of the largest variance below which a source of errors is left out
@@ -35,11 +36,15 @@ class MeasuredMotion:
     shared : Array
         Change with one standard deviation of each error that is common to all triggers,
         (trigger, axis, source). [m]
+    by_clearance : Array or None
+        Change of the values with the clearance for the same measured films, (trigger, axis); by
+        default 1 towards the thinnest film. [m/m]
     """
 
     value: Array
     random_cov: Array
     shared: Array
+    by_clearance: Array | None = None
 
     @property
     def is_position(self) -> bool:
@@ -52,6 +57,14 @@ class MeasuredMotion:
         variances = np.diagonal(self.random_cov, axis1=1, axis2=2)
         found = np.isfinite(self.value).all(axis=1) & np.isfinite(self.shared).all(axis=(1, 2))
         return np.asarray(found & (np.isfinite(variances) & (variances > 0)).all(axis=1))
+
+    @property
+    def widening(self) -> Array:
+        """`by_clearance`, with its default. (trigger, axis)"""
+        if self.by_clearance is not None:
+            return self.by_clearance
+        distance = np.sqrt(np.sum(self.value**2, axis=1, keepdims=True))
+        return np.asarray(self.value / np.maximum(distance, 1e-15))
 
 
 def measured_positions(film: xr.Dataset, calibration_cov: Array | None = None) -> MeasuredMotion:
@@ -110,7 +123,12 @@ def measured_positions(film: xr.Dataset, calibration_cov: Array | None = None) -
     left = whole - random - columns @ np.swapaxes(columns, 1, 2)
     seen = _seen_angles(film)
     marks = _roots(left) if seen is None else _share_marks(left, seen)
-    return MeasuredMotion(value, random, np.concatenate([columns, marks], axis=2))
+    by_clearance = None
+    if seen is not None:
+        by_clearance = _widen(value * _MICRO, seen, film.pin_displacement.attrs["clearance"])
+    return MeasuredMotion(
+        value, random, np.concatenate([columns, marks], axis=2), by_clearance
+    )
 
 
 def measured_minima(
@@ -147,6 +165,25 @@ def measured_minima(
     )
 
 
+def _widen(place: Array, seen: Array, clearance: float) -> Array:
+    """Change of displacements with the clearance, (trigger, axis).
+
+    c - ex cos - ey sin is fitted to films that stay, where each trigger sees them; the error of a
+    film is in proportion to it.
+    """
+    part = np.linspace(0.0, 1.0, _PLACES)
+    angle = seen[:, :1] + part * (seen[:, 1:] - seen[:, :1])
+    shapes = np.stack([np.cos(angle), np.sin(angle)], axis=2)
+    films = clearance - np.einsum("tpa,ta->tp", shapes, place)
+    weight = 1 / np.maximum(films, _THINNEST) ** 2
+    normal = np.einsum("tp,tpa,tpb->tab", weight, shapes, shapes)
+    right = np.einsum("tp,tpa->ta", weight, shapes)
+    known = np.isfinite(normal).all(axis=(1, 2))
+    found = np.full(place.shape, np.nan)
+    found[known] = np.linalg.solve(normal[known], right[known][..., np.newaxis])[..., 0]
+    return found
+
+
 def _seen_angles(film: xr.Dataset) -> Array | None:
     """Ends of what each trigger sees of the joint, from the load line, (trigger, end). [rad]
 
@@ -156,7 +193,7 @@ def _seen_angles(film: xr.Dataset) -> Array | None:
         return None
     settings = settings_of(film)
     joint, roi = settings.joint, settings.thickness.roi
-    if joint is None:
+    if joint is None or not {"load_line", "clearance"} <= set(film.pin_displacement.attrs):
         return None
     axis = "x" if settings.optics.x_axis == "sliding" else "y"
     place = film[axis].values

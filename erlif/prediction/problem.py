@@ -29,7 +29,7 @@ _KINDS = {
     "fluidity": (1e-3, 0.0, 1e3),
     "start_film": (1e-3, -23.0, np.inf),
     "start_attitude": (1e-4, -1.5, 1.5),
-    "rest": (1e-4, -0.9, 0.9),
+    "rest": (1e-3, -0.9, 0.9),
     "stiffness": (2e-2, 2.0, 12.0),
     "cavitation_pressure": (1e-2, 0.0, 100.0),
     "load_line": (1e-4, -1.0, 1.0),

@@ -139,3 +139,24 @@ def test_minima_share_their_calibration():
     )
     assert found.known.tolist() == [True, False]
     npt.assert_allclose(found.shared[:, 0, 0], 5e-8)
+
+
+def test_displacements_change_with_the_clearance_as_those_of_the_fit_to_ratios():
+    """The ratios of one film, fitted with two clearances; the thin line moves by 7 mm over 12."""
+    angle = SWING / VIEW.radius
+    place = 224 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    found = example_film().isel(trigger=np.zeros(SWING.size, dtype=int))
+    found["pin_displacement"] = found.pin_displacement.copy(data=place)
+    found["pin_displacement"].attrs |= {"load_line": LOAD_LINE, "clearance": VIEW.clearance}
+    region = f"x = [{X[0]}, {X[-1]}]"
+    found.attrs["settings"] = found.attrs["settings"].replace("x = [2.0, 14.0]", region)
+    widening = measured_positions(found).widening
+    calibration = replace(known_calibration(), thickness_range=(0.2, 16.0))
+    wider = replace(VIEW, bushing_radius=VIEW.bushing_radius + 5e-6)
+    for one, stated in zip(place, widening, strict=True):
+        ratios = noisy_ratios(circle_gap(*one), 1e-9, np.random.default_rng(0))
+        before, after = (
+            find_pin_position(ratios, calibration, region=WHOLE, view=view).value[:2]
+            for view in (VIEW, wider)
+        )
+        npt.assert_allclose((after - before) / 5.0, stated, atol=0.02)

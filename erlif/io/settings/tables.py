@@ -537,6 +537,7 @@ class PredictionOptions(Settings):
     start_film: StartFilm = "fit"
     load_line: Place | None = None
     load_line_std: Length | None = None
+    load_std: Share = 1.0
     direction: Literal["along", "against"] = "along"
     long: bool = False
 

@@ -17,11 +17,13 @@ from erlif.io.files import open_film, takes
 from erlif.io.settings import RunSettings
 from erlif.models.reynolds import Journal
 from erlif.pipeline.physics.joint import describe_joint
+from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.physics.predict import film_beside, is_film, read_film
 from erlif.pipeline.physics.prediction import build_journal, build_motion
 from erlif.pipeline.refusals import refusal
 from erlif.prediction import (
     Comparison,
+    GivenErrors,
     MeasuredMotion,
     compare_models,
     film_temperature,
@@ -147,7 +149,8 @@ def _compare(
         for name, ours in _STEADY.items()
         if name in film and ours in STEADY
     }
-    given = settings.prediction.load_line is not None
+    given = _given_errors(settings)
+    line = given.load_line
     measured = _measured(film, journal)
     return compare_models(
         measured,
@@ -156,15 +159,29 @@ def _compare(
         trigger=np.where(frames.used.values, frames.trigger.values, -1),
         steady=steady,
         sideways=[one for one in sideways if one != "spring" or measured.is_position],
-        load_line_std=0.1 * LOAD_LINE_STD if given else LOAD_LINE_STD,
+        load_line_std=LOAD_LINE_STD if line is None else line,
+        given=given,
         progress=progress,
+    )
+
+
+def _given_errors(settings: RunSettings) -> GivenErrors:
+    """Errors of what the settings, which have a joint, give: stated, else assumed."""
+    joint, options = settings.joint, settings.prediction
+    assert joint is not None  # `build_motion` refuses a run without one
+    rounding = 1e-6 * clearance_std(joint)
+    line = options.load_line_std or 0.1 * LOAD_LINE_STD
+    return GivenErrors(
+        clearance=rounding if joint.clearance_std is None else float(joint.clearance_std),
+        load=0.01 * float(options.load_std),
+        load_line=None if options.load_line is None else float(line),
     )
 
 
 def _measured(film: xr.Dataset, journal: Journal) -> MeasuredMotion:
     """Positions of the pin, else minima where too few positions are known."""
     if all(name in film for name in _POSITIONS):
-        positions = measured_positions(film[list(_POSITIONS)], calibration_of(film).full_covariance)
+        positions = measured_positions(film, calibration_of(film).full_covariance)
         if positions.known.sum() >= FEWEST_TRIGGERS:
             return positions
 

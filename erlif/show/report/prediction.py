@@ -107,6 +107,7 @@ def summarise_prediction(prediction: xr.Dataset) -> str:
     return print_rows(f"{name}: {attrs['model']}, {minimum.size} triggers", rows)
 
 
+_SMALL_PART = 0.01  # of an error, below which one of its parts is not printed
 _ALIKE = "load_line", "guided"  # what is fitted and not determined, and for which pin
 
 
@@ -154,4 +155,8 @@ def _value(estimate: Estimate, shown: Mapping[str, Any], described: bool) -> str
         return f"about {one.value:.2g} {unit}"
     # two digits of the error, as elsewhere
     digits = decimals(one.std, 2)
-    return f"{one.value:.{digits}f} ± {one.std:.{digits}f} {unit}"
+    text = f"{one.value:.{digits}f} ± {one.std:.{digits}f} {unit}"
+    parts = {name: std for name, std in one.parts.items() if std > _SMALL_PART * one.std}
+    if set(parts) <= {"fit"}:
+        return text
+    return f"{text}: " + ", ".join(f"{n.replace('_', ' ')} {std:.2g}" for n, std in parts.items())

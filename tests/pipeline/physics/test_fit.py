@@ -1,6 +1,9 @@
 """A virtual run of known viscosity, photographed, processed and fitted."""
 
+import shutil
+
 import numpy as np
+import numpy.testing as npt
 import pytest
 
 import erlif
@@ -44,6 +47,27 @@ def test_free_pin_and_its_viscosity_are_found_in_photographs(sinking):
     viscosity = found.fit.estimates["viscosity"]
     assert abs(viscosity.value - 0.1) < 3 * viscosity.std
     assert viscosity.std < 0.2 * 0.1
+
+    assert set(viscosity.parts) == {"fit", "clearance", "load"}
+    npt.assert_allclose(viscosity.parts["load"], 0.01 * viscosity.value, rtol=0.02)
+
+
+def test_the_clearance_enters_the_fit_as_in_a_film_of_other_radii(sinking, small_rig, tmp_path):
+    """The photographs are processed and fitted again with a bushing of other radius."""
+    shutil.copytree(sinking, tmp_path / "run")
+    (tmp_path / "run" / "film.nc").unlink()
+    text = (sinking / "run.toml").read_text()
+    other = text.replace("33.59 mm", "33.594 mm")
+    assert other != text
+    (tmp_path / "run" / "run.toml").write_text(other)
+    calibration = small_rig.fixture / "calibration.nc"
+    output = tmp_path / "run" / "film.nc"
+    erlif.process(tmp_path / "run", calibration=calibration, output=output, workers=1).close()
+    here, there = (fit_film(one).fit.estimates["squeeze_time"] for one in (sinking, output.parent))
+
+    # radii of 33.36 and 33.59 mm: each digit is 10 um, uniform over it
+    change = abs(there.value - here.value) / 4.0 * np.sqrt(2 / 12) * 10.0
+    npt.assert_allclose(here.parts["clearance"], change, rtol=0.15)
 
 
 def test_film_states_in_one_line_which_physics_carries_it(sinking):

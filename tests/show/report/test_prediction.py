@@ -107,6 +107,14 @@ def test_the_verdict_stands_first_then_models_then_values_with_their_errors():
         assert ("±" in text) == (inflation == 1.0)
 
 
+def test_errors_of_given_numbers_stand_beside_that_of_the_fit():
+    parts = {"fit": 0.0006, "clearance": 0.007, "load_line": 0.0016}
+    found = comparison(Estimate(0.1598, 0.0072, 0.146, 0.174, "Pa s", parts))
+    text = summarise_comparison(found)
+    words = "viscosity: 0.1598 ± 0.0072 Pa s: fit 0.0006, clearance 0.007, load line 0.0016"
+    assert words in text.splitlines()[-2]
+
+
 def test_the_load_line_of_a_guided_pin_is_not_printed():
     """Photographed with a line of 0.75 mm, it was found at 2.818 ± 0.028 mm."""
     found = comparison(Estimate(0.12, 0.001, 0.118, 0.122, "Pa s"))
