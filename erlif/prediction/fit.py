@@ -286,9 +286,7 @@ def film_temperature(viscosity: Estimate, law: VogelLaw) -> Estimate:
     return Estimate(value, slope * viscosity.std, low, high, "degree_Celsius", parts)
 
 
-def _search(
-    problem: Problem, unknowns: Unknowns, given: GivenErrors, profiles: bool
-) -> MotionFit:
+def _search(problem: Problem, unknowns: Unknowns, given: GivenErrors, profiles: bool) -> MotionFit:
     """Fit, with the orbits of a held pin corrected where the fit ends."""
     free = isinstance(problem.orbits, FreeOrbits)
 

@@ -126,9 +126,7 @@ def measured_positions(film: xr.Dataset, calibration_cov: Array | None = None) -
     by_clearance = None
     if seen is not None:
         by_clearance = _widen(value * _MICRO, seen, film.pin_displacement.attrs["clearance"])
-    return MeasuredMotion(
-        value, random, np.concatenate([columns, marks], axis=2), by_clearance
-    )
+    return MeasuredMotion(value, random, np.concatenate([columns, marks], axis=2), by_clearance)
 
 
 def measured_minima(

@@ -60,9 +60,7 @@ def test_the_clearance_enters_the_viscosity_by_the_power_three_halves():
     joint = replace(STATED, long=True)
     ratio = 15.0 + MOTION.time[STEPS] * 222.4 / joint.squeeze_constant
     still = replace(MOVED, motion=replace(MOTION, angle=0 * MOTION.angle))
-    films = measure(
-        np.stack([joint.clearance * ratio / np.hypot(1, ratio), 0 * ratio], axis=1), 2
-    )
+    films = measure(np.stack([joint.clearance * ratio / np.hypot(1, ratio), 0 * ratio], axis=1), 2)
     found = fit(films, GivenErrors(clearance=CLEARANCE_STD), joint=joint, moved=still)["viscosity"]
     share = found.parts["clearance"] / found.value
     npt.assert_allclose(share, 1.5 * CLEARANCE_STD / joint.clearance, rtol=0.02)
