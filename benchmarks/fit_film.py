@@ -5,6 +5,7 @@
     python benchmarks/fit_film.py --guided   # the guided ones alone
     python benchmarks/fit_film.py --short    # guided, one cycle of 50 triggers over 0.89 of a turn
     python benchmarks/fit_film.py --held     # springs; cavitation pressure beside the viscosity
+    python benchmarks/fit_film.py --given    # other clearances, loads and load lines than stated
     python benchmarks/fit_film.py --time     # 200 cycles in one fit: free, folded, guided
 
 The orbits are those of `erlif.rig`: Chebyshev collocation for the free pin, projected
@@ -27,6 +28,7 @@ from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds.full_film import follow_full_film
 from erlif.prediction import (
     FrameMotion,
+    GivenErrors,
     MeasuredMotion,
     compare_models,
     fit_motion,
@@ -47,11 +49,13 @@ MARKS = np.array([10e-9, 30e-9])  # the same at every trigger [m]
 CYCLES, FRAMES = 2, 50
 SHORT = 0.886  # of a turn, that the triggers of one cycle span
 GUIDED = {"on which settings were chosen": range(6), "new": range(6, 18)}  # orbits, twice each
+GIVEN = GivenErrors(clearance=5e-6, load=0.1, load_line=0.5e-3)
+GIVEN_ORBITS = 30
 HELD = 6  # orbits of springs, and of cavitation pressures
 
 
-def bearing(viscosity):
-    return Bearing(STATED.radius, STATED.clearance, STATED.length, viscosity)
+def bearing(viscosity, joint=STATED):
+    return Bearing(joint.radius, joint.clearance, joint.length, viscosity)
 
 
 def times(cycles=CYCLES):
@@ -69,20 +73,29 @@ def free_orbit(viscosity, start):
 
 
 def held_orbit(
-    viscosity, film, *, along=12, steps=200, stiffness=np.inf, cavity=-1e5, moments=None
+    viscosity,
+    film,
+    *,
+    along=12,
+    steps=200,
+    stiffness=np.inf,
+    cavity=-1e5,
+    moments=None,
+    joint=STATED,
+    load=LOAD,
 ):
     """After three cycles, in which the cavities have formed."""
     cavitation.ALONG = along
     middle = float(np.mean(RIG.limits()))
     return follow_cavitated(
-        bearing(viscosity),
+        bearing(viscosity, joint),
         np.append(-3 * PERIOD, times() if moments is None else moments),
-        load=lambda _: LOAD,
+        load=lambda _: load,
         angle=lambda moment: float(RIG.rocker_angle(SPEED * moment)) - middle,
         step=PERIOD / steps,
         stiffness=stiffness,
         cavity=cavity,
-        start=(STATED.clearance - film, 0.0),
+        start=(joint.clearance - film, 0.0),
     )[1:]
 
 
@@ -133,6 +146,28 @@ def study(measured, truth, *, motion=None, **options):
     found = fit_motion(measured, STATED, motion, profiles=False, **options)
     pulls = {k: (found.estimates[k].value - v) / found.estimates[k].std for k, v in truth.items()}
     return found, pulls, motion
+
+
+def run_given():
+    """Guided pins whose clearance, load and load line are not those that the fit is given."""
+    rng, pulls, errors, parts = np.random.default_rng(11), [], [], []
+    for _ in range(GIVEN_ORBITS):
+        wider, heavier = GIVEN.clearance * rng.normal(), 1 + GIVEN.load * rng.normal()
+        viscosity, film = rng.uniform(0.1, 0.25), rng.uniform(16e-6, 26e-6)
+        true = replace(STATED, bushing_radius=STATED.bushing_radius + wider)
+        orbit = held_orbit(viscosity, film, joint=true, load=heavier * LOAD)
+        stated = orbit * (1 - wider / np.hypot(*orbit.T))[:, np.newaxis]
+        measured = photograph(stated, GIVEN.load_line * rng.normal(), rng)
+        found, pull, _ = study(
+            measured, {"viscosity": viscosity}, sideways="guided", given=GIVEN
+        )
+        estimate = found.estimates["viscosity"]
+        pulls.append(pull)
+        errors.append(estimate.value / viscosity - 1)
+        parts.append([one / estimate.value for one in estimate.parts.values()])
+    report("guided pin, given numbers off", pulls, errors, len(errors))
+    sizes = np.sqrt(np.mean(np.square(parts), axis=0))
+    print("parts:", {k: f"{one:.2%}" for k, one in zip(estimate.parts, sizes, strict=True)})
 
 
 def report(name, pulls, errors, recognised):
@@ -274,7 +309,7 @@ def run_time(cycles=200):
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
-    for name in ("time", "guided", "short", "held"):
+    for name in ("time", "guided", "short", "held", "given"):
         parser.add_argument(f"--{name}", action="store_true")
     chosen = parser.parse_args()
     warnings.simplefilter("ignore")
@@ -284,6 +319,8 @@ if __name__ == "__main__":
         run_guided()
     elif chosen.short:
         run_short()
+    elif chosen.given:
+        run_given()
     elif chosen.held:
         run_held()
     else:

@@ -50,6 +50,7 @@ _FIRST_STEPS = 1000  # of the motion, of which a long run is fitted first
 _FEWEST_FIRST = 50  # triggers in them
 _FIRST_CONVERGED = 0.1  # of chi-square, in that fit
 _MOST_TURNS = 8  # of the lead of a held pin
+_FAR = 3.0  # standard deviations of a load line from the assumed place, beyond which it is tested
 _NEAR = 0.2  # change of a correction over the random errors, below which it is the last
 
 _POSITIVE = "Pa s", "s"  # units of quantities that have no sign
@@ -319,7 +320,32 @@ def _search(problem: Problem, unknowns: Unknowns, given: GivenErrors, profiles: 
         minimum = least.solve()
         if change < _NEAR * smallest * minimum.inflation:
             break
+    if problem.sideways == "guided" and "load_line" in unknowns.names:
+        minimum = _doubt_load_line(problem, least, minimum)
     return _describe(problem, least, minimum, given, profiles)
+
+
+def _doubt_load_line(problem: Problem, least: LeastSquares, minimum: Minimum) -> Minimum:
+    """The minimum of a guided pin, with the error of its load line by the likelihood.
+
+    Line and place at rest leave nearly the same film. The fit is repeated with the line at the
+    assumed place: by what the likelihood is lower there, the line is known, and no better.
+    """
+    unknowns = least.unknowns
+    k = unknowns.names.index("load_line")
+    line, variance = minimum.value[k], minimum.covariance[k, k]
+    along = minimum.covariance[:, k] / variance
+    if abs(line) <= _FAR * np.sqrt(variance):
+        return minimum
+    alone = unknowns.without("load_line", minimum.value - along * line)
+    try:
+        fixed = problem.pose(alone, least.tolerance).solve()
+    except ModelError:
+        return minimum
+    gain = max(minimum.log_likelihood - fixed.log_likelihood, 1e-12)
+    doubt = min(line**2 / (2 * gain), unknowns.expected_std[k] ** 2) - variance
+    more = max(doubt, 0.0) * np.outer(along, along)
+    return replace(minimum, covariance=minimum.covariance + more)
 
 
 def _of_orbit(columns: dict[str, _Column]) -> dict[str, _Column]:

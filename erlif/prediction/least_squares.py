@@ -128,6 +128,18 @@ class Unknowns:
     expected_std: Array
     fixed: Mapping[str, float] = field(default_factory=dict)
 
+    def without(self, name: str, start: Array) -> Unknowns:
+        """The others, with one fixed where it is expected, from a start (unknown,) of all."""
+        k = self.names.index(name)
+        keys = ("step", "low", "high", "expected", "expected_std")
+        kept = {key: np.delete(getattr(self, key), k) for key in keys}
+        return Unknowns(
+            names=tuple(one for one in self.names if one != name),
+            start=np.delete(start, k),
+            fixed={**self.fixed, name: float(self.expected[k])},
+            **kept,
+        )
+
     def by_name(self, sets: Array) -> dict[str, Array]:
         """Sets of unknowns (case, unknown) and what is fixed as columns (case,)."""
         columns = {name: sets[:, k] for k, name in enumerate(self.names)}

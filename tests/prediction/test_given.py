@@ -97,6 +97,27 @@ def test_a_given_load_line_of_a_guided_pin_is_not_fitted(guided):
     assert "load_line" in fit(guided, GivenErrors(load_line=line), joint=joint)
 
 
+def test_the_error_of_a_fitted_load_line_is_that_of_the_likelihood(guided):
+    """It is known by what the likelihood falls where it is fixed at the assumed place."""
+    joint, line = replace(STATED, long=True), 1.5e-3 / STATED.radius
+    turned = np.array([[np.cos(line), np.sin(line)], [-np.sin(line), np.cos(line)]])
+    measured = replace(guided, value=guided.value @ turned)
+    options = {"joint": joint, "sideways": "guided", "load_line_std": 5e-3}
+    near, far = fit(guided, **options), fit(measured, **options)
+    free, fixed = (
+        fit_motion(measured, joint, MOVED, profiles=False, sideways="guided", load_line_std=std)
+        for std in (5e-3, 0.0)
+    )
+    gain = free.minimum.log_likelihood - fixed.minimum.log_likelihood
+    found = far["load_line"]
+    npt.assert_allclose(found.std, abs(found.value) / np.sqrt(2 * gain), rtol=0.2)
+    assert abs(found.value - 1.5e-3) < 2 * found.std
+    # the place at rest follows the line, at the displacement of the pin
+    assert found.std > near["load_line"].std
+    slope = float(np.mean(guided.value[:, 0])) / STATED.radius
+    npt.assert_allclose(far["rest"].std, slope * found.std, rtol=0.05)
+
+
 def test_intervals_hold_the_given_errors(free):
     alone, found = (
         fit_motion(free, STATED, MOVED, given=given).estimates["viscosity"]

@@ -3,6 +3,8 @@
 The search ends within a hundredth of a standard deviation of the minimum.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -93,6 +95,13 @@ def test_misfit_widens_the_errors():
     found = LeastSquares(observe(values), unknowns(), line).solve()
     left = values - DESIGN @ np.linalg.lstsq(DESIGN, values)[0]
     npt.assert_allclose(found.inflation, np.sqrt(left @ left / 10) / 0.1, rtol=5e-3)
+
+
+def test_an_unknown_that_is_left_out_is_fixed_where_it_is_expected():
+    kept = replace(unknowns(), expected=np.array([0.0, 0.7])).without("slope", np.array([2.0, 5.0]))
+    assert kept.names == ("height",)
+    assert kept.one_by_name(kept.start) == {"height": 2.0, "slope": 0.7}
+    assert kept.step.size == kept.low.size == kept.high.size == kept.expected_std.size == 1
 
 
 def test_unknown_stays_within_its_bounds():
