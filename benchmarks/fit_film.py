@@ -158,9 +158,7 @@ def run_given():
         orbit = held_orbit(viscosity, film, joint=true, load=heavier * LOAD)
         stated = orbit * (1 - wider / np.hypot(*orbit.T))[:, np.newaxis]
         measured = photograph(stated, GIVEN.load_line * rng.normal(), rng)
-        found, pull, _ = study(
-            measured, {"viscosity": viscosity}, sideways="guided", given=GIVEN
-        )
+        found, pull, _ = study(measured, {"viscosity": viscosity}, sideways="guided", given=GIVEN)
         estimate = found.estimates["viscosity"]
         pulls.append(pull)
         errors.append(estimate.value / viscosity - 1)
