@@ -35,6 +35,7 @@ from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.recording.prepare import prepare_chain
 from erlif.pipeline.recording.pulses import complete_energies, read_energies
 from erlif.pipeline.recording.register import FixtureMap
+from erlif.pipeline.recording.swap import judge_ratios
 from erlif.ratio import PairRatio, RatioSum
 from erlif.review.refusals import refusal
 from erlif.thickness import flag_beyond_maximum, measure_thickness
@@ -151,7 +152,10 @@ def budget(
     prepared = prepare_chain(run, progress, stored=known.stored)
     chain = without_warming(prepared.chain, warmer, settings.temperature)
     chain = complete_energies(chain, calibration)
-    calibration = add_systematics(calibration, settings, chain, prepared.sample, warmer=warmer)
+    misfit = judge_ratios(chain, calibration, prepared.sample, stored=known.nodes).size
+    calibration = add_systematics(
+        calibration, settings, chain, prepared.sample, warmer=warmer, misfit=misfit
+    )
     plane = ObjectPlane(settings, run.pairs.shape)
 
     # light that is not film needs the whole run, as the film had it

@@ -34,6 +34,7 @@ def add_systematics(
     sample: Sequence[Bands],
     *,
     warmer: Array | None = None,
+    misfit: float = 0.0,
 ) -> Calibration:
     """The calibration with the errors of a run beside those of its fixture.
 
@@ -48,6 +49,8 @@ def add_systematics(
         background is compared. Where frames of the dry joint are subtracted, none is left.
     warmer : array, (frame,), optional
         Temperature over that of the fixture, by which the ratio was corrected. [K]
+    misfit : float
+        By how much ratios exceed those of all films: the scale is off by as much at least. [1]
 
     Returns
     -------
@@ -65,6 +68,8 @@ def add_systematics(
         found = found.adding("background", _error_of_dry_joint(chain, sample, energy_std))
     if warmer is not None:
         found = found.adding("temperature", error_of_warming(warmer, settings.temperature))
+    if misfit:
+        found = found.adding("ratio", np.array(misfit**2))
     return replace(alone, systematics=found)
 
 

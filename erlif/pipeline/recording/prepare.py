@@ -212,7 +212,9 @@ def prepare_run(
     chain = without_warming(prepared.chain, warmer, run.settings.temperature)
     misfit = judge_ratios(chain, calibration, prepared.sample, stored=known.nodes)
     chain = complete_energies(chain, calibration)
-    calibration = add_systematics(calibration, run.settings, chain, prepared.sample, warmer=warmer)
+    calibration = add_systematics(
+        calibration, run.settings, chain, prepared.sample, warmer=warmer, misfit=misfit.size
+    )
 
     # a background that is to be subtracted is found before the films are measured
     energies, findings, measuring = read_energies(run.log), LightFindings(), calibration
@@ -233,5 +235,5 @@ def prepare_run(
         chain, measuring = correct_light(chain, calibration, findings, options)
 
     # the frames need neither the sample nor the references
-    notes = (*prepared.notes, *misfit)
+    notes = (*prepared.notes, *misfit.notes)
     return PreparedRun(chain.tabulated(), measuring, findings, energies, notes)

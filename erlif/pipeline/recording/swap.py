@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -35,13 +36,28 @@ _SIGMAS = 2
 _FILMS, _GRID = (0.01, 1e4), 2001
 
 
+class Misfit(NamedTuple):
+    """Ratios that no film has.
+
+    Attributes
+    ----------
+    notes : tuple[Note, ...]
+        Empty where there are few.
+    size : float
+        By how much the logarithm of the ratio is off at least; 0 where there are few. [1]
+    """
+
+    notes: tuple[Note, ...] = ()
+    size: float = 0.0
+
+
 def judge_ratios(
     chain: FrameChain,
     calibration: Calibration,
     sample: Sequence[Bands],
     *,
     stored: MapNodes | None = None,
-) -> list[Note]:
+) -> Misfit:
     """Refuse a run whose map proves exchanged cameras, and note ratios that do not fit.
 
     Exchanged cameras have the inverse of the map that is stored with the calibration. They show the
@@ -59,8 +75,8 @@ def judge_ratios(
 
     Returns
     -------
-    list of Note
-        Empty where the ratios are those of films.
+    Misfit
+        Without notes where the ratios are those of films.
 
     Raises
     ------
@@ -88,14 +104,15 @@ def _check_map(chain: FrameChain, stored: MapNodes) -> bool:
 
 def _note_misfit(
     chain: FrameChain, calibration: Calibration, sample: Sequence[Bands], *, in_order: bool
-) -> list[Note]:
-    ends = _ratios_of_films(calibration)
-    shares = [
-        np.mean((ratio + _SIGMAS * std < ends[0]) | (ratio - _SIGMAS * std > ends[1]))
-        for ratio, std in ratios_of(chain, sample)
-    ]
+) -> Misfit:
+    ends, shares, sizes = _ratios_of_films(calibration), [], []
+    for ratio, std in ratios_of(chain, sample):
+        off = np.maximum(ends[0] - ratio, ratio - ends[1])
+        beyond = off > _SIGMAS * std
+        shares.append(float(beyond.mean()))
+        sizes.append(float(off[beyond].mean()) if beyond.any() else 0.0)
     if not shares or np.median(shares) <= _IMPOSSIBLE:
-        return []
+        return Misfit()
 
     causes = ["light", "wall", "fixture"]
     if max(abs(chain.blur.x), abs(chain.blur.y)) > _DEFOCUSED:
@@ -106,7 +123,8 @@ def _note_misfit(
     low, high = np.exp(ends)
     order = _TEXTS["in_order"] if in_order else ""
     share = float(np.median(shares))
-    return [_note("ratios_misfit", share=share, low=low, high=high, order=order, causes=listed)]
+    note = _note("ratios_misfit", share=share, low=low, high=high, order=order, causes=listed)
+    return Misfit((note,), float(np.median(sizes)))
 
 
 def _ratios_of_films(calibration: Calibration) -> Array:

@@ -52,12 +52,8 @@ def _note_one(run: Run, cameras: CameraSurvey, name: str, *, allow_outside: bool
     calibration = before_wall_of(run, open_calibration(path))
     check_bands(calibration, (settings.camera1.band, settings.camera2.band))
     own_map = calibration.camera_map
-    yield from judge_ratios(
-        cameras.chain,
-        calibration,
-        cameras.sample,
-        stored=None if own_map is None else MapNodes.of(own_map),
-    )
+    stored = None if own_map is None else MapNodes.of(own_map)
+    yield from judge_ratios(cameras.chain, calibration, cameras.sample, stored=stored).notes
     low, high = calibration.thickness_range
     yield _note("range", fixture=calibration.fixture, low=low, high=high)
     yield from note_range(calibration, cameras.log_ratios)

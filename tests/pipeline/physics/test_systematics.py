@@ -232,3 +232,9 @@ def test_films_of_the_patch_have_the_error_of_its_scale_whatever_else_a_run_show
     expected = np.hypot(0.001, 0.05 * PLAIN.slope(6.0))
     for share in (0.0, 0.5, 1.0):
         npt.assert_allclose(found.at(share).log_ratio_std(6.0), expected, rtol=1e-6)
+
+
+def test_ratios_beyond_those_of_all_films_put_their_scale_in_doubt():
+    """By 5 % beside a width of 1 %."""
+    found = add_systematics(PLAIN, settings_with(), SimpleNamespace(), (), misfit=0.05)
+    npt.assert_allclose(widths(found)["ratio"], np.hypot(0.01, 0.05))
