@@ -337,7 +337,7 @@ def _doubt_load_line(problem: Problem, least: LeastSquares, minimum: Minimum) ->
     along = minimum.covariance[:, k] / variance
     if abs(line) <= _FAR * np.sqrt(variance):
         return minimum
-    alone = unknowns.without("load_line", minimum.value - along * line)
+    alone = unknowns.without("load_line", minimum.value)
     try:
         fixed = problem.pose(alone, least.tolerance).solve()
     except ModelError:
