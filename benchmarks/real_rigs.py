@@ -133,9 +133,11 @@ def draw_rig(rng: np.random.Generator) -> tuple[RigSettings, float, float]:
 
     The widths are those of the bands. The background of camera 2 has a correlation of 0.9 with that
     of camera 1; what rises during the run is the temperature and the bleaching of the brightness as
-    one, and the bleaching of both dyes alike.
+    one, and the bleaching of both dyes alike. Of the walls that of the joint or of the fixture
+    reflects more.
     """
     draw = partial(rng.normal, 0.0)
+    wall = float(draw(0.02))
     rises = float(np.hypot(0.005, 0.01) * draw()) / _BAND_PER_DYE
     bleached = per_pulse(abs(float(draw(0.01))))
     light = rng.multivariate_normal([0, 0], [[1, 0.9], [0.9, 1]])
@@ -156,7 +158,7 @@ def draw_rig(rng: np.random.Generator) -> tuple[RigSettings, float, float]:
         bleaching=(bleached, bleached),
         background=float(one),
         background_second=float(two / one),
-        wall=(0.0, abs(float(draw(0.02)))),
+        wall=(max(-wall, 0.0), max(wall, 0.0)),
         compression=(float(draw(0.01)), float(draw(0.01))),
     )
     return rig, float(draw(1.0)), 1 + float(draw(0.005))

@@ -52,6 +52,9 @@ class Change:
         the scatter of the frames.
     film : float
         Median film of the cells, for a change of the ratio. [um]
+    drift : tuple[float, float]
+        Drift over the run alone, whatever else explains more, and its standard deviation; for a
+        change of the ratio. [1]
     """
 
     frame: int | None
@@ -59,6 +62,7 @@ class Change:
     std: float
     significance: float
     film: float = float("nan")
+    drift: tuple[float, float] = (float("nan"), float("nan"))
 
     @property
     def significant(self) -> bool:
@@ -197,7 +201,7 @@ def find_ratio_change(
     # the first round decides; the next ones subtract what was found and look for the rest of it,
     # by secants, because films of another ratio also change the smooth function
     total = step = rest = significance = 0.0
-    best = 0
+    best, drift = 0, (0.0, 0.0)
     for n in range(_ROUNDS):
         shifted = log_ratio - total * courses[best][:, None]
         rows = _compare(light, shifted, chosen, places, calibration)
@@ -206,13 +210,14 @@ def find_ratio_change(
             return None
         if not n:
             best, significance, step = found, abs(size) / max(std, _TINY), size
+            drift = rows.find(courses[:1])[1:]
         elif abs(size) < _SETTLED * std or size == rest:
             break
         else:
             step *= size / (rest - size)
         rest, total = size, total + step
     median = float(np.median(film[used][chosen]))
-    return Change(_frame_of(best, frames[used]), total, std, significance, median)
+    return Change(_frame_of(best, frames[used]), total, std, significance, median, drift)
 
 
 def _frame_of(course: int, frames: AnyArray) -> int | None:

@@ -237,10 +237,11 @@ def update_systematics(
         assert scaled.systematics is not None
         systematics = scaled.systematics
     # between two fixtures the curve follows the dyes, and the change of the ratio is no error
-    elif bleaching is not None and calibration.later is None:
-        corrected = options.bleaching == "correct"
-        width = _bleaching_of_run(systematics, bleaching, pulses=pulses, corrected=corrected)
-        systematics = _with_rise(systematics, width)
+    elif calibration.later is None:
+        if bleaching is not None:
+            systematics = _with_bleaching(systematics, bleaching, options, pulses=pulses)
+        elif course is not None and not course.significant and math.isfinite(course.drift[1]):
+            systematics = _with_rise(systematics, _rise_given(systematics, *course.drift))
     if course is not None and course.significant:
         start = None if course.frame is None else course.frame / last
         # the course is all that changes the ratio of all films alike during the run
@@ -332,16 +333,23 @@ def _with_rise(systematics: Systematics, width: float) -> Systematics:
     return found
 
 
-def _bleaching_of_run(
-    systematics: Systematics, trend: Trend, *, pulses: int, corrected: bool
-) -> float:
-    """Width of the change of the ratio over the run, by all that changes it. [1]"""
-    width = _rise_of(systematics)
+def _with_bleaching(
+    systematics: Systematics, trend: Trend, options: LightOptions, *, pulses: int
+) -> Systematics:
+    """The systematics with the change of the ratio that equal films show."""
     change, std = pulses * trend.log_ratio, pulses * trend.log_ratio_std
-    if corrected:
-        return std
+    if options.bleaching == "correct":
+        return _with_rise(systematics, std)
+    if _rise_of(systematics) == 0:
+        return _with_rise(systematics, abs(change) if trend.significant() else 0.0)
+    return _with_rise(systematics, _rise_given(systematics, change, std))
+
+
+def _rise_given(systematics: Systematics, change: float, std: float) -> float:
+    """Root mean square of the change over the run, given its width and what the run shows. [1]"""
+    width = _rise_of(systematics)
     if width == 0:
-        return abs(change) if trend.significant() else 0.0
+        return 0.0
     gain = width**2 / (width**2 + std**2)
     return math.hypot(gain * change, math.sqrt(1 - gain) * width)
 

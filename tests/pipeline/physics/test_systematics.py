@@ -238,3 +238,17 @@ def test_ratios_beyond_those_of_all_films_put_their_scale_in_doubt():
     """By 5 % beside a width of 1 %."""
     found = add_systematics(PLAIN, settings_with(), SimpleNamespace(), (), misfit=0.05)
     npt.assert_allclose(widths(found)["ratio"], np.hypot(0.01, 0.05))
+
+
+def test_a_drift_that_is_not_significant_takes_the_place_of_what_rises():
+    """0.2 ± 0.3 % of a width of 0.5 %: mean 0.147 %, and 0.257 % about it."""
+    before = calibration_of('\n[systematics]\nbleaching = "0.4 %"\ntemperature = "0.3 %"\n')
+    chance = Change(frame=3, size=0.004, std=0.002, significance=2.0, drift=(0.002, 0.003))
+    found = update_systematics(before, LightFindings(course=chance), REPORT, pulses=50)
+    gain = 0.25 / (0.25 + 0.09)
+    rise = np.hypot(0.002 * gain, 0.005 * np.sqrt(1 - gain))
+    names = list(zip(found.systematics.terms, found.systematics.kinds, strict=True))
+    std = np.sqrt(np.diag(found.systematics.covariance))
+    for term, share in (("bleaching", 0.8), ("temperature", 0.6)):
+        npt.assert_allclose(std[names.index((term, "rising constant"))], share * rise)
+    assert widths(found)["ratio"] == widths(before)["ratio"]
