@@ -198,24 +198,36 @@ def find_ratio_change(
     light, chosen = record.light[used], chosen[used]
     log_ratio = np.where(chosen, record.log_ratio[used], record.log_ratio[used][chosen].mean())
 
-    # the first round decides; the next ones subtract what was found and look for the rest of it,
-    # by secants, because films of another ratio also change the smooth function
-    total = step = rest = significance = 0.0
-    best, drift = 0, (0.0, 0.0)
-    for n in range(_ROUNDS):
-        shifted = log_ratio - total * courses[best][:, None]
-        rows = _compare(light, shifted, chosen, places, calibration)
-        found, size, std = rows.find(courses[best : best + 1] if n else courses)
-        if not std < _LOOSE:
-            return None
-        if not n:
-            best, significance, step = found, abs(size) / max(std, _TINY), size
-            drift = rows.find(courses[:1])[1:]
-        elif abs(size) < _SETTLED * std or size == rest:
-            break
-        else:
-            step *= size / (rest - size)
-        rest, total = size, total + step
+    rows = _compare(light, log_ratio, chosen, places, calibration)
+    best, size, std = rows.find(courses)
+    if not std < _LOOSE:
+        return None
+    significance = abs(size) / max(std, _TINY)
+
+    def settle(number: int, size: float) -> tuple[float, float]:
+        """Size of a course and its standard deviation; NaN where it is not determined."""
+        course, total, step, rest, rate = courses[number], size, size, size, 1.0
+        for _ in range(_ROUNDS - 1):
+            shifted = log_ratio - total * course[:, None]
+            left = _compare(light, shifted, chosen, places, calibration)
+            _, size, std = left.find(course[None])
+            if not std < _LOOSE:
+                return float("nan"), float("nan")
+            if size == rest:
+                break
+            # by secants: films of another ratio also change the smooth function, and the equations
+            # show so many times a change, and its error
+            rate = (rest - size) / step
+            if abs(size) < _SETTLED * std:
+                break
+            step, rest = size / rate, size
+            total += step
+        return total, std / abs(rate)
+
+    total, std = settle(best, size)
+    if not std < _LOOSE:
+        return None
+    drift = settle(0, rows.find(courses[:1])[1]) if best else (total, std)
     median = float(np.median(film[used][chosen]))
     return Change(_frame_of(best, frames[used]), total, std, significance, median, drift)
 
