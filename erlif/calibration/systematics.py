@@ -146,6 +146,12 @@ class Systematics:
         return np.array([kind.startswith("rising") for kind in self.kinds], bool)
 
     @property
+    def rise(self) -> float:
+        """Width of the change of the ratio of all films alike during the run. [1]"""
+        rises = [kind == "rising constant" for kind in self.kinds]
+        return float(np.sqrt(np.diag(self.covariance)[rises].sum()))
+
+    @property
     def grows_apart(self) -> bool:
         """Whether what grows during the run is independent of all other errors."""
         grows = self.rising
@@ -166,6 +172,10 @@ class Systematics:
         cases = [each.reshape(shape) for each in (self.rising, stepped, self.varies)]
         factors = [share, share >= self.start, 4 * share * (1 - share)]
         return np.select(cases, factors, 1.0)
+
+    def place(self, term: str, kind: str) -> int:
+        """Number of the parameter of a term that acts in one way."""
+        return list(zip(self.terms, self.kinds, strict=True)).index((term, kind))
 
     def places(self, term: str) -> npt.NDArray[np.intp]:
         """Numbers of the parameters of a term; none where it is not among them."""
@@ -250,13 +260,34 @@ class Systematics:
 
     def with_width(self, kind: str, width: float, *, term: str) -> Systematics:
         """The same with another standard deviation of one parameter of a term. [1]"""
-        covariance = self.covariance.copy()
-        n = list(zip(self.terms, self.kinds, strict=True)).index((term, kind))
+        covariance, n = self.covariance.copy(), self.place(term, kind)
         covariance[n, :] = covariance[:, n] = 0.0
         covariance[n, n] = width**2
         cross = self.cross.copy()
         cross[:, n] = 0.0
         return replace(self, covariance=covariance, cross=cross)
+
+    def with_rise(self, width: float) -> Systematics:
+        """The same with another width of what changes the ratio of all films alike during the run.
+
+        The terms share it in proportion to their own widths; without any, it is the bleaching's.
+
+        Parameters
+        ----------
+        width : float
+            [1]
+
+        Returns
+        -------
+        Systematics
+        """
+        before, found = self.rise, self
+        stds = np.sqrt(np.diag(self.covariance))
+        for term, kind, std in zip(self.terms, self.kinds, stds, strict=True):
+            if kind == "rising constant":
+                own = std / before if before else float(term == "bleaching")
+                found = found.with_width(kind, own * width, term=term)
+        return found
 
     def with_course(self, size: float, *, start: float | None) -> Systematics:
         """The same with a change of the ratio during the run, as the last parameter.

@@ -58,11 +58,11 @@ from erlif.pipeline.recording.pulses import check_pulses, read_energies
 from erlif.ratio import BlurDifference
 from erlif.registration import CameraMap, describe_map, move_map
 from erlif.trend import (
+    LARGEST_BEYOND,
     compare_with_roughness,
     fit_exponent,
     predict_film,
 )
-from erlif.trend.exponent import LARGEST_BEYOND
 
 _logger = logging.getLogger(__name__)
 
@@ -240,12 +240,12 @@ def complete_film(
     films = np.array([one.statistics.mean for one in results])
     median = float(np.median(films[np.isfinite(films)])) if np.isfinite(films).any() else math.nan
     notes += describe_dark_levels(findings.darks, ready.measuring, median)
-    counted = findings.that_count(ready.measuring, options)
-    last = cycle.sizes["frame"] - 1
+    counted = findings.for_error_bars(ready.measuring, options)
+    pairs = len(run.pairs.pages[0])
     measured_with = update_systematics(
-        ready.measuring, counted, options, pulses=len(run.pairs.usable), last=last
+        ready.measuring, counted, options, pulses=len(run.pairs.usable), pairs=pairs
     )
-    results = follow_course(results, ready.measuring, counted.course, last=last)
+    results = follow_course(results, ready.measuring, counted.course, pairs=pairs)
 
     of_frames = frames_of_run(run, cycle)
     with stage("prediction", _logger):

@@ -21,7 +21,6 @@ from erlif.trend import (
     CLEARANCE_STD,
     Equations,
     Unknowns,
-    act_on_ratio,
     gap_of_pin,
     solve_equations,
 )
@@ -98,9 +97,9 @@ def attainable_errors(
     if joint is not None:
         covariance = _constrain(design, film, model, systematics, joint)
 
-    films, half = np.array(FILMS)[None], np.array([0.5])
+    films = np.array(FILMS)
     slope = log_ratio_slope(design, films)
-    acts = act_on_ratio(systematics, model, films, slope, half)[:, 0] / slope[0]
+    acts = systematics.gradient(films, model, slope, 0 * films, passed=np.array([0.5])) / slope
     std = [
         np.sqrt(np.einsum("if,ij,jf->f", acts, each, acts))
         for each in (systematics.covariance, covariance)
@@ -126,7 +125,7 @@ def _constrain(
     films = minimum[:, None] + form
 
     slope, (new, _) = log_ratio_slope(design, films), log_ratio_variance(design, films, average=1)
-    acts = act_on_ratio(systematics, model, films, slope, passed)
+    acts = systematics.gradient(films, model, slope, 0 * films, passed=passed[:, None])
     variance = np.where(films <= film.thickest, new / _CELL + _EXCESS**2, np.inf)
     nothing = Unknowns(np.zeros(len(acts)), np.zeros(x.size), np.zeros((joint.frames, len(gap[0]))))
     equations = Equations(slope, acts, variance, *gap)

@@ -19,6 +19,7 @@ from erlif.io.files import takes
 from erlif.io.ingest import Run, open_run
 from erlif.io.settings import ReferenceSettings
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
+from erlif.pipeline.engines.results import share_passed
 from erlif.pipeline.film import group_frames
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.physics.clock import fit_start
@@ -160,14 +161,14 @@ def budget(
 
     # light that is not film needs the whole run, as the film had it
     chain, measuring, findings = _find_light(chain, calibration, run, cycle)
-    last = max(len(run.pairs.pages[0]) - 1, 1)
+    pairs = len(run.pairs.pages[0])
     measuring = update_systematics(
         measuring,
-        findings.that_count(measuring, settings.light),
+        findings.for_error_bars(measuring, settings.light),
         settings.light,
         pulses=len(run.pairs.usable),
-        last=last,
-    ).at(float(np.mean(frames)) / last)
+        pairs=pairs,
+    ).at(share_passed(frames, pairs))
 
     sources = _split_variance(chain, frames)
     images = sources.ratio

@@ -4,7 +4,7 @@ from .blocks import BLOCK, BlockSums, sum_blocks
 from .cells import LightRecord
 from .course import Change, find_ratio_change, find_shift
 from .curve import FilmCurve
-from .exponent import SLOWEST, Exponent, fit_exponent
+from .exponent import LARGEST_BEYOND, SLOWEST, Exponent, fit_exponent
 from .form import SCALE_STD, SIGNIFICANT, Cause, GapForm, judge_form
 from .gap import GapMinimum
 from .position import (
@@ -23,7 +23,6 @@ from .rigidity import (
     Equations,
     ErrorEstimate,
     Unknowns,
-    act_on_ratio,
     estimate_errors,
     gap_of_pin,
     solve_equations,
@@ -41,6 +40,7 @@ from .theory import (
 __all__ = [
     "BLOCK",
     "CLEARANCE_STD",
+    "LARGEST_BEYOND",
     "PARAMETERS",
     "SCALE_STD",
     "SIGNIFICANT",
@@ -67,7 +67,6 @@ __all__ = [
     "Trend",
     "Unknowns",
     "VogelLaw",
-    "act_on_ratio",
     "average_across_sliding",
     "compare_with_roughness",
     "estimate_background",

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from erlif.calibration import Calibration, Reabsorption, Systematics
+from erlif.calibration import Calibration
 from erlif.core.arrays import Array, Mask
 from erlif.core.statistics import covariance_root
 from erlif.trend.cells import FEWEST_FRAMES, LightRecord, choose_cells, separate_light
@@ -148,52 +148,6 @@ def solve_equations(
     motion = np.array([solved[:, -1] - solved[:, :-1] @ change for solved in kept])
     covariance = root @ inverse[cells:, cells:] @ root.T
     return Unknowns(root @ change[cells:], change[:cells], motion), covariance
-
-
-def act_on_ratio(
-    systematics: Systematics,
-    model: Reabsorption,
-    film: Array,
-    slope: Array,
-    passed: Array,
-    illumination: npt.ArrayLike = 1.0,
-) -> Array:
-    """Derivatives of the logarithm of the ratio by the systematics of a run.
-
-    Parameters
-    ----------
-    systematics : Systematics
-    model : Reabsorption
-        Of the calibration.
-    film : array, (frame, cell)
-        [um]
-    slope : array, (frame, cell)
-        Derivative of the logarithm of the ratio by the film. [1/um]
-    passed : array, (frame,)
-        Share of the run that has passed at each frame. [1]
-    illumination : array, (cell,), optional
-        Over that of the median light. [1]
-
-    Returns
-    -------
-    array, (parameter, frame, cell)
-
-    Examples
-    --------
-    What rises during the run is absent at its first frame:
-
-    >>> bleached = Systematics.of({"bleaching": 0.01}, parameters=0)
-    >>> film, slope = np.full((2, 1), 5.0), np.full((2, 1), 0.03)
-    >>> model = Reabsorption(np.array([0.65, 0.4, 0.25]))
-    >>> act_on_ratio(bleached, model, film, slope, np.array([0.0, 1.0]))[0, :, 0].tolist()
-    [0.0, 1.0]
-    """
-    bright = np.broadcast_to(np.asarray(illumination, float), film.shape[1:])
-    acts = np.empty((len(systematics.kinds), *film.shape))
-    for k, share in enumerate(passed):
-        now, none = replace(systematics, passed=float(share)), np.zeros_like(film[k])
-        acts[:, k] = now.gradient(film[k], model, slope[k], none, illumination=bright)
-    return acts
 
 
 def gap_of_pin(
@@ -419,8 +373,13 @@ class _Fit:
         variance = np.where(self.chosen, self.record.variance + noise, np.inf)
         errors = replace(calibration, systematics=None).gradient(film)
         if calibration.systematics is not None:
-            acts = act_on_ratio(
-                calibration.systematics, calibration.model, film, slope, self.passed, bright
+            acts = calibration.systematics.gradient(
+                film,
+                calibration.model,
+                slope,
+                np.zeros_like(film),
+                illumination=bright,
+                passed=self.passed[:, None],
             )
             errors = np.concatenate([errors, acts])
         return Equations(slope, errors, variance, *self.gap)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Note, note_writer
@@ -231,9 +232,14 @@ def frames_in(results: Iterable[TriggerResult]) -> list[FrameResult]:
     return [one for result in results for one in result.frames]
 
 
+def shares_passed(frames: npt.ArrayLike, count: int) -> Array:
+    """Shares of a recording of `count` pairs that have passed at some of them, (frame,). [1]"""
+    return np.asarray(frames, float) / max(count - 1, 1)
+
+
 def share_passed(frames: Sequence[int], count: int) -> float:
-    """Share of a recording of `count` pairs that has passed at the mean of some; 0 without any."""
-    return sum(frames) / len(frames) / (count - 1) if frames and count > 1 else 0.0
+    """Share that has passed at the mean of some frame pairs; 0 without any. [1]"""
+    return float(shares_passed(frames, count).mean()) if frames else 0.0
 
 
 def mean_drift(frames: Iterable[FrameResult]) -> Array:

@@ -57,7 +57,7 @@ class LightFindings:
             scale=self.scale,
         )
 
-    def that_count(self, calibration: Calibration, options: LightOptions) -> LightFindings:
+    def for_error_bars(self, calibration: Calibration, options: LightOptions) -> LightFindings:
         """What of it enters the error bars.
 
         A shift that the gap shows within the widths is one of those that the error bars are made

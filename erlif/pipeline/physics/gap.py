@@ -8,7 +8,7 @@ import numpy as np
 
 from erlif.calibration import Calibration
 from erlif.core.notes import Note, note_writer
-from erlif.pipeline.engines.results import FrameResult
+from erlif.pipeline.engines.results import FrameResult, shares_passed
 from erlif.pipeline.physics.position import clearance_std
 from erlif.pipeline.plane import ObjectPlane
 from erlif.ratio import cell_centres
@@ -62,7 +62,7 @@ def find_errors(
         centres,
         calibration,
         plane.view,
-        passed=frames / max(pairs - 1, 1),
+        passed=shares_passed(frames, pairs),
         clearance_std=clearance_std(joint),
     )
 

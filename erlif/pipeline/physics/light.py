@@ -19,7 +19,7 @@ from erlif.io.ingest import FramePairs, Run
 from erlif.io.settings import LightOptions, ReferenceSettings
 from erlif.pipeline.chain import FrameChain, FrameCorrection
 from erlif.pipeline.engines.engine import Threads
-from erlif.pipeline.engines.results import FrameResult, TriggerResult
+from erlif.pipeline.engines.results import FrameResult, TriggerResult, shares_passed
 from erlif.pipeline.physics.dark import find_dark_levels
 from erlif.pipeline.physics.findings import LightFindings
 from erlif.pipeline.physics.gap import describe_gap, find_errors, with_errors
@@ -136,7 +136,7 @@ def find_background(
         cell_places(),
         without_background(calibration),
         energies=None if energies is None else energies[frames],
-        passed=np.array(frames) / max(pairs - 1, 1),
+        passed=shares_passed(frames, pairs),
     )
     return estimate if estimate is not None and estimate.determined else None
 
@@ -153,7 +153,7 @@ def _record(
 
     # between two fixtures: the ratios of the same films in the middle of the run
     middle = calibration.at(0.5)
-    early = 0.5 - frames[:, None] / max(pairs - 1, 1)
+    early = 0.5 - shares_passed(frames, pairs)[:, None]
     change = middle.change(middle.inverse.look_up(record.log_ratio))
     return record._replace(log_ratio=record.log_ratio + early * change), middle
 
@@ -396,8 +396,7 @@ def is_beyond_widths(
         return True
 
     # bleaching and half of the temperature rise during the run; a small step looks like them
-    rising = [kind == "rising constant" for kind in systematics.kinds]
-    most = _MOST_RISING * np.sqrt(np.diag(systematics.covariance)[rising].sum())
+    most = _MOST_RISING * systematics.rise
     drifts = [] if bleaching is None or not bleaching.significant() else [bleaching.log_ratio]
     if any(pulses * abs(drift) > most for drift in drifts):
         return True

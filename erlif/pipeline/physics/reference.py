@@ -14,7 +14,7 @@ from erlif.core.notes import Note, note_writer
 from erlif.core.tables import read_table
 from erlif.core.variables import FILM
 from erlif.io.settings import ReferenceSettings
-from erlif.pipeline.engines.results import FrameResult, TriggerResult, share_passed
+from erlif.pipeline.engines.results import FrameResult, TriggerResult, share_passed, shares_passed
 
 _note = note_writer("erlif.pipeline")
 
@@ -81,8 +81,10 @@ def find_scale(
     if reference.thickness is None:
         return None
     film, film_std = 1e6 * reference.thickness, 1e6 * (reference.uncertainty or 0.0)
-    rows = [(frame / max(pairs - 1, 1), *lights[frame].patch[1:]) for frame in sorted(lights)]
-    table = np.array([row for row in rows if np.isfinite(row).all()]).reshape(-1, 3)
+    frames = sorted(lights)
+    means = np.array([lights[frame].patch[1:] for frame in frames], float).reshape(-1, 2)
+    table = np.column_stack([shares_passed(frames, pairs), means])
+    table = table[np.isfinite(table).all(axis=1)]
     if len(table) < _FEWEST:
         return None
 

@@ -12,7 +12,7 @@ from erlif.calibration import Calibration, Systematics
 from erlif.core.arrays import Array
 from erlif.io.settings import LightOptions, RunSettings
 from erlif.pipeline.chain import FrameChain
-from erlif.pipeline.engines.results import TriggerResult
+from erlif.pipeline.engines.results import TriggerResult, shares_passed
 from erlif.pipeline.physics.dark import DarkLevel
 from erlif.pipeline.physics.findings import LightFindings
 from erlif.pipeline.physics.gap import with_errors
@@ -169,10 +169,8 @@ def with_scale_of_patch(calibration: Calibration, scale: PatchScale) -> Calibrat
     assert systematics is not None
     parameters, kinds = len(systematics.cross), np.array(systematics.kinds)
     alike = parameters + np.flatnonzero(np.isin(kinds, ("constant", "rising constant")))
-    constant, rising = (
-        parameters + list(zip(systematics.terms, systematics.kinds, strict=True)).index(one)
-        for one in (("ratio", "constant"), ("bleaching", "rising constant"))
-    )
+    constant = parameters + systematics.place("ratio", "constant")
+    rising = parameters + systematics.place("bleaching", "rising constant")
 
     # change of the ratio of the patch with all other errors, at the first frame and until the last
     first, last = (calibration.at(share).gradient(scale.film) for share in (0.0, 1.0))
@@ -196,7 +194,7 @@ def update_systematics(
     options: LightOptions,
     *,
     pulses: int,
-    last: int = 1,
+    pairs: int = 2,
 ) -> Calibration:
     """The calibration with what light and films of a run show of its systematics.
 
@@ -209,12 +207,12 @@ def update_systematics(
     calibration : Calibration
         With which the films were measured.
     findings : LightFindings
-        As `LightFindings.that_count` gives them: errors of the gap in place of all others.
+        As `LightFindings.for_error_bars` gives them: errors of the gap in place of all others.
     options : LightOptions
     pulses : int
         Frames of the run.
-    last : int
-        Number of the last frame.
+    pairs : int
+        Frame pairs of the recording.
 
     Returns
     -------
@@ -241,11 +239,11 @@ def update_systematics(
         if bleaching is not None:
             systematics = _with_bleaching(systematics, bleaching, options, pulses=pulses)
         elif course is not None and not course.significant and math.isfinite(course.drift[1]):
-            systematics = _with_rise(systematics, _rise_given(systematics, *course.drift))
+            systematics = systematics.with_rise(_rise_given(systematics, *course.drift))
     if course is not None and course.significant:
-        start = None if course.frame is None else course.frame / last
+        start = None if course.frame is None else float(shares_passed(course.frame, pairs))
         # the course is all that changes the ratio of all films alike during the run
-        systematics = _with_rise(systematics, 0.0).with_course(
+        systematics = systematics.with_rise(0.0).with_course(
             math.hypot(course.size, course.std), start=start
         )
     return replace(calibration, systematics=systematics)
@@ -263,7 +261,7 @@ def _with_darks(systematics: Systematics, darks: Sequence[DarkLevel]) -> Systema
 
 
 def follow_course(
-    results: Sequence[TriggerResult], calibration: Calibration, course: Change | None, *, last: int
+    results: Sequence[TriggerResult], calibration: Calibration, course: Change | None, *, pairs: int
 ) -> list[TriggerResult]:
     """Results of all triggers with the change of their films by the course of `update_systematics`.
 
@@ -273,8 +271,8 @@ def follow_course(
     calibration : Calibration
         With which they were measured.
     course : Change or None
-    last : int
-        Number of the last frame.
+    pairs : int
+        Frame pairs of the recording.
 
     Returns
     -------
@@ -288,7 +286,8 @@ def follow_course(
     weights = []
     for result in results:
         frames = np.array([one.frame for one in result.frames], float)
-        shares = frames / last if course.frame is None else frames >= course.frame
+        drifts = course.frame is None
+        shares = shares_passed(frames, pairs) if drifts else frames >= course.frame
         weights.append(float(shares.mean()) if frames.size else 0.0)
     return [
         result.with_parameter(parameter, weight)
@@ -313,41 +312,21 @@ def _with_background_of_run(
     return systematics.with_background(posterior.second_moment)
 
 
-def _rise_of(systematics: Systematics) -> float:
-    """Width of what changes the ratio of all films alike during the run. [1]"""
-    rises = [kind == "rising constant" for kind in systematics.kinds]
-    return math.sqrt(float(np.diag(systematics.covariance)[rises].sum()))
-
-
-def _with_rise(systematics: Systematics, width: float) -> Systematics:
-    """The systematics whose terms that change the ratio of all films alike have one width. [1]
-
-    It is shared in proportion to their own widths; without any, it is that of the bleaching.
-    """
-    before, found = _rise_of(systematics), systematics
-    stds = np.sqrt(np.diag(systematics.covariance))
-    for term, kind, std in zip(systematics.terms, systematics.kinds, stds, strict=True):
-        if kind == "rising constant":
-            own = std / before if before else float(term == "bleaching")
-            found = found.with_width(kind, own * width, term=term)
-    return found
-
-
 def _with_bleaching(
     systematics: Systematics, trend: Trend, options: LightOptions, *, pulses: int
 ) -> Systematics:
     """The systematics with the change of the ratio that equal films show."""
     change, std = pulses * trend.log_ratio, pulses * trend.log_ratio_std
     if options.bleaching == "correct":
-        return _with_rise(systematics, std)
-    if _rise_of(systematics) == 0:
-        return _with_rise(systematics, abs(change) if trend.significant() else 0.0)
-    return _with_rise(systematics, _rise_given(systematics, change, std))
+        return systematics.with_rise(std)
+    if systematics.rise == 0:
+        return systematics.with_rise(abs(change) if trend.significant() else 0.0)
+    return systematics.with_rise(_rise_given(systematics, change, std))
 
 
 def _rise_given(systematics: Systematics, change: float, std: float) -> float:
     """Root mean square of the change over the run, given its width and what the run shows. [1]"""
-    width = _rise_of(systematics)
+    width = systematics.rise
     if width == 0:
         return 0.0
     gain = width**2 / (width**2 + std**2)

@@ -19,8 +19,7 @@ from erlif.pipeline.physics.joint import describe_joint
 from erlif.review.comparison.calibrations import key_of, quadratic
 from erlif.review.comparison.cells import CELL, average_cells, cell_edges, noise_inflation
 from erlif.review.refusals import refusal
-from erlif.trend import viscosity_at
-from erlif.trend.exponent import LARGEST_BEYOND
+from erlif.trend import LARGEST_BEYOND, viscosity_at
 
 # Film statistics that are compared.
 STATISTICS = ("film_min", "film_mean")

@@ -25,14 +25,14 @@ def estimate(change):
 @pytest.mark.parametrize(("change", "counts"), [(0.015, False), (0.025, True), (-0.025, True)])
 def test_a_shift_counts_from_two_widths_on_and_contains_the_course(change, counts):
     findings = LightFindings(errors=estimate(change), course=COURSE)
-    found = findings.that_count(CALIBRATION, LightOptions())
+    found = findings.for_error_bars(CALIBRATION, LightOptions())
     assert (found.errors is not None) is counts
     assert (found.course is None) is counts
 
 
 def test_a_shift_that_is_taken_out_counts_whatever_its_size():
     findings = LightFindings(errors=estimate(0.001), course=COURSE)
-    found = findings.that_count(CALIBRATION, LightOptions(errors="correct"))
+    found = findings.for_error_bars(CALIBRATION, LightOptions(errors="correct"))
     assert found.errors is findings.errors
     assert found.course is None
 

@@ -149,7 +149,7 @@ STEP = Change(frame=25, size=-0.03, std=0.04, significance=9.0)
 
 def follow(calibration, course):
     findings = LightFindings(course=course)
-    return update_systematics(calibration, findings, REPORT, pulses=51, last=50)
+    return update_systematics(calibration, findings, REPORT, pulses=51, pairs=51)
 
 
 @pytest.mark.parametrize(("stated", "own"), [("1 %", 0.01), ("0 %", 0.0)])
@@ -176,8 +176,8 @@ def test_films_follow_the_course_by_the_share_of_their_frames_after_it():
     size = len(before.full_covariance)
     ratio = size - len(before.systematics.terms) + before.systematics.terms.index("ratio")
     results = [make_result(frames, size) for frames in ((0,), (1, 2), (3,), ())]
-    stepped = follow_course(results, before, replace(STEP, frame=2), last=3)
-    drifts = follow_course(results, before, replace(STEP, frame=None), last=3)
+    stepped = follow_course(results, before, replace(STEP, frame=2), pairs=4)
+    drifts = follow_course(results, before, replace(STEP, frame=None), pairs=4)
     for found, weights in ((stepped, (0.0, 0.5, 1.0, 0.0)), (drifts, (0.0, 0.5, 1.0, 0.0))):
         for result, weight in zip(found, weights, strict=True):
             gradient = result.statistics.mean_gradient
@@ -185,7 +185,7 @@ def test_films_follow_the_course_by_the_share_of_their_frames_after_it():
             npt.assert_allclose(gradient[-1], weight * ratio)
             npt.assert_allclose(result.position.gradient[:, -1], weight * ratio)
     chance = replace(STEP, significance=3.0)
-    assert follow_course(results, before, chance, last=3) == results
+    assert follow_course(results, before, chance, pairs=4) == results
 
 
 def make_result(frames, size):
