@@ -6,17 +6,12 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes.preparing import prepare
+from scenes.rig import small_rig
 
 import erlif
 from conftest import Laboratory
-from erlif.rig import RigSettings
 
-RIG = RigSettings(
-    width=128,
-    height=96,
-    spacing=3.0,
-    fixture_frames=6,
-    bubbles=0,
+RIG = small_rig(
     background=0.03,
     background_pages=8,
     pulse_jitter=0.1,

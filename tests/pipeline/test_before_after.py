@@ -5,19 +5,14 @@ import json
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.rig import small_rig
 
 import erlif
 from conftest import Laboratory
 from erlif.calibration import calibration_of
-from erlif.rig import RigSettings
 
 PULSES = 17
-RIG = RigSettings(
-    width=128,
-    height=96,
-    spacing=3.0,
-    fixture_frames=6,
-    bubbles=0,
+RIG = small_rig(
     film_reference=4.0,
     bleaching=(1 - 0.975 ** (1 / PULSES), 1 - 0.95 ** (1 / PULSES)),
     warming=-10.0,

@@ -4,16 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scenes.rig import small_rig
 
 from conftest import Laboratory
-from erlif.rig import RigSettings
 
-RIG = RigSettings(
-    width=128,
-    height=96,
+RIG = small_rig(
     spacing=1.2,
-    fixture_frames=6,
-    bubbles=0,
     gain_step=(18, 1.05),
     bump=(25, 6.0, 0.0),
     blur_step=(30, 0.8),

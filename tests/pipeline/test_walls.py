@@ -2,17 +2,12 @@
 
 import numpy as np
 import pytest
+from scenes.rig import small_rig
 
 import erlif
 from conftest import Laboratory
-from erlif.rig import RigSettings
 
-RIG = RigSettings(
-    width=128,
-    height=96,
-    spacing=3.0,
-    fixture_frames=6,
-    bubbles=0,
+RIG = small_rig(
     film_reference=4.0,
     wall=(0.1, 0.3),
 )

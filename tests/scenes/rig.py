@@ -21,6 +21,12 @@ ACRYLIC = Bearing(np.sqrt(33.36e-3 * 33.59e-3), 0.23e-3, 0.237, 0.12)
 LOAD, CYCLE = 222.411, 60 / 114  # N, 50 lbf; s
 
 
+def small_rig(**changes) -> RigSettings:
+    """Sixteen triggers on 128 x 96 pixels without bubbles, and what a test changes."""
+    size = {"width": 128, "height": 96, "spacing": 3.0}
+    return RigSettings(**{**size, "fixture_frames": 6, "bubbles": 0, **changes})
+
+
 def read_frames(directory: Path, number: int) -> np.ndarray:
     """All frames of one camera, (frame, y, x). [DN]"""
     return np.stack(

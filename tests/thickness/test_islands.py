@@ -2,23 +2,19 @@
 
 import numpy as np
 import pytest
+from scenes.rig import small_rig
 
 import erlif
 from conftest import Laboratory
 from erlif.core.flags import Flag
-from erlif.rig import RigSettings
 from erlif.show.plots import example_calibration
 from erlif.thickness import flag_beyond_maximum
 
-RIG = RigSettings(
+RIG = small_rig(
     width=256,
-    height=96,
     field_width=28.0,
-    spacing=3.0,
     film_reference=6.0,
     wall=(0.6, 0.6),
-    bubbles=0,
-    fixture_frames=6,
     dark_pages=4,
     flat_pages=3,
 )

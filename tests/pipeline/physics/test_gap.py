@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scenes.film import RUN_TOML
 from scenes.fixture import with_systematics
+from scenes.rig import small_rig
 
 import erlif
 from conftest import Laboratory
@@ -15,18 +16,15 @@ from erlif.io.settings import RunSettings
 from erlif.pipeline.physics.gap import describe_gap, find_errors
 from erlif.pipeline.physics.light import is_beyond_widths
 from erlif.pipeline.plane import ObjectPlane
-from erlif.rig import RigSettings
 from erlif.show.plots import example_calibration
 from erlif.trend import Change, Trend
 
-RIG = RigSettings(
+RIG = small_rig(
     width=160,
     height=128,
     spacing=2.0,
-    fixture_frames=6,
     dark_pages=4,
     flat_pages=3,
-    bubbles=0,
     brightness=(1.0, 1.02),
     write_systematics=False,
 )

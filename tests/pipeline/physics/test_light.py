@@ -7,6 +7,7 @@ import numpy.testing as npt
 import pytest
 import xarray as xr
 from scenes.pin import fit_true_film
+from scenes.rig import small_rig
 
 import erlif
 from conftest import Laboratory
@@ -14,11 +15,12 @@ from erlif.calibration import calibration_of
 from erlif.pipeline.engines.results import FrameResult
 from erlif.pipeline.physics.light import find_bleaching
 from erlif.ratio import NO_CELLS
-from erlif.rig import RigSettings
 
 SHARE = 0.06
-RIG = RigSettings(
-    width=128, height=96, fixture_frames=6, bubbles=0, film_reference=3.0, background=SHARE
+RIG = small_rig(
+    spacing=0.96,
+    film_reference=3.0,
+    background=SHARE,
 )
 """Fifty triggers with films from 0.3 um on, and 6 % of the median light in every pixel."""
 

@@ -8,13 +8,13 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes.fixture import with_systematics
+from scenes.rig import small_rig
 
 import erlif
 from conftest import Laboratory
 from erlif.io.settings import ReferenceSettings
 from erlif.pipeline.physics.reference import find_scale
 from erlif.pipeline.physics.systematics import with_scale_of_patch
-from erlif.rig import RigSettings
 from erlif.rig.dyes import BANDS, tabulate_signal
 from erlif.show.plots import example_calibration
 from erlif.thickness import PatchMean
@@ -24,13 +24,9 @@ LOSS = (1e-3, 2e-3)
 
 CORRECT = '\n[light]\nbleaching = "correct"\n'
 
-RIG = RigSettings(
-    width=128,
-    height=96,
+RIG = small_rig(
     spacing=6.0,
     cycles=3,
-    fixture_frames=6,
-    bubbles=0,
     reference=4.0,
     bleaching=LOSS,
 )

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.rig import small_rig
 
 import erlif
 from conftest import Laboratory
@@ -13,19 +14,16 @@ from erlif.calibration import compare_calibrations
 from erlif.io.settings import TemperatureOptions
 from erlif.pipeline import restore_images
 from erlif.pipeline.physics.temperature import error_of_warming
-from erlif.rig import RigSettings
 from erlif.rig.dyes import BANDS, band_signal
 
 BOTH = 'calibration = ["../fixture/calibration.nc", "../fixture_after/calibration.nc"]'
 WARMER = 10.0
 """Last frame over the first, whose oil is that of the fixture. [K]"""
 
-RIG = RigSettings(
+RIG = small_rig(
     width=160,
     height=128,
     spacing=2.0,
-    fixture_frames=6,
-    bubbles=0,
     film_reference=4.0,
     warming=WARMER,
     fixture_after=True,
