@@ -13,7 +13,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.core.notes import Note, note_writer
 from erlif.models.reynolds import Journal, Motion
-from erlif.prediction.given import Change, GivenErrors, follow_changes
+from erlif.prediction.given import FITTED, Change, GivenErrors, follow_changes, share_of_fitted
 from erlif.prediction.least_squares import (
     CONVERGED,
     ONE_SIDED,
@@ -52,6 +52,8 @@ _FIRST_CONVERGED = 0.1  # of chi-square, in that fit
 _MOST_TURNS = 8  # of the lead of a held pin
 _FAR = 3.0  # standard deviations of a load line from the assumed place, beyond which it is tested
 _NEAR = 0.2  # change of a correction over the random errors, below which it is the last
+
+_NUISANCES = "load_line", "drift"  # of which no profile is computed
 
 _POSITIVE = "Pa s", "s"  # units of quantities that have no sign
 
@@ -102,12 +104,16 @@ class Estimate:
         parts = {name: abs(factor) * std for name, std in self.parts.items()}
         return Estimate(factor * self.value, abs(factor) * self.std, low, high, unit, parts)
 
-    def widened(self, parts: Mapping[str, float]) -> Estimate:
+    def widened(
+        self, parts: Mapping[str, float], within: Mapping[str, float] | None = None
+    ) -> Estimate:
         """The estimate with standard deviations of given numbers besides; quantities above zero
-        stay there.
+        stay there. Those of `within` are part of it already.
         """
-        if not parts:
+        within = within or {}
+        if not parts and not within:
             return self
+        own = float(np.sqrt(max(self.std**2 - sum(one**2 for one in within.values()), 0.0)))
         more = float(np.hypot.reduce(list(parts.values())))
         low = self.value - float(np.hypot(self.value - self.low, 1.96 * more))
         high = self.value + float(np.hypot(self.high - self.value, 1.96 * more))
@@ -117,7 +123,7 @@ class Estimate:
             max(low, 0.0) if self.unit in _POSITIVE and self.low >= 0 else low,
             high,
             self.unit,
-            {"fit": self.std, **parts},
+            {"fit": own, **within, **parts},
         )
 
 
@@ -241,9 +247,10 @@ def fit_motion(
         orbits = HeldOrbits(journal, motion.motion, sideways, lead=lead)
     problem = Problem(orbits, frames, measured, sideways)
     given = given or GivenErrors()
-    if sideways == "guided" and given.load_line is not None:
-        load_line_std = 0.0
-    return _search(problem, problem.unknowns(fitted, load_line_std), given, profiles)
+    known = {name: getattr(given, name) for name in FITTED}
+    if sideways != "guided" or given.load_line is None:
+        known["load_line"] = load_line_std
+    return _search(problem, problem.unknowns(fitted, known), given, profiles)
 
 
 def _ended(lead: Motion, motion: Motion) -> Motion:
@@ -409,7 +416,7 @@ def _describe(
     ]
     low, high = least.unknowns.low, least.unknowns.high
     if profiles:
-        wanted = [k for k, name in enumerate(names) if name != "load_line"]
+        wanted = [k for k, name in enumerate(names) if name not in _NUISANCES]
         few = _FEW if isinstance(problem.orbits, HeldOrbits) else TARGETS
         for k, curve in zip(wanted, least.profiles(minimum, wanted, few), strict=True):
             ends[k] = interval(*curve, TWO_SIDED)
@@ -426,11 +433,17 @@ def _describe(
         for k, (a, b) in enumerate(ends)
     ]
     estimates = _estimates(problem, least.unknowns, minimum.value, std, ends)
+    within = {
+        name: _estimates(problem, least.unknowns, minimum.value, share, ends)
+        for name, share in share_of_fitted(least, minimum).items()
+    }
     if isinstance(problem.orbits, HeldOrbits) and problem.orbits.lead is not None:
-        estimates.pop("start_attitude", None)
+        for found in (estimates, *within.values()):
+            found.pop("start_attitude", None)
+            found.pop("start_film")
         estimates["start_film"] = _first_film(problem, least, minimum)
     changes = follow_changes(problem, least, minimum, given)
-    estimates = _widened(estimates, least.unknowns, changes)
+    estimates = _widened(estimates, least.unknowns, changes, within)
     frames = problem.frame_positions(minimum.value[np.newaxis], least.unknowns)[0]
     return MotionFit(
         sideways=problem.sideways,
@@ -439,14 +452,20 @@ def _describe(
         minimum=minimum,
         predicted=problem.frames.average(frames[np.newaxis])[0],
         frames=frames,
-        notes=(*_notes(estimates, minimum), *_note_rupture(problem, least, minimum)),
+        notes=(
+            *_notes(estimates, minimum, known=given.cavitation_pressure > 0),
+            *_note_rupture(problem, least, minimum),
+        ),
     )
 
 
 def _widened(
-    estimates: Mapping[str, Estimate], unknowns: Unknowns, changes: Mapping[str, Change]
+    estimates: Mapping[str, Estimate],
+    unknowns: Unknowns,
+    changes: Mapping[str, Change],
+    within: Mapping[str, Mapping[str, Estimate]],
 ) -> dict[str, Estimate]:
-    """Estimates with the errors of given numbers."""
+    """Estimates with the errors of given numbers, of which they hold those of `within`."""
     parts: dict[str, dict[str, float]] = {name: {} for name in estimates}
     for given, change in changes.items():
         still = np.zeros(change.value.size)
@@ -458,7 +477,13 @@ def _widened(
         for name, estimate in estimates.items():
             std = abs(moved[name].value - estimate.value) * change.steps
             parts[name][given] = float(np.nan_to_num(std, nan=np.inf))
-    return {name: one.widened(parts[name]) for name, one in estimates.items()}
+    return {
+        name: one.widened(
+            parts[name],
+            {given: found[name].std for given, found in within.items() if name in found},
+        )
+        for name, one in estimates.items()
+    }
 
 
 def _first_film(problem: Problem, least: LeastSquares, minimum: Minimum) -> Estimate:
@@ -526,17 +551,18 @@ def _estimate(
         "rest": (journal.clearance, "m"),
         "load_line": (journal.radius, "m"),
         "cavitation_pressure": (-ATMOSPHERE, "Pa"),
+        "drift": (1.0, "1"),
     }[name]
     return {name: Estimate(value, std, low, high, unit).times(scale, unit)}
 
 
-def _notes(estimates: Mapping[str, Estimate], minimum: Minimum) -> list[Note]:
-    """What limits the result."""
+def _notes(estimates: Mapping[str, Estimate], minimum: Minimum, *, known: bool) -> list[Note]:
+    """What limits the result; `known` is whether a width of the cavitation pressure is given."""
     notes = []
     viscosity = estimates.get("viscosity")
     if viscosity is not None and not viscosity.determined:
         notes.append(_note("viscosity", low=viscosity.low))
-    if {"viscosity", "cavitation_pressure"} <= set(estimates):
+    if {"viscosity", "cavitation_pressure"} <= set(estimates) and not known:
         notes.append(_note("alike"))
     if minimum.inflation > MISFIT:
         notes.append(_note("misfit", factor=minimum.inflation))

@@ -1,26 +1,38 @@
-"""What errors of given numbers, clearance, load and load line, change in a fit of the film."""
+"""What errors of given numbers change in a fit of the film: clearance, load, load line, tilt."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from erlif.core.arrays import Array
+from erlif.models.reynolds.full_film import FullFilm
 from erlif.prediction.least_squares import LeastSquares, Minimum
-from erlif.prediction.orbits import HeldOrbits
+from erlif.prediction.orbits import HeldOrbits, thickened
 from erlif.prediction.problem import Problem
 
 # Relative change of clearance and load from which derivatives are computed, and of the load line
 # over the radius: above the jumps of a film whose cells change to cavities.
 _STEP = 2e-3
 
+# The film changes with the square of the tilt, whose rms is this times the variance.
+_SQUARE = float(np.sqrt(3))
+
+_SLICES = 8  # along the joint, of a tilted film
+
+# Numbers within whose widths the fit itself looks.
+FITTED = ("drift", "cavitation_pressure")
+
 
 @dataclass(frozen=True)
 class GivenErrors:
     """Standard deviations of numbers that a fit takes for given.
 
-    The positions do not correct them: each changes the fitted numbers in proportion.
+    The positions do not correct clearance, load, load line and tilt: each changes the fitted
+    numbers. Drift and cavitation pressure change the course of the film, and are fitted within
+    their widths.
 
     Attributes
     ----------
@@ -30,6 +42,13 @@ class GivenErrors:
         Of the load, all triggers alike, over the load.
     load_line : float or None
         Of a load line that is given, along sliding; None where it is not. [m]
+    tilt : float
+        Of the pin in its bushing, towards the load, about parallel. [m/m]
+    drift : float
+        Of the change of the logarithm of the viscosity from the first step to the last, beside that
+        of the logged temperature.
+    cavitation_pressure : float
+        Of that of a held pin. [Pa]
 
     Raises
     ------
@@ -40,15 +59,18 @@ class GivenErrors:
     clearance: float = 0.0
     load: float = 0.0
     load_line: float | None = None
+    tilt: float = 0.0
+    drift: float = 0.0
+    cavitation_pressure: float = 0.0
 
     def __post_init__(self) -> None:
-        if min(self.clearance, self.load, self.load_line or 0.0) < 0:
+        if min(one or 0.0 for one in vars(self).values()) < 0:
             raise ValueError(f"give standard deviations of zero or more, got {self}")
 
 
 @dataclass(frozen=True)
 class Change:
-    """A given number that is changed by a small step, and the fit that follows.
+    """A given number that is changed by a step, and the fit that follows.
 
     Attributes
     ----------
@@ -85,18 +107,21 @@ def follow_changes(
     Returns
     -------
     dict of str to Change
-        By the names of `GivenErrors`, of those above zero. A load line is among them only where it
-        is not fitted.
+        By the names of `GivenErrors`, of those above zero that are not fitted.
     """
     journal = problem.orbits.journal
     units = {"clearance": journal.clearance, "load": 1.0, "load_line": journal.radius}
     here = least.misses(minimum.value[np.newaxis])[0]
     changes = {}
-    for name, unit in units.items():
+    for name in (*units, "tilt"):
         std = getattr(given, name)
         if not std or name in least.unknowns.names:
             continue
-        moved, unknowns = _moved(problem, name), least.unknowns
+        unknowns = least.unknowns
+        if name == "tilt":
+            moved, steps = _tilted(problem, unknowns.by_name(minimum.value[np.newaxis]), std)
+        else:
+            moved, steps = _moved(problem, name), std / (_STEP * units[name])
         if name == "load_line":
             unknowns = replace(unknowns, fixed={**unknowns.fixed, name: _STEP})
         (films,) = moved.predict(minimum.value[np.newaxis], unknowns)
@@ -105,9 +130,32 @@ def follow_changes(
         wider = moved.orbits.journal.clearance - journal.clearance
         widening = problem.measured.widening[problem.frames.measured]
         off = least.observed.whiten(least.observed.value + wider * widening - films) - here
-        value = minimum.value + _follow(least, minimum, off)
-        changes[name] = Change(moved, std / (_STEP * unit), value)
+        changes[name] = Change(moved, steps, minimum.value + _follow(least, minimum, off))
     return changes
+
+
+def share_of_fitted(least: LeastSquares, minimum: Minimum) -> Mapping[str, Array]:
+    """What the widths of fitted numbers make of the standard deviations of a fit.
+
+    Parameters
+    ----------
+    least : LeastSquares
+    minimum : Minimum
+        Where it ended.
+
+    Returns
+    -------
+    dict of str to array
+        By the names of `FITTED` that are known beforehand, (unknown,); that of a number itself is
+        zero.
+    """
+    unknowns, shares = least.unknowns, {}
+    for k, name in enumerate(unknowns.names):
+        std = unknowns.expected_std[k]
+        if name in FITTED and np.isfinite(std):
+            shares[name] = np.abs(_follow(least, minimum, std * minimum.jacobian[:, k]))
+            shares[name][k] = 0.0
+    return shares
 
 
 def _moved(problem: Problem, name: str) -> Problem:
@@ -121,6 +169,34 @@ def _moved(problem: Problem, name: str) -> Problem:
         if isinstance(orbits, HeldOrbits) and orbits.lead is not None:
             orbits = replace(orbits, lead=replace(orbits.lead, load=more * orbits.lead.load))
     return replace(problem, orbits=orbits)
+
+
+def _tilted(problem: Problem, unknowns: dict[str, Array], tilt: float) -> tuple[Problem, float]:
+    """A problem with a tilted pin, and the rms of what it changes over this.
+
+    Slices along the axis are squeezed as parallel films of their own thickness: a film of 6 um is
+    7.6 mm wide. A tilt is thus a thicker oil, by as much as the film is thin. The cavities of a
+    held pin are those of the tilted film itself.
+    """
+    orbits, journal = problem.orbits, problem.orbits.journal
+    half = tilt * journal.length / 2
+    if isinstance(orbits, HeldOrbits) and not journal.long:
+        shape = np.array([-half, half])
+        return replace(
+            problem, orbits=replace(orbits, journal=replace(journal, axial_shape=shape))
+        ), _SQUARE
+    unknowns.pop("load_line", None)
+    (orbit,) = orbits.follow(unknowns)
+    film = journal.clearance - np.hypot(*orbit.T)
+    place, weight = np.polynomial.legendre.leggauss(_SLICES)
+    slices = (film + half * place[:, np.newaxis]) / journal.clearance
+    squeeze = FullFilm.of(journal)
+    parallel = squeeze.damping(film / journal.clearance)[:, 0]
+    thicker = weight @ squeeze.damping(slices)[..., 0] / 2 / parallel
+    motion, lead = thickened(orbits.motion, getattr(orbits, "lead", None), thicker)
+    if isinstance(orbits, HeldOrbits):
+        return replace(problem, orbits=replace(orbits, motion=motion, lead=lead)), _SQUARE
+    return replace(problem, orbits=replace(orbits, motion=motion)), _SQUARE
 
 
 def _follow(least: LeastSquares, minimum: Minimum, off: Array) -> Array:

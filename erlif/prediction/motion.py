@@ -146,7 +146,7 @@ def follow_motion(
     middle = float(np.mean(linkage.limits()))
     angle = direction * (np.asarray(linkage.rocker_angle(fine)) - middle)
     load = np.interp(at, time, frames["load"].values)
-    mean, since = _scaled_time(at, time, np.broadcast_to(viscosity, time.shape))
+    mean, since = scaled_time(at, time, np.broadcast_to(viscosity, time.shape))
     motion = Motion(since, angle=angle, load=load)
 
     # the turn before, by which a held pin has its cavities
@@ -195,8 +195,30 @@ def _even_turning(time: Array, turned: Array, linkage: CrankRocker) -> Array | N
     return np.asarray(even)
 
 
-def _scaled_time(at: Array, time: Array, viscosity: Array) -> tuple[float, Array]:
-    """Mean viscosity, and the integral of dt over the relative viscosity. [Pa s; s]"""
+def scaled_time(at: Array, time: Array, viscosity: Array) -> tuple[float, Array]:
+    """Mean viscosity, and the time in which a film of this viscosity moves as one that changes.
+
+    Parameters
+    ----------
+    at : array, (step,)
+        Times, rising. [s]
+    time : array, (frame,)
+        Times of the viscosities. [s]
+    viscosity : array, (frame,)
+        [Pa s]
+
+    Returns
+    -------
+    mean : float
+        Of the frames. [Pa s]
+    since : array, (step,)
+        Integral of dt over the relative viscosity. [s]
+
+    Examples
+    --------
+    >>> scaled_time(np.array([0.0, 1.0, 2.0]), np.array([0.0, 2.0]), np.array([0.1, 0.1]))
+    (0.1, array([0., 1., 2.]))
+    """
     mean = float(viscosity.mean())
     if np.ptp(viscosity) == 0:
         return mean, at - at[0]

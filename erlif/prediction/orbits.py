@@ -13,6 +13,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.reynolds import Journal, Motion, Mount, solve_journal
 from erlif.models.reynolds.full_film import THINNEST, FullFilm, follow_full_film
+from erlif.prediction.motion import scaled_time
 
 # Cells of the transient film round the joint and along half of its length, for derivatives. What
 # these, and every other step of time, leave out is extrapolated once for each fit.
@@ -77,15 +78,26 @@ class FreeOrbits:
 
         Unknowns are arrays (case,): fluidity, viscosity of the joint over that of the case;
         start_film, logarithm of the film at the first step in metres; start_attitude [rad]; with a
-        spring rest, over the clearance, and stiffness, decimal logarithm of that in N/m.
+        spring rest, over the clearance, and stiffness, decimal logarithm of that in N/m. Where it
+        is given, drift, change of the logarithm of the viscosity from the first step to the last.
         """
+        drift = unknowns.get("drift", np.zeros(len(unknowns["fluidity"])))
+        orbits = np.empty((drift.size, self.motion.time.size, 2))
+        for one in np.unique(drift):
+            alike = drift == one
+            chosen = {name: column[alike] for name, column in unknowns.items()}
+            orbits[alike] = self._follow_in(drifted(self.motion, None, one)[0], chosen)
+        return orbits
+
+    def _follow_in(self, motion: Motion, unknowns: dict[str, Array]) -> Array:
+        """The orbits of one motion."""
         clearance = self.journal.clearance
         film = np.clip(np.exp(unknowns["start_film"]) / clearance, 2 * THINNEST, 1.0)
         eccentric, attitude = (1 - film) * clearance, unknowns["start_attitude"]
         spring = "stiffness" in unknowns
         return follow_full_film(
             self.journal,
-            self.motion,
+            motion,
             start=np.stack([eccentric * np.cos(attitude), eccentric * np.sin(attitude)], axis=1),
             fluidity=unknowns["fluidity"],
             stiffness=10 ** unknowns["stiffness"] if spring else 0.0,
@@ -281,6 +293,7 @@ class HeldOrbits:
         rest: float = 0.0,
         stiffness: float = 0.0,
         cavitation_pressure: float | None = None,
+        drift: float = 0.0,
     ) -> Array:
         """Displacements of one pin, (step, axis), from steps of the motion at a stride. [m]"""
         clearance = self.journal.clearance
@@ -301,7 +314,8 @@ class HeldOrbits:
             mount = Mount(np.inf, rest=rest * clearance, direction=0.0)
         elif self.sideways == "spring":
             mount = Mount(10**stiffness, rest=rest * clearance, direction=0.0)
-        motion = _thinned(_joined(self.lead, self.turns, self.motion), stride)
+        own, lead = drifted(self.motion, self.lead, drift)
+        motion = _thinned(_joined(lead, self.turns, own), stride)
         try:
             solved = solve_journal(
                 journal,
@@ -314,7 +328,7 @@ class HeldOrbits:
         except ModelError:
             return np.full((self.motion.time.size, 2), np.nan)
         both = solved.displacement_load.values, solved.displacement_side.values
-        return np.stack([np.interp(self.motion.time, motion.time, axis) for axis in both], axis=1)
+        return np.stack([np.interp(own.time, motion.time, axis) for axis in both], axis=1)
 
 
 # What follows pins through the motion of a run.
@@ -345,6 +359,60 @@ def film_change(place: Array, clearance: float, part: float) -> Array:
     """
     distance = np.sqrt(np.sum(place**2, axis=-1, keepdims=True))
     return np.asarray(-part * (clearance - distance) / np.maximum(distance, 1e-12) * place)
+
+
+def drifted(motion: Motion, lead: Motion | None, change: float) -> tuple[Motion, Motion | None]:
+    """A motion and its lead in oil whose viscosity changes evenly with time.
+
+    Parameters
+    ----------
+    motion : Motion
+    lead : Motion or None
+        Before it, in oil of the first step.
+    change : float
+        Of the logarithm of the viscosity from the first step of the motion to the last; its mean
+        stays.
+
+    Returns
+    -------
+    motion : Motion
+    lead : Motion or None
+
+    Examples
+    --------
+    >>> even = Motion(np.linspace(0.0, 1.0, 5), 0 * np.arange(5.0), load=222.4)
+    >>> drifted(even, None, -0.1)[0].time.round(4)
+    array([0.    , 0.2408, 0.4877, 0.7409, 1.0005])
+    """
+    if change == 0:
+        return motion, lead
+    passed = (motion.time - motion.time[0]) / (motion.time[-1] - motion.time[0])
+    return thickened(motion, lead, np.exp(change * (passed - 0.5)))
+
+
+def thickened(
+    motion: Motion, lead: Motion | None, viscosity: Array
+) -> tuple[Motion, Motion | None]:
+    """A motion and its lead in oil of another viscosity at each step, in scaled times.
+
+    Parameters
+    ----------
+    motion : Motion
+    lead : Motion or None
+        Before it, in oil of the first step.
+    viscosity : array, (step,)
+        Over that of the oil. [1]
+
+    Returns
+    -------
+    motion : Motion
+    lead : Motion or None
+    """
+    start = motion.time[0]
+    mean, since = scaled_time(motion.time, motion.time, viscosity)
+    if lead is not None:
+        lead = replace(lead, time=start + (lead.time - start) / float(viscosity[0]))
+    return replace(motion, time=start + since / mean), lead
 
 
 def lead_of(motion: Motion, crank: Array) -> Motion | None:

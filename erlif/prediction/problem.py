@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -33,6 +33,7 @@ _KINDS = {
     "stiffness": (2e-2, 2.0, 12.0),
     "cavitation_pressure": (1e-2, 0.0, 100.0),
     "load_line": (1e-4, -1.0, 1.0),
+    "drift": (1e-2, -2.0, 2.0),
 }
 
 # Standard deviation of the direction of a pin on a spring at the start of its lead. [rad]
@@ -125,8 +126,12 @@ class Problem:
             random = random + scatter[:, np.newaxis, np.newaxis] * np.eye(value.shape[1])
         return Observations(value, random, shared)
 
-    def unknowns(self, fitted: Sequence[str], load_line_std: float) -> Unknowns:
-        """What is searched from where, and what is held fixed."""
+    def unknowns(self, fitted: Sequence[str], known: Mapping[str, float]) -> Unknowns:
+        """What is searched from where, and what is held fixed.
+
+        `known` are standard deviations of what is known beforehand: load_line, drift and, of a held
+        pin, cavitation_pressure. What is known exactly is not searched.
+        """
         start = self._start()
         names = ["fluidity"] if "viscosity" in fitted else []
         names += ["start_film"]
@@ -134,15 +139,16 @@ class Problem:
             names += {"free": ["start_attitude"], "guided": ["rest"]}.get(
                 self.sideways, ["start_attitude", "rest", "stiffness"]
             )
-            names += ["load_line"] if load_line_std > 0 else []
-        if "cavitation_pressure" in fitted and self.sideways != "free":
-            names += ["cavitation_pressure"]
+            names += ["load_line"] if known.get("load_line", 0.0) > 0 else []
+        suction = "cavitation_pressure" in fitted or known.get("cavitation_pressure", 0.0) > 0
+        names += ["cavitation_pressure"] if suction and self.sideways != "free" else []
+        names += ["drift"] if known.get("drift", 0.0) > 0 else []
         step, low, high = np.array([_KINDS[name] for name in names]).T
         high[names.index("start_film")] = np.log(0.9999 * self.orbits.journal.clearance)
-        line = load_line_std / self.orbits.journal.radius
-        known = {"load_line": line}
+        units = {"load_line": self.orbits.journal.radius, "cavitation_pressure": ATMOSPHERE}
+        widths = {name: std / units.get(name, 1.0) or np.inf for name, std in known.items()}
         if isinstance(self.orbits, HeldOrbits) and self.orbits.lead is not None:
-            known["start_attitude"] = _ATTITUDE_STD  # the lead may leave nothing of it
+            widths["start_attitude"] = _ATTITUDE_STD  # the lead may leave nothing of it
         fixed = {"fluidity": 1.0, "load_line": 0.0}
         if self.sideways != "guided":
             fixed["start_attitude"] = start["start_attitude"]
@@ -154,8 +160,8 @@ class Problem:
             step=step,
             low=low,
             high=high,
-            expected=np.zeros(len(names)),
-            expected_std=np.array([known.get(name, np.inf) for name in names]),
+            expected=np.array([start[n] if n == "cavitation_pressure" else 0.0 for n in names]),
+            expected_std=np.array([widths.get(name, np.inf) for name in names]),
             fixed={name: value for name, value in fixed.items() if name not in names},
         )
 
@@ -207,6 +213,7 @@ class Problem:
             "stiffness": 7.0,
             "cavitation_pressure": -journal.cavitation_pressure / ATMOSPHERE,
             "load_line": 0.0,
+            "drift": 0.0,
         }
 
     def frame_positions(self, sets: Array, unknowns: Unknowns) -> Array:

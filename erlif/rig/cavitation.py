@@ -97,19 +97,23 @@ def relax_pressure(
 
 @dataclass(frozen=True)
 class _Grid:
-    """Nodes of one half of the length in the frame of half the bushing; lengths over the radius."""
+    """Nodes in the frame of half the bushing; lengths over the radius.
+
+    Those of one half of the length, or of the whole where the pin is tilted.
+    """
 
     angle: Array  # from the load line at the middle of the stroke, (around,). [rad]
     face: Array  # half-way between each node and the next, (around,). [rad]
     area: Array  # of the cells, (around, along)
     reach: Array  # distance to the next node round the circumference, (around, 1)
+    axial: Array  # place along the axis from the middle of the length, (along,)
     width: Array  # of the cells along the axis, (along,)
     pitch: Array  # distance to the next node along the axis, (along - 1,)
-    held: Array  # 1 at the end and along the line opposite to the load, (around, along)
+    held: Array  # 1 at the ends and along the line opposite to the load, (around, along)
 
 
-def _lay_grid(bearing: Bearing) -> _Grid:
-    """Lay nodes that are denser near the load line and near the end."""
+def _lay_grid(bearing: Bearing, *, whole: bool) -> _Grid:
+    """Lay nodes that are denser near the load line and near the ends, on half of the length."""
     even = -1 + 2 * np.arange(AROUND) / AROUND
     angle = np.pi * even - _CLUSTER * np.sin(np.pi * even)
     between = even + 1 / AROUND
@@ -120,34 +124,54 @@ def _lay_grid(bearing: Bearing) -> _Grid:
     half = bearing.length / bearing.radius / 2
     place = half * np.sin(np.pi / 2 * np.arange(ALONG) / (ALONG - 1))
     width = np.diff(np.concatenate([[0], (place[1:] + place[:-1]) / 2, [half]]))
+    if whole:
+        place = np.concatenate([-place[:0:-1], place])
+        width = np.concatenate([width[:0:-1], [2 * width[0]], width[1:]])
 
-    held = np.zeros((AROUND, ALONG))
+    held = np.zeros((AROUND, place.size))
     held[0], held[:, -1] = 1, 1
-    return _Grid(angle, face, breadth[:, None] * width, reach[:, None], width, np.diff(place), held)
+    if whole:
+        held[:, 0] = 1
+    area, pitch = breadth[:, None] * width, np.diff(place)
+    return _Grid(angle, face, area, reach[:, None], place, width, pitch, held)
 
 
 class _Film:
     """Oil between pin and bushing; films over the clearance, pressures in units of one step."""
 
     def __init__(
-        self, bearing: Bearing, step: float, cavity: float, place: Array, turn: float
+        self,
+        bearing: Bearing,
+        step: float,
+        cavity: float,
+        place: Array,
+        turn: float,
+        tilt: float = 0.0,
     ) -> None:
-        self.grid = _lay_grid(bearing)
+        self.grid = _lay_grid(bearing, whole=tilt != 0)
         self.unit = 12 * bearing.viscosity * (bearing.radius / bearing.clearance) ** 2 / step  # Pa
-        self.area = 2 * bearing.radius**2  # of both halves of the length [m2]
+        self.area = (1 if tilt else 2) * bearing.radius**2  # or of both halves of the length [m2]
         self.cavity = cavity / self.unit
+        self.lift = tilt * bearing.radius / bearing.clearance * self.grid.axial
         self.pressure = np.zeros_like(self.grid.area)
-        gap, _ = self.measure(place, turn)
-        self.content = np.repeat(gap[:, None], ALONG, axis=1)
+        self.content, _ = self.measure(place, turn)
         self.before: Array | None = None
 
     def measure(self, place: Array, turn: float) -> tuple[Array, Array]:
-        """Film over the clearance at the nodes and half-way to the next ones, (around,)."""
+        """Film over the clearance at the nodes and half-way to the next ones, (around, along)."""
         at_nodes, between = (
-            1 - place[0] * np.cos(angle + turn) - place[1] * np.sin(angle + turn)
+            1
+            - (place[0] + self.lift) * np.cos(angle + turn)[:, None]
+            - place[1] * np.sin(angle + turn)[:, None]
             for angle in (self.grid.angle, self.grid.face)
         )
         return at_nodes, between
+
+    def thicken(self, factor: float) -> None:
+        """Take an oil whose viscosity is a factor of that before."""
+        self.unit *= factor
+        self.cavity /= factor
+        self.pressure /= factor
 
     def carry(self, place: Array, turn: float) -> Array:
         """Forces along the load and sideways [N] if the pin gets to a place over the clearance.
@@ -159,14 +183,15 @@ class _Film:
         if self.film.min() < THINNEST:
             raise refusal("film_closed")
         breadth = grid.area[:, :1] / grid.width[0]
-        self.around = (face**3)[:, None] / grid.reach * grid.width
+        self.around = face**3 / grid.reach * grid.width
         self.along = np.zeros_like(grid.area)
-        self.along[:, :-1] = (self.film**3)[:, None] * breadth / grid.pitch
+        along = 0.5 * (self.film[:, 1:] + self.film[:, :-1])
+        self.along[:, :-1] = along**3 * breadth / grid.pitch
 
         even, less = _RELAXATION
         relaxation = even - less * float(place @ place)
         new, known = self.difference()
-        lack = (new * self.film[:, None] - known) * grid.area
+        lack = (new * self.film - known) * grid.area
         if (
             relax_pressure(
                 self.pressure, lack, self.around, self.along, grid.held, self.cavity, relaxation
@@ -188,7 +213,7 @@ class _Film:
         new, known = self.difference()
         content = (known + inflow / grid.area) / new
         self.before = self.content
-        self.content = np.where(grid.held > 0, self.film[:, None], content)
+        self.content = np.where(grid.held > 0, self.film, content)
 
     def difference(self) -> tuple[float, Array]:
         """Weight of the new content in its rate over a step, and what the rate takes off it.
@@ -210,6 +235,8 @@ def follow_cavitated(
     stiffness: float = 0.0,
     cavity: float = -1e5,
     start: tuple[float, float] = (0.0, 0.0),
+    thicker: Callable[[float], float] | None = None,
+    tilt: float = 0.0,
 ) -> Array:
     """Follow the pin from the moment of loading, with a full film at first.
 
@@ -235,14 +262,17 @@ def follow_cavitated(
     free = 1 if np.isinf(stiffness) else 2
     spring = 0.0 if np.isinf(stiffness) else stiffness * bearing.clearance
     rest = np.array(start) / bearing.clearance
-    film = _Film(bearing, step, cavity, rest, angle(time[0]) / 2)
+    film = _Film(bearing, step, cavity, rest, angle(time[0]) / 2, tilt)
 
     count = int(np.ceil((time[-1] - time[0]) / step)) + 1
     moments = time[0] + step * np.arange(count + 1)
     places = np.empty((moments.size, 2))
-    places[0], derivative = rest, None
+    places[0], derivative, thickness = rest, None, 1.0
     for k, moment in enumerate(moments[1:], start=1):
         turn, weight = angle(moment) / 2, load(moment)
+        if thicker is not None:
+            before, thickness = thickness, thicker(moment)
+            film.thicken(thickness / before)
 
         def unbalance(place: Array, turn: float = turn, weight: float = weight) -> Array:
             side = -spring * (place[1] - rest[1])

@@ -27,6 +27,7 @@ HARMONICS = 96
 # Smallest film of the orbit over the clearance.
 THINNEST = 1e-3
 
+_SLICES = 13  # along the axis, of a tilted film
 _TABLE = 96  # eccentricities of the table; the spline between them is good to 2e-5
 _TOLERANCE = 1e-8  # of the orbit; the clearance is its unit
 
@@ -164,10 +165,35 @@ class Mobility:
         self.bearing = bearing
         self._spline = _tabulate_damping(bearing.length / bearing.radius)
 
-    def damping(self, eccentricity: float) -> Array:
-        """Force over velocity along and across the line of centres, (direction,). [N s/m]"""
-        thin = -np.log1p(-min(eccentricity, 1 - THINNEST / 2))
+    def damping(self, eccentricity: float | Array) -> Array:
+        """Force over velocity along and across the line of centres, (..., direction). [N s/m]"""
+        thin = -np.log1p(-np.minimum(eccentricity, 1 - THINNEST / 2))
         return np.asarray(self.bearing.damping * np.exp(self._spline(thin)))
+
+    def damping_of_slices(self, place: Array, tilt: float) -> Array:
+        """Force over velocity of a tilted pin, whose slices are squeezed as parallel films.
+
+        Simpson's rule along the axis; `place` is over the clearance, `tilt` towards the load.
+
+        Returns
+        -------
+        array, (direction of the force, direction of the velocity)
+            [N s/m]
+        """
+        along = np.linspace(-0.5, 0.5, _SLICES)
+        weight = np.resize([2.0, 4.0], _SLICES)
+        weight[[0, -1]] = 1.0
+        lift = along * tilt * self.bearing.length / self.bearing.clearance
+        places = place + lift[:, None] * [1.0, 0.0]
+        eccentricity = np.hypot(*places.T)
+        line = places / eccentricity[:, None]
+        across = np.stack([-line[:, 1], line[:, 0]], axis=1)
+        both = self.damping(eccentricity)
+        tensors = sum(
+            size[:, None, None] * one[:, :, None] * one[:, None, :]
+            for size, one in zip(both.T, (line, across), strict=True)
+        )
+        return np.asarray(np.tensordot(weight / weight.sum(), tensors, axes=1))
 
 
 def lowest_pressure(bearing: Bearing, place: Array, load: float) -> float:
@@ -202,6 +228,8 @@ def follow_orbit(
     load: Callable[[float], float],
     rotation: Callable[[float], float],
     start: tuple[float, float] = (0.0, 0.0),
+    thicker: Callable[[float], float] | None = None,
+    tilt: float = 0.0,
 ) -> Array:
     """Follow the pin from the moment of loading.
 
@@ -220,6 +248,10 @@ def follow_orbit(
         Angular speed of the bushing [rad/s] at a time [s].
     start : (float, float)
         Displacement of the pin along the load and along +x at the first time. [m]
+    thicker : callable, optional
+        Viscosity over that of the bearing at a time [s].
+    tilt : float
+        Of the pin towards the load, with the displacement in the middle of the length. [m/m]
 
     Returns
     -------
@@ -233,15 +265,23 @@ def follow_orbit(
     """
     mobility, clearance = Mobility(bearing), bearing.clearance
 
-    def velocity(moment: float, place: Array) -> Array:
+    def squeeze(moment: float, place: Array) -> Array:
+        if tilt:
+            force = np.array([load(moment), 0.0])
+            return np.asarray(np.linalg.solve(mobility.damping_of_slices(place, tilt), force))
         eccentricity = float(np.hypot(*place))
         line = place / eccentricity if eccentricity > 0 else np.array([1.0, 0.0])
         across = np.array([-line[1], line[0]])
         along_damping, across_damping = mobility.damping(eccentricity)
         force = np.array([load(moment), 0.0])
-        squeeze = (force @ line) / along_damping * line + (force @ across) / across_damping * across
+        return np.asarray(
+            (force @ line) / along_damping * line + (force @ across) / across_damping * across
+        )
+
+    def velocity(moment: float, place: Array) -> Array:
+        slower = clearance * (1.0 if thicker is None else thicker(moment))
         turn = rotation(moment) / 2 * np.array([-place[1], place[0]])
-        return np.asarray(squeeze / clearance + turn)
+        return np.asarray(squeeze(moment, place) / slower + turn)
 
     def closes(_: float, place: Array) -> float:
         return float(1 - np.hypot(*place) - THINNEST)

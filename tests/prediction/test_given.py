@@ -19,6 +19,7 @@ from scenes.orbits import (
 
 from erlif.models.reynolds import crank_motion, solve_journal
 from erlif.prediction import GivenErrors, fit_motion
+from erlif.rig.cavitation import follow_cavitated
 from erlif.rig.orbit import Bearing, follow_orbit
 
 CLEARANCE_STD, LOAD_STD = 5e-6, 0.1
@@ -116,6 +117,104 @@ def test_the_error_of_a_fitted_load_line_is_that_of_the_likelihood(guided):
     assert found.std > near["load_line"].std
     slope = float(np.mean(guided.value[:, 0])) / STATED.radius
     npt.assert_allclose(far["rest"].std, slope * found.std, rtol=0.05)
+
+
+def test_a_tilt_holds_a_free_pin_as_thicker_oil_does(free):
+    """The film is that of slices along the axis, whose oil is thicker in the mean."""
+    tilt = 3e-5
+    films = measure(free_orbit((215e-6, 30e-6), tilt=tilt), 1)
+    told = fit(films)["viscosity"].value - fit(free)["viscosity"].value
+    found = fit(free, GivenErrors(tilt=tilt))["viscosity"]
+    # the mean square of a tilt about parallel, whose fourth power is three times its square
+    npt.assert_allclose(found.parts["tilt"], np.sqrt(3) * told, rtol=0.1)
+
+
+def test_a_tilt_holds_a_guided_pin_as_its_own_film_does(guided):
+    short = replace(STATED, viscosity=VISCOSITY)
+    motion = crank_motion(RIG, crank_speed=SPEED, load=222.4, cycles=5, steps_per_cycle=200)
+    half, found = 4e-5 * STATED.length / 2, []
+    for shape in (None, np.array([-half, half])):
+        solved = solve_journal(
+            replace(short, axial_shape=shape),
+            motion,
+            start=(205e-6, 5e-6),
+            sideways="guided",
+            cells=(96, 6),
+            compiled=True,
+        )
+        both = np.stack([solved.displacement_load, solved.displacement_side], axis=1)
+        films = measure(both[3 * 200 : -1 : 4], 8)
+        given = GivenErrors(load_line=0.0, tilt=4e-5)
+        found.append(fit(films, given, sideways="guided")["viscosity"])
+    told = found[1].value - found[0].value
+    npt.assert_allclose(found[0].parts["tilt"], np.sqrt(3) * told, rtol=0.25)
+    # of a long joint by slices, which are thicker by more than a film with cavities
+    long = {"joint": replace(STATED, long=True), "sideways": "guided"}
+    assert fit(guided, GivenErrors(load_line=0.0, tilt=4e-5), **long)["viscosity"].parts["tilt"] > 0
+
+
+def test_a_drift_of_the_viscosity_is_found_within_its_width(free):
+    """8 % thinner oil at the last frame, which no error of one viscosity describes."""
+    last = MOTION.time[STEPS[-1]]
+    drift = measure(
+        free_orbit((215e-6, 30e-6), thicker=lambda time: np.exp(-0.08 * (time / last - 0.5))), 1
+    )
+    options = {"profiles": False}
+    without = fit_motion(drift, STATED, MOVED, **options)
+    found = fit_motion(drift, STATED, MOVED, given=GivenErrors(drift=0.05), **options)
+    assert without.inflation > 1.2
+    assert found.inflation < 1.1
+    viscosity, change = (found.estimates[name] for name in ("viscosity", "drift"))
+    assert abs(change.value + 0.08) < 2.5 * change.std
+    assert change.std < 0.02
+    assert abs(viscosity.value - VISCOSITY) < 3 * viscosity.std
+    # the steady oil has none
+    still = fit(free, GivenErrors(drift=0.05))["drift"]
+    assert abs(still.value) < 2.5 * still.std
+
+
+def test_a_drift_that_the_positions_do_not_show_widens_the_fit_in_proportion():
+    films = measure(free_orbit((215e-6, 30e-6)), 1)
+    rough = replace(films, random_cov=1e4 * films.random_cov)
+    small, large = (fit(rough, GivenErrors(drift=one))["viscosity"] for one in (0.01, 0.02))
+    npt.assert_allclose(large.parts["drift"], 2 * small.parts["drift"], rtol=0.1)
+    npt.assert_allclose(small.std, np.hypot(*small.parts.values()), rtol=1e-9)
+
+
+def test_a_drift_is_found_beside_a_guided_pin():
+    """8 % thicker oil at the last frame, by the rig's own cavities, after three turns."""
+    period, last = 2 * np.pi / SPEED, MOTION.time[STEPS[-1]]
+    orbit = follow_cavitated(
+        Bearing(STATED.radius, STATED.clearance, STATED.length, VISCOSITY),
+        np.append(-3 * period, MOTION.time[STEPS]),
+        load=lambda _: 222.4,
+        angle=lambda time: float(RIG.rocker_angle(SPEED * time)) - float(np.mean(RIG.limits())),
+        step=period / 100,
+        stiffness=np.inf,
+        start=(205e-6, 0.0),
+        thicker=lambda time: np.exp(0.08 * (max(time, 0.0) / last - 0.5)),
+    )[1:]
+    given = GivenErrors(load_line=0.5e-3, drift=0.05)
+    found = fit(measure(orbit, 3), given, sideways="guided")
+    change, viscosity = found["drift"], found["viscosity"]
+    assert abs(change.value - 0.08) < 2.5 * change.std
+    assert change.std < 0.02
+    assert abs(viscosity.value - VISCOSITY) < 3 * viscosity.std
+
+
+def test_the_cavitation_pressure_is_found_within_its_width(guided):
+    """Both change the film alike: without a width the viscosity is known to less."""
+    joint = replace(STATED, long=True)
+    options = {"joint": joint, "sideways": "guided", "load_line_std": 0.0}
+    exact, narrow, wide = (
+        fit(guided, GivenErrors(load_line=0.0, cavitation_pressure=std), **options)["viscosity"]
+        for std in (0.0, 1e3, 3e4)
+    )
+    assert exact.std < narrow.std < wide.std
+    assert set(narrow.parts) == {"fit", "cavitation_pressure"}
+    assert "cavitation_pressure" not in fit(
+        guided, GivenErrors(cavitation_pressure=1e3), joint=joint
+    )
 
 
 def test_intervals_hold_the_given_errors(free):

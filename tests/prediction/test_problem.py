@@ -24,7 +24,7 @@ def pose(measured):
     """The fit of the viscosity of a free pin."""
     frames = Frames.of(measured, np.arange(41), None)
     problem = Problem(FreeOrbits(LONG, AT_REST), frames, measured, "free")
-    return problem, problem.unknowns(("viscosity",), 5e-3)
+    return problem, problem.unknowns(("viscosity",), {"load_line": 5e-3})
 
 
 def test_triggers_are_the_means_of_their_frames():

@@ -6,6 +6,8 @@ import pytest
 from scenes.rig import ACRYLIC, CYCLE, LOAD
 
 from erlif.core.errors import ModelError
+from erlif.models.mechanism import CrankRocker
+from erlif.models.reynolds import Journal, crank_motion, solve_journal
 from erlif.rig.cavitation import follow_cavitated, relax_pressure
 from erlif.rig.film import crank_at, rocker_angle, rocker_range, rocker_speed
 from erlif.rig.orbit import follow_orbit
@@ -13,6 +15,8 @@ from erlif.rig.settings import RigSettings
 
 RIG = RigSettings()
 THIN = ((230 - 18.5) * 1e-6, 0.0)  # near the periodic film of the guided pin
+LINKS = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
+SPEED = 2 * np.pi / CYCLE
 
 
 def bushing(time):
@@ -109,3 +113,42 @@ def test_a_spring_lies_between_a_guide_and_freedom():
 def test_a_pin_that_touches_is_refused():
     with pytest.raises(ModelError, match="carries the load"):
         follow(np.array([0.0, 5.0]), load=lambda _: 1e4 * LOAD, step=0.05, stiffness=np.inf)
+
+
+def test_an_oil_that_thickens_by_a_factor_is_another_oil():
+    """The pressure of its cavities stays."""
+    time = np.linspace(0, 1, 21) * CYCLE
+    held = {"stiffness": np.inf, "step": CYCLE / 40, "cavity": -3e4}
+    found = follow(time, thicker=lambda _: 1.5, **held)
+    other = ACRYLIC._replace(viscosity=1.5 * ACRYLIC.viscosity)
+    usual = {"load": lambda _: LOAD, "angle": bushing, "start": THIN}
+    npt.assert_allclose(found, follow_cavitated(other, time, **usual, **held), atol=1e-9)
+
+
+def test_both_halves_of_the_length_hold_what_one_holds_twice():
+    time = np.linspace(0, 1, 5) * CYCLE
+    held = {"stiffness": np.inf, "step": CYCLE / 20}
+    npt.assert_allclose(follow(time, tilt=1e-12, **held), follow(time, **held), atol=1e-11)
+
+
+def test_a_tilted_pin_is_held_as_finite_volumes_of_the_whole_length_hold_it():
+    """By 7 um at each end; 2 % more film. What cells of cavities do is a tenth of it."""
+    tilt, time = 6e-5, np.linspace(0, 2, 41) * CYCLE
+    held = {"stiffness": np.inf, "step": CYCLE / 100}
+    rig, volumes = (
+        [
+            ACRYLIC.clearance - follow(time, tilt=lean, **held)[-21:, 0].mean()
+            for lean in (0.0, tilt)
+        ],
+        [],
+    )
+    motion = crank_motion(LINKS, crank_speed=SPEED, load=LOAD, cycles=2, steps_per_cycle=200)
+    for half in (0.0, tilt * ACRYLIC.length / 2):
+        joint = Journal(
+            0.03336, 0.03359, ACRYLIC.length, ACRYLIC.viscosity, axial_shape=np.array([-half, half])
+        )
+        solved = solve_journal(
+            joint, motion, start=THIN, sideways="guided", cells=(96, 8), compiled=True
+        )
+        volumes.append(joint.clearance - float(solved.displacement_load[-201:].mean()))
+    npt.assert_allclose(rig[1] / rig[0] - 1, volumes[1] / volumes[0] - 1, rtol=0.2)

@@ -12,6 +12,8 @@ from scipy.sparse import csc_matrix, eye, kron
 from scipy.sparse.linalg import spsolve
 
 from erlif.core.errors import ModelError
+from erlif.models.reynolds import Journal
+from erlif.prediction.pressure import solve_pin_motion
 from erlif.rig.film import rocker_speed
 from erlif.rig.orbit import (
     HARMONICS,
@@ -153,3 +155,33 @@ def test_a_film_that_closes_is_refused():
     with pytest.raises(ModelError, match="Choose fewer cycles since loading"):
         follow_orbit(ACRYLIC, np.array([0.0, 1e4]), load=lambda _: LOAD, rotation=lambda _: 0.0)
     assert THINNEST * ACRYLIC.clearance < 0.5e-6
+
+
+@pytest.mark.parametrize("part", [0.2, 0.5])
+def test_slices_of_a_tilted_pin_are_squeezed_as_the_whole_film_is(part):
+    """Finite volumes of the whole film, tilted by a part of its thickness at the ends."""
+    film = 8e-6
+    tilt = part * film / (ACRYLIC.length / 2)
+    place = np.array([1 - film / ACRYLIC.clearance, 0.0])
+    found = Mobility(ACRYLIC).damping_of_slices(place, tilt)
+    half = ACRYLIC.clearance / 2
+    radii = np.hypot(ACRYLIC.radius, half) + half * np.array([-1, 1])  # their mean is geometric
+    oil = Journal(
+        *radii, length=ACRYLIC.length, viscosity=ACRYLIC.viscosity, cavitation_pressure=-1e9
+    )
+    rise = []
+    for lean in (0.0, tilt):
+        at = np.array([place[0] * ACRYLIC.clearance, 0.0, lean, 0.0])
+        squeezed = solve_pin_motion(oil, at, np.array([1e-6, 0, 0, 0]), 0.0, cells=(768, 40))
+        rise.append(float(squeezed.reaction_load))
+    parallel = Mobility(ACRYLIC).damping(float(place[0]))[0]
+    npt.assert_allclose(found[0, 0] / parallel - 1, rise[1] / rise[0] - 1, rtol=0.06)
+    npt.assert_allclose(found[0, 1], 0.0, atol=1e-9 * parallel)
+
+
+def test_a_thicker_oil_sinks_later():
+    """Without rotation, twice the viscosity takes twice the time."""
+    time = np.linspace(0.0, 2.0, 5)
+    still = {"load": lambda _: LOAD, "rotation": lambda _: 0.0, "start": (150e-6, 20e-6)}
+    twice = follow_orbit(ACRYLIC, 2 * time, thicker=lambda _: 2.0, **still)
+    npt.assert_allclose(twice, follow_orbit(ACRYLIC, time, **still), rtol=1e-6)

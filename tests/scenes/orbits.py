@@ -19,14 +19,15 @@ MOVED = FrameMotion(MOTION, STEPS, CRANK, 0.12)
 STD = np.array([5e-9, 20e-9])
 
 
-def free_orbit(start):
-    """Two cycles of a free pin by Chebyshev collocation."""
+def free_orbit(start, **oil):
+    """Two cycles of a free pin by Chebyshev collocation; thicker and tilt are as of the rig."""
     return follow_orbit(
         Bearing(STATED.radius, STATED.clearance, STATED.length, VISCOSITY),
         MOTION.time[STEPS],
         load=lambda time: 222.4,
         rotation=lambda time: float(RIG.rocker_speed(SPEED * time, crank_speed=SPEED)),
         start=start,
+        **oil,
     )
 
 

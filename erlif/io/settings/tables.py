@@ -398,6 +398,7 @@ class OilSettings(Settings):
     viscosity: Viscosity | None = None
     vogel: VogelSettings | None = None
     viscosity_std: Viscosity | None = None
+    drift_std: Share | None = None
     pressure_viscosity: PressureViscosity
 
     def faults(self) -> Iterator[str]:
@@ -534,6 +535,7 @@ class PredictionOptions(Settings):
 
     sideways: Sideways = "free"
     cavitation_pressure: CavitationPressure = -1e5
+    cavitation_pressure_std: Pressure | None = None
     start_film: StartFilm = "fit"
     load_line: Place | None = None
     load_line_std: Length | None = None

@@ -23,6 +23,7 @@ from erlif.pipeline.physics.prediction import build_journal, build_motion
 from erlif.pipeline.refusals import refusal
 from erlif.prediction import (
     Comparison,
+    Estimate,
     GivenErrors,
     MeasuredMotion,
     compare_models,
@@ -32,7 +33,7 @@ from erlif.prediction import (
 )
 from erlif.prediction.comparison import ANY_GUIDED, STEADY
 from erlif.prediction.fit import FEWEST_TRIGGERS, LOAD_LINE_STD
-from erlif.trend import VogelLaw
+from erlif.trend import VogelLaw, viscosity_at
 
 _TEXTS = read_table("erlif.pipeline", "words.toml")["fit"]
 
@@ -86,13 +87,42 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
         if not comparison.candidates[0].describes:
             comparison = _compare(*run, ("free", "guided", "spring"), progress=report)
 
-    # the temperature of the film belongs to its viscosity where the law of the oil is known
-    joint = describe_joint(source.settings)
-    if comparison.fit is None or joint is None or not isinstance(joint.viscosity, VogelLaw):
+    if comparison.fit is None:
         return comparison
-    warm = film_temperature(comparison.fit.estimates["viscosity"], joint.viscosity)
-    estimates = {**comparison.fit.estimates, "temperature": warm}
-    return replace(comparison, fit=replace(comparison.fit, estimates=estimates))
+    found = comparison.fit.estimates
+    beside = _beside_sheet(found["viscosity"], source.settings, source.frames)
+    return replace(comparison, fit=replace(comparison.fit, estimates={**found, **beside}))
+
+
+def _beside_sheet(
+    viscosity: Estimate, settings: RunSettings, frames: xr.Dataset
+) -> dict[str, Estimate]:
+    """The fitted viscosity beside that of [oil], where this has an error or a law.
+
+    The temperature of the film does not change the viscosity that is fitted, but what is expected
+    of the oil.
+    """
+    joint, oil = describe_joint(settings), settings.oil
+    assert joint is not None  # as for the errors
+    assert oil is not None
+    expected = float(viscosity_at(frames, joint.viscosity).mean())
+    parts = {"oil": float(oil.viscosity_std or 0.0) / expected}
+    law = joint.viscosity
+    beside: dict[str, Estimate] = {}
+    if isinstance(law, VogelLaw):
+        parts["temperature"] = _by_kelvin(law, frames) * float(settings.temperature.reading_std)
+        beside["temperature"] = film_temperature(viscosity, law)
+    parts = {name: std * viscosity.value / expected for name, std in parts.items() if std}
+    if parts:
+        ratio = viscosity.times(1 / expected, "1")
+        wide = ratio.widened(parts)
+        beside["viscosity_ratio"] = replace(wide, parts={**wide.parts, **ratio.parts})
+    return beside
+
+
+def _by_kelvin(law: VogelLaw, frames: xr.Dataset) -> float:
+    """Relative decrease of the viscosity at the mean temperature of the frames. [1/K]"""
+    return law.b / (float(frames["temperature"].mean()) - law.c) ** 2
 
 
 def state_physics(film: xr.Dataset, settings: RunSettings, frames: xr.Dataset) -> str:
@@ -149,7 +179,7 @@ def _compare(
         for name, ours in _STEADY.items()
         if name in film and ours in STEADY
     }
-    given = _given_errors(settings)
+    given = _given_errors(settings, film, frames)
     line = given.load_line
     measured = _measured(film, journal)
     return compare_models(
@@ -165,17 +195,39 @@ def _compare(
     )
 
 
-def _given_errors(settings: RunSettings) -> GivenErrors:
-    """Errors of what the settings, which have a joint, give: stated, else assumed."""
-    joint, options = settings.joint, settings.prediction
+def _given_errors(settings: RunSettings, film: xr.Dataset, frames: xr.Dataset) -> GivenErrors:
+    """Errors of what the settings, which have a joint, give: stated, else assumed or measured."""
+    joint, oil, options = settings.joint, settings.oil, settings.prediction
     assert joint is not None  # `build_motion` refuses a run without one
+    assert oil is not None
+    law = describe_joint(settings)
+    drift = float(oil.drift_std or 0.0) / 100
+    if oil.drift_std is None and law is not None and isinstance(law.viscosity, VogelLaw):
+        drift = _by_kelvin(law.viscosity, frames) * float(settings.temperature.reading_std)
     rounding = 1e-6 * clearance_std(joint)
     line = options.load_line_std or 0.1 * LOAD_LINE_STD
     return GivenErrors(
         clearance=rounding if joint.clearance_std is None else float(joint.clearance_std),
         load=0.01 * float(options.load_std),
         load_line=None if options.load_line is None else float(line),
+        tilt=_tilt(film),
+        drift=drift,
+        cavitation_pressure=float(options.cavitation_pressure_std or 0.0),
     )
+
+
+def _tilt(film: xr.Dataset) -> float:
+    """Root of the mean square that the tilt of the pin towards the load may have. [m/m]
+
+    The measured mean, and its error by what all triggers share; zero where none is measured.
+    """
+    if not all(name in film for name in ("pin_tilt", *_POSITIONS)):
+        return 0.0
+    tilt, cov = film.pin_tilt.values[:, 0], film.pin_position_cov.values[:, 2, 2]
+    known = np.isfinite(tilt) & np.isfinite(cov)
+    if not known.any():
+        return 0.0
+    return 1e-3 * float(np.sqrt(np.mean(tilt[known]) ** 2 + np.mean(cov[known])))
 
 
 def _measured(film: xr.Dataset, journal: Journal) -> MeasuredMotion:

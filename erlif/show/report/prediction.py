@@ -155,7 +155,7 @@ def _value(estimate: Estimate, shown: Mapping[str, Any], described: bool) -> str
         return f"about {one.value:.2g} {unit}"
     # two digits of the error, as elsewhere
     digits = decimals(one.std, 2)
-    text = f"{one.value:.{digits}f} ± {one.std:.{digits}f} {unit}"
+    text = f"{one.value:.{digits}f} ± {one.std:.{digits}f} {unit}".rstrip()
     parts = {name: std for name, std in one.parts.items() if std > _SMALL_PART * one.std}
     if set(parts) <= {"fit"}:
         return text
