@@ -60,19 +60,21 @@ def cover_clearances(
         4e4, shaft_radius=5e-3, bushing_radius=5e-3 + moved, thickness=3e-3, modulus=MODULUS
     )
     series = FRICTION * contact.torque_ratio * (1 + torque * rng.normal(size=moved.shape))
-    pulls = []
+    inside, pulls = [], []
     for measured in series:
         guess = None if known is None else (MODULUS * float(np.exp(known * rng.normal())), known)
         found = fit_clearances(
             clearance,
             friction=measured,
-            friction_std=torque * FRICTION,
+            friction_std=torque * measured,
             clearance_std=place,
             known_modulus=guess,
             **WALL,
         )
+        low, high = found.friction_interval
         pulls.append((found.friction - FRICTION) / found.friction_std)
-    one, two = (100 * np.mean(np.abs(pulls) < width) for width in (1, 1.96))
+        inside.append([abs(pulls[-1]) < 1, low < FRICTION < high])
+    one, two = 100 * np.mean(inside, axis=0)
     told = "unknown" if known is None else f"{100 * known:g} %"
     return (
         f"| {100 * torque:g} % | {1e6 * place:g} um | {told} | {one:.0f}, {two:.0f} "

@@ -8,6 +8,8 @@ stiffness of the wall that spreads the contact.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
+from scipy.special import ndtr
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
@@ -21,14 +23,19 @@ _RANGE = (4e5, 9e12)
 # Moduli that are tried: 4 % apart, well within their error.
 _TRIALS = 401
 
-# Of the moduli: median and interval of one standard deviation.
+# Of modulus and friction: median and interval of one standard deviation, and that of 95 %.
 _QUANTILES = (0.158655, 0.5, 0.841345)
+_WIDE = (0.025, 0.975)
+_NORMAL = 1.959964  # standard deviations of 95 %, for the errors that all bushings share
 
 # Weight of the last modulus over the largest, from which on an end is not determined.
 _OPEN = 0.1
 
-# Of the friction coefficient, on which the weight of the clearances depends.
+# Of the friction coefficient, on which the weight of the clearances depends, and of the clearances
+# at which the torque ratio is taken as linear; these move by three standard deviations at most.
 _ROUNDS = 4
+_PLACES = 3
+_FARTHEST = 3.0
 
 # Step of the slope by clearance, over the range of the clearances.
 _SLOPE = 1e-4
@@ -44,9 +51,12 @@ class ClearanceFit:
     Attributes
     ----------
     friction : float
-        True friction coefficient mu. [1]
+        True friction coefficient mu, the median. [1]
     friction_std : float
-        Its standard deviation. [1]
+        Its standard deviation, half the width of its interval of 68 %. [1]
+    friction_interval : tuple[float, float]
+        Its interval of 95 %; not 1.96 standard deviations to each side where the moduli that fit
+        have different friction. [1]
     modulus : float
         E' of the wall, the median. [Pa]
     modulus_low : float
@@ -63,6 +73,7 @@ class ClearanceFit:
 
     friction: float
     friction_std: float
+    friction_interval: tuple[float, float]
     modulus: float
     modulus_low: float
     modulus_high: float
@@ -89,8 +100,9 @@ def fit_clearances(
 
     mu' = mu mu*(c), with `erlif.models.running_in.thin_wall_torque_ratio` as mu*. For each of many
     moduli the friction follows in closed form; an error of a clearance counts as that of the torque
-    which it makes. The moduli are weighed by their likelihood, evenly over their logarithm: a stiff
-    wall with much friction and a soft one with less often fit equally well.
+    which it makes at the clearance that fits best. The moduli are weighed by their likelihood,
+    evenly over their logarithm: a stiff wall with much friction and a soft one with less often fit
+    equally well.
 
     Parameters
     ----------
@@ -136,7 +148,7 @@ def fit_clearances(
     ...     clearance, friction=torque, friction_std=0.002, clearance_std=5e-6, **wall
     ... )
     >>> print(f"{found.friction:.3f} ± {found.friction_std:.3f}, {found.modulus / 1e9:.1f} GPa")
-    0.119 ± 0.004, 0.9 GPa
+    0.120 ± 0.005, 1.0 GPa
     """
     measured = np.atleast_1d(np.asarray(friction, float))
     places = np.atleast_1d(np.asarray(clearance, float))
@@ -169,23 +181,28 @@ def fit_clearances(
     # what the moduli leave open adds to the error of the friction at each of them
     weight = np.exp(-(chi_square + prior - np.min(chi_square + prior)) / 2)
     weight /= weight.sum()
-    friction_found = float(np.sum(weight * fitted))
-    apart = (fitted - friction_found) ** 2
-    std = float(np.sqrt(np.sum(weight * (apart + fitted_std**2))))
-    exact = np.sum(weight * (apart + torque_std_alone**2))
-    scatter = min(float(np.sqrt(exact)), std)
+    start, friction_found, end = _quantiles(weight, fitted, fitted_std, _QUANTILES)
+    half = (end - start) / 2
+    sharp = _quantiles(weight, fitted, torque_std_alone, _QUANTILES)
+    scatter = min((sharp[2] - sharp[0]) / 2, half)
 
     # load and radius are shared by all bushings, so that more of them do not help
     budget = {
         "torque": scatter,
-        "clearance": float(np.sqrt(std**2 - scatter**2)),
+        "clearance": float(np.sqrt(half**2 - scatter**2)),
         "load": friction_found * float(load_std),
         "shaft radius": friction_found * float(radius_std),
     }
+    shared = _NORMAL * float(np.hypot(budget["load"], budget["shaft radius"]))
+    wide = [
+        friction_found + float(np.copysign(np.hypot(end - friction_found, shared), side))
+        for end, side in zip(_quantiles(weight, fitted, fitted_std, _WIDE), (-1, 1), strict=True)
+    ]
     low, middle, high = np.searchsorted(np.cumsum(weight), _QUANTILES)
     return ClearanceFit(
         friction=friction_found,
         friction_std=float(np.sqrt(sum(part**2 for part in budget.values()))),
+        friction_interval=(wide[0], wide[1]),
         modulus=float(moduli[middle]),
         modulus_low=float(moduli[low]) if weight[0] < _OPEN * weight.max() else 0.0,
         modulus_high=float(moduli[high]) if weight[-1] < _OPEN * weight.max() else float("inf"),
@@ -209,14 +226,33 @@ def _fit_friction(
     """
     near = _SLOPE * float(np.ptp(places))
     trials = moduli[:, None]
-    shape = thin_wall_torque_ratio(clearance=places, modulus=trials, **wall)
-    beside = thin_wall_torque_ratio(clearance=places + near, modulus=trials, **wall)
-    slope = (beside - shape) / near
-
+    at = np.broadcast_to(places, (moduli.size, places.size))
     friction = np.full(moduli.shape, float(np.median(measured)))
-    for _ in range(_ROUNDS):
-        variance = torque_std**2 + (friction[:, None] * slope * place_std) ** 2
-        weight = np.sum(shape**2 / variance, axis=1)
-        friction = np.sum(shape * measured / variance, axis=1) / weight
-    left = np.sum((measured - friction[:, None] * shape) ** 2 / variance, axis=1)
-    return friction, weight**-0.5, left
+    for _ in range(_PLACES):
+        # a line through the ratio at the clearances that fitted best
+        ratio = thin_wall_torque_ratio(clearance=at, modulus=trials, **wall)
+        beside = thin_wall_torque_ratio(clearance=at + near, modulus=trials, **wall)
+        slope = (beside - ratio) / near
+        shape = ratio + slope * (places - at)
+        for _ in range(_ROUNDS):
+            variance = torque_std**2 + (friction[:, None] * slope * place_std) ** 2
+            weight = np.sum(shape**2 / variance, axis=1)
+            friction = np.sum(shape * measured / variance, axis=1) / weight
+        left = measured - friction[:, None] * shape
+        moved = place_std**2 * friction[:, None] * slope * left / variance
+        at = places + np.clip(moved, -_FARTHEST * place_std, _FARTHEST * place_std)
+    return friction, weight**-0.5, np.sum(left**2 / variance, axis=1)
+
+
+def _quantiles(
+    weight: Array, middle: Array, std: Array, shares: tuple[float, ...]
+) -> tuple[float, ...]:
+    """Values below which a sum of normal distributions has these shares."""
+    used = weight > 1e-9 * weight.max()
+    weight, middle, std = weight[used] / weight[used].sum(), middle[used], std[used]
+    ends = float(np.min(middle - 8 * std)), float(np.max(middle + 8 * std))
+
+    def find(share: float) -> float:
+        return float(brentq(lambda at: float(weight @ ndtr((at - middle) / std)) - share, *ends))
+
+    return tuple(find(share) for share in shares)

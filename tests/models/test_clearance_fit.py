@@ -27,35 +27,55 @@ def test_exact_torques_give_friction_and_modulus():
     npt.assert_allclose(found.modulus, 1e9, rtol=0.05)
 
 
-@pytest.mark.parametrize(
-    ("scatter", "known"), [(2e-4, None), (2e-3, (1e9, 0.1)), (2e-3, None)], ids=str
-)
-def test_standard_deviation_covers_the_friction(scatter, known):
-    """Errors of torques, clearances and of the load that all bushings share; 150 series.
+def held(scatter, place, known=None, load=0.0, modulus=1e9, size=300):
+    """Shares of series whose 68 and 95 % intervals hold the friction.
 
-    The bounds are three standard deviations of a binomial share. The last case leaves a stiff and a
-    soft wall open.
+    Errors of torques, clearances and of the load that all bushings share, and of a known modulus.
     """
     rng = np.random.default_rng(11)
-    pulls = []
-    size = (150, CLEARANCE.size)
-    series = torques(CLEARANCE + 1e-6 * rng.normal(size=size))
-    series *= 1 + 0.01 * rng.normal(size=(150, 1))
-    series += scatter * rng.normal(size=size)
+    told = CLEARANCE + 4 * max(place - 3e-6, 0.0)  # no error makes an interference
+    series = torques(told + place * rng.normal(size=(size, told.size)), modulus=modulus)
+    series *= 1 + load * rng.normal(size=(size, 1))
+    series += scatter * rng.normal(size=series.shape)
+    inside = []
     for measured in series:
+        guess = known and (modulus * np.exp(known * rng.normal()), known)
         found = fit_clearances(
-            CLEARANCE,
+            told,
             friction=measured,
             friction_std=scatter,
-            clearance_std=1e-6,
-            load_std=0.01,
-            known_modulus=known,
+            clearance_std=place,
+            load_std=load,
+            known_modulus=guess,
             **WALL,
         )
-        pulls.append((found.friction - 0.12) / found.friction_std)
-    for width, share in ((1.0, 0.683), (1.96, 0.95)):
-        bound = 3 * np.sqrt(share * (1 - share) / len(pulls))
-        assert abs(np.mean(np.abs(pulls) < width) - share) < bound
+        low, high = found.friction_interval
+        inside.append([abs(found.friction - 0.12) < found.friction_std, low < 0.12 < high])
+    return np.mean(inside, axis=0)
+
+
+SHARES = np.array([0.683, 0.95])
+BOUNDS = 3 * np.sqrt(SHARES * (1 - SHARES) / 300)  # standard deviations of a binomial share
+
+
+@pytest.mark.parametrize(
+    ("scatter", "place", "known", "load", "modulus"),
+    [
+        (2e-4, 1e-6, None, 0.0, 1e9),
+        (2e-4, 1e-6, None, 0.01, 1e9),
+        (2e-4, 1e-5, None, 0.0, 1e9),
+        (2e-4, 1e-5, None, 0.0, 3e9),
+        (2e-3, 1e-5, 0.1, 0.0, 1e9),
+    ],
+)
+def test_intervals_hold_the_friction(scatter, place, known, load, modulus):
+    shares = held(scatter, place, known, load, modulus)
+    assert np.all(np.abs(shares - SHARES) < BOUNDS)
+
+
+@pytest.mark.parametrize("place", [1e-6, 1e-5])
+def test_intervals_are_not_too_short_where_stiff_and_soft_walls_fit(place):
+    assert np.all(held(2e-3, place) > SHARES - BOUNDS)
 
 
 def test_the_budget_adds_up():

@@ -19,13 +19,9 @@ from erlif.joint.friction.stretches import Stretch, find_stretches
 from erlif.joint.refusals import refusal
 from erlif.models.friction import friction_coefficient
 
-# Correlations of neighbours that are tried, with a prior by which the intervals hold their share
-# for friction without correlation and for that over a sixth of the log alike.
-_CORRELATIONS = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.94, 0.97, 0.985])
-_WIDTHS = np.gradient(_CORRELATIONS) / (1 - _CORRELATIONS) ** 0.15
-_NOISES = (0.0, 0.3, 0.6)  # shares of white noise in the variance
-# prior share of no correlation at all, by the number of values: few hide one
-_WHITE = ((12, 30, 40), (0.3, 0.75, 0.6))
+# Correlations of neighbours that are tried, and a prior by which the intervals of 30 pairs hold
+# their share for friction without correlation and for that over a sixth of the log alike.
+_CORRELATIONS, _PRIOR = np.array([0.0, 0.5, 0.97]), np.array([0.76, 0.19, 0.05])
 _VALUES = 40  # more of them are averaged in blocks
 _FEWEST = 4  # values from which on a straight line is taken off
 _LEVELS = (0.682689, 0.95)
@@ -96,7 +92,8 @@ def spread_of_line(time: Array, values: Array) -> tuple[Spread, Spread]:
 def _spread(time: Array, values: Array, design: Array, estimate: Array) -> Spread:
     """Half widths for the sum of the values with the weights `estimate`."""
     size, unknowns = design.shape
-    correlation, prior = _correlations(time)
+    apart = np.abs(time[:, None] - time) / np.median(np.diff(time))
+    correlation = _CORRELATIONS[:, None, None] ** apart
 
     # restricted likelihood of each correlation, free of mean and slope
     inverse = np.linalg.inv(correlation)
@@ -107,7 +104,7 @@ def _spread(time: Array, values: Array, design: Array, estimate: Array) -> Sprea
     residual = left @ inverse @ left - np.sum(moved * (left @ seen), axis=1)
     residual = np.maximum(residual, (1e-14 * np.max(np.abs(values))) ** 2 + 1e-300)
     free = size - unknowns
-    chance = np.log(prior) - 0.5 * free * np.log(residual)
+    chance = np.log(_PRIOR) - 0.5 * free * np.log(residual)
     chance -= 0.5 * (np.linalg.slogdet(correlation)[1] + np.linalg.slogdet(normal)[1])
     weight = np.exp(chance - chance.max())
     weight /= weight.sum()
@@ -125,18 +122,6 @@ def _spread(time: Array, values: Array, design: Array, estimate: Array) -> Sprea
         )
 
     return Spread(half_width(_LEVELS[0]), half_width(_LEVELS[1]), independent)
-
-
-def _correlations(time: Array) -> tuple[Array, Array]:
-    """Correlation matrices that are tried, and their prior weights."""
-    size = time.size
-    apart = np.abs(time[:, None] - time) / np.median(np.diff(time))
-    slow = _CORRELATIONS[:, None, None] ** apart
-    white = np.eye(size)
-    matrices = np.concatenate([[white], *((1 - part) * slow + part * white for part in _NOISES)])
-    alone = float(np.interp(size, *_WHITE))
-    share = (1 - alone) * np.tile(_WIDTHS / _WIDTHS.sum(), len(_NOISES)) / len(_NOISES)
-    return matrices, np.append(alone, share)
 
 
 @dataclass(frozen=True)
