@@ -64,7 +64,8 @@ def steady_journal(
     xarray.Dataset
         `displacement_load`, `displacement_side`, `film_min` [m], `eccentricity`, `attitude` [rad],
         `peak_pressure` [Pa], `reaction_load`, `reaction_side` [N], `friction_torque` [N m],
-        `side_flow` [m3/s], `power` [W].
+        `side_flow` [m3/s], `power` [W]. Voids have the shear of their oil alone; published tables
+        take that of the whole gap and have up to 30 % more friction.
 
     Raises
     ------

@@ -7,8 +7,12 @@ from pathlib import Path
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
 
 from erlif.models.reynolds import Groove, Journal, journal_coefficients, steady_journal
+from erlif.models.reynolds.steady import Rotation
+from erlif.models.reynolds.transient import Bearing, losses
 
 REFERENCE = Path(__file__).parents[2] / "reference"
 SPEED = 100.0  # rad/s
@@ -60,6 +64,54 @@ def test_published_charts(source, slenderness, sommerfeld, eccentricity, attitud
         npt.assert_allclose(found[0].eccentricity, eccentricity, rtol=close)
     between = np.degrees(np.mean([float(one.attitude) for one in found]))
     npt.assert_allclose(between, attitude, atol=degrees)
+
+
+def friction_at(joint, eccentricity, cells):
+    """Torque [N m], what oil in the void would add, and the load [N]."""
+    case = Rotation(Bearing.of(joint, cells, [Groove(np.pi)]), SPEED)
+    state, medium = case.held_at(eccentricity * joint.clearance), case.bearing.medium
+    slide, gap = SPEED * joint.radius, state.walls.centre
+    lacking = (state.void.clip(0.0, gap) / gap**2) @ medium.grid.area
+    lacking = medium.images * joint.viscosity * slide * joint.radius * float(lacking.sum())
+    torque = losses(medium, state, slide, joint.radius)["friction_torque"]
+    return torque, lacking, float(np.hypot(*case.force(state)))
+
+
+@pytest.mark.parametrize(
+    ("eccentricity", "variable", "less"),
+    [(0.1, 26.4, 0.04), (0.2, 12.8, 0.07), (0.4, 5.79, 0.12), (0.8, 1.70, 0.17), (0.9, 1.05, 0.18)],
+)
+def test_friction_with_shear_in_the_voids_is_that_of_the_charts(eccentricity, variable, less):
+    """(R/c) f of Raimondi and Boyd (1958), L/D = 1, who take the shear of the whole gap.
+
+    Read as quoted at mathworks.com/matlabcentral/answers/707318; the void lowers the friction.
+    """
+    joint = bearing(1.0)
+    torque, lacking, load = friction_at(joint, eccentricity, (180, 8))
+    npt.assert_allclose((torque + lacking) / (load * joint.clearance), variable, rtol=5e-3)
+    npt.assert_allclose(lacking / (torque + lacking), less, atol=0.01)
+
+
+@pytest.mark.parametrize("eccentricity", [0.2, 0.6, 0.9])
+def test_void_of_a_long_bearing_has_the_shear_of_the_oil_that_passed(eccentricity):
+    """Behind the rupture at a the oil that passes is h(a): its share of the shear is h(a) / h^2.
+
+    From the widest gap, p = 0 and dp/dx = 0 at a, so that (h - h(a)) / h^3 has no integral to a;
+    the moving surface has the integrals of 1/h and of 3 (h - h(a)) / h^2 to a.
+    """
+
+    def gap(angle):
+        return 1 + eccentricity * np.cos(angle)
+
+    def flow(end):
+        return quad(lambda at: (gap(at) - gap(end)) / gap(at) ** 3, 0, end)[0]
+
+    end = brentq(flow, np.pi + 1e-6, 2 * np.pi - 1e-6)
+    shear = quad(lambda at: 1 / gap(at) + 3 * (gap(at) - gap(end)) / gap(at) ** 2, 0, end)[0]
+    shear += quad(lambda at: gap(end) / gap(at) ** 2, end, 2 * np.pi)[0]
+    joint = bearing(None)
+    unit = joint.viscosity * SPEED * joint.radius**3 * joint.length / joint.clearance
+    npt.assert_allclose(friction_at(joint, eccentricity, (1024, 1))[0] / unit, shear, rtol=2e-3)
 
 
 @pytest.mark.parametrize("eccentricity", [0.1, 0.4, 0.8])
