@@ -96,11 +96,11 @@ def solve_journal(
         `film_min` [m], `eccentricity` (over the clearance), `attitude` [rad], `peak_pressure` [Pa],
         `reaction_load`, `reaction_side` (force of the film on the pin against the load and towards
         negative phi) [N], `friction_torque` on the bushing [N m], with the shear of the oil alone
-        where the film is partly void, `side_flow` out of both ends, `supply_flow` out of the grooves [m3/s], `oil_volume` [m3], `power` dissipated in the film
-        [W], `iterations`. With `maps`, over `time_of_map`, `circumference` (distance from the load
-        line) and `axial`: `film` [m], `pressure` [Pa], `void_fraction`. Positions, films and voids
-        belong to their times; pressures, forces, torque and flows are those of the step that ends
-        there.
+        where the film is partly void, `side_flow` out of both ends, `supply_flow` out of the
+        grooves [m3/s], `oil_volume` [m3], `power` dissipated in the film [W], `iterations`. With
+        `maps`, over `time_of_map`, `circumference` (distance from the load line) and `axial`:
+        `film` [m], `pressure` [Pa], `void_fraction`. Positions, films and voids belong to their
+        times; pressures, forces, torque and flows are those of the step that ends there.
 
     Raises
     ------
