@@ -12,6 +12,8 @@ from types import FrameType
 
 import click
 
+from erlif.commands.refusals import refusal
+
 # Exit status where the input or the usage is at fault.
 BAD_INPUT = 2
 
@@ -29,6 +31,25 @@ SIGNALS = ("SIGTERM", "SIGHUP")
 
 # Standard streams in the order of their descriptors, and how each is opened.
 STREAMS = (("stdin", "r"), ("stdout", "w"), ("stderr", "w"))
+
+# Address space below which compiled libraries end the process without a message. [byte]
+LEAST_MEMORY = 1_000_000_000
+
+
+def refuse_little_memory() -> None:
+    """Refuse a limit of memory under which numpy or the compiler of numba would abort.
+
+    Raises
+    ------
+    ErlifError
+    """
+    try:
+        import resource
+    except ModuleNotFoundError:  # Windows has no such limit
+        return
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    if limit != resource.RLIM_INFINITY and limit < LEAST_MEMORY:
+        raise refusal("little_memory", limit=limit / 1e9, least=LEAST_MEMORY / 1e9)
 
 
 class EndedBySignal(KeyboardInterrupt):

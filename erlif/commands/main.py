@@ -20,6 +20,7 @@ from erlif.commands.ending import (
     EndedBySignal,
     echo_aside,
     open_missing_streams,
+    refuse_little_memory,
     signals_interrupt,
     silence,
 )
@@ -45,6 +46,7 @@ class _Commands(click.Group):
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         open_missing_streams()
         try:
+            refuse_little_memory()
             with signals_interrupt():
                 return super().invoke(ctx)
 
@@ -75,6 +77,12 @@ class _Commands(click.Group):
             echo_aside(
                 f"erlif: {reason}. The previous output is intact. Check that the file may be read "
                 "and written and that the disk has room, and start again."
+            )
+            ctx.exit(BAD_INPUT)
+        except MemoryError:
+            echo_aside(
+                "erlif: there is not enough memory. The previous output is intact. Raise the limit "
+                "(ulimit -v), use fewer workers, or a machine with more, and start again."
             )
             ctx.exit(BAD_INPUT)
         except Exception:

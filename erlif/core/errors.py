@@ -7,12 +7,27 @@ from __future__ import annotations
 
 import re
 
+# Characters of one line of a message above which its middle is left out, and what stays.
+_LONGEST = 5000
+_QUOTED = 500
+
 
 class ErlifError(Exception):
     """Base of all errors caused by the input and not by erlif.
 
-    The commands end with exit status 2 after it.
+    The commands end with exit status 2 after it. Of an input that a message quotes, the first
+    characters serve.
     """
+
+    def __str__(self) -> str:
+        text = super().__str__()
+        if len(text) <= _LONGEST:
+            return text
+        # lists of many faults stay, a word or a line of them without end does not
+        return "\n".join(
+            line if len(line) <= _LONGEST else f"{line[:_QUOTED]} ... {line[-_QUOTED:]}"
+            for line in text.split("\n")
+        )
 
 
 class ConfigError(ErlifError):

@@ -54,6 +54,14 @@ def test_signals_have_their_default_again_after_the_command(number):
         signal.signal(number, before)
 
 
+def test_a_limit_of_memory_under_which_libraries_abort_is_refused(lab):
+    command = f"ulimit -v 600000; exec {sys.executable} -m erlif process {lab.run}"
+    ended = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
+    assert ended.returncode == 2
+    assert ended.stderr.startswith("erlif: Expected an address space of 1 GB or more")
+    assert "0.61 GB" in ended.stderr
+
+
 def test_a_run_without_standard_streams_gives_the_same_film(lab, film):
     """The film must not take the descriptor of a closed stream: messages would enter it."""
     arguments = [*ERLIF, "-v", "process", str(lab.run)]

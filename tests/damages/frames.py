@@ -1,5 +1,7 @@
 """Damaged frames, darks and flats."""
 
+import os
+
 import numpy as np
 import tifffile
 from PIL import Image
@@ -50,6 +52,25 @@ def _picture(suffix, mode=None):
     return damage
 
 
+def _loop(path):
+    """A link that leads to itself."""
+    path.unlink()
+    path.symlink_to(path.name)
+
+
+def _pipe(path):
+    path.unlink()
+    os.mkfifo(path)
+
+
+def _claim(path):
+    """Two gigabytes of zeros in two megabytes."""
+    path.unlink()
+    rows = (np.zeros((128, 30_000), np.uint16) for _ in range(235))
+    options = {"shape": (30_000, 30_000), "dtype": np.uint16, "rowsperstrip": 128}
+    tifffile.imwrite(path, rows, compression="zlib", **options)
+
+
 def _dark(name, change, *words, flat=False):
     kind = "flat" if flat else "dark"
     return Damage(
@@ -61,6 +82,11 @@ def _dark(name, change, *words, flat=False):
 
 
 FRAMES = [
+    _frame("a link to itself", lambda b: _loop(b.frame(2)), "camera1/frame_0002.tif", "symbolic"),
+    _dark("a link to itself", lambda b, path: _loop(path), "camera1_dark.tif", "symbolic"),
+    _dark("a pipe", lambda b, path: _pipe(path), "camera1_dark.tif", "not an ordinary file"),
+    _dark("a pipe", lambda b, path: _pipe(path), "camera1_flat.tif", "not an ordinary", flat=True),
+    _dark("2 GB of zeros", lambda b, path: _claim(path), "30000 x 30000", "268 MP"),
     # files that are missing or too many
     _frame(
         "missing from camera 1",

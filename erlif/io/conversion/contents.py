@@ -213,6 +213,8 @@ def _nearest(film: xr.Dataset, angle: float) -> int:
     if name is None:
         raise refusal("no_angles", angle=angle)
     angles = film[name].values.astype(float)
+    if not np.isfinite(angle):
+        raise refusal("angle_without_end", angle=angle)
     distance = np.abs(angles - angle)
     if name == "crank_angle":  # it starts again after a turn
         distance = np.abs((angles - angle + _FULL_TURN / 2) % _FULL_TURN - _FULL_TURN / 2)

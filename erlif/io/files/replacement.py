@@ -150,8 +150,9 @@ def replacing(output: Path) -> Iterator[Path]:
     'complete'
     """
     scratch = output.with_name(f".{output.name}.unfinished")
+    made: list[Path] = []
     try:
-        output.parent.mkdir(parents=True, exist_ok=True)
+        made = make_folders(output.parent)
         remove(scratch)
         yield scratch
         take_name(scratch, output)
@@ -159,6 +160,44 @@ def replacing(output: Path) -> Iterator[Path]:
         raise write_error(output, error) from error
     finally:
         remove(scratch)
+        drop_empty(made)
+
+
+def make_folders(folder: Path) -> list[Path]:
+    """Make a folder and those above it.
+
+    Parameters
+    ----------
+    folder : Path
+
+    Returns
+    -------
+    list of Path
+        The folders that are new, the innermost first.
+
+    Raises
+    ------
+    OSError
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as here:
+    ...     made = make_folders(Path(here, "films", "may"))
+    ...     drop_empty(made)
+    ...     [folder.name for folder in made], Path(here, "films").exists()
+    (['may', 'films'], False)
+    """
+    new = [each for each in (folder, *folder.parents) if not each.exists()]
+    folder.mkdir(parents=True, exist_ok=True)
+    return new
+
+
+def drop_empty(folders: list[Path]) -> None:
+    """Take away folders that are empty, in their order."""
+    with suppress(OSError):
+        for folder in folders:
+            folder.rmdir()
 
 
 def write_file(output: Path, content: str | bytes) -> Path:

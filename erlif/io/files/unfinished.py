@@ -14,7 +14,7 @@ import xarray as xr
 
 from erlif.io.files.compression import MapVariable
 from erlif.io.files.netcdf_maps import NetcdfMaps
-from erlif.io.files.replacement import remove, write_error
+from erlif.io.files.replacement import drop_empty, make_folders, remove, write_error
 from erlif.io.files.zarr_maps import ZarrMaps
 from erlif.io.refusals import refusal
 
@@ -36,6 +36,7 @@ class _Lock:
     def __init__(self, output: Path) -> None:
         self.path = self.path_of(output)
         self.file: IO[str] | None = None
+        self.made: list[Path] = []
         try:
             import fcntl
         except ImportError:
@@ -43,7 +44,7 @@ class _Lock:
 
         try:
             with suppress(FileExistsError):  # a file in place of the folder fails in the next line
-                self.path.parent.mkdir(parents=True, exist_ok=True)
+                self.made = make_folders(self.path.parent)
             # a link of this name is not ours: what it leads to must not be touched
             flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
             file = os.fdopen(os.open(self.path, flags, 0o666), "w")
@@ -68,6 +69,7 @@ class _Lock:
             self.path.unlink(missing_ok=True)
             self.file.close()
             self.file = None
+            drop_empty(self.made)
 
 
 class PartialFilm:

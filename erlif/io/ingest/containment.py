@@ -69,22 +69,27 @@ def refuse_outside(directory: Path, names: Iterable[str]) -> None:
     erlif.core.errors.FrameError: Expected the files of calibration/wedge within it; \
 ../../run/encoder.csv leaves the directory. Copy them there, or use --allow-outside.
     """
-    home = directory.resolve()
+    home = _real(directory)
     inside: dict[Path, bool] = {}
     for name in names:
-        if not (home / os.path.normpath(directory.resolve() / name)).is_relative_to(home):
+        if not Path(os.path.normpath(home / name)).is_relative_to(home):
             raise refusal("outside", directory=directory, what=f"{name} leaves the directory")
 
         matched = match_files(directory, name)
         for path in (file for found in matched for file in _with_companions(found)):
             # folders are resolved once, and a file only where it is a link itself
             if path.parent not in inside:
-                inside[path.parent] = path.parent.resolve().is_relative_to(home)
+                inside[path.parent] = _real(path.parent).is_relative_to(home)
             if not inside[path.parent] or (
-                path.is_symlink() and not path.resolve().is_relative_to(home)
+                path.is_symlink() and not _real(path).is_relative_to(home)
             ):
-                what = f"{os.path.relpath(path, directory)} is a link to {path.resolve()}"
+                what = f"{os.path.relpath(path, directory)} is a link to {_real(path)}"
                 raise refusal("outside", directory=directory, what=what)
+
+
+def _real(path: Path) -> Path:
+    """A path without links; a link that leads to itself stays, and the reader refuses it."""
+    return Path(os.path.realpath(path))
 
 
 def _with_companions(path: Path) -> Iterator[Path]:

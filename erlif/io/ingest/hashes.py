@@ -199,7 +199,9 @@ def _combine(paths: Iterable[Path], known: Digests) -> str:
 
 
 def _hash_file(path: Path) -> str | None:
-    """SHA-256 of a file; None where it cannot be read."""
+    """SHA-256 of a file; None where it cannot be read, as a pipe."""
+    if not path.is_file():
+        return None
     try:
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()

@@ -265,15 +265,13 @@ def read_content(
     name = os.path.relpath(page.path, directory) + (f"[{page.index}]" if page.index else "")
     try:
         content = _decode(page, digest=digest)
-    except Exception as error:  # decoders of damaged bytes raise exceptions of many types
+    except (Exception, SystemExit) as error:  # decoders of damaged bytes may raise anything
         raise FrameError(
             f"Expected an image in {name}; it cannot be decoded: {with_advice(str(error))}"
         ) from error
 
     image = content.counts
-    if image.shape != shape or image.dtype.name not in STORED_TYPES:
-        wanted, stored = describe_shape(shape), describe_shape(image.shape)
-        raise refusal("other_shape", shape=wanted, name=name, image=image, found=stored)
+    _check_kind(FrameKind(image.shape, image.dtype.name), shape, name)
     try:
         counts = align_right(convert_counts(image), page.selection.shift)
     except FrameError as error:
@@ -409,6 +407,13 @@ def _read_header(path: Path, selection: Selection) -> CameraFiles:
         file.close()
 
 
+def _check_kind(kind: FrameKind, shape: tuple[int, ...], name: str) -> None:
+    """Refuse an image of another shape or type than the frames have."""
+    if kind.shape != shape or kind.dtype not in STORED_TYPES:
+        wanted, found = describe_shape(shape), describe_shape(kind.shape)
+        raise refusal("other_shape", shape=wanted, name=name, kind=kind.dtype, found=found)
+
+
 def read_reference_pages(
     directory: Path,
     pattern: str,
@@ -448,6 +453,8 @@ def read_reference_pages(
         reason = with_advice(references.faults[first], "Record them again, or take the file out.")
         raise refusal("unreadable_pages", what=what, page=references.pages[first], reason=reason)
 
+    for page, kind in zip(references.pages, references.kinds, strict=True):
+        _check_kind(kind, shape, page.name)
     for page in references.pages:
         counts = read_page(page, directory, shape)
         check_depth(counts, bit_depth=bit_depth, name=page.name)

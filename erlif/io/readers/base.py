@@ -22,6 +22,9 @@ from erlif.io.refusals import refusal
 # Frames of one file above which its header is damaged: a day at 46 frames a second.
 MOST_FRAMES = 4_000_000
 
+# Pixels of a frame above which its header is damaged: no camera of this kind has a third of it.
+MOST_PIXELS = 2**28
+
 # Decoded bytes per byte of a file that deflate can reach.
 DEFLATED = 1100
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import stat
 import threading
@@ -15,7 +16,7 @@ from pathlib import Path
 from erlif.core.errors import FrameError
 from erlif.core.guarded import file_stamp
 from erlif.io.readers.avi import AVI
-from erlif.io.readers.base import MOST_FRAMES, Format, FrameFile
+from erlif.io.readers.base import MOST_FRAMES, MOST_PIXELS, Format, FrameFile
 from erlif.io.readers.fits import FITS
 from erlif.io.readers.genicam import GENICAM
 from erlif.io.readers.hdf5 import HDF5
@@ -115,7 +116,7 @@ def find_format(path: Path, head: bytes) -> Format:
             return entry
     foreign, faults = _foreign_formats()
     for entry in foreign:
-        with suppress(Exception):  # a fault of another package is none of the file
+        with suppress(Exception, SystemExit):  # a fault of another package is none of the file
             if entry.fits(path, head):
                 return entry
 
@@ -213,10 +214,16 @@ def _open(form: Format, path: Path, dataset: str) -> FrameFile:
             file = form.open(path)
     except ModuleNotFoundError as error:
         raise FrameError(_missing(form, error.name or "")) from error
+    except SystemExit as error:  # a reader of another package
+        raise FrameError(f"the reader of {form.name} ended itself: {error}") from error
     if not 0 < len(file.kinds) <= MOST_FRAMES:
         count = len(file.kinds)
         file.close()
         raise FrameError(f"the file claims {count} frames" if count else "the file holds no image")
+    large = next((kind for kind in set(file.kinds) if math.prod(kind.shape) > MOST_PIXELS), None)
+    if large is not None:
+        file.close()
+        raise FrameError(f"it claims {large}, more than the {MOST_PIXELS / 1e6:.0f} MP of a frame")
     return file
 
 
@@ -236,7 +243,7 @@ def _foreign_formats() -> tuple[list[Format], list[str]]:
     for point in sorted(metadata.entry_points(group=ENTRY_POINTS), key=lambda point: point.name):
         try:
             loaded = point.load()
-        except Exception as error:  # the code of another package may raise anything
+        except (Exception, SystemExit) as error:  # another package may raise anything
             loaded = f"{type(error).__name__}: {error}"
         if isinstance(loaded, Format):
             formats.append(loaded)

@@ -43,7 +43,7 @@ class LoadOfJoint(Settings):
 
     force: Force
     mean_force: Force | None = None
-    safety: float = Field(ge=1, le=100)
+    safety: float = Field(strict=True, ge=1, le=100)
 
     def faults(self) -> Iterator[str]:
         if self.mean_force is not None and self.mean_force > self.force:
@@ -75,7 +75,7 @@ class PartOfJoint(Settings):
     ultimate_stress: Pressure | None = None
     hardness: Hardness | None = None
     youngs_modulus: Pressure | None = None
-    poissons_ratio: float | None = Field(None, ge=0, le=0.5)
+    poissons_ratio: float | None = Field(None, strict=True, ge=0, le=0.5)
     expansion: Expansion | None = None
     conductivity: Conductivity | None = None
 
@@ -124,7 +124,7 @@ class FitOfJoint(Settings):
 class LubricationOfJoint(Settings):
     """Friction and temperatures."""
 
-    friction: float = Field(0.1, ge=0, le=2)
+    friction: float = Field(0.1, strict=True, ge=0, le=2)
     outside_temperature: Temperature = 60.0
     assembly_temperature: Temperature = 20.0
     largest_temperature: Temperature = 120.0
@@ -144,15 +144,15 @@ class LockOfJoint(PartOfJoint):
     weld_diameter: Length | None = None
     screw_diameter: Length | None = None
     screw_yield: Pressure | None = None
-    friction_bushing: float = Field(1.0, ge=0, le=2)
-    friction_seat: float = Field(0.0, ge=0, le=2)
+    friction_bushing: float = Field(1.0, strict=True, ge=0, le=2)
+    friction_seat: float = Field(0.0, strict=True, ge=0, le=2)
 
 
 class SizingOptions(Settings):
     """How dimensions are chosen."""
 
     series: Literal["none", "R10", "R20", "R40"] = "none"
-    eye_ratio: float = Field(3.0, ge=2, le=4)
+    eye_ratio: float = Field(3.0, strict=True, ge=2, le=4)
 
 
 class DesignSettings(Settings):

@@ -54,17 +54,17 @@ class MachineSettings(Settings):
 
     pin_radius: Length | None = None
     arm: Length | None = None
-    torque_ratio: float = Field(1.0, gt=0)
+    torque_ratio: float = Field(1.0, strict=True, gt=0)
     tare: Tare = 0.0
-    load_error: float = Field(0.005, ge=0, lt=1)
+    load_error: float = Field(0.005, strict=True, ge=0, lt=1)
     idle_load: Tare | None = None
 
 
 class GallingOptions(Settings):
     """What is called galling."""
 
-    significance: float = Field(0.01, gt=0, lt=1)
-    least_rise: float = Field(0.02, ge=0)
+    significance: float = Field(0.01, strict=True, gt=0, lt=1)
+    least_rise: float = Field(0.02, strict=True, ge=0)
 
 
 class EnduranceSettings(Settings):

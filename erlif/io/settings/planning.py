@@ -52,7 +52,7 @@ class DyeSettings(Settings):
 
     name: Text = ""
     concentration: Concentration
-    quantum_yield: float = Field(gt=0, le=1)
+    quantum_yield: float = Field(strict=True, gt=0, le=1)
     spectra: Literal["synthetic 605", "synthetic 650"] | None = None
     absorption: FileName | None = None
     emission: FileName | None = None
@@ -88,8 +88,8 @@ class OpticsOfPlan(Settings):
     """How much of the light reaches a pixel. Needed where thick_film is not given."""
 
     pixel_pitch: Length
-    numerical_aperture: float = Field(gt=0, lt=1)
-    refractive_index: float = Field(1.47, ge=1, le=2)
+    numerical_aperture: float = Field(strict=True, gt=0, lt=1)
+    refractive_index: float = Field(1.47, strict=True, ge=1, le=2)
 
 
 class CameraOfPlan(Settings):
@@ -97,13 +97,13 @@ class CameraOfPlan(Settings):
 
     band: Wavelength
     bandwidth: Width = 10.0
-    bit_depth: int = Field(12, ge=8, le=16)
+    bit_depth: int = Field(12, strict=True, ge=8, le=16)
     gain: Gain
     read_noise: Electrons
     offset: Counts = 64.0
     full_well: FullWell | None = None
     thick_film: Electrons | None = None
-    efficiency: float | None = Field(None, gt=0, le=1)
+    efficiency: float | None = Field(None, strict=True, gt=0, le=1)
 
     def faults(self) -> Iterator[str]:
         if (self.thick_film is None) == (self.efficiency is None):
@@ -129,9 +129,9 @@ class FilmOfPlan(Settings):
 
     thinnest: Length
     thickest: Length
-    uncertainty: float = Field(0.05, gt=0, lt=1)
-    frames: int = Field(1, ge=1)
-    average: int = Field(1, ge=1, le=500)
+    uncertainty: float = Field(0.05, strict=True, gt=0, lt=1)
+    frames: int = Field(1, strict=True, ge=1)
+    average: int = Field(1, strict=True, ge=1, le=500)
 
     def faults(self) -> Iterator[str]:
         if not self.thinnest < self.thickest:
@@ -154,7 +154,7 @@ class JointOfPlan(Settings):
     pin_radius: Length
     bushing_radius: Length
     width: Length
-    frames: int = Field(50, ge=12)
+    frames: int = Field(50, strict=True, ge=12)
 
     def faults(self) -> Iterator[str]:
         if not self.pin_radius < self.bushing_radius:
@@ -166,16 +166,16 @@ class JointOfPlan(Settings):
 class ReferencesOfPlan(Settings):
     """Dark and flat pages."""
 
-    dark_pages: int = Field(8, ge=1)
-    flat_pages: int = Field(12, ge=0)
-    flat_level: float = Field(0.5, gt=0, le=1)
+    dark_pages: int = Field(8, strict=True, ge=1)
+    flat_pages: int = Field(12, strict=True, ge=0)
+    flat_level: float = Field(0.5, strict=True, gt=0, le=1)
 
 
 class OptimumOptions(Settings):
     """What the concentrations may be where the best ones are sought."""
 
     largest_concentration: Concentration = 0.05
-    fill: float = Field(0.75, gt=0, le=1)
+    fill: float = Field(0.75, strict=True, gt=0, le=1)
 
 
 class ToleranceOptions(Settings):

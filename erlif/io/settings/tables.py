@@ -18,6 +18,7 @@ from pydantic import (
     ConfigDict,
     Field,
     PlainSerializer,
+    StrictFloat,
     WithJsonSchema,
     WrapValidator,
     model_validator,
@@ -206,7 +207,7 @@ class CameraSettings(Settings):
 
     files: FileName
     band: Band
-    bit_depth: int = Field(12, ge=8, le=16)
+    bit_depth: int = Field(12, strict=True, ge=8, le=16)
     alignment: Literal["right", "left"] = "right"
     part: FilePart | None = None
     dataset: Text | None = None
@@ -283,8 +284,8 @@ class EncoderSettings(Settings):
     file: FileName | None = None
     mounted_on: Literal["rocker", "crank", "coupler"] = "rocker"
     zero: Angle | None = None
-    triggers_per_cycle: int | None = Field(None, ge=1)
-    bins: int | None = Field(None, ge=2)
+    triggers_per_cycle: int | None = Field(None, strict=True, ge=1)
+    bins: int | None = Field(None, strict=True, ge=2)
     direction: Literal["rising", "falling"] | None = None
 
     # columns of the log
@@ -296,7 +297,7 @@ class EncoderSettings(Settings):
     speed: ColumnName | None = None
     pulse_energy: ColumnName | None = None
     units: ColumnUnits = ColumnUnits()
-    ticks_per_turn: float | None = Field(None, gt=0)
+    ticks_per_turn: float | None = Field(None, strict=True, gt=0)
 
     # frames in a continuous log
     pulse: ColumnName | None = None
@@ -360,7 +361,7 @@ class MaterialSettings(Settings):
     """One side of the joint."""
 
     youngs_modulus: Pressure
-    poissons_ratio: float = Field(gt=-1, le=0.5)
+    poissons_ratio: float = Field(strict=True, gt=-1, le=0.5)
     roughness: Length | None = None
 
 
@@ -409,14 +410,14 @@ class OilSettings(Settings):
 class RegistrationOptions(Settings):
     """Registration of camera 2 to camera 1."""
 
-    window: int = Field(32, ge=16, le=256)
-    step: int = Field(8, ge=4, le=128)
+    window: int = Field(32, strict=True, ge=16, le=256)
+    step: int = Field(8, strict=True, ge=4, le=128)
     model: Literal["auto", "surface", "local"] = "auto"
     orientation: Literal[
         "normal", "mirrored_x", "mirrored_y", "rotated_90", "rotated_180", "rotated_270"
     ] = "normal"
     reuse: bool = False
-    frames: int | None = Field(None, ge=1)
+    frames: int | None = Field(None, strict=True, ge=1)
 
 
 class RegionOfInterest(Settings):
@@ -436,8 +437,8 @@ class ThicknessOptions(Settings):
 
     roi: RegionOfInterest | None = None
     least_signal: Electrons = 100.0
-    no_film_below: float = Field(0.25, gt=0, lt=1)
-    smoothing: int | None = Field(None, ge=2, le=50)
+    no_film_below: float = Field(0.25, strict=True, gt=0, lt=1)
+    smoothing: int | None = Field(None, strict=True, ge=2, le=50)
 
 
 class LightOptions(Settings):
@@ -641,7 +642,7 @@ class FixtureProfile(Settings):
 
     name: Text
     profile: FileName
-    origin: tuple[float, float] = (0.0, 0.0)
+    origin: tuple[StrictFloat, StrictFloat] = (0.0, 0.0)
     direction: Angle = 0.0
     align: bool = False
     temperature: Temperature | None = None

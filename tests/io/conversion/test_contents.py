@@ -45,6 +45,12 @@ def test_a_crank_angle_counts_over_the_full_turn(film):
     assert choose_trigger(film) is None
 
 
+@pytest.mark.parametrize("angle", [np.nan, np.inf])
+def test_an_angle_that_is_no_number_is_refused(film, angle):
+    with pytest.raises(ErlifError, match="Expected the angle of a trigger in degree"):
+        choose_trigger(film, angle=angle)
+
+
 def test_an_angle_far_from_all_triggers_is_refused(film):
     with pytest.raises(ErlifError, match=r"of all triggers, that at 70\.00 degree is the nearest"):
         choose_trigger(film, angle=21.0)

@@ -47,8 +47,9 @@ def test_work_of_the_same_key_is_resumed_and_of_another_key_removed(output, capl
 
 
 def test_nothing_is_left_where_no_trigger_was_finished(output, tmp_path):
-    with begin(output):
-        pass
+    folder = tmp_path / "films" / "may"
+    with pytest.raises(OutputError, match="refused"), begin(folder / output.name):
+        raise OutputError("refused")
     assert list(tmp_path.iterdir()) == []
 
 
