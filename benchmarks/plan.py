@@ -72,7 +72,6 @@ POINTS: dict[str, tuple[tuple[str, str], ...]] = {
 }
 """Changes of the example plan; each is made wherever its text stands."""
 
-BEAM_EDGE = 1.0  # an even beam: the prediction is for mid-beam
 _CLASSES = 12  # of thickness
 _FEWEST = 200  # pixels of a class
 
@@ -96,15 +95,13 @@ def rehearse(
 ) -> tuple[Run, Run, tuple[float, float]]:
     """Films with their truth, over the whole range and at its thin end; films of the fixture [um].
 
-    The beam is even, the pulse has its mean energy, and there are no vignetting, dust and turning
-    marks.
+    The light is as even as the plan states, the pulse has its mean energy, and there are neither
+    dust nor turning marks.
     """
     rig = replace(
         rig_of(settings),
         width=size[0],
         height=size[1],
-        beam_corner=BEAM_EDGE,
-        vignetting=(1.0, 1.0),
         dust=0,
         marks=0.0,
         pulse_jitter=0.0,

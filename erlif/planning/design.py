@@ -88,6 +88,8 @@ class Design:
         Pulse energy over the stated one. [1]
     references : References
         Dark and flat pages.
+    corner : float
+        Light at the corners of the field over that in its middle, of beam and lens. [1]
     """
 
     dyes: tuple[Dye, ...]
@@ -95,6 +97,7 @@ class Design:
     laser: float
     energy: float = 1.0
     references: References = References()
+    corner: float = 1.0
 
     def with_concentrations(self, concentrations: npt.ArrayLike) -> Design:
         """The same design with other concentrations of dye 1 and 2. [mol/L]"""

@@ -137,6 +137,7 @@ def plan(source: Path | str | PlanSettings, *, folder: Path | None = None) -> xr
         "uncertainty": settings.film.uncertainty,
         "frames": film.frames,
         "average": film.average,
+        "corner": design.corner,
         "synthetic": int(any(dye.spectra for dye in (settings.dye1, settings.dye2))),
         "optimum_limited_by_solubility": [int(limit) for limit in best.at_limit],
         "settings": to_toml(settings),
@@ -199,6 +200,7 @@ def design_of(settings: PlanSettings, folder: Path) -> Design:
         cameras=cameras,
         laser=wavelengths[0],
         references=References(pages.dark_pages, pages.flat_pages, pages.flat_level),
+        corner=settings.laser.corner,
     )
     _refuse_useless(design)
     return _with_light(design, settings)
@@ -495,6 +497,8 @@ def rig_of(source: Path | str | PlanSettings, *, folder: Path | None = None) -> 
         tilt=span * height / (bottom - top),
         bushing_radius=standard.pin_radius / (1 - standard.pin_radius / radius),
         wedge=film.covered,
+        beam_corner=design.corner,
+        vignetting=(1.0, 1.0),  # the light at the corners is that of beam and lens
         bubbles=0,
         dark_pages=pages.dark_pages,
         flat_pages=max(1, round(pages.flat_pages / len(standard.flat_levels))),

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
+from scipy.special import hyp1f1
 
 from erlif.calibration import DIM_LIGHT, USEFUL
 from erlif.core.arrays import Array
@@ -53,11 +54,12 @@ class Film:
 def log_ratio_variance(
     design: Design, thickness: npt.ArrayLike, *, average: int = 1
 ) -> tuple[Array, Array]:
-    """Variance of the logarithm of the ratio of one pixel.
+    """Variance of the logarithm of the ratio of one pixel, in the mean over the field.
 
     Parameters
     ----------
     design : Design
+        Its light falls from the middle of the field to the corners.
     thickness : array_like
         Film thickness. [um]
     average : int
@@ -84,18 +86,28 @@ def log_ratio_variance(
         smoothed = INTERPOLATION if number == 2 and average == 1 else 1.0
         share = smoothed / average**2
 
-        new = new + share * (electrons + reading) / electrons**2
-        fixed = fixed + share * reading / pages.dark_pages / electrons**2
+        photons = _mean_inverse(design.corner, 1) / electrons
+        noise = _mean_inverse(design.corner, 2) * reading / electrons**2
+        new = new + share * (photons + noise)
+        fixed = fixed + share * noise / pages.dark_pages
         if pages.flat_pages:
             collected = pages.flat_pages * pages.flat_level * camera.full_scale
             fixed = fixed + share / collected
     return np.asarray(new), np.asarray(fixed)
 
 
+def _mean_inverse(corner: float, power: int) -> float:
+    """Mean over a square field of light^-power, for a Gaussian beam of 1 in its middle.
+
+    The light is corner^(r^2/R^2), which is the same function along both sides.
+    """
+    return float(hyp1f1(0.5, 1.5, -0.5 * power * math.log(corner))) ** 2
+
+
 def thickness_std(
     design: Design, thickness: npt.ArrayLike, *, frames: int = 1, average: int = 1
 ) -> Array:
-    """Standard deviation of the film of one pixel.
+    """Standard deviation of the film of one pixel, root mean square over the field.
 
     Photons, reading and rounding, dark and flat pages, and interpolation are included; the error
     of the calibration and of the registration are not.

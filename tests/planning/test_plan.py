@@ -8,6 +8,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scipy.stats import median_abs_deviation
 
 import erlif
 from erlif.core.errors import ConfigError
@@ -49,7 +50,7 @@ def rehearsal(tmp_path_factory):
     """
     folder = tmp_path_factory.mktemp("rehearsal") / "rig"
     size = {"width": 160, "height": 128, "fixture_frames": 6, "rotation": 1.5}
-    even = {"vignetting": (1.0, 1.0), "beam_corner": 1.0, "dust": 0, "marks": 0.0}
+    even = {"dust": 0, "marks": 0.0}
     simulate(folder, seed=3, rig=replace(rig_of(settings_of()), **size, **even, pulse_jitter=0.0))
     calibration = erlif.calibrate(folder / "fixture")
     film = erlif.process(folder / "run", calibration=calibration)
@@ -70,6 +71,40 @@ def test_standard_deviation_is_that_of_the_rehearsal(rehearsal):
     like = np.digitize(true[chosen], np.geomspace(2, 10, 13))
     spread = [np.std(pull[like == number]) for number in range(1, 13)]
     assert np.sqrt(np.mean(np.square(spread))) == pytest.approx(1.0, abs=0.05)
+
+
+BEST = (
+    ('"0.008 mol/L"', '"0.00517 mol/L"'),
+    ('"0.024 mol/L"', '"0.0476 mol/L"'),
+    ('thick_film = "11000 electron"', 'thick_film = "5100 electron"'),
+    ('thick_film = "11500 electron"', 'thick_film = "13300 electron"'),
+)
+
+
+@pytest.mark.parametrize(("corner", "changes"), [(0.5, ()), (0.43, BEST)], ids=["thesis", "best"])
+def test_standard_deviation_in_a_beam_that_falls_off(tmp_path, corner, changes):
+    """Of the whole field, with dust, marks and scatter of the pulse energy; two rigs."""
+    settings = settings_of(*changes, ("# corner = 1.0", f"corner = {corner}"))
+    size = {"width": 160, "height": 128, "fixture_frames": 6}
+    simulate(tmp_path / "rig", seed=3, rig=replace(rig_of(settings), **size))
+    calibration = erlif.calibrate(tmp_path / "rig" / "fixture")
+    film = erlif.process(tmp_path / "rig" / "run", calibration=calibration)
+    with xr.open_dataset(tmp_path / "rig" / "truth.nc", engine="h5netcdf") as truth:
+        true = truth.film.values[0]
+    chosen = (film.flags.values[0] == 0) & (true > 2) & (true < 10)
+    predicted = thickness_std(design_of(settings, Path()), true[chosen])
+    stated = film.thickness_std.values[0][chosen] / predicted
+    assert np.sqrt(np.mean(stated**2)) == pytest.approx(1.0, abs=0.04)
+
+    # dust leaves single pixels far off
+    pull = (film.thickness.values[0][chosen] - true[chosen]) / predicted
+    like = np.digitize(true[chosen], np.geomspace(2, 10, 13))
+    spread = [1.4826 * median_abs_deviation(pull[like == number]) for number in range(1, 13)]
+    assert np.sqrt(np.mean(np.square(spread))) == pytest.approx(1.0, abs=0.05)
+
+    # the middle of the beam alone is well below
+    even = thickness_std(design_of(settings_of(*changes), Path()), true[chosen])
+    assert np.sqrt(np.mean((predicted / even) ** 2)) > 1.1
 
 
 def test_range_is_that_of_the_rehearsal(rehearsal):

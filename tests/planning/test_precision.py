@@ -41,6 +41,17 @@ def test_variance_is_that_of_drawn_photons(design):
     assert np.var(logarithms[1] - logarithms[0]) == pytest.approx(4 * new, rel=0.01)
 
 
+def test_light_that_falls_off_is_averaged_over_a_square_field(design):
+    """The means of 1/light and 1/light^2 over a Gaussian beam, by summation."""
+    reading = 81 + 4.4**2 / 12
+    side = (np.arange(400) + 0.5) / 400
+    light = 0.3 ** ((side**2 + side[:, None] ** 2) / 2)
+    darker, _ = log_ratio_variance(replace(design, corner=0.3), 5.0)
+    electrons = [signal(design, number, 5.0) * light for number in (1, 2)]
+    expected = [np.mean((each + reading) / each**2) for each in electrons]
+    npt.assert_allclose(darker, expected[0] + INTERPOLATION * expected[1], rtol=1e-5)
+
+
 def test_pages_of_flats_are_a_part_that_frames_do_not_reduce(design):
     few = replace(design, references=References(flat_pages=4))
     _, fixed = log_ratio_variance(few, 5.0)

@@ -82,6 +82,7 @@ class LaserSettings(Settings):
     wavelength: Wavelength
     pulse_energy: Energy
     beam_diameter: Length | None = None
+    corner: float = Field(1.0, ge=0.1, le=1)
 
 
 class OpticsOfPlan(Settings):

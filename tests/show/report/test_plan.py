@@ -36,11 +36,16 @@ def test_summary_states_range_frames_optimum_and_tolerances(planned):
     text = summarise_plan(planned)
     assert "optically thick (Farzaneh 2002)" in text
     assert "The spectra are invented" in text
-    assert "a pixel in the middle of the beam" in text
+    assert "The light is taken as even" in text
     assert "One pixel of one frame is measurable from 0.8" in text
     assert "5 % of the film over the whole range needs 20 frame pairs" in text
     assert "Best concentrations: 0.00517 and 0.0476 mol/L" in text
     assert text.index("gain of camera 1") < text.index("full well")
+
+
+def test_light_that_falls_off_is_stated():
+    text = summarise_plan(planned_with(("# corner = 1.0", "corner = 0.43")))
+    assert "whose corners have 43% of the light in its middle" in text
 
 
 def test_a_plan_beyond_its_range_is_reported():
