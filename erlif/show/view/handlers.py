@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from importlib.resources import files
@@ -17,6 +18,8 @@ from erlif.core.tables import read_table
 from erlif.show.view import queries
 from erlif.show.view.access import HEADERS, AccessRule
 from erlif.show.view.films import FilmReader
+
+_logger = logging.getLogger(__name__)
 
 # Files of the page by their names in its address, with their kinds.
 PAGE: dict[str, list[str]] = read_table("erlif.show.view", "page.toml")["files"]
@@ -63,6 +66,11 @@ class _Guarded(tornado.web.RequestHandler):
     async def run(self, function: Callable[..., Any], *values: Any) -> Any:
         """Call a function in a thread of the executor."""
         return await asyncio.get_running_loop().run_in_executor(self.executor, function, *values)
+
+    def log_exception(self, kind: Any, error: Any, traceback: Any) -> None:
+        """Log a defect without its request, whose address holds the token."""
+        if not isinstance(error, ErlifError | tornado.web.HTTPError):
+            _logger.error("the viewer has a defect", exc_info=(kind, error, traceback))
 
     def write_error(self, status_code: int, **details: Any) -> None:
         """An expected failure as a sentence; others without details of this machine."""

@@ -66,13 +66,16 @@ def test_no_other_file_is_served(send):
         assert b"root:" not in body
 
 
-def test_bad_values_are_refused_in_a_sentence(send):
+def test_bad_values_are_refused_in_a_sentence_and_not_logged(send, caplog):
     status, _, body = send("map?film=7&trigger=0&layer=thickness&window=0,0,1,1&room=9,9")
     assert status == 400
     assert "Expected a film from 0 to 0" in json.loads(body)["message"]
+    assert not caplog.records
 
 
-def test_a_defect_shows_nothing_of_this_machine(send, monkeypatch):
+def test_a_defect_shows_nothing_of_this_machine_and_is_logged_without_the_token(
+    send, access, monkeypatch, caplog
+):
     def fail(request):
         raise RuntimeError("/home/secret")
 
@@ -81,6 +84,8 @@ def test_a_defect_shows_nothing_of_this_machine(send, monkeypatch):
     assert status == 500
     assert b"secret" not in body
     assert b"Traceback" not in body
+    assert "RuntimeError" in caplog.text
+    assert access.token not in caplog.text
 
 
 def test_a_large_body_is_refused(send):
