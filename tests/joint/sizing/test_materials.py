@@ -1,10 +1,16 @@
 """The table of materials and what a user adds to it."""
 
+import csv
+from pathlib import Path
+
 import pytest
 
 from erlif.core.errors import ConfigError
+from erlif.joint import sizing
 from erlif.joint.sizing import read_materials
 from erlif.joint.sizing.materials import USES
+
+WORDS = ("name", "use", "source")  # columns without a value
 
 
 def table(tmp_path, text):
@@ -31,6 +37,26 @@ def test_every_material_has_a_source_and_a_use():
         assert one.use in USES
         assert one.youngs_modulus is not None or "not stated by a source at hand" in one.source
         assert "usual" not in one.source
+
+
+def test_the_page_states_how_many_values_are_assumptions():
+    """One value of each marked material, and of one alloy all but the two of its hardness."""
+    path = Path(sizing.__file__).with_name("materials.csv")
+    with path.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    values = {
+        row["name"]: sum(bool(text) for key, text in row.items() if key not in WORDS)
+        for row in rows
+    }
+    marked = {row["name"]: row["source"] for row in rows if row["source"].endswith("assumption")}
+    count = sum(
+        values[name] - 2 if "all other values: assumption" in source else 1
+        for name, source in marked.items()
+    )
+    assert not any("assumption;" in row["source"] for row in rows)
+    stated = f"{count} of {sum(values.values())} in {len(marked)} materials"
+    page = Path(__file__).parents[3] / "docs" / "design.md"
+    assert stated in page.read_text(encoding="utf-8")
 
 
 def test_limits_of_pv_are_those_of_the_suppliers():
