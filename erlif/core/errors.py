@@ -23,7 +23,7 @@ class ErlifError(Exception):
         text = super().__str__()
         if len(text) <= _LONGEST:
             return text
-        # lists of many faults stay, a word or a line of them without end does not
+        # lists of many faults stay, a line without end does not
         return "\n".join(
             line if len(line) <= _LONGEST else f"{line[:_QUOTED]} ... {line[-_QUOTED:]}"
             for line in text.split("\n")
