@@ -18,7 +18,8 @@ from erlif.calibration.refusals import refusal
 from erlif.calibration.soundness import check_calibration, check_displacements, check_file
 from erlif.calibration.systematics import Systematics
 from erlif.core.errors import ErlifError, OutputError, RegistrationError, reason_of
-from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
+from erlif.core.format import ATTRIBUTE, FORMAT_VERSION, is_version_after
+from erlif.core.notes import note_writer
 from erlif.core.version import __version__
 from erlif.io.files import (
     has_group,
@@ -32,6 +33,8 @@ from erlif.io.files.kinds import KINDS, kind_of
 from erlif.io.settings import RunSettings
 from erlif.registration import CameraMap
 from erlif.registration.camera_map import describe_map
+
+_make_note = note_writer("erlif.calibration")
 
 # Products whose files are no calibrations.
 _OTHERS = ("film", "prediction", "pressure", "comparison", "budget")
@@ -139,6 +142,10 @@ def _read(path: Path) -> Calibration:
             raise refusal("another_product", path=path, kind=KINDS[kind])
         check_file(dataset)
         calibration = Calibration.from_dataset(dataset.load())
+        written = str(dataset.attrs.get("erlif_version", ""))
+    if is_version_after(written, __version__):
+        note = _make_note("later_version", written=written[:40], own=__version__)
+        calibration = replace(calibration, notes=(note, *calibration.notes))
     check_calibration(calibration)
     if not has_group(path, "registration"):
         return calibration

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -60,3 +61,28 @@ def is_later(attrs: Mapping[Any, Any]) -> bool:
     if number != version or number < 1:
         raise ValueError(f"{ATTRIBUTE} is {version!r}, no whole number from 1 on")
     return number > FORMAT_VERSION
+
+
+def is_version_after(written: str, own: str) -> bool:
+    """Whether a version of erlif is later than another one.
+
+    Parameters
+    ----------
+    written, own : str
+        Versions; what follows the numbers does not count.
+
+    Returns
+    -------
+    bool
+        False where a version has no numbers.
+
+    Examples
+    --------
+    >>> is_version_after("99.0", "0.1.0"), is_version_after("0.1.0", "0.1.0")
+    (True, False)
+    """
+    one, two = (
+        [int(part) for part in re.split(r"[^0-9]+", text, maxsplit=3)[:3] if part]
+        for text in (written, own)
+    )
+    return bool(one and two) and one > two

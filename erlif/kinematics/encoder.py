@@ -26,6 +26,9 @@ FEWEST_FRAMES = 14
 # Largest relative deviation of the crank speed from its setting.
 LARGEST_SLIP = 0.05
 
+# Speeds on either side of the stated one that are tried; times in another unit would take millions.
+MOST_SPEEDS = 1000
+
 # Standard deviations by which the second harmonic must differ from zero.
 SIGNIFICANT = 5.0
 
@@ -240,6 +243,8 @@ def find_direction(
 
     # the crank speed is searched in steps by which the log slips a twentieth of a turn
     count = int(np.ceil(LARGEST_SLIP * crank_speed * duration / (0.05 * _TURN)))
+    if count > MOST_SPEEDS:
+        return 0, 0.0
     speeds = crank_speed * (1 + LARGEST_SLIP * np.arange(-count, count + 1) / max(count, 1))
     fits = [_fit_harmonics(time, reading, float(speed)) for speed in speeds]
     residual, read_first, read_second = min(fits, key=lambda fit: fit[0])

@@ -25,6 +25,8 @@ from erlif.io.files import MapVariable, describe_hashes
 from erlif.io.ingest import FramePairs, Run, format_notes, skipped_notes
 from erlif.io.settings import RunSettings, stated_keys, to_toml
 from erlif.kinematics import encoder_notes
+from erlif.pipeline.audit.audits import audit_run
+from erlif.pipeline.audit.evidence import Evidence
 from erlif.pipeline.engines.results import (
     TriggerResult,
     describe_frame_notes,
@@ -213,6 +215,9 @@ def complete_film(
     """
     frames, options = frames_in(results), run.settings.light
     drift = mean_drift(frames)
+    with stage("audits", _logger):
+        measured_frames = sorted(frames, key=lambda one: one.frame)
+        audited = audit_run(Evidence(run, cycle, measured_frames, ready.bits))
     notes = [
         *run.log_notes,
         *encoder_notes(cycle),
@@ -262,6 +267,7 @@ def complete_film(
         prediction=prediction,
         hashes=hashes,
         notes=[*notes, *notes_on_light],
+        audited=audited,
     )
     film = film.assign(light)
     film = film.assign_attrs(
@@ -292,6 +298,7 @@ def describe_film(
     prediction: Prediction,
     hashes: Mapping[str, str],
     notes: Iterable[Note],
+    audited: Iterable[Note] = (),
 ) -> xr.Dataset:
     """Everything of the film but its maps.
 
@@ -311,6 +318,8 @@ def describe_film(
         Of the inputs.
     notes : iterable of Note
         On cameras and frames.
+    audited : iterable of Note
+        Of the audits; they come first.
 
     Returns
     -------
@@ -330,6 +339,7 @@ def describe_film(
 
     film = film.assign_coords(plane.grid(len(results)).coords)
     own = [
+        *audited,
         *format_notes(run.pairs),
         *notes,
         *note_omissions(settings, film),

@@ -17,6 +17,7 @@ from erlif.core.speed.memory import release_memory
 from erlif.core.timing import stage
 from erlif.io.files import PartialFilm, open_film, refuse_existing, remove_remains, takes
 from erlif.io.ingest import Run, open_run
+from erlif.pipeline.audit.naming import naming
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines.engine import Engine, open_engine
 from erlif.pipeline.engines.results import FrameResult, TriggerResult, frames_in
@@ -163,13 +164,16 @@ def process_run(
         del known
         release_memory()
 
-        # frames: counts -> light -> ratio -> thickness, trigger by trigger
-        results = measure_run(run, ready, frames_of, unfinished, engine=engine, progress=progress)
-        release_memory()
+        with naming(ready.bits):
+            # frames: counts -> light -> ratio -> thickness, trigger by trigger
+            results = measure_run(
+                run, ready, frames_of, unfinished, engine=engine, progress=progress
+            )
+            release_memory()
 
-        # the whole: statistics, theory, exponent, and the record of how it was made
-        hashes = work.hash_inputs(results)
-        film, groups = complete_film(run, cycle, triggers, ready, results, hashes)
+            # the whole: statistics, theory, exponent, and the record of how it was made
+            hashes = work.hash_inputs(results)
+            film, groups = complete_film(run, cycle, triggers, ready, results, hashes)
         work.write(unfinished, film, groups, hashes)
     return True
 

@@ -28,6 +28,9 @@ MANY_STEPS, MOST_STEPS = 5_000, 40_000
 # which the crank is taken as one.
 STEADY_CRANK = 0.02
 
+# Whole turns between most frames, from which their times must be those of an even crank.
+_WHOLE = 0.9
+
 _TURN = 2 * math.pi
 
 
@@ -112,7 +115,8 @@ def follow_motion(
     Raises
     ------
     EncoderError
-        If the frames were taken at one time, or over too many turns.
+        If the frames were taken at one time, over too many turns, or at times that no crank of this
+        speed has.
 
     Examples
     --------
@@ -171,6 +175,11 @@ def _clock(frames: xr.Dataset, linkage: CrankRocker, crank_speed: float) -> tupl
     step += _TURN * np.rint((crank_speed * np.diff(time) - step) / _TURN)
     turned = crank[0] + np.concatenate([[0.0], np.cumsum(step)])
     even = _even_turning(time, turned, linkage)
+
+    # a camera may show every tenth turn; then its times fit that
+    added = float(np.median(np.diff(turned) - np.diff(crank) % _TURN)) / _TURN
+    if even is None and added > _WHOLE:
+        raise refusal("times_of_no_crank", turns=added)
     return time, np.maximum.accumulate(turned) if even is None else even
 
 

@@ -64,6 +64,16 @@ def test_file_round_trip_keeps_everything(name, request, tmp_path):
     assert (back.departure is None, back.pose is None) == (name != "departing", name != "placed")
 
 
+@pytest.mark.parametrize(("version", "warned"), [("99.0.0", True), ("99", True), ("0.0.1", False)])
+def test_a_file_of_a_later_erlif_is_read_with_a_warning(version, warned, wedge, tmp_path):
+    path = save_calibration(wedge, tmp_path / "calibration.nc")
+    with h5py.File(path, "r+") as file:
+        file.attrs["erlif_version"] = version
+    notes = open_calibration(path).notes
+    assert any(f"written by erlif {version}" in note.text for note in notes) == warned
+    assert notes[-len(wedge.notes) :] == wedge.notes or not wedge.notes
+
+
 def test_existing_file_is_replaced_on_request_only(wedge, departing, tmp_path):
     path = save_calibration(wedge, tmp_path / "calibration.nc")
     with pytest.raises(OutputError, match=r"calibration\.nc"):

@@ -10,6 +10,7 @@ from erlif.core.tables import read_table
 
 TABLES = (
     ("erlif.calibration", "notes.toml"),
+    ("erlif.pipeline.audit", "notes.toml"),
     ("erlif.prediction", "notes.toml"),
     ("erlif.review", "init.toml"),
     ("erlif.review.audit", "notes.toml"),

@@ -26,6 +26,12 @@ CYCLE = np.radians(7.0 + np.arange(0, 360, 4.0))
 # mounting
 
 
+def test_times_in_another_unit_leave_the_sign_open_at_once():
+    """A turn of microseconds in place of seconds would be a million turns."""
+    time = np.linspace(0, 0.5, 50)
+    assert find_direction(1e6 * time, np.sin(8 * time), np.sin, crank_speed=8.0) == (0, 0.0)
+
+
 @pytest.mark.parametrize("link", ["rocker", "coupler"])
 @pytest.mark.parametrize("zero", [0.0, 33.3])
 def test_crank_and_joint_speed_are_the_same_from_either_link(link, zero):

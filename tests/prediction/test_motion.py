@@ -102,3 +102,12 @@ def test_frames_at_one_angle_or_over_too_many_turns_are_refused():
     time = np.arange(3) * (1000 * 2 * np.pi / SPEED)
     with pytest.raises(EncoderError, match="at most 1666 turns of the crank"):
         follow(frames([0, 0, 0], time=time))
+
+
+def test_times_in_another_unit_are_refused_where_the_crank_cannot_follow_them():
+    crank = np.linspace(0, 340, 35)
+    time = crank / np.degrees(SPEED)
+    found = frames(crank, time=time + 0.003 * np.sin(np.radians(7 * crank)))
+    assert follow(found).motion.time[-1] == pytest.approx(time[-1], rel=0.05)
+    with pytest.raises(EncoderError, match="the unit of the times"):
+        follow(found.assign(time=1000 * found.time))

@@ -31,6 +31,7 @@ from erlif.io.ingest import (
     select_counts,
 )
 from erlif.io.ingest.selection import Purpose
+from erlif.pipeline.audit.bits import note_bits
 
 # Frame pairs searched for saturation below full scale.
 _FRAMES_SEARCHED = 8
@@ -52,8 +53,7 @@ def measure_cameras(recording: Run | Fixture) -> tuple[CameraMeasurement, Camera
     FrameError
         If darks or flats are missing, unreadable, or do not fit the frames.
     """
-    one, two = look_at_frames(recording.pairs)
-    return _measure(recording, 1, one), _measure(recording, 2, two)
+    return _measure_both(recording, look_at_frames(recording.pairs))
 
 
 class Characterised(NamedTuple):
@@ -71,12 +71,15 @@ class Characterised(NamedTuple):
         What the settings give.
     faults : tuple[Note, ...]
         Notes on darks and flats that do not fit the frames.
+    bits : tuple[Note, ...]
+        Faults of the bits of the frames.
     """
 
     cameras: Cameras
     measured: tuple[CameraMeasurement, ...]
     declared: tuple[DeclaredNoise, ...]
     faults: tuple[Note, ...]
+    bits: tuple[Note, ...] = ()
 
 
 def characterise_cameras(recording: Run | Fixture) -> Characterised:
@@ -95,11 +98,13 @@ def characterise_cameras(recording: Run | Fixture) -> Characterised:
     FrameError
         As `measure_cameras`.
     """
-    measured = measure_cameras(recording)
+    looks = look_at_frames(recording.pairs)
+    measured = _measure_both(recording, looks)
     declared = tuple(DeclaredNoise(one.gain, one.read_noise) for one in recording.cameras)
     cameras = make_references(measured, declared=declared)
     faults = tuple(find_reference_faults(measured, cameras.references))
-    return Characterised(cameras, measured, declared, faults)
+    bits = tuple(note_bits(look.histogram for look in looks))
+    return Characterised(cameras, measured, declared, faults, bits)
 
 
 class FrameLook(NamedTuple):
@@ -133,6 +138,13 @@ def look_at_frames(pairs: FramePairs) -> tuple[FrameLook, FrameLook]:
     views = (total.mean() for total in totals)
     one, two = (FrameLook(*all_of) for all_of in zip(counted, views, highest, strict=True))
     return one, two
+
+
+def _measure_both(
+    recording: Run | Fixture, looks: tuple[FrameLook, FrameLook]
+) -> tuple[CameraMeasurement, CameraMeasurement]:
+    one, two = looks
+    return _measure(recording, 1, one), _measure(recording, 2, two)
 
 
 def _measure(recording: Run | Fixture, number: int, look: FrameLook) -> CameraMeasurement:

@@ -44,11 +44,14 @@ class NoiseCompletion:
         What was measured, estimated and assumed.
     sample : tuple[Bands, ...]
         Parts of a few frame pairs, corrected and aligned by the chain.
+    bits : tuple[Note, ...]
+        Faults of the bits of the frames.
     """
 
     chain: FrameChain
     notes: tuple[Note, ...]
     sample: tuple[Bands, ...] = ()
+    bits: tuple[Note, ...] = ()
 
 
 def complete_noise(

@@ -15,6 +15,7 @@ from erlif.core.progress import Progress
 from erlif.core.speed.memory import release_memory
 from erlif.core.timing import stage
 from erlif.io.ingest import Fixture, Run
+from erlif.pipeline.audit.naming import naming
 from erlif.pipeline.chain import FrameChain, FrameCorrection
 from erlif.pipeline.physics.findings import LightFindings
 from erlif.pipeline.physics.light import correct_light, find_light, measure_lights
@@ -68,11 +69,25 @@ def prepare_chain(
     RegistrationError
         If the cameras cannot be registered, or the stored map no longer fits.
     """
-    settings = recording.settings
     with stage("darks and flats", _logger):
         known = characterise_cameras(recording)
-        for note in (*known.cameras.notes, *known.faults):
+        for note in (*known.cameras.notes, *known.faults, *known.bits):
             _logger.info("%s", note)
+    with naming(known.bits):
+        completed = _prepare(recording, known, progress, stored=stored, tables_only=tables_only)
+    return replace(completed, notes=(*completed.notes, *known.faults), bits=known.bits)
+
+
+def _prepare(
+    recording: Run | Fixture,
+    known: Characterised,
+    progress: Progress,
+    *,
+    stored: CameraMap | None,
+    tables_only: bool,
+) -> NoiseCompletion:
+    """The chain of cameras that are characterised."""
+    settings = recording.settings
 
     # where nothing is left to be estimated, the references are all that is needed
     correct = correct_recording(recording, known)
@@ -111,7 +126,7 @@ def prepare_chain(
         for note in completed.notes[len(known.cameras.notes) :]:
             _logger.info("%s", note)
     release_memory()
-    return replace(completed, notes=(*completed.notes, *known.faults))
+    return completed
 
 
 def correct_recording(recording: Run | Fixture, known: Characterised) -> FrameCorrection:
@@ -170,6 +185,8 @@ class PreparedRun:
         Relative pulse energy of each frame in the log, (frame,).
     notes : tuple[Note, ...]
         On both cameras and their ratio.
+    bits : tuple[Note, ...]
+        Faults of the bits of the frames.
     """
 
     chain: FrameChain
@@ -177,6 +194,7 @@ class PreparedRun:
     light: LightFindings
     energies: Array | None
     notes: tuple[Note, ...]
+    bits: tuple[Note, ...] = ()
 
 
 def prepare_run(
@@ -236,4 +254,4 @@ def prepare_run(
 
     # the frames need neither the sample nor the references
     notes = (*prepared.notes, *misfit.notes)
-    return PreparedRun(chain.tabulated(), measuring, findings, energies, notes)
+    return PreparedRun(chain.tabulated(), measuring, findings, energies, notes, prepared.bits)

@@ -105,7 +105,7 @@ def complete_energies(chain: FrameChain, calibration: Calibration) -> FrameChain
 
 
 def refuse_stuck_cameras(pairs: FramePairs) -> None:
-    """Refuse a recording in which a camera has one image for all pulses.
+    """Refuse a recording in which a camera has one image for all pulses, or both have the same.
 
     Two exposures never agree to the last count. The ratio of a stuck camera may look like that of
     exchanged cameras, so that this comes first; where all is well, it reads two frame pairs.
@@ -123,11 +123,15 @@ def refuse_stuck_cameras(pairs: FramePairs) -> None:
     if not others:
         return
     known, stuck = read_pair(pairs, first).counts, {1, 2}
+    copied = np.array_equal(*known)
 
     # the last one first: a camera may hang for some pulses and go on
     for frame in reversed(others):
         counts = read_pair(pairs, frame).counts
+        copied = copied and np.array_equal(*counts)
         stuck -= {n + 1 for n in range(2) if not np.array_equal(known[n], counts[n])}
+        if not stuck and copied:
+            raise PulseError(_TEXTS["both_cameras"])
         if not stuck:
             return
     if len(stuck) == 2:

@@ -17,6 +17,8 @@ from erlif.core.version import __version__
 from erlif.io.files import takes
 from erlif.io.ingest import Fixture, Run, format_notes, open_fixture, open_run
 from erlif.kinematics import encoder_notes
+from erlif.pipeline.audit.bits import note_bits
+from erlif.pipeline.audit.log import Steps, note_conditions, note_energy, note_motion
 from erlif.pipeline.film import describe_cycle, describe_triggers
 from erlif.pipeline.physics.clock import fit_start
 from erlif.pipeline.physics.joint import locate_run
@@ -35,13 +37,11 @@ from erlif.review.audit.counts import (
     CountSurvey,
     find_copies,
     note_bad_pixels,
-    note_bits,
     note_copies,
     note_counts,
     note_light,
     survey_counts,
 )
-from erlif.review.audit.log import Steps, note_conditions, note_energy, note_motion
 from erlif.review.audit.pairing import PairRow, note_numbers, tabulate_pairs
 from erlif.review.refusals import refusal
 
@@ -235,7 +235,7 @@ class _Parts:
         yield from format_notes(pairs)
         self.found.survey = self.survey = survey_counts(pairs, pairs.spread(MOST_SPREAD))
         yield from note_counts(self.survey, pairs)
-        yield from note_bits(self.survey)
+        yield from note_bits(self.survey.histograms)
 
     def pairing(self) -> Iterator[Note]:
         """Names of the files, and images that are copies."""

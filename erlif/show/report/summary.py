@@ -8,7 +8,7 @@ import xarray as xr
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
 from erlif.core.flags import Flag, describe_share
-from erlif.core.notes import rank_notes
+from erlif.core.notes import Level, rank_notes, split_notes
 from erlif.core.units import count_of
 from erlif.io.files import flag_shares, takes
 from erlif.show.report.layout import TABLES, print_rows
@@ -58,8 +58,14 @@ def describe_film(film: xr.Dataset, shares: Array) -> dict[str, str]:
     valid, *flagged = shares.mean(axis=0)
     shown = ((flag, float(share)) for flag, share in zip(Flag, flagged, strict=True) if share)
     occurring = [f"{str(flag.name).lower()} {describe_share(share, '%')}" for flag, share in shown]
-    # the order is that of reading: films, what limits them, what they follow, and remarks
+    notes = split_notes(str(film.attrs.get("notes", "")))
+    warned, noted = (
+        "\n".join(text for level, text in notes if (level is Level.NOTE) is plain)
+        for plain in (False, True)
+    )
+    # the order is that of reading: what is wrong, films, what limits and moves them, remarks
     rows = {
+        "warnings": warned,
         "minimum film thickness": _describe_statistic(film, "film_min"),
         "mean film thickness": _describe_statistic(film, "film_mean"),
         "largest error": str(film.attrs.get("largest_error", "")),
@@ -71,7 +77,7 @@ def describe_film(film: xr.Dataset, shares: Array) -> dict[str, str]:
         "measured less predicted": describe_difference(film),
         "correlation with |speed|": describe_correlations(film),
         "what carries the film": str(film.attrs.get("physics", "")),
-        "notes": str(film.attrs.get("notes", "")),
+        "notes": noted,
     }
     return {title: text for title, text in rows.items() if text}
 

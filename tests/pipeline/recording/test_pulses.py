@@ -49,6 +49,18 @@ def test_one_image_for_all_pairs_is_refused(lab, refused):
     assert "all 6 pairs show the same image" in refused("process", lab.run)
 
 
+def test_one_camera_in_place_of_both_is_refused(lab, refused):
+    for one, two in zip(lab.frames(1), lab.frames(2), strict=True):
+        shutil.copy(one, two)
+    message = refused("process", lab.run)
+    assert "both cameras show the same image. Correct files in [camera1] or [camera2]" in message
+
+
+def test_a_few_files_of_the_other_camera_are_named_in_the_notes(lab):
+    shutil.copy(lab.frames(1)[2], lab.frames(2)[2])
+    assert "both cameras show the same image in frame pairs 2," in erlif.process(lab.run).notes
+
+
 def test_a_stuck_pair_is_named_in_the_notes(lab):
     for camera in (1, 2):
         shutil.copy(lab.frames(camera)[2], lab.frames(camera)[3])

@@ -1,50 +1,20 @@
-"""Bits, copies, light and sharpness of the counts."""
+"""Copies, light and sharpness of the counts."""
 
 import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
 
-from erlif.correction import count_pixels
+from erlif.pipeline.audit.bits import note_bits
 from erlif.review.audit.counts import (
     CountSurvey,
     FrameCounts,
-    find_bit_faults,
     note_bad_pixels,
-    note_bits,
     note_copies,
     note_counts,
     note_light,
     survey_counts,
 )
-
-
-def counts(seed=1, size=200_000):
-    """A camera of 12 bits: light from 300 to 3000 DN."""
-    return np.random.default_rng(seed).integers(300, 3000, size).astype(np.uint16)
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        (lambda c: c, None),
-        (lambda c: c // 16 * 16, "the lowest 4 bits are never set: counts are multiples of 16"),
-        (lambda c: c & ~np.uint16(1), "the lowest bit is never set: counts are multiples of 2"),
-        (lambda c: c & ~np.uint16(64), "bit 6 (value 64) is never set"),
-        (lambda c: c | np.uint16(8), "bit 3 (value 8) is always set"),
-        (lambda c: np.rint(c // 16 * 16.06).astype(np.uint16), "only "),
-    ],
-)
-def test_bits_that_do_not_move_are_named(change, words):
-    found = find_bit_faults(count_pixels(change(counts()), 4095))
-    assert found == [] if words is None else [words in text for text in found] == [True]
-
-
-@pytest.mark.parametrize("light", [5, 1500])
-def test_poisson_light_of_any_level_has_no_fault(light):
-    rng = np.random.default_rng(2)
-    image = np.rint(64 + rng.poisson(4.4 * light, (96, 128)) / 4.4 + rng.normal(0, 2, (96, 128)))
-    assert find_bit_faults(count_pixels(image.astype(np.uint16), 4095)) == []
 
 
 def frame(number, *, level=(500.0, 600.0), sharpness=(0.04, 0.04), digest=None):
@@ -92,5 +62,5 @@ def test_counts_of_the_rig_are_those_of_its_files(run, small_rig):
         expected = np.bincount(np.concatenate(images, axis=None), minlength=4096)
         npt.assert_array_equal(found.histograms[camera - 1], expected)
         assert [one.level[camera - 1] for one in found.frames] == [np.median(i) for i in images]
-    assert list(note_bits(found)) == []
+    assert list(note_bits(found.histograms)) == []
     assert [note.level for note in note_counts(found, run.pairs)] == ["note", "note"]

@@ -4,9 +4,9 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
+from erlif.pipeline.audit.log import Steps
 from erlif.review.audit.cameras import Picture
 from erlif.review.audit.counts import CountSurvey, FrameCounts
-from erlif.review.audit.log import Steps
 from erlif.show.plots.audit import (
     histogram_figure,
     light_figure,

@@ -33,6 +33,9 @@ def test_thickness_is_given_over_the_cycle(film):
         f"minimum film thickness {low:.2f} to {high:.2f} um, "
         "n = 0.600 ± 0.010, 6 triggers from 6 frame pairs"
     )
+    warned = summarise(film.assign_attrs(notes="warning: log: odd\none")).splitlines()
+    assert warned[1].split() == ["warnings", "log:", "odd"]
+    assert warned[-1].split() == ["notes", "one"]
     text = summarise(film.isel(trigger=[0]))
     assert ": 1 trigger from 1 frame pair of" in text
     assert " to " not in line_of(text, "minimum film thickness")

@@ -14,7 +14,7 @@ from erlif.core.products import EncoderLog
 from erlif.io.settings import RunSettings
 from erlif.pipeline.recording.pulses import read_energies
 
-_note = note_writer("erlif.review.audit")
+_note = note_writer("erlif.pipeline.audit")
 
 _FEWEST = 8  # rows from which on steps are compared
 
@@ -24,6 +24,8 @@ _GAP = 1.7  # step over that of its neighbours from which a trigger is missing; 
 _EVEN = 0.1
 
 _SPEED = 0.05  # relative deviation of the speed by the log from that of run.toml that is reported
+
+_STROBE = 0.8  # length of the mean of directions from which these are one; 0 for chance
 
 _STUCK = 3  # equal angles in a row from which the encoder stood still; a dead point leaves two
 
@@ -66,15 +68,18 @@ class Steps:
 
 def note_motion(log: EncoderLog, located: xr.Dataset, settings: RunSettings) -> Iterator[Note]:
     """Steps of angle and time against each other and against the mechanism."""
-    steps = Steps.of(log)
-    if steps.angle is not None and steps.angle.size >= _FEWEST:
-        yield from _note_angles(steps.angle)
-    if steps.time is not None and steps.time.size >= _FEWEST:
-        yield from _note_times(steps.time)
-        yield from _note_speed(steps.time, located, settings)
+    yield from note_angles(log)
+    time = Steps.of(log).time
+    if time is not None and time.size >= _FEWEST:
+        yield from _note_times(time)
+    yield from note_speed(log, located, settings)
 
 
-def _note_angles(angle: Array) -> Iterator[Note]:
+def note_angles(log: EncoderLog) -> Iterator[Note]:
+    """Steps of the angle: jumps, and an encoder that stands still."""
+    angle = Steps.of(log).angle
+    if angle is None or angle.size < _FEWEST:
+        return
     signed = (np.diff(angle) + 180.0) % 360.0 - 180.0  # an encoder that starts again at 0
     step = np.abs(signed)
     turns = int(np.count_nonzero(np.diff(np.sign(signed[step > 0]))))
@@ -109,19 +114,29 @@ def _note_times(time: Array) -> Iterator[Note]:
         yield _note("pauses", places=shown)
 
 
-def _note_speed(time: Array, located: xr.Dataset, settings: RunSettings) -> Iterator[Note]:
+def note_speed(log: EncoderLog, located: xr.Dataset, settings: RunSettings) -> Iterator[Note]:
     """Speed of the crank by angles and times against that of run.toml."""
+    time = Steps.of(log).time
+    if time is None or time.size < _FEWEST:
+        return
     if settings.linkage is None or "crank_angle" not in located:
         return
     turned = np.diff(located.crank_angle.values) % 360.0
+    stated = float(np.degrees(settings.linkage.crank_speed)) / 6.0
+
+    # a slow camera sees the crank some turns later; the rest of a turn shows its speed
+    expected = 6.0 * stated * np.diff(time)
+    if np.median(expected) > 180.0:
+        apart = np.exp(1j * np.radians(turned - expected))
+        if abs(apart.mean()) > _STROBE and apart.mean().real > 0:
+            return
     # a step above half a turn may be one backwards
     moved = (turned > 0.1) & (turned < 180.0)
     if moved.sum() < _FEWEST // 2:
         return
 
-    # the sum over the log does not depend on the error of a reading near a dead point
-    speed = float(turned[moved].sum() / np.diff(time)[moved].sum()) / 6.0
-    stated = float(np.degrees(settings.linkage.crank_speed)) / 6.0
+    # the median does not depend on the error of a reading near a dead point, nor on a wrong one
+    speed = float(np.median(turned[moved] / np.diff(time)[moved])) / 6.0
     yield _note("speed", wrong=abs(speed / stated - 1) > _SPEED, found=speed, stated=stated)
 
 

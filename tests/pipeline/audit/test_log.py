@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from erlif.review.audit.log import note_conditions, note_energy, note_motion
+from erlif.pipeline.audit.log import note_conditions, note_energy, note_motion
 
 RPM = 114.0
 
@@ -105,3 +105,12 @@ def test_energies_of_other_pulses_are_recognised_by_the_light(shift):
     assert note.level == ("warning" if shift else "note")
     assert note.subject == "conditions"
     assert list(note_energy(xr.Dataset(), [], np.zeros((0, 2)))) == []
+
+
+def test_a_camera_slower_than_the_crank_shows_its_speed_by_the_rest_of_a_turn():
+    time = np.arange(40) * 1.03 / 1.9  # a turn takes 1/1.9 s at 114 rpm
+    crank = 360.0 * 1.9 * time
+    log = xr.Dataset({"angle": ("frame", crank % 360), "time": ("frame", time)})
+    located = xr.Dataset({"crank_angle": ("frame", crank % 360)})
+    assert warnings(motion(log, located)) == []
+    assert warnings(motion(log.assign(time=log.time * 0.7), located))

@@ -1,0 +1,146 @@
+"""What `erlif process` prints after a mistake of the laboratory, beside the true errors.
+
+``python benchmarks/mistakes.py`` makes each mistake of tests/damages/mistakes.py on a copy of a
+small rig and prints whether it was refused or warned of, the largest error of the minimum film and
+of the speed exponent in stated standard deviations, the largest error of the speed, and the first
+warning. ``--only late`` chooses mistakes by a part of their names; ``--sound 200`` processes that
+many sound rigs of all kinds and prints every warning of an audit.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+import erlif
+from erlif.core.errors import ErlifError
+from erlif.core.notes import Level, split_notes
+from erlif.rig import simulate
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+from damages.mistakes import MISTAKES, RIGS, SEEDS, Mistake
+
+LARGE = 3.0
+"""Stated standard deviations from which a film is wrong."""
+
+FAST = 0.02
+"""Error of the speed, of its highest value, from which it is wrong; it has no stated error."""
+
+
+class Outcome(NamedTuple):
+    """What a run gave."""
+
+    refused: bool
+    film: float
+    exponent: float
+    speed: float
+    warnings: list[str]
+
+    @property
+    def wrong(self) -> bool:
+        return not self.refused and (
+            self.film > 1.5 * LARGE or self.exponent > LARGE or self.speed > FAST
+        )
+
+    def named(self, cause: str) -> bool:
+        return bool(self.warnings) and bool(re.search(cause, self.warnings[0]))
+
+
+USUAL = "the course of the minimum film over the run is not that of a"
+"""A warning of sound rigs whose film is a formula."""
+
+
+def judge(rig: Path) -> Outcome:
+    """Process a run and compare it with the truth."""
+    try:
+        film = erlif.process(rig / "run", workers=1)
+    except ErlifError as error:
+        return Outcome(True, np.nan, np.nan, np.nan, [str(error)])
+    with xr.open_dataset(rig / "truth.nc", engine="h5netcdf") as truth:
+        truth.load()
+    notes = split_notes(film.attrs["notes"])
+    warnings = [text for level, text in notes if level is not Level.NOTE and USUAL not in text]
+    count = min(film.sizes["trigger"], truth.sizes["trigger"])
+    pull = (film.film_min.values - truth.film_min.values[:count])[:count]
+    pull = np.abs(pull / film.film_min_std.values[:count])
+    # the largest of fifty sound pulls is about 3
+    exponent = np.nan  # of a film that is no formula
+    if "rig_exponent" in truth.attrs and "speed_exponent" in film:
+        exponent = abs(float(film.speed_exponent) - float(truth.attrs["rig_exponent"]))
+        exponent /= max(float(film.speed_exponent_std), 1e-9)
+    true = np.abs(truth.rocker_speed.values[:count])
+    speed = np.abs(np.abs(film.rocker_speed.values[:count]) - true).max() / true.max()
+    return Outcome(False, float(np.nanmax(pull)), exponent, float(speed), warnings)
+
+
+def make_rigs(directory: Path) -> None:
+    """Simulate the sound rigs that are not there yet."""
+    for name, rig in RIGS.items():
+        out = directory / name
+        if not out.exists():
+            simulate(out, seed=SEEDS[name], rig=rig)
+            calibration = erlif.calibrate(out / "fixture")
+            erlif.save_calibration(calibration, out / "fixture" / "calibration.nc")
+
+
+def try_mistake(mistake: Mistake, rigs: Path, scratch: Path) -> Outcome:
+    """The outcome of one mistake on a copy of its rig."""
+    for name in RIGS:
+        if not (scratch / name).exists():
+            (scratch / name).symlink_to(rigs / name)
+    copy = scratch / "copy"
+    shutil.copytree(rigs / mistake.rig, copy)
+    try:
+        mistake.change(copy)
+        return judge(copy)
+    finally:
+        shutil.rmtree(copy)
+
+
+def print_mistakes(rigs: Path, only: str) -> None:
+    """A row for each mistake, and the sums."""
+    counts = dict.fromkeys(("all", "refused", "wrong", "silent", "warned", "named"), 0)
+    with tempfile.TemporaryDirectory() as scratch:
+        for mistake in MISTAKES:
+            if only not in mistake.name:
+                continue
+            one = try_mistake(mistake, rigs, Path(scratch))
+            known = one.refused or bool(one.warnings)
+            named = one.named(mistake.cause)
+            silent = one.wrong and not known
+            told = "refused" if one.refused else "named" if named else "warned" if known else "-"
+            counts["all"] += 1
+            counts["refused"] += one.refused
+            counts["wrong"] += one.wrong
+            counts["silent"] += silent
+            counts["warned"] += known
+            counts["named"] += named
+            first = one.warnings[0][:150] if one.warnings else ""
+            numbers = f"{one.film:9.1f} {one.exponent:7.1f} {100 * one.speed:7.1f}"
+            mark = "SILENT" if silent else "other " if known and not named else "      "
+            print(f"{mistake.name:60s} {told:8s}{mark} {numbers}  {first}", flush=True)
+    print(counts)
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--rigs", type=Path, default=Path(tempfile.gettempdir()) / "erlif-rigs")
+    parser.add_argument("--only", default="")
+    parser.add_argument("--sound", type=int)
+    options = parser.parse_args()
+    options.rigs.mkdir(exist_ok=True)
+    make_rigs(options.rigs)
+    print_mistakes(options.rigs, options.only)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,177 @@
+"""Single values of a log that stand apart from their neighbours."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Array
+from erlif.core.notes import Note, list_some, note_writer
+from erlif.core.products import EncoderLog
+from erlif.core.statistics import robust_std
+from erlif.core.units import count_of
+from erlif.pipeline.audit.evidence import Evidence
+
+_note = note_writer("erlif.pipeline.audit")
+
+_FEWEST = 12  # rows from which on they are compared
+
+_MOST = 0.05  # share of the rows up to which values count as single
+
+# How far a value lies from its neighbours: in ranges of all other values, and in robust standard
+# deviations of such distances.
+_RANGES, _SIGMAS = 3.0, 12.0
+
+# Factor below all other values of a column without zeros at which a value is far off as well.
+_LACKING = 3.0
+
+# Least distance: of the median, or in kelvin for a temperature.
+_RELATIVE, _KELVIN = 0.2, 3.0
+
+# Factor between neighbouring loads that no test program has, and largest share of such rows.
+_FACTOR, _SHARE = 30.0, 0.5
+
+# Columns that count, that belong to the motion, or that are known by another audit.
+_OTHERS = ("number", "angle", "angle_rate", "time")
+
+
+def note_columns(evidence: Evidence) -> Iterator[Note]:
+    """Values that stand apart, in every column of numbers.
+
+    Parameters
+    ----------
+    evidence : Evidence
+
+    Yields
+    ------
+    Note
+    """
+    log = evidence.run.log
+    for name in map(str, log):
+        column = log[name]
+        if name in _OTHERS or column.dims != ("frame",) or column.dtype.kind not in "fi":
+            continue
+        values = np.asarray(column.values, float)
+        if values.size < _FEWEST or not np.isfinite(values).all():
+            continue
+        unit = str(column.attrs.get("units", "")).replace("degree_Celsius", "degC")
+        odd = find_single(values, least=_KELVIN if name == "temperature" else None)
+        if odd.size:
+            yield _describe(name, values, odd, unit)
+        elif name == "load":
+            lost = find_lost(values)
+            if lost.size:
+                usual = float(np.median(np.delete(values, lost)))
+                low, high = values[lost].min(), values[lost].max()
+                rows, count = list_some(lost), count_of(lost.size, "row")
+                yield _note("lost_load", count=count, rows=rows, low=low, high=high, usual=usual)
+
+
+def without_single(log: EncoderLog) -> EncoderLog:
+    """A log without the rows whose temperature or load stand apart.
+
+    Parameters
+    ----------
+    log : EncoderLog
+
+    Returns
+    -------
+    EncoderLog
+    """
+    odd = [np.array([], int)]
+    for name, least in (("temperature", _KELVIN), ("load", None)):
+        if name in log and log[name].size >= _FEWEST:
+            odd.append(find_single(np.asarray(log[name].values, float), least=least))
+    rows = np.setdiff1d(np.arange(log.sizes["frame"]), np.concatenate(odd))
+    return EncoderLog(log.isel(frame=rows))
+
+
+def _describe(name: str, values: Array, odd: AnyArray, unit: str) -> Note:
+    shown = ", ".join(f"{values[k]:.5g}" for k in odd[:5])
+    others = np.delete(values, odd)
+    rows, which = list_some(odd), "row" if odd.size == 1 else "rows"
+    return _note(
+        "single_values",
+        subject=name.replace("_", " "),
+        which=which,
+        rows=rows,
+        values=f"{shown} {unit}".strip(),
+        low=others.min(),
+        high=f"{others.max():.5g} {unit}".strip(),
+    )
+
+
+def find_single(values: Array, *, least: float | None = None) -> AnyArray:
+    """Rows whose values stand apart from their neighbours and from all others.
+
+    A ramp, steps and a load that follows the crank have no such values: each has neighbours like
+    it, or is within the range of the others.
+
+    Parameters
+    ----------
+    values : array, (row,)
+    least : float, optional
+        Distance below which no value stands apart; default: a fifth of the median.
+
+    Returns
+    -------
+    array of int
+
+    Examples
+    --------
+    >>> load = np.linspace(20, 200, 50)
+    >>> find_single(load)
+    array([], dtype=int64)
+    >>> load[7] *= 1000
+    >>> find_single(load)
+    array([7])
+    """
+    around = np.pad(values, 3, mode="reflect")
+    windows = np.lib.stride_tricks.sliding_window_view(around, 7)
+    off = np.abs(values - np.median(np.delete(windows, 3, axis=1), axis=1))
+    least = _RELATIVE * abs(float(np.median(values))) if least is None else least
+    apart = off > max(least, _SIGMAS * robust_std(off))
+
+    # the highest or the lowest values, as far as they are single ones
+    order, most = np.argsort(values), max(int(_MOST * values.size), 1)
+    for count in range(most, 0, -1):
+        for far, others in (
+            (order[-count:], order[:-count]),
+            (order[:count], order[count:]),
+        ):
+            low, high = float(values[others[0]]), float(values[others[-1]])
+            room = max(_RANGES * (high - low), least)
+            beyond = (values[far] > high + room) | (values[far] < low - room)
+            lacking = (low > 0) & (values[far] < low / _LACKING)
+            if ((beyond | lacking) & apart[far]).all():
+                return np.sort(far)
+    return np.array([], int)
+
+
+def find_lost(load: Array) -> AnyArray:
+    """Rows without load in a run that has one, as where a cable is loose.
+
+    Parameters
+    ----------
+    load : array, (row,)
+        Above zero. [N]
+
+    Returns
+    -------
+    array of int
+
+    Examples
+    --------
+    >>> load = np.full(50, 220.0)
+    >>> load[20:30] = 0.5
+    >>> find_lost(load)
+    array([20, 21, 22, 23, 24, 25, 26, 27, 28, 29])
+    """
+    order = np.sort(np.log(load))
+    gap = np.diff(order)
+    widest = int(np.argmax(gap))
+    if gap[widest] < np.log(_FACTOR):
+        return np.array([], int)
+    low = np.log(load) <= order[widest]
+    return np.flatnonzero(low if low.mean() <= _SHARE else ~low)

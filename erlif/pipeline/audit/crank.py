@@ -1,0 +1,306 @@
+"""Readings of the encoder against a crank that turns evenly: odd readings, slips, wrong links."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Array
+from erlif.core.notes import Note, list_some, note_writer
+from erlif.core.statistics import robust_std
+from erlif.io.ingest import Run
+from erlif.io.settings import CrankRockerSettings
+from erlif.kinematics import choose_link
+from erlif.models.mechanism import crank_for_swing
+from erlif.pipeline.audit.evidence import Evidence
+from erlif.pipeline.physics.joint import build_linkage
+
+_note = note_writer("erlif.pipeline.audit")
+
+_FEWEST = 12  # readings from which on they are compared with an even turn
+
+_BLOCK = 60  # readings of a fit at least: an error of the speed adds up over the turns
+
+_MOST = 3000  # readings that are compared; more would only take time
+
+_LARGEST_REST = 0.05  # of the swing that a crank at constant speed may leave: it turns unevenly
+
+# Robust standard deviations from which a reading is odd or the encoder has slipped.
+_ODD = 8.0
+
+# Size of both, over the swing: more than times of a millisecond leave. [1]
+_LEAST_ODD = 0.008
+
+# Deviation of the swing that is reported, and its standard deviations: lengths are known to half a
+# per cent. [1]
+_SWING, _SIGNIFICANT = 0.007, 5.0
+
+_WHOLE = 0.8  # of a turn, from which on both ends of the swing are near
+
+_TO_AND_FRO = 0.1  # of the way in one direction that is gone in the other, on a rocker
+
+_ROOM = 0.3  # by which the neighbours of an odd reading may depart from half of it
+
+
+def note_mounting(run: Run) -> Iterator[Note]:
+    """Whether an encoder that is stated to be on the crank goes to and fro.
+
+    Parameters
+    ----------
+    run : Run
+
+    Yields
+    ------
+    Note
+    """
+    encoder = run.settings.encoder
+    if run.settings.linkage is None or encoder is None or encoder.mounted_on != "crank":
+        return
+    angle = np.asarray(run.log.angle.values, float)
+    step = (np.diff(angle) + 180.0) % 360.0 - 180.0
+    ways = sorted((float(step[step > 0].sum()), -float(step[step < 0].sum())))
+    if angle.size >= _FEWEST and np.ptp(angle) < 180.0 and ways[0] > _TO_AND_FRO * ways[1]:
+        yield _note("to_and_fro", low=angle.min(), high=angle.max())
+
+
+def note_crank(evidence: Evidence) -> Iterator[Note]:
+    """Odd readings, slips of the encoder, and a swing that is not that of the linkage.
+
+    Parameters
+    ----------
+    evidence : Evidence
+
+    Yields
+    ------
+    Note
+    """
+    run, located = evidence.run, evidence.located
+    if run.settings.linkage is None or "encoder_angle" not in located:
+        return
+    reading = np.asarray(located.encoder_angle.values, float)[:_MOST]
+    if reading.size < _FEWEST or next(note_mounting(run), None) is not None:
+        return
+    if "time" not in run.log:
+        yield from _note_odd_steps(reading)
+        return
+
+    time = np.asarray(run.log["time"].values, float)[:_MOST]
+    block = max(_BLOCK, 2 * int(located.trigger.max() + 1))
+    starts = range(0, max(reading.size - _FEWEST, 1), block)
+    fits = []
+    for start in starts:
+        rows = slice(start, start + block)
+        fit = _fit_turn(run, evidence, time[rows], reading[rows])
+        if fit is not None and fit.trusted:
+            fits.append((start, fit))
+    odd, slips, most = [], [], 0.0
+    for start, fit in fits:
+        single = find_odd(fit.rest, fit.swing)
+        even = np.delete(np.arange(fit.rest.size), single)
+        rest = np.interp(np.arange(fit.rest.size), even, fit.rest[even])
+        slipped = find_slips(rest, fit.swing)
+        slips += [(start + k, size) for k, size in slipped]
+
+        # a slip spoils the even turn, by no more than its size
+        usual = max((abs(size) for _, size in slipped), default=0.0)
+        single = single[np.abs(fit.rest[single]) > 2 * usual]
+        odd += [start + int(k) for k in single]
+        most = max(most, float(np.abs(fit.rest[single]).max(initial=0.0)))
+    if odd:
+        yield _note("odd_reading", rows=list_some(odd), most=most)
+    for row, size in slips[:1]:
+        yield _note("slip", row=row, size=size)
+    if fits and not odd and not slips:
+        yield from _note_swing(run, fits[0][1])
+
+
+class _Turn(NamedTuple):
+    """Readings as a crank at constant speed gives them."""
+
+    rest: Array  # what it leaves, (frame,) [degree]
+    swing: float  # of the link: a turn of a crank [degree]
+    size: float  # swing of the readings over that of the link; NaN on a crank [1]
+    size_std: float
+    trusted: bool  # whether the crank turns evenly enough for a comparison
+
+
+def _fit_turn(run: Run, evidence: Evidence, time: Array, reading: Array) -> _Turn | None:
+    links, encoder = run.settings.linkage, run.settings.encoder
+    assert links is not None
+    since = time - time[0]
+    if time.size < _FEWEST or not (np.diff(time) > 0).all():
+        return None
+    if encoder is not None and encoder.mounted_on == "crank":
+        return _fit_crank(since, reading)
+
+    carrier = choose_link(build_linkage(links), "rocker" if encoder is None else encoder.mounted_on)
+    start = int(np.searchsorted(run.log["time"].values, time[0]))
+    crank = np.radians(evidence.located.crank_angle.values[start : start + time.size])
+    low, high = np.degrees(carrier.limits)
+    sign = -1.0 if evidence.located.encoder_angle.attrs.get("direction") == "falling" else 1.0
+
+    def swing(turn: Array) -> Array:
+        return np.asarray(sign * (np.degrees(carrier.angle(turn)) - (low + high) / 2))
+
+    return _fit_swing(since, reading, crank, swing, high - low)
+
+
+def _fit_crank(since: Array, reading: Array) -> _Turn:
+    """A line, and what an uneven turn adds once and twice a turn."""
+    turned = np.degrees(np.unwrap(np.radians(reading)))
+    phase = np.radians(turned)
+    waves = [one(n * phase) for n in (1, 2) for one in (np.cos, np.sin)]
+    columns = np.stack([np.ones_like(since), since, *waves], axis=1)
+    rest = _fit_robustly(columns, turned)
+    trusted = robust_std(rest) < _LARGEST_REST * 360 and float(np.ptp(turned)) > 90
+    return _Turn(rest, 360.0, math.nan, math.nan, bool(trusted))
+
+
+def _fit_robustly(columns: Array, values: Array) -> Array:
+    """What least squares leave, with values far off counting less."""
+    weight = np.ones(values.size)
+    rest = values
+    for _ in range(10):
+        found = np.linalg.lstsq(columns * weight[:, None], values * weight, rcond=None)[0]
+        rest = values - columns @ found
+        scale = max(1.5 * robust_std(rest), 1e-6)
+        weight = 1 / np.maximum(1.0, np.abs(rest) / scale)
+    return np.asarray(rest)
+
+
+def _fit_swing(
+    since: Array, reading: Array, crank: Array, swing: Callable[[Array], Array], width: float
+) -> _Turn:
+    """Start, speed, zero and size of the swing, so that they fit most readings."""
+    from scipy.optimize import least_squares  # slow to load
+
+    # steps of the crank by the readings themselves; a few wrong ones do not matter
+    step = np.diff(crank) % (2 * math.pi)
+    speed = float(np.median(step / np.diff(since)))
+    first = float(np.angle(np.exp(1j * (crank - speed * since)).mean()))
+
+    def rest_of(guess: Array) -> Array:
+        start, turns, zero, size = guess
+        return np.asarray(reading - zero - size * swing(start + turns * since))
+
+    middle = (float(reading.min()) + float(reading.max())) / 2
+    found = None
+    for factor in (1.0, 0.98, 1.02, 0.95, 1.05):
+        guess = np.array([first, factor * speed, middle, 1.0])
+        scale = np.array([0.1, 0.1 / max(float(since[-1]), 1e-9), 1.0, 0.1])
+        fit = least_squares(rest_of, guess, loss="soft_l1", f_scale=0.1, x_scale=scale)
+        if found is None or fit.cost < found.cost:
+            found = fit
+        if robust_std(rest_of(found.x)) < 0.02 * width:
+            break
+    assert found is not None
+    rest = rest_of(found.x)
+    noise = robust_std(rest)
+    turned = abs(found.x[1]) * float(since[-1])
+    whole = turned > _WHOLE * 2 * math.pi
+    slopes = np.asarray(found.jac)
+    normal = np.linalg.pinv(slopes.T @ slopes)
+    std = max(noise, 1e-4) * math.sqrt(float(normal[3, 3])) if whole else math.inf
+    return _Turn(rest, width, float(found.x[3]), std, bool(noise < _LARGEST_REST * width))
+
+
+def find_odd(rest: Array, swing: float) -> AnyArray:
+    """Rows whose reading departs from its neighbours on both sides.
+
+    Parameters
+    ----------
+    rest : array, (frame,)
+        Readings less those of an even turn. [degree]
+    swing : float
+        Range of the readings. [degree]
+
+    Returns
+    -------
+    array of int
+
+    Examples
+    --------
+    >>> rest = 0.01 * np.random.default_rng(1).normal(size=40)
+    >>> rest[7] += 3
+    >>> find_odd(rest, 24.0)
+    array([7])
+    """
+    around = np.pad(rest, 2, mode="reflect")
+    windows = np.lib.stride_tricks.sliding_window_view(around, 5)
+    off = np.abs(rest - np.median(np.delete(windows, 2, axis=1), axis=1))
+
+    # on either side of a slip the readings differ
+    apart = np.abs(windows[:, :2].mean(axis=1) - windows[:, 3:].mean(axis=1))
+    return np.flatnonzero(
+        (off > max(_LEAST_ODD * swing, _ODD * robust_std(off))) & (apart < off / 2)
+    )
+
+
+def find_slips(rest: Array, swing: float) -> list[tuple[int, float]]:
+    """Rows from which on all readings are off, and by how much; the largest slip first.
+
+    Parameters
+    ----------
+    rest : array, (frame,)
+        Readings less those of an even turn. [degree]
+    swing : float
+        Range of the readings. [degree]
+
+    Returns
+    -------
+    list of (int, float)
+
+    Examples
+    --------
+    >>> rest = 0.01 * np.random.default_rng(1).normal(size=40) + 0.5 * (np.arange(40) >= 22)
+    >>> [(row, round(size, 1)) for row, size in find_slips(rest, 24.0)]
+    [(22, 0.5)]
+    """
+    # three readings on either side, less what they change by within themselves
+    if rest.size < _FEWEST:
+        return []
+    windows = np.lib.stride_tricks.sliding_window_view(rest, 6)
+    before, after = np.median(windows[:, :3], axis=1), np.median(windows[:, 3:], axis=1)
+    within = (windows[:, 5] - windows[:, 3] + windows[:, 2] - windows[:, 0]) / 2
+    size = after - before - 1.5 * within
+    noise = robust_std(size)
+    found: list[tuple[int, float]] = []
+    for k in np.argsort(-np.abs(size)):
+        if abs(size[k]) <= max(_LEAST_ODD * swing, _ODD * noise):
+            break
+        if all(abs(k + 3 - row) > 5 for row, _ in found):
+            found.append((int(k) + 3, float(size[k])))
+    return found
+
+
+def _note_odd_steps(reading: Array) -> Iterator[Note]:
+    """A reading that departs from the middle of its neighbours, without times."""
+    step = (np.diff(reading) + 180.0) % 360.0 - 180.0
+    bend = np.diff(step) / -2  # a reading less the mean of its neighbours
+    size = np.abs(bend[1:-1])
+    beside = -2 * np.stack([bend[:-2], bend[2:]])
+    alone = (np.abs(beside - bend[1:-1]) < _ROOM * size + 2 * np.median(np.abs(bend))).all(axis=0)
+    odd = 2 + np.flatnonzero(alone & (size > np.median(np.abs(step))))
+    if 0 < odd.size <= reading.size // 10:
+        yield _note("odd_reading", rows=list_some(odd), most=size[odd - 2].max())
+
+
+def _note_swing(run: Run, fit: _Turn) -> Iterator[Note]:
+    """A swing of the readings that is not that of the linkage."""
+    links, off = run.settings.linkage, fit.size - 1
+    if not abs(off) > max(_SWING, _SIGNIFICANT * fit.size_std) or links is None:
+        return
+    mounted = "rocker" if run.settings.encoder is None else run.settings.encoder.mounted_on
+    low, high = choose_link(build_linkage(links), mounted).limits
+    span = math.degrees(high - low)
+    fitting = ""
+    if mounted == "rocker" and isinstance(links, CrankRockerSettings):
+        others = {"coupler": links.coupler, "rocker": links.rocker, "ground": links.ground}
+        crank = crank_for_swing(fit.size * (high - low), **others)
+        fitting = (
+            f", as with a crank of {100 * crank:.3g} cm in place of {100 * links.crank:.3g} cm"
+        )
+    yield _note("swing", found=fit.size * span, span=span, fitting=fitting)

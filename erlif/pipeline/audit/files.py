@@ -1,0 +1,28 @@
+"""Whether both cameras have the same images."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from erlif.core.notes import Note, list_some, note_writer
+from erlif.pipeline.engines.results import FrameResult
+
+_note = note_writer("erlif.pipeline.audit")
+
+
+def note_copied_cameras(frames: Iterable[FrameResult]) -> Iterator[Note]:
+    """Pairs whose two files are the same to the last byte.
+
+    Parameters
+    ----------
+    frames : iterable of FrameResult
+        The files were hashed as they were read.
+
+    Yields
+    ------
+    Note
+    """
+    # `refuse_stuck_cameras` refuses a run all of whose pairs are such
+    same = [one.frame for one in frames if one.digests[0] and one.digests[0] == one.digests[1]]
+    if same:
+        yield _note("same_files", pairs=list_some(same))

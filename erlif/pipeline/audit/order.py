@@ -1,0 +1,335 @@
+"""Whether the rows of the log belong to the pairs they stand beside."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Array
+from erlif.core.notes import Note, list_some, note_writer
+from erlif.core.statistics import robust_std
+from erlif.core.units import count_of
+from erlif.pipeline.audit.evidence import Evidence
+
+_note = note_writer("erlif.pipeline.audit")
+
+_FEWEST = 16  # frames from which on an order is judged
+
+_MOST = 3000  # frames that are compared; more would only take time
+
+_FARTHEST = 12  # rows by which a log is taken to be late at most
+
+_SIDE = 5  # frames on either side of a place at which rows are lost, at least
+
+# Least scatter of the energies: meters are no better. [1]
+_SCATTER = 0.01
+
+# Share of the variance that the right order leaves, and gain in the logarithm of the likelihood
+# over the order as it is, from which another order is stated.
+_LEFT, _GAIN = 0.4, 20.0
+
+# Cost of a pair that is of neither order, at most; a fair one costs 0.5.
+_OUTLIER = 5.0
+
+# The same for the film against the speed.
+_LEFT_BY_FILM, _GAIN_BY_FILM, _BETTER = 0.1, 40.0, 3.0
+
+# The first of these where the film follows its speed later, as squeeze lets it.
+_LEFT_BY_SQUEEZE = 0.005
+
+_PLACES = 25  # places at which lost rows are sought, where the film is compared
+
+# Difference of costs up to which an order is taken to hold for all pairs.
+_ALIKE = 10.0
+
+# Share of the variance of the film that its speed may leave where single pairs are judged by it.
+_FOLLOWED = 0.03
+
+# Standard deviations from which single pairs have another energy than their rows, and their number.
+_ODD, _FEW_ODD = 7.0, 0.2
+
+_FLAT = 0.02  # standard deviation of the logarithm of the ratio below which no film changes
+
+
+class Order(NamedTuple):
+    """How the rows lie against the pairs.
+
+    Attributes
+    ----------
+    lag : int
+        The row of pair k is row k + lag of the log.
+    since : int
+        First pair of which this holds; those before have their own rows.
+    reverse : bool
+        Whether the pairs stand in reverse order.
+    left : float
+        Share of the variance that this order leaves.
+    gain : float
+        Gain in the logarithm of the likelihood over the order as it is.
+    """
+
+    lag: int
+    since: int
+    reverse: bool
+    left: float
+    gain: float
+
+
+def note_order(evidence: Evidence) -> Iterator[Note]:
+    """Rows that belong to other pairs, by the energy of the pulses, else by the film.
+
+    Parameters
+    ----------
+    evidence : Evidence
+
+    Yields
+    ------
+    Note
+    """
+    size = slice(0, _MOST)
+    numbers, energies, light = evidence.numbers[size], evidence.energies, evidence.light[size]
+    if energies is not None:
+        energies = energies[size]
+        judged = compare_energies(energies, light)
+        if judged is not None:
+            found, odd = judged
+            if found is not None:
+                yield _describe(found, numbers, "the light of the pulses follows their energies")
+            elif odd.size:
+                yield _note("other_pulses", pairs=list_some(numbers[odd]))
+            yield from _note_by_film(evidence, numbers, known=True)
+            return
+    yield from _note_by_film(evidence, numbers, known=False)
+
+
+def _note_by_film(evidence: Evidence, numbers: AnyArray, *, known: bool) -> Iterator[Note]:
+    """The same by the film; the order is `known` where the energies decide it."""
+    speed, levels = evidence.logged("rocker_speed"), evidence.levels[:_MOST]
+    if speed is None:
+        speed = evidence.logged("sliding_speed")
+    if speed is None:
+        return
+    load = evidence.logged("load")
+    drive = np.abs(speed[:_MOST]) / (1.0 if load is None else load[:_MOST] / np.median(load))
+    found = None if known else compare_film(drive, levels)
+    if found is not None:
+        yield _describe(found, numbers, "the film follows the speed")
+        return
+    odd = find_other_films(drive, levels)
+    if odd.size:
+        yield _note("other_films", pairs=list_some(numbers[odd]))
+
+
+def _describe(found: Order, numbers: AnyArray, fact: str) -> Note:
+    """An order in words, and what to do."""
+    if found.reverse:
+        return _note("reverse", fact=fact, left=1 - found.left)
+    rows = count_of(abs(found.lag), "row")
+    where = "later" if found.lag > 0 else "earlier"
+    if found.since:
+        return _note(
+            "rows_from", fact=fact, rows=rows, where=where, since=numbers[found.since],
+            left=1 - found.left,
+        )  # fmt: skip
+    return _note("rows", fact=fact, rows=rows, where=where, left=1 - found.left)
+
+
+def compare_energies(energies: Array, light: Array) -> tuple[Order | None, AnyArray] | None:
+    """The order in which the energies of a log are those of the light.
+
+    Parameters
+    ----------
+    energies : array, (frame,)
+        Of the log, over their mean. [1]
+    light : array, (frame,)
+        Of the pulses by the light of their film; NaN where it is not known. [1]
+
+    Returns
+    -------
+    order : Order or None
+        None where rows and pairs are in order.
+    odd : array of int
+        Pairs whose energy is not that of their row.
+
+    Or None where energies and light are not related in any order.
+
+    Examples
+    --------
+    >>> energy = 1 + 0.03 * np.random.default_rng(1).normal(size=50)
+    >>> order, odd = compare_energies(energy, np.roll(energy, 2))
+    >>> order.lag
+    -2
+    """
+    known = np.isfinite(light) & (light > 0) & (energies > 0)
+    if known.sum() < _FEWEST:
+        return None
+    logged = _without_trend(np.log(np.where(energies > 0, energies, 1.0)))
+    seen = _without_trend(np.log(np.where(known, light, np.nan)))
+    spread = float(np.nanmedian(np.abs(seen)) * 1.4826), robust_std(logged)
+    if min(spread) < _SCATTER:
+        return None
+
+    # the noise of both is that of the order in which they agree best
+    limit = min(_FARTHEST, logged.size // 4)
+    moved = {lag: seen - _shifted(logged, lag) for lag in range(-limit, limit + 1)}
+    back = seen - logged[::-1]
+    noise = max(min(_scatter(rest) for rest in (*moved.values(), back)), _SCATTER / 2)
+    cost = {lag: _cost(rest, noise, spread) for lag, rest in moved.items()}
+    best, least = Order(0, 0, True, 0.0, 0.0), float(_cost(back, noise, spread).sum())
+    for lag in filter(None, cost):
+        since, total = _split(cost[0], cost[lag])
+        if total < least:
+            best, least = Order(lag, since, False, 0.0, 0.0), total
+    gain = float(cost[0].sum()) - least
+    if gain > _GAIN:
+        rest = back if best.reverse else np.where(
+            np.arange(seen.size) < best.since, moved[0], moved[best.lag]
+        )  # fmt: skip
+        left = 2 * _scatter(rest) ** 2 / (spread[0] ** 2 + spread[1] ** 2)
+        if left < _LEFT:
+            return best._replace(left=left, gain=gain), np.array([], int)
+    if _scatter(moved[0]) > spread[0]:
+        return None  # the energies have nothing to do with the light
+
+    off = np.abs(moved[0] - np.nanmedian(moved[0])) > _ODD * max(_scatter(moved[0]), noise)
+    odd = np.flatnonzero(off & known)
+    return None, odd if odd.size <= _FEW_ODD * known.sum() else np.array([], int)
+
+
+def _scatter(rest: Array) -> float:
+    """Robust standard deviation of the known values; infinite where they are few."""
+    some = rest[np.isfinite(rest)]
+    return robust_std(some) if some.size >= _FEWEST / 2 else math.inf
+
+
+def _cost(rest: Array, noise: float, spread: tuple[float, float]) -> Array:
+    """Less the logarithm of the likelihood of each difference, (frame,).
+
+    A difference without a partner costs what one of strangers does, a far one no more than an
+    outlier.
+    """
+    apart = (spread[0] ** 2 + spread[1] ** 2) / (2 * noise**2)
+    squares = np.where(np.isfinite(rest), rest**2 / (2 * noise**2), min(apart, _OUTLIER / 2))
+    return np.asarray(np.minimum(squares, _OUTLIER))
+
+
+def _without_trend(values: Array) -> Array:
+    """Values less the median of their surroundings."""
+    around = np.pad(values, 4, mode="reflect")
+    windows = np.lib.stride_tricks.sliding_window_view(around, 9)
+    with np.errstate(invalid="ignore"):
+        usual = np.array(
+            [np.median(w[np.isfinite(w)]) if np.isfinite(w).any() else 0 for w in windows]
+        )
+    return np.asarray(values - usual)
+
+
+def _shifted(values: Array, lag: int) -> Array:
+    """Value k + lag in the place of value k; NaN beyond the ends."""
+    moved = np.full(values.size, np.nan)
+    inside = np.arange(max(-lag, 0), min(values.size - lag, values.size))
+    moved[inside] = values[inside + lag]
+    return moved
+
+
+def _split(own: Array, other: Array) -> tuple[int, float]:
+    """The pair from which on another order costs less, and what both cost together."""
+    before = np.concatenate([[0.0], np.cumsum(own)])
+    after = np.concatenate([np.cumsum(other[::-1])[::-1], [0.0]])
+    total = before + after
+    places = np.concatenate([[0], np.arange(_SIDE, own.size - _SIDE + 1)])
+    best = int(places[np.argmin(total[places])])
+    if total[0] - total[best] < _ALIKE:
+        best = 0
+    return best, float(total[best])
+
+
+def compare_film(drive: Array, levels: Array) -> Order | None:
+    """The order in which the film follows the speed.
+
+    Parameters
+    ----------
+    drive : array, (frame,)
+        Size of the speed, over the load where it is known, by the log.
+    levels : array, (frame,)
+        Logarithm of the ratio, which rises with the film; NaN where it is not known.
+
+    Returns
+    -------
+    Order or None
+        None where the film follows the speed of its own row best, or follows no speed.
+
+    Examples
+    --------
+    >>> turn = np.arange(60) * 2 * np.pi / 60
+    >>> speed = np.abs(np.sin(turn)) * (1 + 0.3 * np.cos(turn))
+    >>> film = np.sqrt(speed) + 0.01 * np.random.default_rng(1).normal(size=60)
+    >>> compare_film(speed, np.roll(film, 3)).lag
+    -3
+    """
+    known = np.isfinite(levels)
+    if known.sum() < _FEWEST or not np.ptp(drive) > 0.2 * drive.max():
+        return None
+    if np.nanstd(levels) < _FLAT:
+        return None
+    drive = drive / drive.max()
+    plain = _rest_share(drive, levels)
+    limit = min(_FARTHEST, levels.size // 4)
+    orders = [Order(0, 0, True, _rest_share(drive[::-1], levels), 0.0)]
+    places = np.unique(np.linspace(0, levels.size - _SIDE, _PLACES).astype(int))
+    for lag in (*range(-limit, 0), *range(1, limit + 1)):
+        moved = _shifted(drive, lag)
+        for since in places[(places == 0) | (places >= _SIDE)]:
+            joined = np.where(np.arange(drive.size) >= since, moved, drive)
+            orders.append(Order(lag, int(since), False, _rest_share(joined, levels), 0.0))
+    best = min(orders, key=lambda one: one.left)
+    gain = known.sum() / 2 * math.log(max(plain, 1e-6) / max(best.left, 1e-6))
+    better = gain > _GAIN_BY_FILM and plain > _BETTER * best.left
+    if better and best.left < (_LEFT_BY_SQUEEZE if best.lag < 0 else _LEFT_BY_FILM):
+        return best._replace(gain=float(gain))
+    return None
+
+
+def find_other_films(drive: Array, levels: Array) -> AnyArray:
+    """Frames whose film is not that of their speed, where that of almost all others is.
+
+    Parameters
+    ----------
+    drive, levels : array, (frame,)
+        As for `compare_film`.
+
+    Returns
+    -------
+    array of int
+    """
+    used = np.flatnonzero(np.isfinite(levels))
+    if used.size < _FEWEST or not np.ptp(drive) > 0.2 * drive.max():
+        return np.array([], int)
+    columns, y = _columns(drive[used] / drive.max()), levels[used]
+    kept = np.ones(used.size, bool)
+    rest = y
+    for _ in range(5):
+        rest = y - columns @ np.linalg.lstsq(columns[kept], y[kept], rcond=None)[0]
+        kept = np.abs(rest) <= _ODD * robust_std(rest)
+    few = np.count_nonzero(~kept) <= _FEW_ODD * used.size
+    follows = np.mean(rest[kept] ** 2) < _FOLLOWED * np.var(y[kept])
+    return used[~kept & (np.abs(rest) > _FLAT)] if few and follows else np.array([], int)
+
+
+def _columns(drive: Array) -> Array:
+    """Functions of the speed whose sum the film is taken to be, (frame, term)."""
+    return np.stack([np.ones_like(drive), np.sqrt(drive), drive, drive**2], axis=1)
+
+
+def _rest_share(drive: Array, levels: Array) -> float:
+    """Share of the variance of the film that the speed leaves."""
+    used = np.isfinite(drive) & np.isfinite(levels)
+    if used.sum() < _FEWEST:
+        return 1.0
+    columns, y = _columns(drive[used]), levels[used]
+    rest = y - columns @ np.linalg.lstsq(columns, y, rcond=None)[0]
+    variance = float(np.var(y))
+    return float(np.mean(rest**2) / variance) if variance > 0 else 1.0

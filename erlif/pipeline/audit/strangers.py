@@ -1,0 +1,177 @@
+"""Frame pairs of other recordings, known by the form of their film.
+
+From pair to pair the film of a joint becomes thicker or thinner, and its form changes with its
+thickness in one way. Between a pair of the run and one of another run, or of the fixture, the form
+jumps, on the way in and on the way out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Array
+from erlif.core.notes import Note, note_writer
+from erlif.core.units import count_of
+from erlif.pipeline.audit.evidence import Evidence, median_by_frame
+
+_note = note_writer("erlif.pipeline.audit")
+
+_FEWEST = 14  # frames from which on the change of the form is known
+
+_PLACES = 24  # places with film in most frames, at least
+
+_JUMP = 3.0  # change of form over the median of all, beyond which it is a jump; sound runs have 2
+
+_FEW = 1 / 3  # share of the frames up to which pairs between jumps are strangers
+
+_MANY = 0.3  # share of jumps from which the form changes by itself
+
+_ROUNDS = 6  # of the robust fit
+
+_STEADY = 1.2  # factor of load or speed beyond which a change of the film is one of the run
+
+
+def note_strangers(evidence: Evidence) -> Iterator[Note]:
+    """Pairs whose film is not that of the run.
+
+    Parameters
+    ----------
+    evidence : Evidence
+
+    Yields
+    ------
+    Note
+    """
+    change = form_changes(evidence.ratios)
+    if change is None:
+        return
+    jumps = np.flatnonzero(change > _JUMP)
+    if not jumps.size or jumps.size > _MANY * change.size:
+        return
+    groups = find_groups(jumps, change.size + 1)
+    numbers = evidence.numbers
+    for first, last in groups:
+        at_end = first == 0 or last == change.size
+        if at_end and _changes_itself(evidence, last if first == 0 else first - 1):
+            continue
+        size = float(np.max(change[[k for k in (first - 1, last) if 0 <= k < change.size]]))
+        where = f"pair {numbers[first]}"
+        if last > first:
+            where = f"pairs {numbers[first]} to {numbers[last]}"
+        count = count_of(last - first + 1, "pair")
+        yield _note("strangers", where=where, count=count, size=size)
+
+
+def _changes_itself(evidence: Evidence, row: int) -> bool:
+    """Whether load or crank change between a frame and the next one, as a step of a program."""
+    load, time = evidence.logged("load"), evidence.logged("time")
+    if load is not None and row + 1 < load.size:
+        factor = load[row + 1] / load[row]
+        if not 1 / _STEADY < factor < _STEADY:
+            return True
+    if time is not None and row + 1 < time.size:
+        step = np.diff(time)
+        return bool(step[row] > 3 * np.median(step))
+    return False
+
+
+def form_changes(ratios: Array) -> Array | None:
+    """Change of the form of the film from frame to frame, over its median.
+
+    Parameters
+    ----------
+    ratios : array, (frame, place)
+        Logarithm of the ratio; NaN where it is not known.
+
+    Returns
+    -------
+    array, (frame - 1,), or None
+        Change that the change of the median film does not explain; None where too few frames or
+        places are known.
+
+    Examples
+    --------
+    A gap that opens and closes, with one frame of another form:
+
+    >>> rng = np.random.default_rng(3)
+    >>> film = np.linspace(0, 1, 36) ** 2 + np.abs(np.sin(np.arange(40) / 5))[:, None]
+    >>> film[20] = film[20, ::-1]
+    >>> change = form_changes(film + 0.01 * rng.normal(size=film.shape))
+    >>> np.flatnonzero(change > 3)
+    array([19, 20])
+    """
+    shown = np.isfinite(ratios).any(axis=1)
+    common = np.isfinite(ratios).mean(axis=0) > shown.mean() / 2
+    if shown.sum() < _FEWEST or common.sum() < _PLACES:
+        return None
+    form = ratios[:, common]
+    level = median_by_frame(form)
+    scale = float(np.nanstd(level)) if np.isfinite(level).any() else 0.0
+    if not scale > 0:
+        return None
+    level = (level - np.nanmedian(level)) / scale
+
+    # of the differences, so that few equations know both recordings
+    step, middle = np.diff(level), (level[1:] + level[:-1]) / 2
+    columns = np.stack([step, middle * step, middle**2 * step], axis=1)
+    values = np.diff(form, axis=0)
+    values = values - median_of(values)[:, None]
+    known = np.isfinite(values) & np.isfinite(columns.sum(axis=1, keepdims=True))
+    columns, values = np.nan_to_num(columns), np.where(known, values, 0.0)
+    weight, change = np.ones(len(values)), np.zeros(len(values))
+    for _ in range(_ROUNDS):
+        # normal equations of all places at once
+        w = np.where(known, weight[:, None] ** 2, 0.0)
+        normal = np.einsum("fp,fi,fj->pij", w, columns, columns)
+        right = np.einsum("fp,fi,fp->pi", w, columns, values)
+        found = np.einsum("pij,pj->pi", np.linalg.pinv(normal, hermitian=True), right)
+        rest = np.where(known, values - columns @ found.T, np.nan)
+        change = 1.4826 * median_of(np.abs(rest))
+        usual = float(np.nanmedian(change))
+        if not usual > 0:
+            return None
+        change = change / usual
+        weight = 1 / np.maximum(1.0, np.nan_to_num(change, nan=np.inf) / 1.5) ** 2
+    return np.asarray(np.nan_to_num(change))
+
+
+def median_of(values: Array) -> Array:
+    """Median of each row; NaN where a row has fewer than half of its values."""
+    found = np.full(len(values), np.nan)
+    some = np.isfinite(values).mean(axis=1) > 0.5
+    found[some] = np.nanmedian(values[some], axis=1)
+    return found
+
+
+def find_groups(jumps: AnyArray, count: int) -> list[tuple[int, int]]:
+    """First and last frame of the groups between jumps that are few.
+
+    Parameters
+    ----------
+    jumps : array of int
+        Frames after which the form jumps.
+    count : int
+        Number of frames.
+
+    Returns
+    -------
+    list of (int, int)
+
+    Examples
+    --------
+    >>> find_groups(np.array([19, 29]), 50)
+    [(20, 29)]
+    >>> find_groups(np.array([2]), 50)
+    [(0, 2)]
+    """
+    edges = np.concatenate([[-1], jumps, [count - 1]])
+    parts = [(int(one) + 1, int(two)) for one, two in pairwise(edges)]
+    sizes = [last - first + 1 for first, last in parts]
+
+    # own parts and strangers take turns, and the longest part is the run's own
+    longest = int(np.argmax(sizes))
+    groups = [part for k, part in enumerate(parts) if (k - longest) % 2 and sizes[k] > 0]
+    return [(one, two) for one, two in groups if two - one + 1 <= _FEW * count]

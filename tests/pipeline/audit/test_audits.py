@@ -1,0 +1,119 @@
+"""The list of audits; mistakes and sound runs through `process`."""
+
+import re
+import shutil
+import time
+from dataclasses import replace
+
+import pytest
+from damages.mistakes import MISTAKES, RIGS
+from damages.sound import draw_sound, use_instruments
+
+import erlif
+from conftest import FULL, Laboratory
+from erlif.core.errors import ErlifError
+from erlif.core.notes import Level, Note, split_notes
+from erlif.pipeline.audit.audits import AUDITS, CHEAP, audit_run
+from erlif.pipeline.audit.evidence import Evidence
+from erlif.pipeline.engines.results import frames_in
+from erlif.rig import simulate
+
+LONGEST = 0.3
+"""Processor time of all audits of a run. [s]"""
+
+CHOSEN = (
+    "camera 2 holds copies of camera 1",
+    "bit 5 of camera 1 is never set",
+    "JPEG of quality 80, scaled by 16.06 to 12 bit",
+    "load in kgf under load_N",
+    "time in ms, law",
+    "load of row 20 times 1000",
+    "reading of row 12 off by -8 degrees, law",
+    "log late by 1, law",
+    "3 pairs of the fixture from pair 20, law",
+    "stated on the crank, logged on the rocker",
+    "calibration of erlif 99.0.0",
+)
+
+
+def test_each_audit_has_a_name_and_a_price_and_all_are_cheap_together():
+    assert len({audit.name for audit in AUDITS}) == len(AUDITS)
+    assert 0 < sum(audit.price for audit in AUDITS if audit.price < CHEAP) < LONGEST
+
+
+def test_the_catalogue_is_large_and_each_mistake_has_a_name_of_its_own():
+    names = [mistake.name for mistake in MISTAKES]
+    assert len(set(names)) == len(names) >= 150
+    assert set(CHOSEN) <= set(names)
+
+
+USUAL = "the course of the minimum film over the run is not that of a"
+"""A warning of rigs whose film is a formula."""
+
+
+def warnings_of(film):
+    notes = split_notes(film.attrs["notes"])
+    return [text for level, text in notes if level is not Level.NOTE and USUAL not in text]
+
+
+@pytest.fixture(scope="module")
+def law(tmp_path_factory):
+    """A sound run whose film is a power of the speed; never to be changed."""
+    directory = tmp_path_factory.mktemp("law")
+    return Laboratory.simulated(directory, seed=40, rig=RIGS["law"])
+
+
+@pytest.fixture
+def evidence(law, monkeypatch, tmp_path):
+    """What the audits look at, as `process` gives it to them."""
+    given = []
+    monkeypatch.setattr(
+        "erlif.pipeline.film.audit_run", lambda one: given.append(one) or audit_run(one)
+    )
+    assert warnings_of(erlif.process(law.run, workers=1)) == []
+    return given[0]
+
+
+def test_a_sound_run_has_no_warning_and_its_audits_take_no_time(evidence):
+    audit_run(evidence)  # what is slow to load is loaded
+    start = time.process_time()
+    assert audit_run(evidence) == []
+    assert time.process_time() - start < LONGEST
+
+
+def test_a_warning_stands_once_whatever_finds_it(evidence):
+    doubled = replace(evidence, bits=(*evidence.bits, *2 * [Note(Level.WARNING, "bits", "bit 5")]))
+    assert [note.text for note in audit_run(doubled)] == ["bit 5"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CHOSEN)
+def test_the_mistake_is_named_first(law, tmp_path, name):
+    (mistake,) = (one for one in MISTAKES if one.name == name)
+    for part in ("run", "fixture"):
+        shutil.copytree(law.directory / part, tmp_path / part)
+    mistake.change(tmp_path)
+    try:
+        found = warnings_of(erlif.process(tmp_path / "run", workers=1))
+    except ErlifError as error:
+        found = [str(error)]
+    assert re.search(mistake.cause, found[0])
+    assert len(set(found)) == len(found)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(40 if FULL else 3))
+def test_a_sound_rig_of_any_kind_has_no_alarm(monkeypatch, tmp_path, seed):
+    found = []
+
+    def end(run, cycle, triggers, ready, results, hashes):
+        found.append(audit_run(Evidence(run, cycle, frames_in(results), ready.bits)))
+        raise ErlifError("enough")
+
+    monkeypatch.setattr("erlif.pipeline.run.complete_film", end)
+    rig, instruments = draw_sound(seed)
+    simulate(tmp_path / "rig", seed=700 + seed, rig=rig)
+    use_instruments(tmp_path / "rig" / "run", instruments)
+    with pytest.raises(ErlifError, match="enough"):
+        erlif.process(tmp_path / "rig" / "run", workers=1)
+    assert found == [[]]

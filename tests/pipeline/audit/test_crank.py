@@ -1,0 +1,113 @@
+"""Readings of an encoder against a crank that turns evenly."""
+
+import math
+import re
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray as xr
+from scenes.linkage import OMEGA, link_angles, locate, make_log
+
+from erlif.io.settings import CrankRockerSettings
+from erlif.models.mechanism import CrankRocker
+from erlif.pipeline.audit.crank import find_odd, find_slips, note_crank, note_mounting
+from erlif.pipeline.audit.evidence import Evidence
+
+TIME = np.linspace(0, 2 * math.pi / OMEGA, 50, endpoint=False)
+ROCKER = np.degrees([link_angles(OMEGA * t + 0.7)[0] for t in TIME])
+CRANK = np.degrees(OMEGA * TIME + 0.7) % 360
+
+
+def run_of(log, mounted, crank=0.055):
+    lengths = {"crank": crank, "coupler": 0.44, "rocker": 0.26, "ground": 0.51}
+    links = CrankRockerSettings.model_construct(kind="crank-rocker", **lengths, crank_speed=OMEGA)
+    encoder = SimpleNamespace(mounted_on=mounted, zero=None)
+    return SimpleNamespace(log=log, settings=SimpleNamespace(linkage=links, encoder=encoder))
+
+
+def notes(angle, *, mounted="rocker", crank=0.055, time=TIME, noise=0.01):
+    """Notes on a log of readings with the noise of an encoder."""
+    angle = angle + noise * np.random.default_rng(2).normal(size=angle.size)
+    log = make_log(angle, **({} if time is None else {"time": time}))
+    located = locate(
+        log.assign(angle=log.angle if mounted == "rocker" else log.angle % 360),
+        mechanism=CrankRocker(crank, 0.44, 0.26, 0.51),
+        mounted_on=mounted,
+        zero=0.0 if mounted == "rocker" else None,
+    )
+    return list(note_crank(Evidence(run_of(log, mounted, crank), located, ())))
+
+
+def inside(angle, change=0.0):
+    """Readings that stay within the reach of the linkage."""
+    return np.clip(angle + change, 47.45, 71.8)
+
+
+@pytest.mark.parametrize("mounted", ["rocker", "crank"])
+@pytest.mark.parametrize("digits", [6, 3])
+def test_an_even_turn_has_no_note(mounted, digits):
+    angle = inside(ROCKER) if mounted == "rocker" else CRANK
+    assert notes(angle, mounted=mounted, time=np.round(TIME, digits)) == []
+
+
+@pytest.mark.parametrize(("row", "off"), [(12, -8.0), (12, 3.0), (30, 5.0), (40, -3.0)])
+@pytest.mark.parametrize("time", [TIME, None], ids=["times", "no times"])
+def test_a_reading_that_is_off_is_named(row, off, time):
+    angle = ROCKER.copy()
+    angle[row] += off if 48 < angle[row] + off < 71 else -off
+    (note,) = notes(inside(angle), time=time)
+    assert note.text.startswith(f"reading or time of rows {row} is not that of an even turn")
+
+
+@pytest.mark.parametrize("off", [-20.0, 8.0])
+def test_a_reading_of_the_crank_that_is_off_is_named(off):
+    angle = CRANK.copy()
+    angle[20] += off
+    (note,) = notes(angle, mounted="crank")
+    assert "rows 20 " in note.text
+
+
+@pytest.mark.parametrize(("row", "off"), [(12, 1.0), (12, -1.0), (20, 0.5), (8, -0.6)])
+def test_a_slip_is_named_with_its_row_and_size(row, off):
+    # from one dead point past the other, so that the readings stay within the reach
+    start = int(np.argmax(ROCKER) if off > 0 else np.argmin(ROCKER))
+    angle = inside(np.roll(ROCKER, -start))[:36]
+    angle[row:] += off
+    (note,) = notes(angle, time=TIME[:36], noise=0.002)
+    found = re.match(r"from row (\d+) on its reading is (\S+) deg off", note.text)
+    assert int(found[1]) == row
+    assert float(found[2]) == pytest.approx(off, abs=0.05)
+
+
+@pytest.mark.parametrize(("stated", "words"), [(0.056, True), (0.057, True), (0.0551, False)])
+def test_a_crank_of_another_length_is_named_by_the_swing(stated, words):
+    found = notes(inside(ROCKER), crank=stated)
+    assert len(found) == words
+    if words:
+        assert f"as with a crank of 5.5 cm in place of {100 * stated:.3g} cm" in found[0].text
+
+
+def test_a_rocker_that_is_stated_as_the_crank_is_named():
+    (note,) = note_mounting(run_of(make_log(ROCKER), "crank"))
+    assert 'Set mounted_on = "rocker"' in note.text
+    for log, mounted in ((ROCKER, "rocker"), (CRANK, "crank"), (CRANK[:20], "crank")):
+        assert list(note_mounting(run_of(make_log(log), mounted))) == []
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_noise_of_any_size_is_neither_odd_nor_a_slip(seed):
+    rest = np.random.default_rng(seed).normal(size=200)
+    assert find_odd(rest, 24.0).size == 0
+    assert find_slips(rest, 24.0) == []
+
+
+def test_an_uneven_crank_is_not_judged():
+    uneven = np.degrees([link_angles(OMEGA * t + 0.7 + math.sin(OMEGA * t))[0] for t in TIME])
+    assert notes(inside(uneven)) == []
+
+
+def test_a_log_without_a_linkage_has_no_note():
+    run = run_of(make_log(ROCKER), "rocker")
+    run.settings.linkage = None
+    assert list(note_crank(Evidence(run, xr.Dataset(), ()))) == []

@@ -1,0 +1,72 @@
+"""Pairs of other recordings by the form of their film."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from erlif.pipeline.audit.evidence import Evidence
+from erlif.pipeline.audit.strangers import find_groups, form_changes, note_strangers
+
+PLACES = np.linspace(-1, 1, 64)
+
+
+def ratios(count=50, *, seed=1, own=lambda h: np.log1p(h[:, None] + 0.6 * PLACES**2)):
+    """Logarithms of ratios of a gap that opens and closes, with the noise of a small frame."""
+    film = 1 + np.abs(np.sin(np.arange(count) / 8))
+    return own(film) + 0.003 * np.random.default_rng(seed).normal(size=(count, 64))
+
+
+def wedge(count):
+    return np.tile(np.log1p(1.5 + PLACES), (count, 1))
+
+
+def evidence(found, **log):
+    frames = [
+        SimpleNamespace(frame=k, pulse=SimpleNamespace(log_ratio=row))
+        for k, row in enumerate(found)
+    ]
+    table = xr.Dataset({name: ("frame", one) for name, one in log.items()})
+    return Evidence(SimpleNamespace(log=table), xr.Dataset(), frames)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_gap_that_opens_and_closes_has_no_jump(seed):
+    assert form_changes(ratios(seed=seed)).max() < 2
+
+
+@pytest.mark.parametrize(
+    ("rows", "words"),
+    [
+        ([20, 21, 22], "pairs 20 to 22 show another film"),
+        ([30], "pair 30 show another film"),
+        ([0, 1, 2], "pairs 0 to 2 "),
+        ([47, 48, 49], "pairs 47 to 49 "),
+    ],
+)
+def test_pairs_of_a_wedge_are_found(rows, words):
+    found = ratios()
+    found[rows] = wedge(len(rows))
+    (note,) = note_strangers(evidence(found))
+    assert words in note.text
+    assert note.level == "warning"
+
+
+def test_places_without_film_do_not_count():
+    found = ratios()
+    found[np.random.default_rng(4).random(found.shape) < 0.2] = np.nan
+    assert list(note_strangers(evidence(found))) == []
+
+
+def test_a_step_of_the_load_is_no_stranger():
+    found = ratios()
+    found[40:] += np.log1p(0.2 * PLACES)
+    assert len(list(note_strangers(evidence(found)))) == 1
+    load = np.where(np.arange(50) < 40, 200.0, 400.0)
+    assert list(note_strangers(evidence(found, load=load))) == []
+
+
+def test_the_longest_part_is_the_run():
+    assert find_groups(np.array([9, 10, 24, 25]), 50) == [(10, 10), (25, 25)]
+    assert find_groups(np.array([24]), 50) == []
