@@ -70,7 +70,7 @@ FILM_ATTRIBUTES = (
     Attribute("input_hashes", "SHA-256 of every input by its relative name, as JSON."),
     Attribute(
         "identity",
-        "SHA-256 of inputs, settings, calibration and version together; `erlif batch --resume` "
+        "SHA-256 of inputs, settings, calibration and version together; `erlif process --resume` "
         "keeps a film of the same identity.",
     ),
     Attribute("calibration", "Parameters, covariance and origin of the calibration, as JSON."),

@@ -32,11 +32,12 @@ def calibrate(
     overwrite: bool,
     **reading: Any,
 ) -> None:
-    """Fit the ratio-thickness calibration to a fixture; writes calibration.nc and its figure.
+    """Fit the ratio-thickness calibration to a fixture.
 
-    The new calibration is compared with the one that --against names, and with a calibration of the
-    same fixture that --overwrite replaces. Two calibrations without a common range of thickness
-    cannot be compared: one line reports it, and the new calibration is written nevertheless.
+    Writes calibration.nc and its figure. The new calibration is compared with the one that
+    --against names, and with a calibration of the same fixture that --overwrite replaces. Two
+    calibrations without a common range of thickness cannot be compared: one line reports it, and
+    the new calibration is written nevertheless.
 
     \b
     Example:

@@ -19,10 +19,11 @@ from erlif.core.speed.imports import large_imports
 def design(
     source: Path | None, example: bool, materials: bool, output: Path | None, overwrite: bool
 ) -> None:
-    """Size a pin joint and check it step by step (Strand 2005, chapter 2).
+    """Size a pin joint and check it step by step.
 
-    Dimensions that are not given are chosen. Prints dimensions and the margin of each step. A joint
-    that exceeds a limit is reported; the exit status is 0 all the same.
+    The steps are those of Strand (2005), chapter 2. Dimensions that are not given are chosen.
+    Prints dimensions and the margin of each step. A joint that exceeds a limit is reported; the
+    exit status is 0 all the same.
 
     \b
     Example:

@@ -66,7 +66,7 @@ def endurance(
     overwrite: bool,
     **stated: float | None,
 ) -> None:
-    """Find stages, onset of galling and load at failure in the logs of endurance tests.
+    """Find the onset of galling and the failure load in endurance logs.
 
     Prints them with their uncertainties, draws load, torque, friction and temperature over time,
     and writes a table of the tests. Two designs are compared by their loads at failure.

@@ -46,7 +46,7 @@ def friction(
     overwrite: bool,
     **measured: Any,
 ) -> None:
-    """Compute the friction of a bushing from a torque log with reversals.
+    """Compute the friction of a bushing from a torque log.
 
     Half the difference of both directions is free of an offset of the cell. Prints the coefficient
     with its standard deviation by cause, draws it over time or sliding distance, and writes a table

@@ -43,10 +43,10 @@ def linkage(
     overwrite: bool,
     **wanted: Any,
 ) -> None:
-    """Find crank-rockers for a wanted swing, speed and time ratio; two links at least are given.
+    """Find crank-rockers for a wanted swing, speed and time ratio.
 
-    Prints every solution, or the nearest linkage. Names and angles are those of [mechanism] in
-    run.toml. Quantities have units: "51 cm", "25 deg", "114 rpm".
+    Two links at least are given. Prints every solution, or the nearest linkage. Names and angles
+    are those of [mechanism] in run.toml. Quantities have units: "51 cm", "25 deg", "114 rpm".
 
     \b
     Example:

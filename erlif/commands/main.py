@@ -8,6 +8,7 @@ import signal
 import sys
 import traceback
 from importlib import import_module
+from itertools import chain
 from typing import Any
 
 import click
@@ -28,17 +29,33 @@ from erlif.commands.log import show_log
 from erlif.core.errors import ErlifError
 from erlif.core.version import __version__
 
-# Before a rig, from frames to films, what is shown of films, and tests of joints.
-COMMANDS = (
-    *("plan", "linkage", "design", "simulate"),
-    *("init", "check", "calibrate", "process", "batch", "predict", "pressure", "budget"),
-    *("figures", "movie", "report", "view", "export", "compare"),
-    *("endurance", "friction", "sources"),
-)
+# The commands in the order of their use, by what they serve.
+COMMANDS = {
+    "Measure": ("init", "check", "calibrate", "process"),
+    "Look": ("view", "figures", "report", "movie", "export", "compare"),
+    "Explain": ("budget", "predict", "pressure"),
+    "Plan a rig": ("simulate", "plan"),
+    "Joint": ("design", "linkage", "endurance", "friction"),
+}
+
+# Commands for who works on erlif itself; help does not list them.
+HIDDEN = ("sources",)
+
+
+# Characters of the longest name of a command, and of the line beside it, at 80 columns.
+_NAME, _WIDTH = 9, 67
 
 
 class _Commands(click.Group):
     """Bad input ends with one message and status 2, a defect of erlif with status 1."""
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        formatter.write_paragraph()
+        for group, names in COMMANDS.items():
+            rows = [(name, self.commands[name].get_short_help_str(_WIDTH)) for name in names]
+            formatter.write(f"{group}:\n")
+            with formatter.indentation():
+                formatter.write_dl(rows, col_spacing=_NAME + 2 - max(map(len, names)))
 
     def invoke(self, ctx: click.Context) -> Any:
         # numpy and scipy are not loaded yet; the matrices are small, so that threads of linear
@@ -97,7 +114,7 @@ class _Commands(click.Group):
     "-v",
     "--verbose",
     count=True,
-    help="Show decisions, times and memory of each stage; -vv shows details.",
+    help="Show decisions, times and memory; -vv details.",
 )
 def main(verbose: int) -> None:
     """Oil-film thickness maps with error bars from two-camera fluorescence.
@@ -105,7 +122,6 @@ def main(verbose: int) -> None:
     \b
     Example:
       erlif simulate rehearsal
-      erlif calibrate rehearsal/fixture
       erlif process rehearsal/run
       erlif figures rehearsal/run/film.nc
     """
@@ -118,5 +134,5 @@ def main(verbose: int) -> None:
 
 
 # each module has the name of its command; what is heavy loads when a command runs
-for name in COMMANDS:
+for name in (*chain.from_iterable(COMMANDS.values()), *HIDDEN):
     main.add_command(getattr(import_module(f"erlif.commands.{name}"), name))

@@ -28,7 +28,7 @@ from erlif.core.speed.imports import large_imports
 )
 @OVERWRITE
 def movie(film: Path, output: Path | None, **options: Any) -> None:
-    """Write a movie of the cycle: map, mechanism, and film against angle.
+    """Write a movie of the cycle: map, mechanism, film against angle.
 
     MP4 needs the program ffmpeg. Of more than sixty triggers, sixty evenly chosen ones are shown.
 

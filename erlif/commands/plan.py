@@ -21,11 +21,11 @@ from erlif.core.speed.imports import large_imports
 @click.option("--example", is_flag=True, help="Print a commented plan that works as it is.")
 @OVERWRITE
 def plan(source: Path | None, output: Path | None, example: bool, overwrite: bool) -> None:
-    """Predict ratio, uncertainty and range of a rig from dyes, filters, light and cameras.
+    """Predict ratio, uncertainty and range of a rig from its parts.
 
-    Prints the films, the frames needed, the best concentrations and the effect of each tolerance,
-    and writes figure, tables and the plan with the best concentrations. `erlif simulate --plan`
-    photographs a plan with the virtual rig.
+    The parts are dyes, filters, light and cameras. Prints the films, the frames needed, the best
+    concentrations and the effect of each tolerance, and writes figure, tables and the plan with the
+    best concentrations. `erlif simulate --plan` photographs a plan with the virtual rig.
 
     \b
     Example:

@@ -21,11 +21,11 @@ from erlif.core.speed.imports import large_imports
 @ALLOW_OUTSIDE
 @OVERWRITE
 def predict(source: Path, output: Path | None, fitted: bool, **options: Any) -> None:
-    """Predict the film of an oscillating joint at every trigger, as its camera would see it.
+    """Predict the film of an oscillating joint at every trigger.
 
-    The transient Reynolds equation is solved over the motion of the frames. [prediction] in
-    run.toml holds what it takes for given. A run directory is predicted with its present settings,
-    a film with those that it holds.
+    The film is that in view of the camera. The transient Reynolds equation is solved over the
+    motion of the frames. [prediction] in run.toml holds what it takes for given. A run directory is
+    predicted with its present settings, a film with those that it holds.
 
     --fit prints which physics carries the measured film: the steady formulas, squeeze, and the
     transient film of a free and of a guided pin are fitted to the positions of the pin and compared

@@ -16,10 +16,10 @@ from erlif.core.speed.imports import large_imports
 @click.option("-o", "--output", type=PATH, help="Default: pressure.nc beside FILM.")
 @OVERWRITE
 def pressure(film: Path, output: Path | None, overwrite: bool) -> None:
-    """Find the pressure in the film of an oscillating joint; writes pressure.nc and its figure.
+    """Find the pressure in the film of an oscillating joint.
 
-    The Reynolds equation is solved on the measured film and its rate. The load is not put in: the
-    one that the pressure makes is compared with it.
+    Writes pressure.nc and its figure. The Reynolds equation is solved on the measured film and its
+    rate. The load is not put in: the one that the pressure makes is compared with it.
 
     \b
     Example:

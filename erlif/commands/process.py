@@ -1,4 +1,4 @@
-"""``erlif process``: a run directory to film-thickness maps."""
+"""``erlif process``: run directories to film-thickness maps."""
 
 from __future__ import annotations
 
@@ -10,27 +10,58 @@ import click
 
 from erlif.commands.options import CALIBRATION, PATH, PROCESSING, expect_suffix
 from erlif.commands.progress import working
+from erlif.commands.refusals import refusal
+from erlif.commands.series import process_series
 from erlif.core.speed.imports import large_imports
 
 
 @click.command()
-@click.argument("run_dir", type=PATH)
+@click.argument("runs", metavar="RUN_DIR...", type=PATH, nargs=-1, required=True)
 @CALIBRATION
 @click.option(
     "-o", "--output", type=PATH, help="Default: RUN_DIR/film.nc; a name in .zarr writes zarr."
 )
+@click.option(
+    "--resume",
+    is_flag=True,
+    help="Keep films made from the same inputs and settings by this version.",
+)
 @PROCESSING
-def process(run_dir: Path, calibration: Path | None, output: Path | None, **options: Any) -> None:
-    """Turn a run directory into film-thickness maps.
+def process(
+    runs: tuple[Path, ...],
+    calibration: Path | None,
+    output: Path | None,
+    resume: bool,
+    **options: Any,
+) -> None:
+    """Turn run directories into film-thickness maps.
 
     Where run.toml names a calibration that does not exist yet, it is fitted from the fixture
     directory it belongs to. The same command resumes an interrupted run.
+
+    In place of directories a table of runs may be named: a CSV file with a column run_dir and,
+    optionally, calibration and output. Each of several runs has one line of result. One that fails
+    does not end the others; failures are listed at the end, and the exit status is then not 0.
 
     \b
     Example:
       erlif process data_samples/straight_bushing
       erlif process long_run -o long_run/film.zarr --scheduler local:4
+      erlif process series_may/run_*
+      erlif process runs.csv --resume
     """
+    if len(runs) > 1 or resume or runs[0].is_file():
+        if output is not None:
+            raise refusal("output_of_several", output=output)
+        process_series(runs, calibration=calibration, resume=resume, **options)
+    else:
+        _process_one(runs[0], calibration, output, options)
+
+
+def _process_one(
+    run_dir: Path, calibration: Path | None, output: Path | None, options: dict[str, Any]
+) -> None:
+    """Process a run and print its summary."""
     with large_imports():
         from erlif import pipeline
         from erlif.show.report import summarise

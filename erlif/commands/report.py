@@ -52,7 +52,7 @@ def report(
     allow_outside: bool,
     **options: Any,
 ) -> None:
-    """Write one self-contained HTML page about a film, or about several beside each other.
+    """Write one HTML page about a film, or about several films.
 
     \b
     Example:

@@ -40,6 +40,15 @@ def test_importing_erlif_loads_nothing_heavy():
     }
 
 
+def test_help_fits_one_screen_and_lists_every_command_in_one_line():
+    shown = CliRunner().invoke(main, ["--help"], terminal_width=80).output.splitlines()
+    assert len(shown) <= 40
+    assert max(map(len, shown)) <= 80
+    listed = [line.split()[0] for line in shown if line[:3].strip() and line.startswith("  ")]
+    assert set(COMMANDS) - {"sources"} <= set(listed)
+    assert not [line for line in shown[1:] if line.endswith("...")]
+
+
 def test_the_module_runs_as_the_command_does():
     done = subprocess.run(
         [sys.executable, "-m", "erlif", "--version"], capture_output=True, text=True, check=True

@@ -1,4 +1,4 @@
-"""``erlif batch``: one line of result for each run, failures at the end, exit status."""
+"""``erlif process`` of many runs: one line of result for each run, failures at the end, exit status."""
 
 import importlib
 import shutil
@@ -11,12 +11,12 @@ MODULE = importlib.import_module("erlif.pipeline.batch")
 """The module; the package has the function under the same name."""
 
 
-def run_batch(*arguments):
-    return CliRunner().invoke(main, ["batch", *map(str, arguments)])
+def run_series(*arguments):
+    return CliRunner().invoke(main, ["process", *map(str, arguments)])
 
 
 def test_each_run_has_one_line_and_failures_stand_at_the_end(series, film):
-    result = run_batch(series / "tuesday", series / "monday")
+    result = run_series(series / "tuesday", series / "monday")
     assert result.exit_code == 2
     failed, finished = result.stdout.splitlines()
     assert failed == f"{series / 'tuesday'}: failed, see below"
@@ -32,7 +32,7 @@ def test_each_run_has_one_line_and_failures_stand_at_the_end(series, film):
 
 def test_resume_shows_the_films_that_are_kept(series, film):
     shutil.copy(film, series / "monday" / "film.nc")
-    result = run_batch(series / "monday", "--resume")
+    result = run_series(series / "monday", "--resume")
     assert result.exit_code == 0
     assert result.stdout.splitlines()[0].endswith("; finished before")
 
@@ -42,7 +42,7 @@ def test_a_defect_ends_with_status_1_and_its_trace(series, monkeypatch):
         raise ZeroDivisionError("a slip")
 
     monkeypatch.setattr(MODULE, "process_run", fail)
-    result = run_batch(series / "monday")
+    result = run_series(series / "monday", "--resume")
     assert result.exit_code == 1
     assert "a slip" in result.stderr
     assert "report" in result.stderr
@@ -53,6 +53,13 @@ def test_an_interruption_names_the_way_to_go_on(series, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(MODULE, "process_run", interrupt)
-    result = run_batch(series / "monday")
+    result = run_series(series / "monday", "--resume")
     assert result.exit_code == 130
     assert "--resume" in result.stderr
+
+
+def test_the_output_of_several_runs_is_refused(series):
+    result = run_series(series / "monday", series / "tuesday", "-o", "film.nc")
+    assert result.exit_code == 2
+    assert "Expected one run directory with -o film.nc" in result.stderr
+    assert not (series / "monday" / "film.nc").exists()

@@ -1,14 +1,14 @@
-"""``erlif batch``: many runs to film-thickness maps."""
+"""Many runs to film-thickness maps, as ``erlif process`` prints them."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from erlif.commands.ending import BAD_INPUT, DEFECT, INTERRUPTED, echo_aside
-from erlif.commands.options import PATH, PROCESSING
 from erlif.commands.progress import echo_above, working
 from erlif.core.speed.imports import large_imports
 
@@ -16,42 +16,28 @@ if TYPE_CHECKING:
     from erlif.pipeline.batch import RunOutcome
 
 
-@click.command()
-@click.argument("runs", type=PATH, nargs=-1, required=True)
-@click.option(
-    "--calibration",
-    type=PATH,
-    help="For runs whose row names none; default: the calibration that each run.toml names.",
-)
-@click.option(
-    "--resume",
-    is_flag=True,
-    help="Keep films made from the same inputs and settings by this version.",
-)
-@PROCESSING
-def batch(runs: tuple[Path, ...], calibration: Path | None, resume: bool, **options: Any) -> None:
-    """Turn many run directories into film-thickness maps.
+def process_series(runs: Sequence[Path], **options: Any) -> None:
+    """Process runs and print one line of each; failures are listed at the end.
 
-    RUNS are run directories, or a table of runs: a CSV file with a column run_dir and, optionally,
-    calibration and output. Each run has one line of result. A run that fails does not end the
-    others; failures are listed at the end, and the exit status is then not 0.
+    Parameters
+    ----------
+    runs : sequence of Path
+        Run directories, or one table of runs.
+    **options
+        As `erlif.pipeline.batch.batch` takes them.
 
-    \b
-    Example:
-      erlif batch series_may/run_*
-      erlif batch runs.csv --resume
-      erlif batch runs.csv --scheduler tcp://cluster:8786
+    Raises
+    ------
+    click.exceptions.Exit
+        With the status of the worst failure, if a run fails.
     """
     with large_imports():
-        from erlif.pipeline.batch import RunState
-        from erlif.pipeline.batch import batch as process_runs
+        from erlif.pipeline.batch import RunState, batch
 
     try:
         with working() as progress:
-            outcomes = process_runs(
+            outcomes = batch(
                 runs,
-                calibration=calibration,
-                resume=resume,
                 report=lambda outcome: echo_above(_describe(outcome)),
                 progress=progress,
                 **options,
