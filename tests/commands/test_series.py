@@ -1,4 +1,4 @@
-"""``erlif process`` of many runs: one line of result for each run, failures at the end, exit status."""
+"""``erlif process`` of many runs: one line of result each, failures at the end, exit status."""
 
 import importlib
 import shutil
