@@ -217,7 +217,7 @@ def complete_film(
     drift = mean_drift(frames)
     with stage("audits", _logger):
         measured_frames = sorted(frames, key=lambda one: one.frame)
-        audited = audit_run(Evidence(run, cycle, measured_frames, ready.bits))
+        audited = audit_run(Evidence(run, cycle, measured_frames, ready.faults))
     notes = [
         *run.log_notes,
         *encoder_notes(cycle),

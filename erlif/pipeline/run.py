@@ -164,7 +164,7 @@ def process_run(
         del known
         release_memory()
 
-        with naming(ready.bits):
+        with naming(ready.faults):
             # frames: counts -> light -> ratio -> thickness, trigger by trigger
             results = measure_run(
                 run, ready, frames_of, unfinished, engine=engine, progress=progress

@@ -46,7 +46,7 @@ def note_drive(evidence: Evidence) -> Iterator[Note]:
 # In the order of their notes: what makes others follow comes first.
 AUDITS = (
     Audit("files of both cameras", 0.001, lambda one: note_copied_cameras(one.frames)),
-    Audit("bits of the counts", 0.001, lambda one: iter(one.bits)),
+    Audit("bits and noise of the counts", 0.03, lambda one: iter(one.faults)),
     Audit("place of the encoder, and speed of the crank", 0.001, note_drive),
     Audit("pairs of other recordings", 0.01, note_strangers),
     Audit("readings of the encoder", 0.2, note_crank),

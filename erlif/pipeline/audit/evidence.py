@@ -27,14 +27,14 @@ class Evidence:
         As `erlif.pipeline.physics.joint.locate_run` returns it.
     frames : Sequence[FrameResult]
         Frame pairs that were measured, in their order.
-    bits : Sequence[Note]
-        Faults of the bits of both cameras.
+    faults : Sequence[Note]
+        Of the counts of both cameras, known before.
     """
 
     run: Run
     located: xr.Dataset
     frames: Sequence[FrameResult]
-    bits: Sequence[Note] = ()
+    faults: Sequence[Note] = ()
 
     @property
     def numbers(self) -> Array:

@@ -119,6 +119,7 @@ def _note_by_film(evidence: Evidence, numbers: AnyArray, *, known: bool) -> Iter
         yield _describe(found, numbers, "the film follows the speed")
         return
     odd = find_other_films(drive, levels)
+    odd = odd[odd > 0]  # a camera keeps nothing of a pulse before its first one
     if odd.size:
         yield _note("other_films", pairs=list_some(numbers[odd]))
 

@@ -23,7 +23,9 @@ _FEWEST = 14  # frames from which on the change of the form is known
 
 _PLACES = 24  # places with film in most frames, at least
 
-_JUMP = 3.0  # change of form over the median of all, beyond which it is a jump; sound runs have 2
+# Change of form over that which four of five frames have at most, beyond which it is a jump; the
+# largest one of sound runs is 2.
+_JUMP, _USUAL = 3.0, 0.8
 
 _FEW = 1 / 3  # share of the frames up to which pairs between jumps are strangers
 
@@ -48,12 +50,14 @@ def note_strangers(evidence: Evidence) -> Iterator[Note]:
     change = form_changes(evidence.ratios)
     if change is None:
         return
-    jumps = np.flatnonzero(change > _JUMP)
+    jumps = np.flatnonzero(change > _JUMP * np.quantile(change, _USUAL))
     if not jumps.size or jumps.size > _MANY * change.size:
         return
     groups = find_groups(jumps, change.size + 1)
     numbers = evidence.numbers
     for first, last in groups:
+        if last == 0:
+            continue  # a camera keeps nothing of a pulse before its first one
         at_end = first == 0 or last == change.size
         if at_end and _changes_itself(evidence, last if first == 0 else first - 1):
             continue

@@ -16,6 +16,7 @@ from erlif.core.speed.memory import release_memory
 from erlif.core.timing import stage
 from erlif.io.ingest import Fixture, Run
 from erlif.pipeline.audit.naming import naming
+from erlif.pipeline.audit.noise import note_noise
 from erlif.pipeline.chain import FrameChain, FrameCorrection
 from erlif.pipeline.physics.findings import LightFindings
 from erlif.pipeline.physics.light import correct_light, find_light, measure_lights
@@ -185,8 +186,8 @@ class PreparedRun:
         Relative pulse energy of each frame in the log, (frame,).
     notes : tuple[Note, ...]
         On both cameras and their ratio.
-    bits : tuple[Note, ...]
-        Faults of the bits of the frames.
+    faults : tuple[Note, ...]
+        Of the counts: bits that are stuck, noise that is too low.
     """
 
     chain: FrameChain
@@ -194,7 +195,7 @@ class PreparedRun:
     light: LightFindings
     energies: Array | None
     notes: tuple[Note, ...]
-    bits: tuple[Note, ...] = ()
+    faults: tuple[Note, ...] = ()
 
 
 def prepare_run(
@@ -228,6 +229,7 @@ def prepare_run(
     warmer = read_warming(run, calibration)
     prepared = prepare_chain(run, progress, stored=known.stored, tables_only=not correct)
     chain = without_warming(prepared.chain, warmer, run.settings.temperature)
+    faults = (*prepared.bits, *note_noise(chain, prepared.sample))
     misfit = judge_ratios(chain, calibration, prepared.sample, stored=known.nodes)
     chain = complete_energies(chain, calibration)
     calibration = add_systematics(
@@ -254,4 +256,4 @@ def prepare_run(
 
     # the frames need neither the sample nor the references
     notes = (*prepared.notes, *misfit.notes)
-    return PreparedRun(chain.tabulated(), measuring, findings, energies, notes, prepared.bits)
+    return PreparedRun(chain.tabulated(), measuring, findings, energies, notes, faults)

@@ -82,7 +82,9 @@ def test_a_sound_run_has_no_warning_and_its_audits_take_no_time(evidence):
 
 
 def test_a_warning_stands_once_whatever_finds_it(evidence):
-    doubled = replace(evidence, bits=(*evidence.bits, *2 * [Note(Level.WARNING, "bits", "bit 5")]))
+    doubled = replace(
+        evidence, faults=(*evidence.faults, *2 * [Note(Level.WARNING, "bits", "bit 5")])
+    )
     assert [note.text for note in audit_run(doubled)] == ["bit 5"]
 
 
@@ -107,7 +109,7 @@ def test_a_sound_rig_of_any_kind_has_no_alarm(monkeypatch, tmp_path, seed):
     found = []
 
     def end(run, cycle, triggers, ready, results, hashes):
-        found.append(audit_run(Evidence(run, cycle, frames_in(results), ready.bits)))
+        found.append(audit_run(Evidence(run, cycle, frames_in(results), ready.faults)))
         raise ErlifError("enough")
 
     monkeypatch.setattr("erlif.pipeline.run.complete_film", end)
