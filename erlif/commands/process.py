@@ -64,12 +64,13 @@ def _process_one(
     """Process a run and print its summary."""
     with large_imports():
         from erlif import pipeline
-        from erlif.show.report import summarise
+        from erlif.show.report import summarise, summarise_briefly
 
     # a name that promises another format is refused before the work starts
     output = output or run_dir / "film.nc"
     expect_suffix(output, ".nc", ".zarr")
 
+    verbose = click.get_current_context().find_root().params["verbose"]
     source = calibration or _named_calibration(run_dir)
     existed = source is None or source.exists()
     with working() as progress:
@@ -79,11 +80,12 @@ def _process_one(
 
     # the film stays open while it is summarised: its maps are read when they are used
     with film:
-        click.echo(summarise(film))
-    if source is not None and existed:
+        click.echo(summarise(film) if verbose else summarise_briefly(film))
+    if source is not None and existed and verbose:
         click.echo(f"used: {source}")
     made = [source] if source is not None and not existed and source.exists() else []
     click.echo(f"written: {', '.join(str(path) for path in (*made, output))}")
+    click.echo(f"next: erlif figures {output}")
 
 
 def _named_calibration(run_dir: Path) -> Path | None:

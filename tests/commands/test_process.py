@@ -21,10 +21,14 @@ def test_a_run_is_checked_and_processed(lab, film, command):
     assert "error" not in command("check", lab.fixture).stdout
     result = command("process", lab.run)
     assert "6 triggers from 6 frame pairs of 128 x 96 pixels" in result.stdout
-    assert f"used: {lab.fixture / 'calibration.nc'}" in result.stdout
     assert f"written: {lab.film}" in result.stdout
+    assert len(result.stdout.splitlines()) <= 12
+    assert result.stdout.splitlines()[-1] == f"next: erlif figures {lab.film}"
     assert "film: 6 done" in result.stderr
     assert lab.film.read_bytes() == film.read_bytes()
+    verbose = command("-v", "process", lab.run, "--overwrite").stdout
+    assert f"used: {lab.fixture / 'calibration.nc'}" in verbose
+    assert "largest error" in verbose
 
 
 def test_output_may_lie_elsewhere_and_the_run_be_read_only(

@@ -7,7 +7,13 @@ from .page import write_report
 from .plan import check_plan_output, summarise_plan, write_plan
 from .prediction import summarise_prediction
 from .runs import write_runs_report
-from .summary import describe_calibration, render_budget, summarise, summarise_in_a_line
+from .summary import (
+    describe_calibration,
+    render_budget,
+    summarise,
+    summarise_briefly,
+    summarise_in_a_line,
+)
 
 __all__ = [
     "check_plan_output",
@@ -16,6 +22,7 @@ __all__ = [
     "make_design_page",
     "render_budget",
     "summarise",
+    "summarise_briefly",
     "summarise_design",
     "summarise_in_a_line",
     "summarise_linkages",

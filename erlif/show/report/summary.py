@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+
 import numpy as np
 import xarray as xr
 
@@ -15,6 +17,8 @@ from erlif.show.report.layout import TABLES, print_rows
 from erlif.show.report.prediction import describe_correlations, describe_difference
 
 _CALIBRATION_TITLE = 34  # columns of the titles of a calibration
+_TITLE = 10  # columns of the titles of a short summary
+_LINES, _COLUMNS = 10, 80  # of a short summary; files and the next command make it twelve
 _NOTABLE = 0.01  # share of the region beyond the range from which a mean is that of a part
 _AT = (0.1, 0.5)  # places in the calibrated range whose uncertainty is printed
 
@@ -44,13 +48,101 @@ def summarise(film: xr.Dataset) -> str:
     >>> print(*[line for line in lines if "n =" in line], sep="\\n")
       power of speed over load    minimum: n = 0.600 ± 0.010, mean: n = 0.600 ± 0.010; 6 triggers
     """
+    return print_rows(_first_line(film), describe_film(film, flag_shares(film)))
+
+
+def _first_line(film: xr.Dataset) -> str:
+    """Name and size of a film."""
     name = str(film.attrs["title"]).removeprefix("oil-film thickness, ")
-    head = (
+    return (
         f"{name}: {count_of(film.sizes['trigger'], 'trigger')} from "
         f"{count_of(int(film.frames_used.sum()), 'frame pair')} of {film.sizes['x']} x "
         f"{film.sizes['y']} pixels"
     )
-    return print_rows(head, describe_film(film, flag_shares(film)))
+
+
+@takes(film="film")
+def summarise_briefly(film: xr.Dataset) -> str:
+    """Describe a film in ten lines of 80 columns at most; `summarise` has the rest.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+
+    Returns
+    -------
+    str
+        Film, valid pixels, power of the speed, theory, the largest error, the first warnings, and
+        how many there are beside them.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> print(*summarise_briefly(example_film()).splitlines()[:3], sep="\n")
+    example: 6 triggers from 6 frame pairs of 64 x 24 pixels
+      film      min 2.51 ± 0.01 to 3.49 ± 0.01, mean 3.51 ± 0.01 to 4.49 ± 0.01 um
+    """
+    shares = flag_shares(film)
+    rows = describe_film(film, shares)
+    valid, *flagged = shares.mean(axis=0)
+    largest = sorted(zip(flagged, Flag, strict=True), reverse=True, key=lambda one: one[0])[:2]
+    lost = [
+        f"{str(flag.name).lower()} {describe_share(share, '%')}" for share, flag in largest if share
+    ]
+
+    texts = {
+        "film": f"min {_range(film, 'film_min')}, mean {_range(film, 'film_mean')} um",
+        "valid": f"{valid:.1%} of the pixels" + (f"; {', '.join(lost)}" if lost else ""),
+        "exponent": rows.get("power of speed over load", ""),
+        "theory": _first_sentence(rows.get("what carries the film", "") or _at_speed(film)),
+        "error": _first_sentence(rows.get("largest error", "")),
+    }
+    lines = [_first_line(film)]
+    for title, text in texts.items():
+        lines += _wrapped(title, text)
+
+    # warnings take what is left, the most serious first, and one line counts the rest
+    warnings = rows.get("warnings", "").splitlines()
+    for shown, text in enumerate(warnings):
+        wrapped = _wrapped("" if shown else "warning", _first_sentence(text))
+        if len(lines) + len(wrapped) >= _LINES:
+            warnings = warnings[shown:]
+            break
+        lines += wrapped
+    else:
+        warnings = []
+    counts = (len(warnings), "warning"), (len(rows.get("notes", "").splitlines()), "note")
+    more = " and ".join(count_of(count, word) for count, word in counts if count)
+    return "\n".join(
+        lines + _wrapped("more", f"{more}: erlif -v process, or the report" if more else "")
+    )
+
+
+def _wrapped(title: str, text: str) -> list[str]:
+    """A title and a text of at most two lines; a longer one is cut."""
+    width = _COLUMNS - _TITLE - 2
+    lines = textwrap.wrap(text, width, max_lines=2, placeholder=" ...", break_long_words=False)
+    return [f"  {title if k == 0 else '':{_TITLE}s}{line}" for k, line in enumerate(lines)]
+
+
+def _first_sentence(text: str) -> str:
+    return text.split("\n")[0].partition(". ")[0].rstrip(".")
+
+
+def _range(film: xr.Dataset, variable: str) -> str:
+    """Least and largest value of a statistic over the cycle."""
+    values, std = film[variable].values, film[f"{variable}_std"].values
+    if not np.isfinite(values).any():
+        return "none"
+    ends = sorted({int(np.nanargmin(values)), int(np.nanargmax(values))}, key=values.item)
+    return " to ".join(f"{values[k]:.2f} ± {std[k]:.2f}" for k in ends)
+
+
+def _at_speed(film: xr.Dataset) -> str:
+    """Predicted film at the highest speed."""
+    text = _describe_theory(film).split("\n")[0]
+    return f"at the highest speed {text}" if text else ""
 
 
 def describe_film(film: xr.Dataset, shares: Array) -> dict[str, str]:

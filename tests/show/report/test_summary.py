@@ -10,7 +10,13 @@ from scenes.fixture import walled
 
 from erlif.calibration.departure import Departure
 from erlif.show import plots
-from erlif.show.report import describe_calibration, render_budget, summarise, summarise_in_a_line
+from erlif.show.report import (
+    describe_calibration,
+    render_budget,
+    summarise,
+    summarise_briefly,
+    summarise_in_a_line,
+)
 
 
 def line_of(text, title):
@@ -152,3 +158,25 @@ def test_terms_are_rows_in_nanometres(budget):
         "| calibration | 4.0 | - | shared |",
         "| **total** | **5.0** | **30** |  |",
     ]
+
+
+def test_a_short_summary_has_ten_lines_of_80_columns(film):
+    """The first warning stands in it whatever else there is, and all others are counted."""
+    warnings = "\n".join(f"warning: camera{k}: {'a long word ' * 30}. Cure." for k in (1, 2))
+    sentence = f"Squeeze carries the film ({'very strong ' * 20}). Advice."
+    noted = film.assign_attrs(
+        notes=f"{warnings}\none", physics=sentence, largest_error="wall: 9 nm. x"
+    )
+    for shown in (film, noted, scene.without_valid_pixels(noted), noted.isel(trigger=[0])):
+        lines = summarise_briefly(shown).splitlines()
+        assert len(lines) <= 10
+        assert max(map(len, lines)) <= 80
+    text = summarise_briefly(noted)
+    assert line_of(text, "warning").startswith("camera1: a long word")
+    assert line_of(text, "more").startswith("1 warning and 1 note:")
+    assert line_of(text, "error") == "wall: 9 nm"
+    assert "Cure" not in text
+    minimum = scene.minimum_film()
+    assert line_of(text, "film").startswith(
+        f"min {minimum.min():.2f} ± 0.03 to {minimum.max():.2f} ±"
+    )
