@@ -14,6 +14,7 @@ import re
 import shutil
 import sys
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,10 +24,24 @@ import xarray as xr
 import erlif
 from erlif.core.errors import ErlifError
 from erlif.core.notes import Level, split_notes
+from erlif.core.progress import silent
+from erlif.io.ingest import open_run
+from erlif.pipeline.audit.audits import audit_run
+from erlif.pipeline.audit.evidence import Evidence
+from erlif.pipeline.chain import one_thread_per_frame
+from erlif.pipeline.engines.results import frames_in
+from erlif.pipeline.film import group_frames
+from erlif.pipeline.fixture import find_calibration
+from erlif.pipeline.physics.clock import fit_start
+from erlif.pipeline.physics.joint import locate_run
+from erlif.pipeline.recording.prepare import prepare_run
+from erlif.pipeline.recording.register import FixtureMap
+from erlif.pipeline.run import trigger_task
 from erlif.rig import simulate
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from damages.mistakes import MISTAKES, RIGS, SEEDS, Mistake
+from damages.mistakes import KINDS, MISTAKES, RIGS, SEEDS, Mistake
+from damages.sound import draw_sound, use_instruments
 
 LARGE = 3.0
 """Stated standard deviations from which a film is wrong."""
@@ -105,9 +120,13 @@ def try_mistake(mistake: Mistake, rigs: Path, scratch: Path) -> Outcome:
         shutil.rmtree(copy)
 
 
+COLUMNS = ("tried", "wrong", "refused", "warned", "named first", "wrong in silence")
+"""What is counted of each kind of mistake."""
+
+
 def print_mistakes(rigs: Path, only: str) -> None:
-    """A row for each mistake, and the sums."""
-    counts = dict.fromkeys(("all", "refused", "wrong", "silent", "warned", "named"), 0)
+    """A row for each mistake, and a table of the sums of each kind."""
+    counts = {kind: dict.fromkeys(COLUMNS, 0) for kind in (*KINDS, "all")}
     with tempfile.TemporaryDirectory() as scratch:
         for mistake in MISTAKES:
             if only not in mistake.name:
@@ -117,17 +136,52 @@ def print_mistakes(rigs: Path, only: str) -> None:
             named = one.named(mistake.cause)
             silent = one.wrong and not known
             told = "refused" if one.refused else "named" if named else "warned" if known else "-"
-            counts["all"] += 1
-            counts["refused"] += one.refused
-            counts["wrong"] += one.wrong
-            counts["silent"] += silent
-            counts["warned"] += known
-            counts["named"] += named
+            found = (True, one.wrong, one.refused, known and not one.refused, named, silent)
+            for kind in (mistake.kind, "all"):
+                for column, one_more in zip(COLUMNS, found, strict=True):
+                    counts[kind][column] += one_more
             first = one.warnings[0][:150] if one.warnings else ""
             numbers = f"{one.film:9.1f} {one.exponent:7.1f} {100 * one.speed:7.1f}"
             mark = "SILENT" if silent else "other " if known and not named else "      "
             print(f"{mistake.name:60s} {told:8s}{mark} {numbers}  {first}", flush=True)
-    print(counts)
+    print(f"\n| mistake | {' | '.join(COLUMNS)} |\n|---|{'---:|' * len(COLUMNS)}")
+    for kind, row in counts.items():
+        if row["tried"]:
+            print(f"| {kind} | {' | '.join(str(row[column]) for column in COLUMNS)} |")
+
+
+def print_alarms(count: int) -> None:
+    """Warnings of the audits of sound rigs of all kinds."""
+    alarms = tried = 0
+    for seed in range(count):
+        with tempfile.TemporaryDirectory() as scratch:
+            rig = Path(scratch) / "rig"
+            settings, instruments = draw_sound(seed)
+            try:
+                simulate(rig, seed=700 + seed, rig=settings)
+                use_instruments(rig / "run", instruments)
+                found = audit_run(measure(rig / "run"))
+            except ErlifError as error:
+                print(f"{seed}: no run of a sound rig: {error}")
+                continue
+        tried += 1
+        alarms += bool(found)
+        for note in found:
+            print(f"{seed}: {note}", flush=True)
+    print(f"{alarms} of {tried} sound rigs with a warning of an audit")
+
+
+def measure(run_dir: Path) -> Evidence:
+    """What the audits of a run look at."""
+    run = open_run(run_dir, find_start=fit_start)
+    located = locate_run(run)
+    calibration = find_calibration(run, None, allow_outside=False, progress=silent)
+    known = FixtureMap.of(calibration, run.settings)
+    ready = prepare_run(run, located, replace(calibration, camera_map=None), known, silent)
+    task = trigger_task(run, ready.chain, ready.measuring)
+    with one_thread_per_frame():
+        results = [task(frames)[1] for frames in group_frames(located, run.pairs)]
+    return Evidence(run, located, frames_in(results), ready.faults)
 
 
 def main() -> None:
@@ -138,6 +192,9 @@ def main() -> None:
     parser.add_argument("--sound", type=int)
     options = parser.parse_args()
     options.rigs.mkdir(exist_ok=True)
+    if options.sound:
+        print_alarms(options.sound)
+        return
     make_rigs(options.rigs)
     print_mistakes(options.rigs, options.only)
 

@@ -1,8 +1,9 @@
 """Mistakes of a laboratory that leave a run readable: each changes a copy of a sound rig."""
 
+import re
 import shutil
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
@@ -84,7 +85,11 @@ class Mistake:
     change: Callable[[Path], object]
     cause: str
     rig: str = "law"
-    kind: str = field(default="")
+
+    @property
+    def kind(self) -> str:
+        """Its kind, of `KINDS`."""
+        return next(kind for kind, words in KINDS.items() if re.search(words, self.name))
 
 
 # changes of the log
@@ -621,3 +626,28 @@ MISTAKES = [
         for version in ("99.0.0", "99", "2.1.0")
     ),
 ]
+
+KINDS = {
+    "the same files under both cameras": "copies of camera",
+    "a bit that is stuck": "^bit ",
+    "8 bits scaled to 12, also by way of JPEG": "JPEG|^8 bits",
+    "counts halved or scaled, dark subtracted twice": "^counts|^dark",
+    "load, temperature or time in another unit": "^load in|^temperature in|^time in",
+    "another speed of the crank in run.toml": "^crank speed",
+    "single loads 5 to 1000 times too large or small": "^load of row",
+    "ten loads of 0.5 N": "^ten loads",
+    "single temperatures or times that are off": "^temperature of|^time of",
+    "a reading of the encoder 2 to 20 degrees off": "^reading of",
+    "an encoder that slips by 0.5 to 10 degrees": "^encoder slips",
+    "log late or early by 1 to 5 pairs": "^log late",
+    "rows shifted from a row on, 1 to 10 pairs lost": "^rows of|pairs lost",
+    "both cameras in reverse order": "reverse order",
+    "two pairs exchanged in both cameras": "exchanged in both",
+    "3 to 10 pairs of another run": "^[0-9]+ pairs of '",
+    "1 to 3 pairs of the fixture": "of the fixture",
+    "a link 1 to 4 % too long or short, a zero off": "^(crank of|rocker|coupler|ground)|zero off",
+    "encoder stated on another link": "^stated|^the same",
+    "another load in [joint]": "in .joint. for",
+    "calibration of a later erlif": "^calibration of",
+}
+"""Kinds of mistakes, by words of their names; the first that fits holds."""

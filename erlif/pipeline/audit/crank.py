@@ -110,7 +110,7 @@ def note_crank(evidence: Evidence) -> Iterator[Note]:
         odd += [start + int(k) for k in single]
         most = max(most, float(np.abs(fit.rest[single]).max(initial=0.0)))
     if odd:
-        yield _note("odd_reading", rows=list_some(odd), most=most)
+        yield _note("odd_reading", which=_rows(len(odd)), rows=list_some(odd), most=most)
     for row, size in slips[:1]:
         yield _note("slip", row=row, size=size)
     if fits and not odd and not slips:
@@ -285,7 +285,12 @@ def _note_odd_steps(reading: Array) -> Iterator[Note]:
     alone = (np.abs(beside - bend[1:-1]) < _ROOM * size + 2 * np.median(np.abs(bend))).all(axis=0)
     odd = 2 + np.flatnonzero(alone & (size > np.median(np.abs(step))))
     if 0 < odd.size <= reading.size // 10:
-        yield _note("odd_reading", rows=list_some(odd), most=size[odd - 2].max())
+        which, most = _rows(odd.size), size[odd - 2].max()
+        yield _note("odd_reading", which=which, rows=list_some(odd), most=most)
+
+
+def _rows(count: int) -> str:
+    return "row" if count == 1 else "rows"
 
 
 def _note_swing(run: Run, fit: _Turn) -> Iterator[Note]:

@@ -11,6 +11,7 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.notes import Note, note_writer
 from erlif.core.products import EncoderLog
+from erlif.core.units import parse_quantity
 from erlif.io.settings import RunSettings
 from erlif.pipeline.recording.pulses import read_energies
 
@@ -38,6 +39,9 @@ _JUMP = 10.0  # change of temperature from row to row that no oil has [K]
 # Factor between the load of the log and that of run.toml from which a unit is wrong; 4.4 between
 # pounds and newtons.
 _LOAD = 3.0
+
+# Units in which loads are logged.
+_FORCES = ("kN", "kgf", "lbf", "mN")
 
 # Change of the light per change of the pulse energy below which they are unrelated; 1 else.
 _WITHOUT_PULSE = 0.3
@@ -161,7 +165,13 @@ def note_conditions(log: EncoderLog, settings: RunSettings) -> Iterator[Note]:
         if 1 / _LOAD < factor < _LOAD:
             yield _note("load", low=low, high=high)
         else:
-            yield _note("load_in_other_unit", low=low, high=high, factor=factor, stated=stated)
+            found = {"low": low, "high": high, "factor": factor, "stated": stated}
+            yield _note("load_in_other_unit", unit=_likeliest_unit(factor), **found)
+
+
+def _likeliest_unit(factor: float) -> str:
+    """The unit of a force in which a load has so many times its number in N."""
+    return min(_FORCES, key=lambda unit: abs(np.log(factor * parse_quantity(f"1 {unit}", "N"))))
 
 
 def note_energy(log: EncoderLog, frames: Sequence[int], light: Array) -> Iterator[Note]:

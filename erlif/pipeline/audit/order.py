@@ -37,6 +37,9 @@ _OUTLIER = 5.0
 # The same for the film against the speed.
 _LEFT_BY_FILM, _GAIN_BY_FILM, _BETTER = 0.1, 40.0, 3.0
 
+# The gain for the reverse order, which is a single one.
+_GAIN_REVERSE = 15.0
+
 # The first of these where the film follows its speed later, as squeeze lets it.
 _LEFT_BY_SQUEEZE = 0.005
 
@@ -51,7 +54,9 @@ _FOLLOWED = 0.03
 # Standard deviations from which single pairs have another energy than their rows, and their number.
 _ODD, _FEW_ODD = 7.0, 0.2
 
-_FLAT = 0.02  # standard deviation of the logarithm of the ratio below which no film changes
+# Standard deviation of the logarithm of the ratio below which no film changes, and difference of a
+# pair from which its film is another one.
+_FLAT, _OTHER = 0.02, 0.01
 
 
 class Order(NamedTuple):
@@ -97,10 +102,11 @@ def note_order(evidence: Evidence) -> Iterator[Note]:
         if judged is not None:
             found, odd = judged
             if found is not None:
-                yield _describe(found, numbers, "the light of the pulses follows their energies")
+                yield _describe(found, numbers, "the light of the pulses follows the energies")
             elif odd.size:
                 yield _note("other_pulses", pairs=list_some(numbers[odd]))
-            yield from _note_by_film(evidence, numbers, known=True)
+            else:
+                yield from _note_by_film(evidence, numbers, known=True)
             return
     yield from _note_by_film(evidence, numbers, known=False)
 
@@ -288,8 +294,9 @@ def compare_film(drive: Array, levels: Array) -> Order | None:
             orders.append(Order(lag, int(since), False, _rest_share(joined, levels), 0.0))
     best = min(orders, key=lambda one: one.left)
     gain = known.sum() / 2 * math.log(max(plain, 1e-6) / max(best.left, 1e-6))
-    better = gain > _GAIN_BY_FILM and plain > _BETTER * best.left
-    if better and best.left < (_LEFT_BY_SQUEEZE if best.lag < 0 else _LEFT_BY_FILM):
+    least, better = (_GAIN_REVERSE, 2.0) if best.reverse else (_GAIN_BY_FILM, _BETTER)
+    most = _LEFT_BY_SQUEEZE if best.lag < 0 else _LEFT_BY_FILM
+    if gain > least and plain > better * best.left and best.left < most:
         return best._replace(gain=float(gain))
     return None
 
@@ -317,7 +324,7 @@ def find_other_films(drive: Array, levels: Array) -> AnyArray:
         kept = np.abs(rest) <= _ODD * robust_std(rest)
     few = np.count_nonzero(~kept) <= _FEW_ODD * used.size
     follows = np.mean(rest[kept] ** 2) < _FOLLOWED * np.var(y[kept])
-    return used[~kept & (np.abs(rest) > _FLAT)] if few and follows else np.array([], int)
+    return used[~kept & (np.abs(rest) > _OTHER)] if few and follows else np.array([], int)
 
 
 def _columns(drive: Array) -> Array:

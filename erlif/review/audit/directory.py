@@ -17,7 +17,9 @@ from erlif.core.version import __version__
 from erlif.io.files import takes
 from erlif.io.ingest import Fixture, Run, format_notes, open_fixture, open_run
 from erlif.kinematics import encoder_notes
+from erlif.pipeline.audit.audits import audit_run
 from erlif.pipeline.audit.bits import note_bits
+from erlif.pipeline.audit.evidence import Evidence
 from erlif.pipeline.audit.log import Steps, note_conditions, note_energy, note_motion
 from erlif.pipeline.film import describe_cycle, describe_triggers
 from erlif.pipeline.physics.clock import fit_start
@@ -268,7 +270,7 @@ class _Parts:
         yield from note_pulses(self.cameras, self.recording.pairs, counted=counted)
 
     def log(self, run: Run) -> Iterator[Note]:
-        """Triggers, cycles, steps and conditions, and what the film will lack."""
+        """Triggers, cycles, steps, conditions and order, and what the film will lack."""
         self.found.steps = Steps.of(run.log)
         yield from run.log_notes
         located = locate_run(run)
@@ -279,6 +281,8 @@ class _Parts:
         yield from note_conditions(run.log, run.settings)
         numbers = [one.frame for one in self.cameras.frames]
         yield from note_energy(run.log, numbers, self.cameras.light)
+        found = audit_run(Evidence(run, located, self.cameras.frames))
+        yield from (note for note in found if note not in self.found.notes)
         yield from note_omissions(run.settings, triggers)
 
     def calibration(self, run: Run) -> Iterator[Note]:

@@ -57,7 +57,7 @@ def test_a_reading_that_is_off_is_named(row, off, time):
     angle = ROCKER.copy()
     angle[row] += off if 48 < angle[row] + off < 71 else -off
     (note,) = notes(inside(angle), time=time)
-    assert note.text.startswith(f"reading or time of rows {row} is not that of an even turn")
+    assert note.text.startswith(f"reading or time of row {row} is not that of an even turn")
 
 
 @pytest.mark.parametrize("off", [-20.0, 8.0])
@@ -65,7 +65,7 @@ def test_a_reading_of_the_crank_that_is_off_is_named(off):
     angle = CRANK.copy()
     angle[20] += off
     (note,) = notes(angle, mounted="crank")
-    assert "rows 20 " in note.text
+    assert "row 20 " in note.text
 
 
 @pytest.mark.parametrize(("row", "off"), [(12, 1.0), (12, -1.0), (20, 0.5), (8, -0.6)])

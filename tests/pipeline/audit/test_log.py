@@ -114,3 +114,12 @@ def test_a_camera_slower_than_the_crank_shows_its_speed_by_the_rest_of_a_turn():
     located = xr.Dataset({"crank_angle": ("frame", crank % 360)})
     assert warnings(motion(log, located)) == []
     assert warnings(motion(log.assign(time=log.time * 0.7), located))
+
+
+@pytest.mark.parametrize(
+    ("newtons", "unit"), [(9.80665, "kgf"), (4.44822, "lbf"), (1000.0, "kN"), (1e-3, "mN")]
+)
+def test_the_unit_that_fits_is_named(newtons, unit):
+    log = xr.Dataset({"load": ("frame", np.linspace(215, 230, 20) / newtons)})
+    (note,) = note_conditions(log, settings())
+    assert f'units = {{ load = "{unit}" }}' in note.text

@@ -71,10 +71,22 @@ def film(seed=1, lag=0):
     return np.roll(level, lag) + 0.003 * np.random.default_rng(seed).normal(size=COUNT)
 
 
+def film_of(level, seed=1):
+    return level + 0.003 * np.random.default_rng(seed).normal(size=COUNT)
+
+
 @pytest.mark.parametrize("lag", [-5, -1, 1, 5])
 def test_a_late_log_is_found_by_the_film(lag):
     order = compare_film(SPEED, film(lag=-lag))
     assert (order.lag, order.since) == (lag, 0)
+
+
+def test_pairs_in_reverse_order_are_found_by_the_film():
+    """One stroke is faster than the other."""
+    level = np.log1p(np.abs(np.sin(TURN) + 0.12 * np.sin(2 * TURN + 0.5)) ** 0.6)
+    drive = np.abs(np.sin(TURN) + 0.12 * np.sin(2 * TURN + 0.5))
+    assert compare_film(drive, film_of(level[::-1])).reverse
+    assert compare_film(drive, film_of(level)) is None
 
 
 def test_pairs_lost_in_the_middle_are_found_by_the_film():

@@ -1,5 +1,7 @@
 """The audit of a directory: findings in order, warnings where a result suffers, the first error."""
 
+import shutil
+
 import pytest
 from scenes.tiff_pages import rewrite
 
@@ -82,3 +84,15 @@ def test_frames_of_a_long_recording_are_read_a_bounded_number_of_times(lab, monk
     assert len(found.survey.frames) == 24
     # 24 for the counts, 8 for darks and flats (twice), 12 to register, 4 as a sample, 16 in a row
     assert len(read) <= 2 * (24 + 8 + 8 + 12 + 4 + 16)
+
+
+def test_the_audits_of_process_belong_to_check(two_cycles, tmp_path):
+    shutil.copytree(two_cycles.run, tmp_path / "run")
+    settings = tmp_path / "run" / "run.toml"
+    text = settings.read_text(encoding="utf-8")
+    settings.write_text(
+        text.replace('mounted_on = "rocker"', 'mounted_on = "crank"'), encoding="utf-8"
+    )
+    texts = [note.text for note in audit(tmp_path / "run").notes if note.level == "warning"]
+    assert sum("Set mounted_on = " in text for text in texts) == 1
+    assert len(set(texts)) == len(texts)
