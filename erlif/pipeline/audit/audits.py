@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Level, Note, note_writer
 from erlif.pipeline.audit.columns import note_columns, without_single
 from erlif.pipeline.audit.crank import note_crank, note_mounting
 from erlif.pipeline.audit.evidence import Evidence
@@ -13,6 +13,8 @@ from erlif.pipeline.audit.files import note_copied_cameras
 from erlif.pipeline.audit.log import note_angles, note_conditions, note_speed
 from erlif.pipeline.audit.order import note_order
 from erlif.pipeline.audit.strangers import note_strangers
+
+_note = note_writer("erlif.pipeline.audit")
 
 # Price up to which an audit belongs to every run. [s]
 CHEAP = 1.0
@@ -73,5 +75,13 @@ def audit_run(evidence: Evidence) -> list[Note]:
     list of Note
         Each text once.
     """
-    notes = [note for audit in AUDITS if audit.price < CHEAP for note in audit.find(evidence)]
+    notes = [note for audit in AUDITS if audit.price < CHEAP for note in _try(audit, evidence)]
     return list(dict.fromkeys(note for note in notes if note.level is not Level.NOTE))
+
+
+def _try(audit: Audit, evidence: Evidence) -> list[Note]:
+    """Notes of an audit; a failure becomes one, because a film is worth more than its audit."""
+    try:
+        return list(audit.find(evidence))
+    except (ArithmeticError, ValueError, IndexError) as error:
+        return [_note("failed", name=audit.name, error=error)]

@@ -88,6 +88,13 @@ def test_a_warning_stands_once_whatever_finds_it(evidence):
     assert [note.text for note in audit_run(doubled)] == ["bit 5"]
 
 
+def test_a_failure_of_an_audit_is_a_warning(evidence):
+    broken = replace(evidence, located=evidence.located.isel(frame=slice(0, 20)))
+    assert any(
+        note.text.startswith("readings of the encoder could not") for note in audit_run(broken)
+    )
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CHOSEN)
 def test_the_mistake_is_named_first(law, tmp_path, name):

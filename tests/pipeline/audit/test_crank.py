@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 from scenes.linkage import OMEGA, link_angles, locate, make_log
 
-from erlif.io.settings import CrankRockerSettings
-from erlif.models.mechanism import CrankRocker
+from erlif.io.settings import CrankRockerSettings, SliderCrankSettings
+from erlif.models.mechanism import CrankRocker, SliderCrank
 from erlif.pipeline.audit.crank import find_odd, find_slips, note_crank, note_mounting
 from erlif.pipeline.audit.evidence import Evidence
 
@@ -49,6 +49,23 @@ def inside(angle, change=0.0):
 def test_an_even_turn_has_no_note(mounted, digits):
     angle = inside(ROCKER) if mounted == "rocker" else CRANK
     assert notes(angle, mounted=mounted, time=np.round(TIME, digits)) == []
+
+
+def test_an_encoder_on_the_coupler_or_on_a_rod_has_no_note_in_an_even_turn():
+    coupler = np.degrees([link_angles(OMEGA * t + 0.7)[1] for t in TIME])
+    log = make_log(coupler, time=TIME)
+    located = locate(log, mounted_on="coupler", zero=None)
+    assert list(note_crank(Evidence(run_of(log, "coupler"), located, ()))) == []
+
+    # a rod of four cranks, by the law of sines
+    rod = np.degrees(np.arcsin(np.sin(OMEGA * TIME + 0.7) / 4))
+    log = make_log(rod, time=TIME)
+    located = locate(log, mechanism=SliderCrank(0.05, 0.2), zero=None)
+    run = run_of(log, "rocker")
+    run.settings.linkage = SliderCrankSettings.model_construct(
+        kind="slider-crank", crank=0.05, coupler=0.2, crank_speed=OMEGA
+    )
+    assert list(note_crank(Evidence(run, located, ()))) == []
 
 
 @pytest.mark.parametrize(("row", "off"), [(12, -8.0), (12, 3.0), (30, 5.0), (40, -3.0)])
