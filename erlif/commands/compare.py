@@ -19,7 +19,7 @@ _FIGURES = tuple(
 
 @click.command()
 @click.argument("films", type=PATH, nargs=-1, required=True)
-@click.option("--angle", type=float, help="Crank angle of the difference map in degree.")
+@click.option("--crank-angle", type=float, help="Crank angle of the difference map in degree.")
 @click.option(
     "--pair",
     type=int,
@@ -39,7 +39,7 @@ _FIGURES = tuple(
 @OVERWRITE
 def compare(
     films: tuple[Path, ...],
-    angle: float | None,
+    crank_angle: float | None,
     pair: tuple[int, int],
     calibrations: tuple[Path, ...],
     output: Path | None,
@@ -70,7 +70,7 @@ def compare(
         comparison = compare_films(
             films,
             pair=(pair[0] - 1, pair[1] - 1),
-            angle=angle,
+            crank_angle=crank_angle,
             calibrations=calibrations,
             progress=progress,
         )

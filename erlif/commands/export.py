@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from erlif.commands.options import OVERWRITE, PATH, choose_one
+from erlif.commands.options import OVERWRITE, PATH, TRIGGER, choose_one
 from erlif.commands.progress import show_progress
 from erlif.core.speed.imports import large_imports
 
@@ -19,34 +19,36 @@ from erlif.core.speed.imports import large_imports
     required=True,
     help="Table; MATLAB and Octave; ImageJ; ParaView; numpy.",
 )
-@click.option("--trigger", type=int, help="This trigger alone; as CSV, its map pixel by pixel.")
-@click.option("--angle", type=float, help="The same by its crank angle in degree.")
+@TRIGGER
 @click.option("-o", "--output", type=PATH, help="Default: beside FILM, by its name.")
 @OVERWRITE
 def export(
     film: Path,
     to: str,
     trigger: int | None,
-    angle: float | None,
+    crank_angle: float | None,
+    encoder_angle: float | None,
     output: Path | None,
     overwrite: bool,
 ) -> None:
     """Write a film in the format of another program.
 
-    CSV is a table of all numbers of the triggers; with --trigger or --angle it is the map of that
+    CSV is a table of all numbers of the triggers; with --trigger or an angle it is the map of that
     trigger. VTK is a folder with the surface of the pin for each trigger.
 
     \b
     Example:
       erlif export data_samples/straight_bushing/film.nc --to csv
-      erlif export data_samples/straight_bushing/film.nc --to csv --angle 90
+      erlif export data_samples/straight_bushing/film.nc --to csv --crank-angle 90
       erlif export data_samples/straight_bushing/film.nc --to vtk
     """
     with large_imports():
         from erlif.io.conversion import FORMATS
         from erlif.io.conversion import export as export_film
 
-    chosen, described = choose_one(film, trigger, angle)
+    chosen, described = choose_one(
+        film, trigger=trigger, crank_angle=crank_angle, encoder_angle=encoder_angle
+    )
     # the name states which trigger the file holds
     part = "" if chosen is None else f"_trigger{chosen}"
     output = output or film.with_name(f"{film.stem}{part}{FORMATS[to].ending}")

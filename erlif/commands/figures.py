@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, choose_one, several
+from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, TRIGGER, choose_one, several
 from erlif.commands.progress import working
 from erlif.core.errors import OutputError
 from erlif.core.speed.imports import large_imports
@@ -16,12 +16,7 @@ from erlif.core.speed.imports import large_imports
 @click.command()
 @click.argument("film", type=PATH)
 @click.option("-o", "--output", type=PATH, help="Directory; default: figures/ beside FILM.")
-@click.option(
-    "--trigger",
-    type=int,
-    help="Trigger of the figures that show one; default: the fastest of the outward stroke.",
-)
-@click.option("--angle", type=float, help="The same by its crank angle in degree.")
+@TRIGGER
 @click.option(
     "--format",
     "formats",
@@ -45,7 +40,8 @@ def figures(
     film: Path,
     output: Path | None,
     trigger: int | None,
-    angle: float | None,
+    crank_angle: float | None,
+    encoder_angle: float | None,
     **options: Any,
 ) -> None:
     """Write the figures of a film.
@@ -53,8 +49,8 @@ def figures(
     \b
     Example:
       erlif figures data_samples/straight_bushing/film.nc
-      erlif figures data_samples/straight_bushing/film.nc --only thickness_map --angle 90 \\
-          --format svg --style paper -o paper
+      erlif figures data_samples/straight_bushing/film.nc --only thickness_map \\
+          --crank-angle 90 --format svg --style paper -o paper
     """
     with large_imports():
         from erlif.show.plots import write_figures
@@ -64,7 +60,9 @@ def figures(
         raise OutputError(
             f"Expected a directory for the figures; {output} is a file. Give another name with -o."
         )
-    trigger, described = choose_one(film, trigger, angle)
+    trigger, described = choose_one(
+        film, trigger=trigger, crank_angle=crank_angle, encoder_angle=encoder_angle
+    )
     with working() as progress:
         paths = write_figures(film, output, trigger=trigger, progress=progress, **options)
     if described:

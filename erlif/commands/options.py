@@ -94,8 +94,22 @@ def several(
     return tuple(dict.fromkeys(name for name in names if name))
 
 
-def choose_one(film: Path, trigger: int | None, angle: float | None) -> tuple[int | None, str]:
-    """The trigger of a film that a user names by number or crank angle, and its description.
+# A trigger of a film, by its number or by one of its angles.
+TRIGGER = together(
+    click.option(
+        "--trigger",
+        type=int,
+        help="One trigger; default: each, or the fastest of the outward stroke.",
+    ),
+    click.option("--crank-angle", type=float, help="The same by its crank angle in degree."),
+    click.option("--encoder-angle", type=float, help="The same by its encoder angle in degree."),
+)
+
+
+def choose_one(
+    film: Path, *, trigger: int | None, crank_angle: float | None, encoder_angle: float | None
+) -> tuple[int | None, str]:
+    """The trigger of a film that a user names by the options of `TRIGGER`, and its description.
 
     None and an empty text where neither is given.
     """
@@ -104,10 +118,12 @@ def choose_one(film: Path, trigger: int | None, angle: float | None) -> tuple[in
 
     with open_film(film) as opened:
         # the film is opened in any case: a name that is none is refused before the work starts
-        chosen = choose_trigger(opened, trigger=trigger, angle=angle)
+        chosen = choose_trigger(
+            opened, trigger=trigger, crank_angle=crank_angle, encoder_angle=encoder_angle
+        )
         if chosen is None:
             return None, ""
-        return chosen, describe_trigger(opened, chosen, by_crank=angle is not None)
+        return chosen, describe_trigger(opened, chosen)
 
 
 def expect_suffix(output: Path, *suffixes: str, option: str = "-o") -> None:

@@ -166,29 +166,31 @@ def maps_of_triggers(
 
 
 def choose_trigger(
-    film: xr.Dataset, *, trigger: int | None = None, angle: float | None = None
+    film: xr.Dataset,
+    *,
+    trigger: int | None = None,
+    crank_angle: float | None = None,
+    encoder_angle: float | None = None,
 ) -> int | None:
-    """Find the trigger that a user names by its number or by its angle.
+    """Find the trigger that a user names by its number or by one of its angles.
 
     Parameters
     ----------
     film : xarray.Dataset
     trigger : int, optional
         Number of the trigger, from 0.
-    angle : float, optional
-        Crank angle; encoder angle where the film has no crank angle. The nearest trigger is taken.
-        [degree]
+    crank_angle, encoder_angle : float, optional
+        The nearest trigger is taken. [degree]
 
     Returns
     -------
     int or None
-        None where neither is given.
+        None where nothing is given.
 
     Raises
     ------
     ErlifError
-        If both are given, there is no such trigger, or none as near to the angle as neighbouring
-        triggers are to each other.
+        If more than one is given, if there is no such trigger, or if the film has no such angles.
 
     Examples
     --------
@@ -196,25 +198,30 @@ def choose_trigger(
     >>> film = example_film()
     >>> film.crank_angle.values.tolist()
     [250.0, 290.0, 330.0, 70.0, 110.0, 150.0]
-    >>> choose_trigger(film, angle=75.0)
+    >>> choose_trigger(film, crank_angle=75.0)
     3
     """
-    if trigger is not None and angle is not None:
-        raise refusal("trigger_and_angle", trigger=trigger, angle=angle)
+    named = {"trigger": trigger, "crank_angle": crank_angle, "encoder_angle": encoder_angle}
+    given = {name: value for name, value in named.items() if value is not None}
+    if len(given) > 1:
+        listed = " and ".join(
+            f"{name.replace('_', ' ')} {value:g}" for name, value in given.items()
+        )
+        raise refusal("trigger_twice", listed=listed)
     if trigger is not None:
         check_trigger(film, trigger)
         return trigger
-    return None if angle is None else _nearest(film, angle)
+    return next((_nearest(film, name, angle) for name, angle in given.items()), None)
 
 
-def _nearest(film: xr.Dataset, angle: float) -> int:
+def _nearest(film: xr.Dataset, name: str, angle: float) -> int:
     """Trigger nearest to an angle. [degree]"""
-    name = next((each for each in ("crank_angle", "encoder_angle") if each in film), None)
-    if name is None:
-        raise refusal("no_angles", angle=angle)
-    angles = film[name].values.astype(float)
+    title = name.replace("_", " ")
+    if name not in film:
+        raise refusal("no_angles", name=title, angle=angle)
     if not np.isfinite(angle):
-        raise refusal("angle_without_end", angle=angle)
+        raise refusal("angle_without_end", name=title, angle=angle)
+    angles = film[name].values.astype(float)
     distance = np.abs(angles - angle)
     if name == "crank_angle":  # it starts again after a turn
         distance = np.abs((angles - angle + _FULL_TURN / 2) % _FULL_TURN - _FULL_TURN / 2)
@@ -222,9 +229,7 @@ def _nearest(film: xr.Dataset, angle: float) -> int:
     nearest = int(np.nanargmin(distance))
     steps = np.diff(np.unique(angles[np.isfinite(angles)]))
     if distance[nearest] > (np.median(steps) if steps.size else _NEAR):
-        raise refusal(
-            "angle_of_no_trigger", name=name.replace("_", " "), angle=angle, nearest=angles[nearest]
-        )
+        raise refusal("angle_of_no_trigger", name=title, angle=angle, nearest=angles[nearest])
     return nearest
 
 

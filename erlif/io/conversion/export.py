@@ -55,7 +55,8 @@ def export(
     *,
     to: str | None = None,
     trigger: int | None = None,
-    angle: float | None = None,
+    crank_angle: float | None = None,
+    encoder_angle: float | None = None,
     overwrite: bool = False,
     progress: Progress = silent,
 ) -> Path:
@@ -75,8 +76,8 @@ def export(
         `output`. CSV is a table of the triggers, or of the pixels where one trigger is chosen.
     trigger : int, optional
         Write this trigger alone.
-    angle : float, optional
-        The same by its crank angle, or encoder angle where there is no crank angle. [degree]
+    crank_angle, encoder_angle : float, optional
+        The same by one of its angles. [degree]
     overwrite : bool
         Replace an earlier output.
     progress : Progress, optional
@@ -109,7 +110,9 @@ def export(
     write, ending = FORMATS[kind].write, FORMATS[kind].ending
     named = {"name": output.name.removesuffix(ending)} if kind == "vtk" else {}
     with _opened(film) as source:
-        chosen = choose_trigger(source, trigger=trigger, angle=angle)
+        chosen = choose_trigger(
+            source, trigger=trigger, crank_angle=crank_angle, encoder_angle=encoder_angle
+        )
         triggers = list(range(source.sizes["trigger"])) if chosen is None else [chosen]
         with replacing(output) as scratch:
             if write is None and chosen is not None:

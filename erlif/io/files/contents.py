@@ -186,11 +186,11 @@ def fastest_trigger(film: xr.Dataset) -> int:
 
 
 @takes(film="part of a film")
-def describe_trigger(film: xr.Dataset, trigger: int, *, by_crank: bool = False) -> str:
+def describe_trigger(film: xr.Dataset, trigger: int) -> str:
     """Describe a trigger in one line: angle or time, stroke and speed, as far as they are known.
 
-    Arguments as in `check_trigger`; `by_crank` names the crank angle in place of the encoder angle,
-    where the film has one.
+    Arguments as in `check_trigger`. The angle is that of the crank, or of the encoder where there
+    is no crank.
 
     Returns
     -------
@@ -207,18 +207,18 @@ def describe_trigger(film: xr.Dataset, trigger: int, *, by_crank: bool = False) 
     ...     }
     ... )
     >>> describe_trigger(film, 0)
-    'trigger 0, 12.50°, return, 2.50 rad/s'
-    >>> describe_trigger(film, 0, by_crank=True)
     'trigger 0, crank 75.00°, return, 2.50 rad/s'
+    >>> describe_trigger(film.drop_vars("crank_angle"), 0)
+    'trigger 0, encoder 12.50°, return, 2.50 rad/s'
     >>> describe_trigger(xr.Dataset({"sliding_speed": ("trigger", [0.25])}), 0)
     'trigger 0, 250 mm/s'
     """
     one = film.isel(trigger=trigger)
     parts = [f"trigger {trigger}"]
-    if by_crank and "crank_angle" in one:
+    if "crank_angle" in one:
         parts.append(f"crank {float(one.crank_angle):.2f}°")
     elif "encoder_angle" in one:
-        parts.append(f"{float(one.encoder_angle):.2f}°")
+        parts.append(f"encoder {float(one.encoder_angle):.2f}°")
     elif "time" in one:
         parts.append(f"{float(one.time):.3f} s")
 

@@ -65,10 +65,7 @@ def difference_map(one: xr.Dataset, other: xr.Dataset, *, triggers: tuple[int, i
     std = np.where(np.isfinite(difference), np.sqrt(a.own_var + b.own_var + shared), np.nan)
     significance = difference / std
     dims = ("y", "x")
-    described = [
-        describe_trigger(film, k, by_crank=True)
-        for film, k in zip((one, other), triggers, strict=True)
-    ]
+    described = [describe_trigger(film, k) for film, k in zip((one, other), triggers, strict=True)]
     middles = {
         axis: 0.5 * (edges[f"{axis}_edges"][1:] + edges[f"{axis}_edges"][:-1]) for axis in "xy"
     }

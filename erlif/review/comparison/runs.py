@@ -44,7 +44,7 @@ def compare(
     films: Sequence[xr.Dataset | str | Path],
     *,
     pair: tuple[int, int] = (0, 1),
-    angle: float | None = None,
+    crank_angle: float | None = None,
     calibrations: Sequence[str | Path] = (),
     progress: Progress = silent,
 ) -> xr.Dataset:
@@ -56,7 +56,7 @@ def compare(
         Two or more, of one mechanism.
     pair : (int, int)
         Films of the difference map, counted from 0.
-    angle : float, optional
+    crank_angle : float, optional
         Crank angle of the difference map; default: the fastest trigger of the first of the pair.
         [degree]
     calibrations : sequence of path
@@ -107,7 +107,7 @@ def compare(
         first, second = _check_pair(pair, len(records))
 
         comparison = _compare_pairs(records).merge(_compare_powers(records))
-        triggers = _choose_triggers(opened[first], opened[second], angle)
+        triggers = _choose_triggers(opened[first], opened[second], crank_angle)
         mapped = difference_map(opened[first], opened[second], triggers=triggers)
 
     # calibrations beside the films extend the chart alone
@@ -150,7 +150,7 @@ def _choose_triggers(one: xr.Dataset, other: xr.Dataset, angle: float | None) ->
         if "crank_angle" not in one:
             return first, min(first, other.sizes["trigger"] - 1)
         angle = float(one.crank_angle[first])
-    chosen = [choose_trigger(film, angle=angle) for film in (one, other)]
+    chosen = [choose_trigger(film, crank_angle=angle) for film in (one, other)]
     return int(chosen[0] or 0), int(chosen[1] or 0)
 
 

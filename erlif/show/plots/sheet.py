@@ -142,8 +142,9 @@ def _draw_small_map(ax: Axes, film: xr.Dataset, trigger: int, limits: Limits) ->
 
 def _small_title(film: xr.Dataset, trigger: int) -> tuple[str, str]:
     """What stands above the maps of a sheet, and its value for one of them."""
-    if "encoder_angle" in film:
-        return "encoder angle", f"{float(film.encoder_angle[trigger]):.2f}°"
+    for name in ("crank_angle", "encoder_angle"):
+        if name in film:
+            return name.replace("_", " "), f"{float(film[name][trigger]):.2f}°"
     if "time" in film:
         return "time", f"{float(film.time[trigger]):.3g} s"
     return "trigger", f"{trigger}"

@@ -79,9 +79,9 @@ def summarise_briefly(film: xr.Dataset) -> str:
     Examples
     --------
     >>> from erlif.show.plots import example_film
-    >>> print(*summarise_briefly(example_film()).splitlines()[:3], sep="\n")
+    >>> print(*summarise_briefly(example_film()).splitlines()[:2], sep="\\n")
     example: 6 triggers from 6 frame pairs of 64 x 24 pixels
-      film      min 2.51 ± 0.01 to 3.49 ± 0.01, mean 3.51 ± 0.01 to 4.49 ± 0.01 um
+      film      min 2.51 ± 0.03 to 3.49 ± 0.03, mean 3.27 ± 0.02 to 4.54 ± 0.02 um
     """
     shares = flag_shares(film)
     rows = describe_film(film, shares)

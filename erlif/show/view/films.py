@@ -23,7 +23,7 @@ KEPT = 96 * 2**20
 _IMAGES = ("log_ratio", "camera1", "camera2")  # layers of `erlif.pipeline.restore_images`
 
 # variables that `erlif.io.files.describe_trigger` uses
-_DESCRIBING = ("encoder_angle", "time", "stroke", "rocker_speed", "sliding_speed")
+_DESCRIBING = ("crank_angle", "encoder_angle", "time", "stroke", "rocker_speed", "sliding_speed")
 
 
 class FilmReader:

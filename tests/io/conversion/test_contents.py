@@ -39,28 +39,28 @@ def test_counts_of_flags_are_named_by_the_flag(film):
 
 def test_a_crank_angle_counts_over_the_full_turn(film):
     # triggers at 250, 290, 330, 70, 110 and 150 degree
-    assert choose_trigger(film, angle=10.0 + 360.0 * 2 + 66.0) == 3
-    assert choose_trigger(film, angle=345.0) == 2
+    assert choose_trigger(film, crank_angle=10.0 + 360.0 * 2 + 66.0) == 3
+    assert choose_trigger(film, crank_angle=345.0) == 2
     assert choose_trigger(film, trigger=5) == 5
     assert choose_trigger(film) is None
 
 
 @pytest.mark.parametrize("angle", [np.nan, np.inf])
 def test_an_angle_that_is_no_number_is_refused(film, angle):
-    with pytest.raises(ErlifError, match="Expected the angle of a trigger in degree"):
-        choose_trigger(film, angle=angle)
+    with pytest.raises(ErlifError, match="Expected the crank angle of a trigger in degree"):
+        choose_trigger(film, crank_angle=angle)
 
 
 def test_an_angle_far_from_all_triggers_is_refused(film):
     with pytest.raises(ErlifError, match=r"of all triggers, that at 70\.00 degree is the nearest"):
-        choose_trigger(film, angle=21.0)
+        choose_trigger(film, crank_angle=21.0)
     with pytest.raises(ErlifError, match="Give one of them"):
-        choose_trigger(film, angle=20.0, trigger=1)
+        choose_trigger(film, crank_angle=20.0, trigger=1)
     with pytest.raises(ErlifError, match="a trigger from 0 to 5"):
         choose_trigger(film, trigger=6)
     still = film.drop_vars(["crank_angle", "encoder_angle"])
     with pytest.raises(ErlifError, match="by its number"):
-        choose_trigger(still, angle=70.0)
+        choose_trigger(still, crank_angle=70.0)
     turned = film.drop_vars("crank_angle")
     angle = float(film.encoder_angle[4])
-    assert choose_trigger(turned, angle=angle) == 4
+    assert choose_trigger(turned, encoder_angle=angle) == 4

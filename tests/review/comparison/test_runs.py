@@ -46,7 +46,7 @@ def test_the_page_lists_every_variable(film, other):
 
 def test_films_are_read_from_files_and_the_map_is_that_of_the_angle(film, other, tmp_path):
     path = write_example(tmp_path / "film.nc")
-    found = compare([path, other], angle=112.0, pair=(1, 0))
+    found = compare([path, other], crank_angle=112.0, pair=(1, 0))
     assert found.attrs["map_first_trigger"] == 4
     assert found.attrs["map_first_run"] == "example (2)"
     npt.assert_allclose(found.map_difference.mean(), -0.5, atol=0.01)
