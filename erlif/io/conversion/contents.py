@@ -20,7 +20,10 @@ from erlif.io.refusals import refusal
 MAPS = ("thickness", "thickness_std", "thickness_std_shared", "flags")
 
 # Columns that stand first; the start of a table recognises it as one of erlif.
-_FIRST = ("trigger", "frames_used")
+_FIRST = (
+    *("trigger", "frames_used", "crank_angle", "encoder_angle", "stroke", "time"),
+    *("film_min", "film_min_std", "film_mean", "film_mean_std"),
+)
 
 _FULL_TURN = 360.0  # degree
 _NEAR = 1.0  # degree from the angle of a film of one trigger
@@ -54,7 +57,8 @@ class TriggerColumn:
 def trigger_columns(film: xr.Dataset) -> list[TriggerColumn]:
     """List all numbers and texts that a film has for each trigger.
 
-    A variable with further dims gives one column for each of their entries.
+    A variable with a further dim gives one column for each of its entries. Of matrices, covariances
+    and derivatives, the standard deviations of the position of the pin alone are listed.
 
     Parameters
     ----------
@@ -64,15 +68,16 @@ def trigger_columns(film: xr.Dataset) -> list[TriggerColumn]:
     Returns
     -------
     list of TriggerColumn
-        ``trigger`` and ``frames_used`` first, then those that erlif writes, in one order for all
-        films, then further ones of the log by their names: a zarr store has no order of its own.
+        Trigger, frames, angles, stroke, time and films first, then all others that erlif writes, in
+        one order for all films, then further ones of the log by their names: a zarr store has no
+        order of its own.
 
     Examples
     --------
     >>> from erlif.show.plots import example_film
     >>> columns = trigger_columns(example_film())
     >>> [column.heading for column in columns[:3]]
-    ['trigger', 'frames_used [1]', 'film_mean [um]']
+    ['trigger', 'frames_used [1]', 'crank_angle [degree]']
     >>> next(column.name for column in columns if column.name.startswith("pin"))
     'pin_displacement_load'
     """
@@ -81,7 +86,9 @@ def trigger_columns(film: xr.Dataset) -> list[TriggerColumn]:
         variable = film[name]
         if variable.dims[:1] != ("trigger",) or variable.dims[1:3] == ("y", "x"):
             continue
-        if variable.dtype.kind not in "iufbOUST":
+        if name == "pin_position_cov":
+            columns += _pin_errors(film)
+        if variable.dtype.kind not in "iufbOUST" or variable.ndim > 2:
             continue
         values, unit = variable.values, str(variable.attrs.get("units", ""))
         labels = itertools.product(*(_labels(film, str(dim)) for dim in variable.dims[1:]))
@@ -89,6 +96,15 @@ def trigger_columns(film: xr.Dataset) -> list[TriggerColumn]:
         for words, column in zip(labels, flat.T, strict=True):
             columns.append(TriggerColumn("_".join([name, *words]), unit, column))
     return columns
+
+
+def _pin_errors(film: xr.Dataset) -> Iterator[TriggerColumn]:
+    """Standard deviations of displacement and tilt of the pin."""
+    stds = np.sqrt(np.diagonal(film.pin_position_cov.values, axis1=1, axis2=2))
+    for label, std in zip(_labels(film, str(film.pin_position_cov.dims[1])), stds.T, strict=True):
+        quantity = f"pin_{label.partition('_')[0]}"
+        unit = film[quantity].attrs.get("units", "") if quantity in film else ""
+        yield TriggerColumn(f"pin_{label}_std", str(unit), std)
 
 
 def _ordered(film: xr.Dataset) -> list[str]:

@@ -102,7 +102,7 @@ def export(
     >>> with TemporaryDirectory() as directory:
     ...     path = export(example_film(), f"{directory}/film.csv")
     ...     path.read_text().splitlines()[0][:40]
-    'trigger,frames_used [1],film_mean [um],f'
+    'trigger,frames_used [1],crank_angle [deg'
     """
     output = Path(output)
     kind = format_of(output, to)

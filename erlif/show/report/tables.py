@@ -247,8 +247,8 @@ def trigger_csv(film: xr.Dataset, valid: Array, triggers: AnyArray) -> str:
     --------
     >>> from erlif.show.plots import example_film
     >>> text = trigger_csv(example_film(), np.full(6, 0.5), np.arange(6))
-    >>> text.splitlines()[0][:38]
-    'trigger,frames_used [1],film_mean [um]'
+    >>> text.splitlines()[0][:44]
+    'trigger,frames_used [1],crank_angle [degree]'
     """
     # covariances and other numbers with further dims are left to erlif export
     columns = {

@@ -14,9 +14,11 @@ def test_every_number_of_a_trigger_has_one_column(film):
     expected = sum(
         variable.size // 6
         for name, variable in film.variables.items()
-        if variable.dims[:1] == ("trigger",) and variable.dims[1:] != ("y", "x")
+        if variable.dims[:1] == ("trigger",) and variable.ndim <= 2
     )
-    assert len(columns) == expected
+    # of the matrices, the standard deviations of two displacements and two tilts
+    assert len(columns) == expected + 4
+    assert names[:3] == ["trigger", "frames_used", "crank_angle"]
 
 
 def test_a_number_with_further_dims_is_named_by_its_labels(film):
@@ -24,8 +26,9 @@ def test_a_number_with_further_dims_is_named_by_its_labels(film):
     side = columns["pin_displacement_side"]
     assert side.unit == "um"
     np.testing.assert_array_equal(side.values, film.pin_displacement.values[:, 1])
-    cross = columns["pin_position_cov_displacement_load_tilt_side"]
-    np.testing.assert_array_equal(cross.values, film.pin_position_cov.values[:, 0, 3])
+    assert columns["pin_displacement_side_std"].unit == "um"
+    std = columns["pin_tilt_side_std"]
+    np.testing.assert_allclose(std.values**2, film.pin_position_cov.values[:, 3, 3])
 
 
 def test_counts_of_flags_are_named_by_the_flag(film):
