@@ -15,9 +15,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 from scipy.interpolate import CubicSpline
 
+from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal
+from erlif.prediction import follow_motion
+from erlif.prediction.gaps import fill_gaps
 from erlif.prediction.pin_motion import find_pin_motion
 from erlif.prediction.pressure import find_pressures
 from erlif.rig import cavitation
@@ -41,6 +45,7 @@ RANDOM = np.array([3.8e-9, 4.5e-8, 1.3e-6, 1.4e-5])
 [m, m/m]"""
 SURFACE = np.array([1.5e-8, 5e-8, 2.2e-6, 1.3e-5])
 """By marks of the surfaces, the same at all triggers."""
+LINKS = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
 PLACE = np.linspace(-0.0095, 0.0095, 39)
 STEPS = 100  # of the rig in a turn, of which the triggers are some
 RESULTS = {
@@ -139,14 +144,12 @@ def measure(truth: Truth, rig, seed: int, cells: tuple[int, int]):
     random, surface = (np.diag(RANDOM * max(1.0, film / 6e-6)) ** 2, np.diag(SURFACE) ** 2)
     position = position + rng.multivariate_normal(np.zeros(4), random, count)
     position += rng.multivariate_normal(np.zeros(4), surface)
+    errors = {
+        "random_cov": np.tile(random, (count, 1, 1)),
+        "surface_cov": np.tile(surface, (count, 1, 1)),
+    }
     motion = find_pin_motion(
-        truth.time,
-        truth.angle,
-        truth.turning,
-        position,
-        random_cov=np.tile(random, (count, 1, 1)),
-        surface_cov=np.tile(surface, (count, 1, 1)),
-        period=cycle_time(rig),
+        truth.time, truth.angle, truth.turning, position, period=cycle_time(rig), **errors
     )
     bearing = Bearing(
         1e-3 * rig.journal_radius, 1e-6 * rig.clearance, 1e-3 * rig.length, rig.viscosity
@@ -158,9 +161,37 @@ def measure(truth: Truth, rig, seed: int, cells: tuple[int, int]):
         viscosity=rig.viscosity,
         cavitation_pressure=1e3 * rig.cavitation_pressure,
     )
+
+    def fill():
+        """Through the gaps, by the transient film."""
+        time = np.append(truth.time, truth.time[0] + cycle_time(rig))
+        columns = {
+            "time": time,
+            "crank_angle": np.degrees(crank_at(time, rig)) % 360,
+            "cycle": np.zeros(time.size, int),
+            "load": np.full(time.size, rig.load),
+        }
+        return fill_gaps(
+            joint,
+            follow_motion(
+                xr.Dataset({name: ("frame", values) for name, values in columns.items()}),
+                LINKS,
+                crank_speed=2 * np.pi / cycle_time(rig),
+                viscosity=rig.viscosity,
+            ),
+            time=time,
+            turning=truth.turning,
+            position=position,
+            gradient=np.zeros((count, 4, 1)),
+            calibration_cov=np.zeros((1, 1)),
+            load_line_std=0.0,
+            **errors,
+        )
+
     return find_pressures(
         joint,
         motion,
+        fill=fill,
         viscosity=np.full(count, rig.viscosity),
         place=PLACE,
         axial=np.zeros(1),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from erlif.core.arrays import Array
+from erlif.core.arrays import Array, Mask
 from erlif.core.statistics import covariance_root
 from erlif.prediction.smoothing import smooth_path
 
@@ -43,6 +43,11 @@ class PinMotion:
         Scatter of the positions about a smooth path over the stated one, (number,).
     period : float or None
         Of a turn of the crank; None for a turn of evenly spaced triggers. [s]
+    recorded : Mask or None
+        Which of the times are triggers, (trigger,); None where all are. At the others the motion is
+        predicted (`erlif.prediction.gaps`).
+    otherwise : PinMotion or None
+        The motion at the same times by the triggers alone, where some are no triggers.
     """
 
     time: Array
@@ -54,6 +59,27 @@ class PinMotion:
     shared_root: Array
     noise_scale: Array
     period: float | None = None
+    recorded: Mask | None = None
+    otherwise: PinMotion | None = None
+
+    @property
+    def sunk(self) -> Array:
+        """Change of the position in a turn, where the path is joined to the next one. (number,)"""
+        step = self.turn - (self.time[-1] - self.time[0])
+        return np.asarray(
+            self.position[-1] + step / 2 * (self.rate[-1] + self.rate[0]) - self.position[0]
+        )
+
+    def at(self, time: Array) -> tuple[Array, Array]:
+        """Position and rate at times of the turn from the first trigger on, (time, number)."""
+        from scipy.interpolate import CubicHermiteSpline  # loads scipy.optimize
+
+        path = CubicHermiteSpline(
+            np.append(self.time, self.time[0] + self.turn),
+            np.vstack([self.position, self.position[0] + self.sunk]),
+            np.vstack([self.rate, self.rate[0]]),
+        )
+        return path(time), path.derivative()(time)
 
     @property
     def turn(self) -> float:

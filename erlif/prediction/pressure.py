@@ -6,7 +6,7 @@ is solved on this gap and its rate. No load enters: the load that follows is a c
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -18,6 +18,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.core.progress import Progress, silent
 from erlif.models.reynolds import Journal, solve_film
+from erlif.prediction.gaps import LARGEST_GAP
 from erlif.prediction.pin_motion import NUMBERS, PinMotion
 from erlif.prediction.refusals import refusal
 
@@ -33,10 +34,6 @@ STEPS_PER_TURN = 100
 # Change of the cavities from the trigger before to the one after, over their sum, above which they
 # close or open too quickly for a smooth path.
 CHANGING = 0.4
-
-# Part of a turn without a trigger above which cavities close and open unseen: with triggers at
-# marks of the rocker, which rests at its dead points, loads were off by seven of their errors.
-LARGEST_GAP = 0.05
 
 # Displacement of the pin over the turn before the recorded one, over that of the recorded turn,
 # whose cavities are compared with those of 1: shortly after loading a pin sinks from turn to turn,
@@ -229,10 +226,7 @@ def follow_cavities(
     from scipy.interpolate import CubicHermiteSpline  # loads scipy.optimize: only where needed
 
     # the turn before joins the recorded one, also where the film sinks from turn to turn
-    period = motion.turn
-    step = period - (motion.time[-1] - motion.time[0])
-    sunk = motion.position[-1] + step / 2 * (motion.rate[-1] + motion.rate[0])
-    sunk -= motion.position[0]
+    period, sunk = motion.turn, motion.sunk
     ahead = (motion.time[0] + period - motion.time[:, None]) / period  # turns to the recorded one
     before = motion.position - sunk * (1 + (sinking - 1) * ahead)
     time = np.concatenate([motion.time - period, motion.time])
@@ -267,6 +261,7 @@ def find_pressures(
     axial: Array,
     settings_std: tuple[float, float] = (0.0, 0.0),
     load_line_std: float = 0.0,
+    fill: Callable[[], PinMotion | None] | None = None,
     cells: tuple[int, int] = CELLS,
     progress: Progress = silent,
 ) -> xr.Dataset:
@@ -283,7 +278,8 @@ def find_pressures(
     is NaN there but the standard deviations. So it is where the gap closes outside the image, where
     cavities close or open so quickly that the path of the pin has a kink, where the Reynolds
     equation has no solution (`pressure_solved` is 0 there), and at all triggers of a film with
-    cavities that leave out more than `LARGEST_GAP` of a turn.
+    cavities that leave out more than `LARGEST_GAP` of a turn, unless a predicted motion fills the
+    gap. The change by cavities on the path without the prediction is then an error as well.
 
     Parameters
     ----------
@@ -302,6 +298,9 @@ def find_pressures(
     load_line_std : float
         Standard deviation of the place of the load line, which divides the force of the pressure
         into load and side. [m]
+    fill : callable, optional
+        Gives the motion with its gaps filled (`erlif.prediction.gaps`), or None; called where
+        cavities need it.
     cells : (int, int)
         As for `solve_pin_motion`.
     progress : callable
@@ -336,13 +335,13 @@ def find_pressures(
     errors = _Errors(np.array(settings_std), load_line_std)
 
     def find(
-        voids: dict[tuple[int, int], Array], older: Array | None = None
+        motion: PinMotion, voids: dict[tuple[int, int], Array], others: Sequence[Array] = ()
     ) -> list[dict[str, Array]]:
         rows = []
-        for k in range(motion.turning.size):
+        for done, k in enumerate(_triggers(motion)):
             try:
                 solved = _find_one(
-                    replace(journal, viscosity=float(viscosity[k])),
+                    replace(journal, viscosity=float(viscosity[done])),
                     np.concatenate([motion.position[k], motion.rate[k]]),
                     float(motion.turning[k]),
                     replace(errors, random=motion.random_root[k], shared=motion.shared_root[k]),
@@ -350,35 +349,47 @@ def find_pressures(
                     cells,
                     0.5 * float(motion.angle[k]),
                     {grid: void[k] for grid, void in voids.items()},
-                    _voids_about(voids, older, k),
+                    _voids_about(voids, others, int(k)),
                 )
             except ModelError as error:
                 solved = view.nothing(solved=isinstance(error, OverlapError))
             rows.append(solved)
             what = "pressure with cavities" if voids else "pressure"
-            progress(what, k + 1, motion.turning.size)
+            progress(what, done + 1, viscosity.size)
         return rows
 
-    found_rows = find({})
-    rows = [_judge(row) for row in found_rows]
+    rows = [_judge(row) for row in find(motion, {})]
     # a cavity at a trigger without a pressure may be one of the noise
     if any(row["cavity"] > 0 and row["pressure_measured"] > 0 for row in rows):
         mean = replace(journal, viscosity=float(np.mean(viscosity)))
         grids = {cells, min(cells, SLOPE_CELLS)}
         if not _covers_turn(motion):
-            return _collect([_hide(row, np.nan, np.inf) for row in rows], view)
+            filled = None if fill is None else fill()
+            if filled is None or not _covers_turn(filled):
+                return _collect([_hide(row, np.nan, np.inf) for row in rows], view)
+            motion = filled
         try:
             voids = {grid: follow_cavities(mean, motion, cells=grid) for grid in grids}
-            older = _follow_another_turn(mean, motion, min(grids))
+            others = [_follow_another_turn(mean, motion, min(grids))]
+            if motion.otherwise is not None:
+                others.append(follow_cavities(mean, motion.otherwise, cells=min(grids)))
         except ModelError:
             rows = [_judge(view.nothing(solved=False)) for _ in rows]
         else:
-            change = _change_of_cavities(voids[cells])
+            change = _change_of_cavities(voids[cells])[_triggers(motion)]
+            found = _add_error_of_cells(find(motion, voids, others))
             rows = [
                 row | {"cavity_change": moved} if moved <= CHANGING else _hide(row, moved)
-                for row, moved in zip(_add_error_of_cells(find(voids, older)), change, strict=True)
+                for row, moved in zip(found, change, strict=True)
             ]
     return _collect(rows, view)
+
+
+def _triggers(motion: PinMotion) -> npt.NDArray[np.intp]:
+    """Which of the times of a motion are triggers."""
+    if motion.recorded is None:
+        return np.arange(motion.turning.size)
+    return np.flatnonzero(motion.recorded)
 
 
 def _collect(rows: list[dict[str, Array]], view: _View) -> xr.Dataset:
@@ -450,16 +461,16 @@ def _change_of_cavities(void: Array) -> Array:
 
 
 def _voids_about(
-    voids: dict[tuple[int, int], Array], older: Array | None, k: int
-) -> tuple[Array, Array, Array] | None:
-    """Cavities of the triggers before and after one, and its own after another turn.
+    voids: dict[tuple[int, int], Array], others: Sequence[Array], k: int
+) -> tuple[Array, ...] | None:
+    """Cavities of the triggers before and after one, and its own on other paths.
 
     On the coarsest cells; a turn is closed.
     """
-    if older is None:
+    if not others:
         return None
     void = voids[min(voids)]
-    return void[k - 1], void[(k + 1) % void.shape[0]], older[k]
+    return void[k - 1], void[(k + 1) % void.shape[0]], *(other[k] for other in others)
 
 
 def _covers_turn(motion: PinMotion) -> bool:
@@ -622,12 +633,12 @@ def _find_one(
     cells: tuple[int, int],
     turned: float,
     voids: dict[tuple[int, int], Array],
-    about: tuple[Array, Array, Array] | None,
+    about: tuple[Array, ...] | None,
 ) -> dict[str, Array]:
     """Pressure of one trigger; `numbers` are position and rate, `voids` cavities by their cells.
 
-    `about` are the cavities of the triggers before and after, and those of another history, where
-    the own ones are uncertain.
+    `about` are the cavities of the triggers before and after, those of another history, and those
+    of another path through a gap, where the own ones are uncertain.
     """
     lift = view.lift()
 
@@ -658,11 +669,13 @@ def _find_one(
     slopes = _differentiate(lambda at: view.look(solve(at, coarse)), rough, numbers, steps)
 
     # cavities are known to within half the change of two triggers
-    other = older = dict.fromkeys(found, np.array(0.0))
+    other = older = gap = dict.fromkeys(found, np.array(0.0))
     if about is not None:
-        before, after, past = (view.look(solve(numbers, coarse, void)) for void in about)
+        before, after, past, *path = (view.look(solve(numbers, coarse, void)) for void in about)
         other = {name: 0.5 * (after[name] - before[name]) for name in found}
         older = {name: past[name] - rough[name] for name in found}
+        if path:
+            gap = {name: path[0][name] - rough[name] for name in found}
 
     # what a turn of the load line by a small angle does to both forces, and the cells to the rest
     line = errors.load_line / journal.radius
@@ -680,10 +693,15 @@ def _find_one(
         rows[name] = value
         rows[name + _CELLS] = np.asarray(rough[name] - value)
         rows[f"{name}_std"] = np.sqrt(
-            (carried**2).sum(axis=-1) + other[name] ** 2 + older[name] ** 2 + cell**2 + turn**2
+            (carried**2).sum(axis=-1)
+            + other[name] ** 2
+            + older[name] ** 2
+            + gap[name] ** 2
+            + cell**2
+            + turn**2
         )
         if name == "load_from_pressure":
-            rows["load_root"] = np.concatenate([carried, [cell, turn, older[name]]])
+            rows["load_root"] = np.concatenate([carried, [cell, turn, older[name], gap[name]]])
             rows["load_own"] = np.array(other[name])
     peak = slopes["peak_pressure"]
     for name, part in errors.carry(peak).items():

@@ -13,6 +13,8 @@ from scenes.orbits import (
     STATED,
     STEPS,
     VISCOSITY,
+    WIDTHS,
+    draw_rigs,
     free_orbit,
     measure,
 )
@@ -20,7 +22,7 @@ from scenes.orbits import (
 from erlif.models.reynolds import crank_motion, solve_journal
 from erlif.prediction import GivenErrors, fit_motion
 from erlif.rig.cavitation import follow_cavitated
-from erlif.rig.orbit import Bearing, follow_orbit
+from erlif.rig.orbit import Bearing
 
 CLEARANCE_STD, LOAD_STD = 5e-6, 0.1
 
@@ -228,32 +230,25 @@ def test_intervals_hold_the_given_errors(free):
     assert alone.widened({"load": 1.0}).low == 0.0
 
 
-def test_errors_hold_their_share_of_orbits_with_other_clearances_and_loads():
-    """Of 40 orbits by collocation, 68 and 95 % are within one and two standard deviations."""
-    rng = np.random.default_rng(4)
-    pulls = []
-    for seed in range(40):
-        clearance = STATED.clearance + CLEARANCE_STD * rng.normal()
-        load, viscosity = 222.4 * (1 + LOAD_STD * rng.normal()), rng.uniform(0.1, 0.3)
-        orbit = follow_orbit(
-            Bearing(STATED.radius, clearance, STATED.length, viscosity),
-            MOTION.time[STEPS],
-            load=lambda time, load=load: load,
-            rotation=lambda time: float(RIG.rocker_speed(SPEED * time, crank_speed=SPEED)),
-            start=(clearance - rng.uniform(8e-6, 30e-6), rng.uniform(-30e-6, 30e-6)),
-        )
-        # the camera sees films: the displacement follows with the stated clearance
-        distance = np.hypot(*orbit.T)[:, np.newaxis]
-        measured = measure(orbit * (1 - (clearance - STATED.clearance) / distance), seed)
-        found = fit(measured, GivenErrors(CLEARANCE_STD, LOAD_STD))["viscosity"]
-        pulls.append((found.value - viscosity) / found.std)
-    # 2.6 standard deviations of the binomial about 27.3 and 38
-    within = [int(np.sum(np.abs(pulls) < size)) for size in (1, 1.96)]
-    assert 20 <= within[0] <= 35
-    assert within[1] >= 35
-    npt.assert_allclose(np.sqrt(np.mean(np.square(pulls))), 1.0, atol=2.6 / np.sqrt(80))
-
-
 def test_a_negative_error_is_refused():
     with pytest.raises(ValueError, match="zero or more"):
         GivenErrors(load=-0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("pin", "count"), [("free", 60), ("guided", 8)])
+def test_errors_hold_their_share_of_rigs_that_are_drawn_from_their_widths(pin, count):
+    """Clearance, load, load line, tilt and drift together; orbits are those of the virtual rig."""
+    options = {"sideways": pin, "given": WIDTHS, "profiles": False}
+    pulls = np.abs(
+        [
+            list(rig.pulls(fit_motion(rig.measured, STATED, MOVED, **options)).values())
+            for rig in draw_rigs(count, pin)
+        ]
+    )
+    for size, share in ((1, 0.683), (1.96, 0.95)):
+        # 2.6 standard deviations of the binomial
+        room = 2.6 * np.sqrt(share * (1 - share) / count)
+        held = np.mean(pulls < size, axis=0)
+        assert (np.abs(held - share) < room).all(), (size, held)
+    npt.assert_allclose(np.sqrt(np.mean(pulls**2, axis=0)), 1.0, atol=2.6 / np.sqrt(2 * count))

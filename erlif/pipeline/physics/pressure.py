@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -26,8 +27,10 @@ from erlif.pipeline.physics.prediction import (
 )
 from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.refusals import refusal
+from erlif.prediction.fit import LOAD_LINE_STD
+from erlif.prediction.gaps import LARGEST_GAP, MOST_FILLED, fill_gaps
 from erlif.prediction.pin_motion import PinMotion, find_pin_motion
-from erlif.prediction.pressure import CHANGING, CLEAR, LARGEST_GAP, find_pressures
+from erlif.prediction.pressure import CHANGING, CLEAR, find_pressures
 from erlif.prediction.smoothing import FEWEST
 from erlif.trend import PinView, viscosity_at
 
@@ -99,9 +102,10 @@ def _find(film: xr.Dataset, progress: Progress) -> xr.Dataset:
     settings = settings_of(film)
     view = _view(film, settings)
     known = _known(film)
-    motion, order = _follow(film, settings, view, known)
+    positions = _follow(film, settings, known)
+    motion, order = _lay_path(positions), positions.order
     joint = swinging_joint(settings).joint
-    conditions = film[[name for name in ("temperature", "load") if name in film]].load()
+    conditions = film[[name for name in ("crank_angle", "temperature") if name in film]].load()
     viscosity = viscosity_at(conditions, joint.viscosity)[order]
     x, y = _grid(film)
     line = settings.prediction.load_line_std
@@ -114,6 +118,7 @@ def _find(film: xr.Dataset, progress: Progress) -> xr.Dataset:
         axial=(across - view.axial_origin) / _MILLI,
         settings_std=_settings_std(settings, viscosity),
         load_line_std=0.0 if line is None else float(line),
+        fill=partial(_fill, film, settings, positions),
         progress=progress,
     )
     return _describe(film, settings, view, pressures, motion, order, (x, y))
@@ -150,10 +155,34 @@ def _known(film: xr.Dataset) -> Mask:
     return known
 
 
-def _follow(
-    film: xr.Dataset, settings: RunSettings, view: PinView, known: Mask
-) -> tuple[PinMotion, npt.NDArray[np.intp]]:
-    """Motion of the pin, and the triggers that it holds in the order of their times."""
+class _Positions(NamedTuple):
+    """Positions of the pin at the triggers that have one, in SI and in the order of their times.
+
+    Attributes
+    ----------
+    order : numpy.ndarray
+        Triggers, (position,).
+    time, angle, turning : Array
+        As for `find_pin_motion`, (position,).
+    value : Array
+        (position, number)
+    errors : dict of str to Array
+        random_cov, surface_cov, gradient and calibration_cov, as for `find_pin_motion`.
+    period : float
+        Of a turn. [s]
+    """
+
+    order: npt.NDArray[np.intp]
+    time: Array
+    angle: Array
+    turning: Array
+    value: Array
+    errors: dict[str, Array]
+    period: float
+
+
+def _follow(film: xr.Dataset, settings: RunSettings, known: Mask) -> _Positions:
+    """Positions of the pin, and the motion of the bushing."""
     frames = xr.Dataset(
         {
             "crank_angle": ("frame", film.crank_angle.values),
@@ -165,27 +194,63 @@ def _follow(
         frames["time"] = ("frame", film["time"].values)
     moved = build_motion(settings, frames, viscosity=1.0)  # pressure is in proportion to it
     time, angle = moved.motion.time[moved.steps], np.asarray(moved.motion.angle)[moved.steps]
-    speed = np.gradient(moved.crank, moved.motion.time)[moved.steps]
-    linkage = swinging_joint(settings).linkage
-    turning = np.asarray(linkage.rocker_speed(moved.crank[moved.steps], crank_speed=speed))
-    turning = turning if settings.prediction.direction == "along" else -turning
+    turning = _turning(settings, moved.motion.time, moved.crank)[moved.steps]
 
     order = np.flatnonzero(known)
     order = order[np.argsort(time[order], kind="stable")]
     random, surface, gradient = _covariances(film, order)
     position = np.concatenate([film.pin_displacement.values, film.pin_tilt.values], axis=1)
-    motion = find_pin_motion(
+    errors = {"random_cov": random, "surface_cov": surface, "gradient": gradient}
+    return _Positions(
+        order,
         time[order],
         angle[order],
         turning[order],
         position[order] * _NUMBER_UNITS,
-        random_cov=random,
-        surface_cov=surface,
-        gradient=gradient,
-        calibration_cov=calibration_of(film).full_covariance,
-        period=2 * np.pi * float(np.ptp(moved.motion.time) / np.ptp(moved.crank)),
+        errors | {"calibration_cov": calibration_of(film).full_covariance},
+        2 * np.pi * float(np.ptp(moved.motion.time) / np.ptp(moved.crank)),
     )
-    return motion, order
+
+
+def _turning(settings: RunSettings, time: Array, crank: Array) -> Array:
+    """Speed of the bushing along sliding at the steps of a motion. [rad/s]"""
+    speed = np.gradient(crank, time)
+    linkage = swinging_joint(settings).linkage
+    turning = np.asarray(linkage.rocker_speed(crank, crank_speed=speed))
+    return turning if settings.prediction.direction == "along" else -turning
+
+
+def _lay_path(at: _Positions) -> PinMotion:
+    """The motion of the pin by its positions alone."""
+    errors: dict[str, Any] = dict(at.errors)
+    return find_pin_motion(at.time, at.angle, at.turning, at.value, period=at.period, **errors)
+
+
+def _fill(film: xr.Dataset, settings: RunSettings, at: _Positions) -> PinMotion | None:
+    """The motion of a guided pin through the gaps of its triggers; None without a known load."""
+    load = film["load"].values if "load" in film else np.full(film.sizes["trigger"], settings.load)
+    if not np.isfinite(load[at.order].astype(float)).all():
+        return None
+
+    # one turn, closed by its first trigger
+    once = np.append(at.order, at.order[0])
+    time = np.append(at.time, at.time[0] + at.period)
+    columns = {name: film[name].values for name in ("crank_angle", "temperature") if name in film}
+    columns |= {"cycle": np.zeros(load.size, np.int64), "load": load.astype(float)}
+    frames = xr.Dataset({name: ("frame", values[once]) for name, values in columns.items()})
+    moved = build_motion(settings, frames.assign(time=("frame", time)))
+    options = settings.prediction
+    line = float(options.load_line_std or 0.1 * LOAD_LINE_STD)
+    errors: dict[str, Any] = dict(at.errors)
+    return fill_gaps(
+        build_journal(settings, moved.viscosity),
+        moved,
+        time=time,
+        turning=at.turning,
+        position=at.value,
+        load_line_std=None if options.load_line is None else line,
+        **errors,
+    )
 
 
 def _covariances(film: xr.Dataset, order: npt.NDArray[np.intp]) -> tuple[Array, Array, Array]:
@@ -326,7 +391,7 @@ def state_limits(pressure: xr.Dataset) -> str:
         lines.append(_TEXTS["closing"].format(**_list_triggers(closing)))
     history = pressure.cavity_history.values
     if np.isinf(history).any():
-        return str(_TEXTS["part_of_a_turn"].format(gap=100 * LARGEST_GAP))
+        return str(_TEXTS["part_of_a_turn"].format(gap=100 * LARGEST_GAP, most=100 * MOST_FILLED))
     old = ~measured & ~closing & (history > CLEAR)
     if old.any():
         lines.append(_TEXTS["old"].format(**_list_triggers(old)))
