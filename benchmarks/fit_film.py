@@ -5,7 +5,7 @@
     python benchmarks/fit_film.py --guided   # the guided ones alone
     python benchmarks/fit_film.py --short    # guided, one cycle of 50 triggers over 0.89 of a turn
     python benchmarks/fit_film.py --held     # springs; cavitation pressure beside the viscosity
-    python benchmarks/fit_film.py --given    # rigs whose given numbers are not those that are stated
+    python benchmarks/fit_film.py --given    # rigs whose given numbers are not the stated ones
     python benchmarks/fit_film.py --time     # 200 cycles in one fit: free, folded, guided
 
 The orbits are those of `erlif.rig`: Chebyshev collocation for the free pin, projected
