@@ -16,6 +16,7 @@ from erlif.trend.gap import find_gap_minimum
 from erlif.trend.region import Region
 
 _LEAST_PIXELS = 64  # measurable pixels of a mean, at least
+_BEYOND = 0.1  # of the thickest calibrated film, by which a mean may lie beyond the range
 
 
 @dataclass(frozen=True)
@@ -212,8 +213,9 @@ def _average_film(sums: BlockSums, curve: FilmCurve) -> tuple[float, float, Arra
     the size of the noise.
     """
     size = float(sums.measurable.sum())
+    unknown = math.nan, math.nan, np.full(len(curve.gradient), math.nan)
     if size < _LEAST_PIXELS:
-        return math.nan, math.nan, np.full(len(curve.gradient), math.nan)
+        return unknown
     some = sums.measurable > 0
     count, ratio, squared, variance, displaced = (
         each[some]
@@ -228,6 +230,11 @@ def _average_film(sums: BlockSums, curve: FilmCurve) -> tuple[float, float, Arra
     film, rate, curvature = (each[place] for each in (curve.film, curve.rate, curve.curvature))
     mean = float((film * count + rate * linear + 0.5 * curvature * square).sum()) / size
     gradient = curve.gradient @ np.bincount(place, count, curve.film.size) / size
+
+    # blocks whose ratio no film has are extrapolated, to thousands of um where most are such
+    low, high = curve.calibration.thickness_range
+    if not low - _BEYOND * high <= mean <= high + _BEYOND * high:
+        return unknown
 
     random = math.sqrt(sums.noise_correlation * float((rate**2 * variance).sum())) / size
 

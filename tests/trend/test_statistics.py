@@ -109,3 +109,13 @@ def test_mean_remains_where_the_minimum_is_not_determined():
     found = summarise(ratios)
     assert np.isnan([found.minimum, found.minimum_std]).all()
     assert np.isfinite([found.mean, found.mean_std]).all()
+
+
+def test_ratios_that_no_film_has_give_no_mean():
+    """Ratios tenfold those of the films, as below a shadow in a flat: extrapolated to 1e3 um."""
+    ratios = noisy_ratios(EVEN, 0.01, np.random.default_rng(5))
+    maps = measure_thickness(ratios, known_calibration())
+    ratios.log_ratio.values[:] += np.log(10.0)
+    found = summarise_film(ratios, maps, known_calibration(), region=WHOLE)
+    assert np.isnan(found.mean)
+    assert np.isnan(found.mean_std)

@@ -100,9 +100,9 @@ def summarise_briefly(film: xr.Dataset) -> str:
     }
     lines = [_first_line(film)]
     for title, text in texts.items():
-        lines += _wrapped(title, text)
+        lines += _wrapped(title, text, most=2 if title == "theory" else 1)
 
-    # warnings take what is left, the most serious first, and one line counts the rest
+    # warnings take what is left, two lines at least, and one line counts the rest
     warnings = rows.get("warnings", "").splitlines()
     for shown, text in enumerate(warnings):
         wrapped = _wrapped("" if shown else "warning", _first_sentence(text))
@@ -119,10 +119,10 @@ def summarise_briefly(film: xr.Dataset) -> str:
     )
 
 
-def _wrapped(title: str, text: str) -> list[str]:
-    """A title and a text of at most two lines; a longer one is cut."""
+def _wrapped(title: str, text: str, *, most: int = 2) -> list[str]:
+    """A title and a text of at most so many lines; a longer one is cut."""
     width = _COLUMNS - _TITLE - 2
-    lines = textwrap.wrap(text, width, max_lines=2, placeholder=" ...", break_long_words=False)
+    lines = textwrap.wrap(text, width, max_lines=most, placeholder=" ...", break_long_words=False)
     return [f"  {title if k == 0 else '':{_TITLE}s}{line}" for k, line in enumerate(lines)]
 
 
