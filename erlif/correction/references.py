@@ -383,9 +383,9 @@ class _Camera:
         parts = [
             *(electronic if known else ["gain not known yet"]),
             f"dark {measured.darks.level:.1f} DN",
-            *([] if np.isnan(spread) else [f"response spread {100 * spread:.1f} %"]),
+            *([] if np.isnan(spread) else [f"pixels respond alike within {100 * spread:.1f} %"]),
             f"saturation {measured.saturation:.0f} DN"
-            + (f" = {self.capacity / 1e3:.1f} ke" if known else ""),
+            + (f" = {self.capacity:.0f} electron" if known else ""),
         ]
         return ", ".join(parts)
 

@@ -85,3 +85,9 @@ def test_quantity_keeps_its_text_and_computes_as_a_float():
     assert type(load * 2) is float
     copy = pickle.loads(pickle.dumps(load))
     assert (copy, copy.text) == (222.4, "50 lbf")
+
+
+@pytest.mark.parametrize("text", ["100 cSt", "100 mm^2/s"])
+def test_a_kinematic_viscosity_is_refused_with_what_it_lacks(text):
+    with pytest.raises(ValueError, match="multiply it by the density"):
+        parse_quantity(text, "Pa s")

@@ -92,7 +92,7 @@ def summarise_briefly(film: xr.Dataset) -> str:
     ]
 
     texts = {
-        "film": f"min {_range(film, 'film_min')}, mean {_range(film, 'film_mean')} um",
+        "film": _describe_films(film),
         "valid": f"{valid:.1%} of the pixels" + (f"; {', '.join(lost)}" if lost else ""),
         "exponent": rows.get("power of speed over load", ""),
         "theory": _first_sentence(rows.get("what carries the film", "") or _at_speed(film)),
@@ -128,6 +128,13 @@ def _wrapped(title: str, text: str, *, most: int = 2) -> list[str]:
 
 def _first_sentence(text: str) -> str:
     return text.split("\n")[0].partition(". ")[0].rstrip(".")
+
+
+def _describe_films(film: xr.Dataset) -> str:
+    """Range of the minimum and of the mean over the cycle."""
+    if not np.isfinite([film.film_min.values, film.film_mean.values]).any():
+        return "none: no trigger has enough valid pixels in the region"
+    return f"min {_range(film, 'film_min')}, mean {_range(film, 'film_mean')} um"
 
 
 def _range(film: xr.Dataset, variable: str) -> str:

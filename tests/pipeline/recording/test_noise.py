@@ -139,9 +139,9 @@ def test_response_of_camera_1_alone_without_a_flat_is_not_estimated(laboratory):
     npt.assert_allclose(references.response_spread[1], 0.01, rtol=0.1)
     lines = texts(prepared).splitlines()
     (both,) = [line for line in lines if line.startswith("cameras: ")]
-    assert "response spread" not in both.split("; ")[0]
+    assert "pixels respond" not in both.split("; ")[0]
     one = [line for line in lines if line.startswith("warning: camera1: ")]
-    assert not any("response spread" in line for line in one)
+    assert not any("pixels respond" in line for line in one)
     assert any("no flat; vignetting and pixel response are not corrected" in line for line in one)
 
 
