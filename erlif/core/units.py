@@ -159,7 +159,7 @@ def _hint(number: str, name: str, unit: str) -> str:
     """What to write in place of a unit that is not known."""
     if name in _HINTS and unit == "N":
         return f"; {_HINTS[name]}"
-    if unit == "Pa s" and (name.endswith("St") or name.endswith("m2/s") or name == "mm^2/s"):
+    if unit == "Pa s" and name.endswith(("St", "m2/s", "m^2/s")):
         return "; that is a kinematic viscosity: multiply it by the density of the oil"
     near = difflib.get_close_matches(name, _USUAL.get(unit, {}), n=2)
     return f"; did you mean {' or '.join(f'{number} {each}' for each in near)}?" if near else ""
