@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from erlif.calibration import calibration_of
 from erlif.core.arrays import Array
-from erlif.core.notes import split_notes
+from erlif.core.notes import Level, split_notes
 from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.core.version import __version__
 from erlif.io import files
@@ -23,6 +23,7 @@ from erlif.show.refusals import refusal
 from erlif.show.report import layout, tables
 from erlif.show.report.captions import caption_of
 from erlif.show.report.maps import KeptMaps, choose_maps, embed_map
+from erlif.show.report.summary import describe_briefly
 from erlif.show.report.viewer import viewer_data, viewer_section
 
 # Largest size of a page, where none is given. [MB]
@@ -96,7 +97,7 @@ def write_report(
     ...     film_path = write_example(f"{directory}/film.nc")
     ...     page = write_report(film_path, f"{directory}/report.html").read_text("utf-8")
     >>> page[:15], page.count("<h2")
-    ('<!DOCTYPE html>', 5)
+    ('<!DOCTYPE html>', 6)
     """
     report = choose_progress(progress)
     check_size(max_size)
@@ -132,13 +133,14 @@ def _make_page(source: FigureSource, triggers: range, max_size: float, progress:
     """Compose the sections, the embedded maps, the style and the script."""
     film, limit = source.film, _PER_MB * max_size
     shares = files.flag_shares(film)
-    summary = _summary_section(source, shares)
+    summary = _summary_section(film, shares)
+    numbers = _numbers_section(source, shares)
     figures = figures_section(source, progress, room=_FIGURES * limit)
     table = tables.trigger_section(film, shares[:, 0], most=_TABLE * limit)
     provenance = provenance_section(film)
 
     # what is left belongs to the maps; their size is measured, and fewer are kept if it is large
-    others = sum(len(text.encode()) for text in (summary, figures, table, provenance))
+    others = sum(len(text.encode()) for text in (summary, figures, numbers, table, provenance))
     room = allowed = limit - others - _FRAME
     thickest, opening = calibration_of(film).thickness_range[1], source.trigger
     while True:
@@ -151,9 +153,10 @@ def _make_page(source: FigureSource, triggers: range, max_size: float, progress:
     shown: dict[str, Any] = {"triggers": kept.triggers, "opening": opening, "limit": max_size}
     viewer = viewer_section(film, kept.coding, **shown)
     sections = [
-        ("summary", "Summary", summary),
+        ("summary", "Film", summary),
         ("viewer", "Film maps", viewer),
         ("figures", "Figures", figures),
+        ("numbers", "Numbers and notes", numbers),
         ("triggers", "Triggers", table),
         ("provenance", "Settings and inputs", provenance),
     ]
@@ -188,11 +191,22 @@ def _embedded_maps(film: xr.Dataset, kept: KeptMaps, progress: Progress) -> Mark
     return Markup("\n").join(scripts)
 
 
-def _summary_section(source: FigureSource, shares: Array) -> Markup:
-    """Write the tables of the summary, and the notes."""
-    film = source.film
+def _summary_section(film: xr.Dataset, shares: Array) -> Markup:
+    """Write what a reader wants first, and the warnings."""
+    notes = split_notes(str(film.attrs.get("notes", "")))
     return layout.render(
         "summary.html",
+        rows=describe_briefly(film, shares),
+        warnings=dict.fromkeys(text for level, text in notes if level is not Level.NOTE),
+    )
+
+
+def _numbers_section(source: FigureSource, shares: Array) -> Markup:
+    """Write the tables of numbers, and the notes."""
+    film = source.film
+    notes = split_notes(str(film.attrs.get("notes", "")))
+    return layout.render(
+        "numbers.html",
         results=tables.results_table(film, shares),
         **tables.theory_sentences(film),
         calibration=tables.calibration_table(source),
@@ -200,7 +214,7 @@ def _summary_section(source: FigureSource, shares: Array) -> Markup:
             source.group("registration"), source.group("frames")
         ),
         flags=tables.flag_table(shares[:, 1:].mean(axis=0)),
-        notes=dict.fromkeys(split_notes(str(film.attrs.get("notes", "")))),
+        notes=dict.fromkeys(text for level, text in notes if level is Level.NOTE),
     )
 
 

@@ -85,22 +85,10 @@ def summarise_briefly(film: xr.Dataset) -> str:
     """
     shares = flag_shares(film)
     rows = describe_film(film, shares)
-    valid, *flagged = shares.mean(axis=0)
-    largest = sorted(zip(flagged, Flag, strict=True), reverse=True, key=lambda one: one[0])[:2]
-    lost = [
-        f"{str(flag.name).lower()} {describe_share(share, '%')}" for share, flag in largest if share
-    ]
-
-    texts = {
-        "film": _describe_films(film),
-        "valid": f"{valid:.1%} of the pixels" + (f"; {', '.join(lost)}" if lost else ""),
-        "exponent": rows.get("power of speed over load", ""),
-        "theory": _first_sentence(rows.get("what carries the film", "") or _at_speed(film)),
-        "error": _first_sentence(rows.get("largest error", "")),
-    }
     lines = [_first_line(film)]
-    for title, text in texts.items():
-        lines += _wrapped(title, text, most=2 if title == "theory" else 1)
+    for title, text in describe_briefly(film, shares).items():
+        short = text if title == "exponent" else _first_sentence(text)
+        lines += _wrapped(title, short, most=2 if title == "theory" else 1)
 
     # warnings take what is left, two lines at least, and one line counts the rest
     warnings = rows.get("warnings", "").splitlines()
@@ -117,6 +105,36 @@ def summarise_briefly(film: xr.Dataset) -> str:
     return "\n".join(
         lines + _wrapped("more", f"{more}: erlif -v process, or the report" if more else "")
     )
+
+
+def describe_briefly(film: xr.Dataset, shares: Array) -> dict[str, str]:
+    """What is known of a film in a few rows, the first that a reader wants.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+    shares : array, (trigger, flag)
+        As `erlif.io.files.flag_shares` returns them.
+
+    Returns
+    -------
+    dict of str to str
+        Text by title, of those that are known.
+    """
+    rows = describe_film(film, shares)
+    valid, *flagged = shares.mean(axis=0)
+    largest = sorted(zip(flagged, Flag, strict=True), reverse=True, key=lambda one: one[0])[:2]
+    lost = [
+        f"{str(flag.name).lower()} {describe_share(share, '%')}" for share, flag in largest if share
+    ]
+    texts = {
+        "film": _describe_films(film),
+        "valid": f"{valid:.1%} of the pixels" + (f"; {', '.join(lost)}" if lost else ""),
+        "exponent": rows.get("power of speed over load", ""),
+        "theory": rows.get("what carries the film", "") or _at_speed(film),
+        "error": rows.get("largest error", ""),
+    }
+    return {title: text for title, text in texts.items() if text}
 
 
 def _wrapped(title: str, text: str, *, most: int = 2) -> list[str]:

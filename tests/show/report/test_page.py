@@ -52,9 +52,10 @@ def test_name_cannot_end_the_script_that_holds_the_data(film_path, tmp_path, rea
     assert len(plain) == 1  # the viewer
 
     # this film has no valid pixel
-    assert "not known" in page.texts["summary"]
-    assert "100.00 %" in page.texts["summary"]
-    assert "nan" not in page.texts["summary"] + page.texts["triggers"]
+    assert "none: no trigger has enough valid pixels" in page.texts["summary"]
+    assert "not known" in page.texts["numbers"]
+    assert "100.00 %" in page.texts["numbers"]
+    assert "nan" not in page.texts["summary"] + page.texts["numbers"] + page.texts["triggers"]
 
 
 @pytest.fixture(autouse=True)
@@ -72,10 +73,12 @@ def copy_with(film_path, film, directory):
     return target
 
 
-def test_page_is_described_by_its_summary(page):
-    summary = page.texts["summary"]
-    # power of the minimum, K, registration, a note, and 3 of 80 columns outside the overlap
-    for text in ("0.600 ± 0.010", "0.6600 ± 0.0010", "0.970", "gain < measured", "3.75 %"):
+def test_page_begins_with_the_film_and_ends_with_its_numbers(page):
+    assert "minimum: n = 0.600 ± 0.010" in page.texts["summary"]
+    assert "gain < measured" in page.texts["summary"] + page.texts["numbers"]
+    summary = page.texts["numbers"]
+    # power of the minimum, K, registration, and 3 of 80 columns outside the overlap
+    for text in ("0.600 ± 0.010", "0.6600 ± 0.0010", "0.970", "3.75 %"):
         assert text in summary
     assert "Profile of the calibration fixture: it needs the CMM profile" in page.texts["figures"]
     by_name = dict(zip((a["id"] for a in page.all("figure")), page.all("img"), strict=True))
@@ -115,11 +118,13 @@ def test_inputs_of_the_calibration_are_listed_apart(film):
 def test_notes_are_listed_once_and_escaped(film_path, film):
     def notes_of(text):
         source = find_source(film_path, film.assign_attrs(notes=text), None, None, None)
-        return pages._summary_section(source, flag_shares(film)).partition("<h3>Notes</h3>")[2]
+        shares = flag_shares(film)
+        numbers = pages._numbers_section(source, shares).partition("<h3>Notes</h3>")[2]
+        return pages._summary_section(source.film, shares) + numbers
 
     assert notes_of("gain < measured").count("<li>gain &lt; measured</li>") == 1
     assert notes_of("one\ntwo\none").count("<li>") == 2
-    assert notes_of("") == ""
+    assert "<li>" not in notes_of("")
     text = notes_of("warning: camera2: no <flat>\ncamera1: dark")
     assert "<li><strong>Warning: </strong>camera2: no &lt;flat&gt;</li>" in text
     assert "<li>camera1: dark</li>" in text
