@@ -80,13 +80,13 @@ def compare(
         return
 
     from erlif.show.plots import write_comparison_figures
-    from erlif.show.report import write_pair_table
+    from erlif.show.report import write_comparison_page, write_pair_table
 
     # one file of an earlier comparison beside those of this one would belong to other films
     with replacing_set(output, (*_TABLES, *_FIGURES)) as scratch:
         write_dataset(comparison, scratch / _TABLES[0])
-        for name in _TABLES[1:]:
-            write_pair_table(comparison, scratch / name)
+        write_pair_table(comparison, scratch / _TABLES[1])
         figures = write_comparison_figures(comparison, scratch)
+        write_comparison_page(comparison, scratch / _TABLES[2], figures)
     written = (*_TABLES, *(path.name for path in figures))
     click.echo(f"written: {', '.join(str(output / name) for name in written)}")

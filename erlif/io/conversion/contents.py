@@ -81,7 +81,7 @@ def trigger_columns(film: xr.Dataset) -> list[TriggerColumn]:
     >>> next(column.name for column in columns if column.name.startswith("pin"))
     'pin_displacement_load'
     """
-    columns = []
+    columns: list[TriggerColumn] = []
     for name in _ordered(film):
         variable = film[name]
         if variable.dims[:1] != ("trigger",) or variable.dims[1:3] == ("y", "x"):

@@ -1,5 +1,5 @@
 from .check_page import write_check_page
-from .comparison import write_pair_table
+from .comparison import write_comparison_page, write_pair_table
 from .design import list_materials, summarise_design
 from .design_page import make_design_page, write_design_page
 from .linkage import summarise_linkages
@@ -29,6 +29,7 @@ __all__ = [
     "summarise_plan",
     "summarise_prediction",
     "write_check_page",
+    "write_comparison_page",
     "write_design_page",
     "write_pair_table",
     "write_plan",

@@ -1,7 +1,8 @@
-"""The table of the pairs of runs that were compared, as CSV and as a page."""
+"""Runs that were compared: the table of their pairs as CSV, and a page with text and figures."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,19 +12,33 @@ from markupsafe import Markup
 from erlif.core.version import __version__
 from erlif.io.conversion import table_csv
 from erlif.io.files import write_file
-from erlif.review.comparison import NO_CHANCE
-from erlif.show.report.layout import Table, compose_page, render_part
+from erlif.review.comparison import NO_CHANCE, describe_comparison
+from erlif.show.report.layout import (
+    Table,
+    arrange_figures,
+    compose_page,
+    embed_image,
+    print_units,
+    render_part,
+)
+
+# Titles of the figures, by the names of their files.
+_FIGURES = {
+    "films": "Films of the runs",
+    "difference_map": "Difference map of two runs",
+    "control_patch": "Control chart of the reference patch",
+    "control_calibration": "Control chart of the calibrations",
+}
 
 
 def write_pair_table(found: xr.Dataset, output: Path) -> None:
-    """Write the table of pairs, as CSV or as HTML by the suffix.
+    """Write the table of pairs as CSV.
 
     Parameters
     ----------
     found : xarray.Dataset
         As `erlif.compare` returns it.
     output : Path
-        File in .csv or .html.
 
     Raises
     ------
@@ -42,8 +57,52 @@ def write_pair_table(found: xr.Dataset, output: Path) -> None:
     ...     (Path(directory) / "compare.csv").read_text().splitlines()[1][:40]
     'example (1),example (2),film_min,0.5000,'
     """
-    columns = _columns(found)
-    write_file(output, _page(columns) if output.suffix == ".html" else table_csv(columns))
+    write_file(output, table_csv(_columns(found)))
+
+
+def write_comparison_page(found: xr.Dataset, output: Path, figures: Sequence[Path] = ()) -> None:
+    """Write what was found as one page: sentences, figures, and the table of pairs.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        As `erlif.compare` returns it.
+    output : Path
+    figures : sequence of Path
+        As `erlif.show.plots.write_comparison_figures` returns them.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+
+    Examples
+    --------
+    >>> import erlif
+    >>> from tempfile import TemporaryDirectory
+    >>> from erlif.show.plots import example_film
+    >>> film = example_film()
+    >>> found = erlif.compare([film, film.assign(film_min=film.film_min + 0.5)])
+    >>> with TemporaryDirectory() as directory:
+    ...     write_comparison_page(found, Path(directory) / "compare.html")
+    ...     (Path(directory) / "compare.html").read_text("utf-8").count("<h2")
+    2
+    """
+    *lines, conclusion = map(print_units, describe_comparison(found))
+    items = Markup("").join(Markup("<li>{}</li>").format(line) for line in (conclusion, *lines))
+    sections = [("result", "Result", Markup("<ul>{}</ul>").format(items))]
+    drawn = arrange_figures(
+        embed_image(path, _FIGURES[path.stem], wide=path.stem == "films") for path in figures
+    )
+    if drawn:
+        sections.append(("figures", "Figures", drawn))
+    page = compose_page(
+        [*sections, ("pairs", "Pairs", _table(_columns(found)))],
+        name="Runs compared",
+        subject="differences",
+        subtitle=f"erlif {__version__}",
+    )
+    write_file(output, page)
 
 
 def _columns(found: xr.Dataset) -> dict[str, list[str]]:
@@ -66,19 +125,22 @@ def _columns(found: xr.Dataset) -> dict[str, list[str]]:
     }
 
 
-def _page(columns: dict[str, list[str]]) -> str:
-    """The table as a page; a probability below those that are known is stated as such."""
+def _table(columns: dict[str, list[str]]) -> Markup:
+    """The table of the page; a probability below those that are known is stated as such."""
     shown = columns | {
         name: ["below 1e-12" if float(each) < NO_CHANCE else each for each in columns[name]]
         for name in ("probability", "probability corrected")
     }
+    shown["differs"] = ["yes" if each == "1" else "no" for each in columns["differs"]]
+    shown["same calibration"] = [
+        "yes" if each == "1" else "no" for each in shown["same calibration"]
+    ]
+    shown = {
+        name: ["not known" if each == "nan" else each for each in values]
+        for name, values in shown.items()
+    }
     rows = list(zip(*shown.values(), strict=True))
     pairs = Table(rows, tuple(shown), numbers=range(3, len(shown)))
     table = render_part("macros.html", "scrolling", one=pairs, label="Table of the pairs")
-    said = "Differences are the second run less the first; std is one standard deviation."
-    return compose_page(
-        [("pairs", "Pairs", Markup("<p>{}</p>").format(said) + table)],
-        name="Runs compared",
-        subject="differences",
-        subtitle=f"erlif {__version__}",
-    )
+    text = "Differences are the second run less the first; std is one standard deviation."
+    return Markup("<p>{}</p>").format(text) + table

@@ -230,6 +230,11 @@ def embed_figure(name: str, figure: AnyFigure, caption: Caption) -> PageFigure:
     return PageFigure(name, _embed(image, _MEDIA[kind]), caption.title, caption.text, wide)
 
 
+def embed_image(path: Path, title: str, *, wide: bool) -> PageFigure:
+    """Embed a figure that was written as PNG, with a title alone."""
+    return PageFigure(path.stem, _embed(path.read_bytes(), _MEDIA["png"]), title, "", wide)
+
+
 def arrange_figures(
     figures: Iterable[PageFigure], missing: Sequence[tuple[str, str]] = ()
 ) -> Markup:

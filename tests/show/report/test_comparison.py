@@ -5,9 +5,9 @@ import csv
 import numpy as np
 import pytest
 
-from erlif.review.comparison import compare
-from erlif.show.plots import example_film
-from erlif.show.report import write_pair_table
+from erlif.review.comparison import compare, describe_comparison
+from erlif.show.plots import example_film, write_comparison_figures
+from erlif.show.report import write_comparison_page, write_pair_table
 
 
 @pytest.fixture(scope="module")
@@ -28,9 +28,13 @@ def test_tables_hold_every_pair_and_escape_names(films, tmp_path):
     assert len(rows) == 6
     assert rows[-1]["second"] == "<b>one</b>, two"
     assert float(rows[0]["difference [um]"]) == 0.5
-    write_pair_table(found, tmp_path / "a.html")
+    figures = write_comparison_figures(found, tmp_path)
+    write_comparison_page(found, tmp_path / "a.html", figures)
     page = (tmp_path / "a.html").read_text("utf-8")
     assert "<b>one" not in page
     assert "&lt;b&gt;one" in page
     assert "the second run less the first" in page
     assert '<td class="n">below 1e-12</td>' in page
+    assert page.count("data:image/png") == len(figures) == 2
+    assert page.count("<li>") >= len(describe_comparison(found))
+    assert ">nan<" not in page
