@@ -1,6 +1,7 @@
 from .calibration import (
     calibration_figure,
     fixture_profile,
+    profile_figure,
     ratio_against_thickness,
     ratio_residuals,
     write_calibration_figure,
@@ -73,6 +74,7 @@ from .orbit import closest_film, gap_curvature, pin_figure, pin_orbit
 from .plan import example_plan_results, plan_figure, plan_precision, plan_ratio, plan_signal
 from .prediction import (
     film_and_prediction,
+    film_less_prediction,
     film_over_run,
     predicted_map,
     prediction_figure,
@@ -131,6 +133,7 @@ __all__ = [
     "film_against_speed",
     "film_and_prediction",
     "film_and_theory",
+    "film_less_prediction",
     "film_over_cycle",
     "film_over_run",
     "find_fixture",
@@ -164,6 +167,7 @@ __all__ = [
     "pressure_figure",
     "pressure_map",
     "pressure_profile",
+    "profile_figure",
     "profile_residual",
     "quantity_over_test",
     "ratio_against_thickness",

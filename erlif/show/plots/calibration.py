@@ -91,6 +91,38 @@ def fixture_profile(
     return [points, *artists]
 
 
+@styled
+def profile_figure(profile: Profile, *, calibration: Calibration | None = None) -> style.Picture:
+    """Draw the profile of a line, and what it departs from a straight line below.
+
+    Arguments as in `fixture_profile`.
+
+    Returns
+    -------
+    Figure
+        Two panels, one column of a journal wide.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from erlif.calibration import Profile
+    >>> wedge = Profile(np.linspace(0, 20, 5), np.linspace(0, 16, 5), np.full(5, 0.1))
+    >>> profile_figure(wedge).axes[1].get_ylabel()
+    'less a straight line [µm]'
+    """
+    figure = style.new_figure(ONE_COLUMN, style.STACK * ONE_COLUMN)
+    above, below = figure.subplots(2, sharex=True, height_ratios=_PANELS)
+    fixture_profile(profile, calibration=calibration, ax=above)
+    line = np.polynomial.Polynomial.fit(profile.position, profile.thickness, 1)
+    departure = profile.thickness - line(profile.position)
+    _draw_points(below, profile.position, departure, profile.uncertainty, size=1.6, label="")
+    below.axhline(0.0, color="0.4", linewidth=pt(0.5), zorder=1)
+    below.set(xlabel="profile x [mm]", ylabel="less a straight line [µm]")
+    above.set_xlabel("")
+    style.letter_panels(above, below)
+    return figure
+
+
 def _grid(calibration: Calibration) -> Array:
     """Thicknesses of a curve, over the calibrated range and all points. [um]"""
     # points beyond the calibrated range are drawn too

@@ -20,7 +20,7 @@ from erlif.io import files as stored
 from erlif.io.settings import read_fixture_settings, read_run_settings
 from erlif.pipeline import restore_images
 from erlif.show.plots import style as looks
-from erlif.show.plots.calibration import calibration_figure, fixture_profile
+from erlif.show.plots.calibration import calibration_figure, fixture_profile, profile_figure
 from erlif.show.plots.images import band_images_figure, ratio_image
 from erlif.show.plots.kinematics import cycle_figure, speed_against_angle
 from erlif.show.plots.maps import (
@@ -194,8 +194,11 @@ def _draw_fixture(source: FigureSource) -> Figure:
     assert source.fixture_dir is not None
     settings = read_fixture_settings(source.fixture_dir)
     profile = read_profile(source.fixture_dir / settings.fixture.profile)
-    figure = new_figure()
-    fixture_profile(profile, calibration=source.calibration, ax=figure.add_subplot())
+    if profile.position.ndim == 2:
+        figure = new_figure()
+        fixture_profile(profile, calibration=source.calibration, ax=figure.add_subplot())
+    else:
+        figure = profile_figure(profile, calibration=source.calibration)
     figure.suptitle(f"fixture {settings.fixture.name}", parse_math=False)
     return figure
 

@@ -112,6 +112,38 @@ def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes | None = Non
     return artists
 
 
+@styled
+def film_less_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+    """Draw measured less predicted minimum film against crank angle.
+
+    Arguments as in `film_and_prediction`.
+
+    Returns
+    -------
+    list of Artist
+        Points of both strokes, with bars of one standard deviation; the line of no difference.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> *points, line = film_less_prediction(example_film())
+    >>> line.axes.get_ylabel()
+    'measured − predicted [µm]'
+    """
+    _require_prediction(film)
+    ax = style.given_or_new(ax, film)
+    angle, label, _ = triggers.choose_abscissa(film)
+    difference = film.film_min.values - film.film_predicted_min.values
+    look: dict[str, Any] = {"elinewidth": pt(0.7), "zorder": 3}
+    artists = triggers.draw_strokes(
+        ax, film, angle, difference, film.film_min_std.values, colour=MINIMUM, **look
+    )
+    artists.append(ax.axhline(0.0, color=OUTWARD, linewidth=pt(1.0), zorder=2))
+    triggers.limit_to_turn(ax)
+    ax.set(xlabel=label, ylabel="measured − predicted [µm]")
+    return artists
+
+
 def _draw_measured(ax: Axes, film: xr.Dataset, x: Array) -> list[Artist]:
     """Draw the measured minima with their standard deviations, by stroke."""
     value, std = film.film_min.values, film.film_min_std.values
@@ -135,7 +167,7 @@ def prediction_figure(
 ) -> AnyFigure:
     """Draw measured and predicted film against crank angle, and against the turns of the crank.
 
-    Arguments as in `film_over_run`.
+    Of one turn, the second panel has measured less predicted film. Arguments as in `film_over_run`.
 
     Returns
     -------
@@ -147,12 +179,15 @@ def prediction_figure(
     >>> from erlif.show.plots import example_film, example_frames
     >>> figure = prediction_figure(example_film(), example_frames())
     >>> [ax.get_xlabel() for ax in figure.axes]
-    ['crank angle [°]', 'turns of the crank [1]']
+    ['crank angle [°]', 'crank angle [°]']
     """
     figure = style.given_figure(figure, TWO_COLUMNS, _TALL * TWO_COLUMNS, film=film)
     left, right = figure.subplots(1, 2)
     film_and_prediction(film, ax=left)
-    film_over_run(film, frames, ax=right)
+    if np.ptp(frames.elapsed_cycles.values) < 1:
+        film_less_prediction(film, ax=right)
+    else:
+        film_over_run(film, frames, ax=right)
     if correlations := describe_correlations(film).replace("-", "−"):
         style.write_inside(left, f"correlation with |speed|: {correlations}", (0.02, 0.02))
     style.letter_panels(left, right)

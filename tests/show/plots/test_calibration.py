@@ -73,6 +73,16 @@ def test_profile_of_a_surface_is_drawn_as_coloured_points():
     assert [bar.get_ylabel() for bar in ax.child_axes] == ["thickness by CMM [µm]"]
 
 
+def test_a_profile_is_drawn_less_its_straight_line():
+    """A bow of 1 um over a wedge: its mean is 2/3, and no slope is left in it."""
+    x = np.linspace(-1.0, 1.0, 201)
+    wedge = Profile(x, 5.0 + 3.0 * x - x**2, None)
+    below = plots.profile_figure(wedge).axes[1]
+    drawn = below.get_lines()[0].get_ydata()
+    npt.assert_allclose(drawn - drawn[100], -(x**2), atol=1e-12)
+    assert abs(drawn.mean()) < 1e-12
+
+
 @picture
 def test_fixture_profile(calibration):
     wedge = calibration.curve.curve_thickness.values

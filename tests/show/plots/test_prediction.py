@@ -6,8 +6,10 @@ import numpy.testing as npt
 from erlif.show.plots import (
     example_film,
     example_frames,
+    film_less_prediction,
     film_over_run,
     predicted_map,
+    prediction_figure,
     prediction_map_figure,
 )
 
@@ -27,6 +29,18 @@ def test_a_trigger_of_several_frames_lies_at_their_mean_turn():
     drawn = line.get_xdata()
     npt.assert_array_equal(drawn[np.isfinite(drawn)], np.sort(turns))
     assert np.isnan(drawn).sum() == 3  # at the dead points of both turns
+
+
+def test_the_films_of_one_turn_are_drawn_less_the_prediction():
+    figure = prediction_figure(FILM, FRAMES)
+    *_, line = figure.axes[1].get_lines()
+    npt.assert_array_equal(line.get_ydata(), [0.0, 0.0])
+    ours = film_less_prediction(FILM.assign(film_min=FILM.film_predicted_min + 0.25))
+    for points in ours[:2]:
+        npt.assert_allclose(points.get_ydata(), 0.25, rtol=1e-9)
+
+    turns = FRAMES.assign(elapsed_cycles=3 * FRAMES.elapsed_cycles)
+    assert prediction_figure(FILM, turns).axes[1].get_xlabel() == "turns of the crank [1]"
 
 
 def test_measured_and_predicted_map_have_one_scale_and_the_difference_one_about_zero():
