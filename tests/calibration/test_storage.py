@@ -150,3 +150,14 @@ def test_a_calibration_with_one_dimension_twice_is_read(small_rig, tmp_path):
         file.create_variable("covariance", ("parameter", "parameter"), data=values)
     read = open_calibration(path)
     npt.assert_array_equal(read.covariance, values)
+
+
+@pytest.mark.parametrize("noise", [1e-6, 0.15])
+def test_a_calibration_that_was_made_can_be_opened(noise, tmp_path):
+    """A step of the ratio no model has, on profiles without and with noise. [um]"""
+    made = calibrate_wedge(
+        np.random.default_rng(4), noise=noise, true=lambda film: log_ratio(film) + 0.02 * (film > 9)
+    )
+    assert made.departure is not None
+    opened = open_calibration(save_calibration(made, tmp_path / "calibration.nc"))
+    npt.assert_array_equal(opened.departure.covariance, made.departure.covariance)
