@@ -24,6 +24,9 @@ _FARTHEST = 12  # rows by which a log is taken to be late at most
 
 _SIDE = 5  # frames on either side of a place at which rows are lost, at least
 
+# Pairs with a partner in another order, at least.
+_PARTNERS = 8
+
 # Least scatter of the energies: meters are no better. [1]
 _SCATTER = 0.01
 
@@ -183,11 +186,12 @@ def compare_energies(energies: Array, light: Array) -> tuple[Order | None, AnyAr
     limit = min(_FARTHEST, logged.size // 4)
     moved = {lag: seen - _shifted(logged, lag) for lag in range(-limit, limit + 1)}
     back = seen - logged[::-1]
-    noise = max(min(_scatter(rest) for rest in (*moved.values(), back)), _SCATTER / 2)
+    noise = max(min(_noise(rest) for rest in (*moved.values(), back)), _SCATTER / 2)
     cost = {lag: _cost(rest, noise, spread) for lag, rest in moved.items()}
     best, least = Order(0, 0, True, 0.0, 0.0), float(_cost(back, noise, spread).sum())
     for lag in filter(None, cost):
-        since, total = _split(cost[0], cost[lag])
+        partners = np.cumsum(np.isfinite(moved[lag])[::-1])[::-1]
+        since, total = _split(cost[0], cost[lag], int((partners >= _PARTNERS).sum()))
         if total < least:
             best, least = Order(lag, since, False, 0.0, 0.0), total
     gain = float(cost[0].sum()) - least
@@ -210,6 +214,12 @@ def _scatter(rest: Array) -> float:
     """Robust standard deviation of the known values; infinite where they are few."""
     some = rest[np.isfinite(rest)]
     return robust_std(some) if some.size >= _FEWEST / 2 else math.inf
+
+
+def _noise(rest: Array) -> float:
+    """The same where only a part of the differences is noise: by the smallest quarter of them."""
+    some = np.abs(rest[np.isfinite(rest)])
+    return float(np.quantile(some, 0.25)) / 0.3186 if some.size >= _FEWEST / 2 else math.inf
 
 
 def _cost(rest: Array, noise: float, spread: tuple[float, float]) -> Array:
@@ -242,12 +252,12 @@ def _shifted(values: Array, lag: int) -> Array:
     return moved
 
 
-def _split(own: Array, other: Array) -> tuple[int, float]:
-    """The pair from which on another order costs less, and what both cost together."""
+def _split(own: Array, other: Array, last: int) -> tuple[int, float]:
+    """The pair up to `last` from which on another order costs less, and what both cost together."""
     before = np.concatenate([[0.0], np.cumsum(own)])
     after = np.concatenate([np.cumsum(other[::-1])[::-1], [0.0]])
     total = before + after
-    places = np.concatenate([[0], np.arange(_SIDE, own.size - _SIDE + 1)])
+    places = np.concatenate([[0], np.arange(_SIDE, max(last, _SIDE))])
     best = int(places[np.argmin(total[places])])
     if total[0] - total[best] < _ALIKE:
         best = 0
