@@ -69,6 +69,7 @@ def calibrate(
     if replaced is not None and replaced.fixture == calibration.fixture and output != against:
         click.echo(f"against the one replaced: {_compare(calibration, replaced)}")
     click.echo(f"written: {output}, {figure}")
+    click.echo("next: name it as calibration in run.toml; erlif process RUN_DIR")
 
 
 def _open_replaced(output: Path) -> Calibration | None:

@@ -62,3 +62,6 @@ def check(
         raise click.exceptions.Exit(BAD_INPUT)
     if strict and findings.count(Level.WARNING):
         raise click.exceptions.Exit(DEFECT)
+    if not as_json:
+        command = "calibrate" if (directory / "fixture.toml").is_file() else "process"
+        click.echo(f"next: erlif {command} {directory}", err=True)
