@@ -36,10 +36,14 @@ _TYPES = {-2: "|u1", -3: "<f4", -4: "<u2", 0: "<u2"}
 # Decoded over stored size that the compressions can reach.
 _DENSEST = {_IMX: 4.0, _ZLIB: DEFLATED}
 
-# Attribute with the time of a frame from the start of the recording, and its unit.
+# Attributes with the time of a frame from the start of the recording, and from its trigger.
 _TIME = re.compile(
-    rb"AcqTimeSeries([0-9]{1,2})=(-?[0-9]{1,15}(?:\.[0-9]{1,9})?) ?([^\0-\x20;]{0,3})"
+    rb"AcqTime(Series)?([0-9]{1,2})=(-?[0-9]{1,15}(?:\.[0-9]{1,9})?) ?([^\0-\x20;]{0,3})"
 )
+
+# The same time from the trigger, as a number of 64 bits behind a name that is filled to four bytes.
+# [us]
+_DELAY = re.compile(rb"Acq\.Time(?:([0-9])\0{3}|([0-9]{2})\0\0)(.{8})", re.DOTALL)
 
 # Spellings of the only unit that DaVis writes; older versions leave it out.
 _MICROSECONDS = (b"", b"us", "µs".encode("latin-1"), "µs".encode(), "μs".encode())
@@ -217,14 +221,26 @@ def _read_stamps(path: Path, frames: int) -> Array | None:
     with Source(path) as source:
         start = min(max(source.size - _LONGEST_END, _HEADER_SIZE), source.size)
         end = source.read(start, source.size - start)
-    stamps = {
-        int(number): float(value) * 1e-6
-        for number, value, unit in _TIME.findall(end)
-        if unit in _MICROSECONDS
-    }
+    stamps, delays = (
+        {
+            int(number): float(value) * 1e-6
+            for series, number, value, unit in _TIME.findall(end)
+            if series == name and unit in _MICROSECONDS
+        }
+        for name in (b"Series", b"")
+    )
+    for one, two, value in _DELAY.findall(end):
+        (delay,) = struct.unpack("<d", value)
+        if abs(delay) < 1e15:
+            delays[int(one or two)] = delay * 1e-6
     if not all(frame in stamps for frame in range(frames)):
         return None
-    return np.array([stamps[frame] for frame in range(frames)])
+
+    # DaVis gives the exposures of a double frame the stamp of their trigger
+    times = np.array([stamps[frame] for frame in range(frames)])
+    if (times == times[0]).all() and all(frame in delays for frame in range(frames)):
+        times += [delays[frame] - delays[0] for frame in range(frames)]
+    return times
 
 
 def open_set(path: Path) -> FrameFile:
@@ -247,8 +263,8 @@ def open_set(path: Path) -> FrameFile:
 
 
 # the header of an IM7 begins with zeros, as do many files: only its suffix marks it
-# Images of DaVis.
-IM7 = Format("LaVision IM7", (".im7",), None, open_im7)
+# Images of DaVis; its vector fields have the same header and are refused by what it says.
+IM7 = Format("LaVision IM7", (".im7", ".vc7"), None, open_im7)
 
 # Folders of images of DaVis.
 SET = Format("LaVision SET", (".set",), None, open_set)

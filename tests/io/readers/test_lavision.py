@@ -73,6 +73,50 @@ def test_times_of_a_set_are_those_of_its_attributes(tmp_path, packing, unit):
 
 
 @pytest.mark.parametrize(
+    ("texts", "times"),
+    [
+        # of 1camera.im7 of readim7, whose vector field has FrameDt0=10000 us
+        ((b"AcqTime1=10500 \xb5s", b"AcqTime0=500 \xb5s"), [0, 0.01]),
+        # of its 2cameras.im7
+        ((b"AcqTime0=500", b"AcqTime1=700", b"AcqTime2=500", b"AcqTime3=700"), [0, 2e-4] * 2),
+        # a frame without a delay, and a delay in another unit
+        ((b"AcqTime0=500 \xb5s",), [0, 0]),
+        ((b"AcqTime0=1 ms", b"AcqTime1=11 ms"), [0, 0]),
+    ],
+)
+def test_exposures_of_one_trigger_are_apart_by_their_delays(tmp_path, texts, times):
+    series = [b"AcqTimeSeries%d=18040840 \xb5s" % n for n in range(len(times))]
+    frames = random_frames(np.random.default_rng(1), frames=len(times))
+    path = write_im7(tmp_path / "a.im7", frames, packing=1, attributes=[*series, *texts])
+    npt.assert_allclose(times_of(path), times, atol=1e-12)
+
+
+@pytest.mark.parametrize("delay", [10_500.0, np.nextafter(10_500, 2e4), np.inf, np.nan, -1e300])
+def test_delays_are_read_as_later_versions_store_them(tmp_path, delay):
+    """As lvpyio 1.5, the library of LaVision, writes them: a number of 64 bits behind the name."""
+    series = [b"AcqTimeSeries%d=18040840 \xb5s" % n for n in range(12)]
+    frames = random_frames(np.random.default_rng(1), frames=12)
+    path = write_im7(tmp_path / "a.im7", frames, packing=2, attributes=series)
+    content = path.read_bytes()[:-8]
+    for n in range(12):
+        name = b"Acq.Time%d" % n
+        name = name.ljust(-(-len(name) // 4) * 4, b"\0")
+        value = struct.pack("<d", delay if n % 2 else 500)
+        content += struct.pack("<ii", 13, len(name) + 8) + name + value
+    path.write_bytes(content + bytes(8))
+    step = delay / 1e6 - 5e-4 if 0 < delay < 1e6 else 0
+    npt.assert_allclose(times_of(path), [0, step] * 6, atol=1e-12)
+
+
+def test_a_vector_field_is_refused_by_what_it_is(tmp_path):
+    path = write_im7(tmp_path / "B00001.VC7", np.ones((1, 6, 8), np.uint16))
+    header = bytearray(path.read_bytes())
+    header[4:6] = struct.pack("<h", 3)
+    found = refusal(path, bytes(header))
+    assert found == "it holds a vector field and no counts. Name the camera images of the recording."
+
+
+@pytest.mark.parametrize(
     "texts", [(), (b"AcqTimeSeries0=5 ms", b"AcqTimeSeries1=6 ms"), (b"AcqTimeSeries0=5 us",)]
 )
 def test_a_frame_without_a_time_leaves_all_without(tmp_path, texts):
