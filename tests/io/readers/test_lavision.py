@@ -113,7 +113,9 @@ def test_a_vector_field_is_refused_by_what_it_is(tmp_path):
     header = bytearray(path.read_bytes())
     header[4:6] = struct.pack("<h", 3)
     found = refusal(path, bytes(header))
-    assert found == "it holds a vector field and no counts. Name the camera images of the recording."
+    assert (
+        found == "it holds a vector field and no counts. Name the camera images of the recording."
+    )
 
 
 @pytest.mark.parametrize(
