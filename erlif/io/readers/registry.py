@@ -37,6 +37,16 @@ FORMATS: tuple[Format, ...] = (
     *(PNG, BMP, PGM, NPY, FITS, HDF5, AVI, LOSSY),
 )
 
+# Formats that are known and not read, by their first bytes; a package may read them.
+_UNREAD = {
+    b"Andor Technology Multi-Channel File": (
+        "an Andor SIF file",
+        "Export the frames in Andor Solis as TIFF of 16 bits or as FITS.",
+    ),
+    b"DCIMG": ("a Hamamatsu DCIMG file", "Export the frames in HCImage as TIFF of 16 bits."),
+    b"\x1f\x8b": ("compressed by gzip", "Expand the file with gunzip."),
+}
+
 # Group of entry points in which other packages name a `Format`.
 ENTRY_POINTS = "erlif.readers"
 
@@ -119,6 +129,10 @@ def find_format(path: Path, head: bytes) -> Format:
         with suppress(Exception, SystemExit):  # a fault of another package is none of the file
             if entry.fits(path, head):
                 return entry
+
+    for start, (what, advice) in _UNREAD.items():
+        if head.startswith(start):
+            raise FrameError(f"it is {what}, which is not read. {advice}")
 
     # a damaged start hides the format from all, the suffix still names it
     for entry in (*FORMATS, *foreign):

@@ -71,6 +71,17 @@ def test_files_of_astropy_are_read(tmp_path, dtype, place):
     np.testing.assert_array_equal(found, counts)
 
 
+@pytest.mark.parametrize("kind", ["RICE_1", "GZIP_1", "GZIP_2", "HCOMPRESS_1", "PLIO_1"])
+@pytest.mark.parametrize("name", ["a.fits", "a.fits.fz"])
+def test_compressed_images_of_astropy_are_refused(tmp_path, kind, name):
+    """The image behind it is not taken in its place."""
+    fits = pytest.importorskip("astropy.io.fits")
+    counts = (COUNTS[0] & 0xFFF).astype(np.int16)
+    parts = [fits.PrimaryHDU(), fits.CompImageHDU(counts, compression_type=kind)]
+    fits.HDUList([*parts, fits.ImageHDU(counts)]).writeto(tmp_path / name)
+    assert refusal(tmp_path / name) == "its image is compressed. Expand the file with funpack."
+
+
 def test_an_exponent_may_be_written_with_a_d(tmp_path):
     """FITS standard 4.0, section 4.2.4."""
     counts = np.arange(12, dtype=np.uint16).reshape(1, 3, 4) + 32760

@@ -1,11 +1,13 @@
 """One entry point for all formats, own ones and those of other packages."""
 
 import functools
+import gzip
 import os
 import re
 import sys
 import tomllib
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from importlib import metadata
 from pathlib import Path
 
@@ -66,6 +68,27 @@ def test_a_dataset_is_refused_where_the_format_has_none(tmp_path):
     tifffile.imwrite(tmp_path / "a.tif", GREY, photometric="minisblack")
     with pytest.raises(FrameError, match="TIFF file, which has no datasets"):
         open_frames(tmp_path / "a.tif", dataset="/counts")
+
+
+@pytest.mark.parametrize(
+    ("start", "reason"),
+    [
+        (b"Andor Technology Multi-Channel File\n65538 1\n", "an Andor SIF file, .* Andor Solis as"),
+        (b"DCIMG\0\0\0\7\0\0\0", "a Hamamatsu DCIMG file, .* HCImage as TIFF"),
+        (gzip.compress(b"SIMPLE  ="), "compressed by gzip, .* Expand"),
+    ],
+)
+@pytest.mark.parametrize("suffix", ["sif", "fits.gz"])
+def test_a_format_that_is_not_read_is_refused_by_name(tmp_path, start, reason, suffix, foreign):
+    path = tmp_path / f"a.{suffix}"
+    path.write_bytes(start.ljust(600, b"\3"))
+    with pytest.raises(FrameError, match=reason):
+        open_frames(path)
+
+    # another package may read it
+    foreign(mine=Format("mine", (), lambda path, head: head.startswith(start[:5]), Flat))
+    with closing(open_frames(path)) as file:
+        assert isinstance(file, Flat)
 
 
 # other packages
