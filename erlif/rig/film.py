@@ -276,7 +276,7 @@ def _sum_marks(x: Array, y: Array, waves: Array, scratches: Array) -> Array:
 
 @dataclass(frozen=True)
 class Gap:
-    """Film between pin and bushing at one trigger: rigid circles, tilt and marks.
+    """Film at one trigger: pin and bushing, a ball on a plane, or two planes, and marks.
 
     Attributes
     ----------
@@ -293,15 +293,21 @@ class Gap:
     marks: Marks
 
     def smooth(self, x: Array, y: Array) -> Array:
-        """Film without marks, c - e cos(phi); phi = 0 is the thin line. [um]
+        """Film without marks: of a pin c - e cos(phi); phi = 0 is the thin line. [um]
 
         The tilt moves the pin by a part of e that is zero at the edge of the region, so that h_min
-        is the minimum in the region.
+        is the minimum in the region. A ball of radius R has h_min + r^2/2R.
         """
         rig = self.rig
-        phi = ((x - rig.centre[0]) * rig.pitch - rig.thin_line) / rig.journal_radius
+        along = (x - rig.centre[0]) * rig.pitch - rig.thin_line
+        if rig.contact == "ball":
+            across = (y - rig.centre[1]) * rig.pitch
+            return np.asarray(self.film_min + 1e3 * (along**2 + across**2) / (2 * rig.ball_radius))
+        phi = along / rig.journal_radius
         from_edge = y * rig.pitch - rig.region[1][0 if rig.tilt >= 0 else 1]  # mm
         rise = rig.tilt / (rig.height * rig.pitch) * from_edge
+        if rig.contact == "plane":
+            return np.asarray(self.film_min + rise + 0 * along)
         return np.asarray(rig.clearance - (rig.clearance - self.film_min - rise) * np.cos(phi))
 
     def __call__(self, x: Array, y: Array) -> Array:

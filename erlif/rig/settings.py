@@ -135,6 +135,10 @@ class RigSettings:
         Pressure over the ambient one at which the film "reynolds" ruptures. [kPa]
     write_mount : bool
         Write into run.toml how the pin is held, the cavitation pressure and the load line.
+    contact : str
+        "pin" in its bushing, "ball" on a disc, or "plane": what the gap of the film law is.
+    ball_radius : float
+        Radius of the ball, whose contact is in the middle of the rows and at `thin_line`. [mm]
     film_reference : float
         Minimum film thickness at the highest rocker speed and the mean load. [um]
     exponent : float
@@ -148,7 +152,7 @@ class RigSettings:
         the film "reynolds". [mm]
     tilt : float
         Rise of the film over the height of the field; 0 for the film "reynolds", whose pin and
-        bushing are parallel. [um]
+        bushing are parallel. A ball has none. [um]
     marks : float
         Standard deviation of the turning marks; scratches are four times as deep. [um]
     bubbles : int
@@ -307,6 +311,8 @@ class RigSettings:
     sideways: str | float = "free"
     cavitation_pressure: float = -100.0
     write_mount: bool = True
+    contact: str = "pin"
+    ball_radius: float = 100.0
     film_reference: float = 6.0
     exponent: float = 0.62
     film_floor: float = 0.3
@@ -461,7 +467,10 @@ class RigSettings:
 
         # the film of theory is that of a journal bearing whose pin and bushing are parallel
         if self.film == "reynolds" and (
-            self.mechanism != "crank-rocker" or self.film_table is not None or self.tilt != 0
+            self.mechanism != "crank-rocker"
+            or self.film_table is not None
+            or self.tilt != 0
+            or self.contact != "pin"
         ):
             raise refusal("no_reynolds_film", mechanism=self.mechanism, tilt=self.tilt)
 

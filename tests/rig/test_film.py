@@ -109,6 +109,21 @@ def test_film_min_is_the_minimum_of_the_smooth_gap_in_the_region():
     npt.assert_allclose(gap.smooth(x / rig.pitch, y / rig.pitch).min(), 4.0, atol=1e-5)
 
 
+def test_ball_touches_at_a_point_and_planes_everywhere():
+    """The gap of a sphere, R - sqrt(R^2 - r^2), to its parabola; a plane rises by its tilt."""
+    rig = RigSettings(contact="ball", field_width=2.0, ball_radius=50.0, thin_line=0.3)
+    marks = draw_marks(rig, np.random.default_rng(0))
+    x, y = rig.centre[0] + 0.3 / rig.pitch, rig.centre[1]
+    away = 0.8 / rig.pitch  # pixel
+    sphere = 1.1 + 1e3 * (50 - np.sqrt(50**2 - 0.8**2))
+    found = Gap(rig, 1.1, marks).smooth(np.array([x, x + away, x]), np.array([y, y, y - away]))
+    npt.assert_allclose(found, [1.1, sphere, sphere], atol=1e-3)
+
+    rig = RigSettings(contact="plane", tilt=0.5)
+    found = Gap(rig, 2.0, marks).smooth(np.array([0.0, 9.0]), np.array([0.0, rig.height]))
+    npt.assert_allclose(np.diff(found), 0.5)
+
+
 def test_marks_have_their_depth_and_run_along_sliding():
     rig = RigSettings(width=1000, height=1000, marks=0.1)
     y, x = np.indices((1000, 1000), dtype=float)
