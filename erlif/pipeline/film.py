@@ -34,6 +34,7 @@ from erlif.pipeline.engines.results import (
     mean_drift,
     share_passed,
 )
+from erlif.pipeline.physics.contact import note_contact, settle_contact
 from erlif.pipeline.physics.dark import describe_dark_levels
 from erlif.pipeline.physics.errors import describe_errors, name_largest_error
 from erlif.pipeline.physics.fit import state_physics
@@ -213,6 +214,7 @@ def complete_film(
     PulseError
         If the cameras show different pulses in a pair.
     """
+    results, contact = settle_contact(results, ready.measuring)
     frames, options = frames_in(results), run.settings.light
     drift = mean_drift(frames)
     with stage("audits", _logger):
@@ -224,6 +226,7 @@ def complete_film(
         *ready.notes,
         *check_pulses(frames, run.pairs),
         *describe_frame_notes(frames, run.pairs),
+        *note_contact(results, contact),
     ]
 
     # light that is not film, as the finished frames show it
@@ -271,7 +274,8 @@ def complete_film(
     )
     film = film.assign(light)
     film = film.assign_attrs(
-        largest_error=name_largest_error(film, run.settings, ready.measuring, measured_with)
+        largest_error=name_largest_error(film, run.settings, ready.measuring, measured_with),
+        contact=str(contact),
     )
     with stage("physics", _logger):
         physics = state_physics(film, run.settings, of_frames)

@@ -12,7 +12,7 @@ from erlif.core.arrays import Array, Image
 from erlif.core.variables import FILM
 from erlif.io.settings import RunSettings
 from erlif.pipeline.refusals import refusal
-from erlif.trend import PinView, Region, find_region
+from erlif.trend import Contact, PinView, Region, find_region
 
 # Rows and columns of a patch, at least. [px]
 _SMALLEST = 8
@@ -61,6 +61,13 @@ class ObjectPlane:
     def within(self) -> slice:
         """Which of them are in the region of interest."""
         return self.region.columns if self.sliding_along_x else self.region.rows
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """Gaps that the surfaces may have: that of a pin in a bushing, else all."""
+        mechanism = self.settings.mechanism
+        linked = mechanism is not None and mechanism.kind in ("crank-rocker", "slider-crank")
+        return (Contact.LINE,) if linked or self.settings.joint is not None else tuple(Contact)
 
     def spread(self, gap: Array) -> Image:
         """A film (pixel,) along sliding over the image, (y, x): pin and bushing are parallel."""

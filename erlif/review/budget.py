@@ -66,7 +66,8 @@ def _term(what: str, camera: int) -> str:
 
 _NOISE_TERMS = tuple(_term(what, camera) for what in _KINDS for camera in range(2))
 
-_SHARED_TERMS = ("registration", "calibration", *TERMS, "marks of the surfaces")
+_MARKS, _FORM = "marks of the surfaces", "form of the gap"
+_SHARED_TERMS = ("registration", "calibration", *TERMS, _MARKS, _FORM)
 _ALL_NOISE = "noise of all kinds"
 
 _NEAR = 0.05  # relative distance within which pixels represent a film thickness
@@ -185,6 +186,7 @@ def budget(
         measuring,
         region=region,
         sliding_along_x=plane.sliding_along_x,
+        contacts=plane.contacts,
     )
 
     # film thickness by the surroundings of each pixel
@@ -379,7 +381,7 @@ def _minimum_column(statistics: FilmStatistics, calibration: Calibration) -> _Co
     """The budget of the minimum film thickness."""
     terms = {
         _ALL_NOISE: statistics.minimum_random_std,
-        "marks of the surfaces": statistics.minimum_surface_std,
+        _FORM if statistics.minimum_departs else _MARKS: statistics.minimum_surface_std,
         **calibration.split_error(statistics.minimum_gradient),
     }
     return _Column("minimum film", statistics.minimum, terms)
@@ -408,7 +410,7 @@ def _as_dataset(columns: Sequence[_Column], name: str, trigger: int, frames: int
         [
             term
             for term in terms
-            if not term.startswith((_DRY, *TERMS)) or np.nan_to_num(rows[term]).any()
+            if not term.startswith((_DRY, _FORM, *TERMS)) or np.nan_to_num(rows[term]).any()
         ]
         for terms in (_NOISE_TERMS, _SHARED_TERMS)
     )

@@ -6,7 +6,7 @@ from .course import Change, find_ratio_change, find_shift
 from .curve import FilmCurve
 from .exponent import LARGEST_BEYOND, SLOWEST, Exponent, fit_exponent
 from .form import SCALE_STD, SIGNIFICANT, Cause, GapForm, judge_form
-from .gap import GapMinimum
+from .gap import Contact, GapMinimum, choose_contact, find_gap_minima, find_gap_minimum
 from .position import (
     PARAMETERS,
     FittedNumbers,
@@ -49,6 +49,7 @@ __all__ = [
     "BlockSums",
     "Cause",
     "Change",
+    "Contact",
     "Equations",
     "ErrorEstimate",
     "Exponent",
@@ -68,9 +69,12 @@ __all__ = [
     "Unknowns",
     "VogelLaw",
     "average_across_sliding",
+    "choose_contact",
     "compare_with_roughness",
     "estimate_background",
     "estimate_errors",
+    "find_gap_minima",
+    "find_gap_minimum",
     "find_pin_in_blocks",
     "find_pin_position",
     "find_ratio_change",

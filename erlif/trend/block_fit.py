@@ -55,6 +55,8 @@ class BlockMeans:
         Mean of its square. [1]
     across : Array
         Mean position across sliding. [1]
+    across_squared : Array
+        Mean of its square. [1]
     strip_along : NDArray[np.intp]
         Number of the strip of blocks that runs along sliding.
     strip_across : NDArray[np.intp]
@@ -66,6 +68,7 @@ class BlockMeans:
     along: Array
     along_squared: Array
     across: Array
+    across_squared: Array
     strip_along: npt.NDArray[np.intp]
     strip_across: npt.NDArray[np.intp]
 
@@ -247,8 +250,8 @@ def average_blocks(sums: BlockSums, *, sliding_along_x: bool) -> BlockMeans:
     v, vv = _scale(row / count, row_squared / count, rows)
     u, uu = _scale(column / count, column_squared / count, columns)
     if sliding_along_x:
-        return BlockMeans(log_ratio, variance, u, uu, v, down, right)
-    return BlockMeans(log_ratio, variance, v, vv, u, right, down)
+        return BlockMeans(log_ratio, variance, u, uu, v, vv, down, right)
+    return BlockMeans(log_ratio, variance, v, vv, u, uu, right, down)
 
 
 def _merge(blocks: Array) -> Array:

@@ -1,21 +1,50 @@
 """A smooth gap fitted to the ratio of a region, and its minimum.
 
-The gap h = a + b s + c z + d s^2 (s along sliding, z across, both from -1 to 1 over the region) is
-a parabola along sliding with a tilt across.
+The gap is h = a + b s + c z + d s^2 + e z^2, with s along sliding and z across, both from -1 to 1
+over the region. A plane has the tilts b and c alone, a line contact is curved along sliding, a
+point contact in both directions.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
+from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.trend.block_fit import average_blocks, fit_blocks, sum_by_strips
+from erlif.trend.block_fit import BlockFit, BlockMeans, average_blocks, fit_blocks, sum_by_strips
 from erlif.trend.blocks import BlockSums
 from erlif.trend.curve import FilmCurve
 from erlif.trend.region import Region
+
+# Variance of a map by smooth departures from its gap, over that by noise and marks, from which the
+# gap does not describe the map. [1]
+MISFIT = 1.0
+
+# Error by such departures above which a minimum is not stated: in um, and relative to it.
+_TOLERATED, _TOLERATED_SHARE = 0.1, 0.1
+
+# Curvature from which a gap is curved. [std]
+_CURVED = 3.0
+
+_DEGREE = 4  # of the polynomials that are smooth departures
+_FEWEST = 60  # blocks that tell them from marks
+_OUTLIER = 4.685  # departure beyond which a block counts as one of this size [std]
+
+
+class Contact(StrEnum):
+    """Smooth gap between two surfaces."""
+
+    PLANE = "plane"
+    LINE = "line"
+    POINT = "point"
+
+
+# Number of the shapes 1, s, z, s^2 and z^2 that a gap has.
+_SHAPES = {Contact.PLANE: 3, Contact.LINE: 4, Contact.POINT: 5}
 
 
 class GapMinimum(NamedTuple):
@@ -34,6 +63,14 @@ class GapMinimum(NamedTuple):
         `Calibration.full_covariance`.
     place : Array
         Where the fitted gap has its minimum, (axis,): column and row of the image. [px]
+    misfit : float
+        Variance of smooth departures of the map from the gap, over that by noise and marks. [1]
+    bend : Array
+        Curvature d along sliding and e across, (direction,); NaN but for a point contact. [um]
+    bend_random_var : Array
+        Their variances by the noise of the ratio. [um2]
+    bend_surface_var : Array
+        By marks and waviness of the surfaces. [um2]
     """
 
     value: float
@@ -41,54 +78,190 @@ class GapMinimum(NamedTuple):
     surface_std: float
     gradient: Array
     place: Array
+    misfit: float
+    bend: Array
+    bend_random_var: Array
+    bend_surface_var: Array
 
 
 def find_gap_minimum(
-    sums: BlockSums, curve: FilmCurve, *, region: Region, sliding_along_x: bool
+    sums: BlockSums,
+    curve: FilmCurve,
+    *,
+    region: Region,
+    sliding_along_x: bool,
+    contact: Contact = Contact.LINE,
 ) -> GapMinimum:
-    """Fit a smooth gap to the blocks of a region and find its minimum within the region.
+    """Fit the smooth gap of a contact to the blocks of a region and find its minimum within it.
 
-    Arguments as in `erlif.trend.summarise_blocks`.
+    Parameters
+    ----------
+    sums : BlockSums
+    curve : FilmCurve
+    region, sliding_along_x
+        As for `erlif.trend.summarise_film`; the region is that of the sums.
+    contact : Contact
 
     Returns
     -------
     GapMinimum
-        NaN where too few blocks are valid.
+        NaN where too few blocks are valid. Where the map departs from the gap smoothly, and this
+        leaves the minimum an error above 0.1 um and a tenth of it, minimum and errors are NaN.
     """
     blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
-    shapes = np.stack(
-        [np.ones_like(blocks.along), blocks.along, blocks.across, blocks.along_squared]
+    s, z = blocks.along, blocks.across
+    shapes = np.stack([np.ones_like(s), s, z, blocks.along_squared, blocks.across_squared])
+    count = _SHAPES[contact]
+    fit = fit_blocks(blocks, curve, shapes[:count])
+    unknown = np.full(2, math.nan)
+    nothing = GapMinimum(
+        *(math.nan,) * 3,
+        np.full(len(curve.gradient), math.nan),
+        unknown,
+        math.nan,
+        *(unknown,) * 3,
     )
-    fit = fit_blocks(blocks, curve, shapes)
     if fit is None:
-        parameters = len(curve.gradient)
-        unknown, nowhere = np.full(parameters, math.nan), np.full(2, math.nan)
-        return GapMinimum(math.nan, math.nan, math.nan, unknown, nowhere)
+        return nothing
 
-    # the minimum lies at the vertex of the parabola where it opens upwards, else at an edge
-    _, b, c, d = fit.amplitudes
-    along = float(np.clip(-b / (2 * d), -1, 1)) if d > 0 else -math.copysign(1.0, b)
-    across = -math.copysign(1.0, c)
-    at = np.array([1.0, along, across, along**2])
+    bends = nothing
+    if contact is Contact.POINT:
+        pulls = np.linalg.inv(fit.curvature)[-2:] @ fit.jacobian
+        variances = np.array([_split_variance(pull, fit, blocks) for pull in pulls])
+        bends = nothing._replace(
+            bend=fit.amplitudes[-2:],
+            bend_random_var=variances[:, 0],
+            bend_surface_var=variances[:, 1],
+        )
+    found = bends._replace(
+        misfit=_measure_misfit(blocks, fit, curve.calibration.thickness_range[1])
+    )
+
+    _, b, c, d, e = np.pad(fit.amplitudes, (0, len(shapes) - count))
+    along, across = _lowest(b, d), _lowest(c, e)
+    at = np.array([1.0, along, across, along**2, across**2])[:count]
 
     # change of the minimum with the ratio of each block, through the reweighted fit
     pull = np.linalg.solve(fit.curvature, at) @ fit.jacobian
     by_block = pull * fit.response / fit.total_var
+    value, (random, surface) = float(at @ fit.amplitudes), _split_variance(pull, fit, blocks)
+    tolerated = max(_TOLERATED, _TOLERATED_SHARE * value)
+    if found.misfit > MISFIT and surface > tolerated**2:
+        return found
+    return found._replace(
+        value=value,
+        random_std=math.sqrt(random),
+        surface_std=math.sqrt(surface),
+        gradient=np.asarray(-curve.calibration.gradient(fit.film) @ by_block),
+        place=_place(region, (along, across) if sliding_along_x else (across, along)),
+    )
 
-    # the scatter of the blocks about the fit beyond their noise is that of the surfaces
+
+def find_gap_minima(
+    sums: BlockSums,
+    curve: FilmCurve,
+    *,
+    region: Region,
+    sliding_along_x: bool,
+    contacts: Sequence[Contact],
+) -> dict[Contact, GapMinimum]:
+    """The minimum of the gap of each of some contacts, as `find_gap_minimum` finds it."""
+    return {
+        contact: find_gap_minimum(
+            sums, curve, region=region, sliding_along_x=sliding_along_x, contact=contact
+        )
+        for contact in contacts
+    }
+
+
+def choose_contact(triggers: Sequence[Mapping[Contact, GapMinimum]]) -> Contact:
+    """The simplest gap that the curvatures of all triggers of a run allow.
+
+    Noise is new at every trigger, marks of the surfaces are taken as common to all.
+
+    Parameters
+    ----------
+    triggers : sequence of mapping of Contact to GapMinimum
+        With the gap of a point contact.
+
+    Returns
+    -------
+    Contact
+        A point contact where the mean curvature across sliding is above three standard deviations,
+        a line contact where only that along sliding is, else a plane. A line contact where no
+        trigger has a gap.
+
+    Examples
+    --------
+    >>> small, none = np.full(2, 1e-4), np.zeros(2)
+    >>> place = gradient = none
+    >>> bent = GapMinimum(1.0, 0.1, 0.1, gradient, place, 0.0, np.array([3.0, 2.0]), small, small)
+    >>> str(choose_contact([{Contact.POINT: bent}]))
+    'point'
+    >>> bent = bent._replace(bend=np.array([3.0, 0.01]))
+    >>> str(choose_contact([{Contact.POINT: bent}]))
+    'line'
+    """
+    gaps = [one[Contact.POINT] for one in triggers]
+    bent = [one for one in gaps if np.isfinite(one.bend).all()]
+    if not bent:
+        return Contact.LINE
+    value, random, surface = (
+        np.array([getattr(one, name) for one in bent])
+        for name in ("bend", "bend_random_var", "bend_surface_var")
+    )
+    weight = 1 / (random + surface)
+    weight /= weight.sum(axis=0)
+    mean = (weight * value).sum(axis=0)
+    variance = (weight**2 * random).sum(axis=0) + (weight * np.sqrt(surface)).sum(axis=0) ** 2
+    along, across = np.abs(mean) > _CURVED * np.sqrt(variance)
+    return Contact.POINT if across else Contact.LINE if along else Contact.PLANE
+
+
+def _lowest(slope: float, bend: float) -> float:
+    """Where slope x + bend x^2 is lowest from -1 to 1: the vertex where it opens upwards."""
+    return float(np.clip(-slope / (2 * bend), -1, 1)) if bend > 0 else -math.copysign(1.0, slope)
+
+
+def _split_variance(pull: Array, fit: BlockFit, blocks: BlockMeans) -> tuple[float, float]:
+    """Variance of a number of the fit by noise, and by the surfaces. [um2]
+
+    The scatter of the blocks about the fit beyond their noise is that of the surfaces.
+    """
     score = pull * fit.weight * fit.residual
     random = float((score**2 * blocks.variance / fit.total_var).sum())
     total = max(
         float(sum_by_strips(score[None], strip)[0, 0])
         for strip in (blocks.strip_along, blocks.strip_across)
     )
-    return GapMinimum(
-        float(at @ fit.amplitudes),
-        math.sqrt(random),
-        math.sqrt(max(total - random, 0.0)),
-        np.asarray(-curve.calibration.gradient(fit.film) @ by_block),
-        _place(region, (along, across) if sliding_along_x else (across, along)),
+    return random, max(total - random, 0.0)
+
+
+def _measure_misfit(blocks: BlockMeans, fit: BlockFit, thickest: float) -> float:
+    """Variance of the departures from a gap that polynomials follow, over that of the rest. [1]
+
+    0 where too few blocks tell one from the other.
+    """
+    use = fit.film < thickest
+    count = int(use.sum())
+    if count < _FEWEST:
+        return 0.0
+    slope = fit.jacobian[0, use]  # the first shape is 1
+    limit = _OUTLIER * np.sqrt(fit.total_var[use])
+    film = np.clip(fit.residual[use], -limit, limit) / slope
+
+    powers = [(n, m) for n in range(_DEGREE + 1) for m in range(_DEGREE + 1 - n)]
+    along, across = (
+        np.polynomial.legendre.legvander(place[use], _DEGREE).T
+        for place in (blocks.along, blocks.across)
     )
+    shapes = np.stack([along[n] * across[m] for n, m in powers])
+
+    # in a region of few strips the shapes are dependent
+    shared = shapes @ film
+    smooth = float(shared @ np.linalg.pinv(shapes @ shapes.T, hermitian=True) @ shared)
+    rest = (float(film @ film) - smooth) / (count - len(powers))
+    return smooth / count / max(rest, float((blocks.variance[use] / slope**2).mean()))
 
 
 def _place(region: Region, position: tuple[float, float]) -> Array:

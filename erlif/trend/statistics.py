@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +13,7 @@ from erlif.core.arrays import Array
 from erlif.core.products import RatioImages, ThicknessMaps, require
 from erlif.trend.blocks import BLOCK, BlockSums, sum_blocks
 from erlif.trend.curve import FilmCurve
-from erlif.trend.gap import find_gap_minimum
+from erlif.trend.gap import MISFIT, Contact, GapMinimum, choose_contact, find_gap_minima
 from erlif.trend.region import Region
 
 _LEAST_PIXELS = 64  # measurable pixels of a mean, at least
@@ -49,6 +50,8 @@ class FilmStatistics:
     beyond_range : float
         Share of the region outside the measurable range. The mean is that of the rest; the
         minimum is not affected. [1]
+    minimum_misfit : float
+        Variance of smooth departures of the map from the gap, over that by noise and marks. [1]
     """
 
     mean: float
@@ -62,6 +65,25 @@ class FilmStatistics:
     minimum_gradient: Array
     minimum_place: Array
     beyond_range: float
+    minimum_misfit: float = 0.0
+
+    @property
+    def minimum_departs(self) -> bool:
+        """Whether the gap does not describe the map; minimum_surface_std is then that of this."""
+        return self.minimum_misfit > MISFIT
+
+    def with_minimum(self, minimum: GapMinimum, covariance: Array) -> FilmStatistics:
+        """The same with the minimum of another gap, and the covariance as for `with_errors`."""
+        found = replace(
+            self,
+            minimum=minimum.value,
+            minimum_random_std=minimum.random_std,
+            minimum_surface_std=minimum.surface_std,
+            minimum_gradient=minimum.gradient,
+            minimum_place=minimum.place,
+            minimum_misfit=minimum.misfit,
+        )
+        return found.with_errors(covariance)
 
     def with_errors(self, covariance: Array) -> FilmStatistics:
         """The same with the shared errors of another covariance.
@@ -94,6 +116,7 @@ def summarise_film(
     *,
     region: Region,
     sliding_along_x: bool = True,
+    contacts: Sequence[Contact] = (Contact.LINE,),
 ) -> FilmStatistics:
     """Mean and minimum film thickness of one trigger over a region.
 
@@ -110,11 +133,14 @@ def summarise_film(
     region : Region
     sliding_along_x : bool
         Whether image x is the sliding direction.
+    contacts : sequence of Contact
+        The gap, or all of them, among which the curvatures of this trigger choose.
 
     Returns
     -------
     FilmStatistics
-        NaN where the region holds too few valid pixels.
+        NaN where the region holds too few valid pixels; no minimum where no smooth gap describes
+        the map.
 
     Raises
     ------
@@ -147,17 +173,15 @@ def summarise_film(
     (3.0, 3.0, 0.0)
     """
     require(ratios, "log_ratio", "log_ratio_var", "flags")
-    return summarise_blocks(
-        sum_blocks(ratios, region, maps),
-        FilmCurve.of(calibration),
-        region=region,
-        sliding_along_x=sliding_along_x,
+    sums, curve = sum_blocks(ratios, region, maps), FilmCurve.of(calibration)
+    minima = find_gap_minima(
+        sums, curve, region=region, sliding_along_x=sliding_along_x, contacts=contacts
     )
+    chosen = contacts[0] if len(contacts) == 1 else choose_contact([minima])
+    return summarise_blocks(sums, curve, minima[chosen])
 
 
-def summarise_blocks(
-    sums: BlockSums, curve: FilmCurve, *, region: Region, sliding_along_x: bool = True
-) -> FilmStatistics:
+def summarise_blocks(sums: BlockSums, curve: FilmCurve, minimum: GapMinimum) -> FilmStatistics:
     """Mean and minimum film thickness from the sums over the blocks of a region.
 
     `summarise_film` does the same from images.
@@ -166,8 +190,8 @@ def summarise_blocks(
     ----------
     sums : BlockSums
     curve : FilmCurve
-    region, sliding_along_x
-        As for `summarise_film`; the region is that of the sums.
+    minimum : GapMinimum
+        From `find_gap_minimum`.
 
     Returns
     -------
@@ -182,12 +206,12 @@ def summarise_blocks(
     >>> one = np.zeros((4, 4))
     >>> dark = BlockSums((32, 32), 0.0, *[one] * 12, valid=0, beyond=0)
     >>> whole, curve = Region(slice(0, 32), slice(0, 32)), FilmCurve.of(example_calibration())
-    >>> summarise_blocks(dark, curve, region=whole).mean
+    >>> from erlif.trend import find_gap_minimum
+    >>> minimum = find_gap_minimum(dark, curve, region=whole, sliding_along_x=True)
+    >>> summarise_blocks(dark, curve, minimum).mean
     nan
     """
     mean, mean_random, mean_gradient = _average_film(sums, curve)
-    minimum = find_gap_minimum(sums, curve, region=region, sliding_along_x=sliding_along_x)
-
     found = FilmStatistics(
         mean=mean,
         mean_std=math.nan,
@@ -199,6 +223,7 @@ def summarise_blocks(
         minimum_surface_std=minimum.surface_std,
         minimum_gradient=minimum.gradient,
         minimum_place=minimum.place,
+        minimum_misfit=minimum.misfit,
         # of the otherwise valid pixels, those whose film lies outside the measurable range
         beyond_range=sums.beyond / max(sums.valid + sums.beyond, 1),
     )

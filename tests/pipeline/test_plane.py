@@ -10,7 +10,7 @@ from scenes.film import RUN_TOML
 from erlif.core.errors import ConfigError
 from erlif.io.settings import RunSettings
 from erlif.pipeline.plane import ObjectPlane
-from erlif.trend import Region
+from erlif.trend import Contact, Region
 
 SHAPE = (96, 128)
 
@@ -39,6 +39,17 @@ def test_view_is_that_of_the_settings():
     assert (view.pin_radius, view.bushing_radius) == (0.03336, 0.03359)
     npt.assert_allclose([view.load_line, view.axial_origin], [63.5 * 0.15, 47.5 * 0.15])
     npt.assert_allclose(plane(prediction={"load_line": "8.1 mm"}).view.load_line, 8.1)
+
+
+def test_a_pin_in_a_bushing_has_a_line_contact_and_a_disc_any():
+    disc = {"kind": "rotation", "radius": "20 mm", "speed": "60 rpm"}
+    assert plane().contacts == plane(joint=None, oil=None).contacts == (Contact.LINE,)
+    raw = tomllib.loads(RUN_TOML) | {"mechanism": disc}
+    shaft = ObjectPlane(RunSettings.model_validate(raw), SHAPE)
+    assert shaft.contacts == (Contact.LINE,)
+    for name in ("joint", "oil"):
+        del raw[name]
+    assert ObjectPlane(RunSettings.model_validate(raw), SHAPE).contacts == tuple(Contact)
 
 
 def test_sliding_may_be_along_y():

@@ -15,6 +15,7 @@ import erlif
 from conftest import SMALL, Laboratory
 from erlif.io.settings import RunSettings
 from erlif.pipeline.film import predict_theory
+from erlif.show.notebook import summarise_region
 
 KINDS = ("rotation", "sinusoidal", "static")
 GAPS = {
@@ -160,3 +161,53 @@ def test_budget_of_a_film_without_a_speed_is_that_of_its_first_trigger(case):
         table = erlif.budget(case.lab.run)
         assert table.attrs["trigger"] == 0
         assert float(table["std"].sel(term="total", quantity="mean film")) > 0
+
+
+@pytest.fixture(scope="module")
+def ball_on_disc(tmp_path_factory):
+    """A ball on a disc: film 1.6 + 0.5 cos + r^2/2R um, up to 17 um in the picture."""
+    films = 1.6 + 0.5 * np.cos(2 * np.pi * np.arange(8) / 8)
+    rig = replace(
+        SMALL,
+        mechanism="rotation",
+        contact="ball",
+        pictures=8,
+        film_table=tuple(films),
+        field_width=3.0,
+        thin_line=0.1,
+        cmm_noise=0.05,
+    )
+    lab = Laboratory.simulated(tmp_path_factory.mktemp("ball"), seed=5, rig=rig)
+    return films, lab, erlif.process(lab.run, output=lab.film).load()
+
+
+def test_film_min_of_a_ball_on_a_disc_is_that_of_its_gap(ball_on_disc):
+    """A parabola along sliding with a tilt is at 2.0 um, 0.9 um off, where the film is 1.1 um."""
+    films, _, film = ball_on_disc
+    assert film.attrs["contact"] == "point"
+    assert "film_min: the minimum of a gap that is curved along and across" in film.attrs["notes"]
+    error = film.film_min.values - films
+    assert np.abs(error).max() < 0.1
+    assert (np.abs(error) < 3 * film.film_min_std.values).all()
+    assert (film.film_min_std < 0.1).all()
+
+    # the ball touches at 0.1 mm from the middle of the columns, in the middle of the rows
+    pitch = 3.0 / 128
+    npt.assert_allclose(film.film_min_x, 63.5 + 0.1 / pitch, atol=1)
+    npt.assert_allclose(film.film_min_y, 47.5, atol=1)
+
+
+def test_curvature_of_a_ball_is_no_mark_of_its_surface(ball_on_disc):
+    _, lab, film = ball_on_disc
+    assert "form" not in film.error_term
+    assert float(film.film_min_error.sel(error_term=film.error_term == "marks").max()) < 0.05
+
+    # the budget of one trigger, and a region of the maps, have the same gap
+    table = erlif.budget(lab.run, trigger=4)
+    std = table["std"].sel(quantity="minimum film")
+    npt.assert_allclose(table.value.sel(quantity="minimum film"), film.film_min[4], rtol=1e-6)
+    assert float(std.sel(term="marks of the surfaces")) < 0.05
+    assert "form of the gap" not in table.term
+    roi = erlif.files.region_of(film)
+    part = summarise_region(film, x=roi.x, y=roi.y)
+    assert float(np.abs((part.film_min - film.film_min) / film.film_min_std).max()) < 1

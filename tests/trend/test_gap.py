@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.fixture import assert_covers
+from scenes.fixture import assert_covers, share_within
 from scenes.gap import (
     RADIUS,
     TURNED,
@@ -20,15 +20,31 @@ from scenes.gap import (
 
 from erlif.core.products import RatioImages
 from erlif.rig import RigSettings
-from erlif.rig.film import draw_marks
+from erlif.rig.film import Gap, draw_marks
 from erlif.trend import FilmCurve, Region, sum_blocks
-from erlif.trend.gap import find_gap_minimum
+from erlif.trend.gap import MISFIT, Contact, choose_contact, find_gap_minima, find_gap_minimum
+
+S, Z = np.linspace(-1, 1, X.size)[None, :], np.linspace(-1, 1, Y.size)[:, None]
+PLACE = np.array([0.1 * 0.5 + 0.5, -0.2 * 0.5 + 0.5]) * [X.size - 1, Y.size - 1]
+"""Column and row at which `ball` is thinnest. [px]"""
 
 
-def fit(ratios, *, calibration=None, region=WHOLE, sliding_along_x=True):
+def fit(ratios, *, calibration=None, region=WHOLE, **options):
     curve = FilmCurve.of(calibration or known_calibration())
     sums = sum_blocks(ratios, region)
-    return find_gap_minimum(sums, curve, region=region, sliding_along_x=sliding_along_x)
+    return find_gap_minimum(sums, curve, region=region, **{"sliding_along_x": True} | options)
+
+
+def ball(minimum, *, bend=(3.0, 2.0)):
+    """Gap of a ball that touches off the middle; its curvatures along and across. [um]"""
+    return minimum + bend[0] * (S - 0.1) ** 2 + bend[1] * (Z + 0.2) ** 2
+
+
+def choose(*films, noise=0.0135):
+    """The gap that films of one run choose."""
+    rng = np.random.default_rng(11)
+    triggers = [noisy_ratios(film, noise, rng) for film in films]
+    return choose_contact([{Contact.POINT: fit(one, contact=Contact.POINT)} for one in triggers])
 
 
 @pytest.mark.parametrize("minimum", [1.0, 3.0, 8.0])
@@ -154,6 +170,107 @@ def test_minimum_is_missing_where_the_blocks_do_not_determine_a_gap(name, part, 
     assert np.isnan(found.gradient).all()
     assert np.isnan(found.place).all()
     assert found.gradient.shape == (3,)
+
+
+@pytest.mark.parametrize("minimum", [1.1, 3.0])
+def test_minimum_of_a_point_contact_is_found(minimum):
+    found = fit(exact_ratios(ball(minimum)), contact=Contact.POINT)
+    npt.assert_allclose(found.value, minimum, atol=2e-3)
+    npt.assert_allclose(found.place, PLACE, atol=0.6)
+    npt.assert_allclose(found.bend, [3.0, 2.0], rtol=5e-3)
+
+    # the image turned: the curvature along sliding stays the first
+    turned = exchange_axes(exact_ratios(ball(minimum)))
+    turned = fit(turned, region=TURNED, sliding_along_x=False, contact=Contact.POINT)
+    npt.assert_allclose(turned.value, found.value, rtol=1e-6)
+    npt.assert_allclose(turned.bend, found.bend, rtol=1e-6)
+
+
+def test_minimum_of_a_plane_lies_in_its_lowest_corner():
+    found = fit(exact_ratios(3.0 + 0.2 * S - 0.3 * Z), contact=Contact.PLANE)
+    npt.assert_allclose(found.value, 2.5, atol=1e-3)
+    npt.assert_allclose(found.place, [0, Y.size - 1])
+
+
+def test_gap_is_chosen_by_the_curvatures_that_the_films_have():
+    assert choose(ball(1.1), ball(2.0)) is Contact.POINT
+    assert choose(ball(2.0, bend=(0.0, 2.0))) is Contact.POINT
+    assert choose(known_gap(1.1), known_gap(2.0)) is Contact.LINE
+    assert choose(1.1 + 0.2 * S + 0.1 * Z, 2.0 + 0.2 * S + 0 * Z) is Contact.PLANE
+    assert choose(np.full((Y.size, X.size), 60.0)) is Contact.LINE
+
+
+def test_noise_averages_out_over_the_triggers_of_a_run_and_marks_do_not():
+    """A curvature of one standard deviation in each of sixteen triggers is four of the mean."""
+    one = fit(exact_ratios(ball(3.0)), contact=Contact.POINT)
+    one = one._replace(bend=np.array([0.0, 0.1]))
+    small, large = np.full(2, 1e-8), np.full(2, 0.01)
+    noisy = one._replace(bend_random_var=large, bend_surface_var=small)
+    marked = one._replace(bend_random_var=small, bend_surface_var=large)
+    assert choose_contact([{Contact.POINT: noisy}] * 16) is Contact.POINT
+    assert choose_contact([{Contact.POINT: noisy}] * 8) is Contact.PLANE
+    assert choose_contact([{Contact.POINT: marked}] * 16) is Contact.PLANE
+
+
+@pytest.mark.parametrize(
+    ("film", "contact"),
+    [(ball(1.1), Contact.LINE), (1.1 + 3 * ((S - 0.1) ** 2 + (Z + 0.2) ** 2) ** 2, Contact.POINT)],
+)
+def test_a_gap_that_does_not_describe_the_map_has_no_minimum(film, contact):
+    found = fit(noisy_ratios(film, 0.0135, np.random.default_rng(12)), contact=contact)
+    assert found.misfit > 10 * MISFIT
+    assert np.isnan([found.value, found.random_std, found.surface_std, *found.place]).all()
+    assert np.isnan(found.gradient).all()
+
+
+def test_a_small_departure_leaves_the_minimum_with_its_error():
+    """A line contact lacks a curvature across sliding of 0.1 um."""
+    film = ball(1.1, bend=(3.0, 0.1))
+    found = fit(noisy_ratios(film, 0.0135, np.random.default_rng(13)))
+    assert found.misfit > MISFIT
+    assert abs(found.value - 1.1) < 3 * found.surface_std < 0.1
+
+
+def rig_of(contact):
+    """Settings of a rig whose gap is of this kind; a ball sees a smaller field."""
+    field = 4.8 if contact == "ball" else 19.2
+    return RigSettings(contact=contact, field_width=field, ball_radius=200.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("contact", ["ball", "plane", "pin"])
+def test_error_bar_covers_the_gap_that_each_contact_has(contact):
+    """Sixty runs of two triggers with surfaces of the virtual rig, their gap chosen by the run.
+
+    Waves average out better over a plane than the error bar takes them to.
+    """
+    rig, inside = rig_of(contact), np.indices((Y.size, X.size), dtype=float)
+    y, x = inside + np.array([48, 60])[:, None, None]
+    curve, pulls, kinds = FilmCurve.of(known_calibration()), [], []
+    for seed in range(60):
+        rng = np.random.default_rng([14, seed])
+        marks, minima, least = draw_marks(rig, rng), [], []
+        for film in (1.1, 2.1):
+            gap = Gap(rig, film, marks)
+            sums = sum_blocks(noisy_ratios(gap(x, y), 0.0135, rng), WHOLE)
+            least.append(gap.smooth(x, y).min())
+            options = {"region": WHOLE, "sliding_along_x": True, "contacts": tuple(Contact)}
+            minima.append(find_gap_minima(sums, curve, **options))
+        chosen = choose_contact(minima)
+        kinds.append(chosen)
+        found = minima[seed % 2][chosen]
+        pulls.append(
+            (found.value - least[seed % 2]) / np.hypot(found.random_std, found.surface_std)
+        )
+    expected = {"ball": Contact.POINT, "plane": Contact.PLANE, "pin": Contact.LINE}[contact]
+    assert kinds.count(expected) > 0.9 * len(kinds)
+    if contact != "plane":
+        assert_covers(pulls)
+        return
+    for width, share in ((1, 0.683), (2, 0.954)):
+        spread = np.sqrt(share * (1 - share) / len(pulls))
+        assert share_within(pulls, width) > share - 3 * spread
+    assert np.std(pulls) > 0.6
 
 
 @pytest.mark.slow

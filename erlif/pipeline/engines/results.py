@@ -24,7 +24,15 @@ from erlif.ratio import (
     sample_pulse,
 )
 from erlif.thickness import NO_PATCH, PatchMean, sample_patch
-from erlif.trend import FilmStatistics, FittedNumbers, PinPosition, Region, find_shift
+from erlif.trend import (
+    Contact,
+    FilmStatistics,
+    FittedNumbers,
+    GapMinimum,
+    PinPosition,
+    Region,
+    find_shift,
+)
 
 _note = note_writer("erlif.pipeline")
 
@@ -137,12 +145,15 @@ class TriggerResult:
         Valid pixels of its map, then those with each flag, as `count_flags` gives them.
     position : PinPosition | None
         Position of the pin; None without a joint.
+    minima : Mapping[Contact, GapMinimum]
+        Minimum of each gap that the surfaces may have; empty where they can have one alone.
     """
 
     statistics: FilmStatistics
     frames: tuple[FrameResult, ...]
     pixels: tuple[int, ...]
     position: PinPosition | None = None
+    minima: Mapping[Contact, GapMinimum] = field(default_factory=dict)
 
     def with_parameter(self, like: int, weight: float) -> TriggerResult:
         """The same with one more parameter of the calibration, as the last.
@@ -184,6 +195,9 @@ class TriggerResult:
                 arrays |= {
                     f"{key}_{one.name}": getattr(numbers, one.name) for one in fields(FittedNumbers)
                 }
+        for contact, minimum in self.minima.items():
+            numbers_of = minimum._asdict().items()
+            arrays |= {f"gap_{contact}_{name}": np.asarray(value) for name, value in numbers_of}
         arrays["pixels"] = np.array(self.pixels, np.int64)
         for name, (kind, shape) in _OF_FRAMES.items():
             rows = np.array([getattr(one, name) for one in self.frames], kind)
@@ -196,9 +210,15 @@ class TriggerResult:
         kept: dict[str, Any] = {}
         for one in fields(FilmStatistics):
             # numbers of the statistics are floats, their gradients and places arrays
-            value = arrays[f"film_{one.name}"]
-            kept[one.name] = value if value.ndim else float(value)
+            kept[one.name] = _number(arrays[f"film_{one.name}"])
         statistics = FilmStatistics(**kept)
+        minima = {
+            contact: GapMinimum(
+                *(_number(arrays[f"gap_{contact}_{name}"]) for name in GapMinimum._fields)
+            )
+            for contact in Contact
+            if f"gap_{contact}_value" in arrays
+        }
 
         frames = tuple(
             FrameResult(
@@ -224,7 +244,12 @@ class TriggerResult:
                 for key in ("pin", "form")
             )
             position = PinPosition(**pin, form=FittedNumbers(**form))
-        return cls(statistics, frames, tuple(arrays["pixels"].tolist()), position)
+        return cls(statistics, frames, tuple(arrays["pixels"].tolist()), position, minima)
+
+
+def _number(value: AnyArray) -> Any:
+    """A float from an array without dimensions, other arrays as they are."""
+    return value if value.ndim else float(value)
 
 
 def frames_in(results: Iterable[TriggerResult]) -> list[FrameResult]:

@@ -25,7 +25,7 @@ from erlif.pipeline.plane import ObjectPlane
 from erlif.pipeline.refusals import refusal
 from erlif.ratio import PairRatio, RatioSum, smooth_ratio
 from erlif.thickness import FilmTables, flag_beyond_maximum, measure_pulse_energy
-from erlif.trend import FilmCurve, find_pin_in_blocks, summarise_blocks
+from erlif.trend import FilmCurve, find_gap_minima, find_pin_in_blocks, summarise_blocks
 
 # Triggers after which a run is inspected for the first time.
 EARLY = 24
@@ -92,9 +92,14 @@ class TriggerTask(PickledByFields):
                 ratio.flags[:] = Flag.OUTSIDE_OVERLAP
             flag_beyond_maximum(ratio.log_ratio, ratio.flags, self.calibration.at(passed))
             film = measure_film(ratio, tables, region)
-        statistics = summarise_blocks(
-            film.sums, curve, region=region, sliding_along_x=plane.sliding_along_x
+        minima = find_gap_minima(
+            film.sums,
+            curve,
+            region=region,
+            sliding_along_x=plane.sliding_along_x,
+            contacts=plane.contacts,
         )
+        statistics = summarise_blocks(film.sums, curve, minima[plane.contacts[0]])
         position = None
         if plane.view is not None:
             position = find_pin_in_blocks(film.sums, curve, region=region, view=plane.view)
@@ -105,7 +110,8 @@ class TriggerTask(PickledByFields):
             film = measure_film(PairRatio.of(smooth), tables, region)
         maps = {variable.name: getattr(film, variable.name) for variable in MAPS}
         pixels = tuple(count_flags(maps["flags"]))
-        return maps, TriggerResult(statistics, tuple(kept), pixels, position)
+        several = minima if len(minima) > 1 else {}
+        return maps, TriggerResult(statistics, tuple(kept), pixels, position, several)
 
     def _keep(self, frame: int, pair: PairRatio) -> FrameResult:
         """What is kept of a frame, with its light in the cells of the image and in the patch."""

@@ -42,7 +42,8 @@ def describe_errors(
             for gradient in (one.mean_gradient, one.minimum_gradient)
         )
         columns["film_mean_error"].append({"noise": one.mean_random_std, "marks": 0.0} | mean)
-        noise = {"noise": one.minimum_random_std, "marks": one.minimum_surface_std}
+        surface = "form" if one.minimum_departs else "marks"
+        noise = {"noise": one.minimum_random_std, surface: one.minimum_surface_std}
         columns["film_min_error"].append(noise | minimum)
 
     known = {term for rows in columns.values() for row in rows for term in row}

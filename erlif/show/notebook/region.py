@@ -11,7 +11,7 @@ from erlif.core.products import RatioImages, ThicknessMaps
 from erlif.core.tables import read_table
 from erlif.io.files import settings_of, takes
 from erlif.show.refusals import refusal
-from erlif.trend import FilmStatistics, Region, find_region, summarise_film
+from erlif.trend import Contact, FilmStatistics, Region, find_region, summarise_film
 
 Interval = tuple[float, float]
 
@@ -57,6 +57,7 @@ def summarise_region(
         return summarise_region(film.expand_dims("trigger"), x=x, y=y).isel(trigger=0)
     region = _find_region(film, x, y)
     along_x = settings_of(film).optics.x_axis == "sliding"
+    contact = Contact(film.attrs.get("contact", Contact.LINE))
     names = ["thickness", "thickness_std", "thickness_std_shared", "flags"]
     maps = film[names].isel(y=region.rows, x=region.columns)
 
@@ -64,7 +65,8 @@ def summarise_region(
     rows = []
     for trigger in range(film.sizes["trigger"]):
         one = maps.isel(trigger=trigger).load()
-        row = _tabulate(_summarise(one, calibration_of(film, trigger), along_x=along_x))
+        calibration = calibration_of(film, trigger)
+        row = _tabulate(_summarise(one, calibration, contact, along_x=along_x))
         row["film_min_x"] += region.columns.start
         row["film_min_y"] += region.rows.start
         row["pixels"] = int((one.flags == 0).sum())
@@ -92,7 +94,9 @@ def _find_region(film: xr.Dataset, x: Interval | None, y: Interval | None) -> Re
         raise refusal("small_region", x=x, y=y, **ends) from error
 
 
-def _summarise(maps: xr.Dataset, calibration: Calibration, *, along_x: bool) -> FilmStatistics:
+def _summarise(
+    maps: xr.Dataset, calibration: Calibration, contact: Contact, *, along_x: bool
+) -> FilmStatistics:
     """Statistics of one trigger: the logarithm of the ratio follows from the calibration."""
     thickness = maps.thickness.values.astype(float)
     valid = maps.flags.values == 0
@@ -113,7 +117,9 @@ def _summarise(maps: xr.Dataset, calibration: Calibration, *, along_x: bool) -> 
     combined = xr.Dataset({name: (("y", "x"), image) for name, image in images.items()})
     pair = RatioImages(combined), ThicknessMaps(combined)
     whole = Region(slice(0, valid.shape[0]), slice(0, valid.shape[1]))
-    return summarise_film(*pair, calibration, region=whole, sliding_along_x=along_x)
+    return summarise_film(
+        *pair, calibration, region=whole, sliding_along_x=along_x, contacts=(contact,)
+    )
 
 
 def _tabulate(one: FilmStatistics) -> dict[str, float]:

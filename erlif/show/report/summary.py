@@ -250,6 +250,8 @@ def _describe_statistic(film: xr.Dataset, variable: str) -> str:
     """Range of a statistic over the cycle, with the triggers of its ends."""
     values, std = film[variable].values, film[f"{variable}_std"].values
     if not np.isfinite(values).any():
+        if variable == "film_min" and np.isfinite(film.film_mean.values).any():
+            return "none: no smooth gap describes the maps, or too few of their pixels are valid"
         return "none: no trigger has enough valid pixels in the region of interest"
     ends = [
         f"{values[k]:.2f} ± {std[k]:.2f} um (trigger {k}{_describe_part(film, variable, k)})"

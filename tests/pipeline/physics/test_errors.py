@@ -46,6 +46,13 @@ def test_sources_of_error_add_up_and_the_largest_is_named():
     nothing = replace(statistics[0], mean_gradient=np.full(parameters, np.nan))
     assert np.isnan(describe_errors([nothing], calibration)["film_mean_error"]).all()
 
+    # what a gap leaves of a map that has another form is no mark of the surfaces
+    departing = replace(statistics[1], minimum_misfit=2.0)
+    both = xr.Dataset(describe_errors([statistics[0], departing], calibration)).film_min_error
+    assert both.sel(error_term="form").values.tolist() == [0.0, 0.04]
+    assert both.sel(error_term="marks").values.tolist() == [0.04, 0.0]
+    assert "form" not in film.error_term
+
     film["film_mean"] = "trigger", np.array([4.0, 5.0, 6.0])
     text = name_largest_error(film, settings_with(), calibration, calibration)
     of_wall = 1e3 * float(film.film_mean_error.sel(error_term="wall")[1])  # nm

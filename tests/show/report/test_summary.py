@@ -90,6 +90,8 @@ def test_film_without_valid_pixels_is_described(film):
     assert line_of(text, "valid pixels") == "0.0%"
     assert "not determined: it takes five triggers of differing speed over load; " in text
     empty = film.assign(film_min=film.film_min * np.nan, speed_exponent=np.nan)
+    none = "none: no smooth gap describes the maps, or too few of their pixels are valid"
+    assert line_of(summarise(empty), "minimum film thickness") == none
     line = summarise_in_a_line(empty)
     assert line.startswith("minimum film thickness no film, n = not determined, 6 triggers")
 

@@ -1,0 +1,69 @@
+"""The smooth gap of a run: one choice for all of its triggers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from erlif.calibration import Calibration
+from erlif.core.notes import Note, note_writer
+from erlif.core.tables import read_table
+from erlif.pipeline.engines.results import TriggerResult
+from erlif.trend import Contact, choose_contact
+
+_note = note_writer("erlif.pipeline")
+
+_TEXTS = read_table("erlif.pipeline", "words.toml")["contact"]
+
+
+def settle_contact(
+    results: Sequence[TriggerResult], calibration: Calibration
+) -> tuple[list[TriggerResult], Contact]:
+    """Give all triggers the minimum of the gap that the curvatures of the run choose.
+
+    Parameters
+    ----------
+    results : sequence of TriggerResult
+    calibration : Calibration
+        Whose covariance the error of the minimum has.
+
+    Returns
+    -------
+    results : list of TriggerResult
+        With one minimum each.
+    contact : Contact
+        A line contact where the joint of the run has this gap.
+    """
+    if not any(one.minima for one in results):
+        return list(results), Contact.LINE
+    contact = choose_contact([one.minima for one in results])
+    covariance = calibration.full_covariance
+    return [
+        replace(one, statistics=one.statistics.with_minimum(one.minima[contact], covariance))
+        for one in results
+    ], contact
+
+
+def note_contact(results: Sequence[TriggerResult], contact: Contact) -> list[Note]:
+    """Notes on the gap that was chosen, and on triggers whose map no smooth gap describes.
+
+    Parameters
+    ----------
+    results : sequence of TriggerResult
+        With one minimum each.
+    contact : Contact
+
+    Returns
+    -------
+    list of Note
+    """
+    notes = []
+    if any(one.minima for one in results):
+        notes.append(_note("contact_chosen", gap=_TEXTS[contact]))
+    statistics = [one.statistics for one in results]
+    count = sum(one.minimum_departs and math.isnan(one.minimum) for one in statistics)
+    if count:
+        total = len(results)
+        notes.append(_note("no_smooth_gap", count=count, total=total, gap=_TEXTS[contact]))
+    return notes

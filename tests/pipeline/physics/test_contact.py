@@ -1,0 +1,58 @@
+"""One gap for all triggers of a run, and notes on it."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scenes.results import make_result
+
+from erlif.core.notes import Level
+from erlif.pipeline.physics.contact import note_contact, settle_contact
+from erlif.show.plots import example_calibration
+from erlif.trend import Contact, GapMinimum
+
+CALIBRATION = example_calibration()
+
+
+def minimum(value, bend=(0.0, 0.0), misfit=0.1):
+    """Minimum of a gap whose curvatures are known to 0.1 um."""
+    gradient, known = np.ones(len(CALIBRATION.full_covariance)), np.full(2, 0.005)
+    return GapMinimum(
+        value, 0.01, 0.02, gradient, np.zeros(2), misfit, np.array(bend), known, known
+    )
+
+
+def result(bend, value=1.0, misfit=0.1):
+    """A trigger whose plane, line and point contact have 1, 2 and 3 times a value."""
+    minima = {one: minimum(n * value, bend, misfit) for n, one in enumerate(Contact, 1)}
+    return replace(make_result(0), minima=minima)
+
+
+@pytest.mark.parametrize(
+    ("bend", "contact", "factor"),
+    [((0.0, 0.1), "plane", 1), ((1.0, 0.1), "line", 2), ((0.0, 1.0), "point", 3)],
+)
+def test_all_triggers_have_the_minimum_of_one_gap(bend, contact, factor):
+    results, chosen = settle_contact([result(bend), result(bend, 1.5)], CALIBRATION)
+    assert chosen == contact
+    assert [one.statistics.minimum for one in results] == [factor, 1.5 * factor]
+    shared = CALIBRATION.full_covariance.sum()  # of a gradient of ones
+    assert results[0].statistics.minimum_std == pytest.approx(math.sqrt(5e-4 + shared))
+    (note,) = note_contact(results, chosen)
+    assert (note.level, note.subject) == (Level.NOTE, "film_min")
+
+
+def test_a_pin_keeps_its_minimum():
+    results = [make_result(0)]
+    assert settle_contact(results, CALIBRATION) == (results, Contact.LINE)
+    assert note_contact(results, Contact.LINE) == []
+
+
+def test_triggers_without_a_smooth_gap_are_counted():
+    results, chosen = settle_contact(
+        [result((1.0, 1.0)), result((1.0, 1.0), math.nan, misfit=8.0)], CALIBRATION
+    )
+    _, note = note_contact(results, chosen)
+    assert note.level is Level.WARNING
+    assert "NaN at 1 of 2 triggers" in note.text
