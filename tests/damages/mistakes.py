@@ -290,7 +290,7 @@ def spread(values, seed=1, std=0.01):
 
 LOAD = "load_N"
 ANGLE = "angle|reading|encoder"
-PAIRS = "rows of the log|log"
+PAIRS = "rows of the pairs"
 FOREIGN = "another|other recording|fixture"
 
 MISTAKES = [
@@ -513,7 +513,7 @@ MISTAKES = [
         Mistake(
             f"both cameras in reverse order, {rig}",
             order(lambda c: c[::-1]),
-            "reverse|rows of the log",
+            "in reverse order",
             rig,
         )
         for rig in ("law", "crank", "transient", "two cycles")
@@ -521,7 +521,7 @@ MISTAKES = [
     Mistake(
         "both cameras in reverse order, no energies",
         without("laser_mJ", then=order(lambda c: c[::-1])),
-        "reverse|rows of the log",
+        "in reverse order",
     ),
     *(
         Mistake(
@@ -531,7 +531,7 @@ MISTAKES = [
                     c[b] if n == a else c[a] if n == b else x for n, x in enumerate(c)
                 ]
             ),
-            "pairs|log",
+            "of another place",
         )
         for one, two in ((10, 35), (5, 12), (20, 21))
     ),

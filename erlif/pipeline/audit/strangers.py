@@ -62,9 +62,9 @@ def note_strangers(evidence: Evidence) -> Iterator[Note]:
         if at_end and _changes_itself(evidence, last if first == 0 else first - 1):
             continue
         size = float(np.max(change[[k for k in (first - 1, last) if 0 <= k < change.size]]))
-        where = f"pair {numbers[first]} shows"
+        where = f"pair {numbers[first]} is"
         if last > first:
-            where = f"pairs {numbers[first]} to {numbers[last]} show"
+            where = f"pairs {numbers[first]} to {numbers[last]} are"
         count = count_of(last - first + 1, "pair")
         yield _note("strangers", where=where, count=count, size=size)
 

@@ -73,8 +73,8 @@ def summarise_briefly(film: xr.Dataset) -> str:
     Returns
     -------
     str
-        Film, valid pixels, power of the speed, theory, the largest error, the first warnings, and
-        how many there are beside them.
+        The first warnings, film, valid pixels, power of the speed, theory, the largest error, and
+        how many warnings and notes there are beside.
 
     Examples
     --------
@@ -85,25 +85,26 @@ def summarise_briefly(film: xr.Dataset) -> str:
     """
     shares = flag_shares(film)
     rows = describe_film(film, shares)
-    lines = [_first_line(film)]
+    lines: list[str] = []
     for title, text in describe_briefly(film, shares).items():
         short = text if title == "exponent" else _first_sentence(text)
         lines += _wrapped(title, short, most=2 if title == "theory" else 1)
 
-    # warnings take what is left, two lines at least, and one line counts the rest
+    # warnings come first and take what is left, two lines at least; one line counts the rest
+    first = [_first_line(film)]
     warnings = rows.get("warnings", "").splitlines()
     for shown, text in enumerate(warnings):
         wrapped = _wrapped("" if shown else "warning", _first_sentence(text))
-        if len(lines) + len(wrapped) >= _LINES:
+        if len(first) + len(lines) + len(wrapped) >= _LINES:
             warnings = warnings[shown:]
             break
-        lines += wrapped
+        first += wrapped
     else:
         warnings = []
     counts = (len(warnings), "warning"), (len(rows.get("notes", "").splitlines()), "note")
     more = " and ".join(count_of(count, word) for count, word in counts if count)
     return "\n".join(
-        lines + _wrapped("more", f"{more}: erlif -v process, or the report" if more else "")
+        first + lines + _wrapped("more", f"{more}: erlif -v process, or the report" if more else "")
     )
 
 

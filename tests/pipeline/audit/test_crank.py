@@ -92,9 +92,9 @@ def test_a_slip_is_named_with_its_row_and_size(row, off):
     angle = inside(np.roll(ROCKER, -start))[:36]
     angle[row:] += off
     (note,) = notes(angle, time=TIME[:36], noise=0.002)
-    found = re.match(r"from row (\d+) on its reading is (\S+) deg off", note.text)
-    assert int(found[1]) == row
-    assert float(found[2]) == pytest.approx(off, abs=0.05)
+    found = re.match(r"it slipped by (\S+) deg at row (\d+), or rows", note.text)
+    assert float(found[1]) == pytest.approx(off, abs=0.05)
+    assert int(found[2]) == row
 
 
 @pytest.mark.parametrize(("stated", "words"), [(0.056, True), (0.057, True), (0.0551, False)])
