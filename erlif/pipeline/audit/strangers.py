@@ -143,9 +143,9 @@ def form_changes(ratios: Array) -> Array | None:
 
 
 def median_of(values: Array) -> Array:
-    """Median of each row; NaN where a row has fewer than half of its values."""
+    """Median of each row; NaN where a row has few values."""
     found = np.full(len(values), np.nan)
-    some = np.isfinite(values).mean(axis=1) > 0.5
+    some = np.isfinite(values).sum(axis=1) >= _PLACES / 2
     found[some] = np.nanmedian(values[some], axis=1)
     return found
 
