@@ -3,8 +3,9 @@ from .fit import Estimate, MotionFit, film_temperature, fit_motion
 from .given import GivenErrors
 from .measured import MeasuredMotion, measured_minima, measured_positions
 from .motion import FrameMotion, follow_motion
+from .pin_film import OverlapError, solve_pin_motion
 from .pin_motion import PinMotion, find_pin_motion
-from .pressure import OverlapError, find_pressures, solve_pin_motion
+from .pressure import find_pressures
 from .smoothing import SmoothPath, smooth_path
 from .start import StartFilm, find_start_film
 from .triggers import (

@@ -13,7 +13,7 @@ from scipy.sparse.linalg import spsolve
 
 from erlif.core.errors import ModelError
 from erlif.models.reynolds import Journal
-from erlif.prediction.pressure import solve_pin_motion
+from erlif.prediction.pin_film import solve_pin_motion
 from erlif.rig.film import rocker_speed
 from erlif.rig.orbit import (
     HARMONICS,
