@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from datetime import datetime
+
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Counts
@@ -18,6 +20,9 @@ STORED_TYPES = frozenset(
     )
 )
 
+
+# Pixels of the first row in which PCO cameras write image number and time, two digits in each.
+_STAMPED = 14
 
 # Distinct counts up to which an image is too uniform to show bits that are never set.
 FEW_LEVELS = 16
@@ -123,3 +128,38 @@ def align_right(counts: Counts, shift: int) -> Counts:
         place = {"count": counts[row, column], "row": row, "column": column}
         raise refusal("not_left_aligned", step=1 << shift, **place)
     return counts >> np.uint16(shift)
+
+
+def find_stamp(counts: Counts) -> str:
+    """The time that a PCO camera has written over the first pixels of an image.
+
+    The pixels hold two decimal digits each, four bits for a digit: image number (8 digits), year,
+    month, day, hour, minute, second and microsecond; pco.edge User Manual, "Timestamp".
+
+    Parameters
+    ----------
+    counts : array of uint8 or uint16, (y, x)
+        Right-aligned. [DN]
+
+    Returns
+    -------
+    str
+        Empty where the pixels hold light.
+
+    Examples
+    --------
+    >>> digits = bytes.fromhex("00000123 2023 01 20 18 21 53 096300")
+    >>> find_stamp(np.frombuffer(digits, np.uint8)[np.newaxis])
+    '2023-01-20 18:21:53'
+    """
+    first = counts[0, :_STAMPED]
+    if first.size < _STAMPED or first.max() > 0x99:
+        return ""
+    digits = first.astype(np.uint8).tobytes().hex()
+    if not digits.isdecimal():
+        return ""
+    try:
+        time = datetime.strptime(digits[8:22], "%Y%m%d%H%M%S")
+    except ValueError:
+        return ""
+    return str(time) if 2000 <= time.year < 2100 else ""

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from erlif.core.errors import FrameError
-from erlif.io.ingest.counts import STORED_TYPES
+from erlif.io.ingest.counts import STORED_TYPES, find_stamp
 from erlif.io.ingest.frames import FramePairs
 from erlif.io.ingest.images import (
     UNREADABLE,
@@ -28,6 +28,12 @@ from erlif.io.refusals import refusal
 
 # Least width and height of a frame: registration needs several windows along each axis. [px]
 _SMALLEST = 64
+
+_STAMPED = (
+    "the first pixels of {name} hold the time {time}, as PCO cameras write it, and no light; as "
+    "text it covers 8 rows of 271 pixels. Switch the time stamp off, or choose a region of "
+    "interest below it."
+)
 
 
 def pair_cameras(
@@ -97,8 +103,14 @@ def pair_cameras(
     # the first pair is decoded here, so that a wrong bit depth is reported before any work
     for camera, (bit_depth, files) in enumerate(zip(bit_depths, (one, two), strict=True), 1):
         page = files.pages[good[0]]
-        counts = read_page(page, directory, (rows, columns))
-        check_depth(counts, bit_depth=bit_depth, name=name_page(page, directory, camera))
+        counts, name = (
+            read_page(page, directory, (rows, columns)),
+            name_page(page, directory, camera),
+        )
+        check_depth(counts, bit_depth=bit_depth, name=name)
+        time = find_stamp(counts)
+        if time and not files.warning:
+            files.warning = _STAMPED.format(name=name, time=time)
     # a file that was cut has times of the frames that are left
     known = (files.times for files in (one, two) if files.times is not None)
     return FramePairs(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from erlif.core.errors import FrameError
-from erlif.io.ingest.counts import STORED_TYPES, align_right, convert_counts
+from erlif.io.ingest.counts import STORED_TYPES, align_right, convert_counts, find_stamp
 
 COUNTS = np.array([[0, 1, 127], [2, 3, 100]])
 
@@ -47,3 +47,28 @@ def test_low_bits_in_use_are_refused():
         align_right(counts, 4)
     with pytest.raises(FrameError, match="7 in row 0, column 0"):
         align_right(np.full((2, 2), 7, np.uint8), 8)
+
+
+# first pixels of Cam0A.tiff of pco_image, in which its test has 2023-02-14 23:05:20.7549
+PCO = [0, 0, 0, 1, 32, 35, 2, 20, 35, 5, 32, 117, 73, 70]
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+def test_the_time_of_a_pco_camera_is_found(dtype):
+    assert find_stamp(np.array([[*PCO, 207], [206] * 15], dtype)) == "2023-02-14 23:05:20"
+
+
+@pytest.mark.parametrize(
+    ("place", "value"),
+    # no digit, above two digits, no month, no day, no hour, no minute, no year of a camera
+    [(3, 10), (13, 256 + 0x10), (6, 0x13), (7, 0x30), (8, 0x24), (9, 0x60), (4, 0x19), (4, 0x21)],
+)
+def test_other_pixels_hold_light(place, value):
+    counts = np.array([PCO], np.uint16)
+    counts[0, place] = value
+    assert not find_stamp(counts)
+
+
+def test_an_image_narrower_than_the_stamp_holds_light():
+    assert not find_stamp(np.array([PCO[:13]], np.uint16))
+    assert not find_stamp(np.zeros((3, 20), np.uint16))

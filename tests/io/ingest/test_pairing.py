@@ -200,3 +200,23 @@ def test_frames_of_recordings_in_one_file_each_are_not_dropped_by_empty_files(tm
     message = refusal(tmp_path, patterns=("all1.tif", "all2.tif"))
     assert "The first unmatched one is all1.tif[5] of camera 1. Export the same frames" in message
     assert "empty file" not in message
+
+
+@pytest.mark.parametrize("padded", [0, 2])
+@pytest.mark.parametrize("parts", [(None, None), ("left", "right")])
+def test_the_time_that_a_pco_camera_writes_over_pixels_is_warned_of(tmp_path, parts, padded):
+    """First pixels of Cam0A.tiff of pco_image, of a pco.pixelfly; some are left-aligned."""
+    stamped = np.random.default_rng(6).integers(0, 16384, (64, 160), dtype=np.uint16)
+    stamped[0, :14] = [0, 0, 0, 1, 32, 35, 2, 20, 35, 5, 32, 117, 73, 70]
+    tifffile.imwrite(tmp_path / "a.tif", stamped << padded)
+    selections = [Selection(part or "", shift=padded) for part in parts]
+    patterns = ("a.tif", "a.tif")
+    if parts == (None, None):
+        tifffile.imwrite(tmp_path / "b.tif", stamped[::-1] << padded)
+        patterns = ("a.tif", "b.tif")
+    pairs = pair(tmp_path, patterns=patterns, bit_depths=(14, 14), selections=selections)
+    assert (
+        "the first pixels of a.tif of camera 1 hold the time 2023-02-14 23:05:20"
+        in pairs.warnings[0]
+    )
+    assert not pairs.warnings[1]
