@@ -10,6 +10,7 @@ import numpy.testing as npt
 import pytest
 import xarray as xr
 from scenes.film import RUN_TOML
+from scenes.fixture import assert_covers
 
 import erlif
 from conftest import SMALL, Laboratory
@@ -211,3 +212,29 @@ def test_curvature_of_a_ball_is_no_mark_of_its_surface(ball_on_disc):
     roi = erlif.files.region_of(film)
     part = summarise_region(film, x=roi.x, y=roi.y)
     assert float(np.abs((part.film_min - film.film_min) / film.film_min_std).max()) < 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("contact", "kind"), [("ball", "rotation"), ("plane", "static")])
+def test_error_bar_of_film_min_covers_whole_runs(contact, kind, tmp_path):
+    """Forty runs, each with its own cameras, surfaces and fixture; one trigger of each counts."""
+    rig = replace(
+        SMALL,
+        width=160,
+        height=128,
+        mechanism=kind,
+        contact=contact,
+        pictures=2,
+        film_table=(1.1, 2.1),
+        field_width=3.75 if contact == "ball" else 12.0,
+        marks=0.04,
+    )
+    pulls, contacts = [], []
+    for seed in range(40):
+        lab = Laboratory.simulated(tmp_path / str(seed), seed=400 + seed, rig=rig)
+        film = erlif.process(lab.run)
+        error = film.film_min.values - np.array(rig.film_table)
+        pulls.append((error / film.film_min_std.values)[seed % 2])
+        contacts.append(film.attrs["contact"])
+    assert contacts.count("point" if contact == "ball" else "plane") > 32
+    assert_covers(pulls)
