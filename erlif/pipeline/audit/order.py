@@ -107,7 +107,7 @@ def note_order(evidence: Evidence) -> Iterator[Note]:
             if found is not None:
                 yield _describe(found, numbers, "the light of the pulses follows the energies")
             elif odd.size:
-                yield _note("other_pulses", pairs=list_some(numbers[odd]))
+                yield _note("other_pulses", pairs=_pairs(numbers[odd]))
             else:
                 yield from _note_by_film(evidence, numbers, known=True)
             return
@@ -130,7 +130,12 @@ def _note_by_film(evidence: Evidence, numbers: AnyArray, *, known: bool) -> Iter
     odd = find_other_films(drive, levels)
     odd = odd[odd > 0]  # a camera keeps nothing of a pulse before its first one
     if odd.size:
-        yield _note("other_films", pairs=list_some(numbers[odd]))
+        yield _note("other_films", pairs=_pairs(numbers[odd]))
+
+
+def _pairs(numbers: AnyArray) -> str:
+    """Pairs as the subject of a sentence, with its verb."""
+    return f"pair {numbers[0]} is" if numbers.size == 1 else f"pairs {list_some(numbers)} are"
 
 
 def _describe(found: Order, numbers: AnyArray, fact: str) -> Note:
