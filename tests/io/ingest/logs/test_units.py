@@ -36,6 +36,8 @@ def test_every_unit_agrees_with_pint(quantity, unit):
         ("temperature", "C", "degree_Celsius"),
         ("speed", "1/min", "rad s-1"),
         ("time", "sec", "s"),
+        ("temperature", "Deg C", "degree_Celsius"),  # of NI-DAQmx, as the next
+        ("pulse_energy", "Volts", "V"),
     ],
 )
 def test_usual_spellings_are_accepted(quantity, spelled, unit):
