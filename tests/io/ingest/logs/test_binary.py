@@ -1,7 +1,9 @@
 """Binary logs, written by the packages of their makers or by scipy and h5py."""
 
 import gc
+import hashlib
 import sys
+import tomllib
 from pathlib import Path
 
 import h5py
@@ -42,6 +44,18 @@ def test_a_waveform_of_tdms_gives_the_times(tmp_path):
     found = columns(path)
     np.testing.assert_allclose(found["time"][1], 2 + TIME)
     assert found["Enc [deg]"] == ("deg", ANGLE.tolist())
+
+
+def test_a_log_of_a_laboratory_is_read_as_by_another_decoder():
+    """Analog inputs of NI-DAQmx at 100 Hz; origin and decoder are in samples.toml."""
+    pytest.importorskip("nptdms")
+    folder = Path(__file__).parents[3] / "samples"
+    expected = tomllib.loads((folder / "samples.toml").read_text("utf-8"))["nidaqmx"]
+    *channels, time = read_binary_table(folder / "nidaqmx.tdms").columns
+    found = {c.name: hashlib.sha256(c.values.astype("<f8").tobytes()).hexdigest() for c in channels}
+    assert {name: text[:16] for name, text in found.items()} == expected
+    assert {column.unit for column in channels} == {"Volts"}
+    np.testing.assert_allclose(time.values, np.arange(3240) / 100, rtol=1e-12)
 
 
 def test_a_missing_package_is_named_with_the_command_that_installs_it(tmp_path, monkeypatch):
