@@ -31,7 +31,7 @@ _TOLERATED, _TOLERATED_SHARE = 0.1, 0.1
 _CURVED = 3.0
 
 _DEGREE = 4  # of the polynomials that are smooth departures
-_FEWEST = 60  # blocks that tell them from marks
+_FEWEST = 60  # blocks that distinguish them from marks
 _OUTLIER = 4.685  # departure beyond which a block counts as one of this size [std]
 
 
@@ -107,6 +107,13 @@ def find_gap_minimum(
     GapMinimum
         NaN where too few blocks are valid. Where the map departs from the gap smoothly, and this
         leaves the minimum an error above 0.1 um and a tenth of it, minimum and errors are NaN.
+
+    Examples
+    --------
+    As of `find_gap_minima`, for one contact.
+
+    >>> Contact("line")
+    <Contact.LINE: 'line'>
     """
     blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
     s, z = blocks.along, blocks.across
@@ -165,7 +172,32 @@ def find_gap_minima(
     sliding_along_x: bool,
     contacts: Sequence[Contact],
 ) -> dict[Contact, GapMinimum]:
-    """The minimum of the gap of each of some contacts, as `find_gap_minimum` finds it."""
+    """The minimum of the gap of each of some contacts.
+
+    Arguments that are not listed are those of `find_gap_minimum`.
+
+    Parameters
+    ----------
+    contacts : sequence of Contact
+
+    Returns
+    -------
+    dict of Contact to GapMinimum
+
+    Examples
+    --------
+    A region without light has no gap:
+
+    >>> from erlif.show.plots import example_calibration
+    >>> one = np.zeros((4, 4))
+    >>> dark = BlockSums((32, 32), 0.0, *[one] * 12, valid=0, beyond=0)
+    >>> whole, curve = Region(slice(0, 32), slice(0, 32)), FilmCurve.of(example_calibration())
+    >>> found = find_gap_minima(
+    ...     dark, curve, region=whole, sliding_along_x=True, contacts=[Contact.LINE]
+    ... )
+    >>> found[Contact.LINE].value
+    nan
+    """
     return {
         contact: find_gap_minimum(
             sums, curve, region=region, sliding_along_x=sliding_along_x, contact=contact
@@ -240,7 +272,7 @@ def _split_variance(pull: Array, fit: BlockFit, blocks: BlockMeans) -> tuple[flo
 def _measure_misfit(blocks: BlockMeans, fit: BlockFit, thickest: float) -> float:
     """Variance of the departures from a gap that polynomials follow, over that of the rest. [1]
 
-    0 where too few blocks tell one from the other.
+    0 where too few blocks distinguish one from the other.
     """
     use = fit.film < thickest
     count = int(use.sum())

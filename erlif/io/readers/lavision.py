@@ -263,7 +263,7 @@ def open_set(path: Path) -> FrameFile:
 
 
 # the header of an IM7 begins with zeros, as do many files: only its suffix marks it
-# Images of DaVis; its vector fields have the same header and are refused by what it says.
+# Images of DaVis; its vector fields have the same header and are refused by it.
 IM7 = Format("LaVision IM7", (".im7", ".vc7"), None, open_im7)
 
 # Folders of images of DaVis.
