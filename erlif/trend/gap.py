@@ -110,10 +110,24 @@ def find_gap_minimum(
 
     Examples
     --------
-    As of `find_gap_minima`, for one contact.
+    An even film of 3 um, without noise:
 
-    >>> Contact("line")
-    <Contact.LINE: 'line'>
+    >>> from erlif.core.products import RatioImages
+    >>> from erlif.show.plots import example_calibration
+    >>> from erlif.trend.blocks import sum_blocks
+    >>> import xarray as xr
+    >>> calibration, whole = example_calibration(), Region(slice(0, 64), slice(0, 64))
+    >>> ratio, zeros = calibration.predict_log(3.0), np.zeros((64, 64), np.float32)
+    >>> ratios = RatioImages(xr.Dataset({
+    ...     "log_ratio": (("y", "x"), zeros + np.float32(ratio)),
+    ...     "log_ratio_var": (("y", "x"), zeros + np.float32(1e-6)),
+    ...     "log_ratio_var_shared": (("y", "x"), zeros),
+    ...     "flags": (("y", "x"), np.zeros((64, 64), np.uint8)),
+    ... }))
+    >>> sums, curve = sum_blocks(ratios, whole), FilmCurve.of(calibration)
+    >>> found = find_gap_minimum(sums, curve, region=whole, sliding_along_x=True)
+    >>> print(f"{found.value:.3f}")
+    3.000
     """
     blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
     s, z = blocks.along, blocks.across
