@@ -114,6 +114,8 @@ class CameraFiles:
         Significant bits of a count after the headers; None where they state none, or differ.
     warning : str
         Why the counts of a format are doubtful; empty where they are not.
+    start : float
+        Time of the first page on the clock of its file; 0 where no header has it. [s]
     """
 
     pages: list[Page] = field(default_factory=list)
@@ -123,6 +125,7 @@ class CameraFiles:
     companions: list[Path] = field(default_factory=list)
     bits: int | None = None
     warning: str = ""
+    start: float = 0.0
 
 
 def natural_key(path: Path) -> list[tuple[int, int, str]]:
@@ -214,6 +217,7 @@ def read_headers(paths: Sequence[Path], selection: Selection = WHOLE) -> CameraF
             page = Page(path, 0, selection=selection)
             file = CameraFiles([page], [UNREADABLE], {0: str(error)})
 
+        read.start = read.start if read.pages else file.start
         read.faults |= {len(read.pages) + k: reason for k, reason in file.faults.items()}
         read.pages += file.pages
         read.kinds += file.kinds
@@ -402,6 +406,7 @@ def _read_header(path: Path, selection: Selection) -> CameraFiles:
             list(file.companions),
             file.bits,
             file.warning,
+            0.0 if times is None else float(times[places[0]]),
         )
     finally:
         file.close()

@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
+from erlif.core.arrays import Counts
 from erlif.core.errors import FrameError
 from erlif.io.ingest.counts import STORED_TYPES, find_stamp
 from erlif.io.ingest.frames import FramePairs
@@ -33,6 +34,14 @@ _STAMPED = (
     "the first pixels of {name} hold the time {time}, as PCO cameras write it, and no light; as "
     "text it covers 8 rows of 271 pixels. Switch the time stamp off, or choose a region of "
     "interest below it."
+)
+
+# Difference of the times of two channels from which on they are no pair: stamps have 1 us. [s]
+_TOGETHER = 2e-6
+
+_APART = (
+    "its frames are {apart:.3g} ms {order} than those of camera 1 by the times in {name}, and a "
+    "pair must be of one laser pulse. Choose the channels of one exposure."
 )
 
 
@@ -102,15 +111,11 @@ def pair_cameras(
 
     # the first pair is decoded here, so that a wrong bit depth is reported before any work
     for camera, (bit_depth, files) in enumerate(zip(bit_depths, (one, two), strict=True), 1):
-        page = files.pages[good[0]]
-        counts, name = (
-            read_page(page, directory, (rows, columns)),
-            name_page(page, directory, camera),
-        )
+        counts = read_page(files.pages[good[0]], directory, (rows, columns))
+        name = name_page(files.pages[good[0]], directory, camera)
         check_depth(counts, bit_depth=bit_depth, name=name)
-        time = find_stamp(counts)
-        if time and not files.warning:
-            files.warning = _STAMPED.format(name=name, time=time)
+        files.warning = files.warning or _find_time(counts, name)
+    two.warning = two.warning or _compare_exposures(one, two)
     # a file that was cut has times of the frames that are left
     known = (files.times for files in (one, two) if files.times is not None)
     return FramePairs(
@@ -124,6 +129,23 @@ def pair_cameras(
         warnings=(one.warning, two.warning),
         stated_bits=(one.bits, two.bits),
     )
+
+
+def _find_time(counts: Counts, name: str) -> str:
+    """That the first pixels of a page hold its time; empty where they hold light."""
+    time = find_stamp(counts)
+    return _STAMPED.format(name=name, time=time) if time else ""
+
+
+def _compare_exposures(one: CameraFiles, two: CameraFiles) -> str:
+    """That two channels of a file are no pairs by its times; empty where they may be."""
+    first, second = one.pages[0], two.pages[0]
+    apart = two.start - one.start
+    channels = first.path == second.path and second.selection.part.startswith("channel")
+    if not channels or abs(apart) < _TOGETHER:
+        return ""
+    order = "later" if apart > 0 else "earlier"
+    return _APART.format(apart=1e3 * abs(apart), order=order, name=first.path.name)
 
 
 def frame_numbers(pages: Sequence[Page]) -> list[int]:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import tifffile
+from scenes.camera_files import write_im7
 from scenes.tiff_pages import write_pages
 
 from erlif.core.errors import FrameError
@@ -192,6 +193,24 @@ def test_times_of_a_cut_recording_are_those_of_the_other_camera(tmp_path, cut):
     pairs = pair(tmp_path, patterns=("camera1.raw", "camera2.raw"), skip_bad_frames=True)
     assert sorted(pairs.skipped) == [3, 4]
     np.testing.assert_allclose(number_frames(pairs).time, np.arange(5) / 100)
+
+
+@pytest.mark.parametrize(
+    ("channels", "expected"),
+    [((1, 3), ""), ((2, 4), ""), ((1, 4), "are 10 ms later"), ((2, 3), "are 10 ms earlier")],
+)
+def test_channels_of_two_exposures_are_warned_of(tmp_path, channels, expected):
+    """Double frames of two cameras, with times as DaVis writes them."""
+    times = [b"AcqTimeSeries%d=18040840 \xb5s" % n for n in range(4)]
+    times += [b"AcqTime%d=%d \xb5s" % (n, 500 + 10_000 * (n % 2)) for n in range(4)]
+    for number in (1, 2):
+        frames = np.random.default_rng(number).integers(0, 1000, (4, *SHAPE), dtype=np.uint16)
+        write_im7(tmp_path / f"B0000{number}.im7", frames, attributes=times)
+    selections = [Selection(f"channel {n}") for n in channels]
+    pairs = pair(tmp_path, patterns=("*.im7", "*.im7"), selections=selections)
+    assert not pairs.warnings[0]
+    assert expected in pairs.warnings[1]
+    assert bool(expected) == bool(pairs.warnings[1])
 
 
 def test_frames_of_recordings_in_one_file_each_are_not_dropped_by_empty_files(tmp_path):
