@@ -30,8 +30,9 @@ def on_terminal() -> bool:
     type=click.Choice(KINDS),
     help="Tribometer of the run. Default: asked for on a terminal, else crank-rocker.",
 )
+@click.option("--full", is_flag=True, help="Write every optional key with its meaning.")
 @click.option("--overwrite", is_flag=True, help="Replace an existing settings file.")
-def init(directory: Path, fixture: bool, kind: str | None, overwrite: bool) -> None:
+def init(directory: Path, fixture: bool, kind: str | None, full: bool, overwrite: bool) -> None:
     """Write run.toml for the frames and logs in a directory.
 
     Fills in what the files determine: patterns, bit depth, darks and flats, triggers per cycle.
@@ -59,7 +60,7 @@ def init(directory: Path, fixture: bool, kind: str | None, overwrite: bool) -> N
         if not fixture and on_terminal():
             kind = click.prompt("Tribometer", type=click.Choice(KINDS), default=DEFAULT_KIND)
 
-    notes = write_settings(directory, fixture=fixture, kind=kind, overwrite=overwrite)
+    notes = write_settings(directory, fixture=fixture, kind=kind, overwrite=overwrite, full=full)
     for note in notes:
         click.echo(f"{note.level:8s}{note}")
 

@@ -74,6 +74,7 @@ def init(
     fixture: bool = False,
     kind: str = "crank-rocker",
     overwrite: bool = False,
+    full: bool = False,
 ) -> list[Note]:
     """Write a commented settings file for the frames and logs in a directory.
 
@@ -92,6 +93,8 @@ def init(
         "sinusoidal" (slider), or "static". Gaps are written for what it needs alone.
     overwrite : bool
         Replace an existing settings file.
+    full : bool
+        Write every optional key with its meaning, as a comment.
 
     Returns
     -------
@@ -144,7 +147,9 @@ def init(
     # gaps are written for what this tribometer needs alone
     forms = {"mechanism": kind}
     left_out = draft.leave_out
-    text = write_template(settings, draft.values, draft.remarks, forms=forms, leave_out=left_out)
+    text = write_template(
+        settings, draft.values, draft.remarks, forms=forms, leave_out=left_out, full=full
+    )
     write_file(output, text)
     schema = output.with_suffix(".schema.json")
     write_file(schema, json.dumps(json_schema(settings), indent=2, ensure_ascii=False) + "\n")

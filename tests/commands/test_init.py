@@ -14,6 +14,21 @@ def test_what_was_found_and_what_is_missing_is_printed(lab, command):
     assert lines[-1] == f"Then run: erlif check {lab.run}"
 
 
+def test_the_file_is_short_and_has_the_meaning_of_every_gap(lab, command):
+    command("init", lab.run, "--overwrite")
+    short = (lab.run / "run.toml").read_text(encoding="utf-8").splitlines()
+    command("init", lab.run, "--overwrite", "--full")
+    full = (lab.run / "run.toml").read_text(encoding="utf-8").splitlines()
+    assert 3 * len(short) < len(full)
+    gaps = [k for k, line in enumerate(short) if '"??' in line and not line.startswith("#")]
+    assert len(gaps) == 17
+    assert all(short[k - 1].startswith("# ") for k in gaps)
+    assert [short[k] for k in gaps] == [
+        line for line in full if '"??' in line and not line.startswith("#")
+    ]
+    assert "# optional: clearance_std, load" in short
+
+
 def test_the_kind_of_tribometer_is_asked_for_on_a_terminal(lab, monkeypatch):
     monkeypatch.setattr("erlif.commands.init.on_terminal", lambda: True)
     result = CliRunner().invoke(main, ["init", str(lab.run), "--overwrite"], input="rotation\n")

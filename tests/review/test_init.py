@@ -88,7 +88,7 @@ def test_a_run_without_settings_becomes_the_same_film_once_the_gaps_are_filled(l
     zero, roi = (re.search(rf"{key} = .*", original)[0] for key in ("zero", "roi"))
     (lab.run / "run.toml").unlink()
 
-    printed = command("init", lab.run).stdout
+    printed = command("init", lab.run, "--full").stdout
     assert f"{len(KNOWN) - 1} gaps are left" in printed  # the origin is that of the fixture
     assert read(lab.run)["calibration"] == "../fixture/calibration.nc"
     fill_gaps(lab.run / "run.toml", KNOWN)

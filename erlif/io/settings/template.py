@@ -29,6 +29,13 @@ _HEAD = """\
 # an example where there is no default.
 """
 
+_SHORT_HEAD = """\
+#:schema ./{stem}.schema.json
+# {name}, made by erlif init from the files in this directory.
+# Every "??" is a gap: replace it. `erlif check` lists the gaps that are left.
+# Quantities are text with a unit. `erlif init --full` writes the optional keys with their meaning.
+"""
+
 
 def gap_text(key: Key) -> str:
     """What stands in a settings file in place of a value that is not known.
@@ -63,6 +70,7 @@ def write_template(
     forms: Mapping[str, str] | None = None,
     leave_out: Collection[str] = (),
     head: str = "",
+    full: bool = True,
 ) -> str:
     """Write a commented settings file.
 
@@ -81,6 +89,9 @@ def write_template(
         Optional tables that are not written.
     head : str
         First lines, comments. Default: those of `erlif init`.
+    full : bool
+        Write optional keys as well, as comments with their meaning; else their names alone, and the
+        meaning of gaps.
 
     Returns
     -------
@@ -95,8 +106,10 @@ def write_template(
     ['name = "straight bushing"', '# name = "80W-90"']
     """
     stem = (kind.__doc__ or "").removesuffix(".toml.")
-    lines = [(head or _HEAD.format(stem=stem, name=f"{stem}.toml")).rstrip("\n")]
+    default = _HEAD if full else _SHORT_HEAD
+    lines = [(head or default.format(stem=stem, name=f"{stem}.toml")).rstrip("\n")]
     seen: set[str] = set()
+    unused: list[str] = []
     left_out = {(name,) for name in leave_out}
     for table in tables_of(kind):
         # a table with several forms is written in one of them; optional inner tables are
@@ -107,7 +120,18 @@ def write_template(
         if _form_of(table) != (forms or {}).get(table.title, _form_of(table)):
             continue
         seen.add(table.title)
-        lines += ["", *_table_lines(table, values, remarks)]
+        if full:
+            lines += ["", *_table_lines(table, values, remarks)]
+        elif (
+            table.required
+            or any(key.required for key in keys_of(table.kind))
+            or any(name.startswith(f"{table.title}.") for name in values)
+        ):
+            lines += ["", *_short_lines(table, values, remarks)]
+        else:
+            unused.append(f"[{table.title}]")
+    if unused:
+        lines += ["", *_comment(f"Optional tables: {', '.join(unused)}.")]
     return "\n".join(lines) + "\n"
 
 
@@ -171,6 +195,27 @@ def _table_lines(
             yield ""
             yield from _comment(meaning)
             yield f"# {name} = {toml_value(example)}"
+
+
+def _short_lines(
+    table: Table, values: Mapping[str, Any], remarks: Mapping[str, str]
+) -> Iterator[str]:
+    """Heading of a table, the keys that have a value or need one, and names of the others."""
+    if table.path:
+        yield from _comment(_arrow(remarks.get(table.title)))
+        yield f"[{table.title}]"
+    optional = []
+    for key in keys_of(table.kind):
+        place = f"{table.title}.{key.name}".lstrip(".")
+        value, remark = values.get(place), remarks.get(place)
+        if value is None and not key.required:
+            optional.append(key.name)
+            continue
+        *comment, line = _key_lines(key, value, remark)
+        yield from comment if f'"{gap_text(key)}"' in line else _comment(_arrow(remark))
+        yield line
+    if optional:
+        yield from _comment(f"optional: {', '.join(optional)}")
 
 
 def _key_lines(key: Key, value: Any, remark: str | None) -> Iterator[str]:
