@@ -40,6 +40,8 @@ def refusal(*args, **choice):
         ("Time (ms)", "time", "s"),
         ("Normal_Force [kN]", "load", "N"),
         ("run/Temp [°C]", "temperature", "degree_Celsius"),
+        ("T oil [degree C]", "temperature", "degree_Celsius"),
+        ("bath temperature [deg C]", "temperature", "degree_Celsius"),
     ],
 )
 def test_an_obvious_name_is_taken_with_a_remark(name, quantity, unit):
