@@ -46,6 +46,9 @@ _GAIN_REVERSE = 15.0
 # The first of these where the film follows its speed later, as squeeze lets it.
 _LEFT_BY_SQUEEZE = 0.005
 
+# Frames by which squeeze may delay the film of a speed.
+_MEMORIES = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 12.0, 20.0)
+
 _PLACES = 25  # places at which lost rows are sought, where the film is compared
 
 # Difference of costs up to which an order is taken to hold for all pairs.
@@ -298,16 +301,19 @@ def compare_film(drive: Array, levels: Array) -> Order | None:
     if np.nanstd(levels) < _FLAT:
         return None
     drive = drive / drive.max()
-    plain = _rest_share(drive, levels)
+    plain = _rest_share(_columns(drive), levels)
     limit = min(_FARTHEST, levels.size // 4)
-    orders = [Order(0, 0, True, _rest_share(drive[::-1], levels), 0.0)]
+    orders = [Order(0, 0, True, _rest_share(_columns(drive[::-1]), levels), 0.0)]
     places = np.unique(np.linspace(0, levels.size - _SIDE, _PLACES).astype(int))
     for lag in (*range(-limit, 0), *range(1, limit + 1)):
         moved = _shifted(drive, lag)
         for since in places[(places == 0) | (places >= _SIDE)]:
             joined = np.where(np.arange(drive.size) >= since, moved, drive)
-            orders.append(Order(lag, int(since), False, _rest_share(joined, levels), 0.0))
+            orders.append(Order(lag, int(since), False, _rest_share(_columns(joined), levels), 0.0))
     best = min(orders, key=lambda one: one.left)
+    if best.left < plain:
+        # the size of a speed repeats twice a turn: what squeeze delays is late, early or reversed
+        plain = min(plain, *(_rest_share(_delayed(drive, one), levels) for one in _MEMORIES))
     gain = known.sum() / 2 * math.log(max(plain, 1e-6) / max(best.left, 1e-6))
     least, better = (_GAIN_REVERSE, 2.0) if best.reverse else (_GAIN_BY_FILM, _BETTER)
     most = _LEFT_BY_SQUEEZE if best.lag < 0 else _LEFT_BY_FILM
@@ -347,12 +353,21 @@ def _columns(drive: Array) -> Array:
     return np.stack([np.ones_like(drive), np.sqrt(drive), drive, drive**2], axis=1)
 
 
-def _rest_share(drive: Array, levels: Array) -> float:
-    """Share of the variance of the film that the speed leaves."""
-    used = np.isfinite(drive) & np.isfinite(levels)
+def _delayed(drive: Array, memory: float) -> Array:
+    """The same of a film that forgets within so many frames, and what is left of its start."""
+    from scipy.signal import lfilter  # slow to load
+
+    kept = math.exp(-1 / memory)
+    late = lfilter([1 - kept], [1, -kept], _columns(drive), axis=0)
+    return np.column_stack([late, kept ** np.arange(drive.size)])
+
+
+def _rest_share(columns: Array, levels: Array) -> float:
+    """Share of the variance of the film that functions of its speed leave."""
+    used = np.isfinite(columns).all(axis=1) & np.isfinite(levels)
     if used.sum() < _FEWEST:
         return 1.0
-    columns, y = _columns(drive[used]), levels[used]
+    columns, y = columns[used], levels[used]
     rest = y - columns @ np.linalg.lstsq(columns, y, rcond=None)[0]
     variance = float(np.var(y))
     return float(np.mean(rest**2) / variance) if variance > 0 else 1.0
