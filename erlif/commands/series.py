@@ -59,6 +59,8 @@ def process_series(runs: Sequence[Path], **options: Any) -> None:
 
 def _describe(outcome: RunOutcome) -> str:
     """One line on a run."""
+    from erlif.core.notes import Level, split_notes
+    from erlif.core.units import count_of
     from erlif.io.files import open_film
     from erlif.pipeline.batch import RunState
     from erlif.show.report import summarise_in_a_line
@@ -67,6 +69,9 @@ def _describe(outcome: RunOutcome) -> str:
         return f"{outcome.run_dir}: failed, see below"
     with open_film(outcome.output) as film:
         line = summarise_in_a_line(film)
+        notes = split_notes(str(film.attrs.get("notes", "")))
+    warnings = sum(level is not Level.NOTE for level, _ in notes)
+    warned = f"; {count_of(warnings, 'warning')}, see erlif report" if warnings else ""
     before = outcome.state is RunState.FINISHED_BEFORE
     spent = "finished before" if before else f"{outcome.seconds:.1f} s"
-    return f"{outcome.run_dir}: {line}; {spent}"
+    return f"{outcome.run_dir}: {line}; {spent}{warned}"

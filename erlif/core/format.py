@@ -78,11 +78,13 @@ def is_version_after(written: str, own: str) -> bool:
 
     Examples
     --------
-    >>> is_version_after("99.0", "0.1.0"), is_version_after("0.1.0", "0.1.0")
+    >>> is_version_after("99.0", "0.1.0"), is_version_after("0.1.0", "0.1")
     (True, False)
     """
     one, two = (
         [int(part) for part in re.split(r"[^0-9]+", text, maxsplit=3)[:3] if part]
         for text in (written, own)
     )
-    return bool(one and two) and one > two
+    if not (one and two):
+        return False
+    return [*one, 0, 0][:3] > [*two, 0, 0][:3]

@@ -193,6 +193,8 @@ def _count_on(crank: Array, cycle: npt.NDArray[np.int64]) -> Array:
 
 def _even_turning(time: Array, turned: Array, linkage: CrankRocker) -> Array | None:
     """The crank at constant speed through the frames; None where it turns unevenly. [rad]"""
+    if time.size < 2:
+        return None
     # near a dead point the angle of the rocker hardly determines that of the crank
     weight = np.abs(np.asarray(linkage.rocker_speed(turned, crank_speed=1.0))) + 1e-3
     speed, start = np.polyfit(time, turned, 1, w=weight)

@@ -27,6 +27,9 @@ MISFIT = 1.0
 # Error by such departures above which a minimum is not stated: in um, and relative to it.
 _TOLERATED, _TOLERATED_SHARE = 0.1, 0.1
 
+# Negative minimum from which it is none. [std]
+_BELOW_ZERO = 3.0
+
 # Curvature from which a gap is curved. [std]
 _CURVED = 3.0
 
@@ -106,7 +109,8 @@ def find_gap_minimum(
     -------
     GapMinimum
         NaN where too few blocks are valid. Where the map departs from the gap smoothly, and this
-        leaves the minimum an error above 0.1 um and a tenth of it, minimum and errors are NaN.
+        leaves the minimum an error above 0.1 um and a tenth of it, or where the minimum is below
+        zero by more than three errors, minimum and errors are NaN.
 
     Examples
     --------
@@ -167,6 +171,10 @@ def find_gap_minimum(
     by_block = pull * fit.response / fit.total_var
     value, (random, surface) = float(at @ fit.amplitudes), _split_variance(pull, fit, blocks)
     tolerated = max(_TOLERATED, _TOLERATED_SHARE * value)
+    # below zero the smooth gap passes through a contact that is flattened
+    through = value + _BELOW_ZERO * math.sqrt(random + surface) < 0
+    if through:
+        return found._replace(misfit=max(found.misfit, 2 * MISFIT))
     if found.misfit > MISFIT and surface > tolerated**2:
         return found
     return found._replace(

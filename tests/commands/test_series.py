@@ -34,7 +34,7 @@ def test_resume_shows_the_films_that_are_kept(series, film):
     shutil.copy(film, series / "monday" / "film.nc")
     result = run_series(series / "monday", "--resume")
     assert result.exit_code == 0
-    assert result.stdout.splitlines()[0].endswith("; finished before")
+    assert "; finished before; 1 warning, see erlif report" in result.stdout.splitlines()[0]
 
 
 def test_a_defect_ends_with_status_1_and_its_trace(series, monkeypatch):
@@ -61,5 +61,5 @@ def test_an_interruption_names_the_way_to_go_on(series, monkeypatch):
 def test_the_output_of_several_runs_is_refused(series):
     result = run_series(series / "monday", series / "tuesday", "-o", "film.nc")
     assert result.exit_code == 2
-    assert "Expected one run directory with -o film.nc" in result.stderr
+    assert "Expected one run directory, without --resume, with -o film.nc" in result.stderr
     assert not (series / "monday" / "film.nc").exists()

@@ -285,3 +285,17 @@ def test_error_bar_covers_turned_and_scratched_surfaces():
         found = fit(noisy_ratios(film, 0.0135, rng))
         pulls.append((found.value - 3.0) / np.hypot(found.random_std, found.surface_std))
     assert_covers(pulls)
+
+
+@pytest.mark.parametrize(
+    ("film", "contact"),
+    [
+        (np.maximum(-1.0 + 6 * S**2 + 5 * Z**2, 0.3), Contact.POINT),
+        (np.maximum(-0.6 + 6 * S**2 + 0 * Z, 0.3), Contact.LINE),
+    ],
+)
+def test_a_contact_that_is_flattened_has_no_negative_minimum(film, contact):
+    """The smooth gap outside the flat passes below zero, with errors of some nm."""
+    found = fit(noisy_ratios(film, 0.0135, np.random.default_rng(5)), contact=contact)
+    assert np.isnan(found.value)
+    assert found.misfit > MISFIT

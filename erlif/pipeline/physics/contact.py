@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from erlif.calibration import Calibration
 from erlif.core.notes import Note, note_writer
 from erlif.core.tables import read_table
@@ -59,7 +61,8 @@ def note_contact(results: Sequence[TriggerResult], contact: Contact) -> list[Not
     list of Note
     """
     notes = []
-    if any(one.minima for one in results):
+    gaps = [gap for one in results for gap in one.minima.values()]
+    if any(np.isfinite(gap.bend).all() for gap in gaps):
         notes.append(_note("contact_chosen", gap=_TEXTS[contact]))
     statistics = [one.statistics for one in results]
     count = sum(one.minimum_departs and math.isnan(one.minimum) for one in statistics)

@@ -76,7 +76,9 @@ def prepare_chain(
             _logger.info("%s", note)
     with naming(known.bits):
         completed = _prepare(recording, known, progress, stored=stored, tables_only=tables_only)
-    return replace(completed, notes=(*completed.notes, *known.faults), bits=known.bits)
+    # the audits of a run name its bits; a fixture has none but these notes
+    bits = () if isinstance(recording, Run) else known.bits
+    return replace(completed, notes=(*completed.notes, *known.faults, *bits), bits=known.bits)
 
 
 def _prepare(

@@ -51,14 +51,16 @@ def summarise(film: xr.Dataset) -> str:
     return print_rows(_first_line(film), describe_film(film, flag_shares(film)))
 
 
-def _first_line(film: xr.Dataset) -> str:
-    """Name and size of a film."""
+def _first_line(film: xr.Dataset, *, columns: int = 0) -> str:
+    """Name and size of a film; a long name is cut where columns are given."""
     name = str(film.attrs["title"]).removeprefix("oil-film thickness, ")
-    return (
-        f"{name}: {count_of(film.sizes['trigger'], 'trigger')} from "
+    size = (
+        f": {count_of(film.sizes['trigger'], 'trigger')} from "
         f"{count_of(int(film.frames_used.sum()), 'frame pair')} of {film.sizes['x']} x "
         f"{film.sizes['y']} pixels"
     )
+    room = columns - len(size) - 3
+    return f"{name[:room]}..." + size if 0 < room < len(name) - 3 else name + size
 
 
 @takes(film="film")
@@ -81,7 +83,7 @@ def summarise_briefly(film: xr.Dataset) -> str:
     >>> from erlif.show.plots import example_film
     >>> print(*summarise_briefly(example_film()).splitlines()[:2], sep="\\n")
     example: 6 triggers from 6 frame pairs of 64 x 24 pixels
-      film      min 2.51 ± 0.03 to 3.49 ± 0.03, mean 3.27 ± 0.02 to 4.54 ± 0.02 um
+      film      min 2.51 to 3.49 ± 0.03, mean 3.27 to 4.54 ± 0.02 um
     """
     shares = flag_shares(film)
     rows = describe_film(film, shares)
@@ -91,7 +93,7 @@ def summarise_briefly(film: xr.Dataset) -> str:
         lines += _wrapped(title, short, most=2 if title == "theory" else 1)
 
     # warnings come first and take what is left, two lines at least; one line counts the rest
-    first = [_first_line(film)]
+    first = [_first_line(film, columns=_COLUMNS)]
     warnings = rows.get("warnings", "").splitlines()
     for shown, text in enumerate(warnings):
         wrapped = _wrapped("" if shown else "warning", _first_sentence(text))
@@ -157,12 +159,13 @@ def _describe_films(film: xr.Dataset) -> str:
 
 
 def _range(film: xr.Dataset, variable: str) -> str:
-    """Least and largest value of a statistic over the cycle."""
+    """Least and largest value of a statistic over the cycle, with the larger of their errors."""
     values, std = film[variable].values, film[f"{variable}_std"].values
     if not np.isfinite(values).any():
         return "none"
     ends = sorted({int(np.nanargmin(values)), int(np.nanargmax(values))}, key=values.item)
-    return " to ".join(f"{values[k]:.2f} ± {std[k]:.2f}" for k in ends)
+    largest = max(std[k] for k in ends)
+    return f"{' to '.join(f'{values[k]:.2f}' for k in ends)} ± {largest:.2f}"
 
 
 def _at_speed(film: xr.Dataset) -> str:
@@ -279,8 +282,8 @@ def _describe_trend(film: xr.Dataset) -> str:
     if not np.isfinite(float(exponent)):
         used, all_of = int(exponent.attrs.get("triggers_used", 0)), film.sizes["trigger"]
         return (
-            "not determined: it takes five triggers of differing speed over load; "
-            f"{used} of {all_of} can be used"
+            f"not determined: {used} of {all_of} triggers can be used, of the five of differing "
+            "speed over load that it takes"
         )
     minimum, mean = _power(film, "speed_exponent"), _power(film, "speed_exponent_mean")
     used = exponent.attrs["triggers_used"]

@@ -88,7 +88,7 @@ def test_film_without_valid_pixels_is_described(film):
     none = "none: no trigger has enough valid pixels in the region of interest"
     assert line_of(text, "minimum film thickness") == none
     assert line_of(text, "valid pixels") == "0.0%"
-    assert "not determined: it takes five triggers of differing speed over load; " in text
+    assert "triggers can be used, of the five of differing speed over load that it takes" in text
     empty = film.assign(film_min=film.film_min * np.nan, speed_exponent=np.nan)
     none = "none: no smooth gap describes the maps, or too few of their pixels are valid"
     assert line_of(summarise(empty), "minimum film thickness") == none
@@ -173,6 +173,8 @@ def test_a_short_summary_has_ten_lines_of_80_columns(film):
         lines = summarise_briefly(shown).splitlines()
         assert len(lines) <= 10
         assert max(map(len, lines)) <= 80
+    long = film.assign_attrs(title=f"oil-film thickness, {'a long name ' * 9}")
+    assert len(summarise_briefly(long).splitlines()[0]) == 80
     text = summarise_briefly(noted)
     assert line_of(text, "warning").startswith("camera1: a long word")
     assert line_of(text, "more").startswith("1 warning and 1 note:")
@@ -180,5 +182,5 @@ def test_a_short_summary_has_ten_lines_of_80_columns(film):
     assert "Cure" not in text
     minimum = scene.minimum_film()
     assert line_of(text, "film").startswith(
-        f"min {minimum.min():.2f} ± 0.03 to {minimum.max():.2f} ±"
+        f"min {minimum.min():.2f} to {minimum.max():.2f} ± 0.03"
     )
