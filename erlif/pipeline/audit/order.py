@@ -47,7 +47,7 @@ _GAIN_REVERSE = 15.0
 _LEFT_BY_SQUEEZE = 0.005
 
 # Frames by which squeeze may delay the film of a speed.
-_MEMORIES = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 12.0, 20.0)
+_MEMORIES = np.geomspace(0.4, 25, 24)
 
 _PLACES = 25  # places at which lost rows are sought, where the film is compared
 
