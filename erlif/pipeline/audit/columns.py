@@ -32,12 +32,14 @@ _RELATIVE, _KELVIN = 0.2, 3.0
 # Factor between neighbouring loads that no test program has, and largest share of such rows.
 _FACTOR, _SHARE = 30.0, 0.5
 
-# Columns that count, that belong to the motion, or that are known by another audit.
-_OTHERS = ("number", "angle", "angle_rate", "time")
+# Columns that are searched, with the least distance of each.
+_SEARCHED = {"temperature": _KELVIN, "load": None}
 
 
 def note_columns(evidence: Evidence) -> Iterator[Note]:
-    """Values that stand apart, in every column of numbers.
+    """Values that stand apart, in the columns that theory is computed from.
+
+    A column of unknown meaning may have single values: a mark, a sync pulse, a count.
 
     Parameters
     ----------
@@ -47,18 +49,16 @@ def note_columns(evidence: Evidence) -> Iterator[Note]:
     ------
     Note
     """
-    log = evidence.run.log
-    for name in map(str, log):
-        column = log[name]
-        if name in _OTHERS or column.dims != ("frame",) or column.dtype.kind not in "fi":
+    log, oil = evidence.run.log, evidence.run.settings.oil
+    for name, least in _SEARCHED.items():
+        if name not in log or log[name].size < _FEWEST:
             continue
-        values = np.asarray(column.values, float)
-        if values.size < _FEWEST or not np.isfinite(values).all():
-            continue
-        unit = str(column.attrs.get("units", "")).replace("degree_Celsius", "degC")
-        odd = find_single(values, least=_KELVIN if name == "temperature" else None)
+        values = np.asarray(log[name].values, float)
+        unit = str(log[name].attrs.get("units", "")).replace("degree_Celsius", "degC")
+        odd = find_single(values, least=least)
         if odd.size:
-            yield _describe(name, values, odd, unit)
+            counted = name == "load" or (oil is not None and oil.vogel is not None)
+            yield _describe(name, values, odd, unit, counted=counted)
         elif name == "load":
             lost = find_lost(values)
             if lost.size:
@@ -80,25 +80,26 @@ def without_single(log: EncoderLog) -> EncoderLog:
     EncoderLog
     """
     odd = [np.array([], int)]
-    for name, least in (("temperature", _KELVIN), ("load", None)):
+    for name, least in _SEARCHED.items():
         if name in log and log[name].size >= _FEWEST:
             odd.append(find_single(np.asarray(log[name].values, float), least=least))
     rows = np.setdiff1d(np.arange(log.sizes["frame"]), np.concatenate(odd))
     return EncoderLog(log.isel(frame=rows))
 
 
-def _describe(name: str, values: Array, odd: AnyArray, unit: str) -> Note:
+def _describe(name: str, values: Array, odd: AnyArray, unit: str, *, counted: bool) -> Note:
     shown = ", ".join(f"{values[k]:.5g}" for k in odd[:5])
     others = np.delete(values, odd)
     rows, which = list_some(odd), "row" if odd.size == 1 else "rows"
     return _note(
         "single_values",
-        subject=name.replace("_", " "),
+        subject=name,
         which=which,
         rows=rows,
         values=f"{shown} {unit}".strip(),
         low=others.min(),
         high=f"{others.max():.5g} {unit}".strip(),
+        use="; speed exponent and theory count them" if counted else "",
     )
 
 
@@ -150,7 +151,7 @@ def find_single(values: Array, *, least: float | None = None) -> AnyArray:
 
 
 def find_lost(load: Array) -> AnyArray:
-    """Rows without load in a run that has one, as where a cable is loose.
+    """Rows without load in a run that has one in most, as where a cable is loose.
 
     Parameters
     ----------
@@ -174,4 +175,4 @@ def find_lost(load: Array) -> AnyArray:
     if gap[widest] < np.log(_FACTOR):
         return np.array([], int)
     low = np.log(load) <= order[widest]
-    return np.flatnonzero(low if low.mean() <= _SHARE else ~low)
+    return np.flatnonzero(low) if low.mean() <= _SHARE else np.array([], int)

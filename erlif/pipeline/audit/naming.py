@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from erlif.core.errors import ErlifError
+from erlif.core.errors import ClusterError, ErlifError, OutputError
 from erlif.core.notes import Note
 
 
@@ -24,7 +24,8 @@ def naming(causes: tuple[Note, ...]) -> Iterator[None]:
     Raises
     ------
     ErlifError
-        The same that was raised, with the faults before its message.
+        The same that was raised, with the faults before its message; without them where the output
+        or a cluster is the cause.
 
     Examples
     --------
@@ -38,6 +39,8 @@ It may be the cause of what follows. No common texture.
     """
     try:
         yield
+    except (OutputError, ClusterError):
+        raise
     except ErlifError as error:
         if causes and error.args:
             listed = ". ".join(str(note).rstrip(".") for note in causes)

@@ -58,10 +58,10 @@ def note_strangers(evidence: Evidence) -> Iterator[Note]:
     for first, last in groups:
         if last == 0:
             continue  # a camera keeps nothing of a pulse before its first one
-        at_end = first == 0 or last == change.size
-        if at_end and _changes_itself(evidence, last if first == 0 else first - 1):
+        edges = [k for k in (first - 1, last) if 0 <= k < change.size]
+        if all(_changes_itself(evidence, row) for row in edges):
             continue
-        size = float(np.max(change[[k for k in (first - 1, last) if 0 <= k < change.size]]))
+        size = float(np.max(change[edges]))
         where = f"pair {numbers[first]} is"
         if last > first:
             where = f"pairs {numbers[first]} to {numbers[last]} are"

@@ -45,17 +45,38 @@ def log(**columns):
     return xr.Dataset({name: ("frame", np.asarray(one)) for name, one in columns.items()})
 
 
-def notes(table):
-    return list(note_columns(SimpleNamespace(run=SimpleNamespace(log=table))))
+def notes(table, vogel=None):
+    settings = SimpleNamespace(oil=SimpleNamespace(vogel=vogel))
+    return list(note_columns(SimpleNamespace(run=SimpleNamespace(log=table, settings=settings))))
 
 
-def test_every_column_of_numbers_is_searched():
-    torque, temperature = 3 + 0.1 * np.sin(ROWS), np.full(50, 25.0)
-    torque[7], temperature[33] = 90.0, 33.0
-    found = notes(log(load=LOADS["noisy"], torque=torque, temperature=temperature, number=ROWS))
-    assert [note.subject for note in found] == ["torque", "temperature"]
+def test_load_and_temperature_are_searched():
+    load, temperature = LOADS["noisy"].copy(), np.full(50, 25.0)
+    load[7], temperature[33] = 9000.0, 33.0
+    found = notes(log(load=load, temperature=temperature, number=ROWS))
+    assert [note.subject for note in found] == ["temperature", "load"]
     assert all(note.level == "warning" for note in found)
-    assert found[0].text.startswith("row 7 of the log: 90, where all others are 2.9")
+    assert found[1].text.startswith("row 7 of the log: 9000, where all others are 2")
+
+
+def test_a_column_of_unknown_meaning_may_have_single_values():
+    """A sync pulse, and a level that counts something."""
+    assert (
+        notes(log(load=LOADS["noisy"], sync=1 * (ROWS == 7), torque=3 + 90.0 * (ROWS == 7))) == []
+    )
+
+
+@pytest.mark.parametrize("vogel", [None, object()])
+def test_a_temperature_counts_where_the_viscosity_follows_it(vogel):
+    (note,) = notes(log(temperature=25.0 + 8 * (ROWS == 33)), vogel)
+    assert ("theory count them" in note.text) == (vogel is not None)
+    (note,) = notes(log(load=220.0 + 9000 * (ROWS == 33)), vogel)
+    assert "theory count them" in note.text
+
+
+def test_rows_with_load_in_a_run_without_one_are_not_lost():
+    load = np.where(ROWS < 30, 0.5, 220.0)
+    assert find_lost(load).size == 0
 
 
 def test_conditions_are_those_of_the_other_rows():

@@ -2,7 +2,7 @@
 
 import pytest
 
-from erlif.core.errors import RegistrationError
+from erlif.core.errors import ClusterError, OutputError, RegistrationError
 from erlif.core.notes import remark
 from erlif.pipeline.audit.naming import naming
 
@@ -17,3 +17,12 @@ def test_a_known_fault_stands_before_the_error_that_follows_from_it():
 def test_without_a_fault_an_error_is_as_it_was():
     with pytest.raises(RegistrationError, match=r"^No texture\.$"), naming(()):
         raise RegistrationError("No texture.")
+
+
+@pytest.mark.parametrize("kind", [OutputError, ClusterError])
+def test_a_full_disk_does_not_follow_from_a_fault_of_the_counts(kind):
+    with (
+        pytest.raises(kind, match=r"^No space left\.$"),
+        naming((remark("bits", "stuck", "Check"),)),
+    ):
+        raise kind("No space left.")

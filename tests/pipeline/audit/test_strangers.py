@@ -67,6 +67,23 @@ def test_a_step_of_the_load_is_no_stranger():
     assert list(note_strangers(evidence(found, load=load))) == []
 
 
+def test_a_load_that_rises_and_falls_again_makes_no_strangers():
+    """A program of 200, 400 and 200 N, with a tilt under the higher load."""
+    found = ratios()
+    found[25:40] += np.log1p(0.2 * PLACES)
+    (note,) = note_strangers(evidence(found))
+    assert "pairs 25 to 39 " in note.text
+    load = np.full(50, 200.0)
+    load[25:40] = 400.0
+    assert list(note_strangers(evidence(found, load=load))) == []
+
+    # a step of the load on one side alone explains one jump of the two
+    assert (
+        len(list(note_strangers(evidence(found, load=np.where(np.arange(50) < 40, 200.0, 400.0)))))
+        == 1
+    )
+
+
 def test_the_longest_part_is_the_run():
     assert find_groups(np.array([9, 10, 24, 25]), 50) == [(10, 10), (25, 25)]
     assert find_groups(np.array([24]), 50) == []
