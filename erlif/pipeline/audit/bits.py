@@ -13,7 +13,9 @@ _note = note_writer("erlif.pipeline.audit")
 
 _FULLY = 0.98  # share of the pixels between the darkest and the brightest per cent
 
-_LEAST_USED = 0.5  # share of the counts in between that occur; fewer are left by a change of scale
+# Share of the counts in between that occur, and of the pixels whose neighbouring counts occur; a
+# change of scale leaves fewer.
+_LEAST_USED = 0.5
 
 # Pixels for each possible count from which on every count is expected to occur.
 _PIXELS_PER_COUNT = 20
@@ -96,6 +98,11 @@ def _find_gaps(histogram: Histogram) -> list[str]:
     inside = histogram[low : high + 1]
     used = int(np.count_nonzero(inside))
     if inside.sum() < _PIXELS_PER_COUNT * inside.size or used >= _LEAST_USED * inside.size:
+        return []
+
+    # between a dark border and a bright film no count occurs either, but within each all do
+    beside = np.convolve(inside > 0, [1, 0, 1], "same") > 0
+    if inside[beside].sum() >= _LEAST_USED * inside.sum():
         return []
     return [
         f"only {used} of the {inside.size} counts from {low} to {high} occur: frames of fewer bits "

@@ -125,12 +125,14 @@ def refuse_stuck_cameras(pairs: FramePairs) -> None:
     known, stuck = read_pair(pairs, first).counts, {1, 2}
     copied = np.array_equal(*known)
 
-    # the last one first: a camera may hang for some pulses and go on
+    # the last one first: a camera may hang for some pulses and go on. Copies at both ends are those
+    # of all pairs only with a copy in the middle
+    middle = others[len(others) // 2]
     for frame in reversed(others):
         counts = read_pair(pairs, frame).counts
         copied = copied and np.array_equal(*counts)
         stuck -= {n + 1 for n in range(2) if not np.array_equal(known[n], counts[n])}
-        if not stuck and copied:
+        if not stuck and copied and np.array_equal(*read_pair(pairs, middle).counts):
             raise PulseError(_TEXTS["both_cameras"])
         if not stuck:
             return

@@ -35,6 +35,17 @@ def test_poisson_light_of_any_level_has_no_fault(light):
     assert find_bit_faults(count_pixels(image.astype(np.uint16), 4095)) == []
 
 
+def test_a_bright_film_in_a_dark_border_has_no_fault_unless_it_was_scaled():
+    """No count occurs between the two; a few hot pixels do."""
+    rng = np.random.default_rng(1)
+    image = np.concatenate([rng.normal(100, 10, 200_000), rng.normal(3000, 60, 200_000)])
+    image[:200] = rng.uniform(100, 3000, 200)
+    assert find_bit_faults(count_pixels(np.rint(image).astype(np.uint16), 4095)) == []
+    scaled = np.rint(image // 16 * 16.06).astype(np.uint16)
+    (fault,) = find_bit_faults(count_pixels(scaled, 4095))
+    assert fault.startswith("only ")
+
+
 def test_a_fault_is_a_warning_that_names_the_camera():
     sound, stuck = (count_pixels(one, 4095) for one in (counts(), counts() & ~np.uint16(64)))
     (note,) = note_bits((sound, stuck))

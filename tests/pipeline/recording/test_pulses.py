@@ -56,6 +56,12 @@ def test_one_camera_in_place_of_both_is_refused(lab, refused):
     assert "both cameras show the same image. Correct files in [camera1] or [camera2]" in message
 
 
+def test_copies_at_both_ends_are_not_those_of_all_pairs(lab):
+    for k in (0, -1):
+        shutil.copy(lab.frames(1)[k], lab.frames(2)[k])
+    assert "both cameras show the same image in frame pairs 0, 5," in erlif.process(lab.run).notes
+
+
 def test_a_few_files_of_the_other_camera_are_named_in_the_notes(lab):
     shutil.copy(lab.frames(1)[2], lab.frames(2)[2])
     assert "both cameras show the same image in frame pairs 2," in erlif.process(lab.run).notes
