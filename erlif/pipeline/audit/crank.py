@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
+from erlif.core.errors import ModelError
 from erlif.core.notes import Note, list_some, note_writer
 from erlif.core.statistics import robust_std
 from erlif.io.ingest import Run
@@ -16,6 +18,7 @@ from erlif.io.settings import CrankRockerSettings
 from erlif.kinematics import choose_link
 from erlif.models.mechanism import crank_for_swing
 from erlif.pipeline.audit.evidence import Evidence
+from erlif.pipeline.audit.log import signed_steps
 from erlif.pipeline.physics.joint import build_linkage
 
 _note = note_writer("erlif.pipeline.audit")
@@ -40,30 +43,7 @@ _SWING, _SIGNIFICANT = 0.007, 5.0
 
 _WHOLE = 0.8  # of a turn, from which on both ends of the swing are near
 
-_TO_AND_FRO = 0.1  # of the way in one direction that is gone in the other, on a rocker
-
 _ROOM = 0.3  # by which the neighbours of an odd reading may depart from half of it
-
-
-def note_mounting(run: Run) -> Iterator[Note]:
-    """Whether an encoder that is stated to be on the crank goes to and fro.
-
-    Parameters
-    ----------
-    run : Run
-
-    Yields
-    ------
-    Note
-    """
-    encoder = run.settings.encoder
-    if run.settings.linkage is None or encoder is None or encoder.mounted_on != "crank":
-        return
-    angle = np.asarray(run.log.angle.values, float)
-    step = (np.diff(angle) + 180.0) % 360.0 - 180.0
-    ways = sorted((float(step[step > 0].sum()), -float(step[step < 0].sum())))
-    if angle.size >= _FEWEST and np.ptp(angle) < 180.0 and ways[0] > _TO_AND_FRO * ways[1]:
-        yield _note("to_and_fro", low=angle.min(), high=angle.max())
 
 
 def note_crank(evidence: Evidence) -> Iterator[Note]:
@@ -81,7 +61,7 @@ def note_crank(evidence: Evidence) -> Iterator[Note]:
     if run.settings.linkage is None or "encoder_angle" not in located:
         return
     reading = np.asarray(located.encoder_angle.values, float)[:_MOST]
-    if reading.size < _FEWEST or next(note_mounting(run), None) is not None:
+    if reading.size < _FEWEST or evidence.mounting:
         return
     if "time" not in run.log:
         yield from _note_odd_steps(reading)
@@ -278,7 +258,7 @@ def find_slips(rest: Array, swing: float) -> list[tuple[int, float]]:
 
 def _note_odd_steps(reading: Array) -> Iterator[Note]:
     """A reading that departs from the middle of its neighbours, without times."""
-    step = (np.diff(reading) + 180.0) % 360.0 - 180.0
+    step = signed_steps(reading)
     bend = np.diff(step) / -2  # a reading less the mean of its neighbours
     size = np.abs(bend[1:-1])
     beside = -2 * np.stack([bend[:-2], bend[2:]])
@@ -304,8 +284,7 @@ def _note_swing(run: Run, fit: _Turn) -> Iterator[Note]:
     fitting = ""
     if mounted == "rocker" and isinstance(links, CrankRockerSettings):
         others = {"coupler": links.coupler, "rocker": links.rocker, "ground": links.ground}
-        crank = crank_for_swing(fit.size * (high - low), **others)
-        fitting = (
-            f", as with a crank of {100 * crank:.3g} cm in place of {100 * links.crank:.3g} cm"
-        )
+        with suppress(ModelError):  # no crank gives that swing with these links
+            crank = 100 * crank_for_swing(fit.size * (high - low), **others)
+            fitting = f", as with a crank of {crank:.3g} cm in place of {100 * links.crank:.3g} cm"
     yield _note("swing", found=fit.size * span, span=span, fitting=fitting)

@@ -12,6 +12,7 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.notes import Note
 from erlif.io.ingest import Run
+from erlif.pipeline.audit.log import note_mounting
 from erlif.pipeline.engines.results import FrameResult
 from erlif.pipeline.recording.pulses import read_energies
 
@@ -40,6 +41,11 @@ class Evidence:
     def numbers(self) -> Array:
         """Numbers of the frame pairs, (frame,)."""
         return np.array([one.frame for one in self.frames], int)
+
+    @cached_property
+    def mounting(self) -> tuple[Note, ...]:
+        """Whether the encoder is on another link than stated."""
+        return tuple(note_mounting(self.run.log, self.run.settings))
 
     @cached_property
     def ratios(self) -> Array:

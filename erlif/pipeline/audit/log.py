@@ -19,6 +19,10 @@ _note = note_writer("erlif.pipeline.audit")
 
 _FEWEST = 8  # rows from which on steps are compared
 
+_FEWEST_BY_CRANK = 12  # rows from which on the place of the encoder is judged
+
+_TO_AND_FRO = 0.1  # of the way in one direction that is gone in the other, on a rocker
+
 _GAP = 1.7  # step over that of its neighbours from which a trigger is missing; 2 for one trigger
 
 # Relative difference of the two steps on either side that are compared with one in between.
@@ -70,6 +74,40 @@ class Steps:
         return cls(angle, time)
 
 
+def signed_steps(angle: Array) -> Array:
+    """Steps of an encoder that may start again at 0.
+
+    Parameters
+    ----------
+    angle : array, (row,)
+        [degree]
+
+    Returns
+    -------
+    array, (row - 1,)
+        From -180 to 180. [degree]
+
+    Examples
+    --------
+    >>> signed_steps(np.array([350.0, 5.0, 2.0]))
+    array([15., -3.])
+    """
+    return np.asarray((np.diff(angle) + 180.0) % 360.0 - 180.0)
+
+
+def note_mounting(log: EncoderLog, settings: RunSettings) -> Iterator[Note]:
+    """Whether an encoder that is stated to be on the crank goes to and fro."""
+    angle, encoder = Steps.of(log).angle, settings.encoder
+    if settings.linkage is None or encoder is None or encoder.mounted_on != "crank":
+        return
+    if angle is None or angle.size < _FEWEST_BY_CRANK or np.ptp(angle) >= 180.0:
+        return
+    step = signed_steps(angle)
+    ways = sorted((float(step[step > 0].sum()), -float(step[step < 0].sum())))
+    if ways[0] > _TO_AND_FRO * ways[1]:
+        yield _note("to_and_fro", low=angle.min(), high=angle.max())
+
+
 def note_motion(log: EncoderLog, located: xr.Dataset, settings: RunSettings) -> Iterator[Note]:
     """Steps of angle and time against each other and against the mechanism."""
     yield from note_angles(log)
@@ -84,7 +122,7 @@ def note_angles(log: EncoderLog) -> Iterator[Note]:
     angle = Steps.of(log).angle
     if angle is None or angle.size < _FEWEST:
         return
-    signed = (np.diff(angle) + 180.0) % 360.0 - 180.0  # an encoder that starts again at 0
+    signed = signed_steps(angle)
     step = np.abs(signed)
     turns = int(np.count_nonzero(np.diff(np.sign(signed[step > 0]))))
     low, high, most = angle.min(), angle.max(), step.max()

@@ -9,9 +9,10 @@ import pytest
 import xarray as xr
 from scenes.linkage import OMEGA, link_angles, locate, make_log
 
+from erlif.core.errors import ModelError
 from erlif.io.settings import CrankRockerSettings, SliderCrankSettings
 from erlif.models.mechanism import CrankRocker, SliderCrank
-from erlif.pipeline.audit.crank import find_odd, find_slips, note_crank, note_mounting
+from erlif.pipeline.audit.crank import find_odd, find_slips, note_crank
 from erlif.pipeline.audit.evidence import Evidence
 
 TIME = np.linspace(0, 2 * math.pi / OMEGA, 50, endpoint=False)
@@ -105,11 +106,14 @@ def test_a_crank_of_another_length_is_named_by_the_swing(stated, words):
         assert f"as with a crank of 5.5 cm in place of {100 * stated:.3g} cm" in found[0].text
 
 
-def test_a_rocker_that_is_stated_as_the_crank_is_named():
-    (note,) = note_mounting(run_of(make_log(ROCKER), "crank"))
-    assert 'Set mounted_on = "rocker"' in note.text
-    for log, mounted in ((ROCKER, "rocker"), (CRANK, "crank"), (CRANK[:20], "crank")):
-        assert list(note_mounting(run_of(make_log(log), mounted))) == []
+def test_a_swing_that_no_crank_gives_is_named_without_a_crank(monkeypatch):
+    def refuse(swing, **links):
+        raise ModelError("Expected a swing that a crank gives.")
+
+    monkeypatch.setattr("erlif.pipeline.audit.crank.crank_for_swing", refuse)
+    (note,) = notes(inside(ROCKER), crank=0.056)
+    assert "its reading swings by" in note.text
+    assert "as with a crank" not in note.text
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from erlif.pipeline.audit.log import note_conditions, note_energy, note_motion
+from erlif.pipeline.audit.log import note_conditions, note_energy, note_motion, note_mounting
 
 RPM = 114.0
 
@@ -123,3 +123,21 @@ def test_the_unit_that_fits_is_named(newtons, unit):
     log = xr.Dataset({"load": ("frame", np.linspace(215, 230, 20) / newtons)})
     (note,) = note_conditions(log, settings())
     assert f'units = {{ load = "{unit}" }}' in note.text
+
+
+def test_a_rocker_that_is_stated_as_the_crank_is_named():
+    turn = np.arange(50) * 2 * np.pi / 50
+    rocker, crank = 60 + 12 * np.sin(turn), np.degrees(turn + 0.7) % 360
+
+    def notes_on(angle, mounted):
+        stated = SimpleNamespace(linkage=object(), encoder=SimpleNamespace(mounted_on=mounted))
+        return list(note_mounting(xr.Dataset({"angle": ("frame", angle)}), stated))
+
+    (note,) = notes_on(rocker, "crank")
+    assert 'Set mounted_on = "rocker"' in note.text
+    assert (
+        notes_on(rocker, "rocker")
+        == notes_on(crank, "crank")
+        == notes_on(crank[:20], "crank")
+        == []
+    )
