@@ -50,7 +50,7 @@ def process(
       erlif process series_may/run_*
       erlif process runs.csv --resume
     """
-    if len(runs) > 1 or resume or runs[0].is_file():
+    if len(runs) > 1 or resume or (runs[0].exists() and not runs[0].is_dir()):
         if output is not None:
             raise refusal("output_of_several", output=output)
         process_series(runs, calibration=calibration, resume=resume, **options)

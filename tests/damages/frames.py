@@ -1,6 +1,7 @@
 """Damaged frames, darks and flats."""
 
 import os
+import zlib
 
 import numpy as np
 import tifffile
@@ -64,11 +65,11 @@ def _pipe(path):
 
 
 def _claim(path):
-    """Two gigabytes of zeros in two megabytes."""
+    """Two gigabytes of zeros in two megabytes: tiles of 32 MB that all hold the same bytes."""
     path.unlink()
-    rows = (np.zeros((128, 30_000), np.uint16) for _ in range(235))
-    options = {"shape": (30_000, 30_000), "dtype": np.uint16, "rowsperstrip": 128}
-    tifffile.imwrite(path, rows, compression="zlib", **options)
+    tiles = [zlib.compress(bytes(2 * 4096**2))] * 64
+    options = {"shape": (30_000, 30_000), "dtype": np.uint16, "tile": (4096, 4096)}
+    tifffile.imwrite(path, iter(tiles), compression="zlib", **options)
 
 
 def _dark(name, change, *words, flat=False):

@@ -223,7 +223,7 @@ def _table(name, content, *words):
     return _state(
         f"table of runs: {name}",
         lambda b: b.write(b.directory / "runs.csv", content),
-        "batch runs.csv",
+        "process runs.csv",
         *words,
     )
 

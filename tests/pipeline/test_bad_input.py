@@ -54,7 +54,7 @@ def test_counts_far_below_the_depth_bring_a_warning_into_the_film(lab, command):
     for table in ("run/run.toml", "fixture/fixture.toml"):
         lab.edit(table, ("bit_depth = 12", "bit_depth = 16"))
     assert "warning counts: camera1: no count is above" in command("check", lab.run).stdout
-    assert "bit_depth = 12 would fit" in command("process", lab.run).stdout
+    assert "bit_depth = 12 would fit" in command("-v", "process", lab.run).stdout
     assert "bit_depth = 12 would fit" in read_film(lab.film).attrs["notes"]
 
 

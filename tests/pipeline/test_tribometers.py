@@ -50,7 +50,7 @@ def case(request, tmp_path_factory):
     rig = replace(SMALL, mechanism=request.param, pictures=8, load_swing=0.3)
     lab = Laboratory.simulated(tmp_path_factory.mktemp(request.param), seed=31, rig=rig)
     (lab.run / "run.toml").unlink()
-    erlif.init(lab.run, kind=request.param)
+    erlif.init(lab.run, kind=request.param, full=True)
     fill_gaps(lab.run / "run.toml")
     excluded = "".join(f'{name} = "0 %"\n' for name in rig.excluded)
     lab.edit("run/run.toml", ("[systematics]\n", f"[systematics]\n{excluded}"))

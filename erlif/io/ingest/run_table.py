@@ -89,7 +89,10 @@ def read_run_table(path: Path) -> list[RunEntry]:
 
 
 def _check_header(header: list[str], path: Path) -> None:
-    expected = f"Expected the columns run_dir and, optionally, calibration and output in {path}"
+    expected = (
+        "Expected a run directory, or a table with the columns run_dir and, optionally, "
+        f"calibration and output in {path}"
+    )
     for name in header:
         if name not in _COLUMNS:
             near = difflib.get_close_matches(name, _COLUMNS, n=1, cutoff=0.5)
