@@ -1,12 +1,13 @@
 """TIFF files: images, stacks, BigTIFF, OME and ImageJ, whatever their suffix.
 
-tifffile reads the pages and imagecodecs decompresses them. Before them go the checks without which
+tifffile reads the pages and imagecodecs decompresses them, but libtiff those of LZW. Before them go the checks without which
 a damaged or hostile file would take minutes or gigabytes: of the chain of directories, and of the
 sizes that each of them claims.
 """
 
 from __future__ import annotations
 
+import io
 import logging
 import struct
 import threading
@@ -46,6 +47,9 @@ _SEPARATE = 2
 
 # Values of the tag Compression with which the tag Predictor has no meaning.
 _NONE, _PACKBITS = 1, 32773
+
+# Value of the tag Compression for LZW.
+_LZW = 5
 
 # Values of the tag Compression that need not preserve counts.
 _LOSSY = {
@@ -103,7 +107,10 @@ class TiffFrames(FrameFile):
             # threads share one place in the file: each holds it while it reads, not to decode
             with self._lock:
                 page = self._page(index)
-            image = np.asarray(page.asarray(lock=self._lock, maxworkers=1))
+            if _is_plain_lzw(page):
+                image = self._read_lzw(page)
+            else:
+                image = np.asarray(page.asarray(lock=self._lock, maxworkers=1))
         except Exception as error:  # as above
             raise FrameError(f"a strip of the image is damaged ({reason_of(error)})") from error
         if len(kind.shape) == 3 and page.planarconfig == _SEPARATE:
@@ -111,6 +118,39 @@ class TiffFrames(FrameFile):
         if image.shape != kind.shape:
             raise FrameError("the image has another shape than its header")
         return image.astype(kind.dtype, copy=False)
+
+    def _read_lzw(self, page: tifffile.TiffPage) -> AnyArray:
+        """Counts of a page by libtiff; damaged LZW data may end the process in imagecodecs."""
+        import cv2  # loads slowly, and few files need it
+
+        # faults are raised; OpenCV would print them as well
+        cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+        assert self._file is not None
+        segments = []
+        with self._lock:
+            for offset, size in zip(page.dataoffsets, page.databytecounts, strict=True):
+                self._file.filehandle.seek(offset)
+                segments.append(self._file.filehandle.read(size))
+
+        # the data of the page, as they are, in a file of this page alone
+        tiled = {"tile": (page.tilelength, page.tilewidth)}
+        whole = io.BytesIO()
+        tifffile.imwrite(
+            whole,
+            iter(segments),
+            shape=page.shape,
+            dtype=page.dtype,
+            byteorder=self._file.byteorder,
+            compression=page.compression,
+            predictor=page.predictor,
+            photometric="minisblack",
+            metadata=None,
+            **(tiled if page.is_tiled else {"rowsperstrip": page.rowsperstrip}),
+        )
+        image = cv2.imdecode(np.frombuffer(whole.getbuffer(), np.uint8), cv2.IMREAD_UNCHANGED)
+        if image is None:
+            raise FrameError("its LZW data are damaged")
+        return np.asarray(image)
 
     def close(self) -> None:
         """As `FrameFile.close`."""
@@ -136,6 +176,18 @@ class TiffFrames(FrameFile):
         self.images = self.description.frames
         if self.images in (0, len(self.kinds)):
             self.channels, self.times = self.description.channels, self.description.times
+
+
+def _is_plain_lzw(page: tifffile.TiffPage) -> bool:
+    """Whether the counts of a page are compressed by LZW, in whole bytes of the usual order."""
+    return (
+        page.compression == _LZW
+        and page.dtype in (np.dtype(np.uint8), np.dtype(np.uint16))
+        and page.bitspersample == 8 * page.dtype.itemsize
+        and len(page.shape) == 2
+        and page.fillorder == 1
+        and page.predictor in (1, 2)
+    )
 
 
 def open_tiff(path: Path) -> FrameFile:

@@ -13,6 +13,7 @@ import tifffile
 from PIL import Image
 from scenes.reading import read, refusal
 
+from erlif.core.errors import FrameError
 from erlif.io.readers.tiff import TIFF
 
 GREY = np.random.default_rng(5).integers(0, 4096, (3, 64, 80), dtype=np.uint16)
@@ -75,6 +76,20 @@ def test_pages_of_imagecodecs_are_read(tmp_path, options):
     counts = GREY >> 2 if options.get("bitspersample") == 10 else GREY
     tifffile.imwrite(tmp_path / "a.tif", counts, photometric="minisblack", **options)
     np.testing.assert_array_equal(read(tmp_path / "a.tif"), counts)
+
+
+def test_damaged_data_of_lzw_are_refused_without_a_word_of_libtiff(tmp_path, capfd):
+    """Codes that the table of LZW does not have yet; GREY has 80 columns of 64 rows."""
+    path = tmp_path / "a.tif"
+    tifffile.imwrite(path, GREY[0], compression="lzw", photometric="minisblack", rowsperstrip=64)
+    with tifffile.TiffFile(path) as file:
+        (start,), (size,) = file.pages.first.dataoffsets, file.pages.first.databytecounts
+    content = bytearray(path.read_bytes())
+    content[start + 20 : start + size] = b"\xff" * (size - 20)
+    path.write_bytes(content)
+    with pytest.raises(FrameError, match="LZW data are damaged"):
+        read(path)
+    assert capfd.readouterr() == ("", "")
 
 
 # ImageJ and OME
