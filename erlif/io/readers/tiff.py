@@ -1,8 +1,8 @@
 """TIFF files: images, stacks, BigTIFF, OME and ImageJ, whatever their suffix.
 
-tifffile reads the pages and imagecodecs decompresses them, but libtiff those of LZW. Before them go the checks without which
-a damaged or hostile file would take minutes or gigabytes: of the chain of directories, and of the
-sizes that each of them claims.
+tifffile reads the pages, libtiff decompresses LZW, and imagecodecs all else. Before them go the
+checks without which a damaged or hostile file would take minutes or gigabytes: of the chain of
+directories, and of the sizes that each of them claims.
 """
 
 from __future__ import annotations
