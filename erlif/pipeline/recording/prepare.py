@@ -74,11 +74,16 @@ def prepare_chain(
         known = characterise_cameras(recording)
         for note in (*known.cameras.notes, *known.faults, *known.bits):
             _logger.info("%s", note)
-    with naming(known.bits):
-        completed = _prepare(recording, known, progress, stored=stored, tables_only=tables_only)
+    # the images of darks and flats end with their use: no name here may hold them
+    faults, found, handed = known.faults, known.bits, [known]
+    del known
+    with naming(found):
+        completed = _prepare(
+            recording, handed.pop(), progress, stored=stored, tables_only=tables_only
+        )
     # the audits of a run name its bits; a fixture has none but these notes
-    bits = () if isinstance(recording, Run) else known.bits
-    return replace(completed, notes=(*completed.notes, *known.faults, *bits), bits=known.bits)
+    bits = () if isinstance(recording, Run) else found
+    return replace(completed, notes=(*completed.notes, *faults, *bits), bits=found)
 
 
 def _prepare(
