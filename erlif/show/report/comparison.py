@@ -131,10 +131,8 @@ def _table(columns: dict[str, list[str]]) -> Markup:
         name: ["below 1e-12" if float(each) < NO_CHANCE else each for each in columns[name]]
         for name in ("probability", "probability corrected")
     }
-    shown["differs"] = ["yes" if each == "1" else "no" for each in columns["differs"]]
-    shown["same calibration"] = [
-        "yes" if each == "1" else "no" for each in shown["same calibration"]
-    ]
+    for name in ("differs", "same calibration"):
+        shown[name] = ["yes" if each == "1" else "no" for each in shown[name]]
     shown = {
         name: ["not known" if each == "nan" else each for each in values]
         for name, values in shown.items()

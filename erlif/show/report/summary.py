@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -88,7 +89,7 @@ def summarise_briefly(film: xr.Dataset) -> str:
     shares = flag_shares(film)
     rows = describe_film(film, shares)
     lines: list[str] = []
-    for title, text in describe_briefly(film, shares).items():
+    for title, text in _shorten(film, shares, rows).items():
         short = text if title == "exponent" else _first_sentence(text)
         lines += _wrapped(title, short, most=2 if title == "theory" else 1)
 
@@ -124,7 +125,11 @@ def describe_briefly(film: xr.Dataset, shares: Array) -> dict[str, str]:
     dict of str to str
         Text by title, of those that are known.
     """
-    rows = describe_film(film, shares)
+    return _shorten(film, shares, describe_film(film, shares))
+
+
+def _shorten(film: xr.Dataset, shares: Array, rows: Mapping[str, str]) -> dict[str, str]:
+    """The rows that a reader wants first, of all rows of a film."""
     valid, *flagged = shares.mean(axis=0)
     largest = sorted(zip(flagged, Flag, strict=True), reverse=True, key=lambda one: one[0])[:2]
     lost = [
