@@ -134,6 +134,13 @@ def find_gap_minimum(
     3.000
     """
     blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
+    return _fit_gap(blocks, curve, region, contact, sliding_along_x=sliding_along_x)
+
+
+def _fit_gap(
+    blocks: BlockMeans, curve: FilmCurve, region: Region, contact: Contact, *, sliding_along_x: bool
+) -> GapMinimum:
+    """The minimum of the gap of one contact through the means of blocks."""
     s, z = blocks.along, blocks.across
     shapes = np.stack([np.ones_like(s), s, z, blocks.along_squared, blocks.across_squared])
     count = _SHAPES[contact]
@@ -220,10 +227,9 @@ def find_gap_minima(
     >>> found[Contact.LINE].value
     nan
     """
+    blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
     return {
-        contact: find_gap_minimum(
-            sums, curve, region=region, sliding_along_x=sliding_along_x, contact=contact
-        )
+        contact: _fit_gap(blocks, curve, region, contact, sliding_along_x=sliding_along_x)
         for contact in contacts
     }
 
