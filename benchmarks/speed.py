@@ -128,7 +128,7 @@ def make_rig(scratch: Path, size: str, compression: str | None) -> Path:
         return rig
     shutil.rmtree(rig, ignore_errors=True)
     print(f"making frames of {size}", file=sys.stderr, flush=True)
-    options = ("--size", size, "--spacing", SPACING, "--fixture-frames", 2, "--seed", 7)
+    options = ("--size", size, "--spacing", f"{SPACING} deg", "--fixture-frames", 2, "--seed", 7)
     measure(erlif("simulate", rig, *options))
     measure(erlif("calibrate", rig / "fixture"))
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from erlif.commands.options import ALLOW_OUTSIDE, CALIBRATION, PATH
+from erlif.commands.options import ALLOW_OUTSIDE, CALIBRATION, PATH, Quantity
 from erlif.commands.progress import working
 from erlif.core.speed.imports import large_imports
 
@@ -21,9 +21,10 @@ from erlif.core.speed.imports import large_imports
 @click.option(
     "--film",
     "films",
-    type=float,
+    type=Quantity("um", "LENGTH"),
     multiple=True,
-    help="Film thickness in um for which the budget is made; may be repeated.",
+    help='Film for which the budget is made, "6 um"; may be repeated. Default: the 10th, 50th and '
+    "90th percentile of the map.",
 )
 @ALLOW_OUTSIDE
 def budget(run_dir: Path, films: tuple[float, ...], **options: Any) -> None:

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, SKIP_BAD_FRAMES, expect_output
+from erlif.commands.options import (
+    ALLOW_OUTSIDE,
+    OVERWRITE,
+    PATH,
+    SKIP_BAD_FRAMES,
+    expect_output,
+    output_option,
+)
 from erlif.commands.progress import working
 from erlif.commands.refusals import refusal
 from erlif.core.errors import CalibrationError, ErlifError
@@ -20,7 +27,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("fixture_dir", type=PATH)
-@click.option("-o", "--output", type=PATH, help="Default: FIXTURE_DIR/calibration.nc.")
+@output_option("File", "FIXTURE_DIR/calibration.nc")
 @click.option("--against", type=PATH, help="Report the drift from this earlier calibration.")
 @SKIP_BAD_FRAMES
 @ALLOW_OUTSIDE

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from erlif.commands.ending import BAD_INPUT, DEFECT
-from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_output
+from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_output, output_option
 from erlif.commands.progress import working
 from erlif.core.notes import Level
 from erlif.core.speed.imports import large_imports
@@ -18,14 +18,14 @@ from erlif.core.speed.imports import large_imports
 @click.argument("directory", type=PATH)
 @click.option("--strict", is_flag=True, help="End with status 1 where there are warnings.")
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
-@click.option("--html", "page", type=PATH, help="Write a page with pictures as well.")
+@output_option("Page with pictures (.html)", "none")
 @ALLOW_OUTSIDE
 @OVERWRITE
 def check(
     directory: Path,
     strict: bool,
     as_json: bool,
-    page: Path | None,
+    output: Path | None,
     allow_outside: bool,
     overwrite: bool,
 ) -> None:
@@ -37,13 +37,13 @@ def check(
     \b
     Example:
       erlif check data_samples/straight_bushing
-      erlif check data_samples/straight_bushing --html check.html
+      erlif check data_samples/straight_bushing -o check.html
     """
     with large_imports():
         from erlif.review.audit import audit
 
-    if page is not None:
-        expect_output(page, ".html", overwrite=overwrite, option="--html")
+    if output is not None:
+        expect_output(output, ".html", overwrite=overwrite)
     with working(lines=False) as progress:
         findings = audit(directory, allow_outside=allow_outside, progress=progress)
     # one form of the findings alone goes to standard output, so that programs can read it
@@ -52,10 +52,10 @@ def check(
     else:
         for note in findings.notes:
             click.echo(f"{note.level:8s}{note}")
-    if page is not None:
+    if output is not None:
         from erlif.show.report import write_check_page
 
-        written = write_check_page(findings, page, overwrite=overwrite)
+        written = write_check_page(findings, output, overwrite=overwrite)
         click.echo(f"written: {written}", err=True)  # the findings stay a table of their own
 
     if findings.count(Level.ERROR):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from erlif.commands.options import OVERWRITE, PATH
+from erlif.commands.options import ANGLE, OVERWRITE, PATH, output_option
 from erlif.commands.progress import show_progress
 from erlif.commands.refusals import refusal
 from erlif.core.speed.imports import large_imports
@@ -19,7 +19,11 @@ _FIGURES = tuple(
 
 @click.command()
 @click.argument("films", type=PATH, nargs=-1, required=True)
-@click.option("--crank-angle", type=float, help="Crank angle of the difference map in degree.")
+@click.option(
+    "--crank-angle",
+    type=ANGLE,
+    help='Crank angle of the difference map, "90 deg"; default: of the fastest trigger.',
+)
 @click.option(
     "--pair",
     type=int,
@@ -35,7 +39,7 @@ _FIGURES = tuple(
     multiple=True,
     help="A further calibration for the control chart; may be given several times.",
 )
-@click.option("-o", "--output", type=PATH, help="Directory for compare.nc, tables and figures.")
+@output_option("Directory for compare.nc, tables and figures", "none")
 @OVERWRITE
 def compare(
     films: tuple[Path, ...],

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from erlif.commands.options import OVERWRITE, PATH, expect_output
+from erlif.commands.options import OVERWRITE, PATH, expect_output, output_option
 from erlif.core.speed.imports import large_imports
 
 
@@ -14,7 +14,7 @@ from erlif.core.speed.imports import large_imports
 @click.argument("source", metavar="JOINT.TOML", type=PATH, required=False)
 @click.option("--example", is_flag=True, help="Print a commented joint that works as it is.")
 @click.option("--materials", is_flag=True, help="Print the table of materials with its sources.")
-@click.option("-o", "--output", type=PATH, help="Write a page with figures as well (.html).")
+@output_option("Page with figures (.html)", "none")
 @OVERWRITE
 def design(
     source: Path | None, example: bool, materials: bool, output: Path | None, overwrite: bool

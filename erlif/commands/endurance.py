@@ -15,7 +15,7 @@ from erlif.commands.log_columns import (
     describe_reading,
     log_options,
 )
-from erlif.commands.options import LENGTH, OVERWRITE, PATH, Quantity
+from erlif.commands.options import LENGTH, OVERWRITE, PATH, Quantity, output_option
 from erlif.core.speed.imports import large_imports
 
 _FEWEST_RUNS = 2
@@ -35,12 +35,12 @@ _FEWEST_RUNS = 2
     help="Smallest rise of friction that is called galling.  [default: 0.02]",
 )
 @click.option(
-    "--design",
+    "--group",
     "designs",
     metavar="NAME=PATTERN",
     multiple=True,
     callback=column_pairs,
-    help="Logs of a design, by their file names; two designs are compared.",
+    help="Logs of a design by their file names, twice; default: [designs] of the settings.",
 )
 @click.option(
     "--model",
@@ -50,7 +50,7 @@ _FEWEST_RUNS = 2
     help="Distribution of the load at failure for the comparison.",
 )
 @log_options("time, cells, torque, arm_force, temperature or vibration")
-@click.option("-o", "--output", type=PATH, help="Directory; default: endurance/ beside the log.")
+@output_option("Directory", "endurance/ beside the log")
 @OVERWRITE
 def endurance(
     logs: tuple[Path, ...],
@@ -74,7 +74,7 @@ def endurance(
     \b
     Example:
       erlif endurance run_1.csv --radius "33.36 mm" --arm "30 cm"
-      erlif endurance *.csv --settings endurance.toml --design uncut=uncut_* --design new=new_*
+      erlif endurance *.csv --settings endurance.toml --group uncut=uncut_* --group new=new_*
     """
     with large_imports():
         from erlif.io.files import refuse_existing
@@ -179,7 +179,7 @@ def _divide(logs: tuple[Path, ...], designs: Mapping[str, Sequence[str]]) -> dic
     if len(members) not in (0, 2) or twice:
         what = f"{twice[0]} belongs to two" if twice else f"got {len(members)}"
         raise click.UsageError(
-            f"Expected two designs, each log in one; {what}. Give --design NAME=PATTERN "
+            f"Expected two designs, each log in one; {what}. Give --group NAME=PATTERN "
             "twice, with patterns that no log shares."
         )
     return members

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from erlif.commands.options import OVERWRITE, PATH, TRIGGER, choose_one
+from erlif.commands.options import OVERWRITE, PATH, TRIGGER, choose_one, output_option
 from erlif.commands.progress import show_progress
 from erlif.core.speed.imports import large_imports
 
@@ -20,7 +20,7 @@ from erlif.core.speed.imports import large_imports
     help="Table; MATLAB and Octave; ImageJ; ParaView; numpy.",
 )
 @TRIGGER
-@click.option("-o", "--output", type=PATH, help="Default: beside FILM, by its name.")
+@output_option("File, of VTK a directory", "beside FILM, by its name")
 @OVERWRITE
 def export(
     film: Path,
@@ -39,7 +39,7 @@ def export(
     \b
     Example:
       erlif export data_samples/straight_bushing/film.nc --to csv
-      erlif export data_samples/straight_bushing/film.nc --to csv --crank-angle 90
+      erlif export data_samples/straight_bushing/film.nc --to csv --crank-angle "90 deg"
       erlif export data_samples/straight_bushing/film.nc --to vtk
     """
     with large_imports():

@@ -7,7 +7,15 @@ from typing import Any
 
 import click
 
-from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, TRIGGER, choose_one, several
+from erlif.commands.options import (
+    ALLOW_OUTSIDE,
+    OVERWRITE,
+    PATH,
+    TRIGGER,
+    choose_one,
+    output_option,
+    several,
+)
 from erlif.commands.progress import working
 from erlif.core.errors import OutputError
 from erlif.core.speed.imports import large_imports
@@ -15,7 +23,7 @@ from erlif.core.speed.imports import large_imports
 
 @click.command()
 @click.argument("film", type=PATH)
-@click.option("-o", "--output", type=PATH, help="Directory; default: figures/ beside FILM.")
+@output_option("Directory", "figures/ beside FILM")
 @TRIGGER
 @click.option(
     "--format",
@@ -50,7 +58,7 @@ def figures(
     Example:
       erlif figures data_samples/straight_bushing/film.nc
       erlif figures data_samples/straight_bushing/film.nc --only thickness_map \\
-          --crank-angle 90 --format svg --style paper -o paper
+          --crank-angle "90 deg" --format svg --style paper -o paper
     """
     with large_imports():
         from erlif.show.plots import write_figures

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from erlif.commands.log_columns import choose_columns, describe_reading, log_options
-from erlif.commands.options import LENGTH, OVERWRITE, PATH, Quantity
+from erlif.commands.options import LENGTH, OVERWRITE, PATH, Quantity, output_option
 from erlif.core.speed.imports import large_imports
 
 _SHARE = click.FloatRange(min=0, max=1)
@@ -31,7 +31,7 @@ _SHARE = click.FloatRange(min=0, max=1)
     help="Torque ratio of the contact, 1.273 once it is worn in; gives the true coefficient.",
 )
 @log_options("time, cells, torque or arm_force")
-@click.option("-o", "--output", type=PATH, help="Directory; default: friction/ beside the log.")
+@output_option("Directory", "friction/ beside the log")
 @OVERWRITE
 def friction(
     log: Path,

@@ -9,10 +9,10 @@ from typing import Any
 
 import click
 
-from erlif.commands.options import LENGTH, OVERWRITE, PATH, Quantity, expect_output
+from erlif.commands.options import LENGTH, OVERWRITE, Quantity, expect_output, output_option
 from erlif.core.speed.imports import large_imports
 
-ANGLE, SPEED = Quantity("rad", "ANGLE"), Quantity("rad/s", "SPEED")
+_ANGLE, _SPEED = Quantity("rad", "ANGLE"), Quantity("rad/s", "SPEED")
 
 
 @click.command()
@@ -20,18 +20,16 @@ ANGLE, SPEED = Quantity("rad", "ANGLE"), Quantity("rad/s", "SPEED")
 @click.option("--coupler", type=LENGTH, help="Length from crank pin to rocker pin.")
 @click.option("--rocker", type=LENGTH, help="Length from rocker pivot to rocker pin.")
 @click.option("--ground", type=LENGTH, help="Distance of the pivots.")
-@click.option("--swing", type=ANGLE, help="Wanted swing of the rocker.")
+@click.option("--swing", type=_ANGLE, help="Wanted swing of the rocker.")
 @click.option("--ratio", type=float, help="Wanted greatest rocker speed over crank speed.")
 @click.option("--time-ratio", type=float, help="Wanted slower stroke over quicker, in time.")
-@click.option("--crank-speed", type=SPEED, help="Speed of the crank.")
-@click.option("--rocker-speed", type=SPEED, help="Wanted greatest rocker speed.")
-@click.option("--transmission", type=ANGLE, default="0 deg", help="Least transmission angle.")
+@click.option("--crank-speed", type=_SPEED, help="Speed of the crank.")
+@click.option("--rocker-speed", type=_SPEED, help="Wanted greatest rocker speed.")
+@click.option("--transmission", type=_ANGLE, default="0 deg", help="Least transmission angle.")
 @click.option("--size", type=(LENGTH, LENGTH), help="Space along and across the ground link.")
 @click.option("--width", type=LENGTH, default="0 mm", help="Width of the links, for the space.")
 @click.option("--longest", type=LENGTH, help="Longest link; default: ten times the longest given.")
-@click.option(
-    "-o", "--output", type=PATH, help="Figure (PNG, PDF, SVG) or movie (GIF) of the best."
-)
+@output_option("Figure (.png, .pdf, .svg) or movie (.gif) of the best", "none")
 @OVERWRITE
 def linkage(
     ratio: float | None,

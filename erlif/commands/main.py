@@ -133,6 +133,24 @@ def main(verbose: int) -> None:
             stream.reconfigure(errors="replace")
 
 
+def _show_more(ctx: click.Context, option: click.Parameter, value: int) -> None:
+    """The same option behind the name of a command."""
+    options = ctx.find_root().params
+    if value:
+        options["verbose"] = options.get("verbose", 0) + value
+        show_log(options["verbose"])
+
+
 # each module has the name of its command; what is heavy loads when a command runs
 for name in (*chain.from_iterable(COMMANDS.values()), *HIDDEN):
-    main.add_command(getattr(import_module(f"erlif.commands.{name}"), name))
+    command = getattr(import_module(f"erlif.commands.{name}"), name)
+    command.params.append(
+        click.Option(
+            ["-v", "--verbose"],
+            count=True,
+            expose_value=False,
+            callback=_show_more,
+            help="Show decisions, times and memory; -vv details.",
+        )
+    )
+    main.add_command(command)

@@ -7,14 +7,14 @@ from typing import Any
 
 import click
 
-from erlif.commands.options import OVERWRITE, PATH, expect_suffix
+from erlif.commands.options import OVERWRITE, PATH, expect_suffix, output_option
 from erlif.commands.progress import show_progress
 from erlif.core.speed.imports import large_imports
 
 
 @click.command()
 @click.argument("film", type=PATH)
-@click.option("-o", "--output", type=PATH, help="GIF or MP4; default: cycle.gif beside FILM.")
+@output_option("File in .gif or .mp4", "cycle.gif beside FILM")
 @click.option(
     "--fps",
     "frames_per_second",

@@ -18,23 +18,40 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 PATH = click.Path(path_type=Path)
 
 
-class Quantity(click.ParamType[float]):
-    """A number with a unit, such as "51 cm"."""
+class Quantity(click.ParamType[Any]):
+    """A number with a unit, such as "51 cm", or one of a few words."""
 
-    def __init__(self, unit: str, name: str) -> None:
-        self.unit, self.name = unit, name
+    def __init__(self, unit: str, name: str, *words: str) -> None:
+        self.unit, self.name, self.words = unit, "|".join((name, *words)), words
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float:
-        """The number in the unit of the program."""
+    ) -> float | str:
+        """The number in the unit of the program, or the word itself."""
+        if value in self.words:
+            return str(value)
+        listed = f", or {' or '.join(self.words)}" if self.words else ""
         try:
             return parse_quantity(value, self.unit)
         except (ConfigError, ValueError) as error:
-            self.fail(str(error), param, ctx)
+            self.fail(f"{error}{listed}", param, ctx)
 
 
-LENGTH = Quantity("m", "LENGTH")
+LENGTH, ANGLE = Quantity("m", "LENGTH"), Quantity("deg", "ANGLE")
+
+
+def output_option(what: str, default: str) -> Callable[[Command], Command]:
+    """``-o``: the path of what a command writes.
+
+    Parameters
+    ----------
+    what : str
+        What stands at the path.
+    default : str
+        Path without the option, or "none" where nothing is written.
+    """
+    return click.option("-o", "--output", type=PATH, help=f"{what}; default: {default}.")
+
 
 CALIBRATION = click.option(
     "--calibration", type=PATH, help="Default: the calibration that run.toml names."
@@ -101,8 +118,8 @@ TRIGGER = together(
         type=int,
         help="One trigger; default: each, or the fastest of the outward stroke.",
     ),
-    click.option("--crank-angle", type=float, help="The same by its crank angle in degree."),
-    click.option("--encoder-angle", type=float, help="The same by its encoder angle in degree."),
+    click.option("--crank-angle", type=ANGLE, help='The trigger nearest to it, "90 deg".'),
+    click.option("--encoder-angle", type=ANGLE, help="The same by the angle of the log."),
 )
 
 
@@ -126,7 +143,7 @@ def choose_one(
         return chosen, describe_trigger(opened, chosen)
 
 
-def expect_suffix(output: Path, *suffixes: str, option: str = "-o") -> None:
+def expect_suffix(output: Path, *suffixes: str) -> None:
     """Refuse an output name whose suffix belongs to another file format.
 
     Parameters
@@ -135,8 +152,6 @@ def expect_suffix(output: Path, *suffixes: str, option: str = "-o") -> None:
         Name that the user gave.
     *suffixes : str
         Suffixes of the formats that the command writes, such as ``".nc"``.
-    option : str
-        Option of the command that names the output.
 
     Raises
     ------
@@ -144,14 +159,12 @@ def expect_suffix(output: Path, *suffixes: str, option: str = "-o") -> None:
         If the name ends in another suffix.
     """
     if output.suffix not in suffixes:
-        raise refusal("wrong_suffix", known=" or ".join(suffixes), output=output, option=option)
+        raise refusal("wrong_suffix", known=" or ".join(suffixes), output=output)
 
 
-def expect_output(
-    output: Path, *suffixes: str, overwrite: bool, option: str = "-o", holds: str = ""
-) -> None:
+def expect_output(output: Path, *suffixes: str, overwrite: bool, holds: str = "") -> None:
     """The same, and refuse an output that exists, as `erlif.io.files.refuse_existing`."""
     from erlif.io.files import refuse_existing
 
-    expect_suffix(output, *suffixes, option=option)
+    expect_suffix(output, *suffixes)
     refuse_existing(output, overwrite=overwrite, holds=holds)

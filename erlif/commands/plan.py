@@ -6,18 +6,13 @@ from pathlib import Path
 
 import click
 
-from erlif.commands.options import OVERWRITE, PATH
+from erlif.commands.options import OVERWRITE, PATH, output_option
 from erlif.core.speed.imports import large_imports
 
 
 @click.command()
 @click.argument("source", metavar="PLAN.TOML", type=PATH, required=False)
-@click.option(
-    "-o",
-    "--output",
-    type=PATH,
-    help="Directory; default: NAME/ beside NAME.toml, NAME_plan/ beside NAME.",
-)
+@output_option("Directory", "NAME/ beside NAME.toml, NAME_plan/ beside NAME")
 @click.option("--example", is_flag=True, help="Print a commented plan that works as it is.")
 @OVERWRITE
 def plan(source: Path | None, output: Path | None, example: bool, overwrite: bool) -> None:
@@ -25,13 +20,13 @@ def plan(source: Path | None, output: Path | None, example: bool, overwrite: boo
 
     The parts are dyes, filters, light and cameras. Prints the films, the frames needed, the best
     concentrations and the effect of each tolerance, and writes figure, tables and the plan with the
-    best concentrations. `erlif simulate --plan` photographs a plan with the virtual rig.
+    best concentrations. `erlif simulate --parts` photographs a plan with the virtual rig.
 
     \b
     Example:
       erlif plan --example > plan.toml
       erlif plan plan.toml
-      erlif simulate rehearsal --plan plan/optimum.toml
+      erlif simulate rehearsal --parts plan/optimum.toml
     """
     with large_imports():
         from erlif.planning.plan import example_plan

@@ -7,14 +7,14 @@ from typing import Any
 
 import click
 
-from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_suffix
+from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_suffix, output_option
 from erlif.commands.progress import working
 from erlif.core.speed.imports import large_imports
 
 
 @click.command()
 @click.argument("source", metavar="RUN_DIR|FILM", type=PATH)
-@click.option("-o", "--output", type=PATH, help="Default: prediction.nc in RUN_DIR or beside FILM.")
+@output_option("File", "prediction.nc in RUN_DIR or beside FILM")
 @click.option(
     "--fit", "fitted", is_flag=True, help="Also fit viscosity, start and mount; see below."
 )

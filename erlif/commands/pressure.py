@@ -6,14 +6,14 @@ from pathlib import Path
 
 import click
 
-from erlif.commands.options import OVERWRITE, PATH, expect_output
+from erlif.commands.options import OVERWRITE, PATH, expect_output, output_option
 from erlif.commands.progress import working
 from erlif.core.speed.imports import large_imports
 
 
 @click.command()
 @click.argument("film", type=PATH)
-@click.option("-o", "--output", type=PATH, help="Default: pressure.nc beside FILM.")
+@output_option("File", "pressure.nc beside FILM")
 @OVERWRITE
 def pressure(film: Path, output: Path | None, overwrite: bool) -> None:
     """Find the pressure in the film of an oscillating joint.

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from erlif.commands.options import CALIBRATION, PATH, PROCESSING, expect_suffix
+from erlif.commands.options import CALIBRATION, PATH, PROCESSING, expect_suffix, output_option
 from erlif.commands.progress import working
 from erlif.commands.refusals import refusal
 from erlif.commands.series import process_series
@@ -18,9 +18,7 @@ from erlif.core.speed.imports import large_imports
 @click.command()
 @click.argument("runs", metavar="RUN_DIR...", type=PATH, nargs=-1, required=True)
 @CALIBRATION
-@click.option(
-    "-o", "--output", type=PATH, help="Default: RUN_DIR/film.nc; a name in .zarr writes zarr."
-)
+@output_option("File in .nc or .zarr", "RUN_DIR/film.nc")
 @click.option(
     "--resume",
     is_flag=True,

@@ -7,7 +7,14 @@ from typing import Any
 
 import click
 
-from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_suffix
+from erlif.commands.options import (
+    ALLOW_OUTSIDE,
+    OVERWRITE,
+    PATH,
+    Quantity,
+    expect_suffix,
+    output_option,
+)
 from erlif.commands.progress import working
 from erlif.commands.refusals import refusal
 from erlif.core.speed.imports import large_imports
@@ -16,32 +23,33 @@ from erlif.core.speed.imports import large_imports
 def first_and_last(
     ctx: click.Context, option: click.Parameter, value: str | None
 ) -> tuple[int, int] | None:
-    """Split a range of triggers at its hyphen."""
+    """Split a range of triggers at its hyphen; one trigger is first and last."""
     if value is None:
         return None
     first, hyphen, last = value.partition("-")
-    if not (hyphen and first.strip().isdecimal() and last.strip().isdecimal()):
+    if not hyphen:
+        last = first
+    if not (first.strip().isdecimal() and last.strip().isdecimal()):
         raise refusal("no_range", value=value)
     return int(first), int(last)
 
 
 @click.command()
 @click.argument("films", type=PATH, nargs=-1, required=True, metavar="FILM...")
+@output_option("Page", "report.html beside FILM, of several films here")
 @click.option(
-    "-o", "--output", type=PATH, help="Default: report.html beside FILM, of several films here."
-)
-@click.option(
-    "--triggers",
+    "--trigger",
+    "triggers",
     callback=first_and_last,
-    metavar="FROM-TO",
+    metavar="N|FROM-TO",
     help="Triggers whose maps the page holds, counted from 0; default: all that fit.",
 )
 @click.option(
     "--max-size",
-    type=float,
-    default=10.0,
+    type=Quantity("MB", "SIZE"),
+    default="10 MB",
     show_default=True,
-    help="Largest size of the page in MB; it states what was left out.",
+    help="Largest size of the page; it states what was left out.",
 )
 @ALLOW_OUTSIDE
 @OVERWRITE
@@ -57,7 +65,7 @@ def report(
     \b
     Example:
       erlif report data_samples/straight_bushing/film.nc
-      erlif report film.nc --triggers 100-149 -o some.html
+      erlif report film.nc --trigger 100-149 -o some.html
       erlif report run_*/film.nc -o runs.html
     """
     with large_imports():

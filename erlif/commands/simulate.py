@@ -13,7 +13,7 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
-from erlif.commands.options import PATH, Command, together
+from erlif.commands.options import PATH, Command, Quantity, together
 from erlif.commands.progress import show_progress
 from erlif.core.speed.imports import large_imports
 from erlif.core.tables import read_table
@@ -50,33 +50,21 @@ class PictureSize(click.ParamType[tuple[int, int]]):
         return int(width), int(height)
 
 
-class NumberOrWord(click.ParamType["float | str"]):
-    """A number, or one of a few words."""
-
-    def __init__(self, number: str, *words: str, example: str) -> None:
-        self.name = "|".join((number, *words) if len(words) == 1 else (*words, number))
-        self.words = words
-        self.expected = f"none of the words {', '.join(words)} and no number, such as {example}"
-
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float | str:
-        """A number, or the word itself."""
-        if value in self.words:
-            return str(value)
-        try:
-            return float(str(value))
-        except ValueError:
-            self.fail(f"{value!r} is {self.expected}.", param, ctx)
-
-
 # Help of the options that are settings of the rig, in the order of `--help`.
 RIG_OPTIONS: dict[str, str] = read_table("erlif.commands", "simulate.toml")
 
 # Types that do not follow from default or choice.
 _TYPES: dict[str, Any] = {
-    "film": NumberOrWord("UM", "reynolds", example="6"),
-    "sideways": NumberOrWord("N/m", *SIDEWAYS, example="50000, a stiffness in N/m"),
+    "spacing": Quantity("deg", "ANGLE"),
+    "film": Quantity("um", "LENGTH", "reynolds"),
+    "sideways": Quantity("N/m", "STIFFNESS", *SIDEWAYS),
+    "cavitation_pressure": Quantity("kPa", "PRESSURE"),
+    "load": Quantity("N", "LOAD"),
+    "viscosity": Quantity("Pa s", "VISCOSITY"),
+    "stated_viscosity": Quantity("Pa s", "VISCOSITY"),
+    "marks": Quantity("um", "LENGTH"),
+    "cmm_noise": Quantity("um", "LENGTH"),
+    "reference": Quantity("um", "LENGTH"),
     "bleaching": (float, float),
 }
 
@@ -87,6 +75,8 @@ def _rig_option(name: str, text: str) -> Callable[[Command], Command]:
     # without a type click takes that of the default
     kind = _TYPES.get(name) or (click.Choice(CHOICES[name]) if name in CHOICES else None)
     flag = "--" + name.removeprefix("write_").replace("_", "-")
+    if isinstance(kind, Quantity) and not isinstance(default, str):
+        default = f"{default:.6g} {kind.unit}"
     if isinstance(default, bool):
         flag += flag.replace("--", "/--no-")
     return click.option(flag, name, default=default, show_default=True, type=kind, help=text)
@@ -110,7 +100,7 @@ def _rig_option(name: str, text: str) -> Callable[[Command], Command]:
 )
 @together(*(_rig_option(*each) for each in RIG_OPTIONS.items()))
 @click.option(
-    "--plan",
+    "--parts",
     "planned",
     type=PATH,
     help="plan.toml of `erlif plan`: its dyes, filters, light, cameras and films, at rest. Other "
@@ -121,7 +111,7 @@ def _rig_option(name: str, text: str) -> Callable[[Command], Command]:
     "stated",
     type=PATH,
     help="TOML file with settings of the rig by their names (docs/simulator.md), for what has no "
-    "option. Options that are given go before it.",
+    "option. Options that are given take precedence.",
 )
 @click.option("--overwrite", is_flag=True, help="Replace OUT/fixture, OUT/run and OUT/truth.nc.")
 def simulate(

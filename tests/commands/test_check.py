@@ -43,7 +43,7 @@ def test_json_holds_the_findings(lab, command):
 def test_html_writes_a_page_and_leaves_the_findings_as_they_are(lab, command):
     page = lab.directory / "check.html"
     plain = command("check", lab.run).stdout
-    result = command("check", lab.run, "--html", page)
+    result = command("check", lab.run, "-o", page)
     assert result.stdout == plain
     assert result.stderr.startswith(f"written: {page}\n")
     assert page.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")

@@ -17,7 +17,7 @@ def write_other(path):
 
 def test_a_comparison_is_printed_and_written(tmp_path, command, refused):
     films = write_example(tmp_path / "a.nc"), write_other(tmp_path / "b.nc")
-    shown = command("compare", *films, "--crank-angle", 112)
+    shown = command("compare", *films, "--crank-angle", "112 deg")
     assert "conclusion: example (a.nc) and example (b.nc) differ in minimum film" in shown.stdout
     assert not (tmp_path / "out").exists()
 

@@ -36,7 +36,7 @@ def test_a_log_gives_text_table_and_figure(log, tmp_path, command, refused):
         ((*GIVEN, "--column", "load=Cell 1"), "expected one of time, cells"),
         ((*GIVEN, "--column", "time=a,b"), "expected one column for time"),
         ((*GIVEN, "--unit", "cells"), "QUANTITY=NAME"),
-        ((*GIVEN, "--design", "uncut=run_*"), "at least two logs of design uncut"),
+        ((*GIVEN, "--group", "uncut=run_*"), "at least two logs of design uncut"),
         (("--settings", "none.toml"), "no such file"),
     ],
 )

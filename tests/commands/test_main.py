@@ -1,15 +1,18 @@
 """The command line as a whole: help, loading, exit status."""
 
 import os
+import re
 import subprocess
 import sys
 
+import click
 import pytest
 from click.testing import CliRunner
 
 import erlif
 import erlif.pipeline
 from erlif.commands.main import main
+from erlif.commands.options import Quantity
 
 COMMANDS = sorted(main.commands)
 
@@ -47,6 +50,56 @@ def test_help_fits_one_screen_and_lists_every_command_in_one_line():
     listed = [line.split()[0] for line in shown if line[:3].strip() and line.startswith("  ")]
     assert set(COMMANDS) - {"sources"} <= set(listed)
     assert not [line for line in shown[1:] if line.endswith("...")]
+
+
+OPTIONS = [
+    (name, option)
+    for name, each in main.commands.items()
+    for option in each.params
+    if isinstance(option, click.Option)
+]
+
+# Options of a number without a dimension, and those whose name is a unit.
+NUMBERS = {
+    *("dpi", "fps", "ratio", "time-ratio", "torque-ratio", "least-rise", "exponent", "light"),
+    *("torque-std", "load-std", "radius-std", "background", "background-beam"),
+    *("elapsed", "pulses-per-cycle"),  # turns, and frames in a turn
+    "vibration",  # pixels
+}
+
+
+def test_a_value_with_a_dimension_is_a_quantity_with_its_unit():
+    for name, option in OPTIONS:
+        flag = option.opts[-1].removeprefix("--")
+        if isinstance(option.type, Quantity):
+            with pytest.raises(click.BadParameter, match="a number with a unit"):
+                option.type.convert("5", option, None)
+            five = option.type.convert(f"5 {option.type.unit}", option, None)
+            assert five == pytest.approx(5.0), (name, flag)
+        elif isinstance(option.type, type(click.FLOAT)):
+            assert flag in NUMBERS, (name, flag)
+        unit = r"\bin (um|mm|N|N/m|Pa s|kPa|MB|degrees?)\b"
+        assert not re.search(unit, option.help or ""), (name, flag)
+
+
+def test_options_have_one_name_for_one_thing():
+    for name, option in OPTIONS:
+        assert not {flag.removeprefix("--") for flag in option.opts} & set(COMMANDS), name
+        assert "--trigger" in option.opts or "trigger" not in str(option.opts), name
+        if "-o" in option.opts:
+            assert option.opts == ["-o", "--output"]
+            assert "; default: " in option.help, name
+            assert option.type.name == "path"
+
+
+def test_the_option_for_more_lines_stands_before_or_behind_the_command(lab):
+    before, behind = (
+        CliRunner().invoke(main, words)
+        for words in (["-v", "check", lab.run], ["check", lab.run, "-v"])
+    )
+    plain = CliRunner().invoke(main, ["check", str(lab.run)])
+    assert len(plain.stderr.splitlines()) < len(behind.stderr.splitlines())
+    assert len(before.stderr.splitlines()) == len(behind.stderr.splitlines())
 
 
 def test_the_module_runs_as_the_command_does():

@@ -1,4 +1,4 @@
-"""``erlif plan`` and ``erlif simulate --plan``."""
+"""``erlif plan`` and ``erlif simulate --parts``."""
 
 import xarray as xr
 from click.testing import CliRunner
@@ -26,7 +26,7 @@ def test_simulate_takes_a_plan_and_options_before_it(tmp_path, command):
     path, out = tmp_path / "plan.toml", tmp_path / "out"
     path.write_text(example_plan(), encoding="utf-8")
     words = ("--size", "64x48", "--fixture-frames", "1", "--light", "0.5")
-    command("simulate", out, "--plan", path, *words)
+    command("simulate", out, "--parts", path, *words)
     with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
         assert truth.attrs["rig_light"] == 0.5
         assert truth.attrs["rig_mechanism"] == "static"

@@ -6,15 +6,15 @@ from click.testing import CliRunner
 
 from erlif.commands.main import main
 
-SMALL = ["--size", "64x48", "--spacing", "8", "--fixture-frames", "1"]
+SMALL = ["--size", "64x48", "--spacing", "8 deg", "--fixture-frames", "1"]
 
 
 @pytest.mark.parametrize(
     ("option", "value", "words"),
     [
         ("--cycles", "1000000000", "at most 1000000 frame pairs"),
-        ("--film", "thick", "the words reynolds"),
-        ("--sideways", "loose", "a stiffness in N/m"),
+        ("--film", "thick", "or reynolds"),
+        ("--sideways", "loose", "or free or guided"),
         ("--size", "²x²", "is not a picture size"),
     ],
 )
@@ -28,7 +28,7 @@ def test_a_rig_that_cannot_be_is_refused_and_nothing_is_written(tmp_path, option
 
 def test_a_film_of_theory_is_photographed_with_the_stated_viscosity(tmp_path, command):
     out = tmp_path / "out"
-    options = ["--film", "reynolds", "--elapsed", "20", "--stated-viscosity", "0.1"]
+    options = ["--film", "reynolds", "--elapsed", "20", "--stated-viscosity", "0.1 Pa s"]
     shown = command("simulate", out, *SMALL, *options).stdout
     assert "run frames written: 6" in shown
     with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
@@ -41,10 +41,10 @@ def test_a_film_of_theory_is_photographed_with_the_stated_viscosity(tmp_path, co
 def test_a_film_beyond_the_wedge_is_named(tmp_path, command):
     """The wedge ends at 18 um, and 20 um plus marks of 0.2 um are above it everywhere."""
     words = ("simulate", tmp_path / "out", *SMALL, "--overwrite", "--exponent", "0")
-    beyond = command(*words, "--film", "20", "--cycles", "2").stderr
+    beyond = command(*words, "--film", "20 um", "--cycles", "2").stderr
     assert "Note: 100 % of the true film" in beyond
     assert "(0.1 to 18 um)" in beyond
-    assert "Note" not in command(*words, "--film", "5").stderr
+    assert "Note" not in command(*words, "--film", "5 um").stderr
 
 
 @pytest.mark.parametrize("precious", ["run/thesis.txt", "fixture/camera1/my.tif", "truth.nc"])

@@ -106,9 +106,7 @@ def summarise_briefly(film: xr.Dataset) -> str:
         warnings = []
     counts = (len(warnings), "warning"), (len(rows.get("notes", "").splitlines()), "note")
     more = " and ".join(count_of(count, word) for count, word in counts if count)
-    return "\n".join(
-        first + lines + _wrapped("more", f"{more}: erlif -v process, or the report" if more else "")
-    )
+    return "\n".join(first + lines + _wrapped("more", f"{more}: -v, or the report" if more else ""))
 
 
 def describe_briefly(film: xr.Dataset, shares: Array) -> dict[str, str]:

@@ -108,7 +108,7 @@ def test_page_states_what_it_leaves_out_and_how_to_see_it(small, read_page):
     stated = page.texts["viewer"]
     assert f"the maps of {len(kept)} of 300 triggers" in stated
     assert "to be at most 1 MB" in stated
-    assert all(way in stated for way in ("erlif view FILM", "--triggers", "--max-size"))
+    assert all(way in stated for way in ("erlif view FILM", "--trigger", "--max-size"))
 
 
 def test_kept_maps_are_those_of_their_triggers(small, long_film, read_page):
@@ -129,7 +129,7 @@ def test_kept_maps_are_those_of_their_triggers(small, long_film, read_page):
 
 
 def test_triggers_that_the_film_lacks_and_sizes_without_room_are_refused(film_path, tmp_path):
-    triggers, size = r"Expected triggers from 0 to 5.*--triggers", r"0.5 MB or more.*--max-size"
+    triggers, size = r"Expected triggers from 0 to 5.*--trigger", r"0.5 MB or more.*--max-size"
     options = [({"triggers": chosen}, triggers) for chosen in ((5, 300), (9, 3), (-1, 4))]
     options += [({"max_size": given}, size) for given in (-3.0, float("nan"), 0.4)]
     for option, message in options:
