@@ -40,7 +40,14 @@ extensions = [
     "myst_nb",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["gallery", "auto_gallery/*.ipynb", "auto_gallery/*.py*", "_build"]
+exclude_patterns = [
+    "gallery",
+    "auto_gallery/*.ipynb",
+    "auto_gallery/*.py*",
+    "_build",
+    "coverage.md",  # for who works on erlif: read in the repository
+    "sources.md",
+]
 root_doc = "index"
 default_role = "py:obj"
 toc_object_entries_show_parents = "hide"
@@ -88,6 +95,7 @@ html_css_files = ["erlif.css"]
 html_show_sourcelink = False
 html_copy_source = False
 html_math_renderer = "mathml"
+html_search_scorer = "scorer.js"
 html_theme_options = {
     "navbar_align": "left",
     "header_links_before_dropdown": 5,
@@ -99,33 +107,57 @@ html_theme_options = {
     "pygments_light_style": "a11y-high-contrast-light",
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
-SINGLE_PAGES = (
-    "figures",
-    "index",
-    "your_data",
-    "formats",
-    "logs",
-    "tribometers",
-    "planning",
-    "design",
-    "linkage",
-    "friction",
-    "prediction",
-    "compare",
-    "endurance",
-    "tutorial",
-    "notebook",
-    "files",
-    "glossary",
-    "performance",
-    "architecture",
-    "export",
-    "matlab",
-    "shell_completion",
-    "viewer",
-    "bibliography",
-)
-html_sidebars = {page: [] for page in SINGLE_PAGES}  # they have no section to navigate
+NAVIGATION = {
+    "index": ("use", "data", "theory/index", "develop"),
+    "use": (
+        "Your data <your_data>",
+        "Tutorial <tutorial>",
+        "Look at a film <viewer>",
+        "In a notebook <notebook>",
+        "Planning <planning>",
+        "Design of a joint <design>",
+        "Prediction <prediction>",
+        "Commands <commands>",
+    ),
+    "your_data": ("Other tribometers <tribometers>", "limits", "The virtual rig <simulator>"),
+    "viewer": ("figures", "compare"),
+    "notebook": ("auto_gallery/index",),
+    "design": ("linkage", "endurance", "friction"),
+    "commands": ("shell_completion",),
+    "data": (
+        "formats",
+        "logs",
+        "Settings <settings>",
+        "film.nc <film_nc>",
+        "Other files <other_files>",
+        "export",
+        "Glossary <glossary>",
+    ),
+    "export": ("matlab",),
+    "theory/index": (
+        "fluorescence",
+        "Registration </registration>",
+        "Uncertainty </uncertainty>",
+        "film",
+        "reynolds",
+        "edges",
+        "endurance",
+        "Bibliography </bibliography>",
+    ),
+    "theory/film": ("Which theory? <which>", "slider_crank"),
+    "theory/reynolds": ("position", "fit", "pressure"),
+    "develop": (
+        "API <api/index>",
+        "architecture",
+        "decisions/index",
+        "performance",
+        "container",
+        "cite",
+    ),
+}
+"""Pages below each page, in the order of the bar and the side bars."""
+
+html_sidebars = {"index": []}
 
 STAGES = (
     "io.readers",
@@ -240,6 +272,13 @@ def list_settings(
             lines += [f"``{key}``", f"    {meaning}", ""]
 
 
+def add_navigation(app: Sphinx, docname: str, source: list[str]) -> None:
+    """Append the pages below a page, which its side bar lists."""
+    if pages := NAVIGATION.get(docname):
+        entries = "\n".join(pages)
+        source[0] += f"\n\n```{{toctree}}\n:hidden:\n\n{entries}\n```\n"
+
+
 def inline_math(self, node: nodes.math) -> None:
     """Write a formula in a line as MathML, which browsers draw without a script."""
     self.body.append(tex2mathml(node.astext()))
@@ -256,5 +295,6 @@ def setup(app: Sphinx) -> None:
     """Register the MathML renderer and the pages of the API reference."""
     app.add_html_math_renderer("mathml", (inline_math, None), (display_math, None))
     app.connect("builder-inited", write_api_pages, priority=100)
+    app.connect("source-read", add_navigation)
     app.connect("autodoc-process-docstring", escape_bars)
     app.connect("autodoc-process-docstring", list_settings, priority=900)

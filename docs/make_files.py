@@ -1,14 +1,18 @@
-"""Write docs/files.md and the JSON schemas in docs/schema: ``python docs/make_files.py``.
+"""Write the pages about files and the JSON schemas: ``python docs/make_files.py``.
 
-Settings come from the tables of `erlif.io.settings`, variables from `erlif.core.variables`.
-Attributes stand below; a test holds all of them to the files that erlif writes.
+The pages are docs/settings.md, docs/film_nc.md and docs/other_files.md. Settings come from the
+tables of `erlif.io.settings`, variables from `erlif.core.variables`. Attributes stand below; a test
+holds all of them to the files that erlif writes.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 
 from erlif.core.flags import Flag
@@ -34,6 +38,7 @@ from erlif.io.settings import (
     keys_of,
     tables_of,
 )
+from erlif.io.settings.design import PartOfJoint
 from erlif.io.settings.toml import toml_value
 
 DOCS = Path(__file__).parent
@@ -297,55 +302,129 @@ def settings_section(
             continue
         titles = " and ".join(f"\\[{table.title}\\]" for table in tables if table.path)
         choice = keys[0].choices if keys[0].name == "kind" else ()
-        heading = titles or f"Top of {name}"
-        yield f"### {heading}{f', {choice[0]}' if choice else ''}"
-        yield ""
-        yield tables[0].meaning if titles else "Keys above the first table."
+        meaning = tables[0].meaning if titles else "Keys above the first table."
         if titles and not all(table.required for table in tables):
-            yield "The table is optional."
-        yield ""
-        yield "| key | value | default | meaning |"
-        yield "|---|---|---|---|"
-        yield from (key_row(key) for key in keys)
-        yield ""
+            meaning += " Optional."
+        if issubclass(inner, PartOfJoint):
+            meaning += " The keys of the [material](#material-of-a-part) and:"
+            keys = [key for key in keys if key not in MATERIAL]
+        yield f"### {titles or f'Top of {name}'}{f', {choice[0]}' if choice else ''}"
+        yield from ("", meaning, "")
+        yield from keys_table(keys)
 
 
-def key_row(key: Key) -> str:
-    """One row about a key."""
-    value = key.form
-    if key.choices:
-        value = ", ".join(f'`"{choice}"`' for choice in key.choices)
-    elif key.bounds:
-        value = f"{value}, {key.bounds}"
-    if not key.choices:
-        value = f"{value}: `{toml_value(key.example)}`"
-    meaning, _, absent = key.meaning.partition(" Default: ")
-    default = "**required**" if key.required else absent.rstrip(".") or "none"
-    if key.default not in (None, ""):
-        default = f"`{toml_value(key.default)}`"
-    return f"| `{key.name}` | {value} | {default} | {meaning} |"
+MATERIAL = list(keys_of(PartOfJoint))
+"""Keys that all parts of a joint share."""
 
 
-def variables_table(variables: Mapping[str, Variable], *, always: bool = False) -> Iterator[str]:
-    """Rows about the variables of a group."""
-    yield "| variable | dims | type | unit | meaning |"
-    yield "|---|---|---|---|---|"
-    for variable in variables.values():
-        when = f" Only where {variable.when}." if variable.when and not always else ""
-        dims = ", ".join(variable.dims) or "scalar"
-        unit = variable.units or "-"
-        meaning = f"{variable.meaning}{when}"
-        yield f"| `{variable.name}` | {dims} | {variable.dtype} | {unit} | {meaning} |"
+def keys_table(keys: Iterable[Key]) -> Iterator[str]:
+    """Rows about keys."""
+    yield "| key | value | meaning |"
+    yield "|---|---|---|"
+    for key in keys:
+        meaning, _, absent = key.meaning.partition(" Default: ")
+        if meaning.startswith("Default: "):  # the meaning is that of the table
+            meaning, absent = "", meaning.removeprefix("Default: ")
+        if key.default not in (None, "", {}):
+            absent = f"`{toml_value(key.default)}`."
+        meaning += f" Default: {absent}" if absent and not key.required else ""
+        name = f"**`{key.name}`**" if key.required else f"`{key.name}`"
+        yield f"| {name} | {form_of(key)} | {meaning.strip()} |"
     yield ""
 
 
-def attributes_table(attributes: Sequence[Attribute]) -> Iterator[str]:
-    """Rows about attributes."""
+def form_of(key: Key) -> str:
+    """Kind of value of a key, with its bounds and, where no default shows it, an example."""
+    if key.choices:
+        return ", ".join(f'`"{choice}"`' for choice in key.choices)
+    form = key.form
+    between = re.fullmatch(r"from (\S+) up to (\S+)", key.bounds)
+    if between and not key.unit:
+        form += f", {between[1]} to {between[2]}"
+    elif key.bounds and not between:
+        bounds = key.bounds
+        for words, sign in (("above", ">"), ("from", "≥"), (" below", ", <"), (" up to", ", ≤")):
+            bounds = bounds.replace(words, sign)
+        form += f" {bounds}"
+    shown = key.default not in (None, "", {}) and " or " not in form
+    return form if shown else f"{form}: `{toml_value(key.example)}`"
+
+
+def variables_tables(
+    variables: Mapping[str, Variable], known: Mapping[str, Variable] | None = None
+) -> Iterator[str]:
+    """Tables of the variables of a group, those of one condition together.
+
+    With `known`, the variables of film.nc, those that it has as well are listed by name, and no
+    condition stands.
+    """
+    meanings = {name: one.meaning for name, one in (known or {}).items()}
+    same = [name for name, one in variables.items() if one.meaning == meanings.get(name)]
+    rows = {name: one for name, one in variables.items() if name not in same}
+    if same:
+        yield f"As in [film.nc](film_nc.md): {', '.join(f'`{name}`' for name in same)}."
+        yield ""
+    if not rows:
+        return
+    usual = Counter((one.dims, one.dtype) for one in rows.values()).most_common(1)[0][0]
+    dims = f"on `{', '.join(usual[0])}`" if usual[0] else "scalar"
+    yield f"Form: {usual[1]} {dims}, unless the row states another."
+    yield ""
+
+    # at least three rows of one condition have a table of their own
+    groups: dict[str, list[str]] = {"": []}
+    for when, members in groupby(rows.values(), key=lambda one: one.when if known is None else ""):
+        lines = variable_rows(list(members), usual)
+        if when and len(lines) >= 3:
+            groups.setdefault(when, []).extend(lines)
+        else:
+            groups[""] += [
+                f"{line} Only where {when}. |" if when else f"{line} |" for line in lines
+            ]
+    for when, lines in groups.items():
+        if when:
+            yield from (f"Only where {when}:", "")
+            lines = [f"{line} |" for line in lines]
+        if lines:
+            yield from ("| variable | unit, form | meaning |", "|---|---|---|", *lines, "")
+
+
+def variable_rows(variables: Sequence[Variable], usual: tuple[tuple[str, ...], str]) -> list[str]:
+    """Rows about variables, not closed; one for a variable and its standard deviation."""
+    names = {one.name for one in variables}
+    lines = []
+    for one in variables:
+        if is_deviation(one) and one.name.removesuffix("_std") in names:
+            continue
+        std = next((x for x in variables if x.name == f"{one.name}_std" and is_deviation(x)), None)
+        form = [one.units] if one.units not in ("", "1") else []
+        if one.dtype != usual[1]:
+            form.append(one.dtype)
+        if one.dims != usual[0]:
+            form.append(f"on {', '.join(one.dims)}" if one.dims else "scalar")
+        name = f"`{one.name}`, `_std`" if std else f"`{one.name}`"
+        lines.append(f"| {name} | {', '.join(form)} | {one.meaning}")
+    return lines
+
+
+def is_deviation(one: Variable) -> bool:
+    """Whether a variable is the standard deviation of the one of its name without _std."""
+    return one.name.endswith("_std") and one.meaning.startswith("Its standard deviation")
+
+
+def attributes_table(
+    attributes: Sequence[Attribute], known: Sequence[Attribute] = ()
+) -> Iterator[str]:
+    """Rows about attributes; those that film.nc has as well, `known`, are listed by name."""
+    if same := [one.name for one in attributes if one in known]:
+        yield f"As in [film.nc](film_nc.md): {', '.join(f'`{name}`' for name in same)}."
+        yield ""
     yield "| attribute | meaning |"
     yield "|---|---|"
     for attribute in attributes:
-        when = f" Only where {attribute.when}." if attribute.when else ""
-        yield f"| `{attribute.name}` | {attribute.meaning}{when} |"
+        if attribute not in known:
+            when = f" Only where {attribute.when}." if attribute.when else ""
+            yield f"| `{attribute.name}` | {attribute.meaning}{when} |"
     yield ""
 
 
@@ -377,167 +456,176 @@ def flags_table() -> Iterator[str]:
     yield ""
 
 
-INTRODUCTION = """\
-<!-- made by docs/make_files.py; a test holds it to what erlif reads and writes -->
+MADE = "<!-- made by docs/make_files.py; a test holds it to what erlif reads and writes -->"
 
-# Files
+SETTINGS_TEXT = """\
+# Settings
 
-erlif reads `run.toml`, `fixture.toml`, `encoder.csv`, `profile.csv` and frames; it writes
-`calibration.nc`, `film.nc`, `prediction.nc` and `pressure.nc`. This page is generated from the
-program.
+erlif reads its settings from TOML files: `run.toml` of a run, `fixture.toml` of a calibration
+fixture, `plan.toml`, `joint.toml` and `endurance.toml` for the commands of these names. `erlif
+init` writes the first two, with a gap, `"??"`, for every required value that the files do not show.
 
-In settings files a quantity is text with a unit, `"50 lbf"` or `"114 rpm"`, in any unit of its
-kind. A bare number in place of a quantity is refused, and so is an unknown key; the message names
-the nearest known key. `erlif init` writes a first `run.toml` or `fixture.toml`, in which a gap,
-`"??"`, stands for every required value that the files do not show.
+A quantity is text with a unit, `"50 lbf"` or `"114 rpm"`, in any unit of its kind. A bare number in
+its place is refused, and so is an unknown key. A key in **bold** is required; the value is an
+example where no default shows one.
 
-Editors with JSON schema complete and check these files. `erlif init` writes the schema beside the
-settings, and their first line, `#:schema ./run.schema.json`, points to it for Taplo and Even Better
-TOML. The schemas are also in the repository: `docs/schema/run.schema.json` and
-`docs/schema/fixture.schema.json`.
+Editors with JSON schema (Taplo, Even Better TOML) complete and check the files; the schemas are in
+`docs/schema`, and `erlif init` writes one beside the settings.
+"""
+
+FILM_TEXT = """\
+# Variables of film.nc
+
+`erlif process` writes `film.nc`, netCDF-4, or `film.zarr`, by the suffix. xarray reads both:
+`erlif.open_film("film.nc")`. A row `x`, `_std` stands for `x` and for `x_std`, its standard
+deviation, random and shared parts together. A unit that is not stated is 1.
+"""
+
+OTHER_TEXT = """\
+# Other files
+
+What erlif reads beside its [settings](settings.md), and writes beside [film.nc](film_nc.md).
 """
 
 FRAMES_TEXT = """\
 ## Frames
 
 Frames, darks and flats are grey images of 8 or 16-bit unsigned counts, at least 64 x 64 pixels, all
-of one size and type in a run, in a format that `erlif.io.readers` recognises. Frame k of
-camera 1 and frame k of camera 2 show the same laser pulse, and row k of the encoder log belongs to
-them. Single-page files are taken in natural order (frame_2 before frame_10); a multi-page file
-holds its frames in order.
+of one size and type in a run, in one of the [formats](formats.md). Frame k of camera 1 and frame k
+of camera 2 show the same laser pulse, and row k of the encoder log belongs to them. Single-page
+files are taken in natural order (frame_2 before frame_10).
 """
 
 STORAGE_TEXT = """\
-One chunk of `thickness`, its deviations or `flags` is the map of one trigger, float32 or uint8,
-shuffled and deflated. The thickness of a pixel is rounded by at most a tenth of its standard
-deviation; `thickness_std` keeps 5 bits of mantissa (1.6 % at most), `thickness_std_shared` 4 bits
-(3 %). Text is UTF-8 of a fixed length; a variable of text has a further dimension for its
-characters, which xarray removes. Settings in the file stand as the user wrote them.
+## Storage
 
-In `film.zarr` (format 3) the chunks are blosc (lz4, bitshuffle), each a file such as
-`thickness/c.12.0.0`. While a film is made, a directory `film.nc.partial` or `film.zarr.partial`
-beside it holds what is finished; the next start resumes from it, and a complete film has none."""
+A chunk of `thickness`, its deviations or `flags` is the map of one trigger, shuffled and deflated.
+The thickness of a pixel is rounded by at most a tenth of its standard deviation; `thickness_std`
+keeps 5 bits of mantissa (1.6 % at most), `thickness_std_shared` 4 bits (3 %). Text has a further
+dimension for its characters, which xarray removes.
+
+In `film.zarr` (format 3) a chunk is blosc (lz4, bitshuffle) in a file such as `thickness/c.12.0.0`.
+While a film is made, `film.nc.partial` or `film.zarr.partial` holds what is finished; the next
+start resumes from it."""
+
+COORDINATES_TEXT = """\
+Further columns of the encoder log are variables of their own name on `trigger`. `encoder_angle`,
+`crank_angle`, `position`, `stroke` and `time` are coordinates of `trigger`, as in
+`film.film_min.plot(x="crank_angle")`; in the group frames, `trigger`, `cycle` and `time` are
+coordinates of `frame`."""
 
 SHARED_TABLES_TEXT = """\
-The tables \\[camera1\\], \\[camera2\\], \\[optics\\], \\[registration\\] and \\[thickness\\] are
-those of run.toml."""
+\\[camera1\\], \\[camera2\\], \\[optics\\], \\[registration\\] and \\[thickness\\] are those of
+run.toml."""
 
 ENCODER_TEXT = """\
-One row for each frame pair, below one header row; decimal points, commas between columns."""
+One header row, then one row for each frame pair; decimal points, commas between columns. Columns of
+other names and units are read as [Logs](logs.md) describes."""
 
 FURTHER_COLUMNS_TEXT = """\
-Further columns keep their names and travel into film.nc, numbers as the mean over the frames of a
-trigger. Their names must differ from the variables of film.nc."""
+Further columns travel into film.nc, numbers as the mean over the frames of a trigger. Their names
+must differ from the variables of film.nc."""
 
-CAMERA_MAP_TEXT = """\
-Group `registration`: the camera map of the fixture, with the variables and attributes of the
-[same group in film.nc](#group-registration), without `blur_difference`."""
-
+REGISTRATION_TEXT = """\
+Group `registration`: the camera map of the fixture, as in
+[film.nc](film_nc.md#group-registration) without `blur_difference` and `ratio_excess`."""
 
 PREDICTION_TEXT = """\
 netCDF-4, written by `erlif predict`: the film that theory predicts for a joint that oscillates. One
 chunk of `film_predicted` is the map of one trigger, with 14 bits of mantissa (0.003 % at most).
-Maps of single frames follow from their eccentricity and attitude, as docs/prediction.md shows."""
-
+Maps of single frames follow from their eccentricity and attitude ([Prediction](prediction.md))."""
 
 PRESSURE_TEXT = """\
 netCDF-4, written by `erlif pressure`: the pressure in the film of a joint that oscillates, from the
-measured positions of its pin and their rate."""
-
+measured positions of its pin and their rate ([theory](theory/pressure.md))."""
 
 PLAN_TEXT = """\
 What a rig is to be, for `erlif plan` ([Planning](planning.md)). Spectra are CSV files with the
 columns `wavelength_nm,value`; lines that begin with # are remarks."""
 
-
 ENDURANCE_TEXT = """\
 Columns, machine and designs of endurance tests, for `erlif endurance` ([Endurance
 tests](endurance.md))."""
 
-
 JOINT_TEXT = """\
-What a pin joint is to be, for `erlif design` ([Design](design.md)). Keys of a part that state a
-value of its material replace that of the table."""
+What a pin joint is to be, for `erlif design` ([Design](design.md)).
+
+### Material of a part
+
+Keys that every part of the joint has. A value that is stated replaces that of the table of
+materials."""
 
 
-def render() -> str:
-    """The page as Markdown."""
+def render_settings() -> str:
+    """docs/settings.md: every key of every settings file."""
     shared = ("camera1", "camera2", "optics", "registration", "thickness", "thickness.roi")
-    lines = [INTRODUCTION, "## run.toml", ""]
+    lines = [MADE, "", SETTINGS_TEXT, "## run.toml", ""]
     lines += settings_section(RunSettings, "run.toml")
-    lines += ["## fixture.toml", ""]
-    lines += [SHARED_TABLES_TEXT, ""]
+    lines += ["## fixture.toml", "", SHARED_TABLES_TEXT, ""]
     lines += settings_section(FixtureSettings, "fixture.toml", leave_out=shared)
-    lines += [FRAMES_TEXT]
+    lines += ["## plan.toml", "", PLAN_TEXT, ""]
+    lines += settings_section(PlanSettings, "plan.toml")
+    lines += ["## joint.toml", "", JOINT_TEXT, "", *keys_table(MATERIAL)]
+    lines += settings_section(DesignSettings, "joint.toml")
+    lines += ["## endurance.toml", "", ENDURANCE_TEXT, ""]
+    lines += settings_section(EnduranceSettings, "endurance.toml")
+    return finish(lines)
 
-    lines += ["## encoder.csv", "", ENCODER_TEXT, ""]
+
+def render_film() -> str:
+    """docs/film_nc.md: variables, flags and attributes of a film."""
+    lines = [MADE, "", FILM_TEXT]
+    lines += variables_tables(FILM)
+    lines += [COORDINATES_TEXT, ""]
+    lines += ["## Bits of flags", "", "A valid pixel has none.", "", *flags_table()]
+    lines += ["## Group frames", "", "What belongs to single frame pairs.", ""]
+    lines += variables_tables(FRAMES)
+    lines += attributes_table(FRAMES_ATTRIBUTES)
+    lines += ["## Group registration", ""]
+    lines += ["The camera map: where camera 2 sees the pixels of camera 1.", ""]
+    lines += variables_tables(REGISTRATION)
+    lines += attributes_table([*REGISTRATION_ATTRIBUTES, *BLUR_ATTRIBUTES])
+    lines += ["## Attributes", "", "Of the file:", "", *attributes_table(FILM_ATTRIBUTES)]
+    lines += ["Of variables:", "", *attributes_table(VARIABLE_ATTRIBUTES), STORAGE_TEXT]
+    return finish(lines)
+
+
+def render_others() -> str:
+    """docs/other_files.md: frames, logs, profiles, calibrations, predictions and pressures."""
+    lines = [MADE, "", OTHER_TEXT, FRAMES_TEXT, "## encoder.csv", "", ENCODER_TEXT, ""]
     lines += columns_table(ENCODER)
     lines += [FURTHER_COLUMNS_TEXT, "", "## profile.csv", ""]
     lines += ["At least eight points of the fixture, in the order of these columns.", ""]
     lines += columns_table(PROFILE)
 
     lines += ["## calibration.nc", "", "netCDF-4, written by `erlif calibrate`.", ""]
-    lines += variables_table(CALIBRATION)
-    lines += ["Attributes of the file:", ""]
-    lines += attributes_table(CALIBRATION_ATTRIBUTES)
-    lines += [
-        "Group `registration`: the camera map of the fixture, with variables and attributes as in "
-    ]
-    lines[-1] += "[film.nc](#group-registration), the attributes `blur_difference...` excepted."
-    lines += [""]
+    lines += variables_tables(CALIBRATION)
+    lines += attributes_table(CALIBRATION_ATTRIBUTES, FILM_ATTRIBUTES)
+    lines += [REGISTRATION_TEXT, ""]
 
-    lines += [
-        "## film.nc",
-        "",
-        "netCDF-4 (or zarr, by the suffix), written by `erlif process`.",
-        "",
-        STORAGE_TEXT,
-        "",
-    ]
-    lines += variables_table(FILM)
-    lines += [
-        "Further columns of the encoder log are variables of their own name on `trigger`.",
-        "`encoder_angle`, `crank_angle`, `position`, `stroke` and `time` are coordinates of "
-        "`trigger`: each variable on it names them in its attribute `coordinates`, after CF, and "
-        'xarray gives `film.film_min.plot(x="crank_angle")`. In the group frames, `trigger`, '
-        "`cycle` and `time` are coordinates of `frame`.",
-        "",
-    ]
-    lines += ["Bits of `flags`; a valid pixel has none:", ""]
-    lines += flags_table()
-    lines += ["Attributes of the file:", ""]
-    lines += attributes_table(FILM_ATTRIBUTES)
-    lines += ["Attributes of variables:", ""]
-    lines += attributes_table(VARIABLE_ATTRIBUTES)
-    lines += ["### Group frames", "", "What belongs to single frame pairs.", ""]
-    lines += variables_table(FRAMES)
-    lines += attributes_table(FRAMES_ATTRIBUTES)
-    lines += [
-        "### Group registration",
-        "",
-        "The camera map: where camera 2 sees the pixels of camera 1.",
-        "",
-    ]
-    lines += variables_table(REGISTRATION)
-    lines += attributes_table([*REGISTRATION_ATTRIBUTES, *BLUR_ATTRIBUTES])
-
-    lines += ["## plan.toml", "", PLAN_TEXT, ""]
-    lines += settings_section(PlanSettings, "plan.toml")
-    lines += ["## joint.toml", "", JOINT_TEXT, ""]
-    lines += settings_section(DesignSettings, "joint.toml")
-    lines += ["## endurance.toml", "", ENDURANCE_TEXT, ""]
-    lines += settings_section(EnduranceSettings, "endurance.toml")
     lines += ["## prediction.nc", "", PREDICTION_TEXT, ""]
-    lines += variables_table(PREDICTION)
-    lines += ["Attributes of the file:", ""]
-    lines += attributes_table(PREDICTION_ATTRIBUTES)
-    lines += ["Group `frames`, what belongs to single frame pairs:", ""]
-    lines += variables_table(PREDICTION_FRAMES, always=True)
+    lines += variables_tables(PREDICTION, FILM)
+    lines += attributes_table(PREDICTION_ATTRIBUTES, FILM_ATTRIBUTES)
+    lines += ["Group `frames`:", ""]
+    lines += variables_tables(PREDICTION_FRAMES, FRAMES)
+
     lines += ["## pressure.nc", "", PRESSURE_TEXT, ""]
-    lines += variables_table(PRESSURE, always=True)
-    lines += ["Attributes of the file:", ""]
-    lines += attributes_table(PRESSURE_ATTRIBUTES)
+    lines += variables_tables(PRESSURE, FILM)
+    lines += attributes_table(PRESSURE_ATTRIBUTES, FILM_ATTRIBUTES)
+    return finish(lines)
+
+
+def finish(lines: Sequence[str]) -> str:
+    """Text of a page, which ends with one line break."""
     return "\n".join(lines).rstrip("\n") + "\n"
+
+
+PAGES = {
+    "settings.md": render_settings,
+    "film_nc.md": render_film,
+    "other_files.md": render_others,
+}
+"""Pages by their file names."""
 
 
 def schemas() -> dict[str, str]:
@@ -556,8 +644,9 @@ def schemas() -> dict[str, str]:
 
 
 def main() -> None:
-    """Write the page and the schemas."""
-    (DOCS / "files.md").write_text(render(), encoding="utf-8")
+    """Write the pages and the schemas."""
+    for name, render in PAGES.items():
+        (DOCS / name).write_text(render(), encoding="utf-8")
     (DOCS / "schema").mkdir(exist_ok=True)
     for name, text in schemas().items():
         (DOCS / "schema" / name).write_text(text, encoding="utf-8")

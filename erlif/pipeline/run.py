@@ -79,7 +79,7 @@ def process(
     Returns
     -------
     xarray.Dataset
-        The film, as docs/files.md describes it; with `output`, maps are read from it when used.
+        The film, as docs/film_nc.md describes it; with `output`, maps are read from it when used.
 
     Raises
     ------

@@ -14,7 +14,7 @@ FORMAT = {
     64: "poor_registration",
     128: "no_film",
 }
-"""Bits of the file format, docs/files.md."""
+"""Bits of the file format, docs/film_nc.md."""
 
 
 def test_numbers_are_those_of_the_file_format():

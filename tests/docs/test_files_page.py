@@ -1,5 +1,6 @@
-"""docs/files.md and the JSON schemas, held to what erlif reads and writes."""
+"""The pages about files and the JSON schemas, held to what erlif reads and writes."""
 
+import re
 from pathlib import Path
 
 import h5netcdf
@@ -14,6 +15,7 @@ from erlif.calibration.departure import Departure
 from erlif.core.variables import CALIBRATION
 from erlif.io.files import write_dataset
 from erlif.io.ingest import read_encoder_log
+from erlif.io.settings import keys_of
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -23,10 +25,31 @@ def page():
     return load_script(DOCS / "make_files.py")
 
 
-def test_the_committed_page_is_the_generated_one(page):
-    assert (DOCS / "files.md").read_text(encoding="utf-8") == page.render(), (
+@pytest.mark.parametrize("name", ["settings.md", "film_nc.md", "other_files.md"])
+def test_the_committed_pages_are_the_generated_ones(page, name):
+    assert (DOCS / name).read_text(encoding="utf-8") == page.PAGES[name](), (
         "python docs/make_files.py"
     )
+
+
+def test_pages_list_every_key_variable_and_attribute(page):
+    settings = (DOCS / "settings.md").read_text(encoding="utf-8")
+    kinds = [getattr(page, name) for name in dir(page) if name.endswith("Settings")]
+    keys = [
+        key.name for kind in kinds for table in page.tables_of(kind) for key in keys_of(table.kind)
+    ]
+    assert len(keys) > 200
+    assert not [name for name in keys if f"`{name}`" not in settings]
+
+    for name, products in {
+        "film_nc.md": ("FILM", "FRAMES", "REGISTRATION"),
+        "other_files.md": ("CALIBRATION", "PREDICTION", "PREDICTION_FRAMES", "PRESSURE"),
+    }.items():
+        text = (DOCS / name).read_text(encoding="utf-8")
+        listed = [one for each in products for one in getattr(page, each)]
+        listed += [one.name for each in products for one in getattr(page, f"{each}_ATTRIBUTES", ())]
+        text = re.sub(r"`(\w+)`, `_std`", r"`\1`, `\1_std`", text)
+        assert not [one for one in listed if f"`{one}`" not in text]
 
 
 def test_the_committed_schemas_are_the_generated_ones(page):

@@ -1,7 +1,7 @@
 """The keys of a settings file, described: form, unit, default, bounds and meaning of each.
 
-Messages, the template of `erlif init`, the JSON schema and docs/files.md are made from these. Form,
-bounds and default are those of the type of a field; its meaning stands in keys.toml.
+Messages, the template of `erlif init`, the JSON schema and docs/settings.md are made from these.
+Form, bounds and default are those of the type of a field; its meaning stands in keys.toml.
 """
 
 from __future__ import annotations

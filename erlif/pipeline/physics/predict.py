@@ -117,8 +117,8 @@ def predict(
     Returns
     -------
     xarray.Dataset
-        The prediction, as docs/files.md describes it; with `output`, maps are read from it when
-        used.
+        The prediction, as docs/other_files.md describes it; with `output`, maps are read from it
+        when used.
 
     Raises
     ------
