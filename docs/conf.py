@@ -95,7 +95,7 @@ html_css_files = ["erlif.css"]
 html_show_sourcelink = False
 html_copy_source = False
 html_math_renderer = "mathml"
-html_search_scorer = "scorer.js"
+html_search_scorer = str(ROOT / "docs" / "scorer.js")
 html_theme_options = {
     "navbar_align": "left",
     "header_links_before_dropdown": 5,
