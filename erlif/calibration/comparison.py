@@ -34,6 +34,7 @@ _SMALLEST_SPREAD = 1e-12  # of the log ratio, so that equal images keep their po
 _SMALLEST_VARIANCE = 1e-20  # its square is below any noise of a mean ratio
 _CORRELATED = 2.0  # standard deviations from which on neighbours are taken as correlated
 _SHOWN_FILMS = (1.0, 3.0, 8.0)  # um: films of the verdict
+_NOTHING = 0.0005  # um: changes that round to none
 _POSITIONS = ("curve_x", "curve_y")
 
 
@@ -175,6 +176,8 @@ class Comparison:
 
     def _size(self) -> str:
         """Size of the difference at some films and at its largest, as text."""
+        if np.abs(self.film_change).max() < _NOTHING:
+            return "measured films change by less than 1 nm"
         low, high = self.thickness[0], self.thickness[-1]
         at = [film for film in _SHOWN_FILMS if low <= film <= high] or [(low + high) / 2]
         changes = np.interp(at, self.thickness, self.film_change)

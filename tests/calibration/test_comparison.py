@@ -235,3 +235,10 @@ def test_difference_of_known_curves_has_the_probability_of_chi_square():
         npt.assert_allclose(found.probability, 2 * norm.sf(z), rtol=1e-6)
         npt.assert_allclose(found.difference_std, np.sqrt(2) * std, rtol=1e-9)
         assert not found.bends
+
+
+def test_a_change_that_rounds_to_nothing_has_no_numbers():
+    one, _ = pair(np.random.default_rng(8), shared=True)
+    verdict = compare_calibrations(one, one).verdict
+    assert "measured films change by less than 1 nm" in verdict
+    assert "-0.0" not in verdict

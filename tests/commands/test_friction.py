@@ -33,7 +33,7 @@ def test_a_log_gives_the_coefficient_its_budget_a_table_and_a_figure(
     words = ("friction", log, *given, "-o", tmp_path)
     shown = command(*words).stdout
     assert "apparent friction coefficient: 0.1200 ± 0.0012 (6 pairs" in shown
-    assert "offset of the torque, over load and radius: 0.0500" in shown
+    assert "offset of the torque: 0.1 N m, 0.0500 of load times radius" in shown
     assert "torque ratio of 1.25: 0.0960 ± 0.0010" in shown
     assert {path.name for path in tmp_path.iterdir()} == {"bushing.csv", "bushing.png"}
     rows = (tmp_path / "bushing.csv").read_text().splitlines()

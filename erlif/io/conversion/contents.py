@@ -255,11 +255,15 @@ def attributes_of(film: xr.Dataset) -> dict[str, str]:
 
 
 def describe_units(film: xr.Dataset) -> dict[str, str]:
-    """Unit of every variable that is converted, by its name."""
+    """Unit of every variable that is converted, by its name.
+
+    A matrix of several units has its comment, which names them; a further column of the log none.
+    """
+    numbers = [name for name in _ordered(film) if film[name].dtype.kind in "iufb"]
+    described = {name: film[name].attrs for name in numbers}
     return {
-        name: str(film[name].attrs.get("units", ""))
-        for name in _ordered(film)
-        if film[name].dtype.kind in "iufb"
+        name: str(attrs.get("units") or attrs.get("comment") or ("1" if name in film.dims else ""))
+        for name, attrs in described.items()
     }
 
 

@@ -15,11 +15,12 @@ from xml.sax.saxutils import escape
 import numpy as np
 import xarray as xr
 
-from erlif.core.arrays import AnyArray
+from erlif.core.arrays import AnyArray, Array
 from erlif.core.progress import Progress
 from erlif.core.version import __version__
 from erlif.io.conversion.contents import maps_of, trigger_columns
 from erlif.io.conversion.surface import find_surface
+from erlif.io.files import settings_of
 
 _TYPES = {"float32": "Float32", "float64": "Float64", "uint8": "UInt8"}
 _HEAD = (
@@ -27,6 +28,7 @@ _HEAD = (
     'byte_order="LittleEndian" header_type="UInt64" compressor="vtkZLibDataCompressor">\n'
 )
 _TAIL = "</VTKFile>\n"
+_FULL_TURN = 360.0  # degree
 _QUOTES = {'"': "&quot;"}  # a name stands between them
 
 
@@ -43,7 +45,7 @@ def write_series(
     name : str
         Name of the ``.pvd`` file and beginning of the names of the grids.
     triggers : list of int
-        Triggers to write. Their numbers are the time steps.
+        Triggers to write. The time steps are seconds, or their numbers where no time is known.
     progress : Progress
         Called after each trigger.
     """
@@ -51,7 +53,7 @@ def write_series(
     points = _data("Points", find_surface(film).reshape(-1, 3).astype(np.float32))
     columns = trigger_columns(film)
     digits = max(3, len(str(triggers[-1])))
-    steps = []
+    steps, times = [], _time_steps(film)
     for k, trigger in enumerate(triggers):
         file = f"{name}_{trigger:0{digits}d}.vts"
         numbers = {
@@ -61,12 +63,28 @@ def write_series(
         }
         text = _grid(film, trigger, points=points, numbers=numbers)
         (folder / file).write_text(text, encoding="ascii", errors="xmlcharrefreplace")
-        steps.append(f'    <DataSet timestep="{trigger}" file="{file}"/>\n')
+        steps.append(f'    <DataSet timestep="{times[trigger]:.9g}" file="{file}"/>\n')
         progress("maps", k + 1, len(triggers))
 
     head = _HEAD.format(kind="Collection", version=__version__)
     listed = f"{head}  <Collection>\n{''.join(steps)}  </Collection>\n{_TAIL}"
     (folder / f"{name}.pvd").write_text(listed, encoding="ascii")
+
+
+def _time_steps(film: xr.Dataset) -> Array:
+    """Time of each trigger [s]; of averaged cycles from the first trigger, at the given speed.
+
+    The numbers of the triggers where neither is known.
+    """
+    if "time" in film:
+        return np.asarray(film.time.values, float)
+    motion = settings_of(film).mechanism if "settings" in film.attrs else None
+    speed = getattr(motion, "crank_speed", None) or getattr(motion, "speed", None)
+    speed = speed or 2 * np.pi * getattr(motion, "frequency", 0.0)
+    if not speed or "crank_angle" not in film:
+        return np.arange(film.sizes["trigger"], dtype=float)
+    turned = (film.crank_angle.values - film.crank_angle.values[0]) % _FULL_TURN
+    return np.asarray(np.radians(turned) / speed)
 
 
 def _grid(film: xr.Dataset, trigger: int, *, points: str, numbers: dict[str, AnyArray]) -> str:

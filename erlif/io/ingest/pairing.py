@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from erlif.core.arrays import Counts
-from erlif.core.errors import FrameError
+from erlif.core.errors import ErlifError, FrameError
 from erlif.io.ingest.counts import STORED_TYPES, find_stamp
 from erlif.io.ingest.frames import FramePairs
 from erlif.io.ingest.images import (
@@ -88,12 +88,10 @@ def pair_cameras(
     if skip_bad_frames:
         _pad_truncated((one, two))
 
-    faults = {
-        k: f"{name_page(files.pages[k], directory, camera)}: {reason}"
-        for camera, files in enumerate((one, two), 1)
-        for k, reason in files.faults.items()
-    }
+    faults = _name_faults(directory, (one, two))
     if faults and not skip_bad_frames:
+        if faults.keys() >= set(range(len(one.pages))):
+            raise _nothing_readable(directory, faults)
         raise FrameError(_fault_message(faults))
 
     # pixels are decoded here only where undecodable frames may be left out: it takes as long as
@@ -104,9 +102,7 @@ def pair_cameras(
 
     good = [k for k in range(len(one.pages)) if k not in faults]
     if not good:
-        fault = next(iter(faults.values()))
-        reason = with_advice(fault, "Record the run again, or copy the files again.")
-        raise refusal("no_readable_pair", directory=directory, reason=reason)
+        raise _nothing_readable(directory, faults)
     rows, columns = _check_kinds((one, two), good, directory)
 
     # the first pair is decoded here, so that a wrong bit depth is reported before any work
@@ -266,6 +262,22 @@ def _pad_truncated(cameras: Sequence[CameraFiles]) -> None:
                 files.faults[n] = reason
                 files.pages.append(Page(last.path, n, selection=last.selection))
                 files.kinds.append(UNREADABLE)
+
+
+def _name_faults(directory: Path, cameras: Sequence[CameraFiles]) -> dict[int, str]:
+    """What is unreadable in each pair, of both cameras, with the names of the files."""
+    faults: dict[int, str] = {}
+    for camera, files in enumerate(cameras, 1):
+        for k, reason in files.faults.items():
+            fault = f"{name_page(files.pages[k], directory, camera)}: {reason}"
+            faults[k] = f"{faults[k]}; {fault}" if k in faults else fault
+    return faults
+
+
+def _nothing_readable(directory: Path, faults: dict[int, str]) -> ErlifError:
+    """Refusal of a recording without a readable pair."""
+    reason = with_advice(faults[min(faults)], "Record them again, or copy the files again.")
+    return refusal("no_readable_pair", directory=directory, reason=reason)
 
 
 def _fault_message(faults: dict[int, str]) -> str:

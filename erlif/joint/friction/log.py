@@ -54,8 +54,8 @@ _FEWEST = 60  # samples of a test: fewer hold no stage
 # A log of load and torque.
 TORQUE_LOG = LogUse(
     EnduranceError,
-    column="--column {quantity}={choice!r}; erlif endurance also under [columns] of its settings",
-    unit="--unit {quantity}={choice!r}; erlif endurance also under [units] of its settings",
+    column="--column {quantity}={choice!r}",
+    unit="--unit {quantity}={choice!r}",
     bad_rows="Correct them, or leave these rows out with --skip-bad-rows.",
 )
 

@@ -395,6 +395,8 @@ def describe_friction(found: ReversalSeries, *, torque_ratio: float = 1.0) -> li
         # the scatter is measured, even where it is 0
         missing=[name for name, value in found.budget.items() if value == 0 and name != "scatter"],
         offset=float(found.pairs["offset"].mean()),
+        offset_torque=float((found.pairs["offset"] * found.pairs["load"]).mean())
+        * known["shaft_radius"],
         dwell=float(found.pairs["dwell"].median()) / 2,
         torque_ratio=torque_ratio,
         few=found.independent < FEW_INDEPENDENT,

@@ -116,4 +116,5 @@ def describe_gap(
         key = "gap_corrected"
     elif errors.exceeds_widths(calibration):
         key = "gap_exceeds"
-    return [_note(key, film=errors.film, shift=shift, std=std, prior=prior)]
+    thick = "thick" if shift > 0 else "thin"
+    return [_note(key, film=errors.film, shift=abs(shift), thick=thick, std=std, prior=prior)]

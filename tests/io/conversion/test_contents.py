@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from erlif.core.errors import ErlifError
-from erlif.io.conversion.contents import choose_trigger, trigger_columns
+from erlif.io.conversion.contents import choose_trigger, describe_units, trigger_columns
 
 
 def test_every_number_of_a_trigger_has_one_column(film):
@@ -67,3 +67,11 @@ def test_an_angle_far_from_all_triggers_is_refused(film):
     turned = film.drop_vars("crank_angle")
     angle = float(film.encoder_angle[4])
     assert choose_trigger(turned, encoder_angle=angle) == 4
+
+
+def test_every_variable_of_erlif_has_a_unit(film):
+    units = describe_units(film)
+    assert all(units[name] for name in units if "trigger" in film[name].dims)
+    matrix = {"comment": "displacements in um, tilts in um mm-1"}
+    cov = film.assign(cov=(("trigger", "a", "b"), np.zeros((6, 2, 2)), matrix))
+    assert describe_units(cov)["cov"] == matrix["comment"]

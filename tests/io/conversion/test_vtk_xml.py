@@ -49,13 +49,20 @@ def test_points_of_the_file_are_one_radius_from_the_axis(film, series):
     assert numbers["film_min [um]"].tolist() == [float(film.film_min[2])]
 
 
-def test_the_collection_lists_each_trigger_as_a_time_step(series):
-    steps = ET.parse(series / "film.pvd").getroot().findall(".//DataSet")
-    assert [(step.attrib["timestep"], step.attrib["file"]) for step in steps] == [
-        ("0", "film_000.vts"),
-        ("2", "film_002.vts"),
-        ("5", "film_005.vts"),
-    ]
+def steps_of(folder):
+    return ET.parse(folder / "film.pvd").getroot().findall(".//DataSet")
+
+
+def test_the_collection_lists_each_trigger_with_its_time(film, series, tmp_path):
+    """Without logged times the crank turns at 114 rpm, from 250 to 330 and to 150 degrees."""
+    steps = steps_of(series)
+    assert [step.attrib["file"] for step in steps] == [f"film_00{k}.vts" for k in (0, 2, 5)]
+    times = [float(step.attrib["timestep"]) for step in steps]
+    npt.assert_allclose(times, np.array([0, 80, 260]) / 360 * 60 / 114, rtol=1e-6)
+
+    timed = film.assign(time=("trigger", 0.03 * np.arange(6)))
+    write_series(timed, tmp_path / "film", name="film", triggers=[1, 4], progress=silent)
+    assert [step.attrib["timestep"] for step in steps_of(tmp_path / "film")] == ["0.03", "0.12"]
     assert {path.name for path in series.iterdir()} == {
         "film.pvd",
         *(step.attrib["file"] for step in steps),

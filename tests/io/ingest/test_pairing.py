@@ -119,6 +119,17 @@ def test_no_pair_left_is_refused_even_on_request(record):
     (directory / "camera2" / "f_1.tif").write_bytes(b"")
     message = refusal(directory, skip_bad_frames=True)
     assert "every pair has an unreadable file: camera1/f_0.tif: the file is empty" in message
+    assert "--skip-bad-frames" not in refusal(directory)
+
+
+def test_both_cameras_are_named_where_both_are_unreadable(record):
+    directory = record(range(2), range(2))
+    for name in ("camera1/f_0.tif", "camera1/f_1.tif", "camera2/f_0.tif", "camera2/f_1.tif"):
+        (directory / name).write_bytes(b"")
+    for skip in (False, True):
+        message = refusal(directory, skip_bad_frames=skip)
+        assert "camera1/f_0.tif: the file is empty; camera2/f_0.tif: the file is empty" in message
+        assert "--skip-bad-frames" not in message
 
 
 @pytest.mark.parametrize("camera", [1, 2])

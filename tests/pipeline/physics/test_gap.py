@@ -2,6 +2,7 @@
 
 import tomllib
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -92,6 +93,20 @@ def test_a_run_without_a_joint_shows_no_errors():
     (note,) = describe_gap(None, calibration, corrected=True)
     assert note.level is Level.WARNING
     assert describe_gap(None, calibration, corrected=False) == []
+
+
+@pytest.mark.parametrize(
+    ("shift", "words"), [(0.492, "492 ± 9 nm too thick"), (-0.492, "492 ± 9 nm too thin")]
+)
+def test_the_shift_of_the_films_is_thick_or_thin_without_a_sign(shift, words):
+    errors = SimpleNamespace(
+        film=2.7,
+        film_shift=lambda film, middle: shift,
+        film_std=lambda film, middle, before: 0.009,
+        exceeds_widths=lambda calibration: False,
+    )
+    (note,) = describe_gap(errors, example_calibration(), corrected=False)
+    assert words in note.text
 
 
 @pytest.mark.parametrize(
