@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import sys
+import tomllib
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -15,6 +18,9 @@ from erlif.core.speed.imports import large_imports
 KINDS = ("crank-rocker", "slider-crank", "rotation", "sinusoidal", "static")
 
 DEFAULT_KIND = "crank-rocker"
+
+# A value that is not known yet, with its unit behind it.
+_GAP = "??"
 
 
 def on_terminal() -> bool:
@@ -69,5 +75,24 @@ def init(directory: Path, fixture: bool, kind: str | None, full: bool, overwrite
     try:
         (read_fixture_settings if fixture else read_run_settings)(directory)
     except ConfigError as gaps:
-        click.echo(str(gaps))
-    click.echo(f"Then run: erlif check {directory}")
+        verbose = click.get_current_context().find_root().params["verbose"]
+        click.echo(str(gaps) if verbose else "\n".join(_list_gaps(output)))
+    click.echo(f"next: erlif check {directory}")
+
+
+def _list_gaps(path: Path) -> Iterator[str]:
+    """The keys that have no value yet, a line for each table."""
+
+    def gaps(name: str, table: dict[str, Any]) -> Iterator[tuple[str, list[str]]]:
+        keys = [key for key, value in table.items() if str(value).startswith(_GAP)]
+        if keys:
+            yield name, keys
+        for key, value in table.items():
+            if isinstance(value, dict):
+                yield from gaps(f"{name}.{key}".lstrip("."), value)
+
+    found = list(gaps("", tomllib.loads(path.read_text(encoding="utf-8"))))
+    count = sum(len(keys) for _, keys in found)
+    yield f"{count} gaps are left, with their meaning in the file. Replace each {_GAP}:"
+    for name, keys in found:
+        yield f"  [{name}] {', '.join(keys)}" if name else f"  {', '.join(keys)}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,9 +17,12 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ErlifError, OutputError
 from erlif.core.notes import Note, list_some, note_writer
 from erlif.core.products import EncoderLog
+from erlif.core.units import count_of
 from erlif.io.files import takes, write_file
 from erlif.io.ingest import read_encoder_log
+from erlif.io.ingest.logs.columns import CONTRACT, ColumnChoice, find_columns
 from erlif.io.ingest.logs.proposal import LogProposal, propose_log
+from erlif.io.ingest.logs.text import read_log_table
 from erlif.io.ingest.survey import CameraSurvey, CountsSample, Survey, TextTable, survey_directory
 from erlif.io.settings import (
     GAP,
@@ -131,7 +134,8 @@ def init(
 
     survey = survey_directory(directory)
     if not survey.cameras:
-        raise refusal("no_images", directory=directory)
+        key = "only_jpeg" if survey.lossy else "no_images"
+        raise refusal(key, directory=directory, count=len(survey.lossy))
 
     draft = _Draft()
     _draft_cameras(draft, survey)
@@ -203,8 +207,11 @@ def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurv
     for key, images in others:
         if images is None:
             continue
-        draft.set(f"{table}.{key}", images.pattern, f"{images.pages} images.")
-        draft.note("images", table, pages=images.pages, which=key, pattern=images.pattern)
+        count = count_of(images.pages, f"{key} image")
+        draft.set(f"{table}.{key}", images.pattern, f"{count}.")
+        draft.note("images", table, count=count, pattern=images.pattern)
+        if f"{key}s" in survey.in_order:
+            draft.note("in_order", table, which=key)
         if images.pattern is None:
             draft.note("no_pattern_of_images", table, which=key)
     if camera.darks is None:
@@ -333,7 +340,12 @@ def _read_own_log(
         counts = " and ".join(str(count) for count in sorted(pages))
         draft.note("rows", rows=table.rows, frames=counts)
     try:
-        return read_encoder_log(table.path, needs_angle=needs_angle)
+        log = read_encoder_log(table.path, needs_angle=needs_angle)
+        read = read_log_table(table.path, ())
+        _note_unused(
+            draft, read.names, [one.name for one in find_columns(read, ColumnChoice())[0].values()]
+        )
+        return log
     except ErlifError as error:
         draft.note("unreadable", "encoder log", reason=error)
         return None
@@ -387,12 +399,22 @@ def _draft_proposal(draft: _Draft, survey: Survey, proposal: LogProposal) -> Non
         draft.set(f"encoder.{quantity}", name, "By its name; check that it is this quantity.")
     for quantity in proposal.without_unit:
         draft.note("no_unit", column=proposal.columns[quantity], quantity=quantity)
+    used = [*proposal.columns.values(), *CONTRACT, *([proposal.pulse] if proposal.pulse else [])]
+    if "angle" in proposal.known:  # else the columns are listed to choose from
+        _note_unused(draft, names, used)
     if not proposal.in_time:
         return
     if proposal.pulse is not None:
         draft.set("encoder.pulse", proposal.pulse, "By its name: it must rise at each frame.")
     else:
         draft.note("log_in_time", rows=rows, frames=frames)
+
+
+def _note_unused(draft: _Draft, names: Iterable[str], used: Iterable[str]) -> None:
+    """Name the columns of the log that serve nothing."""
+    unused = [name for name in names if name and name not in set(used)]
+    if unused:
+        draft.note("unused", names=", ".join(repr(name) for name in unused))
 
 
 def _ask_for_columns(draft: _Draft, proposal: LogProposal) -> None:

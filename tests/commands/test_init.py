@@ -10,8 +10,11 @@ def test_what_was_found_and_what_is_missing_is_printed(lab, command):
     lines = command("init", lab.run).stdout.splitlines()
     assert lines[0] == "note    camera1: 6 frames of 128 x 96 uint16, camera1/*.tif"
     assert f"written: {lab.run / 'run.toml'}" in lines
-    assert any(line.startswith("  [optics] pixel_pitch: ") for line in lines)
-    assert lines[-1] == f"Then run: erlif check {lab.run}"
+    assert "17 gaps are left, with their meaning in the file. Replace each ??:" in lines
+    assert "  [mechanism] crank, coupler, rocker, ground, crank_speed" in lines
+    verbose = command("init", lab.run, "--overwrite", "-v").stdout.splitlines()
+    assert any(line.startswith("  [optics] pixel_pitch: length from") for line in verbose)
+    assert lines[-1] == f"next: erlif check {lab.run}"
 
 
 def test_the_file_is_short_and_has_the_meaning_of_every_gap(lab, command):

@@ -288,6 +288,42 @@ def test_an_empty_folder_is_refused(tmp_path, refused):
     assert "no image file" in refused("init", tmp_path)
 
 
+def test_a_folder_of_jpeg_files_is_refused_with_the_reason(tmp_path, refused):
+    for name in ("a1.jpg", "a2.JPEG"):
+        (tmp_path / name).write_bytes(b"\xff\xd8\xff")
+    message = refused("init", tmp_path)
+    assert "the 2 images in it are JPEG files, which are lossy and hold 8 bits" in message
+
+
+@pytest.mark.parametrize(
+    "sets", [("dark_a", "dark_b"), ("darks 1/x", "darks 2/x"), ("dark1", "dark2")]
+)
+def test_darks_that_name_no_camera_are_proposed_in_their_order(tmp_path, sets):
+    for camera in ("left", "right"):
+        (tmp_path / camera).mkdir()
+        for k in range(3):
+            tifffile.imwrite(tmp_path / camera / f"{k}.tif", np.full((64, 80), 900, np.uint16))
+    for name in sets:
+        path = tmp_path / f"{name}.tif"
+        path.parent.mkdir(exist_ok=True)
+        tifffile.imwrite(path, np.full((64, 80), 60, np.uint16))
+    notes = erlif.init(tmp_path)
+    settings = read(tmp_path)
+    assert [settings[f"camera{n}"]["dark"] for n in (1, 2)] == [f"{name}.tif" for name in sets]
+    assert "taken in the order of their names: check them" in warnings(notes)
+
+
+@pytest.mark.parametrize("first", ["frame,angle_deg", "t [s],angle [deg]"])
+def test_the_temperature_of_the_oil_is_known_and_foreign_columns_are_named(folder, first):
+    rows = "".join(f"{k},{k % 3},25.{k},7,Bob\n" for k in range(4))
+    (folder / "log.csv").write_text(f"{first},T oil [degree C],Vib X [g],Operator\n{rows}")
+    texts = [note.text for note in erlif.init(folder)]
+    assert "not used: 'Vib X [g]', 'Operator'" in texts
+    table = read(folder)["encoder"]
+    assert table["file"] == "log.csv"
+    assert table.get("temperature", "T oil [degree C]") == "T oil [degree C]"
+
+
 def write_log(name, text):
     return lambda folder: (folder / name).write_text(text)
 
@@ -314,8 +350,8 @@ def write_log(name, text):
         ),
         (write_log("encoder.csv", "frame,angle_deg\n0,1\n1,2\n2,3\n"), ["3 rows for 4 frames"]),
         (
-            lambda folder: photograph(folder, "darks/A.tif", "darks/B.tif", highest=100),
-            ["there are darks/A.tif, darks/B.tif: in [camera1], write dark ="],
+            lambda folder: photograph(folder, "darks/A.tif", highest=100),
+            ["there are darks/A.tif: in [camera1], write dark ="],
         ),
         (
             lambda folder: (folder / "cam1_580nm" / "2.tif").write_bytes(b"no image"),

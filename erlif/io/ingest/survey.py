@@ -37,6 +37,9 @@ IMAGE_SUFFIXES = frozenset(
     }
 )
 
+# Formats that lose counts: 8 bits, and not the ones that were recorded.
+_LOSSY = frozenset({".jpg", ".jpeg", ".jpe"})
+
 # Names that erlif itself writes; what they hold are not frames.
 OWN_OUTPUT = frozenset({"figures", "calibration.png", "film.zarr"})
 
@@ -60,9 +63,9 @@ COVERED = 0.8
 
 # Words in the names of images that are no frames.
 _PURPOSES = {
-    "darks": re.compile(r"(?<![a-z])(dark|bias|black)"),
+    "darks": re.compile(r"(?<![a-z])(dark|dunkel|bias|black)"),
     "flats": re.compile(r"(?<![a-z])(flat|white|uniform)"),
-    "backgrounds": re.compile(r"(?<![a-z])(background|dry)(?![a-z])"),
+    "backgrounds": re.compile(r"(?<![a-z])(background|bg|dry)(?![a-z])"),
 }
 
 _CAMERA = re.compile(
@@ -203,6 +206,11 @@ class Survey:
         CSV files, in the order of their names.
     logs : tuple[Path, ...]
         Files that a data logger may have written, tables among them.
+    in_order : tuple[str, ...]
+        "darks" or "flats" that no name assigns to a camera and that are taken in the order of
+        their names.
+    lossy : tuple[Path, ...]
+        JPEG files, which hold no counts.
     """
 
     directory: Path
@@ -210,6 +218,8 @@ class Survey:
     unassigned: tuple[Path, ...]
     tables: tuple[TextTable, ...]
     logs: tuple[Path, ...] = ()
+    in_order: tuple[str, ...] = ()
+    lossy: tuple[Path, ...] = ()
 
     @property
     def lone_darks(self) -> tuple[Path, ...]:
@@ -253,6 +263,7 @@ def survey_directory(directory: Path) -> Survey:
     read = tuple(table for table in tables if table is not None)
     images = sorted((path for path in files if _is_image(path)), key=natural_key)
     groups, unassigned = _group_by_camera(images, directory)
+    in_order = _assign_in_order(groups, unassigned, directory)
     cameras = [_describe_camera(label, group, directory) for label, group in groups.items()]
     cameras = _drop_common_wavelength(cameras)
     cameras.sort(key=lambda camera: (camera.wavelength or 0, natural_key(Path(camera.label))))
@@ -262,7 +273,8 @@ def survey_directory(directory: Path) -> Survey:
         cameras, unassigned = separated or (cameras, unassigned)
 
     logs = tuple(path for path in sorted(files) if path.suffix.lower() in LOG_SUFFIXES)
-    return Survey(directory, tuple(cameras), tuple(unassigned), read, logs)
+    lossy = tuple(path for path in files if path.suffix.lower() in _LOSSY)
+    return Survey(directory, tuple(cameras), tuple(unassigned), read, logs, in_order, lossy)
 
 
 # files
@@ -329,6 +341,39 @@ def _group_by_camera(
         else:
             unassigned.append(path)
     return groups, unassigned
+
+
+def _assign_in_order(
+    groups: dict[str, dict[str, list[Path]]], unassigned: list[Path], directory: Path
+) -> tuple[str, ...]:
+    """Give two lone sets of darks or flats to the two cameras, in the order of the names.
+
+    The files are moved from `unassigned` into `groups`; the purposes for which this was done are
+    returned.
+    """
+    if len(groups) != 2:
+        return ()
+    done = []
+    for purpose in ("darks", "flats"):
+        lone = {path: _plain_name(path, directory) for path in unassigned}
+        lone = {path: name for path, name in lone.items() if _purpose(name) == purpose}
+        if any(group.get(purpose) for group in groups.values()):
+            continue
+        rule = _choose_rule(list(lone.values()))
+        labels = {path: str(rule(name)) for path, name in lone.items()}
+        if len(lone) == 2:  # a file for each camera, whatever they are called
+            labels = lone
+        if len(set(labels.values())) != 2:
+            continue
+        cameras, sets = (
+            sorted(each, key=lambda label: natural_key(Path(label)))
+            for each in (groups, set(labels.values()))
+        )
+        for path, label in labels.items():
+            groups[cameras[sets.index(label)]][purpose].append(path)
+            unassigned.remove(path)
+        done.append(purpose)
+    return tuple(done)
 
 
 def _plain_name(path: Path, directory: Path) -> str:
