@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from erlif.commands.lines import verbosity, wrap
 from erlif.commands.options import (
     ALLOW_OUTSIDE,
     OVERWRITE,
@@ -70,11 +71,11 @@ def calibrate(
     save_calibration(calibration, output, overwrite=overwrite)
     figure = write_calibration_figure(calibration, picture)
 
-    click.echo(describe_calibration(calibration))
+    click.echo(wrap(describe_calibration(calibration, brief=not verbosity())))
     if earlier is not None:
-        click.echo(f"against {against}: {_compare(calibration, earlier)}")
+        click.echo(wrap(f"against {against}: {_compare(calibration, earlier)}"))
     if replaced is not None and replaced.fixture == calibration.fixture and output != against:
-        click.echo(f"against the one replaced: {_compare(calibration, replaced)}")
+        click.echo(wrap(f"against the one replaced: {_compare(calibration, replaced)}"))
     click.echo(f"written: {output}, {figure}")
     click.echo("next: name it as calibration in run.toml; erlif process RUN_DIR")
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from erlif.commands.ending import BAD_INPUT, DEFECT
+from erlif.commands.lines import list_notes
 from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_output, output_option
 from erlif.commands.progress import working
 from erlif.core.notes import Level
@@ -50,8 +51,8 @@ def check(
     if as_json:
         click.echo(json.dumps(findings.to_record(), indent=1))
     else:
-        for note in findings.notes:
-            click.echo(f"{note.level:8s}{note}")
+        for line in list_notes(findings.notes, "-v, or a page with -o check.html"):
+            click.echo(line)
     if output is not None:
         from erlif.show.report import write_check_page
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from erlif.commands.lines import wrap
 from erlif.commands.options import ANGLE, OVERWRITE, PATH, output_option
 from erlif.commands.progress import show_progress
 from erlif.commands.refusals import refusal
@@ -79,7 +80,7 @@ def compare(
             progress=progress,
         )
     for line in describe_comparison(comparison):
-        click.echo(line)
+        click.echo(wrap(line))
     if output is None:
         return
 

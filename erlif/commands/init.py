@@ -10,6 +10,7 @@ from typing import Any
 
 import click
 
+from erlif.commands.lines import verbosity, wrap
 from erlif.commands.options import PATH
 from erlif.core.errors import ConfigError
 from erlif.core.speed.imports import large_imports
@@ -68,15 +69,14 @@ def init(directory: Path, fixture: bool, kind: str | None, full: bool, overwrite
 
     notes = write_settings(directory, fixture=fixture, kind=kind, overwrite=overwrite, full=full)
     for note in notes:
-        click.echo(f"{note.level:8s}{note}")
+        click.echo(wrap(f"{note.level:8s}{note}"))
 
     output = directory / ("fixture.toml" if fixture else "run.toml")
     click.echo(f"written: {output}")
     try:
         (read_fixture_settings if fixture else read_run_settings)(directory)
     except ConfigError as gaps:
-        verbose = click.get_current_context().find_root().params["verbose"]
-        click.echo(str(gaps) if verbose else "\n".join(_list_gaps(output)))
+        click.echo(wrap(str(gaps)) if verbosity() else "\n".join(_list_gaps(output)))
     click.echo(f"next: erlif check {directory}")
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import click
 
+from erlif.commands.lines import wrap
 from erlif.commands.options import LENGTH, OVERWRITE, Quantity, expect_output, output_option
 from erlif.core.speed.imports import large_imports
 
@@ -71,7 +72,7 @@ def linkage(
         )
     for doubt in doubts:
         click.echo(f"note: {doubt.message}", err=True)
-    click.echo(summarise_linkages(synthesis))
+    click.echo(wrap(summarise_linkages(synthesis)))
     if output is None:
         return
 

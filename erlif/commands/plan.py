@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from erlif.commands.lines import wrap
 from erlif.commands.options import OVERWRITE, PATH, output_option
 from erlif.core.speed.imports import large_imports
 
@@ -48,7 +49,7 @@ def plan(source: Path | None, output: Path | None, example: bool, overwrite: boo
     )
     check_plan_output(output, overwrite=overwrite, source=source)
     planned = predict(source)
-    click.echo(summarise_plan(planned))
+    click.echo(wrap(summarise_plan(planned)))
     click.echo()
     for path in write_plan(planned, output, folder=source.parent, overwrite=overwrite):
         click.echo(f"written: {path}")

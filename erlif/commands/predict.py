@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from erlif.commands.lines import wrap
 from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_suffix, output_option
 from erlif.commands.progress import working
 from erlif.core.speed.imports import large_imports
@@ -49,7 +50,7 @@ def predict(source: Path, output: Path | None, fitted: bool, **options: Any) -> 
     with working() as progress:
         prediction = predict_maps(source, output=output, progress=progress, **options)
     with prediction:
-        click.echo(summarise_prediction(prediction))
+        click.echo(wrap(summarise_prediction(prediction)))
     click.echo(f"written: {output}")
     # the fit takes minutes and is asked for
     if fitted:
@@ -58,4 +59,4 @@ def predict(source: Path, output: Path | None, fitted: bool, **options: Any) -> 
 
         with working() as progress:
             compared = fit_film(source, progress=progress)
-        click.echo(summarise_comparison(compared))
+        click.echo(wrap(summarise_comparison(compared)))

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from erlif.commands.lines import wrap
 from erlif.commands.options import OVERWRITE, PATH, expect_output, output_option
 from erlif.commands.progress import working
 from erlif.core.speed.imports import large_imports
@@ -38,10 +39,10 @@ def pressure(film: Path, output: Path | None, overwrite: bool) -> None:
     with working() as progress:
         result = pressure_from_film(film, progress=progress)
     write_dataset(result, output)
-    click.echo(result.attrs["statement"])
+    click.echo(wrap(result.attrs["statement"]))
     written = [output]
     if result.pressure_measured.values.any():
-        click.echo(result.attrs["balance"])
-        click.echo(result.attrs["given"])
+        click.echo(wrap(result.attrs["balance"]))
+        click.echo(wrap(result.attrs["given"]))
         written.append(write_pressure_figure(result, picture))
     click.echo(f"written: {', '.join(str(path) for path in written)}")

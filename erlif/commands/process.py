@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from erlif.commands.lines import verbosity
 from erlif.commands.options import CALIBRATION, PATH, PROCESSING, expect_suffix, output_option
 from erlif.commands.progress import working
 from erlif.commands.refusals import refusal
@@ -68,7 +69,7 @@ def _process_one(
     output = output or run_dir / "film.nc"
     expect_suffix(output, ".nc", ".zarr")
 
-    verbose = click.get_current_context().find_root().params["verbose"]
+    verbose = verbosity()
     source = calibration or _named_calibration(run_dir)
     existed = source is None or source.exists()
     with working() as progress:

@@ -16,6 +16,7 @@ from scenes.fixture import (
     wedge_profile,
     with_systematics,
 )
+from scenes.terminal import unwrapped
 from scipy.stats import binom, norm
 
 import erlif
@@ -139,7 +140,7 @@ def test_calibrate_reports_drift_from_the_named_and_from_the_replaced_calibratio
         ),
         tmp_path / "other.nc",
     )
-    output = command("calibrate", lab.fixture, "--overwrite", "--against", other).stdout
+    output = unwrapped(command("calibrate", lab.fixture, "--overwrite", "--against", other).stdout)
     against, replaced = (
         next(line for line in output.splitlines() if line.startswith(start))
         for start in ("against " + str(other), "against the one replaced")
@@ -169,7 +170,7 @@ def test_a_comparison_that_cannot_be_made_leaves_the_calibration_written(lab, co
         replace(stored, thickness_range=(90.0, 120.0)), tmp_path / "other.nc"
     )
     written = tmp_path / "new.nc"
-    output = command("calibrate", lab.fixture, "-o", written, "--against", other).stdout
+    output = unwrapped(command("calibrate", lab.fixture, "-o", written, "--against", other).stdout)
     (line,) = (line for line in output.splitlines() if line.startswith(f"against {other}"))
     assert "not compared" in line
     assert "share a range of films" in line

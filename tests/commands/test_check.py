@@ -5,6 +5,7 @@ import shutil
 
 import pytest
 from click.testing import CliRunner
+from scenes.terminal import unwrapped
 
 from erlif.commands.main import main
 
@@ -20,7 +21,7 @@ def test_check_ends_with_status_2_at_the_first_error(lab, change, expected):
     change(lab)
     result = CliRunner().invoke(main, ["check", str(lab.run)])
     assert result.exit_code == 2
-    last = result.stdout.splitlines()[-1]
+    last = unwrapped(result.stdout).splitlines()[-1]
     assert last.startswith("error")
     assert expected in last
     assert "Traceback" not in result.output

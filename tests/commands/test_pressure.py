@@ -1,6 +1,7 @@
 """``erlif pressure``: what it writes, what it shows, what it refuses."""
 
 import pytest
+from scenes.terminal import unwrapped
 
 from erlif.io.files import open_netcdf
 
@@ -11,7 +12,7 @@ def test_a_pressure_lies_beside_its_film_and_is_replaced_on_request_only(own, co
     result = command("pressure", own)
     first = own.parent / "pressure.nc"
     with open_netcdf(first) as found:
-        assert found.attrs["statement"] in result.stdout
+        assert found.attrs["statement"] in unwrapped(result.stdout)
         assert found.sizes["trigger"] == 6
         known = bool(found.pressure_measured.values.any())
     assert (own.parent / "pressure.png").is_file() == known

@@ -316,13 +316,15 @@ def _describe_theory(film: xr.Dataset) -> str:
     )
 
 
-def describe_calibration(calibration: Calibration) -> str:
+def describe_calibration(calibration: Calibration, *, brief: bool = False) -> str:
     """Describe a calibration: parameters with standard deviations, calibrated range and notes.
 
     Parameters
     ----------
     calibration : Calibration
         From `erlif.calibrate` or `erlif.open_calibration`.
+    brief : bool
+        Count the notes that are no warnings.
 
     Returns
     -------
@@ -360,7 +362,11 @@ def describe_calibration(calibration: Calibration) -> str:
         text = f"{share.min():+.2f} to {share.max():+.2f} % of the ratio, followed by a spline"
         rows["departure from the model"] = text
     head = f"{calibration.fixture}: ratio camera 2 / camera 1 against thickness, {points} points"
-    notes = [f"  {note.level.value}: {note}" for note in rank_notes(calibration.notes)]
+    ranked = rank_notes(calibration.notes)
+    shown = [note for note in ranked if not brief or note.level is not Level.NOTE]
+    notes = [f"  {note.level.value}: {note}" for note in shown]
+    if left := len(ranked) - len(shown):
+        rows["more"] = f"{count_of(left, 'note')}: -v"
     return "\n".join([print_rows(head, rows, width=_CALIBRATION_TITLE), *notes])
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import tifffile
 from click.testing import CliRunner
+from scenes.terminal import unwrapped
 from scenes.tiff_pages import rewrite
 
 from conftest import SMALL
@@ -175,7 +176,7 @@ def test_check_names_what_is_wrong(lab, damage, status, words):
     damage(lab)
     result = CliRunner().invoke(main, ["check", "--strict", str(lab.run)])
     assert "Traceback" not in result.output
-    found = [line for line in result.stdout.splitlines() if not line.startswith("note")]
+    found = [line for line in unwrapped(result.stdout).splitlines() if not line.startswith("note")]
     assert result.exit_code == status, found
     assert words in "\n".join(found)
 

@@ -1,0 +1,108 @@
+"""Lines of the commands, which fit a terminal of 80 columns."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Iterable, Iterator
+
+import click
+
+from erlif.core.notes import Level, Note
+from erlif.core.units import count_of
+
+COLUMNS = 80
+
+_LEVEL = 8  # characters of the level before a note
+_MORE = " ..."
+_HANGING = 40  # column up to which a text stands under its beginning
+
+
+def verbosity() -> int:
+    """How often ``-v`` was given."""
+    return int(click.get_current_context().find_root().params.get("verbose", 0))
+
+
+def wrap(text: str) -> str:
+    """Break the lines that are longer than the terminal.
+
+    Parameters
+    ----------
+    text : str
+        A row of a title and a text has two spaces between them, and its text stays in its column;
+        a row with more of such gaps is one of a table, and is kept.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> print(wrap("  film  " + "thickness " * 8))
+      film  thickness thickness thickness thickness thickness thickness thickness
+            thickness
+    """
+    return "\n".join(_broken(line) for line in text.splitlines())
+
+
+def _broken(line: str) -> str:
+    """One line, with the rest of it below where it is long."""
+    gaps = list(re.finditer(r"(?<=\S) {2,}(?=\S)", line))
+    if len(line) <= COLUMNS or len(gaps) > 1:
+        return line
+    below = gaps[0].end() if gaps and gaps[0].end() <= _HANGING else _margin(line) + 2
+    return textwrap.fill(
+        line,
+        COLUMNS,
+        subsequent_indent=" " * below,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+def _margin(line: str) -> int:
+    return len(line) - len(line.lstrip())
+
+
+def list_notes(notes: Iterable[Note], rest: str) -> Iterator[str]:
+    """Lines of findings: warnings whole, the first note of each subject, and errors at the end.
+
+    Parameters
+    ----------
+    notes : iterable of Note
+    rest : str
+        Where the notes stand that are left out.
+
+    Yields
+    ------
+    str
+        With ``-v`` all notes, whole.
+
+    Returns
+    -------
+    iterator
+    """
+    seen: set[str] = set()
+    errors, left = [], 0
+    for note in notes:
+        lines = wrap(f"{note.level:{_LEVEL}s}{note}")
+        if note.level is Level.ERROR:
+            errors.append(lines)
+        elif note.level is Level.WARNING or verbosity():
+            yield lines
+        elif note.subject in seen:
+            left += 1
+        else:
+            seen.add(note.subject)
+            yield _cut(lines)
+    if left:
+        yield f"{'more':{_LEVEL}s}{count_of(left, 'note')}: {rest}"
+    yield from errors
+
+
+def _cut(lines: str) -> str:
+    """The first two lines of a note."""
+    first, *others = lines.splitlines()
+    if len(others) > 1:
+        others = [others[0][: COLUMNS - len(_MORE)].rpartition(" ")[0] + _MORE]
+    return "\n".join([first, *others])
