@@ -8,7 +8,8 @@ from __future__ import annotations
 import inspect
 import re
 import textwrap
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import click
@@ -33,27 +34,46 @@ def render() -> str:
     """The page as Markdown."""
     lines = [INTRODUCTION]
     with click.Context(main, info_name="erlif") as parent:
+        records = {
+            name: list(option_records(main.commands[name], parent))
+            for names in COMMANDS.values()
+            for name in names
+        }
+        counts = Counter(record for each in records.values() for record in each)
+        shared = [record for record, count in counts.items() if count >= 3]
+        lines += ["## Options of several commands", "", *options_list(shared)]
         for group, names in COMMANDS.items():
             lines += [f"## {group}", ""]
             for name in names:
                 lines += command_section(main.commands[name], parent)
+                lines += options_list(one for one in records[name] if one not in shared)
+                if also := [f"`{one[0]}`" for one in records[name] if one in shared]:
+                    lines += [f"Also {', '.join(also)}.", ""]
     return "\n".join(lines).rstrip("\n") + "\n"
 
 
 def command_section(command: click.Command, parent: click.Context) -> Iterator[str]:
-    """Usage, description, example and options of a command."""
+    """Usage, description and example of a command."""
     with click.Context(command, info_name=command.name, parent=parent) as context:
         usage = " ".join([context.command_path, *command.collect_usage_pieces(context)])
-        yield from (f"### erlif {command.name}", "", f"`{usage}`", "")
-        for paragraph in inspect.cleandoc(command.help or "").split("\n\n"):
-            yield from (*render_paragraph(paragraph), "")
-        yield from ("| option | meaning |", "|---|---|")
+    yield from (f"### erlif {command.name}", "", f"`{usage}`", "")
+    for paragraph in inspect.cleandoc(command.help or "").split("\n\n"):
+        yield from (*render_paragraph(paragraph), "")
+
+
+def option_records(command: click.Command, parent: click.Context) -> Iterator[tuple[str, str]]:
+    """Names and meaning of each option of a command, but for its help."""
+    with click.Context(command, info_name=command.name, parent=parent) as context:
         for option in command.get_params(context):
             record = option.get_help_record(context)
             if record and isinstance(option, click.Option) and "--help" not in option.opts:
-                name = record[0].replace("|", r"\|")
-                yield f"| `{name}` | {escape(record[1])} |"
-        yield ""
+                yield record
+
+
+def options_list(records: Iterable[tuple[str, str]]) -> Iterator[str]:
+    """Options, each with its meaning below."""
+    for name, meaning in records:
+        yield from (f"`{name}`", f": {escape(meaning)}", "")
 
 
 def render_paragraph(paragraph: str) -> Iterator[str]:
@@ -68,8 +88,7 @@ def render_paragraph(paragraph: str) -> Iterator[str]:
 
 
 def escape(text: str) -> str:
-    """A text for a table, with its options and file names as code."""
-    text = text.replace("|", r"\|")
+    """A text with its options as code."""
     return re.sub(r"(?<![`\w-])(--[a-z][\w-]*)", r"`\1`", text) if "`" not in text else text
 
 

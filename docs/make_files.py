@@ -310,33 +310,31 @@ def settings_section(
             keys = [key for key in keys if key not in MATERIAL]
         yield f"### {titles or f'Top of {name}'}{f', {choice[0]}' if choice else ''}"
         yield from ("", meaning, "")
-        yield from keys_table(keys)
+        yield from keys_list(keys)
 
 
 MATERIAL = list(keys_of(PartOfJoint))
 """Keys that all parts of a joint share."""
 
 
-def keys_table(keys: Iterable[Key]) -> Iterator[str]:
-    """Rows about keys."""
-    yield "| key | value | meaning |"
-    yield "|---|---|---|"
+def keys_list(keys: Iterable[Key]) -> Iterator[str]:
+    """Keys with their form, each with its meaning below."""
     for key in keys:
         meaning, _, absent = key.meaning.partition(" Default: ")
         if meaning.startswith("Default: "):  # the meaning is that of the table
             meaning, absent = "", meaning.removeprefix("Default: ")
         if key.default not in (None, "", {}):
             absent = f"`{toml_value(key.default)}`."
-        meaning += f" Default: {absent}" if absent and not key.required else ""
+        meaning += f" Default: {absent}" if absent not in ("", "none.") and not key.required else ""
         name = f"**`{key.name}`**" if key.required else f"`{key.name}`"
-        yield f"| {name} | {form_of(key)} | {meaning.strip()} |"
-    yield ""
+        yield from (f"{name} {form_of(key)}", f": {meaning.strip()}", "")
 
 
 def form_of(key: Key) -> str:
     """Kind of value of a key, with its bounds and, where no default shows it, an example."""
     if key.choices:
-        return ", ".join(f'`"{choice}"`' for choice in key.choices)
+        one_of = "one of " if len(key.choices) > 1 else ""
+        return one_of + ", ".join(f'`"{choice}"`' for choice in key.choices)
     form = key.form
     between = re.fullmatch(r"from (\S+) up to (\S+)", key.bounds)
     if between and not key.unit:
@@ -350,10 +348,10 @@ def form_of(key: Key) -> str:
     return form if shown else f"{form}: `{toml_value(key.example)}`"
 
 
-def variables_tables(
+def variables_lists(
     variables: Mapping[str, Variable], known: Mapping[str, Variable] | None = None
 ) -> Iterator[str]:
-    """Tables of the variables of a group, those of one condition together.
+    """Lists of the variables of a group, those of one condition together.
 
     With `known`, the variables of film.nc, those that it has as well are listed by name, and no
     condition stands.
@@ -368,29 +366,26 @@ def variables_tables(
         return
     usual = Counter((one.dims, one.dtype) for one in rows.values()).most_common(1)[0][0]
     dims = f"on `{', '.join(usual[0])}`" if usual[0] else "scalar"
-    yield f"Form: {usual[1]} {dims}, unless the row states another."
+    yield f"Form: {usual[1]} {dims}, unless another is stated."
     yield ""
 
-    # at least three rows of one condition have a table of their own
+    # at least three items of one condition have a list of their own
     groups: dict[str, list[str]] = {"": []}
     for when, members in groupby(rows.values(), key=lambda one: one.when if known is None else ""):
-        lines = variable_rows(list(members), usual)
+        lines = variable_items(list(members), usual)
         if when and len(lines) >= 3:
             groups.setdefault(when, []).extend(lines)
         else:
-            groups[""] += [
-                f"{line} Only where {when}. |" if when else f"{line} |" for line in lines
-            ]
+            groups[""] += [f"{line} Only where {when}." if when else line for line in lines]
     for when, lines in groups.items():
         if when:
             yield from (f"Only where {when}:", "")
-            lines = [f"{line} |" for line in lines]
-        if lines:
-            yield from ("| variable | unit, form | meaning |", "|---|---|---|", *lines, "")
+        for line in lines:
+            yield from (line, "")
 
 
-def variable_rows(variables: Sequence[Variable], usual: tuple[tuple[str, ...], str]) -> list[str]:
-    """Rows about variables, not closed; one for a variable and its standard deviation."""
+def variable_items(variables: Sequence[Variable], usual: tuple[tuple[str, ...], str]) -> list[str]:
+    """Items about variables; one for a variable and its standard deviation."""
     names = {one.name for one in variables}
     lines = []
     for one in variables:
@@ -403,7 +398,7 @@ def variable_rows(variables: Sequence[Variable], usual: tuple[tuple[str, ...], s
         if one.dims != usual[0]:
             form.append(f"on {', '.join(one.dims)}" if one.dims else "scalar")
         name = f"`{one.name}`, `_std`" if std else f"`{one.name}`"
-        lines.append(f"| {name} | {', '.join(form)} | {one.meaning}")
+        lines.append(f"{name} {', '.join(form)}".rstrip() + f"\n: {one.meaning}")
     return lines
 
 
@@ -412,20 +407,17 @@ def is_deviation(one: Variable) -> bool:
     return one.name.endswith("_std") and one.meaning.startswith("Its standard deviation")
 
 
-def attributes_table(
+def attributes_list(
     attributes: Sequence[Attribute], known: Sequence[Attribute] = ()
 ) -> Iterator[str]:
-    """Rows about attributes; those that film.nc has as well, `known`, are listed by name."""
+    """Attributes; those that film.nc has as well, `known`, are listed by name."""
     if same := [one.name for one in attributes if one in known]:
         yield f"As in [film.nc](film_nc.md): {', '.join(f'`{name}`' for name in same)}."
         yield ""
-    yield "| attribute | meaning |"
-    yield "|---|---|"
     for attribute in attributes:
         if attribute not in known:
             when = f" Only where {attribute.when}." if attribute.when else ""
-            yield f"| `{attribute.name}` | {attribute.meaning}{when} |"
-    yield ""
+            yield from (f"`{attribute.name}`", f": {attribute.meaning}{when}", "")
 
 
 def columns_table(columns: Sequence[tuple[str, str, str, str]]) -> Iterator[str]:
@@ -477,7 +469,7 @@ FILM_TEXT = """\
 # Variables of film.nc
 
 `erlif process` writes `film.nc`, netCDF-4, or `film.zarr`, by the suffix. xarray reads both:
-`erlif.open_film("film.nc")`. A row `x`, `_std` stands for `x` and for `x_std`, its standard
+`erlif.open_film("film.nc")`. `x`, `_std` stands for `x` and for `x_std`, its standard
 deviation, random and shared parts together. A unit that is not stated is 1.
 """
 
@@ -565,7 +557,7 @@ def render_settings() -> str:
     lines += settings_section(FixtureSettings, "fixture.toml", leave_out=shared)
     lines += ["## plan.toml", "", PLAN_TEXT, ""]
     lines += settings_section(PlanSettings, "plan.toml")
-    lines += ["## joint.toml", "", JOINT_TEXT, "", *keys_table(MATERIAL)]
+    lines += ["## joint.toml", "", JOINT_TEXT, "", *keys_list(MATERIAL)]
     lines += settings_section(DesignSettings, "joint.toml")
     lines += ["## endurance.toml", "", ENDURANCE_TEXT, ""]
     lines += settings_section(EnduranceSettings, "endurance.toml")
@@ -575,18 +567,18 @@ def render_settings() -> str:
 def render_film() -> str:
     """docs/film_nc.md: variables, flags and attributes of a film."""
     lines = [MADE, "", FILM_TEXT]
-    lines += variables_tables(FILM)
+    lines += variables_lists(FILM)
     lines += [COORDINATES_TEXT, ""]
     lines += ["## Bits of flags", "", "A valid pixel has none.", "", *flags_table()]
     lines += ["## Group frames", "", "What belongs to single frame pairs.", ""]
-    lines += variables_tables(FRAMES)
-    lines += attributes_table(FRAMES_ATTRIBUTES)
+    lines += variables_lists(FRAMES)
+    lines += attributes_list(FRAMES_ATTRIBUTES)
     lines += ["## Group registration", ""]
     lines += ["The camera map: where camera 2 sees the pixels of camera 1.", ""]
-    lines += variables_tables(REGISTRATION)
-    lines += attributes_table([*REGISTRATION_ATTRIBUTES, *BLUR_ATTRIBUTES])
-    lines += ["## Attributes", "", "Of the file:", "", *attributes_table(FILM_ATTRIBUTES)]
-    lines += ["Of variables:", "", *attributes_table(VARIABLE_ATTRIBUTES), STORAGE_TEXT]
+    lines += variables_lists(REGISTRATION)
+    lines += attributes_list([*REGISTRATION_ATTRIBUTES, *BLUR_ATTRIBUTES])
+    lines += ["## Attributes", "", "Of the file:", "", *attributes_list(FILM_ATTRIBUTES)]
+    lines += ["Of variables:", "", *attributes_list(VARIABLE_ATTRIBUTES), STORAGE_TEXT]
     return finish(lines)
 
 
@@ -599,19 +591,19 @@ def render_others() -> str:
     lines += columns_table(PROFILE)
 
     lines += ["## calibration.nc", "", "netCDF-4, written by `erlif calibrate`.", ""]
-    lines += variables_tables(CALIBRATION)
-    lines += attributes_table(CALIBRATION_ATTRIBUTES, FILM_ATTRIBUTES)
+    lines += variables_lists(CALIBRATION)
+    lines += attributes_list(CALIBRATION_ATTRIBUTES, FILM_ATTRIBUTES)
     lines += [REGISTRATION_TEXT, ""]
 
     lines += ["## prediction.nc", "", PREDICTION_TEXT, ""]
-    lines += variables_tables(PREDICTION, FILM)
-    lines += attributes_table(PREDICTION_ATTRIBUTES, FILM_ATTRIBUTES)
+    lines += variables_lists(PREDICTION, FILM)
+    lines += attributes_list(PREDICTION_ATTRIBUTES, FILM_ATTRIBUTES)
     lines += ["Group `frames`:", ""]
-    lines += variables_tables(PREDICTION_FRAMES, FRAMES)
+    lines += variables_lists(PREDICTION_FRAMES, FRAMES)
 
     lines += ["## pressure.nc", "", PRESSURE_TEXT, ""]
-    lines += variables_tables(PRESSURE, FILM)
-    lines += attributes_table(PRESSURE_ATTRIBUTES, FILM_ATTRIBUTES)
+    lines += variables_lists(PRESSURE, FILM)
+    lines += attributes_list(PRESSURE_ATTRIBUTES, FILM_ATTRIBUTES)
     return finish(lines)
 
 
