@@ -70,6 +70,26 @@ def motion_of(film: xr.Dataset) -> str:
     return "" if mechanism is None else mechanism.kind
 
 
+def driven_link(film: xr.Dataset) -> str:
+    """Name what turns by the crank angle of a film: crank, disc, or drive of a slider.
+
+    Argument as in `settings_of`; part of a film without settings has a crank.
+
+    Returns
+    -------
+    str
+        "crank", "disc" or "drive".
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> driven_link(example_film())
+    'crank'
+    """
+    motion = motion_of(film) if "settings" in film.attrs else ""
+    return {"rotation": "disc", "sinusoidal": "drive"}.get(motion, "crank")
+
+
 @takes(film="part of a film")
 def region_of(film: xr.Dataset) -> RegionOfInterest:
     """Read the region of interest of a film.
@@ -189,8 +209,8 @@ def fastest_trigger(film: xr.Dataset) -> int:
 def describe_trigger(film: xr.Dataset, trigger: int) -> str:
     """Describe a trigger in one line: angle or time, stroke and speed, as far as they are known.
 
-    Arguments as in `check_trigger`. The angle is that of the crank, or of the encoder where there
-    is no crank.
+    Arguments as in `check_trigger`. The angle is that of the crank, the disc or the drive, or of
+    the encoder where there is none.
 
     Returns
     -------
@@ -216,7 +236,7 @@ def describe_trigger(film: xr.Dataset, trigger: int) -> str:
     one = film.isel(trigger=trigger)
     parts = [f"trigger {trigger}"]
     if "crank_angle" in one:
-        parts.append(f"crank {float(one.crank_angle):.2f}°")
+        parts.append(f"{driven_link(film)} {float(one.crank_angle):.2f}°")
     elif "encoder_angle" in one:
         parts.append(f"encoder {float(one.encoder_angle):.2f}°")
     elif "time" in one:

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from erlif.core.arrays import Array, Mask
-from erlif.io.files import flag_shares, motion_of
+from erlif.io.files import driven_link, flag_shares, motion_of
 from erlif.show.plots.naming import describe_shares
 from erlif.show.plots.style import OUTWARD, STROKES, is_page, state_empty
 
@@ -54,14 +54,12 @@ def choose_abscissa(film: xr.Dataset) -> Abscissa:
     >>> choose_abscissa(example_film()).label
     'crank angle [°]'
     """
-    motion = motion_of(film)
-    disc = motion == "rotation"
+    disc = motion_of(film) == "rotation"
     if "crank_angle" in film:
         angle = film.crank_angle.values
         turns = np.count_nonzero(np.diff(angle) < 0)
         if not (disc and turns > 1 and "time" in film):
-            what = {"rotation": "disc", "sinusoidal": "drive"}.get(motion, "crank")
-            return Abscissa(angle, f"{what} angle [°]", True)
+            return Abscissa(angle, f"{driven_link(film)} angle [°]", True)
 
     for name, label in (("time", "time [s]"), ("encoder_angle", "encoder angle [°]")):
         if name in film and np.ptp(film[name].values) > 0:

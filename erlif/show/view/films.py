@@ -89,12 +89,9 @@ class FilmReader:
         return float(values[0]), float(values[-1] - values[0]) / (values.size - 1)
 
     def describe(self, trigger: int) -> str:
-        """Describe a trigger in one line with its crank angle, as far as they are known."""
+        """Describe a trigger in one line."""
         files.check_trigger(self.film, trigger)
-        text = files.describe_trigger(self._numbers, trigger)
-        if "crank_angle" in self._numbers and files.motion_of(self.film) != "rotation":
-            text += f", crank at {float(self._numbers.crank_angle[trigger]):.1f}°"
-        return text
+        return files.describe_trigger(self._numbers, trigger)
 
     def read(self, layer: str, trigger: int) -> tuple[Image, FlagImage]:
         """Read one layer at one trigger.

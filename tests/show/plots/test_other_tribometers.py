@@ -4,7 +4,7 @@ import numpy as np
 import numpy.testing as npt
 from scenes.motion import DISC, THEORY, film_of, slider_film, static_film
 
-from erlif.io.files import motion_of
+from erlif.io.files import describe_trigger, motion_of
 from erlif.show import plots
 from erlif.show.plots.files import FigureSource, reason_missing
 from erlif.show.report.tables import results_table, trigger_section
@@ -82,3 +82,11 @@ def test_tables_have_the_columns_of_the_motion():
     rows = dict(results_table(static_film(), np.full((6, 9), 0.9)).rows)
     assert "Load" not in rows
     assert "(trigger 4)" in rows["Minimum film thickness"]  # no angle to name
+
+
+def test_a_trigger_is_named_by_the_angle_of_what_turns():
+    steady = film_of(DISC, without=["rocker_speed", "stroke", *THEORY])
+    for film, link in ((steady, "disc"), (slider_film(), "drive")):
+        assert f", {link} {float(film.crank_angle[1]):.2f}°" in describe_trigger(film, 1)
+        foot = plots.map_sheet_figure(film).get_supxlabel()
+        assert foot.startswith(f"{link} angle above each map")
