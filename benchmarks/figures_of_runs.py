@@ -117,7 +117,8 @@ def write_sheet(pictures: Sequence[Path], path: Path) -> None:
     """Write pictures beside each other, with their names."""
     rows = -(-len(pictures) // SHEET)
     figure = Figure(figsize=(6 * SHEET, 4 * rows), layout="constrained", dpi=100)
-    for ax, picture in zip(figure.subplots(rows, SHEET, squeeze=False).flat, pictures, strict=False):
+    panels = figure.subplots(rows, SHEET, squeeze=False)
+    for ax, picture in zip(panels.flat, pictures, strict=False):
         ax.imshow(imread(picture))
         ax.set_title(picture.stem)
     for ax in figure.axes:
