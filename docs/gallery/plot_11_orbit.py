@@ -3,8 +3,8 @@ Orbit of the pin
 ================
 
 The position of the pin in its bushing at every trigger, found from the gap that its map shows. The
-ellipses cover 95 % of the error: filled, the random one of each trigger; dashed, with the errors of
-surfaces and calibration that all triggers share.
+ellipses are one standard deviation of the error: filled, the random one of each trigger; dashed,
+with the errors of surfaces and calibration that all triggers share.
 """
 
 import matplotlib.pyplot as plt

@@ -30,7 +30,7 @@ from erlif.prediction.refusals import refusal
 
 # Steady formulas, by the variables of a film that hold them.
 STEADY = {
-    "film_hamrock_dowson": "the steady 2.65 formula",
+    "film_hamrock_dowson": "the steady line-contact formula",
     "film_theory": "the steady film of the regime map",
 }
 
@@ -61,7 +61,7 @@ _CARRIES = {
         "guided"
     ]: "the swing carries the film of a pin that is guided: cavities rectify its wedge",
     HELD["spring"]: "squeeze and swing carry the film of a pin on a sideways spring",
-    STEADY["film_hamrock_dowson"]: "the film follows the steady 2.65 formula",
+    STEADY["film_hamrock_dowson"]: "the film follows the steady line-contact formula",
     ANY_GUIDED: "the pin stays on one line, as a guided one does",
     STEADY["film_theory"]: "the film follows the steady formula of the regime map",
 }

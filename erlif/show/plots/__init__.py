@@ -13,4 +13,12 @@ folder. It returns what it has written, and raises `OutputError` where it cannot
 
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, _list_all, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+# beginnings of names that draw nothing: examples, names of files, and their saving
+_NO_FIGURE = ("example_", "find_", "missing_", "name_", "predicted_map", "save_")
+
+
+def __dir__() -> list[str]:
+    """List the functions that draw, which a notebook completes; the others are importable."""
+    return [name for name in _list_all() if not name.startswith(_NO_FIGURE)]

@@ -45,7 +45,8 @@ def difference_figure(picture: Picture) -> Figure:
     ax = figure.add_subplot()
     share = 100 * picture.difference
     limits = style.even_limits(share, within=_WITHIN, least=_LEAST_SHARE)
-    image = style.draw_image(ax, share, limits, colours="vik", bad=style.FLAGGED_DIFFERENCE)
+    image = style.draw_image(ax, share, limits, colours="vik", bad="none")
+    style.hatch_missing(ax)
     style.add_colour_bar(image, ax, "ratio over its surroundings [%]")
     ax.set_axis_off()
     return figure

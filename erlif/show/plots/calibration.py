@@ -81,7 +81,7 @@ def fixture_profile(
     artists: list[Artist] = []
     if calibration is not None:
         artists.append(_draw_range(calibration, ax.axhspan, label="calibrated range"))
-    label = "CMM" if profile.uncertainty is None else "CMM, bars 1 s.d."
+    label = "CMM" if profile.uncertainty is None else f"CMM, {style.ONE_STD}"
     points = _draw_points(
         ax, profile.position, profile.thickness, profile.uncertainty, size=1.6, label=label
     )
@@ -134,13 +134,13 @@ def _grid(calibration: Calibration) -> Array:
 
 
 def _band(calibration: Calibration, thickness: Array) -> Array:
-    """Half width of the 95 % band of the fitted ratio, relative to the ratio. [1]"""
-    return style.COVERAGE * calibration.log_ratio_std(thickness)
+    """Standard deviation of the fitted ratio, relative to the ratio. [1]"""
+    return calibration.log_ratio_std(thickness)
 
 
 @styled
 def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw ratio against thickness: the points of the fixture and the fit with its 95 % band.
+    """Draw ratio against thickness: the points of the fixture and the fit with its band of one s.d.
 
     Parameters
     ----------
@@ -175,13 +175,13 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
     if "curve_ratio" in curve:
         names = ("curve_thickness", "curve_ratio", "curve_ratio_std")
         columns = [curve[name].values for name in names]
-        artists.append(_draw_points(ax, *columns, label="fixture, bars 1 s.d."))
+        artists.append(_draw_points(ax, *columns, label=f"fixture, {style.ONE_STD}"))
 
     one, two = calibration.bands
     ax.set(xlabel="thickness [µm]", ylabel=f"ratio {two:g} nm / {one:g} nm [1]")
     ax.margins(x=0.01)
     if style.is_visible(ax, ratio * np.sinh(share) * 2, pt(1.0)):
-        band.set_label("fit, 95 % band")
+        band.set_label(f"fit, {style.ONE_STD}")
     style.frame_legend(ax, loc="lower right")
 
     # the parameters stand above the steep part of the curve
@@ -205,7 +205,7 @@ def _parameters(calibration: Calibration) -> str:
 
 @styled
 def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw the residuals of the fit in per cent of the ratio, with its 95 % band.
+    """Draw the residuals of the fit in per cent of the ratio, with its band of one s.d.
 
     Where a spline corrects the reabsorption model, the model alone is the dashed line.
     Arguments as in `ratio_against_thickness`.
@@ -229,13 +229,14 @@ def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list
     t = _grid(calibration)
     percent = 100 * _band(calibration, t)
     _draw_range(calibration, ax.axvspan)
-    band = style.draw_band(ax, t, -percent, percent, RETURN, alpha=0.35, label="fit, 95 % band")
+    look: dict[str, Any] = {"alpha": 0.35, "label": f"fit, {style.ONE_STD}"}
+    band = style.draw_band(ax, t, -percent, percent, RETURN, **look)
     artists: list[Artist] = [ax.axhline(0, color=RETURN, linewidth=pt(0.8), zorder=1.5), band]
 
     # the departure is the logarithm of fit over model
     if calibration.departure is not None:
         alone = 100 * np.expm1(-calibration.departure.predict(t))
-        look: dict[str, Any] = {"label": "model alone", "zorder": 1.5}
+        look = {"label": "model alone", "zorder": 1.5}
         artists += style.draw_line(ax, t, alone, MUTED, form="--", width=0.8, **look)
 
     curve = calibration.curve

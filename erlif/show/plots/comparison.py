@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -28,6 +29,8 @@ _MARKERS = "osD^vPX*"
 _PREFIXES = {0: "", -3: "m", -6: "µ", -9: "n", -12: "p"}
 _MAP_WIDTH = 0.75  # of a column; the colour bar has the rest
 _LABELS = 0.75  # inch above and below a map
+_TALL = 0.48  # height by width of a figure of two panels
+_PAIR = 0.15  # width of a pair, over that of the other panel
 _LEAST_LIMIT = 1e-3  # um, of the colours of a difference
 
 
@@ -65,7 +68,7 @@ def film_against_duty(
     >>> comparison = erlif.compare([film, film.assign(film_min=film.film_min + 0.5)])
     >>> first, *_ = film_against_duty(comparison)
     >>> first.get_label()
-    'example (1), n = 0.600 ± 0.004'
+    '1  example (1), n = 0.600 ± 0.004'
     """
     if "duty" not in comparison:
         raise refusal("no_duty")
@@ -81,16 +84,17 @@ def film_against_duty(
         colour = _COLOURS[k % len(_COLOURS)]
         look: dict[str, Any] = {"fmt": _MARKERS[k % len(_MARKERS)], "color": colour}
         look |= {"markerfacecolor": "white" if k % 2 else colour, "elinewidth": 0.7}
-        look["label"] = f"{name}{_power(float(exponent.exponent), float(exponent.exponent_std))}"
+        power = _power(float(exponent.exponent), float(exponent.exponent_std))
+        look["label"] = f"{k + 1}  {name}{power}"
         error = run[f"{statistic}_std"].values
         artists.append(ax.errorbar(scale * duty[use], value[use], error[use], **look))
 
     joint = comparison.sel(statistic=statistic)
-    power, std = float(joint.joint_exponent), float(joint.joint_exponent_std)
-    if np.isfinite(power):
+    common, std = float(joint.joint_exponent), float(joint.joint_exponent_std)
+    if np.isfinite(common):
         ends = np.geomspace(*_range_of_fit(comparison), 50)
-        label = f"all runs{_power(power, std)}"
-        film = np.exp(float(joint.joint_log_scale)) * ends**power
+        label = f"all runs{_power(common, std)}"
+        film = np.exp(float(joint.joint_log_scale)) * ends**common
         artists += ax.plot(scale * ends, film, color="black", linewidth=0.8, label=label, zorder=4)
     if statistic == "film_min" and "film_theory" in comparison:
         artists += _draw_theory(ax, comparison, scale)
@@ -154,7 +158,7 @@ def difference_map_of_runs(comparison: xr.Dataset, *, ax: Axes | None = None) ->
     Returns
     -------
     AxesImage
-        Difference [um], grey where one of the runs has too few valid pixels.
+        Difference [um], hatched where one of the runs has too few valid pixels.
 
     Examples
     --------
@@ -169,24 +173,23 @@ def difference_map_of_runs(comparison: xr.Dataset, *, ax: Axes | None = None) ->
     ax = style.given_or_new(ax, height=image_height(cells, _MAP_WIDTH * style.ONE_COLUMN) + _LABELS)
     values = cells.map_difference.values
     limits = style.even_limits(values, within=99, least=_LEAST_LIMIT)
-    look: dict[str, Any] = {"colours": "vik", "bad": style.FLAGGED_DIFFERENCE}
+    look: dict[str, Any] = {"colours": "vik", "bad": "none"}
     image = style.draw_image(ax, values, limits, extent=pixel_edges(cells), **look)
+    hatched = style.hatch_missing(ax, "too few valid pixels")
     _outline(ax, cells)
     style.add_colour_bar(image, ax, "difference [µm]")
 
     # both runs are named by the order in which they are subtracted
     attrs = comparison.attrs
     ax.set(xlabel="x [mm]", ylabel="y [mm]")
-    runs = f"{attrs['map_second_run']} less {attrs['map_first_run']}"
+    runs = f"{attrs['map_second_run']}\nless {attrs['map_first_run']}"
     ax.set_title(f"{runs}\n{attrs['map_first']}", fontsize="medium")
 
-    # white is a value here, so that cells without one need a key of their own
     keys: list[Artist] = [
-        Line2D([], [], color="black", linewidth=0.8, label="edge of a significant difference"),
-        style.swatch("white", "no difference"),
+        Line2D([], [], color="black", linewidth=0.8, label="edge of a significant difference")
     ]
     if not np.isfinite(values).all():
-        keys.append(style.swatch(style.FLAGGED_DIFFERENCE, "too few valid pixels"))
+        keys.append(hatched)
     style.legend_below(ax, keys)
     return image
 
@@ -290,37 +293,43 @@ def comparison_figure(comparison: xr.Dataset) -> Figure:
     >>> [ax.get_ylabel() for ax in comparison_figure(comparison).axes]
     ['minimum film thickness [µm]', 'difference [µm]']
     """
-    columns = 2 if "duty" in comparison else 1
-    figure = style.new_figure((style.ONE_COLUMN, TWO_COLUMNS)[columns - 1], 0.55 * TWO_COLUMNS)
-    *left, right = np.atleast_1d(figure.subplots(1, columns))
-    for ax in left:
-        film_against_duty(comparison, ax=ax)
-    _draw_differences(right, comparison)
-    if left:
-        style.letter_panels(*left, right)
+    if "duty" not in comparison:
+        figure = style.new_figure()
+        _draw_differences(figure.add_subplot(), comparison, names=comparison.run.values)
+        return figure
+
+    # a pair takes the width of its bars; runs are numbered, with names beside the other panel
+    share = min(_PAIR * (comparison.sizes["pair"] + 1), 1.0)
+    figure = style.new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS)
+    left, right = figure.subplots(1, 2, width_ratios=(1, share))
+    film_against_duty(comparison, ax=left)
+    numbers = np.arange(1, comparison.sizes["run"] + 1)
+    _draw_differences(right, comparison, names=numbers)
+    style.letter_panels(left, right)
     return figure
 
 
-def _draw_differences(ax: Axes, comparison: xr.Dataset) -> None:
-    """Differences of all pairs with their 95 % bars."""
+def _draw_differences(ax: Axes, comparison: xr.Dataset, names: npt.NDArray[Any]) -> None:
+    """Differences of all pairs with bars of one standard deviation; `names` are those of runs."""
     place = np.arange(comparison.sizes["pair"])
     for shift, name, colour, marker, label in (
         (-0.12, "film_min", MINIMUM, "o", "minimum film"),
         (0.12, "film_mean", MEAN, "s", "mean film"),
     ):
         one = comparison.sel(statistic=name)
-        value, reach = one.difference.values, style.COVERAGE * one.difference_std.values
+        value, std = one.difference.values, one.difference_std.values
         look: dict[str, Any] = {"fmt": marker, "color": colour, "elinewidth": 0.9}
-        ax.errorbar(place + shift, value, reach, label=f"{label}, 95 % bars", **look)
+        ax.errorbar(place + shift, value, std, label=f"{label}, {style.ONE_STD}", **look)
         # which differences are significant depends on the number of all tests
         for k in np.flatnonzero(one.differs.values):
             style.write_beside(ax, "*", (place[k] + shift, value[k]), (4, 0), color=colour)
     ax.axhline(0, color=MUTED, linewidth=0.6)
 
     # pairs are named in the order of the difference, turned where they would overlap
+    called = dict(zip(comparison.run.values.tolist(), names.tolist(), strict=True))
     pairs = zip(comparison["first"].values, comparison.second.values, strict=True)
-    names = [f"{second}\nless {first}" for first, second in pairs]
-    ax.set_xticks(place, names, rotation=30 if place.size > 2 else 0)
+    labels = [f"{called[second]}\nless {called[first]}" for first, second in pairs]
+    ax.set_xticks(place, labels)
     ax.set_xlim(-0.6, place.size - 0.4)
     ax.set_ylabel("difference [µm]")
     title = "* differs, corrected for the number of tests"

@@ -224,6 +224,7 @@ DRAWN: dict[str, Callable[[FigureSource], AnyFigure]] = {
     "thickness_map": lambda source: thickness_figure(source.film, trigger=source.trigger),
     "film_against_speed": lambda source: speed_figure(source.film),
     "map_sheet": lambda source: map_sheet_figure(source.film),
+    "map_sheet_less_gap": lambda source: map_sheet_figure(source.film, less_gap=True),
     "film_over_cycle": lambda source: cycle_figure(source.film),
     "film_and_prediction": lambda source: prediction_figure(source.film, source.group("frames")),
     "prediction_map": lambda source: prediction_map_figure(source.film, trigger=source.trigger),

@@ -8,29 +8,32 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
-from erlif.core.arrays import Array
+from erlif.core.arrays import Array, Mask
 from erlif.io.files import settings_of
 from erlif.io.settings import SinusoidalSettings
 from erlif.kinematics import choose_link, joint_speed
 from erlif.pipeline.physics.joint import build_linkage
 from erlif.show.plots import style, triggers
-from erlif.show.plots.style import COVERAGE, MEAN, MINIMUM, MUTED, ONE_COLUMN, AnyFigure, pt, styled
+from erlif.show.plots.style import MEAN, MINIMUM, MUTED, ONE_COLUMN, AnyFigure, pt, styled
 from erlif.show.refusals import refusal
 
 _CYCLE = np.linspace(0.0, 2 * math.pi, 721)  # crank angle every half degree [rad]
 _PANELS = (1.35, 1)  # heights of film and speed
 _STATISTICS = ("film_mean", "film_min")
 _LOOKS: tuple[tuple[str, Any, str], ...] = (
-    (MEAN, (0, (3, 1.5)), "mean of the region"),
+    (MEAN, (0, (3, 1.5)), "mean"),
     (MINIMUM, "-", "minimum"),
 )
 
 _MARKER = 2.4  # point
 _LEGEND = 3.2  # lines of text above the films
+_PART = 0.01  # share of the region beyond the measurable range from which a mean is that of a part
+_PALE = 0.35  # opacity of such a mean
 
 
 @dataclass(frozen=True)
@@ -202,38 +205,46 @@ def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist
 
 @styled
 def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw mean and minimum film thickness against crank angle, with 95 % bands.
+    """Draw mean and minimum film thickness against crank angle, with bands of one s.d.
 
     The axis ends at the films with their bands, and at zero where they vary by more than their
     smallest value. Without an angle of the drive they are drawn against time or the number of the
-    trigger. Arguments as in `speed_against_angle`.
+    trigger. The mean is pale at triggers where part of the region of interest is beyond the
+    measurable range: it is that of other pixels there. Arguments as in `speed_against_angle`.
 
     Returns
     -------
     list of Artist
-        Band and line of each stretch of one stroke, first of the mean, then of the minimum. The
-        bands hold random and shared errors.
+        Band and line of each stretch of one stroke and one selection of pixels, first of the mean,
+        then of the minimum. The bands hold random and shared errors.
 
     Examples
     --------
     >>> from erlif.show.plots import example_film
     >>> band, line, *_ = film_over_cycle(example_film())
     >>> line.get_label(), line.axes.get_ylabel()
-    ('mean of the region', 'film thickness [µm]')
+    ('mean', 'film thickness [µm]')
     """
     ax = style.given_or_new(ax, film)
     along = triggers.choose_abscissa(film)
     value = np.array([film[name].values for name in _STATISTICS])
-    reach = COVERAGE * np.array([film[f"{name}_std"].values for name in _STATISTICS])
+    reach = np.array([film[f"{name}_std"].values for name in _STATISTICS])
+    partial_mean, whole = _mean_of_a_part(film), np.zeros(along.values.size, bool)
     artists: list[Artist] = []
-    for film_of, half, (colour, dashes, label) in zip(value, reach, _LOOKS, strict=True):
-        for n, part in enumerate(triggers.in_order(film, along.values)):
+    for film_of, half, part_of, (colour, dashes, label) in zip(
+        value, reach, (partial_mean, whole), _LOOKS, strict=True
+    ):
+        keys = {False: label, True: f"{label}, part beyond range"}  # one for each
+        for part in _of_one_selection(triggers.in_order(film, along.values), part_of):
             x, low, high = along.values[part], (film_of - half)[part], (film_of + half)[part]
+            pale = bool(part_of[part[0]])
             artists.append(style.draw_band(ax, x, low, high, colour))
-            look = {"form": dashes, "width": 0.9, "label": label if n == 0 else None}  # one key
-            artists += style.draw_line(ax, x, film_of[part], colour, **look)
+            look = {"form": dashes, "width": 0.9, "label": keys.pop(pale, None)}
+            artists += style.draw_line(ax, x, film_of[part], colour, alpha=_alpha(pale), **look)
         points: dict[str, Any] = {"colour": colour, "markersize": pt(_MARKER)}
-        triggers.draw_strokes(ax, film, along.values, film_of, **points)
+        for pale in (False, True):
+            which = {"which": part_of == pale, "alpha": _alpha(pale)}
+            triggers.draw_strokes(ax, film, along.values, film_of, **points, **which)
 
     triggers.label_abscissa(ax, along)
     ax.set_ylabel("film thickness [µm]")
@@ -241,16 +252,41 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     # the legend has room above all curves, because the thinnest films are at the dead points, close
     # to the lower edge
     low, high = triggers.film_limits(np.concatenate([value - reach, value + reach]))
-    ax.set_ylim(low, high + style.room_for(ax, _LEGEND) * (high - low))
+    lines = _LEGEND + float(partial_mean.any())
+    ax.set_ylim(low, high + style.room_for(ax, lines) * (high - low))
     if not np.isfinite(value).any():
         triggers.state_no_film(ax, film)
         return artists
 
     # a band hidden by the markers is not announced as one
     visible = style.is_visible(ax, 2 * reach, pt(_MARKER))
-    title = "bands: 95 %" if visible else "95 % errors: within markers"
-    style.frame_legend(ax, loc="upper center", ncols=2, title=title)
+    title = f"bands: {style.ONE_STD}" if visible else f"{style.ONE_STD}: within markers"
+    # matplotlib lists keys as they are drawn; those of the whole region come first
+    found = zip(*ax.get_legend_handles_labels(), strict=True)
+    handles = [handle for handle, _ in sorted(found, key=lambda key: "," in key[1])]
+    style.frame_legend(ax, handles=handles, loc="upper center", ncols=2, title=title)
     return artists
+
+
+def _mean_of_a_part(film: xr.Dataset) -> Mask:
+    """Triggers whose mean leaves out pixels because their film is beyond the measurable range."""
+    if "share_beyond_range" not in film:
+        return np.zeros(film.sizes["trigger"], bool)
+    return np.asarray(film.share_beyond_range.values > _PART)
+
+
+def _of_one_selection(
+    stretches: list[npt.NDArray[np.intp]], part_of: Mask
+) -> list[npt.NDArray[np.intp]]:
+    """Cut stretches of triggers where the selection of pixels changes; none is empty."""
+    cuts = [np.flatnonzero(np.diff(part_of[members])) + 1 for members in stretches]
+    pieces = [np.split(members, cut) for members, cut in zip(stretches, cuts, strict=True)]
+    return [piece for each in pieces for piece in each if piece.size]
+
+
+def _alpha(pale: bool) -> float:
+    """Opacity of a line and its markers."""
+    return _PALE if pale else 1.0
 
 
 @styled

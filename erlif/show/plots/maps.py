@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +14,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 
-from erlif.core.arrays import AnyArray, FlagImage
+from erlif.core.arrays import AnyArray, Array, FlagImage
 from erlif.core.flags import Flag, describe_share
 from erlif.core.statistics import central_range
 from erlif.io.files import axis_labels as axis_labels
@@ -29,6 +29,7 @@ Limits = tuple[float, float]
 # Width of a map in a figure of one column, relative to the column; the colour bar has the rest.
 MAP_WIDTH = 0.75
 
+_BLOCKS = 48  # along x of a large map of differences, whose single pixels are noise
 _EVERY = 3  # the limits need no more than every third pixel along each axis
 _LEAST_SPAN = 1e-3  # um; a map of even thickness still needs a colour scale
 _PIXELS = 240  # along x of a small map, about what 300 dpi and the frame of a movie resolve
@@ -49,6 +50,70 @@ def thin_map(film: xr.Dataset, trigger: int) -> AnyArray:
     """Map of one trigger, thinned to what a sheet or a movie has room for. [um]"""
     every = max(1, film.sizes["x"] // _PIXELS)
     return np.asarray(film.thickness.isel(trigger=trigger).values[::every, ::every])
+
+
+class BlockMeans(NamedTuple):
+    """Means over square blocks of pixels.
+
+    Attributes
+    ----------
+    values : Array
+        (block row, block column); NaN where less than half of a block is valid.
+    extent : tuple of float
+        Left, right, bottom and top edge in mm; blocks at the edge may reach beyond the image.
+    size : int
+        Side of a block. [px]
+    """
+
+    values: Array
+    extent: tuple[float, float, float, float]
+    size: int
+
+
+def average_in_blocks(
+    film: xr.Dataset, values: npt.ArrayLike, *, along_x: int = _BLOCKS
+) -> BlockMeans:
+    """Average an image of a film in blocks, as one pixel is mostly noise.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        Its positions are those of the pixels.
+    values : array, (y, x)
+        The image, NaN where it has no value.
+    along_x : int
+        Number of blocks along x, nearly.
+
+    Examples
+    --------
+    >>> from erlif.show.plots import example_film
+    >>> film = example_film()
+    >>> means = average_in_blocks(film, film.thickness.values[0])
+    >>> means.size, means.values.shape == film.thickness.shape[1:]
+    (1, True)
+    """
+    size = max(1, round(film.sizes["x"] / along_x))
+    blocks = xr.DataArray(values, dims=("y", "x")).coarsen(x=size, y=size, boundary="pad")
+    means = blocks.mean().where(blocks.count() >= size**2 / 2).values
+    left, right, bottom, top = pixel_edges(film)
+    high, wide = means.shape
+    dx = size * (right - left) / film.sizes["x"]
+    dy = size * (bottom - top) / film.sizes["y"]
+    return BlockMeans(means, (left, left + wide * dx, top + high * dy, top), size)
+
+
+def draw_blocks(ax: Axes, film: xr.Dataset, means: BlockMeans, limits: Limits) -> AxesImage:
+    """Draw a map of differences in blocks, hatched where they have no value."""
+    look: dict[str, Any] = {"colours": "vik", "bad": "none", "extent": means.extent}
+    image = style.draw_image(ax, means.values, limits, **look)
+    left, right, bottom, top = pixel_edges(film)
+    ax.set(xlim=(left, right), ylim=(bottom, top))
+    return image
+
+
+def name_blocks(means: BlockMeans) -> str:
+    """State over which blocks means are taken; nothing for single pixels."""
+    return "" if means.size == 1 else f"means of {means.size} × {means.size} px"
 
 
 def pixel_edges(film: xr.Dataset) -> tuple[float, float, float, float]:

@@ -14,11 +14,8 @@ from matplotlib.patches import Ellipse
 
 from erlif.core.arrays import Array, Mask
 from erlif.show.plots import style, triggers
-from erlif.show.plots.style import COVERAGE, MEAN, MINIMUM, MUTED, ONE_COLUMN, AnyFigure, pt, styled
+from erlif.show.plots.style import MEAN, MINIMUM, MUTED, ONE_COLUMN, AnyFigure, pt, styled
 from erlif.show.refusals import refusal
-
-# std; radii of an ellipse that covers 95 % of a normal distribution in two dimensions
-_RADII = math.sqrt(-2 * math.log(0.05))
 
 _TALL = 1.7  # height by width of three panels
 _ROOM, _LEAST_SPAN = 0.15, 0.1  # on either side of the values, of their range; its least [um]
@@ -39,8 +36,8 @@ def has_position(film: xr.Dataset) -> bool:
 def pin_orbit(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw the displacement of the pin at every trigger, with the load downwards.
 
-    Ellipses cover 95 % of the random error, new at every trigger. The grey line is the clearance:
-    there pin and bore touch. Arguments as in `erlif.plots`.
+    Ellipses are one standard deviation of the random error, new at every trigger. The grey line is
+    the clearance: there pin and bore touch. Arguments as in `erlif.plots`.
 
     Returns
     -------
@@ -63,8 +60,9 @@ def pin_orbit(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     ax = style.given_or_new(ax, film)
     clearance = float(film.pin_displacement.attrs["clearance"])
 
-    # the wall, over the width of the orbit
-    low, high = _around(side[known])
+    # sideways no larger scale than along the load, which would make noise look like an orbit
+    vertical = np.append(load[known], [clearance])
+    low, high = _around(side[known], least=float(np.ptp(vertical)))
     across = np.linspace(low, high, 201)
     wall = np.sqrt(np.maximum(clearance**2 - across**2, 0.0))
     artists: list[Artist] = [*ax.plot(across, wall, color=MUTED, label="clearance", zorder=1)]
@@ -84,8 +82,9 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw the film where pin and bore are closest, against the angle of this place.
 
     This is the orbit unrolled: the angle counts from the load line, and the film is the clearance
-    less the distance of the axes. Ellipses cover 95 % of the random error; the dashed one is that
-    of the last trigger with the errors that all triggers share. Arguments as in `pin_orbit`.
+    less the distance of the axes. Ellipses are one standard deviation of the random error; the
+    dashed one is that of the last trigger with the errors that all triggers share. Arguments as in
+    `pin_orbit`.
 
     Returns
     -------
@@ -118,10 +117,12 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
         turned = turn @ covariance.values[k, :2, :2] @ turn.T
         artists.append(ax.add_patch(_ellipse(angle[k], closest[k], turned, **look)))
 
-    ax.set(xlim=_around(angle[known]), ylim=_around(closest[known]))
+    # an arc of the bore no longer than the films are thick, as in the orbit
+    arc = math.degrees(float(np.ptp(closest[known])) / float(distance[known].mean()))
+    ax.set(xlim=_around(angle[known], least=arc), ylim=_around(closest[known]))
     ax.set(xlabel="angle from the load line [°]", ylabel="closest film [µm]")
     dashes = Line2D([], [], color=MINIMUM, linestyle=_DASHES, linewidth=pt(0.7))
-    dashes.set_label("95 % with shared errors")
+    dashes.set_label(f"{style.ONE_STD} with shared errors")
     keys = [artist for artist in artists if isinstance(artist, Line2D)]
     style.legend_above(ax, handles=[*keys, dashes], ncols=2)
     return artists
@@ -134,13 +135,13 @@ def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     Returns
     -------
     list of Artist
-        The points of each stroke with bars of 95 %, then the curvature of circles.
+        The points of each stroke with bars of one s.d., then the curvature of circles.
 
     Examples
     --------
     >>> from erlif.show.plots import example_film
     >>> gap_curvature(example_film())[-1].get_label()
-    'circles of the radii; bars: 95 %'
+    'circles of the radii; bars: 1 s.d.'
     """
     _require_position(film)
     ax = style.given_or_new(ax, film)
@@ -148,12 +149,12 @@ def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     curvature, std = film.film_curvature.values, film.film_curvature_std.values
     # fifty bars stand side by side
     look: dict[str, Any] = {"elinewidth": pt(0.5), "capsize": 0, "markersize": pt(_MARKER)}
-    artists = triggers.draw_strokes(ax, film, abscissa.values, curvature, COVERAGE * std, **look)
+    artists = triggers.draw_strokes(ax, film, abscissa.values, curvature, std, **look)
 
     stretches = triggers.in_order(film, abscissa.values)
     expected = film.film_curvature_expected.values
     x, y = triggers.broken(stretches, abscissa.values), triggers.broken(stretches, expected)
-    look = {"form": _DASHES, "label": "circles of the radii; bars: 95 %", "zorder": 1.5}
+    look = {"form": _DASHES, "label": f"circles of the radii; bars: {style.ONE_STD}", "zorder": 1.5}
     artists += style.draw_line(ax, x, y, MINIMUM, **look)
     triggers.label_abscissa(ax, abscissa)
     ax.set_ylabel("curvature [µm/mm²]")
@@ -211,15 +212,16 @@ def _draw_points(ax: Axes, film: xr.Dataset, x: Array, y: Array, known: Mask) ->
     return triggers.draw_strokes(ax, film, x, y, which=known, markersize=pt(_MARKER), zorder=3)
 
 
-def _around(values: Array) -> tuple[float, float]:
-    """Limits of an axis with room about its values."""
-    room = _ROOM * max(float(np.ptp(values)), _LEAST_SPAN)
-    return float(values.min()) - room, float(values.max()) + room
+def _around(values: Array, *, least: float = _LEAST_SPAN) -> tuple[float, float]:
+    """Limits of an axis with room about its values, which take `least` of it at least."""
+    middle = float(values.min() + values.max()) / 2
+    half = (0.5 + _ROOM) * max(float(np.ptp(values)), least)
+    return middle - half, middle + half
 
 
 def _ellipse(x: float, y: float, covariance: Array, **look: Any) -> Ellipse:
-    """Ellipse of 95 % about a point; the covariance has the order x, y."""
+    """Ellipse of one standard deviation about a point; the covariance has the order x, y."""
     variance, axes = np.linalg.eigh(covariance)
-    minor, major = 2 * _RADII * np.sqrt(np.maximum(variance, 0.0))
+    minor, major = 2 * np.sqrt(np.maximum(variance, 0.0))
     angle = math.degrees(math.atan2(axes[1, 1], axes[0, 1]))
     return Ellipse((x, y), major, minor, angle=angle, linewidth=pt(0.7), **look)

@@ -14,7 +14,16 @@ from erlif.io.files import check_trigger, describe_trigger, settings_of
 from erlif.pipeline.physics.prediction import film_along_sliding
 from erlif.pipeline.plane import ObjectPlane
 from erlif.show.plots import style, triggers
-from erlif.show.plots.maps import common_limits, figure_of_maps, joint_image, state_reason
+from erlif.show.plots.maps import (
+    average_in_blocks,
+    common_limits,
+    draw_blocks,
+    figure_of_maps,
+    joint_image,
+    label_position,
+    name_blocks,
+    state_reason,
+)
 from erlif.show.plots.style import MINIMUM, OUTWARD, TWO_COLUMNS, AnyFigure, pt, styled
 from erlif.show.refusals import refusal
 from erlif.show.report.prediction import describe_correlations
@@ -226,7 +235,8 @@ def prediction_map_figure(
 ) -> AnyFigure:
     """Draw the measured map, the predicted one on the same scale, and their difference.
 
-    Arguments as in `predicted_map`.
+    The difference is averaged in blocks, as the noise of single pixels would hide it. Arguments as
+    in `predicted_map`.
 
     Returns
     -------
@@ -245,28 +255,25 @@ def prediction_map_figure(
     measured = film.thickness.isel(trigger=trigger).values
     low, high = common_limits(film, [trigger])
     low, high = min(low, float(predicted.min())), max(high, float(predicted.max()))
-    difference = measured - predicted
-    reach = style.even_limits(difference, within=_WITHIN, least=_LEAST_REACH)
+    means = average_in_blocks(film, measured - predicted)
+    reach = style.even_limits(means.values, within=_WITHIN, least=_LEAST_REACH)
 
     more = describe_trigger(film, trigger)
     figure = figure_of_maps(figure, film, width=_THIRD, around=_AROUND, more=more)
     panels = figure.subplots(1, 3, sharey=True)
-    shown = (
-        (measured, "batlow", (low, high), "measured"),
-        (predicted, "batlow", (low, high), "predicted"),
-        (difference, "vik", reach, "measured − predicted"),
-    )
-    images = []
-    for ax, (values, colours, limits, title) in zip(panels, shown, strict=True):
-        look = {"colours": colours, "bad": style.FLAGGED_DIFFERENCE}
-        images.append(joint_image(ax, film, values, limits, **look))
+    for ax, values in zip(panels, (measured, predicted), strict=False):
+        image = joint_image(ax, film, values, (low, high), bad="none")
+    difference = draw_blocks(panels[2], film, means, reach)
+    label_position(panels[2], film)
+    style.add_colour_bar(image, panels[1], "film, (a, b) [µm]")
+    style.add_colour_bar(difference, panels[2], f"difference [µm]\n{name_blocks(means)}".rstrip())
+
+    titles = ("measured", "predicted", "measured − predicted")
+    keys = [style.hatch_missing(ax) for ax in panels]
+    for ax, title in zip(panels, titles, strict=True):
         ax.set_title(title)
-    for k, label in ((1, "film, (a, b) [µm]"), (2, "difference [µm]")):
-        style.add_colour_bar(images[k], panels[k], label)
-    keys = [style.swatch("white", "(c) no difference")]
     if not np.isfinite(measured).all():
-        keys.append(style.swatch(style.FLAGGED_DIFFERENCE, "not valid"))
-    style.legend_of_figure(figure, keys)
+        style.legend_of_figure(figure, keys[:1])
     state_reason(panels[0], film.flags.isel(trigger=trigger).values)
     style.letter_panels(*panels)
     for ax in panels[1:]:

@@ -15,7 +15,7 @@ from matplotlib.image import AxesImage
 from erlif.io.files import check_trigger, describe_trigger
 from erlif.show.plots import style
 from erlif.show.plots.maps import figure_of_maps, label_position, pixel_edges
-from erlif.show.plots.style import COVERAGE, MEAN, MUTED, AnyFigure, pt, styled
+from erlif.show.plots.style import MEAN, MUTED, AnyFigure, pt, styled
 from erlif.show.plots.triggers import broken, choose_abscissa, draw_strokes, in_order
 from erlif.show.refusals import refusal
 
@@ -71,14 +71,14 @@ def pressure_map(found: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> 
 def pressure_profile(
     found: xr.Dataset, *, trigger: int, ax: Axes | None = None
 ) -> list[Artist | Container]:
-    """Draw the pressure along sliding in the axial middle of the image, with its 95 % band.
+    """Draw the pressure along sliding in the axial middle of the image, with its band of one s.d.
 
     Arguments as in `pressure_map`.
 
     Returns
     -------
     list of Artist or Container
-        The band, the profile, and the peak with bars of 1.96 standard deviations.
+        The band, the profile, and the peak with bars of one standard deviation.
 
     Examples
     --------
@@ -91,15 +91,15 @@ def pressure_profile(
     ax = style.given_or_new(ax, found)
     one = found.isel(trigger=trigger)
     place, value = one.place.values, one.pressure_profile.values
-    reach = COVERAGE * one.pressure_profile_std.values
-    band = style.draw_band(ax, place, value - reach, value + reach, MEAN, label="95 %")
+    std = one.pressure_profile_std.values
+    band = style.draw_band(ax, place, value - std, value + std, MEAN, label=style.ONE_STD)
     (line,) = style.draw_line(ax, place, value, MEAN, width=1.2, label="pressure")
 
     # a peak at the edge of the image is drawn whole
     look: dict[str, Any] = {"color": "black", "marker": "o", "label": "peak", "clip_on": False}
     look |= {"linewidth": pt(0.8), "markersize": pt(2.5)}
     at, height = (np.atleast_1d(one[name].values) for name in _PEAK.values())
-    look |= {f"{axis}err": COVERAGE * one[f"{name}_std"].values for axis, name in _PEAK.items()}
+    look |= {f"{axis}err": one[f"{name}_std"].values for axis, name in _PEAK.items()}
     peak = ax.errorbar(at, height, **look)
     ax.set(xlim=(place[0], place[-1]), xlabel="sliding direction [mm]", ylabel="pressure [kPa]")
     ax.legend(ncols=3, **_ABOVE)

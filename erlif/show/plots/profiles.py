@@ -12,26 +12,24 @@ from matplotlib.axes import Axes
 from erlif.core.arrays import Array
 from erlif.io.files import axis_labels
 from erlif.show.plots import style
-from erlif.show.plots.style import OUTWARD, RETURN, pt, styled
+from erlif.show.plots.style import MUTED, OUTWARD, RETURN, pt, styled
 from erlif.trend import average_across_sliding, rigid_gap
 
 _ROOM = 0.08  # above a profile, in heights of the profile
-_NOTE = 4.5  # lines of text below it
 
 
 @styled
 def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> list[Artist]:
     """Draw the profile along sliding with the gap of rigid bodies.
 
-    The profile is the average over the axial extent of the region of interest. The band is 95 % of
-    the random error, the dashed lines are 95 % of the error that all pixels share.
+    The profile is the average over the axial extent of the region of interest. Bands are one
+    standard deviation: blue of the random error, grey of the error that all pixels share.
     Arguments as in `erlif.plots`.
 
     Returns
     -------
     list of Artist
-        Profile, random band, upper and lower limit of the shared error; the rigid gap where it
-        could be fitted.
+        Profile, random band, shared band; the rigid gap where it could be fitted.
 
     Examples
     --------
@@ -47,21 +45,17 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
 
     gap = rigid_gap(profile, film)
     if gap is not None:
+        measured = f"measured, curvature {gap.curvature:.4f} ± {gap.curvature_std:.4f} µm/mm²"
+        artists[0].set_label(measured)
         # wide and pale below the profile, which follows it closely
-        look: dict[str, Any] = {"width": 2.5, "alpha": 0.5, "zorder": 1.2, "label": "rigid gap"}
+        label = f"rigid gap, {gap.rigid_curvature:.4f} µm/mm², minimum {gap.minimum:.2f} µm"
+        look: dict[str, Any] = {"width": 2.5, "alpha": 0.5, "zorder": 1.2, "label": label}
         artists += style.draw_line(ax, x, gap.thickness(x), RETURN, **look)
-        text = (
-            f"curvature {gap.curvature:.4f} ± {gap.curvature_std:.4f},\n"
-            f"of the rigid gap {gap.rigid_curvature:.4f} µm/mm²;\n"
-            f"its minimum {gap.minimum:.2f} µm"
-        )
-        style.write_inside(ax, text, (0.5, 0.03), ha="center", va="bottom")
 
-    # the limits leave room for the text; the rigid gap may leave them beside the measured profile
+    # the rigid gap may leave the limits beside the measured profile
     if np.isfinite(h).any():
         low, high = float(np.nanmin(h)), float(np.nanmax(h))
-        below = _ROOM if gap is None else style.room_for(ax, _NOTE)
-        ax.set_ylim(low - below * (high - low), high + _ROOM * (high - low))
+        ax.set_ylim(low - _ROOM * (high - low), high + _ROOM * (high - low))
     else:
         style.state_empty(ax, "no valid pixel in the region of interest")
     ax.set_ylabel("film thickness [µm]")
@@ -78,7 +72,7 @@ def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) 
     Returns
     -------
     list of Artist
-        Difference, random band, upper and lower limit of the shared error, line at zero.
+        Difference, random band, shared band, line at zero.
 
     Examples
     --------
@@ -103,22 +97,20 @@ def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) 
 
 
 def _draw_profile(ax: Axes, film: xr.Dataset, profile: xr.Dataset, base: Array) -> list[Artist]:
-    """Draw the profile less `base`, with its random band and the limits of its shared error."""
+    """Draw the profile less `base`, with the bands of its random and its shared error."""
     # a profile along y runs to the right as well, so that both directions compare
     x, h = profile.position.values, profile.thickness.values - base
-    random = style.COVERAGE * profile.thickness_std.values
-    shared = style.COVERAGE * profile.thickness_std_shared.values
+    random, shared = profile.thickness_std.values, profile.thickness_std_shared.values
     (line,) = style.draw_line(ax, x, h, OUTWARD, width=0.7, label="measured")
-    band = style.draw_band(ax, x, h - random, h + random, OUTWARD, label="random, 95 %")
+    band = style.draw_band(ax, x, h - random, h + random, OUTWARD, label=f"random, {style.ONE_STD}")
 
     # about a difference, the shared error lies about zero
-    look: dict[str, Any] = {"color": "black", "linewidth": 0.6, "linestyle": (0, (2, 1.5))}
     centre = np.where(np.isfinite(h), 0.0, np.nan) if base.any() else h
-    (above,) = ax.plot(x, centre + shared, label="shared, 95 %", **look)
-    (below,) = ax.plot(x, centre - shared, **look)
+    look: dict[str, Any] = {"label": f"shared, {style.ONE_STD}", "alpha": 0.4, "zorder": 3}
+    common = style.draw_band(ax, x, centre - shared, centre + shared, MUTED, **look)
 
     x_label, y_label = axis_labels(film)
     along_x = str(profile.position.attrs["long_name"]).startswith("x")
     ax.set_xlabel(x_label if along_x else y_label)
     ax.set_xlim(float(x[0]), float(x[-1]))
-    return [line, band, above, below]
+    return [line, band, common]

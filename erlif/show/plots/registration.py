@@ -58,7 +58,8 @@ def displacement_map(
     # white is the mean, so the scale is as long on either side
     reach = max(float(np.nanmax(np.abs(field - mean))), _LEAST_REACH)
     limits = (-reach, reach)
-    image = style.draw_image(ax, field - mean, limits, colours="vik", bad=style.FLAGGED_DIFFERENCE)
+    image = style.draw_image(ax, field - mean, limits, colours="vik", bad="none")
+    style.hatch_missing(ax)
     _outline_masks(ax, registration)
     style.add_colour_bar(image, ax, f"Δ{component} less its mean [px]", extend="neither")
     ax.set_title(f"mean Δ{component} = {style.signed(mean)} px")

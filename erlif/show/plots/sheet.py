@@ -12,8 +12,18 @@ from matplotlib.axes import Axes
 from matplotlib.image import AxesImage
 
 from erlif.core.arrays import Mask
+from erlif.io.files import driven_link, region_of
 from erlif.show.plots import style
-from erlif.show.plots.maps import Limits, common_limits, pixel_edges, thin_map
+from erlif.show.plots.maps import (
+    BlockMeans,
+    Limits,
+    average_in_blocks,
+    common_limits,
+    draw_blocks,
+    name_blocks,
+    pixel_edges,
+    thin_map,
+)
 from erlif.show.plots.naming import name_film
 from erlif.show.plots.style import TWO_COLUMNS, AnyFigure, pt, styled
 
@@ -21,15 +31,27 @@ _SHEET_COLUMNS = (7, 10)  # fewest and most maps in a row of a sheet
 _SHEET_MOST = 60  # maps on one sheet; with more triggers, evenly chosen ones are shown
 _FOOT = 0.35  # inch for the texts above and below a sheet
 _TITLE = 0.17  # inch for the angle above a map of a sheet
+_WITHIN = 95.0  # percentile of the departures from the gap at the ends of their colour scale
+_LEAST_REACH = 0.01  # um; a film that is its gap still needs a scale
+_BLOCKS = 24  # along x of such a map
+_SHAPES = 5  # of the gap: constant, and slope and curvature along x and y
 _BAR = 0.75  # inch beside a sheet for its colour bar
 
 
 @styled
-def map_sheet_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigure:
+def map_sheet_figure(
+    film: xr.Dataset, *, less_gap: bool = False, figure: AnyFigure | None = None
+) -> AnyFigure:
     """Draw the maps of a cycle on one sheet with one colour scale, outward stroke first.
 
     Each stroke begins at its first trigger after the dead point. With more than sixty triggers,
-    sixty evenly chosen ones are shown. Arguments as in `erlif.plots`.
+    sixty evenly chosen ones are shown. Arguments that are not listed are those of `erlif.plots`.
+
+    Parameters
+    ----------
+    less_gap : bool
+        Draw the film less a smooth gap, which otherwise takes most of the colours: at each trigger
+        the quadratic surface that fits the region of interest. Means over blocks of pixels.
 
     Returns
     -------
@@ -53,9 +75,14 @@ def map_sheet_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> An
     figure = style.given_figure(figure, TWO_COLUMNS, sum(rows) * height + _FOOT, text=text)
     panels = figure.subplots(sum(rows), columns, squeeze=False)
 
-    # a dozen maps are enough for the limits, and are read much faster than all
     chosen = np.sort(np.concatenate([members for _, members in groups]))
-    limits = common_limits(film, chosen.tolist()[:: max(1, chosen.size // 12)])
+    departures = {k: depart_from_gap(film, k) for k in chosen.tolist()} if less_gap else {}
+    if less_gap:
+        every = np.concatenate([one.values.ravel() for one in departures.values()])
+        limits = style.even_limits(every, within=_WITHIN, least=_LEAST_REACH)
+    else:
+        # a dozen maps are enough for the limits, and are read much faster than all
+        limits = common_limits(film, chosen.tolist()[:: max(1, chosen.size // 12)])
 
     # each stroke starts a row; panels without a map are hidden
     first = 0
@@ -63,7 +90,7 @@ def map_sheet_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> An
         grid = panels[first : first + count]
         first += count
         for ax, trigger in zip(grid.ravel().tolist(), members.tolist(), strict=False):
-            image = _draw_small_map(ax, film, trigger, limits)
+            image = _draw_small_map(ax, film, trigger, limits, departures.get(trigger))
 
         # hidden axes are left out of the layout, the longest part of drawing a sheet
         for ax in grid.ravel():
@@ -76,12 +103,15 @@ def map_sheet_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> An
             ax.set_axis_off()
 
     # one row of maps is lower than the label is long
-    label = "film thickness [µm]" + ("; " if sum(rows) > 1 else "\n") + "grey: flagged"
+    quantity, missing = ("film less gap", "hatched") if less_gap else ("film thickness", "grey")
+    label = f"{quantity} [µm]" + ("; " if sum(rows) > 1 else "\n") + f"{missing}: flagged"
     # beside all panels, the layout would measure it once for each; pad in widths of a column
     place: dict[str, Any] = {"ax": panels[:, -1].tolist(), "pad": 0.01 * columns}
     figure.colorbar(image, label=label, extend="both", aspect=40, shrink=0.9, **place)
     size = f"{right - left:.1f} mm × {bottom - top:.1f} mm, x to the right, y down"
     foot = f"{_small_title(film, 0)[0]} above each map; each map {size}"
+    if less_gap and (blocks := name_blocks(departures[int(chosen[0])])):
+        foot += f"; {blocks}"
     figure.supxlabel(foot, fontsize=pt(6.5))
     shown = "" if chosen.size == film.sizes["trigger"] else f"{chosen.size} of "
     name_film(figure, film, f"{shown}{film.sizes['trigger']} triggers")
@@ -127,12 +157,48 @@ def best_columns(sizes: list[int]) -> int:
     )
 
 
-def _draw_small_map(ax: Axes, film: xr.Dataset, trigger: int, limits: Limits) -> AxesImage:
-    """Draw one map of a sheet, thinned to the resolution of print."""
-    values = thin_map(film, trigger)
-    colours = style.colour_map("batlow", bad=style.FLAGGED)
-    ends: dict[str, Any] = {"vmin": limits[0], "vmax": limits[1]}
-    image = ax.imshow(values, cmap=colours, extent=pixel_edges(film), **ends)
+def depart_from_gap(film: xr.Dataset, trigger: int) -> BlockMeans:
+    """Map of one trigger less the quadratic surface that fits its region of interest. [um]
+
+    Examples
+    --------
+    The gap of this film is that of circles, which is a parabola to 0.02 um:
+
+    >>> from erlif.show.plots import example_film
+    >>> departure = depart_from_gap(example_film(), 1).values
+    >>> bool(np.nanstd(departure) < 0.1)
+    True
+    """
+    means = average_in_blocks(film, film.thickness.isel(trigger=trigger).values, along_x=_BLOCKS)
+    left, right, bottom, top = means.extent
+    high, wide = means.values.shape
+    x = left + (np.arange(wide) + 0.5) * (right - left) / wide
+    y = top + (np.arange(high) + 0.5) * (bottom - top) / high
+    x, y = (each.ravel() for each in np.meshgrid(x, y))
+    h = means.values.ravel()
+
+    region, known = region_of(film), np.isfinite(h)
+    inside = known & (region.x[0] <= x) & (x <= region.x[1])
+    inside &= (region.y[0] <= y) & (y <= region.y[1])
+    use = inside if inside.sum() > _SHAPES else known
+    shapes = np.stack([np.ones_like(x), x, y, x**2, y**2], axis=1)
+    gap = shapes @ np.linalg.lstsq(shapes[use], h[use], rcond=None)[0]
+    return means._replace(values=(h - gap).reshape(means.values.shape))
+
+
+def _draw_small_map(
+    ax: Axes, film: xr.Dataset, trigger: int, limits: Limits, departure: BlockMeans | None
+) -> AxesImage:
+    """Draw one map of a sheet, thinned to the resolution of print, or what departs from its gap."""
+    if departure is not None:
+        values = departure.values
+        image = draw_blocks(ax, film, departure, limits)
+        style.hatch_missing(ax)
+    else:
+        values = thin_map(film, trigger)
+        colours = style.colour_map("batlow", bad=style.FLAGGED)
+        ends: dict[str, Any] = {"vmin": limits[0], "vmax": limits[1]}
+        image = ax.imshow(values, cmap=colours, extent=pixel_edges(film), **ends)
     if not np.isfinite(values).any():
         ax.text(0.5, 0.5, "no valid\npixel", transform=ax.transAxes, ha="center", va="center")
     ax.set_title(_small_title(film, trigger)[1], fontsize=pt(6), pad=pt(1.5))
@@ -142,9 +208,9 @@ def _draw_small_map(ax: Axes, film: xr.Dataset, trigger: int, limits: Limits) ->
 
 def _small_title(film: xr.Dataset, trigger: int) -> tuple[str, str]:
     """What stands above the maps of a sheet, and its value for one of them."""
-    for name in ("crank_angle", "encoder_angle"):
+    for name, link in (("crank_angle", driven_link(film)), ("encoder_angle", "encoder")):
         if name in film:
-            return name.replace("_", " "), f"{float(film[name][trigger]):.2f}°"
+            return f"{link} angle", f"{float(film[name][trigger]):.2f}°"
     if "time" in film:
         return "time", f"{float(film.time[trigger]):.3g} s"
     return "trigger", f"{trigger}"

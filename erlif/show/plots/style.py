@@ -61,8 +61,8 @@ OUTWARD, RETURN, MEAN, MINIMUM, MUTED = "#0072B2", "#D55E00", "#009E73", "#00000
 # Colour of pixels without a value.
 FLAGGED = "#D9D9D9"
 
-# The same in a map of differences, where white and pale colours are small differences.
-FLAGGED_DIFFERENCE = "#8C8C8C"
+# Hatch of such pixels in a map of differences, where white and pale colours are small differences.
+_HATCH: dict[str, Any] = {"facecolor": FLAGGED, "edgecolor": "#8C8C8C", "hatch": 6 * "/"}
 
 # Looks of the strokes: filled circles for rising encoder angle, open squares for falling.
 STROKES: dict[int, dict[str, Any]] = {
@@ -73,8 +73,8 @@ STROKES: dict[int, dict[str, Any]] = {
 # Height by width of two panels one above the other, so that such figures stand side by side.
 STACK = 1.15
 
-# Standard deviations on either side of a 95 % band.
-COVERAGE = 1.96
+# Bars, bands and ellipses of all figures are one standard deviation; this is how keys name it.
+ONE_STD = "1 s.d."
 
 _TEXT = 7.0  # point; size of text that the lengths below belong to
 
@@ -405,7 +405,7 @@ def legend_above(ax: Axes, **options: Any) -> None:
     _fit_columns(ax, room, **options)
 
 
-def legend_below(ax: Axes, handles: Sequence[Artist]) -> None:
+def legend_below(ax: Axes, handles: Sequence[Artist], **options: Any) -> None:
     """Add a legend below the label of the x axis, in two columns or in what its place is wide."""
     figure = figure_of(ax)
     ax.apply_aspect()
@@ -413,7 +413,7 @@ def legend_below(ax: Axes, handles: Sequence[Artist]) -> None:
     below = 0.0 if labels is None else (ax.bbox.y0 - labels.y0) / figure.dpi
     down = ScaledTranslation(0.0, -below, figure.dpi_scale_trans)
     place = {"bbox_to_anchor": (0.5, 0.0), "bbox_transform": ax.transAxes + down}
-    options = _KEYS | place | {"loc": "upper center", "labelspacing": 0.35}
+    options = _KEYS | place | {"loc": "upper center", "labelspacing": 0.35} | options
     _fit_columns(ax, _place_of(ax), handles=handles, ncols=2, **options)
 
 
@@ -430,6 +430,12 @@ def legend_of_figure(figure: AnyFigure, handles: Sequence[Artist]) -> None:
 def swatch(colour: str, label: str) -> Patch:
     """Key of an area of one colour."""
     return Patch(facecolor=colour, edgecolor="#404040", linewidth=pt(0.4), label=label)
+
+
+def hatch_missing(ax: Axes, label: str = "not valid") -> Patch:
+    """Hatch what an image leaves transparent, where it has no value; returns the key."""
+    ax.patch.set(**_HATCH, linewidth=0)
+    return Patch(**_HATCH, linewidth=0, label=label)
 
 
 def _fit_columns(ax: Axes, room: float, *, ncols: int, **options: Any) -> Legend:
@@ -458,8 +464,8 @@ def _place_of(ax: Axes) -> float:
     return float(share * figure_of(ax).bbox.width)
 
 
-def keep_in_place(ax: Axes, bar: Colorbar) -> None:
-    """Shrink an image so that its colour bar and legend lie within the place of the axes.
+def keep_in_place(ax: Axes, bar: Colorbar | None = None) -> None:
+    """Shrink axes so that their colour bar and the legend below lie within their place.
 
     A layout engine does this by itself; a plain figure of matplotlib has none.
     """
@@ -469,7 +475,7 @@ def keep_in_place(ax: Axes, bar: Colorbar) -> None:
 
     def beyond() -> tuple[float, float]:
         """Width of the bar beside the image; height of label and legend below it. [inch]"""
-        beside, legend = bar.ax.get_tightbbox(), ax.get_legend()
+        beside, legend = None if bar is None else bar.ax.get_tightbbox(), ax.get_legend()
         right = 0.0 if beside is None else beside.x1 - ax.bbox.x1
         below = 0.0 if legend is None else ax.bbox.y0 - legend.get_window_extent().y0
         return right / figure.dpi, below / figure.dpi
@@ -481,7 +487,8 @@ def keep_in_place(ax: Axes, bar: Colorbar) -> None:
         place = _Place(*beyond(), ax.get_subplotspec())
         ax.set_axes_locator(place)
         ax.apply_aspect(place(ax, None))
-        _wrap_label(bar, ax)
+        if bar is not None:
+            _wrap_label(bar, ax)
 
 
 @dataclass(frozen=True)

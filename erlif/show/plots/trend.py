@@ -25,13 +25,12 @@ _LABELS = {
     "sliding_speed": "sliding speed over load, v/F [10⁻³ m s⁻¹ N⁻¹]",
 }
 
-_TALL = 0.4  # height by width
+_TALL = 0.52  # height by width
 _MILLI = 1e3  # speed over load is drawn in thousandths
-_BARS = "bars: 1 s.d."
+_BARS = f"bars: {style.ONE_STD}"
 _DASHES = (0, (3, 1.5))
 _DASH_DOT = (0, (4, 1.5, 1, 1.5))
 _AROUND_POINTS = 6.0  # size of open markers round measured points, which have half of it
-_LEGEND = 7.0  # lines of text above the curves
 _REACH = 3.0  # theory within this factor of the measured film widens the axis
 _LEAST_RATIO = 1.2  # highest over lowest value of an axis
 _MARGIN = 0.06  # of the axis on either side of the curves
@@ -97,7 +96,7 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
     plain_ticks(ax)
     # a statistic that no trigger has is not named
     if drawn:
-        ax.legend(handles=[*drawn, *_stroke_keys(film)], loc="best", title=_BARS, alignment="left")
+        _key_below(ax, [*drawn, *_stroke_keys(film)])
     else:
         state_no_film(ax, film)
     return [*artists, *lines]
@@ -159,8 +158,8 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     -------
     list of Artist
         Measured points of both strokes, the transient film at the triggers where it is predicted,
-        the film of the regime that the regime map selects, the line-contact formula with the factor
-        2.65.
+        the film of the regime that the regime map selects, the line-contact formula of Dowson and
+        Higginson (1966).
 
     Examples
     --------
@@ -186,22 +185,25 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     steady = "film_regime_map" if "film_regime_map" in film else "film_theory"
     regime = str(film[steady].attrs.get("regime", "steady"))
     low, high = _range_of_film(film, (steady, "film_hamrock_dowson"))
-    lines = _LEGEND
     for name, colour, dashes, label in (
         (steady, RETURN, "-", f"regime map, {regime}"),
-        ("film_hamrock_dowson", OUTWARD, _DASH_DOT, "2.65 formula, piezoviscous-elastic"),
+        ("film_hamrock_dowson", OUTWARD, _DASH_DOT, "Dowson and Higginson, piezoviscous-elastic"),
     ):
         curve = film[name].values[order]
-        beyond = _describe_beyond(curve, low, high)
-        lines += 1 if beyond else 0
-        label = "\n".join([label, *beyond])
+        label = "\n".join([label, *_describe_beyond(curve, low, high)])
         artists += style.draw_line(ax, x[order], curve, colour, form=dashes, label=label)
 
     ax.set(xlabel=_LABELS[_speed_name(film)], ylabel="film thickness [µm]")
-    ax.set_ylim(low, high * (high / low) ** style.room_for(ax, lines))
+    ax.set_ylim(low, high)
     plain_ticks(ax)
-    ax.legend(loc="upper left", title=_BARS, alignment="left")
+    _key_below(ax, ax.get_legend_handles_labels()[0])
     return artists
+
+
+def _key_below(ax: Axes, handles: Sequence[Any]) -> None:
+    """Add the legend below the axes: a line of theory may be anywhere within them."""
+    style.legend_below(ax, handles, title=_BARS, alignment="left")
+    style.keep_in_place(ax)
 
 
 def _range_of_film(film: xr.Dataset, theories: Sequence[str]) -> tuple[float, float]:

@@ -73,7 +73,9 @@ def caption_of(name: str, film: xr.Dataset) -> Caption:
         if has_varying_speed(film):
             text = caption.text.partition(" Dotted")[0].replace("speed.", "sliding speed.")
             return replace(caption, title="Film thickness and speed", text=text + dotted)
-        text = "Mean and minimum film thickness with 95 % bands of random and shared errors."
+        text = (
+            "Mean and minimum film thickness; bands are one standard deviation, random and shared."
+        )
         return replace(caption, title="Film thickness over the run", text=text)
     return caption
 
@@ -87,6 +89,6 @@ def _explain_steady(film: xr.Dataset, comment: str) -> str:
         float(film[name].max()) for name in ("film_regime_map", "film_hamrock_dowson")
     )
     return (
-        f"At the highest speed the steady regime map gives {steady:.3g} µm and the 2.65 formula "
-        f"{formula:.3g} µm. They do not apply: {reason}."
+        f"At the highest speed the steady regime map gives {steady:.3g} µm and the line-contact "
+        f"formula of Dowson and Higginson {formula:.3g} µm. They do not apply: {reason}."
     )

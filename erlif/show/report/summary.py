@@ -312,7 +312,8 @@ def _describe_theory(film: xr.Dataset) -> str:
     formula = float(film.film_hamrock_dowson[top])
     return (
         f"{float(theory[top]):.3g} um, {theory.attrs['regime']} ({speed:.3f} m/s, "
-        f"{load:.0f} N); 2.65 line-contact formula: {formula:.3g} um\n{theory.attrs['reason']}"
+        f"{load:.0f} N); line contact, Dowson and Higginson: {formula:.3g} um\n"
+        f"{theory.attrs['reason']}"
     )
 
 

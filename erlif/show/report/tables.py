@@ -117,7 +117,7 @@ def _theory_rows(film: xr.Dataset) -> list[tuple[str, str]]:
         ("Range of the theory", span),
         ("Reason for this theory", str(theory.attrs.get("reason", ""))),
         *steady,
-        ("2.65 line-contact formula", f"{with_span(film.film_hamrock_dowson.values)} µm"),
+        ("Line contact, Dowson and Higginson", f"{with_span(film.film_hamrock_dowson.values)} µm"),
     ]
 
 

@@ -29,7 +29,7 @@ def test_residuals_are_in_per_cent_of_the_ratio(calibration):
     assert points.axes.get_ylabel() == "residual [% of ratio]"
 
 
-def test_band_of_the_fit_holds_the_scatter_of_its_parameters(calibration):
+def test_band_of_the_fit_is_the_scatter_of_its_parameters(calibration):
     rng = np.random.default_rng(3)
     drawn = rng.multivariate_normal([scene.K, scene.P, scene.Q], calibration.covariance, 4000)
     k, p, q = (drawn[:, n, None] for n in range(3))
@@ -39,7 +39,7 @@ def test_band_of_the_fit_holds_the_scatter_of_its_parameters(calibration):
     for n, thickness in enumerate(t):
         closest = vertices[np.argmin(np.abs(vertices[:, 0] - thickness)), 0]
         half = np.ptp(vertices[vertices[:, 0] == closest, 1]) / 2
-        npt.assert_allclose(half, 1.96 * ratio[:, n].std(), rtol=0.06)
+        npt.assert_allclose(half, ratio[:, n].std(), rtol=0.06)
 
 
 def test_spline_is_named_and_the_model_alone_is_drawn(calibration):
@@ -53,7 +53,7 @@ def test_spline_is_named_and_the_model_alone_is_drawn(calibration):
     assert fit.get_label() == "reabsorption model and spline"
     _, _, alone, _ = plots.ratio_residuals(lifted)
     npt.assert_allclose(alone.get_ydata(), 100 * (np.exp(-0.01) - 1))
-    assert labels_of(alone.axes) == ["fit, 95 % band", "model alone"]
+    assert labels_of(alone.axes) == ["fit, 1 s.d.", "model alone"]
 
 
 def test_wall_that_reflects_stands_among_the_parameters(calibration):

@@ -57,3 +57,9 @@ def test_a_chart_marks_what_is_beyond_its_limits():
 
 def test_without_a_duty_parameter_the_figure_has_one_panel(found):
     assert len(comparison_figure(found.drop_vars("duty")).axes) == 1
+
+
+def test_a_single_pair_takes_less_width_than_the_films(found):
+    films, differences = comparison_figure(found).axes
+    assert differences.get_position().width < 0.4 * films.get_position().width
+    assert [tick.get_text() for tick in differences.get_xticklabels()] == ["2\nless 1"]

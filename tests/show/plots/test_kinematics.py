@@ -4,8 +4,10 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes import film as scene
+from scenes.pictures import labels_of
 
 from erlif.show import plots
+from erlif.show.plots import style
 from erlif.show.plots.kinematics import linkage_cycle
 
 
@@ -48,13 +50,13 @@ def test_reading_of_an_encoder_on_the_crank_is_the_crank_angle(film, with_settin
     assert np.nanmax(np.abs(np.diff(x))) < 1
 
 
-def test_bands_are_95_per_cent_of_the_standard_deviation(film):
+def test_bands_are_one_standard_deviation(film):
     artists = plots.film_over_cycle(film)
     for band, line in zip(artists[0::2], artists[1::2], strict=True):
         edges = np.concatenate([path.vertices for path in band.get_paths()])
         std = 0.02 if line.get_color() == artists[1].get_color() else 0.03
         for x in line.get_xdata():
-            npt.assert_allclose(np.ptp(edges[edges[:, 0] == x, 1]), 2 * 1.96 * std)
+            npt.assert_allclose(np.ptp(edges[edges[:, 0] == x, 1]), 2 * std)
 
 
 def test_film_over_the_cycle_fills_its_axes_unless_it_comes_close_to_contact(film):
@@ -64,7 +66,7 @@ def test_film_over_the_cycle_fills_its_axes_unless_it_comes_close_to_contact(fil
         known = film.assign(film_min=("trigger", films), film_mean=("trigger", films))
         bottom, top = plots.film_over_cycle(known)[0].axes.get_ylim()
         assert (bottom == 0) == (low < 1)
-        drawn = (low - 1.96 * 0.03, high + 1.96 * 0.03)
+        drawn = (low - 0.03, high + 0.03)
         assert bottom <= drawn[0]
         assert drawn[1] < top
         assert drawn[1] - max(drawn[0], 0.0) > 0.5 * (top - bottom)
@@ -113,3 +115,15 @@ def test_joint_of_a_slider_crank_turns_by_crank_less_rod(with_settings):
         if set(line.get_ydata()) == {0}
     ]
     assert horizontal == []
+
+
+def test_a_mean_of_part_of_the_region_is_pale_and_joined_to_no_other(film):
+    """At the second trigger of each stroke 5 % of the region are beyond the measurable range."""
+    share = np.where(np.arange(scene.TRIGGERS) % 3 == 1, 0.05, 0.0)
+    ax = plots.film_over_cycle(film.assign(share_beyond_range=("trigger", share)))[0].axes
+    means = [line for line in ax.lines if line.get_color() == style.MEAN]
+    pale = {x for line in means if line.get_alpha() < 1 for x in line.get_xdata()}
+    full = {x for line in means if line.get_alpha() == 1 for x in line.get_xdata()}
+    assert pale == set(scene.CRANK[share > 0])
+    assert full == set(scene.CRANK[share == 0])
+    assert labels_of(ax) == ["mean", "minimum", "mean, part beyond range"]

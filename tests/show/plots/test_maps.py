@@ -2,10 +2,12 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
+import numpy.testing as npt
 import pytest
 from scenes import film as scene
 
 from erlif.show import plots
+from erlif.show.plots.maps import average_in_blocks, pixel_edges
 
 
 def test_map_without_valid_pixels_states_why(film):
@@ -41,3 +43,15 @@ def test_map_in_axes_of_ones_own_covers_no_label_and_leaves_no_figure(film, size
         assert box.y0 >= whole.y0
         assert box.x1 <= whole.x1
         assert not box.overlaps(other)
+
+
+def test_means_over_blocks_are_those_of_the_valid_pixels(film):
+    """Blocks of 2 by 2 pixels; one has three valid pixels, one has a single one."""
+    values = np.arange(64.0 * 80).reshape(64, 80)
+    values[0, 0] = values[0, 2] = values[0, 3] = values[1, 2] = np.nan
+    means = average_in_blocks(film, values, along_x=40)
+    assert means.size == 2
+    npt.assert_allclose(means.values[0, 0], (1 + 80 + 81) / 3)
+    assert np.isnan(means.values[0, 1])
+    npt.assert_allclose(means.values[-1, -1], values[-2:, -2:].mean())
+    npt.assert_allclose(means.extent, pixel_edges(film))

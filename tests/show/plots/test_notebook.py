@@ -4,6 +4,8 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
+from erlif.show import plots
+
 CELLS = (
     "import erlif\nfilm = erlif.plots.example_film()",
     "erlif.show.plots.thickness_map(film, trigger=1)",
@@ -22,3 +24,16 @@ def test_each_figure_is_shown_once(monkeypatch):
     NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
     shown = [sum("image/png" in out.get("data", {}) for out in cell.outputs) for cell in cells]
     assert shown == [0, 1, 1, 1, 1]
+
+
+def test_completion_lists_what_draws_and_nothing_else():
+    listed = dir(plots)
+    assert {"thickness_map", "cycle_figure", "write_figures"} <= set(listed)
+    assert not {
+        "find_run",
+        "missing_figures",
+        "example_film",
+        "predicted_map",
+        "lazy_loader",
+    } & set(listed)
+    assert all(hasattr(plots, name) for name in plots.__all__)

@@ -6,6 +6,7 @@ from scenes import film as scene
 
 from erlif.show import plots
 from erlif.show.plots.maps import pixel_edges
+from erlif.show.plots.sheet import depart_from_gap
 
 
 def test_sheet_of_a_cycle_that_begins_within_a_stroke_starts_with_the_stroke(film):
@@ -23,3 +24,20 @@ def test_large_maps_of_a_sheet_are_thinned_to_what_print_resolves(film):
     image = plots.map_sheet_figure(wide).axes[0].images[0]
     assert image.get_array().shape == (3, 240)
     npt.assert_allclose(image.get_extent(), pixel_edges(wide))
+
+
+def test_less_the_gap_a_sheet_shows_what_departs_from_it(changed):
+    """A groove of 1 um along sliding, three rows wide, in the gap of circles."""
+    plain = depart_from_gap(changed, 1).values
+    changed.thickness.values[:, 30:33, :] += np.float32(1.0)
+    grooved = depart_from_gap(changed, 1)
+    assert grooved.size == 3
+    rise = np.nanmean((grooved.values - plain)[:21], axis=1)  # of whole blocks
+    assert rise.argmax() == 10
+    npt.assert_allclose(rise[10] - (rise[9] + rise[11]) / 2, 1.0, atol=0.02)
+
+    first = plots.map_sheet_figure(changed, less_gap=True).axes[0]
+    low, high = first.images[0].get_clim()
+    assert low == -high
+    assert high < 1.0
+    npt.assert_allclose(first.get_xlim(), pixel_edges(changed)[:2])

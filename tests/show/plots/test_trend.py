@@ -1,5 +1,6 @@
 """Film thickness against speed over load: points, bars, powers and theory are those of the film."""
 
+import matplotlib.pyplot as plt
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -80,3 +81,16 @@ def test_a_statistic_without_a_point_is_not_in_the_legend(changed):
     labels = labels_of(plots.film_and_theory(changed)[0].axes)
     assert "measured minimum, outward" in labels
     assert "measured minimum, return" not in labels
+
+
+@pytest.mark.parametrize("draw", [plots.film_against_speed, plots.film_and_theory])
+def test_the_legend_lies_below_the_axes_so_that_no_line_crosses_it(changed, draw):
+    """Also in axes without a layout engine, within whose place both stay."""
+    steep = changed.assign(film_regime_map=2.5 * changed.film_min)
+    figure, panels = plt.subplots(2, 1, figsize=(5, 8))
+    ax = draw(steep, ax=panels[0])[0].axes
+    figure.draw_without_rendering()
+    legend = ax.get_legend().get_window_extent()
+    assert legend.y1 < ax.bbox.y0
+    assert legend.y0 > panels[1].bbox.y1
+    plt.close(figure)

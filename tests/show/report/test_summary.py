@@ -79,7 +79,9 @@ def test_theory_is_that_of_the_highest_speed(film):
     theory = line_of(summarise(film), "theory at the highest speed")
     assert theory.startswith(f"{20 * scene.minimum_film()[top]:.3g} um, isoviscous-rigid")
     assert f"({0.03336 * abs(speeds[top]):.3f} m/s, 222 N)" in theory
-    assert theory.endswith(f"2.65 line-contact formula: {0.3 * scene.minimum_film()[top]:.3g} um")
+    assert theory.endswith(
+        f"line contact, Dowson and Higginson: {0.3 * scene.minimum_film()[top]:.3g} um"
+    )
     assert "the largest governs" in summarise(film)
 
 

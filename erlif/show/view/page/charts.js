@@ -121,13 +121,13 @@ const LOOKS = {
 const ALONG = ["encoder_angle", "crank_angle", "time", "position", "trigger"];
 const GAP = 1.75; // step over the longer steps of a line above which nothing was measured
 
-// Limits of the film: those of the data with their 95 % bands, from zero where they come close.
+// Limits of the film: those of the data with one standard deviation, from zero where they come close.
 function filmLimits(films) {
   let [low, high] = [Infinity, -Infinity];
   for (const [values, std] of films) {
     values.forEach((value, n) => {
       if (value === null) return;
-      const reach = 1.96 * (std?.[n] ?? 0);
+      const reach = std?.[n] ?? 0;
       low = Math.min(low, value - reach);
       high = Math.max(high, value + reach);
     });
