@@ -36,9 +36,9 @@ def budget(run_dir: Path, films: tuple[float, ...], **options: Any) -> None:
     """
     with large_imports():
         from erlif.review.budget import budget as make_budget
-        from erlif.show.report import render_budget
+        from erlif.show.report import print_budget
 
     # an empty option means the usual films
     with working() as progress:
         terms = make_budget(run_dir, films=films or None, progress=progress, **options)
-    click.echo(render_budget(terms), nl=False)
+    click.echo(print_budget(terms))

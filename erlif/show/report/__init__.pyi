@@ -9,6 +9,7 @@ from .prediction import summarise_prediction
 from .runs import write_runs_report
 from .summary import (
     describe_calibration,
+    print_budget,
     render_budget,
     summarise,
     summarise_briefly,
@@ -20,6 +21,7 @@ __all__ = [
     "describe_calibration",
     "list_materials",
     "make_design_page",
+    "print_budget",
     "render_budget",
     "summarise",
     "summarise_briefly",

@@ -107,13 +107,13 @@ def _percent(share: float, sign: str = "", most: str = "more than 1000%") -> str
 def _film_table(plan: xr.Dataset) -> str:
     frames, average = int(plan.attrs["frames"]), int(plan.attrs["average"])
     how = count_of(frames, "frame") + (f", {average} px" if average > 1 else "")
-    head = ("film um", "ratio", "electrons 1", "electrons 2", "std um", "of film", how)
+    head = ("film um", "ratio", "signal 1", "signal 2", "std um", "of film", how)
     first, last = plan.film_range.values
     rows = plan.interp(thickness=np.geomspace(first, last, _ROWS))
     # frames are whole numbers, which are not interpolated
     near = plan.sel(thickness=rows.thickness, method="nearest")
 
-    lines: list[tuple[str, ...]] = [(*head, "frames needed", "best conc.")]
+    lines: list[tuple[str, ...]] = [(*head, "needed", "best")]
     for k, film in enumerate(rows.thickness.values.tolist()):
         one = rows.isel(thickness=k)
         stds = [float(one.thickness_std), float(one.thickness_std_frames)]
@@ -124,7 +124,7 @@ def _film_table(plan: xr.Dataset) -> str:
         needed = (f"{count:.0f}" if math.isfinite(count) else "never" for count in counts)
         ratio = f"{float(one.ratio):.4f}"
         lines.append((f"{film:.3g}", ratio, *signals, std, share, averaged, *needed))
-    return print_columns(lines, ">8 >7 >11 >11 >8 >8 >14 >13 >10")
+    return print_columns(lines, ">7 >7 >8 >8 >7 >8 >13 >6 >6")
 
 
 def _limit_table(plan: xr.Dataset) -> str:

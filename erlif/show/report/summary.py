@@ -14,10 +14,11 @@ from erlif.core.flags import Flag, describe_share
 from erlif.core.notes import Level, rank_notes, split_notes
 from erlif.core.units import count_of
 from erlif.io.files import flag_shares, takes
-from erlif.show.report.layout import TABLES, print_rows
+from erlif.show.report.layout import TABLES, print_columns, print_rows
 from erlif.show.report.prediction import describe_correlations, describe_difference
 
 _CALIBRATION_TITLE = 34  # columns of the titles of a calibration
+_TERM, _QUANTITY = 31, 8  # columns of a budget
 _TITLE = 10  # columns of the titles of a short summary
 _LINES, _COLUMNS = 10, 80  # of a short summary; files and the next command make it twelve
 _NOTABLE = 0.01  # share of the region beyond the range from which a mean is that of a part
@@ -425,6 +426,61 @@ def render_budget(budget: xr.Dataset) -> str:
             term, kind, cells = f"**{term}**", "", [f"**{cell}**" for cell in cells]
         lines.append(f"| {term} | {' | '.join(cells)} | {kind} |")
     return "\n".join(lines) + "\n"
+
+
+def print_budget(budget: xr.Dataset) -> str:
+    """Write a budget as a table for the terminal, in nanometres, by kinds of error.
+
+    Parameters
+    ----------
+    budget : xarray.Dataset
+        As `render_budget` takes it.
+
+    Returns
+    -------
+    str
+        One row a term; the sum of a kind stands below its terms.
+
+    Examples
+    --------
+    >>> budget = xr.Dataset(
+    ...     {
+    ...         "std": (("term", "quantity"), [[0.0123], [0.0123]]),
+    ...         "kind": ("term", ["random", "sum"]),
+    ...         "value": ("quantity", [5.0]),
+    ...     },
+    ...     {"term": ["photons", "total"], "quantity": ["mean film"]},
+    ...     {"run": "example", "trigger": 2, "frames": 1},
+    ... )
+    >>> print(print_budget(budget))
+    Standard deviations in nm: example, trigger 2, 1 frame pair
+    <BLANKLINE>
+    term                                mean
+    film thickness [um]                 5.00
+    random
+      photons                             12
+    total                                 12
+    """
+    attrs, titles = budget.attrs, [str(title) for title in budget.quantity.values]
+    count = count_of(int(attrs["frames"]), "frame pair")
+    short = [title.removeprefix("pixel of ").removesuffix(" film") for title in titles]
+    rows = [
+        ("term", *short),
+        ("film thickness [um]", *(f"{value:.2f}" for value in budget["value"].values)),
+    ]
+    last = ""
+    terms = zip(budget.term.values, budget["std"].values, budget.kind.values, strict=True)
+    for term, row, kind in terms:
+        if kind not in (last, "sum"):
+            rows.append((str(kind), *[""] * len(titles)))
+        last = str(kind)
+        title = str(term) if kind == "sum" else f"  {term}"
+        rows.append((title, *map(_in_nanometres, row)))
+    table = print_columns(rows, f"<{_TERM} " + f">{_QUANTITY} " * len(titles))
+    head = f"Standard deviations in nm: {attrs['run']}, trigger {attrs['trigger']}, {count}"
+    pixels = [title for title in titles if title.startswith("pixel of ")]
+    below = ["", "Columns with a film in um: a single pixel of this film."] if pixels else []
+    return "\n".join([head, "", *(line.rstrip() for line in table.splitlines()), *below])
 
 
 def _in_nanometres(value: float) -> str:

@@ -12,6 +12,7 @@ from erlif.calibration.departure import Departure
 from erlif.show import plots
 from erlif.show.report import (
     describe_calibration,
+    print_budget,
     render_budget,
     summarise,
     summarise_briefly,
@@ -162,6 +163,21 @@ def test_terms_are_rows_in_nanometres(budget):
         "| calibration | 4.0 | - | shared |",
         "| **total** | **5.0** | **30** |  |",
     ]
+
+
+def test_terms_stand_below_their_kind_within_80_columns(budget):
+    lines = print_budget(budget).splitlines()
+    assert [" ".join(line.split()) for line in lines[2:]] == [
+        "term mean pixel",
+        "film thickness [um] 5.00 6.25",
+        "random",
+        "photons 3.0 30",
+        "shared",
+        "calibration 4.0 -",
+        "total 5.0 30",
+    ]
+    wide = budget.isel(quantity=[0, 1, 0, 1, 0])
+    assert max(map(len, print_budget(wide).splitlines())) <= 80
 
 
 def test_a_short_summary_has_ten_lines_of_80_columns(film):
