@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from erlif.commands.lines import wrap
+from erlif.commands.lines import describe_written, wrap
 from erlif.commands.options import ANGLE, OVERWRITE, PATH, output_option
 from erlif.commands.progress import show_progress
 from erlif.commands.refusals import refusal
@@ -94,4 +94,4 @@ def compare(
         figures = write_comparison_figures(comparison, scratch)
         write_comparison_page(comparison, scratch / _TABLES[2], figures)
     written = (*_TABLES, *(path.name for path in figures))
-    click.echo(f"written: {', '.join(str(output / name) for name in written)}")
+    click.echo(describe_written([output / name for name in written]))

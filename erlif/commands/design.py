@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from erlif.commands.lines import verbosity, wrap
 from erlif.commands.options import OVERWRITE, PATH, expect_output, output_option
 from erlif.core.speed.imports import large_imports
 
@@ -50,7 +51,7 @@ def design(
     if output is not None:
         expect_output(output, ".html", overwrite=overwrite)
     designed = size(source)
-    click.echo(summarise_design(designed))
+    click.echo(wrap(summarise_design(designed, brief=not verbosity())))
     if output is not None:
         from erlif.show.report import write_design_page
 

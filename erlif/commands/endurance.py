@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fnmatch import fnmatch
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import click
 
+from erlif.commands.lines import describe_written, verbosity, wrap
 from erlif.commands.log_columns import (
     choose_columns,
     column_pairs,
@@ -17,6 +18,9 @@ from erlif.commands.log_columns import (
 )
 from erlif.commands.options import LENGTH, OVERWRITE, PATH, Quantity, output_option
 from erlif.core.speed.imports import large_imports
+
+if TYPE_CHECKING:
+    from erlif.joint.endurance import EnduranceResult
 
 _FEWEST_RUNS = 2
 
@@ -83,7 +87,6 @@ def endurance(
             analyse_endurance,
             compare_designs,
             describe_designs,
-            describe_test,
             read_endurance_log,
             write_test_table,
         )
@@ -114,7 +117,8 @@ def endurance(
         refuse_existing(output / picture, overwrite=overwrite)
 
     reading = {"skip_bad_rows": skip_bad_rows, "compression_negative": compression_negative}
-    results = []
+    results: list[EnduranceResult] = []
+    reading_of: dict[str, list[str]] = {}
     for log in logs:
         read = read_endurance_log(log, choice, **reading)
         results.append(
@@ -131,8 +135,8 @@ def endurance(
                 name=log.stem,
             )
         )
-        click.echo("\n".join(describe_test(results[-1])))
-        click.echo("\n".join(describe_reading(read)) + "\n")
+        reading_of[log.stem] = describe_reading(read)
+    click.echo(wrap("\n".join(_describe(results, reading_of))) + "\n")
 
     # the tests of both designs are known only after all logs
     if members:
@@ -140,13 +144,29 @@ def endurance(
         failures = {result.name: result.failure for result in results}
         old, new = ([failures[name] for name in design] for design in (one, other))
         compared = compare_designs(old, new, names=(first, second), model=model)
-        click.echo("\n".join(describe_designs(compared)) + "\n")
-    click.echo(f"written: {write_test_table(results, table)}")
+        click.echo(wrap("\n".join(describe_designs(compared))) + "\n")
+    written = [write_test_table(results, table)]
     for result in results:
-        for path in write_endurance_figures(result, output, overview=overviews[result.name]):
-            click.echo(f"written: {path}")
+        written += write_endurance_figures(result, output, overview=overviews[result.name])
     if members:
-        click.echo(f"written: {write_designs_figure(compared, old, new, output)}")
+        written.append(write_designs_figure(compared, old, new, output))
+    click.echo(describe_written(written))
+
+
+def _describe(results: Sequence[EnduranceResult], reading: dict[str, list[str]]) -> Iterator[str]:
+    """A single test and its columns in full; of several a row each, with ``-v`` in full."""
+    from erlif.joint.endurance import describe_test, describe_tests
+
+    if len(results) == 1 or verbosity():
+        for result in results:
+            yield from (*describe_test(result), *reading[result.name], "")
+        return
+    yield from describe_tests(results)
+    # logs of one machine have the same columns
+    for line in dict.fromkeys(line for lines in reading.values() for line in lines):
+        named = [name for name, lines in reading.items() if line in lines]
+        yield line if len(named) == len(reading) else f"{', '.join(named)}: {line}"
+    yield "Stages, changes of temperature and vibration, and notes: -v"
 
 
 def _refuse_doubled(names: list[str]) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from erlif.commands.lines import describe_written
 from erlif.commands.options import (
     ALLOW_OUTSIDE,
     OVERWRITE,
@@ -75,5 +76,4 @@ def figures(
         paths = write_figures(film, output, trigger=trigger, progress=progress, **options)
     if described:
         click.echo(described)
-    for path in paths:
-        click.echo(f"written: {path}")
+    click.echo(describe_written(paths))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
 
 import click
 
@@ -13,6 +14,7 @@ from erlif.core.units import count_of
 
 COLUMNS = 80
 
+_FEW = 2  # files that one line names
 _LEVEL = 8  # characters of the level before a note
 _MORE = " ..."
 _HANGING = 40  # column up to which a text stands under its beginning
@@ -62,6 +64,16 @@ def _broken(line: str) -> str:
 
 def _margin(line: str) -> int:
     return len(line) - len(line.lstrip())
+
+
+def describe_written(paths: Sequence[Path]) -> str:
+    """One line on the files that were written: the first, and how many more.
+
+    With ``-v`` all of them.
+    """
+    if verbosity() or len(paths) <= _FEW:
+        return f"written: {', '.join(map(str, paths))}"
+    return f"written: {paths[0]} and {len(paths) - 1} more beside it"
 
 
 def list_notes(notes: Iterable[Note], rest: str) -> Iterator[str]:

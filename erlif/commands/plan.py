@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from erlif.commands.lines import wrap
+from erlif.commands.lines import describe_written, wrap
 from erlif.commands.options import OVERWRITE, PATH, output_option
 from erlif.core.speed.imports import large_imports
 
@@ -51,5 +51,6 @@ def plan(source: Path | None, output: Path | None, example: bool, overwrite: boo
     planned = predict(source)
     click.echo(wrap(summarise_plan(planned)))
     click.echo()
-    for path in write_plan(planned, output, folder=source.parent, overwrite=overwrite):
-        click.echo(f"written: {path}")
+    written = write_plan(planned, output, folder=source.parent, overwrite=overwrite)
+    click.echo(describe_written(written))
+    click.echo(f"next: erlif simulate rehearsal --parts {output / 'optimum.toml'}")

@@ -12,7 +12,7 @@ def test_the_example_works_as_it_is_printed(tmp_path, command, refused):
     path.write_text(command("plan", "--example").stdout, encoding="utf-8")
     shown = command("plan", path).stdout
     assert "Best concentrations" in shown
-    assert f"written: {tmp_path / 'plan' / 'optimum.toml'}" in shown
+    assert f"--parts {tmp_path / 'plan' / 'optimum.toml'}" in shown
     assert "exists already" in refused("plan", path)
 
 

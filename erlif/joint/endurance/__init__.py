@@ -12,7 +12,12 @@ from erlif.joint.endurance.onset import Onset
 from erlif.joint.endurance.other_sensors import SensorChange, check_other_sensors
 from erlif.joint.endurance.search import OnsetSearch, find_onset
 from erlif.joint.endurance.stages import Stage, find_stages, join_stages
-from erlif.joint.endurance.summary import describe_designs, describe_test, write_test_table
+from erlif.joint.endurance.summary import (
+    describe_designs,
+    describe_test,
+    describe_tests,
+    write_test_table,
+)
 from erlif.joint.friction import LogColumns, measure_friction
 from erlif.joint.friction import read_torque_log as read_endurance_log
 
@@ -31,6 +36,7 @@ __all__ = [
     "compare_designs",
     "describe_designs",
     "describe_test",
+    "describe_tests",
     "failure_load",
     "find_onset",
     "find_stages",

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from erlif.core.notes import Level
 from erlif.core.tables import fill_template
 from erlif.core.units import count_of
 from erlif.io.conversion import table_csv
@@ -85,6 +86,47 @@ def describe_test(result: EnduranceResult) -> list[str]:
         round_below=_round_below(search.small.rise) if search.small else None,
     )
     return text.splitlines()
+
+
+def describe_tests(results: Sequence[EnduranceResult]) -> list[str]:
+    """Describe several endurance tests in a row each; their warnings follow.
+
+    Parameters
+    ----------
+    results : sequence of EnduranceResult
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> from erlif.show.plots.example import example_test
+    >>> for line in describe_tests([example_test()]):
+    ...     print(line)
+    test          galling      onset  rise of friction    load at failure   survived
+    example       stage 6   4379.9 s    0.118 ± 0.006     123.8 ± 0.6 kN   106.6 kN
+    """
+    width = max(12, *(len(one.name) for one in results))
+    row = f"{{:<{width}}}  {{:<9}}{{:>9}}  {{:>15}}  {{:>17}}  {{:>9}}".format
+    lines = [row("test", "galling", "onset", "rise of friction", "load at failure", "survived")]
+    warnings = []
+    for one in results:
+        failure, onset = one.failure, one.onset
+        cells = ["none" if failure.decided else "unclear", "-", "-", "-"]
+        if onset is not None:
+            load, std = failure.load / 1e3, failure.std / 1e3
+            cells = [
+                f"stage {failure.stage}",
+                f"{onset.time:.1f} s",
+                f"{onset.rise:.3f} ± {onset.rise_std:.3f}",
+                f"{load:.1f} ± {std:.1f} kN",
+            ]
+        survived = failure.survived if failure.failed else failure.load
+        lines.append(row(one.name, *cells, f"{survived / 1e3:.1f} kN"))
+        doubts = [note for note in one.notes if note.level is not Level.NOTE]
+        warnings += [f"{note.level}: {one.name}: {note}" for note in doubts]
+    return lines + warnings
 
 
 def _round_below(rise: float) -> float:

@@ -12,8 +12,8 @@ from erlif.show.report.layout import TABLES, print_columns, render_text
 
 _ASSUMED = ": assumption"  # as the table of materials writes it
 _SMALL = 0.01
-_LARGE = 999.0  # three digits of a larger factor would need an exponent
-_FACTOR = 10.0  # a margin above 1000 % is written as a factor
+_DIGITS = 3  # of a margin above 1000 %
+_NOT_VALID = "not valid here"  # the state of a comparison outside of its validity
 
 
 class Verdict(NamedTuple):
@@ -34,18 +34,22 @@ class Verdict(NamedTuple):
     sentences: list[str]
 
 
-def summarise_design(design: BearingDesign) -> str:
+def summarise_design(design: BearingDesign, *, brief: bool = False) -> str:
     """State a joint, its dimensions and the margin of each step.
 
     Parameters
     ----------
     design : BearingDesign
         From `erlif.design`.
+    brief : bool
+        Leave out the columns of source and state, so that the table has 80 columns; a step that
+        does not hold has a negative margin.
 
     Returns
     -------
     str
-        Verdict, dimensions, a table of the steps, and what could not be computed.
+        Verdict, dimensions, a table of the steps, and what could not be computed. Comparisons that
+        are not valid for the joint stand below the table.
 
     Examples
     --------
@@ -55,12 +59,20 @@ def summarise_design(design: BearingDesign) -> str:
     """
     shown = [step for step in design.assessment.steps if not step.missing]
     sizes = [(title, value, f" {source}") for title, value, source in dimensions(design)]
-    steps = [("step", "source", "present", "allowed", f"{'margin':>10} ", "state")]
+    steps: list[tuple[str, ...]] = [
+        ("step", "source", "present", "allowed", f"{'margin':>10} ", "state")
+    ]
+    apart: list[tuple[str, ...]] = []
     for step in shown:
         # a star marks a margin that is not that of the value beside it
         marked = f"{margin(step.margin):>10}{'*' if step.basis else ' '}"
         source = step.equation.replace("section ", "")
-        steps.append((step.title, source, present(step), within(step), marked, outcome(step)))
+        row = (step.title, source, present(step), within(step), marked, outcome(step))
+        (apart if step.state == _NOT_VALID else steps).append(row)
+    widths = "<34 <15 >19 >15 <11 <0"
+    if brief:
+        widths = "<34 >18 >13 <11"
+        steps, apart = ([(row[0], *row[2:5]) for row in rows] for rows in (steps, apart))
     return render_text(
         "design.txt",
         design=design,
@@ -68,7 +80,8 @@ def summarise_design(design: BearingDesign) -> str:
         dimension_title=dimension_title(design),
         dimensions=print_columns(sizes, "<22 >11 <0"),
         materials=[f"{part} {name}" for part, name in name_materials(design).items()],
-        steps=print_columns(steps, "<34 <15 >19 >15 <11 <0"),
+        steps=print_columns(steps, widths),
+        apart=print_columns(apart, widths),
         shown=shown,
         doubtful=any("doubtful" in outcome(step) for step in shown),
         assumed=assumed_values(design),
@@ -135,12 +148,12 @@ def outcome(step: Step) -> str:
 
 
 def margin(value: float) -> str:
-    """Write a margin, allowed over present value less 1, in per cent; large ones as a factor.
+    """Write a margin, allowed over present value less 1, in per cent.
 
     Examples
     --------
-    >>> margin(0.125), margin(-0.5), margin(30.0), margin(float("inf"))
-    ('+12 %', '-50 %', 'x 31', 'unlimited')
+    >>> margin(0.125), margin(-0.5), margin(30.04), margin(float("inf"))
+    ('+12 %', '-50 %', '+3000 %', 'unlimited')
     """
     if math.isnan(value):
         return "-"
@@ -148,8 +161,8 @@ def margin(value: float) -> str:
         return "unlimited"
     if abs(value) < ROUNDING:
         return "0 %"
-    if value > _FACTOR:
-        return f"x {value + 1:.3g}" if value < _LARGE else f"x {value + 1:.0f}"
+    if value > 10:
+        return f"{float(f'{100 * value:.{_DIGITS}g}'):+.0f} %"
     # the sign of a small margin is what matters
     return f"{100 * value:+.0f} %" if abs(value) >= _SMALL else f"{100 * value:+.2g} %"
 

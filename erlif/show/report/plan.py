@@ -124,7 +124,7 @@ def _film_table(plan: xr.Dataset) -> str:
         needed = (f"{count:.0f}" if math.isfinite(count) else "never" for count in counts)
         ratio = f"{float(one.ratio):.4f}"
         lines.append((f"{film:.3g}", ratio, *signals, std, share, averaged, *needed))
-    return print_columns(lines, ">7 >7 >8 >8 >7 >8 >13 >6 >6")
+    return print_columns(lines, ">8 >7 >8 >8 >7 >8 >13 >6 >6")
 
 
 def _limit_table(plan: xr.Dataset) -> str:

@@ -3,7 +3,8 @@
 import csv
 from dataclasses import replace
 
-from erlif.joint.endurance import describe_test, write_test_table
+from erlif.core.notes import Level, Note
+from erlif.joint.endurance import describe_test, describe_tests, write_test_table
 from erlif.show.plots.example import example_test
 
 
@@ -60,3 +61,14 @@ def test_pauses_of_the_log_and_stuck_sensors_are_stated():
         "vibration reads 0.4 throughout",
     ):
         assert part in text
+
+
+def test_several_tests_have_a_row_each_and_their_warnings():
+    result = example_test()
+    doubtful = replace(result, name="odd", notes=(Note(Level.WARNING, "", "a doubt"),))
+    whole = replace(example_test(galls=False), name="whole")
+    lines = describe_tests([result, doubtful, whole])
+    assert len(lines) == 5
+    assert lines[3].split() == ["whole", "none", "-", "-", "-", "123.1", "kN"]
+    assert lines[4] == "warning: odd: a doubt"
+    assert max(map(len, lines)) <= 80

@@ -27,3 +27,13 @@ def test_what_is_wrong_or_not_known_is_named():
     assert "give [motion] half_swing and period" in summarise_design(designed_without_motion())
     lines = list_materials(read_materials()).splitlines()
     assert len(lines) == len(read_materials()) + 1
+
+
+def test_what_is_not_valid_stands_below_a_table_of_80_columns():
+    text = summarise_design(designed(), brief=True)
+    table, _, below = text.partition("Not valid for this joint:\n")
+    assert "pressure of a flat arc (Hertz)" in below.splitlines()[1]
+    assert "Hertz" not in table
+    rows = table[table.index("\nstep ") :].splitlines()
+    assert max(map(len, rows)) <= 80
+    assert " x " not in table
