@@ -81,6 +81,12 @@ class FrameCorrection(PickledByFields):
         changed.__dict__["tables"] = self.tables
         return changed
 
+    def following(self, pairs: FramePairs) -> FrameCorrection:
+        """The same for more pairs of the recording, each with the mean energy."""
+        changed = replace(self, pairs=pairs, energies=None)
+        changed.__dict__["tables"] = self.tables
+        return changed
+
     def light(self, frame: int, *, out: PairLight | None = None) -> PairLight:
         """Light of one frame pair as plain arrays, in those of ``out`` where they are given."""
         return self.measure(frame, read_pair(self.pairs, frame).counts, out=out)
@@ -184,6 +190,12 @@ class FrameChain(PickledByFields):
     def tabulated(self) -> FrameChain:
         """The chain with the tables alone, without the references from which they were made."""
         return replace(self, correct=self.correct.tabulated())
+
+    def following(self, pairs: FramePairs) -> FrameChain:
+        """The chain for more pairs of the recording, without what changes from pair to pair."""
+        changed = replace(self, correct=self.correct.following(pairs), ratio_change=None)
+        changed.__dict__.update(tables=self.tables, noise=self.noise, search=self.search)
+        return changed
 
     @cached_property
     def tables(self) -> MapTables:

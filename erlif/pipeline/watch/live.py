@@ -1,0 +1,188 @@
+"""One frame pair of a recording that is not finished: its film, light and drift."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from erlif.calibration import Calibration, check_bands
+from erlif.core.arrays import Counts, FlagImage, Image
+from erlif.core.progress import silent
+from erlif.io.ingest import FramePairs, Run, read_pair
+from erlif.io.ingest.arrivals import Arrival
+from erlif.io.ingest.recording import number_frames
+from erlif.io.settings import LightOptions, RunSettings, TemperatureOptions
+from erlif.pipeline.engines.triggers import TriggerTask
+from erlif.pipeline.plane import ObjectPlane
+from erlif.pipeline.recording.prepare import prepare_run
+from erlif.pipeline.recording.register import FixtureMap
+
+# Every n-th row and column gives the mean light and the share of saturated pixels. [px]
+_EVERY = 4
+
+
+class LivePair(NamedTuple):
+    """Numbers of a pair that was measured while the recording went on.
+
+    Attributes
+    ----------
+    number : int
+        Of its frame, as `Arrival.number`.
+    place : int
+        In the recording, counted from 0.
+    time : float
+        When its second image was found complete. [s since 1970]
+    film_min : float
+        Minimum of the smooth gap. [um]
+    film_min_std : float
+        [um]
+    film_mean : float
+        Mean over the region of interest. [um]
+    film_mean_std : float
+        [um]
+    valid : float
+        Share of measurable pixels. [1]
+    light : tuple[float, float]
+        Mean count of each camera. [DN]
+    saturated : tuple[float, float]
+        Share of pixels of each camera at full scale. [1]
+    drift : tuple[float, float]
+        Of camera 2 against the map of the cameras, x and y. [px]
+    """
+
+    number: int
+    place: int
+    time: float
+    film_min: float
+    film_min_std: float
+    film_mean: float
+    film_mean_std: float
+    valid: float
+    light: tuple[float, float]
+    saturated: tuple[float, float]
+    drift: tuple[float, float]
+
+
+class LiveMap(NamedTuple):
+    """The film thickness of a pair, (y, x), with its flags. [um]"""
+
+    number: int
+    thickness: Image
+    flags: FlagImage
+
+
+@dataclass(frozen=True)
+class LiveFilm:
+    """How a pair becomes its film, as far as the pairs so far determine it.
+
+    Attributes
+    ----------
+    task : TriggerTask
+        Frames to maps and numbers, with the map of the cameras.
+    pairs : int
+        Pairs from which references and map were found.
+    """
+
+    task: TriggerTask
+    pairs: int
+
+    @classmethod
+    def prepare(cls, run: Run, calibration: Calibration) -> LiveFilm:
+        """Register the cameras on the pairs that there are.
+
+        What only a whole run determines (bleaching, scale of a patch, temperature of each row of
+        the log) is left out; it is in film.nc.
+
+        Raises
+        ------
+        ErlifError
+            As `prepare_run`.
+        """
+        check_bands(calibration, (run.settings.camera1.band, run.settings.camera2.band))
+        known = FixtureMap.of(calibration, run.settings)
+        plain = replace(calibration, camera_map=None)
+        run = replace(run, settings=_for_single_pairs(run.settings))
+        trigger = xr.Dataset({"trigger": ("frame", np.arange(len(run.pairs.pages[0])))})
+        ready = prepare_run(run, trigger, plain, known, silent)
+        plane = ObjectPlane(run.settings, run.pairs.shape)
+        return cls(
+            TriggerTask(ready.chain, ready.measuring, plane, frozenset()), len(run.pairs.pages[0])
+        )
+
+    def measure(self, pairs: FramePairs, frame: int, arrival: Arrival) -> tuple[LivePair, LiveMap]:
+        """Measure one pair.
+
+        Parameters
+        ----------
+        pairs : FramePairs
+            The pairs so far.
+        frame : int
+            Number of the pair among them.
+        arrival : Arrival
+
+        Returns
+        -------
+        LivePair, LiveMap
+
+        Raises
+        ------
+        FrameError
+            If its files cannot be read.
+        """
+        task = replace(self.task, chain=self.task.chain.following(pairs))
+        task.__dict__.update(self._tables)
+        maps, result = task([frame])
+        light, saturated = measure_counts(read_pair(pairs, frame).counts, pairs.full_scales)
+        film = result.statistics
+        return LivePair(
+            arrival.number,
+            arrival.place,
+            arrival.time,
+            film.minimum,
+            film.minimum_std,
+            film.mean,
+            film.mean_std,
+            result.pixels[0] / maps["flags"].size,
+            light,
+            saturated,
+            result.frames[0].drift,
+        ), LiveMap(arrival.number, maps["thickness"].copy(), maps["flags"].copy())
+
+    @property
+    def _tables(self) -> dict[str, Any]:
+        """The calibration in tables, which is the same for every pair."""
+        return {"tables": self.task.tables, "curve": self.task.curve}
+
+
+def measure_counts(
+    counts: Sequence[Counts], full_scales: tuple[int, int]
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Mean count [DN] and share of pixels at full scale of both cameras.
+
+    Examples
+    --------
+    >>> dark, bright = np.zeros((8, 8), np.uint16), np.full((8, 8), 4095, np.uint16)
+    >>> measure_counts((dark, bright), (4095, 4095))
+    ((0.0, 4095.0), (0.0, 1.0))
+    """
+    parts = [image[::_EVERY, ::_EVERY] for image in counts]
+    one, two = (float(part.mean()) for part in parts)
+    first, second = (
+        float((part >= full).mean()) for part, full in zip(parts, full_scales, strict=True)
+    )
+    return (one, two), (first, second)
+
+
+def run_of(directory: Any, settings: RunSettings, pairs: FramePairs) -> Run:
+    """A run of the pairs so far; its frames are numbered in place of a log."""
+    return Run(directory, settings, pairs, number_frames(pairs))
+
+
+def _for_single_pairs(settings: RunSettings) -> RunSettings:
+    """The settings without what follows from a log or from the whole of a run."""
+    light = LightOptions(background=settings.light.background)
+    return settings.model_copy(update={"light": light, "temperature": TemperatureOptions()})
