@@ -31,7 +31,7 @@ from erlif.core.version import __version__
 
 # The commands in the order of their use, by what they serve.
 COMMANDS = {
-    "Measure": ("init", "check", "calibrate", "process"),
+    "Measure": ("init", "check", "calibrate", "watch", "process"),
     "Look": ("view", "figures", "report", "movie", "export", "compare"),
     "Explain": ("budget", "predict", "pressure"),
     "Plan a rig": ("simulate", "plan"),

@@ -54,10 +54,10 @@ def process(
             raise refusal("output_of_several", output=output)
         process_series(runs, calibration=calibration, resume=resume, **options)
     else:
-        _process_one(runs[0], calibration, output, options)
+        process_one(runs[0], calibration, output, options)
 
 
-def _process_one(
+def process_one(
     run_dir: Path, calibration: Path | None, output: Path | None, options: dict[str, Any]
 ) -> None:
     """Process a run and print its summary."""

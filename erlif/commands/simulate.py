@@ -25,6 +25,9 @@ _SIDE = re.compile("[0-9]{1,6}")
 # The options show the defaults of the rig itself.
 DEFAULT = RigSettings()
 
+# Time between the directory and its first frame, in which `erlif watch` is started. [s]
+_DELAY = 10.0
+
 # Of the pixels; turning marks alone leave the wedge in fewer.
 _SHARE_OUTSIDE = 0.01
 
@@ -113,6 +116,19 @@ def _rig_option(name: str, text: str) -> Callable[[Command], Command]:
     help="TOML file with settings of the rig by their names (docs/simulator.md), for what has no "
     "option. Options that are given take precedence.",
 )
+@click.option(
+    "--live",
+    type=Quantity("Hz", "RATE"),
+    help='Write the frames of the run in real time, such as "10 Hz", for erlif watch.',
+)
+@click.option(
+    "--fault",
+    "faults",
+    metavar="FAULT@FRAME",
+    multiple=True,
+    help="With --live: camera1-stops, camera2-stops, camera1-loses, camera2-loses or laser-fades "
+    "at a frame, such as camera2-stops@40.",
+)
 @click.option("--overwrite", is_flag=True, help="Replace OUT/fixture, OUT/run and OUT/truth.nc.")
 def simulate(
     out: Path,
@@ -121,6 +137,8 @@ def simulate(
     film: float | str,
     planned: Path | None,
     stated: Path | None,
+    live: float | None,
+    faults: tuple[str, ...],
     overwrite: bool,
     **options: Any,
 ) -> None:
@@ -137,7 +155,9 @@ def simulate(
     """
     with large_imports():
         from erlif.rig import simulate as photograph
+        from erlif.rig.live import Fault, write_live
 
+    planned_faults = [Fault.read(text) for text in faults]
     rig = _rig_of_options(size, film, options)
     given = {name: getattr(rig, name) for name in _fields_of_options(click.get_current_context())}
     if planned is not None:
@@ -159,6 +179,12 @@ def simulate(
     click.echo(f"written: {', '.join(str(out / name) for name in ('fixture', 'run', 'truth.nc'))}")
     if note := _note_of_range(out / "truth.nc"):
         click.echo(note, err=True)
+    if live is not None:
+        click.echo(f"recording starts in {_DELAY:g} s; in another terminal: erlif watch {out / 'run'}")
+        with show_progress() as progress:
+            write_live(
+                out / "run", rate=live, faults=planned_faults, delay=_DELAY, progress=progress
+            )
 
 
 def _note_of_range(path: Path) -> str:

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from erlif.calibration import Calibration
-from erlif.core.arrays import Array
+from erlif.core.arrays import Array, FlagImage, Image
 from erlif.core.errors import ErlifError
 from erlif.io.ingest import FramePairs, Run
 from erlif.io.ingest.arrivals import Arrival, Arrivals
@@ -64,7 +64,9 @@ class WatchState:
     arrived : int
         Pairs that are complete.
     measured : tuple[LivePair, ...]
-        In the order of the recording.
+        In the order in which they were measured.
+    latest : LivePair | None
+        The last of them in the order of the recording.
     newest : LiveMap | None
         Map of the latest pair that was measured.
     angles : Array
@@ -85,6 +87,7 @@ class WatchState:
     frames: tuple[int, int] = (0, 0)
     arrived: int = 0
     measured: tuple[LivePair, ...] = ()
+    latest: LivePair | None = None
     newest: LiveMap | None = None
     angles: Array = field(default_factory=lambda: np.empty(0))
     registered_on: int = 0
@@ -143,7 +146,8 @@ class Watch:
         self._pairs = nothing
         self._arrived: list[Arrival] = []
         self._waiting: list[int] = []
-        self._measured: dict[int, LivePair] = {}
+        self._measured: list[LivePair] = []
+        self._latest: LivePair | None = None
         self._newest: LiveMap | None = None
         self._film: LiveFilm | None = None
         self._preparing = False
@@ -180,19 +184,20 @@ class Watch:
     def state(self) -> WatchState:
         """What is known now."""
         with self._changed:
-            measured = tuple(self._measured[k] for k in sorted(self._measured))
+            measured = tuple(self._measured)
             since = self._arrived[-1].time if self._arrived else self._opened
             return WatchState(
                 self._version,
                 self._arrivals.counts(),
                 len(self._arrived),
                 measured,
+                self._latest,
                 self._newest,
                 self._angles,
                 0 if self._film is None else self._film.pairs,
                 self._missing,
                 tuple(self._faults.values()),
-                self.alarms.raised(list(measured[-1:]), silence=time.time() - since),
+                self.alarms.raised([self._latest] * (self._latest is not None), silence=time.time() - since),
                 since,
             )
 
@@ -201,6 +206,37 @@ class Watch:
         with self._changed:
             self._changed.wait_for(lambda: self._version > version, timeout)
         return self.state()
+
+    # the source of the page
+
+    def describe(self) -> dict[str, Any]:
+        """As `erlif.show.view.live.LiveSource`."""
+        return {
+            "name": self.settings.name,
+            "pitch": self.settings.optics.pixel_pitch * 1e3,
+        }
+
+    def news(self, version: int, pairs: int, angles: int, timeout: float) -> dict[str, Any]:
+        """As `erlif.show.view.live.LiveSource`."""
+        state = self.wait(version, timeout)
+        latest = state.latest
+        return {
+            "version": state.version,
+            "frames": state.frames,
+            "arrived": state.arrived,
+            "measured": len(state.measured),
+            "pairs": [as_row(one) for one in state.measured[pairs:]],
+            "newest": None if latest is None else as_row(latest),
+            "shape": None if state.newest is None else state.newest.flags.shape,
+            "angles": [round(float(angle), 3) for angle in state.angles[angles:]],
+            "faults": [*state.faults, *_describe_missing(state.missing)],
+            "alarms": state.alarms,
+        }
+
+    def newest(self) -> tuple[str, Image, FlagImage] | None:
+        """As `erlif.show.view.live.LiveSource`."""
+        shown = self.state().newest
+        return None if shown is None else (f"pair {shown.number}", shown.thickness, shown.flags)
 
     def is_quiet(self, limit: float | None) -> bool:
         """Whether the run has ended: a file ``stop``, or no new pair for `limit` seconds.
@@ -352,9 +388,9 @@ class Watch:
                 self._notify()
             return
         with self._changed:
-            self._measured[pair.place] = pair
-            if self._newest is None or pair.place >= max(self._measured):
-                self._newest = shown
+            self._measured.append(pair)
+            if self._latest is None or pair.place > self._latest.place:
+                self._latest, self._newest = pair, shown
             for name, text in self.alarms.raised([pair], silence=0.0).items():
                 self.alarmed.setdefault(name, text)
             self._notify()
@@ -365,11 +401,28 @@ class Watch:
         self._changed.notify_all()
 
 
-def as_row(pair: LivePair, angles: Array) -> dict[str, Any]:
-    """A pair as names and plain numbers, None for what is not known, with its angle."""
-    angle = float(angles[pair.place]) if pair.place < len(angles) else float("nan")
-    values = {**pair._asdict(), "angle": angle}
-    return {name: _plain(value) for name, value in values.items()}
+def _describe_missing(missing: dict[int, int]) -> list[str]:
+    """Frames of one camera alone in words."""
+    texts = []
+    for camera in (1, 2):
+        numbers = sorted(number for number, lacking in missing.items() if lacking == camera)
+        if numbers:
+            listed = ", ".join(str(number) for number in numbers[:5])
+            more = f" and {len(numbers) - 5} more" if len(numbers) > 5 else ""
+            texts.append(f"camera {camera} lacks frame {listed}{more}")
+    return texts
+
+
+def as_row(pair: LivePair) -> dict[str, Any]:
+    """A pair as names and plain numbers, None for what is not known.
+
+    Examples
+    --------
+    >>> pair = LivePair(7, 0, 0.0, 2.0, 0.1, float("nan"), 0.1, 1.0, (9.0, 9.0), (0.0, 0.0), (0.0, 0.0))
+    >>> as_row(pair)["film_min"], as_row(pair)["film_mean"]
+    (2.0, None)
+    """
+    return {name: _plain(value) for name, value in pair._asdict().items()}
 
 
 def _plain(value: Any) -> Any:

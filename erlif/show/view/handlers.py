@@ -21,13 +21,11 @@ from erlif.show.view.films import FilmReader
 
 _logger = logging.getLogger(__name__)
 
-# Files of the page by their names in its address, with their kinds.
-PAGE: dict[str, list[str]] = read_table("erlif.show.view", "page.toml")["files"]
-
-Found = Mapping[str, Any] | bytes | queries.Export
+# Files of the pages by their names in the address, with their kinds.
+FILES: dict[str, list[str]] = read_table("erlif.show.view", "page.toml")["files"]
 
 # What can be read, by its name in the address.
-READING: dict[str, Callable[[queries.Request], Found]] = {
+READING: dict[str, Callable[[queries.Request], queries.Found]] = {
     "films": queries.list_films,
     "cycle": queries.send_cycle,
     "map": queries.pack_map,
@@ -86,10 +84,15 @@ class _Guarded(tornado.web.RequestHandler):
 class _PageFile(_Guarded):
     """A file of the page."""
 
+    def initialize(self, page: str, **shared: Any) -> None:
+        super().initialize(**shared)
+        self.page = page
+
     def get(self, name: str) -> None:
-        if name not in PAGE:
+        name = name or self.page
+        if name not in FILES:
             raise tornado.web.HTTPError(404)
-        file, kind = PAGE[name]
+        file, kind = FILES[name]
         content = files("erlif.show.view").joinpath("page", file).read_bytes()
         self.send(content, f"text/{kind}; charset=utf-8")
 
@@ -97,11 +100,17 @@ class _PageFile(_Guarded):
 class _Reading(_Guarded):
     """Something that is read from the films, in a thread."""
 
+    def initialize(
+        self, reading: Mapping[str, Callable[[queries.Request], queries.Found]], **shared: Any
+    ) -> None:
+        super().initialize(**shared)
+        self.reading = reading
+
     async def get(self, name: str) -> None:
         values = {key: self.get_query_argument(key) for key in self.request.query_arguments}
         request = queries.Request(self.films, values)
         # reading maps would block the other requests of the page
-        found = await self.run(READING[name], request)
+        found = await self.run(self.reading[name], request)
         if isinstance(found, queries.Export):
             self.set_header("Content-Disposition", f'attachment; filename="{found.name}"')
             found = found.content
@@ -128,7 +137,12 @@ class _Missing(_Guarded):
 
 
 def make_application(
-    access: AccessRule, films: Sequence[FilmReader], executor: Executor
+    access: AccessRule,
+    films: Sequence[FilmReader],
+    executor: Executor,
+    *,
+    page: str = "view.html",
+    reading: Mapping[str, Callable[[queries.Request], queries.Found]] = READING,
 ) -> tornado.web.Application:
     """Make the application.
 
@@ -140,6 +154,10 @@ def make_application(
         Open films.
     executor : Executor
         Threads that read maps.
+    page : str
+        File of the page itself.
+    reading : mapping
+        What the page can ask for, by its name in the address.
 
     Returns
     -------
@@ -154,9 +172,13 @@ def make_application(
     """
     shared = {"access": access, "films": films, "executor": executor}
     token = r"/[^/]*/"
-    paths = {f"({'|'.join(READING)})": _Reading, "settings": _Settings, r"([^/]*)": _PageFile}
+    paths = [
+        (f"({'|'.join(reading)})", _Reading, {"reading": reading}),
+        ("settings", _Settings, {}),
+        (r"([^/]*)", _PageFile, {"page": page}),
+    ]
     return tornado.web.Application(
-        [(token + path, handler, shared) for path, handler in paths.items()],
+        [(token + path, handler, shared | own) for path, handler, own in paths],
         default_handler_class=_Missing,
         default_handler_args=shared,
         compress_response=False,

@@ -6,7 +6,7 @@ import json
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -152,7 +152,7 @@ def pack_map(request: Request) -> bytes:
         If a value is missing or there is no such map.
     """
     chosen = _read_chosen(request)
-    return _pack(request, chosen.layer, chosen.values, chosen.flags, text=chosen.text)
+    return pack_values(request, chosen.layer, chosen.values, chosen.flags, text=chosen.text)
 
 
 @dataclass(frozen=True)
@@ -207,8 +207,10 @@ def _subtract(request: Request) -> tuple[Image, Image, FlagImage]:
     return measures.subtract_maps(maps[0], maps[1])
 
 
-def _pack(request: Request, layer: Layer, values: Image, flags: FlagImage, *, text: str) -> bytes:
-    """The visible part of any map."""
+def pack_values(
+    request: Request, layer: Layer, values: Image, flags: FlagImage, *, text: str
+) -> bytes:
+    """The visible part of any map; `request` and the bytes as for `pack_map`."""
     left, top, right, bottom = request.numbers("window", 4)
     window = Window.within((values.shape[0], values.shape[1]), (left, top, right, bottom))
     width, height = request.numbers("room", 2)
@@ -416,6 +418,10 @@ class Export:
 
     name: str
     content: bytes
+
+
+# What a request is served.
+Found: TypeAlias = Mapping[str, Any] | bytes | Export
 
 
 def export(request: Request) -> Export:

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import asyncio
 import socket
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 from erlif.core.errors import reason_of
 from erlif.show.refusals import refusal
 from erlif.show.view.access import AccessRule
-from erlif.show.view.films import FilmReader, open_films
+from erlif.show.view.films import open_films
 
 _THREADS = 2  # that read: a map is on its way while a profile is computed
 
@@ -68,31 +69,66 @@ def serve_films(
     erlif.core.errors.OutputError: Expected a film file; no such film.nc does not exist. ...
     """
     require_library()
+    from erlif.show.view.handlers import make_application
+
     films = open_films(paths, run_dirs)
+    listening = open_port(port)
     try:
-        asyncio.run(_serve(films, port, ready))
+        with ThreadPoolExecutor(_THREADS) as executor:
+            asyncio.run(
+                serve(
+                    lambda access: make_application(access, films, executor),
+                    listening,
+                    ready=ready,
+                    ended=asyncio.Event().wait,
+                )
+            )
     finally:
         for film in films:
             film.close()
 
 
-async def _serve(films: Sequence[FilmReader], port: int, ready: Callable[[str], None]) -> None:
-    from tornado.httpserver import HTTPServer
+def open_port(port: int) -> socket.socket:
+    """Listen at a port of this machine; 0 takes a free one.
 
-    from erlif.show.view.handlers import make_application
-
+    Raises ErlifError where the port is taken.
+    """
     try:
         listening = socket.create_server(("127.0.0.1", port))
     except OSError as error:
         raise refusal("port_in_use", port=port, reason=reason_of(error)) from error
-    # the port is known once the socket is open, and the address names it
     listening.setblocking(False)
+    return listening
+
+
+async def serve(
+    make: Callable[[AccessRule], Any],
+    listening: socket.socket,
+    *,
+    ready: Callable[[str], None],
+    ended: Callable[[], Awaitable[object]],
+) -> None:
+    """Serve an application to the page that has its token.
+
+    Parameters
+    ----------
+    make : callable
+        Makes the application of tornado.
+    listening : socket
+        As `open_port` returns it.
+    ready : callable
+        Receives the address of the page, the token included.
+    ended : callable
+        What it returns is awaited; the server then ends.
+    """
+    from tornado.httpserver import HTTPServer
+
+    # the port is known once the socket is open, and the address names it
     access = AccessRule(int(listening.getsockname()[1]))
-    with ThreadPoolExecutor(_THREADS) as executor:
-        server = HTTPServer(make_application(access, films, executor), max_body_size=2**16)
-        server.add_socket(listening)
-        try:
-            ready(access.address)
-            await asyncio.Event().wait()
-        finally:
-            server.stop()
+    server = HTTPServer(make(access), max_body_size=2**16)
+    server.add_socket(listening)
+    try:
+        ready(access.address)
+        await ended()
+    finally:
+        server.stop()

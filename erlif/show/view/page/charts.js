@@ -3,7 +3,7 @@ import { css } from "./draw.js";
 
 const FONT = '12px system-ui, "DejaVu Sans", sans-serif';
 
-const axis = (label) => ({
+export const axis = (label) => ({
   label,
   labelSize: 20,
   labelGap: 0,
@@ -13,9 +13,9 @@ const axis = (label) => ({
   grid: { stroke: () => css("--grid").trim(), width: 1 },
   ticks: { stroke: () => css("--line").trim(), width: 1, size: 5 },
 });
-const ink = (name) => () => css(name).trim();
+export const ink = (name) => () => css(name).trim();
 
-class Chart {
+export class Chart {
   constructor(place) {
     this.place = place;
     this.plot = null;

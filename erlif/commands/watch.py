@@ -1,0 +1,151 @@
+"""``erlif watch``: the film while a run is recorded."""
+
+from __future__ import annotations
+
+import subprocess
+import time
+import webbrowser
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from erlif.commands.ending import EndedBySignal, echo_aside
+from erlif.commands.options import CALIBRATION, PATH, PROCESSING, Quantity, expect_output
+from erlif.commands.process import process_one
+from erlif.commands.progress import announced_compiling
+from erlif.commands.view import leading_to
+from erlif.core.speed.imports import large_imports
+
+if TYPE_CHECKING:
+    from erlif.pipeline.watch.watch import Watch, WatchState
+
+# Exit status of a run in which an alarm was raised.
+ALARMED = 3
+
+# Time between two lines on the terminal. [s]
+_EVERY = 1.0
+
+
+@click.command()
+@click.argument("run_dir", type=PATH)
+@CALIBRATION
+@click.option("-o", "--output", type=PATH, help="Default: RUN_DIR/film.nc.")
+@click.option(
+    "--quiet",
+    type=Quantity("s", "TIME"),
+    help='End after this time without a new pair, such as "10 s". Default: at Ctrl-C, or when a '
+    "file named stop appears in RUN_DIR.",
+)
+@click.option(
+    "--film-below",
+    type=Quantity("um", "LENGTH"),
+    help='Alarm where the minimum film is thinner, such as "2 um".',
+)
+@click.option(
+    "--saturated-above",
+    type=Quantity("1", "SHARE"),
+    help='Alarm where more pixels of a camera saturate, such as "1 %".',
+)
+@click.option(
+    "--no-pulse-for",
+    type=Quantity("s", "TIME"),
+    help='Alarm where no pair comes for longer, such as "2 s".',
+)
+@click.option(
+    "--on-alarm", metavar="COMMAND", help="Command that is run when an alarm is first raised."
+)
+@click.option("--port", type=click.IntRange(0, 65535), default=0, help="Default: a free one.")
+@click.option("--no-browser", is_flag=True, help="Print the address and open no browser.")
+@PROCESSING
+def watch(
+    run_dir: Path,
+    calibration: Path | None,
+    output: Path | None,
+    quiet: float | None,
+    film_below: float | None,
+    saturated_above: float | None,
+    no_pulse_for: float | None,
+    on_alarm: str | None,
+    port: int,
+    no_browser: bool,
+    **options: Any,
+) -> None:
+    """Show the film while a run is recorded, and process the run at its end.
+
+    Begins before the first frame exists. The page in the browser shows the newest map, the film
+    with its error, light and saturation of both cameras, and frames that are missing. What it shows
+    is found from the pairs so far; the film that is written at the end is that of erlif process.
+    The exit status is 3 where an alarm was raised.
+
+    \b
+    Example:
+      erlif watch run_12 --film-below "2 um" --no-pulse-for "2 s" --quiet "10 s"
+    """
+    with large_imports():
+        from erlif.pipeline.watch.alarms import Alarms
+        from erlif.pipeline.watch.watch import Watch
+        from erlif.show.view.live import live_page
+
+    output = output or run_dir / "film.nc"
+    expect_output(output, ".nc", ".zarr", overwrite=options["overwrite"], holds="thickness")
+    with announced_compiling():
+        watched = Watch(
+            run_dir,
+            calibration=calibration,
+            alarms=Alarms(film_below, saturated_above, no_pulse_for),
+            workers=options["workers"],
+            allow_outside=options["allow_outside"],
+        )
+        with ExitStack() as opened:
+            opened.enter_context(watched.running())
+            address = opened.enter_context(live_page(watched, port=port))
+            click.echo(f"The page is at {address}\nCtrl-C ends the recording.")
+            if not no_browser:
+                webbrowser.open(opened.enter_context(leading_to(address)).as_uri())
+            _follow(watched, quiet, on_alarm)
+    if not watched.state().arrived:
+        click.echo("No pair has arrived; there is nothing to process.")
+        return
+    process_one(run_dir, calibration, output, options)
+    if watched.alarmed:
+        for text in watched.alarmed.values():
+            echo_aside(f"alarm: {text}")
+        click.get_current_context().exit(ALARMED)
+
+
+def _follow(watched: Watch, quiet: float | None, on_alarm: str | None) -> None:
+    """Print a line each second while pairs come, until the recording ends."""
+    version, printed = -1, 0.0
+    known: set[str] = set()
+    try:
+        while not watched.is_quiet(quiet):
+            state = watched.wait(version, 0.2)
+            for name in state.alarms.keys() - known:
+                echo_aside(f"ALARM {state.alarms[name]}")
+                if on_alarm:
+                    subprocess.Popen(on_alarm, shell=True)
+            known = set(state.alarms)
+            if state.version > version and time.monotonic() - printed > _EVERY:
+                click.echo(_line(state))
+                version, printed = state.version, time.monotonic()
+    except EndedBySignal:
+        raise
+    except KeyboardInterrupt:  # the end of the recording, not of the command
+        pass
+    click.echo(_line(watched.state()))
+
+
+def _line(state: WatchState) -> str:
+    """The state in one line."""
+    if state.latest is None:
+        return f"{state.arrived} pairs, none measured yet" + "".join(
+            f"; {fault}" for fault in state.faults[:1]
+        )
+    one = state.latest
+    return (
+        f"pair {one.number}: min {one.film_min:.2f} ± {one.film_min_std:.2f} um, mean "
+        f"{one.film_mean:.2f} ± {one.film_mean_std:.2f} um, light {one.light[0]:.0f}/"
+        f"{one.light[1]:.0f} DN, {len(state.measured)}/{state.arrived} measured"
+    )

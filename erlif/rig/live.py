@@ -1,0 +1,140 @@
+"""A simulated run written in real time, as the cameras and the logger of a rig write it."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, get_args
+
+import numpy as np
+import tifffile
+
+from erlif.core.progress import Progress, silent
+from erlif.rig.refusals import refusal
+
+Kind = Literal["camera1-stops", "camera2-stops", "camera1-loses", "camera2-loses", "laser-fades"]
+
+# Form of a fault in text.
+_FORM = re.compile(rf"({'|'.join(get_args(Kind))})@(\d{{1,6}})")
+
+# Share of the light that each pulse of a fading laser has of the one before. [1]
+_FADING = 0.97
+
+# Time by which camera 2 writes later than camera 1, at most. [s]
+_LATER = 0.005
+
+# Names of the folders of both cameras.
+_CAMERAS = ("camera1", "camera2")
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A fault of the rig while it records.
+
+    Attributes
+    ----------
+    kind : str
+        A camera writes nothing from a frame on ("camera2-stops"), or not that frame
+        ("camera1-loses"); the laser loses 3 % of its light with every pulse ("laser-fades").
+    frame : int
+        Frame, counted from 0, at which it begins.
+    """
+
+    kind: Kind
+    frame: int
+
+    @classmethod
+    def read(cls, text: str) -> Fault:
+        """Read a fault such as ``camera2-stops@40``.
+
+        Raises ModelError for any other text.
+
+        Examples
+        --------
+        >>> Fault.read("laser-fades@60")
+        Fault(kind='laser-fades', frame=60)
+        """
+        found = _FORM.fullmatch(text)
+        if not found:
+            raise refusal("no_fault", text=text, kinds=", ".join(get_args(Kind)))
+        return cls(found[1], int(found[2]))  # type: ignore[arg-type]
+
+    def silences(self, camera: str, frame: int) -> bool:
+        """Whether a camera does not write a frame."""
+        if not self.kind.startswith(camera):
+            return False
+        return frame == self.frame if self.kind.endswith("loses") else frame >= self.frame
+
+
+def write_live(
+    run: Path,
+    *,
+    rate: float,
+    faults: Sequence[Fault] = (),
+    delay: float = 0.0,
+    progress: Progress = silent,
+) -> None:
+    """Take the frames and the log of a simulated run away, and write them again in real time.
+
+    Parameters
+    ----------
+    run : Path
+        The directory ``run`` of a simulation, with frames of one image each.
+    rate : float
+        Pairs per second. [Hz]
+    faults : sequence of Fault
+    delay : float
+        Time before the first pair. [s]
+    progress : callable
+        Called after each pair.
+    """
+    with tempfile.TemporaryDirectory(prefix=".simulate-", dir=run.parent) as folder:
+        kept = Path(folder)
+        for camera in _CAMERAS:
+            shutil.move(run / camera, kept / camera)
+            (run / camera).mkdir()
+        log = run / "encoder.csv"
+        head, *rows = log.read_text(encoding="utf-8").splitlines() if log.exists() else [""]
+        if head:
+            log.write_text(head + "\n", encoding="utf-8")
+
+        names = sorted(path.name for path in (kept / _CAMERAS[0]).iterdir())
+        dark = [_dark_level(run / f"{camera}_dark.tif") for camera in _CAMERAS]
+        begun = time.monotonic() + delay
+        for frame, name in enumerate(names):
+            time.sleep(max(0.0, begun + frame / rate - time.monotonic()))
+            energy = _energy(faults, frame)
+            for n, camera in enumerate(_CAMERAS):
+                if n:
+                    time.sleep(min(_LATER, 0.1 / rate))
+                if not any(fault.silences(camera, frame) for fault in faults):
+                    _write(kept / camera / name, run / camera / name, energy, dark[n])
+            if frame < len(rows):
+                with log.open("a", encoding="utf-8") as file:
+                    file.write(rows[frame] + "\n")
+            progress("live", frame + 1, len(names))
+
+
+def _energy(faults: Sequence[Fault], frame: int) -> float:
+    """Light of a pulse over that without faults. [1]"""
+    passed = [frame - one.frame for one in faults if one.kind == "laser-fades"]
+    return float(_FADING ** max(passed, default=0)) if max(passed, default=0) > 0 else 1.0
+
+
+def _dark_level(path: Path) -> float:
+    """Mean count of the darks of a camera; 0 without any. [DN]"""
+    return float(tifffile.imread(path).mean()) if path.exists() else 0.0
+
+
+def _write(source: Path, target: Path, energy: float, dark: float) -> None:
+    """Write a frame, with the light of a pulse of another energy."""
+    if energy == 1.0:
+        target.write_bytes(source.read_bytes())
+        return
+    counts = dark + energy * (tifffile.imread(source).astype(float) - dark)
+    tifffile.imwrite(target, np.rint(np.clip(counts, 0, None)).astype(np.uint16))

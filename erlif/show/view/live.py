@@ -1,0 +1,140 @@
+"""The page of a run that is watched: newest map, film over time, and what needs a look."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from threading import Event, Thread
+from typing import Any, Protocol
+
+from erlif.core.arrays import FlagImage, Image
+from erlif.show.refusals import refusal
+from erlif.show.view.layers import LAYERS, describe_flags, palette
+from erlif.show.view.queries import Found, Request, pack_values
+from erlif.show.view.serving import open_port, require_library, serve
+
+# Time for which a request for news waits for some. [s]
+_PATIENCE = 5.0
+
+# Time between two looks whether the run has ended. [s]
+_LOOK = 0.1
+
+# Requests at a time: each open page waits for news in a thread.
+_THREADS = 8
+
+
+class LiveSource(Protocol):
+    """What the page shows of a run that is watched."""
+
+    def describe(self) -> dict[str, Any]:
+        """Name of the run, size of a pixel [mm], and limits of the alarms."""
+        ...
+
+    def news(self, version: int, pairs: int, angles: int, timeout: float) -> dict[str, Any]:
+        """The state once it is newer than `version`, with the pairs and angles after so many."""
+        ...
+
+    def newest(self) -> tuple[str, Image, FlagImage] | None:
+        """Title, film thickness [um] and flags of the newest map, (y, x); None before the first."""
+        ...
+
+
+def readings_of(source: LiveSource) -> dict[str, Callable[[Request], Found]]:
+    """What the page can ask for, by its name in the address.
+
+    Parameters
+    ----------
+    source : LiveSource
+
+    Returns
+    -------
+    dict of str to callable
+    """
+    layer = LAYERS["thickness"]
+
+    def describe(request: Request) -> Found:
+        return {
+            **source.describe(),
+            "layers": [vars(layer)],
+            "palettes": {layer.palette: palette(layer.palette)},
+            "flags": describe_flags(),
+        }
+
+    def news(request: Request) -> Found:
+        known = (request.whole(name) for name in ("version", "pairs", "angles"))
+        found = source.news(*known, timeout=_PATIENCE)
+        return {**found, "now": time.time()}
+
+    def newest(request: Request) -> Found:
+        shown = source.newest()
+        if shown is None:
+            raise refusal("no_map_yet")
+        title, thickness, flags = shown
+        return pack_values(request, layer, thickness, flags, text=title)
+
+    return {"run": describe, "news": news, "map": newest}
+
+
+@contextmanager
+def live_page(source: LiveSource, *, port: int = 0) -> Iterator[str]:
+    """Serve the page while the block runs.
+
+    Parameters
+    ----------
+    source : LiveSource
+    port : int
+        Port on 127.0.0.1; 0 takes a free one.
+
+    Yields
+    ------
+    str
+        Address of the page, the token included.
+
+    Raises
+    ------
+    ErlifError
+        If the port is taken, or the packages of the viewer are missing.
+    """
+    require_library()
+    from erlif.show.view.handlers import make_application
+
+    listening = open_port(port)
+    addresses: list[str] = []
+    opened, closed = Event(), Event()
+
+    async def ended() -> None:
+        while not closed.is_set():
+            await asyncio.sleep(_LOOK)
+
+    def ready(address: str) -> None:
+        addresses.append(address)
+        opened.set()
+
+    def run() -> None:
+        executor = ThreadPoolExecutor(_THREADS)
+        try:
+            asyncio.run(
+                serve(
+                    lambda access: make_application(
+                        access, [], executor, page="live.html", reading=readings_of(source)
+                    ),
+                    listening,
+                    ready=ready,
+                    ended=ended,
+                )
+            )
+        finally:
+            executor.shutdown(wait=False, cancel_futures=True)
+            opened.set()
+
+    thread = Thread(target=run, name="page", daemon=True)
+    thread.start()
+    opened.wait()
+    try:
+        yield addresses[0]
+    finally:
+        closed.set()
+        thread.join()

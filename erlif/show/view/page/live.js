@@ -1,0 +1,221 @@
+// The page of `erlif watch`: the newest map, the film over the run, and alarms.
+import { MapPanel } from "./map.js";
+import { Chart, axis, ink } from "./charts.js";
+
+const byId = (id) => document.getElementById(id);
+const MOST = 2000; // pairs that a chart shows, the latest
+const OLD = 2; // age of the picture that is marked, in seconds
+
+let about = null;
+let panel = null;
+let state = { window: null, limits: {}, tool: "move" };
+let film = { x: [0, 1], y: [0, 1], width: 1, height: 1, labels: { x: "x [mm]", y: "y [mm]" } };
+let news = { version: -1 };
+let clock = 0; // of the server less that of this page, in seconds
+const pairs = [];
+const angles = []; // of the encoder, by place in the recording
+
+async function get(name, values = {}) {
+  const response = await fetch(`${name}?${new URLSearchParams(values)}`);
+  if (!response.ok) throw new Error((await response.json()).message);
+  return response;
+}
+
+// the map
+
+function makePanel() {
+  panel = new MapPanel(byId("panel"), {
+    about, state, film: () => film, layer: () => "thickness",
+    load: async (view) => (await get("map", { ...view, layer: "thickness" })).arrayBuffer(),
+    shown: (found) => {
+      if (!byId("hold").checked) state.limits.thickness = found.limits.map((v) => +v.toPrecision(3));
+      showKey(found.shares);
+      document.body.dataset.shown = found.text;
+      document.body.dataset.time = Date.now() / 1000;
+    },
+    drawn: () => {}, moved: () => panel.refresh().catch(() => {}), pointed: () => {},
+  });
+}
+
+function showKey(shares) {
+  byId("key").replaceChildren(...about.flags.flatMap((flag, n) => {
+    if (!shares[n]) return [];
+    const [item, swatch] = [document.createElement("li"), document.createElement("span")];
+    swatch.className = "swatch";
+    swatch.style.background = flag.colour;
+    item.append(swatch, `${flag.name}: ${(100 * shares[n]).toFixed(1)} %`);
+    return [item];
+  }));
+}
+
+// the charts
+
+class RunChart extends Chart {
+  constructor(place, tall, unit, series) {
+    super(place);
+    [this.tall, this.unit, this.series] = [tall, unit, series];
+    this.across = null;
+  }
+
+  show(places, columns, across) {
+    if (!this.plot || this.across !== across) {
+      this.across = across;
+      this.make({
+        scales: { x: { time: false } },
+        series: [{ label: across }, ...this.series.map(({ label, colour }) => ({
+          label, stroke: ink(colour), paths: () => null, points: { show: true, size: 4,
+            stroke: ink(colour), fill: ink(colour) } }))],
+        axes: [{ ...axis(across), size: 34 }, { ...axis(this.unit), size: 52 }],
+        cursor: { drag: { x: true, y: false }, points: { show: false } },
+        legend: { live: false },
+        hooks: { draw: [(u) => this.drawBars(u)] },
+      }, [places, ...columns.map(({ value }) => value)]);
+    }
+    this.columns = columns;
+    this.plot.setData([places, ...columns.map(({ value }) => value)]);
+  }
+
+  drawBars(u) {
+    (this.columns ?? []).forEach(({ value, std }, k) => {
+      if (!std) return;
+      u.ctx.save();
+      u.ctx.beginPath();
+      u.ctx.strokeStyle = ink(this.series[k].colour)();
+      u.data[0].forEach((place, n) => {
+        if (value[n] === null || std[n] === null) return;
+        const x = u.valToPos(place, "x", true);
+        u.ctx.moveTo(x, u.valToPos(value[n] - std[n], "y", true));
+        u.ctx.lineTo(x, u.valToPos(value[n] + std[n], "y", true));
+      });
+      u.ctx.stroke();
+      u.ctx.restore();
+    });
+  }
+}
+
+const charts = {
+  film: new RunChart(byId("film"), 240, "film thickness [µm]", [
+    { label: "minimum", colour: "--second" }, { label: "mean", colour: "--first" }]),
+  lights: new RunChart(byId("lights"), 170, "mean count [DN]", [
+    { label: "camera 1", colour: "--first" }, { label: "camera 2", colour: "--second" }]),
+  drifts: new RunChart(byId("drifts"), 170, "drift [px]", [
+    { label: "x", colour: "--first" }, { label: "y", colour: "--second" }]),
+};
+
+function showCharts() {
+  const shown = pairs.slice(-MOST).sort((one, two) => one.place - two.place);
+  if (!shown.length) return;
+  const begun = pairs[0].time;
+  const byAngle = byId("axis").value === "angle";
+  const rows = byAngle
+    ? shown.filter((pair) => angles[pair.place] !== undefined)
+      .sort((one, two) => angles[one.place] - angles[two.place])
+    : shown;
+  const places = rows.map((pair) => (byAngle ? angles[pair.place] : pair.time - begun));
+  charts.film.show(places, [
+    { value: rows.map((p) => p.film_min), std: rows.map((p) => p.film_min_std) },
+    { value: rows.map((p) => p.film_mean), std: rows.map((p) => p.film_mean_std) },
+  ], byAngle ? "encoder angle [°]" : "time since the first pair [s]");
+  const times = shown.map((pair) => pair.time - begun);
+  charts.lights.show(times, [0, 1].map((k) => ({ value: shown.map((p) => p.light[k]) })),
+    "time since the first pair [s]");
+  charts.drifts.show(times, [0, 1].map((k) => ({ value: shown.map((p) => p.drift[k]) })),
+    "time since the first pair [s]");
+}
+
+// the numbers
+
+const fixed = (value, digits) => (value === null ? "–" : value.toFixed(digits).replace("-", "−"));
+const percent = (value) => `${fixed(100 * value, 1)} %`;
+
+function showNumbers() {
+  const newest = news.newest;
+  byId("pairs").textContent = `${news.measured} / ${news.arrived}`;
+  byId("frames").textContent = news.frames.join(" / ");
+  byId("faults").replaceChildren(...news.faults.map((text) => {
+    const item = document.createElement("li");
+    item.textContent = text;
+    return item;
+  }));
+  if (!newest) return;
+  for (const name of ["film_min", "film_mean"]) {
+    byId(name).textContent = `${fixed(newest[name], 2)} ± ${fixed(newest[`${name}_std`], 2)} µm`;
+  }
+  byId("valid").textContent = percent(newest.valid);
+  byId("light").textContent = `${newest.light.map((v) => fixed(v, 0)).join(" / ")} DN`;
+  byId("saturated").textContent = newest.saturated.map(percent).join(" / ");
+  byId("drift").textContent = `${newest.drift.map((v) => fixed(v, 2)).join(", ")} px`;
+}
+
+function showAge() {
+  const age = news.newest ? Date.now() / 1000 + clock - news.newest.time : null;
+  byId("age").textContent = age === null ? "No pair yet" : `Picture ${fixed(Math.max(age, 0), 1)} s old`;
+  byId("age").classList.toggle("old", age !== null && age > OLD);
+}
+
+// alarms
+
+let speaker = null;
+function beep() {
+  speaker ??= new AudioContext();
+  const [tone, level] = [speaker.createOscillator(), speaker.createGain()];
+  tone.frequency.value = 880;
+  level.gain.value = 0.2;
+  tone.connect(level).connect(speaker.destination);
+  tone.start();
+  tone.stop(speaker.currentTime + 0.3);
+}
+
+function showAlarms() {
+  const texts = Object.values(news.alarms);
+  byId("alarm").hidden = !texts.length;
+  byId("alarm").textContent = texts.join("; ");
+  document.body.classList.toggle("alarm", texts.length > 0);
+  document.title = `${texts.length ? "ALARM " : ""}${about.name} – erlif watch`;
+}
+setInterval(() => {
+  showAge();
+  if (byId("sound").checked && Object.keys(news.alarms ?? {}).length) beep();
+}, 1000);
+
+// news
+
+async function follow() {
+  about = await (await get("run")).json();
+  byId("run").textContent = about.name;
+  makePanel();
+  for (;;) {
+    try {
+      news = await (await get("news", { version: news.version,
+        pairs: pairs.length, angles: angles.length })).json();
+    } catch (error) {
+      byId("status").textContent = news.ended ? "The recording has ended; film.nc is written."
+        : `erlif watch does not run any more (${error.message}).`;
+      byId("status").classList.add("bad");
+      return;
+    }
+    clock = news.now - Date.now() / 1000;
+    pairs.push(...news.pairs);
+    angles.push(...news.angles);
+    if (news.newest && !state.window) {
+      film = { ...film, width: news.shape[1], height: news.shape[0], x: [0, about.pitch],
+        y: [0, about.pitch] };
+      state.window = [0, 0, news.shape[1], news.shape[0]];
+    }
+    showNumbers();
+    showAlarms();
+    showAge();
+    if (news.newest && news.newest.number !== Number(document.body.dataset.asked)) {
+      document.body.dataset.asked = news.newest.number;
+      panel.refresh().catch(() => {});
+    }
+    requestAnimationFrame(showCharts);
+  }
+}
+
+byId("axis").addEventListener("change", showCharts);
+addEventListener("resize", () => {
+  panel?.resize();
+  Object.values(charts).forEach((chart) => chart.resize());
+});
+follow();
