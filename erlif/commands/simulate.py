@@ -180,7 +180,9 @@ def simulate(
     if note := _note_of_range(out / "truth.nc"):
         click.echo(note, err=True)
     if live is not None:
-        click.echo(f"recording starts in {_DELAY:g} s; in another terminal: erlif watch {out / 'run'}")
+        click.echo(
+            f"recording starts in {_DELAY:g} s; in another terminal: erlif watch {out / 'run'}"
+        )
         with show_progress() as progress:
             write_live(
                 out / "run", rate=live, faults=planned_faults, delay=_DELAY, progress=progress

@@ -121,7 +121,8 @@ def _follow(watched: Watch, quiet: float | None, on_alarm: str | None) -> None:
     known: set[str] = set()
     try:
         while not watched.is_quiet(quiet):
-            state = watched.wait(version, 0.2)
+            watched.wait(version, 0.2)
+            state = watched.state()
             for name in state.alarms.keys() - known:
                 echo_aside(f"ALARM {state.alarms[name]}")
                 if on_alarm:

@@ -1,1 +1,1 @@
-"""The film while the machine turns: pairs measured as they arrive, before the recording is whole."""
+"""The film while the machine turns: pairs are measured as they arrive."""

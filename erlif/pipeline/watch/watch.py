@@ -1,15 +1,10 @@
-"""A run directory that is being filled: pairs found, measured and kept for who looks at them."""
+"""A run that is watched: its pairs measured as they arrive, the newest first."""
 
 from __future__ import annotations
 
-import logging
 import os
-import threading
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field
-from importlib.util import find_spec
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,33 +14,21 @@ from erlif.calibration import Calibration
 from erlif.core.arrays import Array, FlagImage, Image
 from erlif.core.errors import ErlifError
 from erlif.io.ingest import FramePairs, Run
-from erlif.io.ingest.arrivals import Arrival, Arrivals
-from erlif.io.ingest.containment import named_files, refuse_outside
+from erlif.io.ingest.arrivals import Arrival
 from erlif.io.ingest.encoder_log import read_log
-from erlif.io.ingest.images import read_headers
+from erlif.io.ingest.logs.resample import ContinuousLog
 from erlif.io.ingest.recording import choose_columns
-from erlif.io.settings import read_run_settings
-from erlif.pipeline.chain import one_thread_per_frame
 from erlif.pipeline.fixture import find_calibration
-from erlif.pipeline.refusals import refusal
 from erlif.pipeline.watch.alarms import Alarms
+from erlif.pipeline.watch.follow import Follower
 from erlif.pipeline.watch.live import LiveFilm, LiveMap, LivePair, run_of
 
-_logger = logging.getLogger(__name__)
-
-# Pairs from which references and camera map are found again: four times as many each time, up to
-# what the registration of a whole run uses.
+# Pairs from which references and camera map are found, and found again: up to what the
+# registration of a whole run uses.
 _REFINED = (2, 8, 32)
 
-# Time between two looks at the whole directory, for changes that nothing reported, and between two
-# readings of the log. [s]
-_RESCAN, _LOG = 1.0, 0.5
-
-# A rescan may take this share of the time at most. [1]
-_SHARE = 0.1
-
-# Time for which reports of changes are gathered. [ms]
-_GATHER = 10
+# Time between two readings of the log, and between two attempts to register. [s]
+_LOG, _AGAIN = 0.5, 1.0
 
 # A file of this name in the run directory ends the watch.
 STOP = "stop"
@@ -68,36 +51,30 @@ class WatchState:
     latest : LivePair | None
         The last of them in the order of the recording.
     newest : LiveMap | None
-        Map of the latest pair that was measured.
+        Its map.
     angles : Array
         Encoder angle by place in the recording, (frame,), as far as the log has it. [degree]
     registered_on : int
         Pairs from which references and camera map were found; 0 before.
-    missing : dict[int, int]
-        Frames of one camera alone: number to the camera that lacks it.
     faults : tuple[str, ...]
-        Files that cannot be read, and what keeps the film from being measured.
+        Frames that are missing, files that cannot be read, and what keeps films from being found.
     alarms : dict[str, str]
         Alarms that are raised now.
-    since : float
-        Time of the latest pair. [s since 1970]
     """
 
-    version: int = 0
-    frames: tuple[int, int] = (0, 0)
-    arrived: int = 0
-    measured: tuple[LivePair, ...] = ()
-    latest: LivePair | None = None
-    newest: LiveMap | None = None
-    angles: Array = field(default_factory=lambda: np.empty(0))
-    registered_on: int = 0
-    missing: dict[int, int] = field(default_factory=dict)
-    faults: tuple[str, ...] = ()
-    alarms: dict[str, str] = field(default_factory=dict)
-    since: float = 0.0
+    version: int
+    frames: tuple[int, int]
+    arrived: int
+    measured: tuple[LivePair, ...]
+    latest: LivePair | None
+    newest: LiveMap | None
+    angles: Array
+    registered_on: int
+    faults: tuple[str, ...]
+    alarms: dict[str, str]
 
 
-class Watch:
+class Watch(Follower):
     """A run directory that is watched: threads find pairs and measure the newest first.
 
     Parameters
@@ -106,7 +83,7 @@ class Watch:
         Directory with ``run.toml``; frames and log may come later.
     calibration : Calibration or path, optional
         As for `erlif.process`.
-    alarms : Alarms
+    alarms : Alarms, optional
     workers : int, optional
         Threads that measure; default: one per processor.
     allow_outside : bool
@@ -127,116 +104,44 @@ class Watch:
         workers: int | None = None,
         allow_outside: bool = False,
     ) -> None:
-        if find_spec("watchfiles") is None:
-            raise refusal("no_watchfiles")
-        self.directory, self.settings = run_dir, read_run_settings(run_dir)
-        if not allow_outside:
-            refuse_outside(run_dir, named_files(self.settings))
-        one, two = self.settings.camera1, self.settings.camera2
-        depths = one.bit_depth, two.bit_depth
-        nothing = FramePairs(run_dir, ((), ()), (0, 0), depths)
-        self.calibration = find_calibration(
-            run_of(run_dir, self.settings, nothing), calibration, allow_outside=allow_outside
-        )
+        super().__init__(run_dir, allow_outside=allow_outside)
+        run = run_of(run_dir, self.settings, self._pairs)
+        self.calibration = find_calibration(run, calibration, allow_outside=allow_outside)
         self.alarms = alarms or Alarms()
         self.alarmed: dict[str, str] = {}
         """Every alarm that was raised, with its first sentence."""
         self._workers = workers or os.cpu_count() or 1
-        self._arrivals = Arrivals(run_dir, self.settings)
-        self._pairs = nothing
-        self._arrived: list[Arrival] = []
         self._waiting: list[int] = []
         self._measured: list[LivePair] = []
         self._latest: LivePair | None = None
         self._newest: LiveMap | None = None
         self._film: LiveFilm | None = None
         self._preparing = False
-        self._faults: dict[str, str] = {}
-        self._missing: dict[int, int] = {}
         self._angles: Array = np.empty(0)
-        self._version = 0
-        self._opened = time.time()
-        self._changed = threading.Condition()
-        self._ended = threading.Event()
 
-    @contextmanager
-    def running(self) -> Iterator[Watch]:
-        """Watch in threads while the block runs."""
-        threads = [threading.Thread(target=self._find, name="arrivals", daemon=True)]
-        threads += [
-            threading.Thread(target=self._work, name=f"measure {n}", daemon=True)
-            for n in range(self._workers)
-        ]
-        with one_thread_per_frame():
-            for thread in threads:
-                thread.start()
-            try:
-                yield self
-            finally:
-                self._ended.set()
-                with self._changed:
-                    self._changed.notify_all()
-                for thread in threads:
-                    thread.join()
+    def jobs(self) -> Sequence[Callable[[], None]]:
+        """As `Follower.jobs`: pairs are measured, and the log is read."""
+        return [self._read_log, *[self._work] * self._workers]
 
     # what is seen
 
     def state(self) -> WatchState:
         """What is known now."""
         with self._changed:
-            measured = tuple(self._measured)
-            since = self._arrived[-1].time if self._arrived else self._opened
+            latest = [] if self._latest is None else [self._latest]
+            alarms = self.alarms.raised(latest, silence=self.silence)
             return WatchState(
                 self._version,
                 self._arrivals.counts(),
                 len(self._arrived),
-                measured,
+                tuple(self._measured),
                 self._latest,
                 self._newest,
                 self._angles,
                 0 if self._film is None else self._film.pairs,
-                self._missing,
-                tuple(self._faults.values()),
-                self.alarms.raised([self._latest] * (self._latest is not None), silence=time.time() - since),
-                since,
+                tuple(self.faults()),
+                alarms,
             )
-
-    def wait(self, version: int, timeout: float) -> WatchState:
-        """The state, as soon as it is newer than `version`, or after `timeout` seconds."""
-        with self._changed:
-            self._changed.wait_for(lambda: self._version > version, timeout)
-        return self.state()
-
-    # the source of the page
-
-    def describe(self) -> dict[str, Any]:
-        """As `erlif.show.view.live.LiveSource`."""
-        return {
-            "name": self.settings.name,
-            "pitch": self.settings.optics.pixel_pitch * 1e3,
-        }
-
-    def news(self, version: int, pairs: int, angles: int, timeout: float) -> dict[str, Any]:
-        """As `erlif.show.view.live.LiveSource`."""
-        state = self.wait(version, timeout)
-        latest = state.latest
-        return {
-            "version": state.version,
-            "frames": state.frames,
-            "arrived": state.arrived,
-            "measured": len(state.measured),
-            "pairs": [as_row(one) for one in state.measured[pairs:]],
-            "newest": None if latest is None else as_row(latest),
-            "shape": None if state.newest is None else state.newest.flags.shape,
-            "angles": [round(float(angle), 3) for angle in state.angles[angles:]],
-            "faults": [*state.faults, *_describe_missing(state.missing)],
-            "alarms": state.alarms,
-        }
-
-    def newest(self) -> tuple[str, Image, FlagImage] | None:
-        """As `erlif.show.view.live.LiveSource`."""
-        shown = self.state().newest
-        return None if shown is None else (f"pair {shown.number}", shown.thickness, shown.flags)
 
     def is_quiet(self, limit: float | None) -> bool:
         """Whether the run has ended: a file ``stop``, or no new pair for `limit` seconds.
@@ -245,79 +150,52 @@ class Watch:
         """
         if (self.directory / STOP).exists():
             return True
-        with self._changed:
-            done = self._arrived and not self._waiting
-            return bool(
-                limit is not None and done and time.time() - self._arrived[-1].time > limit
-            )
+        return limit is not None and self.silence > limit
+
+    # the source of the page
+
+    def describe(self) -> dict[str, Any]:
+        """As `erlif.show.view.live.LiveSource`."""
+        return {"name": self.settings.name, "pitch": self.settings.optics.pixel_pitch * 1e3}
+
+    def news(self, version: int, pairs: int, angles: int, timeout: float) -> dict[str, Any]:
+        """As `erlif.show.view.live.LiveSource`."""
+        self.wait(version, timeout)
+        state = self.state()
+        return {
+            "version": state.version,
+            "ended": self._ended.is_set(),
+            "frames": state.frames,
+            "arrived": state.arrived,
+            "measured": len(state.measured),
+            "pairs": [as_row(one) for one in state.measured[pairs:]],
+            "newest": None if state.latest is None else as_row(state.latest),
+            "shape": None if state.newest is None else state.newest.flags.shape,
+            "angles": [round(float(angle), 3) for angle in state.angles[angles:]],
+            "registered_on": state.registered_on,
+            "faults": state.faults,
+            "alarms": state.alarms,
+        }
+
+    def newest(self, layer: str) -> tuple[str, Image, FlagImage] | None:
+        """As `erlif.show.view.live.LiveSource`; the film thickness is the only layer."""
+        shown = self._newest
+        return None if shown is None else (f"pair {shown.number}", shown.thickness, shown.flags)
 
     # threads
 
-    def _find(self) -> None:
-        """Look for new files when a change is reported, and from time to time."""
-        from watchfiles import watch
-
-        looked = read = 0.0
-        pause = 0.0
-        changes = watch(
-            self.directory,
-            debounce=_GATHER,
-            step=1,
-            stop_event=self._ended,
-            rust_timeout=100,
-            yield_on_timeout=True,
-            watch_filter=None,
-            raise_interrupt=False,
-        )
-        for found in changes:
-            now = time.monotonic()
-            whole = now - looked > max(_RESCAN, pause)
-            if whole:
-                self._take(self._arrivals.look())
-                looked = time.monotonic()
-                pause = (looked - now) / _SHARE
-                self._audit()
-            elif found:
-                self._take(self._arrivals.look([Path(path) for _, path in found]))
-            if now - read > _LOG:
-                self._read_angles()
-                read = now
-
     def _take(self, fresh: list[Arrival]) -> None:
-        """Queue pairs that have arrived."""
         if not fresh:
             return
+        first = len(self._arrived)
         with self._changed:
-            first = len(self._arrived)
-            self._arrived += fresh
+            self._keep_alarms([])  # a silence that ends now was none at the end of the recording
+            super()._take(fresh)
             self._waiting += range(first, len(self._arrived))
-            if not first:
-                self._open(fresh[0])
-            one, two = self._pairs.pages
-            pages = ((*one, *(a.pages[0] for a in fresh)), (*two, *(a.pages[1] for a in fresh)))
-            self._pairs = FramePairs(
-                self.directory, pages, self._pairs.shape, self._pairs.bit_depths
-            )
-            self._notify()
 
-    def _open(self, first: Arrival) -> None:
-        """Learn the shape of the frames from the first pair."""
-        kind = read_headers([first.pages[0].path], first.pages[0].selection).kinds[0]
-        self._pairs = FramePairs(self.directory, ((), ()), kind.shape[:2], self._pairs.bit_depths)
-
-    def _audit(self) -> None:
-        """Frames that are missing, and files that cannot be read."""
-        missing, broken = self._arrivals.missing(), self._arrivals.unreadable()
-        with self._changed:
-            if (missing, broken) != (self._missing, self._faults.get("files", [])):
-                self._missing = missing
-                self._faults.pop("files", None)
-                if broken:
-                    self._faults["files"] = "; ".join(broken[:3])
-                self._notify()
-
-    def _read_angles(self) -> None:
+    def _read_log(self) -> None:
         """Angles of the log, as far as it has come; a log that cannot be read yet has none."""
+        self._ended.wait(_LOG)
         encoder = self.settings.encoder
         if encoder is None or encoder.file is None or not (self.directory / encoder.file).exists():
             return
@@ -328,55 +206,49 @@ class Watch:
                 frames=len(self._arrived),
                 needs_angle=False,
             )
-            angles = log.angle.values
-        except (ErlifError, AttributeError):
+        except ErlifError:
+            return
+        if isinstance(log, ContinuousLog) or "angle" not in log:
             return
         with self._changed:
-            if len(angles) != len(self._angles):
-                self._angles = angles
+            if log.angle.size != self._angles.size:
+                self._angles = log.angle.values
                 self._notify()
 
     def _work(self) -> None:
-        """Measure pairs, the newest first, until the watch ends."""
-        while not self._ended.is_set():
-            task = self._next()
-            if task is not None:
-                task()
-
-    def _next(self) -> Callable[[], None] | None:
+        """Prepare, or measure the newest pair that waits, or wait for one."""
         with self._changed:
-            if self._due():
+            prepare = self._is_due()
+            if prepare:
                 self._preparing = True
-                run = run_of(self.directory, self.settings, self._pairs)
-                return lambda: self._prepare(run)
-            if self._film is None or not self._waiting:
+            elif self._film is None or not self._waiting:
                 self._changed.wait(0.2)
-                return None
-            film, frame, pairs = self._film, self._waiting.pop(), self._pairs
-            arrival = self._arrived[frame]
-        return lambda: self._measure(film, pairs, frame, arrival)
+                return
+            else:
+                film, frame = self._film, self._waiting.pop()
+                arrival = self._arrived[frame]
+            pairs = self._pairs
+        if prepare:
+            self._prepare(run_of(self.directory, self.settings, pairs))
+        else:
+            self._measure(film, pairs, frame, arrival)
 
-    def _due(self) -> bool:
+    def _is_due(self) -> bool:
         """Whether references and camera map are to be found, or found again."""
-        if self._preparing:
-            return False
         known = 0 if self._film is None else self._film.pairs
-        return any(known < count <= len(self._arrived) for count in _REFINED)
+        return not self._preparing and any(known < n <= len(self._arrived) for n in _REFINED)
 
     def _prepare(self, run: Run) -> None:
         try:
             film: LiveFilm | None = LiveFilm.prepare(run, self.calibration)
             fault = ""
         except ErlifError as error:
-            film, fault = None, str(error)
+            film, fault = self._film, str(error)
+            self._ended.wait(_AGAIN)  # the next pairs may show what these do not
         with self._changed:
             self._preparing = False
-            self._faults.pop("film", None)
-            if film is not None:
-                self._film = film
-            elif self._film is None:
-                self._faults["film"] = fault
-                self._changed.wait(1.0)  # the next pairs may show what these do not
+            self._film = film
+            self._note("film", "" if film is not None else fault)
             self._notify()
 
     def _measure(self, film: LiveFilm, pairs: FramePairs, frame: int, arrival: Arrival) -> None:
@@ -384,33 +256,19 @@ class Watch:
             pair, shown = film.measure(pairs, frame, arrival)
         except ErlifError as error:
             with self._changed:
-                self._faults[f"pair {arrival.number}"] = str(error)
+                self._note(f"pair {arrival.number}", error)
                 self._notify()
             return
         with self._changed:
             self._measured.append(pair)
             if self._latest is None or pair.place > self._latest.place:
                 self._latest, self._newest = pair, shown
-            for name, text in self.alarms.raised([pair], silence=0.0).items():
-                self.alarmed.setdefault(name, text)
+            self._keep_alarms([pair])
             self._notify()
 
-    def _notify(self) -> None:
-        """Wake who waits for a change; the lock is held."""
-        self._version += 1
-        self._changed.notify_all()
-
-
-def _describe_missing(missing: dict[int, int]) -> list[str]:
-    """Frames of one camera alone in words."""
-    texts = []
-    for camera in (1, 2):
-        numbers = sorted(number for number, lacking in missing.items() if lacking == camera)
-        if numbers:
-            listed = ", ".join(str(number) for number in numbers[:5])
-            more = f" and {len(numbers) - 5} more" if len(numbers) > 5 else ""
-            texts.append(f"camera {camera} lacks frame {listed}{more}")
-    return texts
+    def _keep_alarms(self, pairs: list[LivePair]) -> None:
+        silence = 0.0 if pairs else self.silence
+        self.alarmed = self.alarms.raised(pairs, silence=silence) | self.alarmed
 
 
 def as_row(pair: LivePair) -> dict[str, Any]:
@@ -418,7 +276,8 @@ def as_row(pair: LivePair) -> dict[str, Any]:
 
     Examples
     --------
-    >>> pair = LivePair(7, 0, 0.0, 2.0, 0.1, float("nan"), 0.1, 1.0, (9.0, 9.0), (0.0, 0.0), (0.0, 0.0))
+    >>> zero = (0.0, 0.0)
+    >>> pair = LivePair(7, 0, 0.0, 2.0, 0.1, float("nan"), 0.1, 1.0, zero, zero, zero)
     >>> as_row(pair)["film_min"], as_row(pair)["film_mean"]
     (2.0, None)
     """

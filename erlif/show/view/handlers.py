@@ -7,6 +7,7 @@ import json
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
+from dataclasses import dataclass, field
 from importlib.resources import files
 from typing import Any
 
@@ -36,13 +37,38 @@ READING: dict[str, Callable[[queries.Request], queries.Found]] = {
 }
 
 
+@dataclass(frozen=True)
+class Shared:
+    """What all requests of a page share.
+
+    Attributes
+    ----------
+    access : AccessRule
+        Conditions under which requests are served.
+    films : Sequence[FilmReader]
+        Open films.
+    executor : Executor
+        Threads that read maps.
+    page : str
+        File of the page itself.
+    reading : Mapping[str, Callable[[Request], Found]]
+        What the page can ask for, by its name in the address.
+    """
+
+    access: AccessRule
+    films: Sequence[FilmReader]
+    executor: Executor
+    page: str = "view.html"
+    reading: Mapping[str, Callable[[queries.Request], queries.Found]] = field(
+        default_factory=lambda: READING
+    )
+
+
 class _Guarded(tornado.web.RequestHandler):
     """A request that is served to the page of this viewer alone."""
 
-    def initialize(
-        self, access: AccessRule, films: Sequence[FilmReader], executor: Executor
-    ) -> None:
-        self.access, self.films, self.executor = access, films, executor
+    def initialize(self, shared: Shared) -> None:
+        self.shared = shared
 
     def set_default_headers(self) -> None:
         for name, value in HEADERS.items():
@@ -51,7 +77,7 @@ class _Guarded(tornado.web.RequestHandler):
     def prepare(self) -> None:
         # the token is compared before anything of the request is used
         request: HTTPServerRequest = self.request
-        refusal = self.access.refusal(request.path, dict(request.headers.get_all()))
+        refusal = self.shared.access.refusal(request.path, dict(request.headers.get_all()))
         if refusal:
             self.set_status(403)
             self.finish(f"Refused: {refusal}. Open the address that erlif view has printed.")
@@ -63,7 +89,9 @@ class _Guarded(tornado.web.RequestHandler):
 
     async def run(self, function: Callable[..., Any], *values: Any) -> Any:
         """Call a function in a thread of the executor."""
-        return await asyncio.get_running_loop().run_in_executor(self.executor, function, *values)
+        return await asyncio.get_running_loop().run_in_executor(
+            self.shared.executor, function, *values
+        )
 
     def log_exception(self, kind: Any, error: Any, traceback: Any) -> None:
         """Log a defect without its request, whose address holds the token."""
@@ -84,12 +112,8 @@ class _Guarded(tornado.web.RequestHandler):
 class _PageFile(_Guarded):
     """A file of the page."""
 
-    def initialize(self, page: str, **shared: Any) -> None:
-        super().initialize(**shared)
-        self.page = page
-
     def get(self, name: str) -> None:
-        name = name or self.page
+        name = name or self.shared.page
         if name not in FILES:
             raise tornado.web.HTTPError(404)
         file, kind = FILES[name]
@@ -100,17 +124,11 @@ class _PageFile(_Guarded):
 class _Reading(_Guarded):
     """Something that is read from the films, in a thread."""
 
-    def initialize(
-        self, reading: Mapping[str, Callable[[queries.Request], queries.Found]], **shared: Any
-    ) -> None:
-        super().initialize(**shared)
-        self.reading = reading
-
     async def get(self, name: str) -> None:
         values = {key: self.get_query_argument(key) for key in self.request.query_arguments}
-        request = queries.Request(self.films, values)
+        request = queries.Request(self.shared.films, values)
         # reading maps would block the other requests of the page
-        found = await self.run(self.reading[name], request)
+        found = await self.run(self.shared.reading[name], request)
         if isinstance(found, queries.Export):
             self.set_header("Content-Disposition", f'attachment; filename="{found.name}"')
             found = found.content
@@ -124,7 +142,7 @@ class _Settings(_Guarded):
     """The region of interest in run.toml: shown first, and written when it is confirmed."""
 
     async def post(self) -> None:
-        self.finish(await self.run(queries.change_region, self.films, self.request.body))
+        self.finish(await self.run(queries.change_region, self.shared.films, self.request.body))
 
 
 class _Missing(_Guarded):
@@ -136,28 +154,12 @@ class _Missing(_Guarded):
     post = get
 
 
-def make_application(
-    access: AccessRule,
-    films: Sequence[FilmReader],
-    executor: Executor,
-    *,
-    page: str = "view.html",
-    reading: Mapping[str, Callable[[queries.Request], queries.Found]] = READING,
-) -> tornado.web.Application:
+def make_application(shared: Shared) -> tornado.web.Application:
     """Make the application.
 
     Parameters
     ----------
-    access : AccessRule
-        Conditions under which requests are served.
-    films : sequence of FilmReader
-        Open films.
-    executor : Executor
-        Threads that read maps.
-    page : str
-        File of the page itself.
-    reading : mapping
-        What the page can ask for, by its name in the address.
+    shared : Shared
 
     Returns
     -------
@@ -166,21 +168,21 @@ def make_application(
     Examples
     --------
     >>> from concurrent.futures import ThreadPoolExecutor
-    >>> application = make_application(AccessRule(8000), [], ThreadPoolExecutor(1))
+    >>> application = make_application(Shared(AccessRule(8000), [], ThreadPoolExecutor(1)))
     >>> application.settings["compress_response"]
     False
     """
-    shared = {"access": access, "films": films, "executor": executor}
+    given = {"shared": shared}
     token = r"/[^/]*/"
-    paths = [
-        (f"({'|'.join(reading)})", _Reading, {"reading": reading}),
-        ("settings", _Settings, {}),
-        (r"([^/]*)", _PageFile, {"page": page}),
-    ]
+    paths = {
+        f"({'|'.join(shared.reading)})": _Reading,
+        "settings": _Settings,
+        r"([^/]*)": _PageFile,
+    }
     return tornado.web.Application(
-        [(token + path, handler, shared | own) for path, handler, own in paths],
+        [(token + path, handler, given) for path, handler in paths.items()],
         default_handler_class=_Missing,
-        default_handler_args=shared,
+        default_handler_args=given,
         compress_response=False,
         log_function=lambda handler: None,
     )

@@ -37,8 +37,8 @@ class LiveSource(Protocol):
         """The state once it is newer than `version`, with the pairs and angles after so many."""
         ...
 
-    def newest(self) -> tuple[str, Image, FlagImage] | None:
-        """Title, film thickness [um] and flags of the newest map, (y, x); None before the first."""
+    def newest(self, layer: str) -> tuple[str, Image, FlagImage] | None:
+        """Title, values and flags of a layer of the newest pair, (y, x); None before the first."""
         ...
 
 
@@ -53,38 +53,41 @@ def readings_of(source: LiveSource) -> dict[str, Callable[[Request], Found]]:
     -------
     dict of str to callable
     """
-    layer = LAYERS["thickness"]
+    layers = [LAYERS[name] for name in ("thickness", "camera1", "camera2")]
 
     def describe(request: Request) -> Found:
         return {
             **source.describe(),
-            "layers": [vars(layer)],
-            "palettes": {layer.palette: palette(layer.palette)},
+            "layers": [vars(layer) for layer in layers],
+            "palettes": {layer.palette: palette(layer.palette) for layer in layers},
             "flags": describe_flags(),
         }
 
     def news(request: Request) -> Found:
-        known = (request.whole(name) for name in ("version", "pairs", "angles"))
-        found = source.news(*known, timeout=_PATIENCE)
+        version, pairs, angles = (request.whole(name) for name in ("version", "pairs", "angles"))
+        found = source.news(version, pairs, angles, _PATIENCE)
         return {**found, "now": time.time()}
 
     def newest(request: Request) -> Found:
-        shown = source.newest()
+        layer = LAYERS[request.text("layer")]
+        shown = source.newest(layer.name)
         if shown is None:
             raise refusal("no_map_yet")
-        title, thickness, flags = shown
-        return pack_values(request, layer, thickness, flags, text=title)
+        title, values, flags = shown
+        return pack_values(request, layer, values, flags, text=title)
 
     return {"run": describe, "news": news, "map": newest}
 
 
 @contextmanager
-def live_page(source: LiveSource, *, port: int = 0) -> Iterator[str]:
+def live_page(source: LiveSource, *, page: str = "live.html", port: int = 0) -> Iterator[str]:
     """Serve the page while the block runs.
 
     Parameters
     ----------
     source : LiveSource
+    page : str
+        File of the page itself.
     port : int
         Port on 127.0.0.1; 0 takes a free one.
 
@@ -99,7 +102,7 @@ def live_page(source: LiveSource, *, port: int = 0) -> Iterator[str]:
         If the port is taken, or the packages of the viewer are missing.
     """
     require_library()
-    from erlif.show.view.handlers import make_application
+    from erlif.show.view.handlers import Shared, make_application
 
     listening = open_port(port)
     addresses: list[str] = []
@@ -119,7 +122,7 @@ def live_page(source: LiveSource, *, port: int = 0) -> Iterator[str]:
             asyncio.run(
                 serve(
                     lambda access: make_application(
-                        access, [], executor, page="live.html", reading=readings_of(source)
+                        Shared(access, [], executor, page, readings_of(source))
                     ),
                     listening,
                     ready=ready,

@@ -69,7 +69,7 @@ def serve_films(
     erlif.core.errors.OutputError: Expected a film file; no such film.nc does not exist. ...
     """
     require_library()
-    from erlif.show.view.handlers import make_application
+    from erlif.show.view.handlers import Shared, make_application
 
     films = open_films(paths, run_dirs)
     listening = open_port(port)
@@ -77,7 +77,7 @@ def serve_films(
         with ThreadPoolExecutor(_THREADS) as executor:
             asyncio.run(
                 serve(
-                    lambda access: make_application(access, films, executor),
+                    lambda access: make_application(Shared(access, films, executor)),
                     listening,
                     ready=ready,
                     ended=asyncio.Event().wait,

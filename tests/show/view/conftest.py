@@ -11,7 +11,7 @@ from tornado.netutil import bind_sockets
 from erlif.show.plots.example import write_example
 from erlif.show.view.access import AccessRule
 from erlif.show.view.films import open_films
-from erlif.show.view.handlers import make_application
+from erlif.show.view.handlers import Shared, make_application
 
 
 @pytest.fixture(scope="session")
@@ -36,7 +36,7 @@ def serve():
         async def listen():
             sockets = bind_sockets(0, "127.0.0.1")
             access = AccessRule(sockets[0].getsockname()[1])
-            server = HTTPServer(make_application(access, films, executor), max_body_size=2**16)
+            server = HTTPServer(make_application(Shared(access, films, executor)), max_body_size=2**16)
             server.add_sockets(sockets)
             servers.append(server)
             return access

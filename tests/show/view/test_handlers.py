@@ -8,7 +8,7 @@ import pytest
 
 from erlif.show.view import handlers
 from erlif.show.view.access import HEADERS
-from erlif.show.view.handlers import PAGE
+from erlif.show.view.handlers import FILES
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,7 @@ def send(access):
 
 
 def test_the_page_comes_with_headers_that_keep_it_here_and_names_no_other_place(send):
-    for name in PAGE:
+    for name in FILES:
         status, headers, body = send(name)
         assert status == 200
         assert body

@@ -1,0 +1,185 @@
+"""The threads that look into a run directory while it is filled."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Self
+
+from erlif.core.errors import ErlifError
+from erlif.io.ingest import FramePairs
+from erlif.io.ingest.arrivals import Arrival, Arrivals
+from erlif.io.ingest.containment import named_files, refuse_outside
+from erlif.io.ingest.images import read_headers
+from erlif.io.settings import read_run_settings
+from erlif.pipeline.chain import one_thread_per_frame
+from erlif.pipeline.refusals import refusal
+
+# Time between two looks at the whole directory, for changes that nothing reported. [s]
+_RESCAN = 1.0
+
+# A rescan may take this share of the time at most. [1]
+_SHARE = 0.1
+
+# Time for which reports of changes are gathered. [ms]
+_GATHER = 10
+
+
+class Follower:
+    """A run directory and the pairs that have arrived in it; threads do the rest.
+
+    Parameters
+    ----------
+    run_dir : Path
+        Directory with ``run.toml``; frames and log may come later.
+    allow_outside : bool
+        As for `erlif.process`.
+
+    Raises
+    ------
+    ErlifError
+        If the settings cannot be used, or watchfiles is not installed.
+    """
+
+    def __init__(self, run_dir: Path, *, allow_outside: bool = False) -> None:
+        if find_spec("watchfiles") is None:
+            raise refusal("no_watchfiles")
+        self.directory, self.settings = run_dir, read_run_settings(run_dir)
+        if not allow_outside:
+            refuse_outside(run_dir, named_files(self.settings))
+        self._arrivals = Arrivals(run_dir, self.settings)
+        self._arrived: list[Arrival] = []
+        depths = self.settings.camera1.bit_depth, self.settings.camera2.bit_depth
+        self._pairs = FramePairs(run_dir, ((), ()), (0, 0), depths)
+        self._missing: dict[int, int] = {}
+        self._faults: dict[str, str] = {}
+        self._version = 0
+        self._opened = time.time()
+        self._changed = threading.Condition()
+        self._ended = threading.Event()
+
+    def jobs(self) -> Sequence[Callable[[], None]]:
+        """What the threads beside that of the arrivals do, again and again until the end."""
+        return ()
+
+    @contextmanager
+    def running(self) -> Iterator[Self]:
+        """Follow the directory in threads while the block runs."""
+        threads = [threading.Thread(target=self._find, name="arrivals", daemon=True)]
+        threads += [
+            threading.Thread(target=self._repeat, args=(job,), name=f"watch {n}", daemon=True)
+            for n, job in enumerate(self.jobs())
+        ]
+        with one_thread_per_frame():
+            for thread in threads:
+                thread.start()
+            try:
+                yield self
+            finally:
+                self._ended.set()
+                with self._changed:
+                    self._notify()
+                for thread in threads:
+                    thread.join()
+
+    def wait(self, version: int, timeout: float) -> int:
+        """The version, as soon as it is newer than `version`, or after `timeout` seconds."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._version > version, timeout)
+            return self._version
+
+    @property
+    def silence(self) -> float:
+        """Time since the last pair arrived; 0 before the first. [s]"""
+        return time.time() - self._arrived[-1].time if self._arrived else 0.0
+
+    def faults(self) -> list[str]:
+        """What keeps pairs from being used, in words."""
+        return [*self._faults.values(), *_describe_missing(self._missing)]
+
+    def _repeat(self, job: Callable[[], None]) -> None:
+        while not self._ended.is_set():
+            job()
+
+    def _find(self) -> None:
+        """Look for new files when a change is reported, and from time to time."""
+        from watchfiles import watch
+
+        looked = pause = 0.0
+        changes = watch(
+            self.directory,
+            debounce=_GATHER,
+            step=1,
+            stop_event=self._ended,
+            rust_timeout=100,
+            yield_on_timeout=True,
+            watch_filter=None,
+            raise_interrupt=False,
+        )
+        for found in changes:
+            now = time.monotonic()
+            if now - looked > max(_RESCAN, pause):
+                self._take(self._arrivals.look())
+                looked = time.monotonic()
+                pause = (looked - now) / _SHARE
+                self._audit()
+            elif found:
+                self._take(self._arrivals.look([Path(path) for _, path in found]))
+
+    def _take(self, fresh: list[Arrival]) -> None:
+        """Add pairs that have arrived to those that are known."""
+        if not fresh:
+            return
+        with self._changed:
+            if not self._arrived:
+                self._open(fresh[0])
+            self._arrived += fresh
+            one, two = self._pairs.pages
+            pages = ((*one, *(a.pages[0] for a in fresh)), (*two, *(a.pages[1] for a in fresh)))
+            self._pairs = FramePairs(
+                self.directory, pages, self._pairs.shape, self._pairs.bit_depths
+            )
+            self._notify()
+
+    def _open(self, first: Arrival) -> None:
+        """Learn the shape of the frames from the first pair."""
+        kind = read_headers([first.pages[0].path], first.pages[0].selection).kinds[0]
+        rows, columns = kind.shape[:2]
+        self._pairs = FramePairs(self.directory, ((), ()), (rows, columns), self._pairs.bit_depths)
+
+    def _audit(self) -> None:
+        """Frames that are missing, and files that cannot be read."""
+        missing, broken = self._arrivals.missing(), "; ".join(self._arrivals.unreadable()[:3])
+        with self._changed:
+            if (missing, broken) != (self._missing, self._faults.get("files", "")):
+                self._missing = missing
+                self._note("files", broken)
+                self._notify()
+
+    def _note(self, subject: str, fault: ErlifError | str) -> None:
+        """Keep a fault in words, or forget it where the text is empty; the lock is held."""
+        if text := str(fault):
+            self._faults[subject] = text
+        else:
+            self._faults.pop(subject, None)
+
+    def _notify(self) -> None:
+        """Wake who waits for a change; the lock is held."""
+        self._version += 1
+        self._changed.notify_all()
+
+
+def _describe_missing(missing: dict[int, int]) -> list[str]:
+    """Frames of one camera alone in words."""
+    texts = []
+    for camera in (1, 2):
+        numbers = sorted(number for number, lacking in missing.items() if lacking == camera)
+        if numbers:
+            listed = ", ".join(str(number) for number in numbers[:5])
+            more = f" and {len(numbers) - 5} more" if len(numbers) > 5 else ""
+            texts.append(f"camera {camera} lacks frame {listed}{more}")
+    return texts
