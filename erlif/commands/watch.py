@@ -5,7 +5,9 @@ from __future__ import annotations
 import subprocess
 import time
 import webbrowser
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +21,9 @@ from erlif.commands.view import leading_to
 from erlif.core.speed.imports import large_imports
 
 if TYPE_CHECKING:
+    from erlif.pipeline.watch.setup import Setup
     from erlif.pipeline.watch.watch import Watch, WatchState
+    from erlif.show.view.live import LiveSource
 
 # Exit status of a run in which an alarm was raised.
 ALARMED = 3
@@ -56,6 +60,13 @@ _EVERY = 1.0
 @click.option(
     "--on-alarm", metavar="COMMAND", help="Command that is run when an alarm is first raised."
 )
+@click.option(
+    "--setup",
+    "trial",
+    is_flag=True,
+    help="Before the run: show both cameras, their histograms, focus and overlap, and what to "
+    "turn. Nothing is written.",
+)
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="Default: a free one.")
 @click.option("--no-browser", is_flag=True, help="Print the address and open no browser.")
 @PROCESSING
@@ -68,6 +79,7 @@ def watch(
     saturated_above: float | None,
     no_pulse_for: float | None,
     on_alarm: str | None,
+    trial: bool,
     port: int,
     no_browser: bool,
     **options: Any,
@@ -85,8 +97,15 @@ def watch(
     """
     with large_imports():
         from erlif.pipeline.watch.alarms import Alarms
+        from erlif.pipeline.watch.setup import Setup
         from erlif.pipeline.watch.watch import Watch
-        from erlif.show.view.live import live_page
+
+    show = partial(_show_page, port=port, browser=not no_browser)
+    if trial:
+        trials = Setup(run_dir, allow_outside=options["allow_outside"])
+        with show(trials, page="setup.html"), trials.running():
+            _follow_setup(trials)
+        return
 
     output = output or run_dir / "film.nc"
     expect_output(output, ".nc", ".zarr", overwrite=options["overwrite"], holds="thickness")
@@ -98,12 +117,7 @@ def watch(
             workers=options["workers"],
             allow_outside=options["allow_outside"],
         )
-        with ExitStack() as opened:
-            opened.enter_context(watched.running())
-            address = opened.enter_context(live_page(watched, port=port))
-            click.echo(f"The page is at {address}\nCtrl-C ends the recording.")
-            if not no_browser:
-                webbrowser.open(opened.enter_context(leading_to(address)).as_uri())
+        with show(watched, page="live.html"), watched.running():
             _follow(watched, quiet, on_alarm)
     if not watched.state().arrived:
         click.echo("No pair has arrived; there is nothing to process.")
@@ -113,6 +127,35 @@ def watch(
         for text in watched.alarmed.values():
             echo_aside(f"alarm: {text}")
         click.get_current_context().exit(ALARMED)
+
+
+@contextmanager
+def _show_page(source: LiveSource, *, page: str, port: int, browser: bool) -> Iterator[None]:
+    """Serve the page of a run, and open it in the browser."""
+    from erlif.show.view.live import live_page
+
+    with ExitStack() as opened:
+        address = opened.enter_context(live_page(source, page=page, port=port))
+        click.echo(f"The page is at {address}\nCtrl-C ends the recording.")
+        if browser:
+            webbrowser.open(opened.enter_context(leading_to(address)).as_uri())
+        yield
+
+
+def _follow_setup(trials: Setup) -> None:
+    """Print the advice whenever it changes, until Ctrl-C."""
+    version, printed = -1, [""]
+    try:
+        while True:
+            version = trials.wait(version, 1.0)
+            advice = trials.news(version - 1, 0, 0, 0.0)["advice"]
+            if advice != printed:
+                click.echo("; ".join(advice) or "nothing to turn")
+                printed = advice
+    except EndedBySignal:
+        raise
+    except KeyboardInterrupt:
+        pass
 
 
 def _follow(watched: Watch, quiet: float | None, on_alarm: str | None) -> None:

@@ -1,25 +1,17 @@
 // The page of `erlif watch`: the newest map, the film over the run, and alarms.
 import { MapPanel } from "./map.js";
 import { Chart, axis, ink } from "./charts.js";
+import { byId, fixed, follow, get, percent, showAge, showFaults } from "./news.js";
 
-const byId = (id) => document.getElementById(id);
 const MOST = 2000; // pairs that a chart shows, the latest
-const OLD = 2; // age of the picture that is marked, in seconds
 
 let about = null;
 let panel = null;
 let state = { window: null, limits: {}, tool: "move" };
 let film = { x: [0, 1], y: [0, 1], width: 1, height: 1, labels: ["x [mm]", "y [mm]"] };
 let news = { version: -1 };
-let clock = 0; // of the server less that of this page, in seconds
 const pairs = [];
 const angles = []; // of the encoder, by place in the recording
-
-async function get(name, values = {}) {
-  const response = await fetch(`${name}?${new URLSearchParams(values)}`);
-  if (!response.ok) throw new Error((await response.json()).message);
-  return response;
-}
 
 // the map
 
@@ -125,18 +117,10 @@ function showCharts() {
 
 // the numbers
 
-const fixed = (value, digits) => (value === null ? "–" : value.toFixed(digits).replace("-", "−"));
-const percent = (value) => `${fixed(100 * value, 1)} %`;
-
 function showNumbers() {
   const newest = news.newest;
   byId("pairs").textContent = `${news.measured} / ${news.arrived}`;
   byId("frames").textContent = news.frames.join(" / ");
-  byId("faults").replaceChildren(...news.faults.map((text) => {
-    const item = document.createElement("li");
-    item.textContent = text;
-    return item;
-  }));
   if (!newest) return;
   for (const name of ["film_min", "film_mean"]) {
     byId(name).textContent = `${fixed(newest[name], 2)} ± ${fixed(newest[`${name}_std`], 2)} µm`;
@@ -145,12 +129,6 @@ function showNumbers() {
   byId("light").textContent = `${newest.light.map((v) => fixed(v, 0)).join(" / ")} DN`;
   byId("saturated").textContent = newest.saturated.map(percent).join(" / ");
   byId("drift").textContent = `${newest.drift.map((v) => fixed(v, 2)).join(", ")} px`;
-}
-
-function showAge() {
-  const age = news.newest ? Date.now() / 1000 + clock - news.newest.time : null;
-  byId("age").textContent = age === null ? "No pair yet" : `Picture ${fixed(Math.max(age, 0), 1)} s old`;
-  byId("age").classList.toggle("old", age !== null && age > OLD);
 }
 
 // alarms
@@ -174,43 +152,30 @@ function showAlarms() {
   document.title = `${texts.length ? "ALARM " : ""}${about.name} – erlif watch`;
 }
 setInterval(() => {
-  showAge();
+  showAge(news);
   if (byId("sound").checked && Object.keys(news.alarms ?? {}).length) beep();
 }, 1000);
 
 // news
 
-async function follow() {
-  about = await (await get("run")).json();
-  byId("run").textContent = about.name;
-  makePanel();
-  for (;;) {
-    try {
-      news = await (await get("news", { version: news.version,
-        pairs: pairs.length, angles: angles.length })).json();
-    } catch (error) {
-      byId("status").textContent = news.ended ? "The recording has ended; film.nc is written."
-        : `erlif watch does not run any more (${error.message}).`;
-      byId("status").classList.add("bad");
-      return;
-    }
-    clock = news.now - Date.now() / 1000;
-    pairs.push(...news.pairs);
-    angles.push(...news.angles);
-    if (news.newest && !state.window) {
-      film = { ...film, width: news.shape[1], height: news.shape[0], x: [0, about.pitch],
-        y: [0, about.pitch] };
-      state.window = [0, 0, news.shape[1], news.shape[0]];
-    }
-    showNumbers();
-    showAlarms();
-    showAge();
-    if (news.newest && news.newest.number !== Number(document.body.dataset.asked)) {
-      document.body.dataset.asked = news.newest.number;
-      panel.refresh().catch(() => {});
-    }
-    requestAnimationFrame(showCharts);
+function show(found) {
+  news = found;
+  pairs.push(...news.pairs);
+  angles.push(...news.angles);
+  if (news.newest && !state.window) {
+    film = { ...film, width: news.shape[1], height: news.shape[0], x: [0, about.pitch],
+      y: [0, about.pitch] };
+    state.window = [0, 0, news.shape[1], news.shape[0]];
   }
+  showNumbers();
+  showFaults(news);
+  showAlarms();
+  showAge(news);
+  if (news.newest && news.newest.number !== Number(document.body.dataset.asked)) {
+    document.body.dataset.asked = news.newest.number;
+    panel.refresh().catch(() => {});
+  }
+  requestAnimationFrame(showCharts);
 }
 
 byId("axis").addEventListener("change", showCharts);
@@ -218,4 +183,7 @@ addEventListener("resize", () => {
   panel?.resize();
   Object.values(charts).forEach((chart) => chart.resize());
 });
-follow();
+about = await (await get("run")).json();
+byId("run").textContent = about.name;
+makePanel();
+await follow(() => ({ pairs: pairs.length, angles: angles.length }), show);

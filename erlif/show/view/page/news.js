@@ -1,0 +1,57 @@
+// What the pages of `erlif watch` share: news from the server, the age of the picture, faults.
+export const byId = (id) => document.getElementById(id);
+export const fixed = (value, digits) =>
+  (value === null || value === undefined ? "–" : value.toFixed(digits).replace("-", "−"));
+export const percent = (value) => (value === null ? "–" : `${fixed(100 * value, 1)} %`);
+
+const OLD = 2; // age of the picture that is marked, in seconds
+let clock = 0; // of the server less that of this page, in seconds
+
+export async function get(name, values = {}) {
+  const response = await fetch(`${name}?${new URLSearchParams(values)}`);
+  if (!response.ok) throw new Error((await response.json()).message);
+  return response;
+}
+
+// asks for news again and again, and hands them to `show`, until the recording ends
+export async function follow(known, show) {
+  let version = -1;
+  for (;;) {
+    let news;
+    try {
+      news = await (await get("news", { version, ...known() })).json();
+    } catch (error) {
+      end(`erlif watch does not run any more (${error.message}).`);
+      return;
+    }
+    clock = news.now - Date.now() / 1000;
+    version = news.version;
+    show(news);
+    if (news.ended) {
+      end("The recording has ended.");
+      return;
+    }
+  }
+}
+
+function end(text) {
+  byId("status").textContent = text;
+  byId("status").classList.add("bad");
+}
+
+export function showAge(news) {
+  const age = news.newest ? Date.now() / 1000 + clock - news.newest.time : null;
+  byId("age").textContent = age === null ? "No pair yet"
+    : `Picture ${fixed(Math.max(age, 0), 1)} s old`;
+  byId("age").classList.toggle("old", age !== null && age > OLD);
+}
+
+export function listIn(list, texts) {
+  list.replaceChildren(...texts.map((text) => {
+    const item = document.createElement("li");
+    item.textContent = text;
+    return item;
+  }));
+}
+
+export const showFaults = (news) => listIn(byId("faults"), news.faults);

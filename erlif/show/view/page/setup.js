@@ -1,0 +1,106 @@
+// The page of `erlif watch --setup`: both cameras, their histograms, and what to turn.
+import { MapPanel } from "./map.js";
+import { Chart, axis, ink } from "./charts.js";
+import { byId, fixed, follow, get, listIn, percent, showAge, showFaults } from "./news.js";
+
+const about = await (await get("run")).json();
+const views = [1, 2].map(() => ({ window: null, limits: {}, tool: "move" }));
+let film = null;
+let news = {};
+
+class Histogram extends Chart {
+  constructor(place) {
+    super(place);
+    this.tall = 150;
+  }
+
+  show({ histogram, full_scale }) {
+    const places = histogram.map((_, n) => (n * full_scale) / histogram.length);
+    const data = [places, histogram.map((count) => Math.max(count, 0.5))];
+    if (this.plot) {
+      this.plot.setData(data);
+      return;
+    }
+    this.make({
+      scales: { x: { time: false, range: [0, full_scale] }, y: { distr: 3 } },
+      series: [{ label: "count" }, { label: "pixels", stroke: ink("--first"), width: 1.5,
+        paths: uPlot.paths.stepped({ align: 1 }), points: { show: false } }],
+      axes: [{ ...axis("count [DN]"), size: 34 }, { ...axis("pixels"), size: 52 }],
+      legend: { show: false },
+      cursor: { show: false },
+    }, data);
+  }
+}
+
+const histograms = [1, 2].map((n) => new Histogram(byId(`histogram-${n}`)));
+const panels = [1, 2].map((n) => new MapPanel(byId(`panel-${n}`), {
+  about, state: views[n - 1], film: () => film, layer: () => `camera${n}`,
+  load: async (view) => (await get("map", { ...view, layer: `camera${n}` })).arrayBuffer(),
+  shown: (found) => {
+    views[n - 1].limits[`camera${n}`] = found.limits;
+  },
+  drawn: () => {}, moved: () => panels[n - 1].refresh().catch(() => {}), pointed: () => {},
+}));
+
+const rows = [
+  ["mean count", ({ mean }) => `${fixed(mean, 0)} DN`],
+  ["dark level", ({ dark }) => (dark === null ? "no darks yet" : `${fixed(dark, 1)} DN`)],
+  ["brightest 0.1 %", ({ highest, full_scale }) =>
+    `${fixed(100 * highest, 0)} % of ${full_scale} DN`],
+  ["saturated", ({ saturated }) => percent(saturated)],
+  ["sharpness, and the best so far", ({ sharpness }, n) =>
+    `${fixed(sharpness, 3)}, ${fixed(news.best[n], 3)}`],
+  ["pixels that can be measured", ({ measurable }) => percent(measurable)],
+];
+
+function cell(kind, text) {
+  const made = document.createElement(kind);
+  made.textContent = text;
+  return made;
+}
+
+function row(kind, texts) {
+  const made = document.createElement("tr");
+  made.append(...texts.map((text, n) => cell(n ? kind : "th", text)));
+  return made;
+}
+
+function showChecks() {
+  const table = [row("th", ["", "camera 1", "camera 2"])];
+  for (const [title, text] of rows) table.push(row("td", [title, ...news.cameras.map(text)]));
+  const { map } = news;
+  if (map) {
+    table.push(row("td", ["displacement of camera 2", "",
+      `${fixed(map.shift[0], 1)}, ${fixed(map.shift[1], 1)} px`]));
+    table.push(row("td", ["overlap with camera 1", "", percent(map.overlap)]));
+    table.push(row("td", ["correlation of the textures", "", fixed(map.quality, 2)]));
+  }
+  byId("checks").replaceChildren(...table);
+}
+
+setInterval(() => showAge(news), 1000);
+addEventListener("resize", () => {
+  panels.forEach((panel) => panel.resize());
+  histograms.forEach((chart) => chart.resize());
+});
+byId("run").textContent = `${about.name}: setup`;
+await follow(() => ({ pairs: 0, angles: 0 }), (found) => {
+  news = found;
+  showFaults(news);
+  showAge(news);
+  const ready = news.cameras.length ? ["Nothing: both cameras are within their ranges."] : [];
+  listIn(byId("advice"), news.advice.length ? news.advice : ready);
+  if (!news.newest || !news.shape) return;
+  const [height, width] = news.shape;
+  film ??= { x: [0, about.pitch], y: [0, about.pitch], width, height,
+    labels: ["x [mm]", "y [mm]"] };
+  views.forEach((view) => {
+    view.window ??= [0, 0, width, height];
+  });
+  showChecks();
+  news.cameras.forEach((camera, n) => histograms[n].show(camera));
+  if (news.newest.number !== Number(document.body.dataset.asked)) {
+    document.body.dataset.asked = news.newest.number;
+    panels.forEach((panel) => panel.refresh().catch(() => {}));
+  }
+});
