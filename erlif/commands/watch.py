@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -169,7 +170,7 @@ def _follow(watched: Watch, quiet: float | None, on_alarm: str | None) -> None:
             for name in state.alarms.keys() - known:
                 echo_aside(f"ALARM {state.alarms[name]}")
                 if on_alarm:
-                    subprocess.Popen(on_alarm, shell=True)
+                    _start(on_alarm)
             known = set(state.alarms)
             if state.version > version and time.monotonic() - printed > _EVERY:
                 click.echo(_line(state))
@@ -179,6 +180,11 @@ def _follow(watched: Watch, quiet: float | None, on_alarm: str | None) -> None:
     except KeyboardInterrupt:  # the end of the recording, not of the command
         pass
     click.echo(_line(watched.state()))
+
+
+def _start(text: str) -> None:
+    """Run a command of the user beside the watch."""
+    Thread(target=subprocess.run, args=(text,), kwargs={"shell": True}, daemon=True).start()
 
 
 def _line(state: WatchState) -> str:

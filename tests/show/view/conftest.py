@@ -36,7 +36,9 @@ def serve():
         async def listen():
             sockets = bind_sockets(0, "127.0.0.1")
             access = AccessRule(sockets[0].getsockname()[1])
-            server = HTTPServer(make_application(Shared(access, films, executor)), max_body_size=2**16)
+            server = HTTPServer(
+                make_application(Shared(access, films, executor)), max_body_size=2**16
+            )
             server.add_sockets(sockets)
             servers.append(server)
             return access

@@ -1,0 +1,134 @@
+"""``erlif watch``: from an empty directory to film.nc; what ends it, and what it leaves."""
+
+import os
+import random
+import shutil
+import signal
+import threading
+import time
+
+import pytest
+from click.testing import CliRunner
+
+from erlif.commands.main import main
+from erlif.commands.watch import ALARMED
+from erlif.rig.live import Fault, write_live
+from tests.conftest import FULL
+from tests.scenes.processes import start_command
+
+
+def run_watch(run, *options):
+    return CliRunner().invoke(main, ["watch", str(run), "--no-browser", *options])
+
+
+@pytest.fixture
+def recording(lab):
+    """Starts a thread that writes the run in real time; gives the directory."""
+    threads = []
+
+    def start(**options):
+        thread = threading.Thread(
+            target=write_live, args=(lab.run,), kwargs={"rate": 20.0, "delay": 0.3} | options
+        )
+        thread.start()
+        threads.append(thread)
+        while len(list((lab.run / "camera1").iterdir())) == 6:
+            time.sleep(0.01)
+        return lab.run
+
+    yield start
+    for thread in threads:
+        thread.join()
+
+
+def test_the_film_of_a_watched_run_is_that_of_process(recording, film):
+    result = run_watch(recording(), "--quiet", "1 s", "--workers", "2")
+    assert result.exit_code == 0, result.output
+    assert "The page is at http://127.0.0.1:" in result.stdout
+    assert "pair 5: min " in result.stdout
+    assert "6 triggers from 6 frame pairs" in result.stdout
+    written = result.stdout.split("written: ")[1].split("\n")[0]
+    with open(written, "rb") as made, open(film, "rb") as expected:
+        assert made.read() == expected.read()
+
+
+def test_a_file_named_stop_ends_it(lab, recording):
+    run = recording(rate=50.0, delay=0.0)
+    threading.Timer(2.0, (run / "stop").touch).start()
+    assert run_watch(run).exit_code == 0
+    assert lab.film.exists()
+
+
+def test_an_alarm_gives_the_exit_status_and_runs_the_command(recording, tmp_path):
+    ran = tmp_path / "ran"
+    result = run_watch(
+        recording(rate=50.0),
+        *("--quiet", "1 s", "--film-below", "1 mm", "--on-alarm", f"touch {ran}"),
+    )
+    assert result.exit_code == ALARMED
+    assert "ALARM minimum film" in result.stderr
+    assert "alarm: minimum film" in result.stderr
+    assert ran.exists()
+
+
+def test_a_frame_that_was_lost_is_named_and_refused_as_by_process(recording):
+    run = recording(rate=50.0, faults=[Fault("camera2-loses", 2)])
+    result = run_watch(run, "--quiet", "1.5 s")
+    assert result.exit_code == 2
+    assert "The first unmatched one is camera1/frame_0002.tif" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--quiet", "10"), "such as \"5 s\"; got '10'"),
+        (("--film-below", "2 s"), "um"),
+        (("-o", "film.txt"), r".nc or .zarr"),
+    ],
+)
+def test_bad_options_are_refused_before_anything_starts(lab, options, message):
+    result = run_watch(lab.run, *options)
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert not lab.film.exists()
+
+
+def test_a_film_that_exists_is_not_replaced(lab, refused):
+    lab.film.write_bytes(b"mine")
+    assert "--overwrite" in refused("watch", lab.run, "--no-browser")
+
+
+def test_without_a_pair_there_is_nothing_to_process(lab):
+    for n in (1, 2):
+        for path in lab.frames(n):
+            path.unlink()
+    (lab.run / "stop").touch()
+    result = run_watch(lab.run)
+    assert result.exit_code == 0
+    assert "there is nothing to process" in result.stdout
+
+
+@pytest.mark.slow
+def test_killed_at_any_moment_it_goes_on_and_ends_with_the_same_film(lab, film, tmp_path):
+    rng = random.Random(27)
+    kept = {n: [path.read_bytes() for path in lab.frames(n)] for n in (1, 2)}
+    for _ in range(20 if FULL else 3):
+        for n in (1, 2):
+            shutil.rmtree(lab.run / f"camera{n}")
+            (lab.run / f"camera{n}").mkdir()
+        arguments = ("watch", lab.run, "--no-browser", "--quiet", "1 s", "--workers", "1")
+        process = start_command(tmp_path / "log", *arguments)
+        end = time.monotonic() + rng.uniform(0.0, 4.0)
+        for k in range(6):
+            for n in (1, 2):
+                (lab.run / f"camera{n}" / f"frame_{k:04d}.tif").write_bytes(kept[n][k])
+            time.sleep(0.1)
+        time.sleep(max(0.0, end - time.monotonic()))
+        if process.is_alive():
+            os.kill(process.pid, signal.SIGKILL)
+        process.join()
+        lab.film.unlink(missing_ok=True)
+        again = start_command(tmp_path / "log", *arguments)
+        again.join()
+        assert again.exitcode == 0, (tmp_path / "log").read_text()
+        assert lab.film.read_bytes() == film.read_bytes()

@@ -1,0 +1,129 @@
+"""Pairs of a recording that grows: files are written here one by one, whole or in part."""
+
+import numpy as np
+import pytest
+import tifffile
+
+from erlif.io.ingest.arrivals import PATIENCE, Arrivals
+from erlif.io.settings import read_run_settings
+
+RNG = np.random.default_rng(3)
+
+
+class Clock:
+    now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+class Rig:
+    """A run directory without frames, and what is written into it."""
+
+    def __init__(self, lab):
+        self.run, self.clock = lab.run, Clock()
+        self.files = {n: [path.read_bytes() for path in lab.frames(n)] for n in (1, 2)}
+        for n in (1, 2):
+            for path in lab.frames(n):
+                path.unlink()
+        self.arrivals = Arrivals(self.run, read_run_settings(self.run), clock=self.clock)
+
+    def write(self, camera, number, *, name=None, part=None):
+        path = self.run / f"camera{camera}" / (name or f"frame_{number:04d}.tif")
+        path.write_bytes(self.files[camera][number % 6][:part])
+        return path
+
+    def look(self, changed=None):
+        return [one.number for one in self.arrivals.look(changed)]
+
+
+@pytest.fixture
+def rig(lab):
+    return Rig(lab)
+
+
+def test_a_pair_comes_once_when_both_frames_are_there(rig):
+    assert rig.look() == []
+    rig.write(1, 0)
+    assert rig.look() == []
+    rig.write(2, 0)
+    rig.clock.now = 107.0
+    (pair,) = rig.arrivals.look()
+    assert (pair.number, pair.place, pair.time) == (0, 0, 107.0)
+    assert [page.path.parent.name for page in pair.pages] == ["camera1", "camera2"]
+    assert rig.look() == []
+
+
+def test_only_the_files_that_are_named_are_looked_at(rig):
+    first, second = rig.write(1, 0), rig.write(2, 0)
+    assert rig.look([first]) == []
+    assert rig.look([first, second, rig.run / "encoder.csv"]) == [0]
+
+
+def test_a_file_that_is_half_written_waits_until_it_is_whole(rig):
+    rig.write(1, 0)
+    size = len(rig.files[2][0])
+    for part in (0, 4, 100, size // 2, size - 1):
+        rig.write(2, 0, part=part)
+        assert rig.look() == []
+    rig.write(2, 0)
+    assert rig.look() == [0]
+
+
+def test_a_file_that_stays_damaged_is_reported_after_a_while(rig):
+    rig.write(1, 0)
+    rig.write(2, 0, part=50)
+    rig.look()
+    assert rig.arrivals.unreadable() == []
+    rig.clock.now += PATIENCE + 0.1
+    (text,) = rig.arrivals.unreadable()
+    assert text.startswith("frame_0000.tif: ")
+    rig.write(2, 0)
+    assert rig.look() == [0]
+    assert rig.arrivals.unreadable() == []
+
+
+def test_a_lost_frame_is_missed_by_number_and_camera_and_shifts_no_pair(rig):
+    for number in range(6):
+        rig.write(1, number)
+        if number != 3:
+            rig.write(2, number)
+    assert rig.look() == [0, 1, 2, 4, 5]
+    assert rig.arrivals.missing() == {}
+    rig.clock.now += PATIENCE + 0.1
+    assert rig.arrivals.missing() == {3: 2}
+    assert rig.arrivals.counts() == (6, 5)
+    rig.write(2, 3)
+    (late,) = rig.arrivals.look()
+    assert (late.number, late.place) == (3, 3)
+    assert rig.arrivals.missing() == {}
+
+
+def test_cameras_may_count_from_different_first_numbers(rig):
+    for number in range(4):
+        rig.write(1, number)
+        rig.write(2, number, name=f"frame_{number + 100:04d}.tif")
+        rig.look()
+    rig.write(1, 5)
+    rig.write(2, 5, name="frame_0105.tif")
+    pairs = rig.arrivals.look()
+    assert [pair.pages[1].path.name for pair in pairs] == ["frame_0105.tif"]
+    assert rig.arrivals.counts() == (5, 5)
+
+
+def test_a_stack_that_grows_gives_its_whole_pages(lab):
+    for n in (1, 2):
+        for path in lab.frames(n):
+            path.unlink()
+    lab.edit("run/run.toml", ("camera1/*.tif", "one.tif"), ("camera2/*.tif", "two.tif"))
+    arrivals = Arrivals(lab.run, read_run_settings(lab.run))
+    images = RNG.integers(100, 2000, (5, 96, 128)).astype(np.uint16)
+    seen = []
+    for k in range(5):
+        for name in ("one.tif", "two.tif"):
+            tifffile.imwrite(
+                lab.run / name, images[k], append=k > 0, photometric="minisblack", metadata=None
+            )
+        seen += [pair.number for pair in arrivals.look()]
+        assert seen == list(range(k + 1))
+    assert arrivals.counts() == (5, 5)

@@ -1,0 +1,75 @@
+"""A directory that is followed: what is in it, what comes, and the end."""
+
+import shutil
+import time
+
+import pytest
+
+from erlif.core.errors import ErlifError
+from erlif.pipeline.watch import follow
+from erlif.pipeline.watch.follow import Follower
+
+
+def wait_until(condition, follower, seconds=20.0):
+    """Wait for a condition that follows a change of the follower."""
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        follower.wait(-1, 0.01)
+
+
+def test_pairs_that_are_there_and_pairs_that_come_are_found(lab, tmp_path):
+    kept = tmp_path / "kept"
+    kept.mkdir()
+    for n in (1, 2):
+        shutil.move(lab.frames(n)[-1], kept / f"{n}.tif")
+    follower = Follower(lab.run)
+    with follower.running():
+        wait_until(lambda: len(follower._arrived) == 5, follower)
+        for n in (1, 2):
+            shutil.copy(kept / f"{n}.tif", lab.run / f"camera{n}" / "frame_0005.tif")
+        wait_until(lambda: len(follower._arrived) == 6, follower)
+        assert follower._pairs.shape == (96, 128)
+        assert 0 <= follower.silence < 20
+
+
+def test_changes_that_no_system_reports_are_found_by_the_next_look(lab, monkeypatch):
+    """A share of the network reports nothing of what another machine writes."""
+    import watchfiles
+
+    def silent(*arguments, stop_event, **options):
+        while not stop_event.wait(0.01):
+            yield set()
+
+    monkeypatch.setattr(watchfiles, "watch", silent)
+    monkeypatch.setattr(follow, "_RESCAN", 0.05)
+    follower = Follower(lab.run)
+    with follower.running():
+        wait_until(lambda: len(follower._arrived) == 6, follower)
+
+
+def test_a_directory_that_goes_away_and_comes_back_loses_nothing(lab, monkeypatch, tmp_path):
+    monkeypatch.setattr(follow, "_RESCAN", 0.05)
+    follower = Follower(lab.run)
+    last = lab.frames(2)[-1]
+    shutil.move(last, tmp_path / "last.tif")
+    with follower.running():
+        wait_until(lambda: len(follower._arrived) == 5, follower)
+        lab.run.rename(tmp_path / "away")
+        time.sleep(0.3)
+        (tmp_path / "away").rename(lab.run)
+        shutil.move(tmp_path / "last.tif", last)
+        wait_until(lambda: len(follower._arrived) == 6, follower)
+
+
+def test_a_directory_without_settings_is_refused(tmp_path):
+    with pytest.raises(ErlifError, match=r"run\.toml"):
+        Follower(tmp_path)
+
+
+def test_missing_frames_are_listed_in_words(lab, monkeypatch):
+    monkeypatch.setattr(follow, "_RESCAN", 0.05)
+    lab.frames(2)[2].unlink()
+    follower = Follower(lab.run)
+    with follower.running():
+        wait_until(lambda: follower.faults() == ["camera 2 lacks frame 2"], follower)

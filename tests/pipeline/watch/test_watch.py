@@ -1,0 +1,137 @@
+"""A run that is watched while another thread writes it."""
+
+import math
+import shutil
+import threading
+import time
+
+import pytest
+
+import erlif
+from erlif.pipeline.watch.alarms import Alarms
+from erlif.pipeline.watch.watch import Watch, as_row
+from tests.pipeline.watch.test_follow import wait_until
+
+
+@pytest.fixture
+def empty_run(lab, tmp_path):
+    """The run without frames and without rows in its log, and a function that writes one pair."""
+    kept = tmp_path / "kept"
+    for n in (1, 2):
+        shutil.move(lab.run / f"camera{n}", kept / f"camera{n}")
+        (lab.run / f"camera{n}").mkdir()
+    log = lab.run / "encoder.csv"
+    head, *rows = log.read_text().splitlines()
+    log.unlink()
+
+    def write(frame, *cameras):
+        for n in cameras or (1, 2):
+            name = f"frame_{frame:04d}.tif"
+            shutil.copy(kept / f"camera{n}" / name, lab.run / f"camera{n}" / name)
+        log.write_text("\n".join([head, *rows[: frame + 1]]) + "\n")
+
+    return lab.run, write
+
+
+def test_every_pair_is_measured_as_it_comes_and_the_angles_follow(empty_run, film):
+    run_dir, write = empty_run
+    watch = Watch(run_dir, workers=2)
+    with watch.running():
+        assert watch.state().latest is None
+        for frame in range(6):
+            write(frame)
+        wait_until(lambda: len(watch.state().measured) == 6, watch)
+        wait_until(lambda: len(watch.state().angles) == 6, watch)
+        state = watch.state()
+    assert state.frames == (6, 6)
+    assert state.latest.number == state.newest.number == 5
+    assert state.faults == ()
+    assert state.registered_on >= 2
+    with erlif.open_film(film) as finished:
+        for pair in state.measured:
+            # the map of the cameras comes from fewer pairs than in the finished film
+            tolerance = 2 * float(finished.film_mean_std[pair.place])
+            assert pair.film_mean == pytest.approx(
+                float(finished.film_mean[pair.place]), abs=tolerance
+            )
+        assert state.angles[3] == pytest.approx(float(finished.encoder_angle[3]))
+
+
+def test_news_hold_what_is_new_and_wait_for_it(empty_run):
+    run_dir, write = empty_run
+    watch = Watch(run_dir, workers=1)
+    with watch.running():
+        writer = threading.Thread(target=lambda: [write(frame) for frame in range(6)])
+        writer.start()
+        version, rows = -1, []
+        end = time.monotonic() + 30
+        while len(rows) < 6 and time.monotonic() < end:
+            news = watch.news(version, len(rows), 0, 1.0)
+            assert news["version"] >= version
+            version = news["version"]
+            rows += news["pairs"]
+        writer.join()
+    assert sorted(row["number"] for row in rows) == list(range(6))
+    title, thickness, flags = watch.newest("thickness")
+    assert title == "pair 5"
+    assert thickness.shape == flags.shape == (96, 128)
+    assert watch.news(-1, 0, 0, 0.0)["ended"] is True
+
+
+def test_an_alarm_is_raised_kept_and_named(empty_run):
+    run_dir, write = empty_run
+    watch = Watch(run_dir, workers=1, alarms=Alarms(film_below=1000.0, no_pulse_for=0.3))
+    with watch.running():
+        for frame in range(3):
+            write(frame)
+        wait_until(lambda: watch.state().measured, watch)
+        assert watch.alarmed["film"].endswith("(limit 1000 um)")
+        # a silence counts once another pair has ended it: the last one is the end of the run
+        wait_until(lambda: "no pulse" in watch.state().alarms, watch)
+        assert "no pulse" not in watch.alarmed
+        write(3)
+        wait_until(lambda: "no pulse" in watch.alarmed, watch)
+
+
+def test_the_end_is_a_quiet_time_or_a_file(empty_run):
+    run_dir, write = empty_run
+    watch = Watch(run_dir, workers=1)
+    with watch.running():
+        assert not watch.is_quiet(0.1)
+        write(0)
+        wait_until(lambda: watch.state().arrived, watch)
+        assert not watch.is_quiet(None)
+        wait_until(lambda: watch.is_quiet(0.1), watch)
+        (run_dir / "stop").touch()
+        assert watch.is_quiet(None)
+
+
+def test_a_pair_that_cannot_be_used_is_named_and_the_others_go_on(empty_run):
+    run_dir, write = empty_run
+    watch = Watch(run_dir, workers=1)
+    with watch.running():
+        for frame in range(4):
+            write(frame)
+        wait_until(lambda: len(watch.state().measured) == 4, watch)
+        # another shape than all other frames
+        import numpy as np
+        import tifffile
+
+        for n in (1, 2):
+            tifffile.imwrite(run_dir / f"camera{n}" / "frame_0004.tif", np.ones((8, 8), np.uint16))
+        wait_until(lambda: any("96" in fault for fault in watch.state().faults), watch)
+        write(5)
+        wait_until(lambda: watch.state().latest.number == 5, watch)
+
+
+def test_a_row_for_the_page_has_no_value_that_json_lacks(empty_run):
+    run_dir, write = empty_run
+    watch = Watch(run_dir, workers=1)
+    with watch.running():
+        for frame in range(2):
+            write(frame)
+        wait_until(lambda: watch.state().measured, watch)
+    pair = watch.state().latest
+    row = as_row(pair._replace(film_min=math.nan, drift=(math.nan, 0.5)))
+    assert row["film_min"] is None
+    assert row["drift"] == [None, 0.5]

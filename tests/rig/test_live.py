@@ -1,0 +1,60 @@
+"""A run in real time: the same bytes at the wanted times, and the faults that are asked for."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+import tifffile
+
+from erlif.core.errors import ModelError
+from erlif.rig.live import Fault, write_live
+from tests.conftest import snapshot
+
+
+def test_the_run_ends_as_it_was(lab):
+    before = snapshot(lab.run)
+    begun = time.monotonic()
+    write_live(lab.run, rate=20.0, delay=0.2)
+    assert time.monotonic() - begun > 0.2 + 5 / 20
+    assert snapshot(lab.run) == before
+    assert [path.name for path in lab.directory.iterdir() if path.name.startswith(".")] == []
+
+
+def test_frames_and_rows_come_one_after_the_other(lab):
+    writer = threading.Thread(
+        target=write_live, args=(lab.run,), kwargs={"rate": 5.0, "delay": 0.5}
+    )
+    writer.start()
+    time.sleep(0.3)
+    assert lab.frames(1) == []
+    assert len((lab.run / "encoder.csv").read_text().splitlines()) == 1
+    seen = set()
+    while writer.is_alive():
+        seen.add(len(lab.frames(2)))
+        time.sleep(0.02)
+    assert {1, 2, 3, 4, 5} <= seen
+    writer.join()
+
+
+def test_a_camera_stops_and_another_loses_a_frame(lab):
+    faults = [Fault("camera2-stops", 4), Fault("camera1-loses", 2)]
+    write_live(lab.run, rate=100.0, faults=faults)
+    assert [path.name[-5] for path in lab.frames(1)] == list("01345")
+    assert [path.name[-5] for path in lab.frames(2)] == list("0123")
+
+
+def test_the_light_of_a_fading_laser_falls_and_the_dark_stays(lab):
+    before = [tifffile.imread(path).astype(float) for path in lab.frames(1)]
+    write_live(lab.run, rate=100.0, faults=[Fault("laser-fades", 3)])
+    after = [tifffile.imread(path).astype(float) for path in lab.frames(1)]
+    shares = [
+        np.median(new - 64) / np.median(old - 64) for old, new in zip(before, after, strict=True)
+    ]
+    assert shares == pytest.approx([1, 1, 1, 1, 0.97, 0.97**2], abs=1e-3)
+
+
+@pytest.mark.parametrize("text", ["camera3-stops@4", "laser-fades", "camera1-loses@x", ""])
+def test_a_fault_of_another_form_is_refused(text):
+    with pytest.raises(ModelError, match="camera2-stops@40"):
+        Fault.read(text)

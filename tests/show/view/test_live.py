@@ -1,0 +1,126 @@
+"""The page of a run that is watched, as its requests and as a browser shows it."""
+
+import json
+import time
+import urllib.error
+import urllib.request
+
+import numpy as np
+import pytest
+
+from erlif.core.flags import Flag
+from erlif.show.view.live import live_page, readings_of
+from erlif.show.view.queries import Request
+from tests.scenes.browser import MARKS, chromium, pages
+
+
+class Source:
+    """Three pairs; the newest map is a ramp of 1 to 3 um with a saturated corner."""
+
+    def __init__(self):
+        self.version, self.ended, self.alarms = 3, False, {}
+        self.thickness = np.linspace(1, 3, 64 * 96, dtype=np.float32).reshape(64, 96)
+        self.flags = np.zeros((64, 96), np.uint8)
+        self.flags[:8, :8] = Flag.SATURATED
+        self.thickness[:8, :8] = np.nan
+        self.rows = [
+            {
+                "number": n,
+                "place": n,
+                "time": time.time() - 1 + 0.1 * n,
+                "film_min": 2.0 + n,
+                "film_min_std": 0.1,
+                "film_mean": 3.0 + n if n else None,
+                "film_mean_std": 0.1,
+                "valid": 0.99,
+                "light": [1000.0, 900.0],
+                "saturated": [0.0, 0.01],
+                "drift": [None, 0.25],
+            }
+            for n in range(3)
+        ]
+
+    def describe(self):
+        return {"name": "run 7", "pitch": 0.06}
+
+    def news(self, version, pairs, angles, timeout):
+        end = time.monotonic() + timeout
+        while self.version <= version and time.monotonic() < end and not self.ended:
+            time.sleep(0.01)
+        return {
+            "version": self.version,
+            "ended": self.ended,
+            "frames": [3, 3],
+            "arrived": 3,
+            "measured": 3,
+            "pairs": self.rows[pairs:],
+            "newest": self.rows[-1],
+            "shape": [64, 96],
+            "angles": [10.0, 20.0, 30.0][angles:],
+            "faults": ["camera 2 lacks frame 1"],
+            "alarms": self.alarms,
+        }
+
+    def newest(self, layer):
+        return "pair 2", self.thickness, self.flags
+
+
+def test_news_and_map_are_what_the_source_has():
+    reading = readings_of(Source())
+    assert reading["run"](Request([], {}))["name"] == "run 7"
+    news = reading["news"](Request([], {"version": "-1", "pairs": "2", "angles": "1"}))
+    assert [row["number"] for row in news["pairs"]] == [2]
+    assert news["angles"] == [20.0, 30.0]
+    packed = reading["map"](
+        Request([], {"layer": "thickness", "window": "0,0,96,64", "room": "96,64"})
+    )
+    length = int.from_bytes(packed[:4], "little")
+    about = json.loads(packed[4 : 4 + length])
+    assert about["shape"] == [64, 96]
+    values = np.frombuffer(packed[4 + length : 4 + length + 4 * 64 * 96], "<f4")
+    assert np.nanmax(values) == pytest.approx(3)
+    assert np.isnan(values[0])
+
+
+def test_the_page_is_served_with_its_token_alone():
+    with live_page(Source()) as address:
+        with urllib.request.urlopen(address, timeout=10) as response:
+            assert b"<title>erlif watch</title>" in response.read()
+        wrong = "/".join([*address.split("/")[:3], "guess", ""])
+        with pytest.raises(urllib.error.HTTPError, match="403"):
+            urllib.request.urlopen(wrong, timeout=10)
+    with pytest.raises(urllib.error.URLError):
+        urllib.request.urlopen(address, timeout=2)
+
+
+class TestInTheBrowser:
+    pytestmark = MARKS
+
+    @pytest.mark.parametrize(
+        "size", [{"width": 1280, "height": 900}, {"width": 390, "height": 800}]
+    )
+    def test_map_numbers_faults_and_alarms_are_shown(self, size):
+        source = Source()
+        with live_page(source) as address, chromium() as browser:  # noqa: SIM117
+            with pages(browser, own=address) as start:
+                page = start(viewport=size)
+                page.goto(address)
+                page.wait_for_selector("body[data-shown='pair 2']")
+                assert page.inner_text("#film_min") == "4.00 ± 0.10 µm"
+                assert page.inner_text("#saturated") == "0.0 % / 1.0 %"
+                assert page.inner_text("#drift") == "–, 0.25 px"
+                assert "camera 2 lacks frame 1" in page.inner_text("#faults")
+                assert "saturated: 1.0 %" in page.inner_text("#key")
+                assert page.is_hidden("#alarm")
+                wide = page.evaluate("document.documentElement.scrollWidth")
+                assert wide <= size["width"]
+                page.wait_for_selector("#film canvas")
+
+                source.alarms, source.version = {"film": "minimum film 4 um"}, 4
+                page.wait_for_selector("#alarm:not([hidden])")
+                assert page.inner_text("#alarm") == "minimum film 4 um"
+                assert page.title().startswith("ALARM")
+
+                source.ended, source.version = True, 5
+                page.wait_for_selector("#status.bad")
+                assert page.inner_text("#status") == "The recording has ended."
