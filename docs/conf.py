@@ -119,7 +119,12 @@ NAVIGATION = {
         "Prediction <prediction>",
         "Commands <commands>",
     ),
-    "your_data": ("Other tribometers <tribometers>", "limits", "The virtual rig <simulator>"),
+    "your_data": (
+        "Watch a run <watch>",
+        "Other tribometers <tribometers>",
+        "limits",
+        "The virtual rig <simulator>",
+    ),
     "viewer": ("figures", "compare"),
     "notebook": ("auto_gallery/index",),
     "design": ("linkage", "endurance", "friction"),

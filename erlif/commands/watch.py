@@ -36,7 +36,7 @@ _EVERY = 1.0
 @click.command()
 @click.argument("run_dir", type=PATH)
 @CALIBRATION
-@click.option("-o", "--output", type=PATH, help="Default: RUN_DIR/film.nc.")
+@click.option("-o", "--output", type=PATH, help="Film that is written; default: RUN_DIR/film.nc.")
 @click.option(
     "--quiet",
     type=Quantity("s", "TIME"),
@@ -50,7 +50,7 @@ _EVERY = 1.0
 )
 @click.option(
     "--saturated-above",
-    type=Quantity("1", "SHARE"),
+    type=Quantity("percent", "SHARE"),
     help='Alarm where more pixels of a camera saturate, such as "1 %".',
 )
 @click.option(
@@ -85,7 +85,7 @@ def watch(
     no_browser: bool,
     **options: Any,
 ) -> None:
-    """Show the film while a run is recorded, and process the run at its end.
+    """Show the film while a run is recorded, then process the run.
 
     Begins before the first frame exists. The page in the browser shows the newest map, the film
     with its error, light and saturation of both cameras, and frames that are missing. What it shows
@@ -108,13 +108,14 @@ def watch(
             _follow_setup(trials)
         return
 
+    share = None if saturated_above is None else saturated_above / 100
     output = output or run_dir / "film.nc"
     expect_output(output, ".nc", ".zarr", overwrite=options["overwrite"], holds="thickness")
     with announced_compiling():
         watched = Watch(
             run_dir,
             calibration=calibration,
-            alarms=Alarms(film_below, saturated_above, no_pulse_for),
+            alarms=Alarms(film_below, share, no_pulse_for),
             workers=options["workers"],
             allow_outside=options["allow_outside"],
         )

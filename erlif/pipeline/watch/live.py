@@ -68,7 +68,17 @@ class LivePair(NamedTuple):
 
 
 class LiveMap(NamedTuple):
-    """The film thickness of a pair, (y, x), with its flags. [um]"""
+    """The map of a pair.
+
+    Attributes
+    ----------
+    number : int
+        Of its frame.
+    thickness : Image
+        (y, x). [um]
+    flags : FlagImage
+        (y, x), bits of `erlif.core.flags.Flag`.
+    """
 
     number: int
     thickness: Image
