@@ -52,13 +52,13 @@ def limits() -> str:
         what, cure = named[term]
         default = stated.get(term) or ("one pixel" if term == "position" else "")
         sizes = " | ".join(f"{1e3 * each[term]:.0f}" for each in split)
-        rows.append(f"| `{term}` | {what} | {default} | {sizes} | {cure} |\n")
+        rows.append(f"| `{term}`: {what} | {default} | {sizes} | {cure} |\n")
     total = " | ".join(f"**{1e3 * float(whole.thickness_std(film)):.0f}**" for film in FILMS)
     head = (
-        "| key | what it stands for | default | 1 um | 3 um | 6 um | 10 um | what removes it |\n"
-        "|---|---|---|---:|---:|---:|---:|---|\n"
+        "| key | default | 1 um | 3 um | 6 um | 10 um | what removes it |\n"
+        "|---|---|---:|---:|---:|---:|---|\n"
     )
-    return head + "".join(rows) + f"| **all** | | | {total} | |\n"
+    return head + "".join(rows) + f"| **all** | | {total} | |\n"
 
 
 def renew(page: str, name: str, table: str) -> None:
