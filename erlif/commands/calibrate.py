@@ -50,7 +50,8 @@ def calibrate(
     \b
     Example:
       erlif calibrate calibration/wedge
-      erlif calibrate calibration/wedge -o new.nc --against calibration/wedge/calibration.nc
+      erlif calibrate calibration/wedge -o new.nc \\
+          --against calibration/wedge/calibration.nc
     """
     with large_imports():
         from erlif import pipeline

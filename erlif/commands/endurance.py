@@ -78,7 +78,8 @@ def endurance(
     \b
     Example:
       erlif endurance run_1.csv --radius "33.36 mm" --arm "30 cm"
-      erlif endurance *.csv --settings endurance.toml --group uncut=uncut_* --group new=new_*
+      erlif endurance *.csv --settings endurance.toml \\
+          --group uncut=uncut_* --group new=new_*
     """
     with large_imports():
         from erlif.io.files import refuse_existing

@@ -39,7 +39,8 @@ def export(
     \b
     Example:
       erlif export data_samples/straight_bushing/film.nc --to csv
-      erlif export data_samples/straight_bushing/film.nc --to csv --crank-angle "90 deg"
+      erlif export data_samples/straight_bushing/film.nc --to csv \\
+          --crank-angle "90 deg"
       erlif export data_samples/straight_bushing/film.nc --to vtk
     """
     with large_imports():

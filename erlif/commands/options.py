@@ -24,6 +24,10 @@ class Quantity(click.ParamType[Any]):
     def __init__(self, unit: str, name: str, *words: str) -> None:
         self.unit, self.name, self.words = unit, "|".join((name, *words)), words
 
+    def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str:
+        """What help shows for the value, with the words as they are written."""
+        return self.name
+
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> float | str:

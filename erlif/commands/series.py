@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from erlif.commands.ending import BAD_INPUT, DEFECT, INTERRUPTED, echo_aside
+from erlif.commands.lines import wrap
 from erlif.commands.progress import echo_above, working
 from erlif.core.speed.imports import large_imports
 
@@ -38,7 +39,7 @@ def process_series(runs: Sequence[Path], **options: Any) -> None:
         with working() as progress:
             outcomes = batch(
                 runs,
-                report=lambda outcome: echo_above(_describe(outcome)),
+                report=lambda outcome: echo_above(wrap(_describe(outcome))),
                 progress=progress,
                 **options,
             )

@@ -13,6 +13,7 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
+from erlif.commands.lines import verbosity
 from erlif.commands.options import PATH, Command, Quantity, together
 from erlif.commands.progress import show_progress
 from erlif.core.speed.imports import large_imports
@@ -85,14 +86,37 @@ def _rig_option(name: str, text: str) -> Callable[[Command], Command]:
     return click.option(flag, name, default=default, show_default=True, type=kind, help=text)
 
 
-@click.command()
+# Options that help lists; with ``-v`` it lists all.
+_COMMON = (
+    *("seed", "size", "mechanism", "pictures", "spacing", "cycles", "film", "load", "viscosity"),
+    *("planned", "stated", "overwrite", "verbose"),
+)
+
+
+class _ShortHelp(click.Command):
+    """A command of many options, of which help lists the common ones."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the options into the help."""
+        options = [each for each in self.get_params(ctx) if isinstance(each, click.Option)]
+        common = [each for each in options if each.name in _COMMON or "--help" in each.opts]
+        shown = options if verbosity() else common
+        records = [record for each in shown if (record := each.get_help_record(ctx))]
+        with formatter.section("Options"):
+            formatter.write_dl(records)
+        if left := len(options) - len(shown):
+            formatter.write_paragraph()
+            formatter.write_text(f"{left} more options: erlif -v {self.name} --help")
+
+
+@click.command(cls=_ShortHelp)
 @click.argument("out", type=click.Path(path_type=Path, file_okay=False))
 @click.option(
     "--seed",
     default=0,
     show_default=True,
     type=click.IntRange(min=0),
-    help="Seed of the random numbers; the same seed gives the same files.",
+    help="Seed of the random numbers.",
 )
 @click.option(
     "--size",
@@ -106,15 +130,13 @@ def _rig_option(name: str, text: str) -> Callable[[Command], Command]:
     "--parts",
     "planned",
     type=PATH,
-    help="plan.toml of `erlif plan`: its dyes, filters, light, cameras and films, at rest. Other "
-    "options that are given go before it.",
+    help="plan.toml of `erlif plan`, photographed at rest. Given options take precedence.",
 )
 @click.option(
     "--settings",
     "stated",
     type=PATH,
-    help="TOML file with settings of the rig by their names (docs/simulator.md), for what has no "
-    "option. Options that are given take precedence.",
+    help="TOML file with further settings (docs/simulator.md). Given options take precedence.",
 )
 @click.option(
     "--live",

@@ -92,14 +92,30 @@ def test_options_have_one_name_for_one_thing():
             assert option.type.name == "path"
 
 
-def test_the_option_for_more_lines_stands_before_or_behind_the_command(lab):
-    before, behind = (
-        CliRunner().invoke(main, words)
-        for words in (["-v", "check", lab.run], ["check", lab.run, "-v"])
-    )
-    plain = CliRunner().invoke(main, ["check", str(lab.run)])
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_of_a_command_fits_40_lines_of_80_columns(name):
+    shown = CliRunner().invoke(main, [name, "--help"], terminal_width=80).output.splitlines()
+    assert len(shown) <= 40
+    assert max(map(len, shown)) <= 80
+
+
+def test_help_of_a_command_of_many_options_has_all_of_them_on_request():
+    texts = [
+        CliRunner().invoke(main, [*more, "simulate", "--help"]).output for more in ((), ("-v",))
+    ]
+    options = [each.opts[-1] for each in main.commands["simulate"].params][1:]
+    few, all_of_them = ([each for each in options if f"{each} " in text] for text in texts)
+    assert all_of_them == options
+    count = len(options) - len(few)
+    assert f"{count} more options: erlif -v simulate --help" in texts[0]
+
+
+def test_the_option_for_more_lines_stands_before_or_behind_the_command(lab, command):
+    before, behind = command("-v", "check", lab.run), command("check", lab.run, "-v")
+    plain = command("check", lab.run)
+    assert before.stdout == behind.stdout
+    assert len(plain.stdout.splitlines()) < len(behind.stdout.splitlines())
     assert len(plain.stderr.splitlines()) < len(behind.stderr.splitlines())
-    assert len(before.stderr.splitlines()) == len(behind.stderr.splitlines())
 
 
 def test_the_module_runs_as_the_command_does():

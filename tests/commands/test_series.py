@@ -4,6 +4,7 @@ import importlib
 import shutil
 
 from click.testing import CliRunner
+from scenes.terminal import unwrapped
 
 from erlif.commands.main import main
 
@@ -18,7 +19,7 @@ def run_series(*arguments):
 def test_each_run_has_one_line_and_failures_stand_at_the_end(series, film):
     result = run_series(series / "tuesday", series / "monday")
     assert result.exit_code == 2
-    failed, finished = result.stdout.splitlines()
+    failed, finished = unwrapped(result.stdout).splitlines()
     assert failed == f"{series / 'tuesday'}: failed, see below"
     assert finished.startswith(f"{series / 'monday'}: minimum film thickness ")
     assert "6 triggers from 6 frame pairs" in finished
@@ -34,7 +35,8 @@ def test_resume_shows_the_films_that_are_kept(series, film):
     shutil.copy(film, series / "monday" / "film.nc")
     result = run_series(series / "monday", "--resume")
     assert result.exit_code == 0
-    assert "; finished before; 1 warning, see erlif report" in result.stdout.splitlines()[0]
+    line = unwrapped(result.stdout)
+    assert "; finished before; 1 warning, see erlif report" in line
 
 
 def test_a_defect_ends_with_status_1_and_its_trace(series, monkeypatch):
