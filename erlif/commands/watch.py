@@ -15,7 +15,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from erlif.commands.ending import EndedBySignal, echo_aside
-from erlif.commands.options import CALIBRATION, PATH, PROCESSING, Quantity, expect_output
+from erlif.commands.options import (
+    CALIBRATION,
+    PATH,
+    PROCESSING,
+    Quantity,
+    expect_output,
+    output_option,
+)
 from erlif.commands.process import process_one
 from erlif.commands.progress import announced_compiling
 from erlif.commands.view import leading_to
@@ -36,7 +43,7 @@ _EVERY = 1.0
 @click.command()
 @click.argument("run_dir", type=PATH)
 @CALIBRATION
-@click.option("-o", "--output", type=PATH, help="Film that is written; default: RUN_DIR/film.nc.")
+@output_option("File in .nc or .zarr", "RUN_DIR/film.nc")
 @click.option(
     "--quiet",
     type=Quantity("s", "TIME"),
@@ -65,8 +72,7 @@ _EVERY = 1.0
     "--setup",
     "trial",
     is_flag=True,
-    help="Before the run: show both cameras, their histograms, focus and overlap, and what to "
-    "turn. Nothing is written.",
+    help="Before the run: show both cameras and what to turn. Nothing is written.",
 )
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="Default: a free one.")
 @click.option("--no-browser", is_flag=True, help="Print the address and open no browser.")
