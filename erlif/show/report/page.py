@@ -35,6 +35,11 @@ _FIGURES = 0.6  # of the page, for figures at most
 _TABLE = 0.2  # of the page, for the file of the triggers; as base64 it is a third longer
 _FRAME = 60_000  # bytes of style, script, palettes and controls
 _LESS = 0.97  # of the room that was exceeded, in another attempt
+# figures of the result, before those of the method
+_FIRST = (
+    *("film_over_cycle", "thickness_map", "film_against_speed", "film_and_prediction"),
+    *("prediction_map", "pin_orbit", "map_sheet", "map_sheet_less_gap"),
+)
 _OF_ONE_TRIGGER = ("processed_images", "ratio_image", "thickness_map", "prediction_map")
 
 
@@ -221,7 +226,7 @@ def _numbers_section(source: FigureSource, shares: Array) -> Markup:
 def figures_section(
     source: FigureSource, progress: Progress = silent, *, room: float = float("inf")
 ) -> Markup:
-    """Draw all figures of a film, and list those that are left out with the reason.
+    """Draw all figures of a film, results first, and list what is left out with the reason.
 
     Parameters
     ----------
@@ -232,7 +237,7 @@ def figures_section(
         Bytes that all figures may take; the largest are left out until the others fit.
     """
     parts, missing = [], []
-    for done, (name, draw) in enumerate(DRAWN.items()):
+    for done, name in enumerate(sorted(DRAWN, key=_place_of)):
         progress("figures", done, len(DRAWN))
         caption = caption_of(name, source.film)
         reason = reason_missing(name, source)
@@ -243,7 +248,7 @@ def figures_section(
             trigger = files.describe_trigger(source.film, source.trigger).capitalize()
             caption = replace(caption, text=f"{trigger}. {caption.text}")
         with in_style(None):
-            parts.append(layout.embed_figure(name, draw(source), caption))
+            parts.append(layout.embed_figure(name, DRAWN[name](source), caption))
     progress("figures", len(DRAWN), len(DRAWN))
 
     reason = Markup(
@@ -255,6 +260,11 @@ def figures_section(
         parts.remove(largest)
         missing.append((largest.title, reason))
     return layout.arrange_figures(parts, missing)
+
+
+def _place_of(name: str) -> int:
+    """Place of a figure on the page; those of the method have the same, and keep their order."""
+    return _FIRST.index(name) if name in _FIRST else len(_FIRST)
 
 
 def provenance_section(film: xr.Dataset) -> Markup:

@@ -9,6 +9,7 @@ from scenes import film as scene
 
 from erlif.core.errors import OutputError
 from erlif.io.files import flag_shares, open_film
+from erlif.show.plots import files as plot_files
 from erlif.show.plots.files import find_source
 from erlif.show.report import page as pages
 from erlif.show.report import write_report
@@ -56,6 +57,13 @@ def test_name_cannot_end_the_script_that_holds_the_data(film_path, tmp_path, rea
     assert "not known" in page.texts["numbers"]
     assert "100.00 %" in page.texts["numbers"]
     assert "nan" not in page.texts["summary"] + page.texts["numbers"] + page.texts["triggers"]
+
+
+def test_figures_of_the_result_come_before_those_of_the_method():
+    names = sorted(plot_files.DRAWN, key=pages._place_of)
+    assert names[0] == "film_over_cycle"
+    method = ["speed_against_angle", "fixture_profile", "processed_images", "ratio_image"]
+    assert names[-6:] == [*method, "calibration", "registration"]
 
 
 @pytest.fixture(autouse=True)
