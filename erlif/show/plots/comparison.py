@@ -337,6 +337,7 @@ def _draw_differences(ax: Axes, comparison: xr.Dataset, names: npt.NDArray[Any])
     ax.legend(ncols=1, title=title, title_fontsize="small", **below)
 
 
+@styled
 def write_comparison_figures(comparison: xr.Dataset, folder: Path) -> list[Path]:
     """Write the figures of a comparison as PNG.
 

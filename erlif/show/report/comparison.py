@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -89,8 +89,7 @@ def write_comparison_page(found: xr.Dataset, output: Path, figures: Sequence[Pat
     2
     """
     *lines, conclusion = map(print_units, describe_comparison(found))
-    items = Markup("").join(Markup("<li>{}</li>").format(line) for line in (conclusion, *lines))
-    sections = [("result", "Result", Markup("<ul>{}</ul>").format(items))]
+    sections = [("result", "Result", _nested([conclusion, *lines]))]
     drawn = arrange_figures(
         embed_image(path, _FIGURES[path.stem], wide=path.stem == "films") for path in figures
     )
@@ -103,6 +102,23 @@ def write_comparison_page(found: xr.Dataset, output: Path, figures: Sequence[Pat
         subtitle=f"erlif {__version__}",
     )
     write_file(output, page)
+
+
+def _nested(lines: Sequence[str]) -> Markup:
+    """A list of lines, with those that are indented below the one before."""
+    items: list[tuple[str, list[str]]] = []
+    for line in lines:
+        if line.startswith(" ") and items:
+            items[-1][1].append(line.strip())
+        else:
+            items.append((line, []))
+    return _list(Markup("{}{}").format(line, _list(below)) for line, below in items)
+
+
+def _list(items: Iterable[str]) -> Markup:
+    """Items of a list of HTML; nothing without one."""
+    inner = Markup("").join(Markup("<li>{}</li>").format(item) for item in items)
+    return Markup("<ul>{}</ul>").format(inner) if inner else inner
 
 
 def _columns(found: xr.Dataset) -> dict[str, list[str]]:

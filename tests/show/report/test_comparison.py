@@ -37,4 +37,5 @@ def test_tables_hold_every_pair_and_escape_names(films, tmp_path):
     assert '<td class="n">below 1e-12</td>' in page
     assert page.count("data:image/png") == len(figures) == 2
     assert page.count("<li>") >= len(describe_comparison(found))
+    assert page.count("<ul><li>") >= 3  # powers and differences stand below what they are
     assert ">nan<" not in page
