@@ -32,7 +32,6 @@ _LOOKS: tuple[tuple[str, Any, str], ...] = (
 
 _MARKER = 2.4  # point
 _LEGEND = 3.2  # lines of text above the films
-_PART = 0.01  # share of the region beyond the measurable range from which a mean is that of a part
 _PALE = 0.35  # opacity of such a mean
 
 
@@ -229,7 +228,7 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     along = triggers.choose_abscissa(film)
     value = np.array([film[name].values for name in _STATISTICS])
     reach = np.array([film[f"{name}_std"].values for name in _STATISTICS])
-    partial_mean, whole = _mean_of_a_part(film), np.zeros(along.values.size, bool)
+    partial_mean, whole = triggers.have_partial_mean(film), np.zeros(along.values.size, bool)
     artists: list[Artist] = []
     for film_of, half, part_of, (colour, dashes, label) in zip(
         value, reach, (partial_mean, whole), _LOOKS, strict=True
@@ -266,13 +265,6 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     handles = [handle for handle, _ in sorted(found, key=lambda key: "," in key[1])]
     style.frame_legend(ax, handles=handles, loc="upper center", ncols=2, title=title)
     return artists
-
-
-def _mean_of_a_part(film: xr.Dataset) -> Mask:
-    """Triggers whose mean leaves out pixels because their film is beyond the measurable range."""
-    if "share_beyond_range" not in film:
-        return np.zeros(film.sizes["trigger"], bool)
-    return np.asarray(film.share_beyond_range.values > _PART)
 
 
 def _of_one_selection(

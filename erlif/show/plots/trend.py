@@ -16,7 +16,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from erlif.core.arrays import Array, Mask
 from erlif.show.plots import style
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
-from erlif.show.plots.triggers import draw_strokes, state_no_film
+from erlif.show.plots.triggers import draw_strokes, have_partial_mean, state_no_film
 from erlif.trend import SLOWEST
 
 # labels of the axis by the speed: that of the joint in a linkage, else the sliding speed
@@ -28,6 +28,7 @@ _LABELS = {
 _TALL = 0.52  # height by width
 _MILLI = 1e3  # speed over load is drawn in thousandths
 _BARS = f"bars: {style.ONE_STD}"
+_LEFT_OUT = "not in the fit"
 _DASHES = (0, (3, 1.5))
 _DASH_DOT = (0, (4, 1.5, 1, 1.5))
 _AROUND_POINTS = 6.0  # size of open markers round measured points, which have half of it
@@ -54,7 +55,8 @@ def speed_over_load(film: xr.Dataset) -> Array:
 def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw mean and minimum film thickness against speed over load, with the fitted powers.
 
-    Bars are one standard deviation, random and shared. Triggers too slow for the fit are grey.
+    Bars are one standard deviation, random and shared. What the fit leaves out is grey: triggers
+    that are too slow, and means that leave out pixels beyond the measurable range.
 
     Parameters
     ----------
@@ -111,6 +113,8 @@ def _used_in_fit(film: xr.Dataset) -> Mask:
 def _draw_points(ax: Axes, film: xr.Dataset, name: str, colour: str) -> list[Artist]:
     """Draw one statistic with its error bars, by stroke, in grey where the fit leaves it out."""
     x, fitted = _MILLI * speed_over_load(film), _used_in_fit(film)
+    if name == "film_mean":
+        fitted = fitted & ~have_partial_mean(film)
     value, std = film[name].values, film[f"{name}_std"].values
     drawable = np.isfinite(value) & (value > 0)  # the scale is logarithmic
     artists: list[Artist] = []
@@ -137,15 +141,18 @@ def _draw_power(ax: Axes, film: xr.Dataset, name: str, label: str, **look: Any) 
 
 
 def _stroke_keys(film: xr.Dataset) -> list[Line2D]:
-    """Keys of the markers of the strokes, in the colour of neither statistic."""
-    if "stroke" not in film:
-        return []
-    muted = {"linestyle": "none", "color": MUTED}
-    return [
-        Line2D([], [], **look | muted | {"markerfacecolor": MUTED if sign > 0 else "white"})
-        for sign, look in style.STROKES.items()
-        if (film.stroke.values == sign).any()
-    ]
+    """Keys of the markers of the strokes, and of the colour of points that no fit uses."""
+    keys = []
+    if "stroke" in film:
+        black: dict[str, Any] = {"linestyle": "none", "color": MINIMUM}
+        keys = [
+            Line2D([], [], **look | black | {"markerfacecolor": MINIMUM if sign > 0 else "white"})
+            for sign, look in style.STROKES.items()
+            if (film.stroke.values == sign).any()
+        ]
+    if not _used_in_fit(film).all() or have_partial_mean(film).any():
+        keys.append(Line2D([], [], linestyle="none", marker="o", color=MUTED, label=_LEFT_OUT))
+    return keys
 
 
 @styled

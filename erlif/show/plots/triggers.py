@@ -15,6 +15,7 @@ from erlif.core.arrays import Array, Mask
 from erlif.io.files import driven_link, flag_shares, motion_of
 from erlif.show.plots.naming import describe_shares
 from erlif.show.plots.style import OUTWARD, STROKES, is_page, state_empty
+from erlif.trend import LARGEST_BEYOND
 
 _STEADY = 0.01  # relative range of a speed that is not drawn: that of a steady disc and its log
 _GAP = 1.75  # step over the longer of its neighbours; a trigger left out doubles it
@@ -249,6 +250,22 @@ def has_varying_speed(film: xr.Dataset) -> bool:
         return False
     speed = film[name].values
     return bool(np.ptp(speed) > _STEADY * np.abs(speed).max())
+
+
+def have_partial_mean(film: xr.Dataset) -> Mask:
+    """Triggers whose mean leaves out pixels as their film is beyond the measurable range.
+
+    It is that of other pixels than at the other triggers, and in no exponent.
+
+    Examples
+    --------
+    >>> film = xr.Dataset({"share_beyond_range": ("trigger", [0.0, 0.1])})
+    >>> have_partial_mean(film).tolist()
+    [False, True]
+    """
+    if "share_beyond_range" not in film:
+        return np.zeros(film.sizes["trigger"], bool)
+    return np.asarray(film.share_beyond_range.values > LARGEST_BEYOND)
 
 
 def state_no_film(ax: Axes, film: xr.Dataset) -> None:

@@ -38,6 +38,7 @@ def test_triggers_too_slow_for_the_fit_are_grey(changed):
     x, y = points_of(artists[:-2], MUTED)
     npt.assert_array_equal(np.sort(y), np.sort([changed.film_mean[0], changed.film_min[0]]))
     npt.assert_allclose(x, 1e3 * abs(float(changed.rocker_speed[0])) / scene.LOAD)
+    assert labels_of(artists[-1].axes)[-1] == "not in the fit"
     # the fitted line ends at the slowest trigger of the fit
     assert artists[-1].get_xdata().min() > x.max()
 
@@ -94,3 +95,11 @@ def test_the_legend_lies_below_the_axes_so_that_no_line_crosses_it(changed, draw
     assert legend.y1 < ax.bbox.y0
     assert legend.y0 > panels[1].bbox.y1
     plt.close(figure)
+
+
+def test_a_mean_that_leaves_out_pixels_beyond_the_range_is_grey(film):
+    """It is in no exponent; the minimum of the same trigger is."""
+    share = np.where(np.arange(scene.TRIGGERS) == 2, 0.03, 0.0)
+    artists = plots.film_against_speed(film.assign(share_beyond_range=("trigger", share)))
+    _, y = points_of(artists[:-2], MUTED)
+    npt.assert_array_equal(y, [film.film_mean[2]])
