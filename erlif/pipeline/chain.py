@@ -7,7 +7,7 @@ first. Every frame can then be processed by itself, in any order and from any th
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -21,7 +21,7 @@ from erlif.core.pickling import PickledByFields
 from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, References
 from erlif.correction import CameraTables, NoiseTables, PairLight, UnlitPixels, gather_light
 from erlif.correction.light import measure_light, tabulate
-from erlif.io.ingest import FramePairs, read_pair
+from erlif.io.ingest import FramePairs, PairCounts, read_pair
 from erlif.pipeline.passes.drift import PairDrift
 from erlif.pipeline.passes.ratio import BAND, measure_ratio
 from erlif.pipeline.passes.warp import MapTables, PairWarp, tabulate_map, turn_noise
@@ -145,6 +145,11 @@ class _Kept(threading.local):
 _kept = _Kept()
 
 
+def read_hashed(pairs: FramePairs, frame: int) -> PairCounts:
+    """A frame pair from its files, which are hashed as they are read."""
+    return read_pair(pairs, frame, digests=True)
+
+
 @dataclass(frozen=True)
 class FrameChain(PickledByFields):
     """Counts to ratio, frame by frame.
@@ -164,6 +169,8 @@ class FrameChain(PickledByFields):
     ratio_change : Array | None
         Change of the logarithm of the ratio by what is not film, (frame,), which is taken out; None
         where nothing is. [1]
+    read : callable
+        Reads a frame pair.
     """
 
     correct: FrameCorrection
@@ -171,6 +178,7 @@ class FrameChain(PickledByFields):
     blur: BlurDifference = field(default_factory=BlurDifference)
     no_film_below: float = 0.25
     ratio_change: Array | None = None
+    read: Callable[[FramePairs, int], PairCounts] = read_hashed
 
     @property
     def pairs(self) -> FramePairs:
@@ -191,9 +199,22 @@ class FrameChain(PickledByFields):
         """The chain with the tables alone, without the references from which they were made."""
         return replace(self, correct=self.correct.tabulated())
 
-    def following(self, pairs: FramePairs) -> FrameChain:
-        """The chain for more pairs of the recording, without what changes from pair to pair."""
-        changed = replace(self, correct=self.correct.following(pairs), ratio_change=None)
+    def following(self, pairs: FramePairs, read: PairCounts) -> FrameChain:
+        """The chain for a pair that was read, without what changes from pair to pair.
+
+        Parameters
+        ----------
+        pairs : FramePairs
+            More pairs of the recording.
+        read : PairCounts
+            The pair that is to be measured.
+
+        Returns
+        -------
+        FrameChain
+        """
+        correct = self.correct.following(pairs)
+        changed = replace(self, correct=correct, ratio_change=None, read=lambda *_: read)
         changed.__dict__.update(tables=self.tables, noise=self.noise, search=self.search)
         return changed
 
@@ -260,7 +281,7 @@ class FrameChain(PickledByFields):
         return replace(ratio, spare=(ratio.log_ratio, ratio.variance, ratio.variance_shared))
 
     def _measure(self, frame: int, buffers: _Buffers) -> PairRatio:
-        counts, digests = read_pair(self.pairs, frame, digests=True)
+        counts, digests = self.read(self.pairs, frame)
         light = self.correct.measure(frame, counts, out=buffers.light)
         dark = self.correct.read_dark(counts)
         one, two = (

@@ -143,10 +143,11 @@ class LiveFilm:
         FrameError
             If its files cannot be read.
         """
-        task = replace(self.task, chain=self.task.chain.following(pairs))
+        read = read_pair(pairs, frame)
+        task = replace(self.task, chain=self.task.chain.following(pairs, read))
         task.__dict__.update(self._tables)
         maps, result = task([frame])
-        light, saturated = measure_counts(read_pair(pairs, frame).counts, pairs.full_scales)
+        light, saturated = measure_counts(read.counts, pairs.full_scales)
         film = result.statistics
         return LivePair(
             arrival.number,

@@ -25,7 +25,7 @@ from erlif.pipeline.watch.live import LiveFilm, LiveMap, LivePair, run_of
 
 # Pairs from which references and camera map are found, and found again: up to what the
 # registration of a whole run uses.
-_REFINED = (2, 8, 32)
+_REFINED = (2, 12)
 
 # Time between two readings of the log, and between two attempts to register. [s]
 _LOG, _AGAIN = 0.5, 1.0
