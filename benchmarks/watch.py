@@ -1,8 +1,8 @@
 """`erlif watch` while another process writes frames: pairs a second, age of the map, memory.
 
-A run of the virtual rig is written again and again, at a fixed rate, under new names; a real browser
-shows the page. The age of a map is the time from the end of writing its second file to the map on
-the page. Pairs that are not shown were passed by a newer one.
+A run of the virtual rig is written again and again, at a fixed rate, under new names; a real
+browser shows the page. The age of a map is the time from the end of writing its second file to the
+map on the page. Pairs that are not shown were passed by a newer one.
 
     python benchmarks/watch.py --size 1280x1024 --rate 20 --pairs 5000
 """
@@ -125,9 +125,10 @@ def follow(run: Path, kept: Path, rate: float, pairs: int, browser: bool) -> Non
     print(f"measured at the end of writing: {at_end}; the rest took {rest:.1f} s more")
     print(f"processor time of the watch: {spent / pairs:.3f} s a pair")
     quarter = max(len(memory) // 4, 1)
+    second, last = np.mean(memory[quarter : 2 * quarter]), np.mean(memory[-quarter:])
     print(
-        f"memory: {max(memory):.0f} MB at most, {np.mean(memory[quarter : 2 * quarter]):.0f} MB in the "
-        f"second quarter, {np.mean(memory[-quarter:]):.0f} MB in the last"
+        f"memory: {max(memory):.0f} MB at most, {second:.0f} MB in the second quarter, "
+        f"{last:.0f} MB in the last"
     )
     if seen:
         shown = {int(text.split()[1]): stamp / 1e3 for text, stamp in reversed(seen) if text}
