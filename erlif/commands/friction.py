@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from erlif.commands.lines import wrap
+from erlif.commands.lines import describe_written, wrap
 from erlif.commands.log_columns import choose_columns, describe_reading, log_options
 from erlif.commands.options import LENGTH, OVERWRITE, PATH, Quantity, output_option
 from erlif.core.speed.imports import large_imports
@@ -86,5 +86,5 @@ def friction(
     result = analyse_friction(read, shaft_radius=radius, vector=vector, **measured)
     click.echo(wrap("\n".join(describe_friction(result, torque_ratio=torque_ratio))))
     click.echo(wrap("\n".join(describe_reading(read))) + "\n")
-    click.echo(f"written: {write_friction_table(result, table)}")
-    click.echo(f"written: {write_reversal_figure(result, picture)}")
+    written = [write_friction_table(result, table), write_reversal_figure(result, picture)]
+    click.echo(describe_written(written))

@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from erlif.commands.lines import verbosity, wrap
+from erlif.commands.lines import verbosity, wrap, wrap_note
 from erlif.commands.options import PATH
 from erlif.core.errors import ConfigError
 from erlif.core.speed.imports import large_imports
@@ -69,7 +69,7 @@ def init(directory: Path, fixture: bool, kind: str | None, full: bool, overwrite
 
     notes = write_settings(directory, fixture=fixture, kind=kind, overwrite=overwrite, full=full)
     for note in notes:
-        click.echo(wrap(f"{note.level:8s}{note}"))
+        click.echo(wrap_note(note))
 
     output = directory / ("fixture.toml" if fixture else "run.toml")
     click.echo(f"written: {output}")

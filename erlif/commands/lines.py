@@ -47,12 +47,35 @@ def wrap(text: str) -> str:
     return "\n".join(_broken(line) for line in text.splitlines())
 
 
-def _broken(line: str) -> str:
+def wrap_note(note: Note) -> str:
+    """A finding behind its level, with what follows below its text.
+
+    Parameters
+    ----------
+    note : Note
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> print(wrap_note(Note(Level.WARNING, "light", "dim " * 18)))
+    warning light: dim dim dim dim dim dim dim dim dim dim dim dim dim dim dim dim
+            dim dim
+    """
+    first, *others = f"{note.level:{_LEVEL}s}{note}".rstrip().splitlines()
+    return "\n".join([_broken(first, below=_LEVEL), *map(_broken, others)])
+
+
+def _broken(line: str, below: int = 0) -> str:
     """One line, with the rest of it below where it is long."""
     gaps = list(re.finditer(r"(?<=\S) {2,}(?=\S)", line))
     if len(line) <= COLUMNS or len(gaps) > 1:
         return line
-    below = gaps[0].end() if gaps and gaps[0].end() <= _HANGING else _margin(line) + 2
+    if gaps and gaps[0].end() <= _HANGING:
+        below = gaps[0].end()
+    below = below or _margin(line) + 2
     return textwrap.fill(
         line,
         COLUMNS,
@@ -97,7 +120,7 @@ def list_notes(notes: Iterable[Note], rest: str) -> Iterator[str]:
     seen: set[str] = set()
     errors, left = [], 0
     for note in notes:
-        lines = wrap(f"{note.level:{_LEVEL}s}{note}")
+        lines = wrap_note(note)
         if note.level is Level.ERROR:
             errors.append(lines)
         elif note.level is Level.WARNING or verbosity():

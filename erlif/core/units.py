@@ -160,7 +160,10 @@ def _hint(number: str, name: str, unit: str) -> str:
     if name in _HINTS and unit == "N":
         return f"; {_HINTS[name]}"
     if unit == "Pa s" and name.endswith(("St", "m2/s", "m^2/s")):
-        return "; that is a kinematic viscosity: multiply it by the density of the oil"
+        return (
+            "; that is a kinematic viscosity: multiply it by the density of the oil (1 cSt at 880 "
+            'kg/m3 is "0.88 mPa s")'
+        )
     near = difflib.get_close_matches(name, _USUAL.get(unit, {}), n=2)
     return f"; did you mean {' or '.join(f'{number} {each}' for each in near)}?" if near else ""
 

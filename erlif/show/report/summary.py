@@ -285,10 +285,7 @@ def _describe_trend(film: xr.Dataset) -> str:
     exponent = film.speed_exponent
     if not np.isfinite(float(exponent)):
         used, all_of = int(exponent.attrs.get("triggers_used", 0)), film.sizes["trigger"]
-        return (
-            f"not determined: {used} of {all_of} triggers can be used, of the five of differing "
-            "speed over load that it takes"
-        )
+        return f"not determined: {used} of {all_of} triggers usable; five of different speed needed"
     minimum, mean = _power(film, "speed_exponent"), _power(film, "speed_exponent_mean")
     used = exponent.attrs["triggers_used"]
     return f"minimum: {minimum}, mean: {mean}; {used} triggers"

@@ -91,7 +91,7 @@ def test_film_without_valid_pixels_is_described(film):
     none = "none: no trigger has enough valid pixels in the region of interest"
     assert line_of(text, "minimum film thickness") == none
     assert line_of(text, "valid pixels") == "0.0%"
-    assert "triggers can be used, of the five of differing speed over load that it takes" in text
+    assert "triggers usable; five of different speed needed" in text
     empty = film.assign(film_min=film.film_min * np.nan, speed_exponent=np.nan)
     none = "none: no smooth gap describes the maps, or too few of their pixels are valid"
     assert line_of(summarise(empty), "minimum film thickness") == none
