@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from erlif.models.linkage import LinkageDesign, Synthesis, link_sensitivity
 from erlif.show.report.layout import TABLES, print_columns
+
+# Columns of links and motion, which stand before those of transmission and space.
+_MOTION = 8
 
 
 def summarise_linkages(found: Synthesis) -> str:
@@ -19,8 +23,8 @@ def summarise_linkages(found: Synthesis) -> str:
     Returns
     -------
     str
-        A sentence, a table of the linkages, the limits that they break, and the change of the swing
-        of the first by its links.
+        A sentence, a table of the links and motions, one of transmission and space, the limits that
+        are broken, and the change of the swing of the first linkage by its links.
 
     Examples
     --------
@@ -33,13 +37,20 @@ def summarise_linkages(found: Synthesis) -> str:
     designs = found.designs or (() if found.nearest is None else (found.nearest,))
     heads = (TABLES["columns"][name] for name in ("linkages", "units_of_linkages"))
     rows = [*heads, *(_cells(design) for design in designs)]
-
-    # columns are as wide as their widest cell, with two spaces between them
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    forms = " ".join(f">{width + (n > 0)}" for n, width in enumerate(widths))
-    table = [print_columns(rows, forms)]
-    blocks = [[found.statement], table, _broken(found.designs), _tolerances(designs[0])]
+    tables = [_table([row[:_MOTION] for row in rows]), _table([row[_MOTION:] for row in rows])]
+    blocks = [
+        [found.statement],
+        *([table] for table in tables),
+        _broken(found.designs),
+        _tolerances(designs[0]),
+    ]
     return "\n\n".join("\n".join(block) for block in blocks if block)
+
+
+def _table(rows: Sequence[Sequence[str]]) -> str:
+    """Columns as wide as their widest cell, with two spaces between them."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return print_columns(rows, " ".join(f">{width + (n > 0)}" for n, width in enumerate(widths)))
 
 
 def _cells(design: LinkageDesign) -> tuple[str, ...]:
