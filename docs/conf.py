@@ -45,6 +45,8 @@ exclude_patterns = [
     "auto_gallery/*.ipynb",
     "auto_gallery/*.py*",
     "_build",
+    "**/sg_execution_times*",
+    "sg_execution_times*",
     "coverage.md",  # for who works on erlif: read in the repository
     "sources.md",
 ]

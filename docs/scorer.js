@@ -1,10 +1,14 @@
-// Scores of the search: those of Sphinx, with pages before the reference of functions and the gallery.
+// Scores of the search: those of Sphinx, but how-to pages before theory, and both before functions.
+const BEHIND = [
+  [/^(api|auto_gallery|decisions)\//, 4],
+  [/^(theory\/|architecture$|bibliography$|commands$)/, 1],
+];
 var Scorer = {
   score: ([docname, title, anchor, descr, score]) =>
-    /^(api|auto_gallery|decisions)\//.test(docname) ? score - 4 : score,
+    score - (BEHIND.find(([pages]) => pages.test(docname)) ?? [null, 0])[1],
   objNameMatch: 11,
-  objPartialMatch: 6,
-  objPrio: { 0: 15, 1: 5, 2: -5 },
+  objPartialMatch: 4,
+  objPrio: { 0: 3, 1: 1, 2: -5 },
   objPrioDefault: 0,
   title: 15,
   partialTitle: 7,
