@@ -18,6 +18,7 @@ from erlif.core.arrays import AnyArray, Image, Mask
 from erlif.core.notes import Note, note_writer
 from erlif.core.products import References
 from erlif.core.statistics import robust_std
+from erlif.core.units import count_of
 from erlif.correction.camera import CameraMeasurement
 from erlif.correction.refusals import refusal
 from erlif.correction.view import BLOCKS, FrameView, mean_of_blocks
@@ -159,15 +160,15 @@ def _find_missing_pages(
     """Pages that one camera lacks against the other, or one light level against the others."""
     pages, others = measured.darks.pages, other.darks.pages
     if 0 < pages < others:
-        yield _write("few_darks", subject=camera, pages=pages, others=others)
+        yield _write("few_darks", subject=camera, pages=count_of(pages, "dark page"), others=others)
 
     levels = measured.level_pages
     if measured.has_flat and measured.flat_pages < other.flat_pages:
-        yield _write(
-            "few_flats", subject=camera, pages=measured.flat_pages, others=other.flat_pages
-        )
+        count = count_of(measured.flat_pages, "flat page")
+        yield _write("few_flats", subject=camera, pages=count, others=other.flat_pages)
     elif len(levels) > 1 and levels[-1] < min(levels[:-1]):
-        yield _write("few_last", subject=camera, pages=levels[-1], others=min(levels[:-1]))
+        count = count_of(levels[-1], "page")
+        yield _write("few_last", subject=camera, pages=count, others=min(levels[:-1]))
 
 
 def _compare_flats(references: References) -> Iterator[Note]:

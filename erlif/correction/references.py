@@ -20,6 +20,7 @@ from erlif.core.detector import QUANTISATION_VAR, reading_var
 from erlif.core.notes import Level, Note, note_writer
 from erlif.core.products import References
 from erlif.core.tables import read_table
+from erlif.core.units import count_of
 from erlif.correction.camera import CameraMeasurement
 from erlif.correction.flats import make_flat_field
 from erlif.correction.photon_transfer import (
@@ -364,7 +365,7 @@ class _Camera:
 
         dry = measured.background
         if dry is not None:
-            yield write("background", pages=dry.pages, share=100 * dry.share)
+            yield write("background", frames=count_of(dry.pages, "frame"), share=100 * dry.share)
 
         # a pile-up below full scale comes from the sensor or from a range set in the camera
         if measured.saturation < measured.full_scale:

@@ -436,7 +436,8 @@ def _draft_cycle(draft: _Draft, cycle: Cycle, time: Array | None) -> None:
     if cycle.triggers is None:
         draft.note("no_cycle")
         return
-    draft.note("cycle", triggers=cycle.triggers, count=cycle.count)
+    cycles = "1 cycle" if cycle.count == 1 else f"{cycle.count:g} cycles"
+    draft.note("cycle", triggers=cycle.triggers, cycles=cycles)
     remark = f"From the angles of the log: {draft.notes[-1].text}."
     draft.set("encoder.triggers_per_cycle", cycle.triggers, remark)
 

@@ -86,11 +86,11 @@ FAULTS = {
     "changing dark": (lambda b: {"darks": changing(b)}, "dark level changes by 34."),
     "few darks": (
         lambda b: {"darks": pages(b.rng, np.zeros(SHAPE), 2)},
-        "camera1: 2 dark page(s), the other camera has 4",
+        "camera1: 2 dark pages, the other camera has 4",
     ),
     "few flats": (
         lambda b: {"flat": pages(b.rng, 2000 * b.response[0], 5)},
-        "camera1: 5 flat page(s), the other camera has 6",
+        "camera1: 5 flat pages, the other camera has 6",
     ),
     # the outer of eight blocks are 1/16 of the width from the edge
     "tilted flat": (
@@ -154,7 +154,7 @@ def test_a_last_light_level_with_fewer_pages_is_reported(bench):
         cameras.append(bench.camera(flat=flat, number=number))
     notes = faults(*cameras)
     assert len(notes) == 2
-    assert all("1 page(s) at the last light level of the flat, 3 and" in note for note in notes)
+    assert all("1 page at the last light level of the flat, 3 and" in note for note in notes)
 
 
 def test_a_flat_with_the_beam_of_the_laser_is_reported(bench):

@@ -193,4 +193,4 @@ def test_references_hold_the_background_with_the_variance_of_its_mean(simulated)
     variance = found.references.background_var.values
     npt.assert_allclose(variance[0].mean(), (400 / 4.4**2 + camera.temporal_var) / 5, rtol=0.03)
     npt.assert_allclose(light[0].var(), variance[0].mean(), rtol=4 * np.sqrt(2 / 3840))
-    assert any("5 frame(s) of the dry joint" in str(note) for note in found.notes)
+    assert any("5 frames of the dry joint" in str(note) for note in found.notes)

@@ -11,7 +11,7 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.notes import Note, note_writer
 from erlif.core.products import EncoderLog
-from erlif.core.units import parse_quantity
+from erlif.core.units import count_of, parse_quantity
 from erlif.io.settings import RunSettings
 from erlif.pipeline.recording.pulses import read_energies
 
@@ -126,7 +126,8 @@ def note_angles(log: EncoderLog) -> Iterator[Note]:
     step = np.abs(signed)
     turns = int(np.count_nonzero(np.diff(np.sign(signed[step > 0]))))
     low, high, most = angle.min(), angle.max(), step.max()
-    yield _note("angles", low=low, high=high, usual=np.median(step), most=most, turns=turns)
+    reversals = count_of(turns, "reversal")
+    yield _note("angles", low=low, high=high, usual=np.median(step), most=most, turns=reversals)
 
     # a trigger is missed among even steps; where an encoder turns unevenly from trigger to trigger,
     # the steps change by themselves

@@ -150,12 +150,12 @@ DAMAGES = [
     (
         lambda lab: keep_pages(lab.run / "camera2_dark.tif", 2),
         1,
-        "camera2: 2 dark page(s), the other camera has 4",
+        "camera2: 2 dark pages, the other camera has 4",
     ),
     (
         lambda lab: keep_pages(lab.run / "camera1_flat.tif", 4),
         1,
-        "camera1: 4 flat page(s), the other camera has",
+        "camera1: 4 flat pages, the other camera has",
     ),
     (dark_cut_within_a_page, 2, "camera2_dark.tif"),
     (flat_of_a_tilted_lamp, 1, "the light of their flats differs by"),
