@@ -258,12 +258,14 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
         return artists
 
     # a band hidden by the markers is not announced as one
-    visible = style.is_visible(ax, 2 * reach, pt(_MARKER))
+    visible = any(style.is_visible(ax, 2 * half, pt(_MARKER)) for half in reach)
     title = f"bands: {style.ONE_STD}" if visible else f"{style.ONE_STD}: within markers"
     # matplotlib lists keys as they are drawn; those of the whole region come first
     found = zip(*ax.get_legend_handles_labels(), strict=True)
     handles = [handle for handle, _ in sorted(found, key=lambda key: "," in key[1])]
-    style.frame_legend(ax, handles=handles, loc="upper center", ncols=2, title=title)
+    # up to the end of the axis, so that no end of a dotted line remains above it
+    place: dict[str, Any] = {"loc": "upper center", "borderaxespad": 0.0}
+    style.frame_legend(ax, handles=handles, ncols=2, title=title, **place)
     return artists
 
 
