@@ -43,9 +43,7 @@ def calibrate(
     """Fit the ratio-thickness calibration to a fixture.
 
     Writes calibration.nc and its figure. The new calibration is compared with the one that
-    --against names, and with a calibration of the same fixture that --overwrite replaces. Two
-    calibrations without a common range of thickness cannot be compared: one line reports it, and
-    the new calibration is written nevertheless.
+    --against names, and with one of the same fixture that --overwrite replaces.
 
     \b
     Example:

@@ -43,10 +43,10 @@ def init(directory: Path, fixture: bool, kind: str | None, full: bool, overwrite
     """Write run.toml for the frames and logs in a directory.
 
     Fills in what the files determine: patterns, bit depth, darks and flats, triggers per cycle.
-    Every other required value becomes a marked gap, "??", with its unit and meaning; the kind of
+    Every other required value becomes a marked gap, "??", with its unit and meaning. The kind of
     the tribometer decides which are required: a linkage, a disc (rotation), a slider (sinusoidal)
-    or a static film. A JSON schema is written beside it, with which editors complete and check the
-    file. The example takes the files of `erlif simulate rehearsal`.
+    or a static film. A JSON schema for editors is written beside it. The example takes the files
+    of `erlif simulate rehearsal`.
 
     \b
     Example:

@@ -17,22 +17,20 @@ from erlif.core.speed.imports import large_imports
 @click.argument("source", metavar="RUN_DIR|FILM", type=PATH)
 @output_option("File", "prediction.nc in RUN_DIR or beside FILM")
 @click.option(
-    "--fit", "fitted", is_flag=True, help="Also fit viscosity, start and mount; see below."
+    "--fit", "fitted", is_flag=True, help="Also find which physics carries the film; minutes."
 )
 @ALLOW_OUTSIDE
 @OVERWRITE
 def predict(source: Path, output: Path | None, fitted: bool, **options: Any) -> None:
     """Predict the film of an oscillating joint at every trigger.
 
-    The film is that in view of the camera. The transient Reynolds equation is solved over the
-    motion of the frames. [prediction] in run.toml holds what it takes for given. A run directory is
-    predicted with its present settings, a film with those that it holds.
+    The transient Reynolds equation is solved over the motion of the frames, for the film in view of
+    the camera. A run directory is predicted with its present settings, a film with those that it
+    holds.
 
-    --fit prints which physics carries the measured film: the steady formulas, squeeze, and the
+    --fit prints which physics carries the measured film: steady formulas, squeeze, and the
     transient film of a free and of a guided pin are fitted to the positions of the pin and compared
-    by their likelihood, with the viscosity of the best. Where none of them describes the film, a
-    pin on a sideways spring is tried, and the text states when that does not either. It needs FILM,
-    or film.nc in RUN_DIR.
+    by their likelihood, with the viscosity of the best. It needs FILM, or film.nc in RUN_DIR.
 
     \b
     Example:

@@ -144,7 +144,9 @@ def _tolerance_table(plan: xr.Dataset) -> str:
     for k in range(plan.sizes["tolerance"]):
         row = plan.isel(tolerance=k)
         ends = float(row.tolerance_thinnest), float(row.tolerance_thickest)
-        thinnest, thickest = (f"{end:+.2f}" if math.isfinite(end) else "-" for end in ends)
+        thinnest, thickest = (
+            f"{round(end, 2) + 0.0:+.2f}" if math.isfinite(end) else "-" for end in ends
+        )
         std = _percent(float(row.tolerance_std), "+", most="> 1000%")
         film = _percent(float(row.tolerance_film), most="> 1000%")
         named = str(row.tolerance.item()), str(row.tolerance_size.item())
