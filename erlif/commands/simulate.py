@@ -151,7 +151,7 @@ class _ShortHelp(click.Command):
     help="With --live: camera1-stops, camera2-stops, camera1-loses, camera2-loses or laser-fades "
     "at a frame, such as camera2-stops@40.",
 )
-@click.option("--overwrite", is_flag=True, help="Replace OUT/fixture, OUT/run and OUT/truth.nc.")
+@click.option("--overwrite", is_flag=True, help="Replace fixture, run and truth.nc in OUT.")
 def simulate(
     out: Path,
     seed: int,
