@@ -114,7 +114,7 @@ class _Commands(click.Group):
     "-v",
     "--verbose",
     count=True,
-    help="Print all notes, times and memory; -vv details.",
+    help="All notes, times and memory; -vv details.",
 )
 def main(verbose: int) -> None:
     """Oil-film thickness maps with error bars from two-camera fluorescence.
@@ -150,7 +150,7 @@ for name in (*chain.from_iterable(COMMANDS.values()), *HIDDEN):
             count=True,
             expose_value=False,
             callback=_show_more,
-            help="Print all notes, times and memory; -vv details.",
+            help="All notes, times and memory; -vv details.",
         )
     )
     main.add_command(command)
