@@ -34,6 +34,7 @@ from erlif.io.settings import (
     write_template,
 )
 from erlif.pipeline.recording.log_cycle import WHOLE_TURN, Cycle, find_cycle
+from erlif.pipeline.recording.pulses import ENERGY_COLUMNS
 from erlif.review.refusals import refusal
 
 _write_note = note_writer("erlif.review", "init.toml")
@@ -412,7 +413,8 @@ def _draft_proposal(draft: _Draft, survey: Survey, proposal: LogProposal) -> Non
 
 def _note_unused(draft: _Draft, names: Iterable[str], used: Iterable[str]) -> None:
     """Name the columns of the log that serve nothing."""
-    unused = [name for name in names if name and name not in set(used)]
+    known = {"", *used, *ENERGY_COLUMNS}
+    unused = [name for name in names if name not in known]
     if unused:
         draft.note("unused", names=", ".join(repr(name) for name in unused))
 

@@ -315,8 +315,8 @@ def test_darks_that_name_no_camera_are_proposed_in_their_order(tmp_path, sets):
 
 @pytest.mark.parametrize("first", ["frame,angle_deg", "t [s],angle [deg]"])
 def test_the_temperature_of_the_oil_is_known_and_foreign_columns_are_named(folder, first):
-    rows = "".join(f"{k},{k % 3},25.{k},7,Bob\n" for k in range(4))
-    (folder / "log.csv").write_text(f"{first},T oil [degree C],Vib X [g],Operator\n{rows}")
+    rows = "".join(f"{k},{k % 3},25.{k},7,Bob,50\n" for k in range(4))
+    (folder / "log.csv").write_text(f"{first},T oil [degree C],Vib X [g],Operator,laser_mJ\n{rows}")
     texts = [note.text for note in erlif.init(folder)]
     assert "not used: 'Vib X [g]', 'Operator'" in texts
     table = read(folder)["encoder"]
