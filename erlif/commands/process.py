@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from erlif.commands.lines import verbosity
+from erlif.commands.lines import verbosity, wrap
 from erlif.commands.options import CALIBRATION, PATH, PROCESSING, expect_suffix, output_option
 from erlif.commands.progress import working
 from erlif.commands.refusals import refusal
@@ -79,7 +79,7 @@ def process_one(
 
     # the film stays open while it is summarised: its maps are read when they are used
     with film:
-        click.echo(summarise(film) if verbose else summarise_briefly(film))
+        click.echo(wrap(summarise(film)) if verbose else summarise_briefly(film))
     if source is not None and existed and verbose:
         click.echo(f"used: {source}")
     made = [source] if source is not None and not existed and source.exists() else []

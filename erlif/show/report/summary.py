@@ -198,7 +198,7 @@ def describe_film(film: xr.Dataset, shares: Array) -> dict[str, str]:
         "valid pixels": f"{valid:.1%}",
         "flagged pixels": ", ".join(occurring) or "none",
         "power of speed over load": _describe_trend(film),
-        "theory at the highest speed": _describe_theory(film),
+        "theory at the top speed": _describe_theory(film),
         "measured less predicted": describe_difference(film),
         "correlation with |speed|": describe_correlations(film),
         "what carries the film": str(film.attrs.get("physics", "")),
