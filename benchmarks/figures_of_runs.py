@@ -1,11 +1,11 @@
-"""Every figure of six runs, to be looked at before a release.
+"""Every figure of seven runs, to be looked at before a release.
 
     python benchmarks/figures_of_runs.py OUT                  # two minutes, 60 MB
     python benchmarks/figures_of_runs.py OUT --only one_stroke,static
     python benchmarks/figures_of_runs.py OUT --draw           # films are there; draw again
 
 The runs are the sample, a film that follows a power law, a ball on a disc, one stroke, a static
-film, and a cycle of two hundred triggers. Each is processed, and its figures, report and overviews
+film, a cycle of two hundred triggers, and three turns whose triggers do not repeat. Each is processed, and its figures, report and overviews
 are written into OUT/NAME; OUT/compare has the comparisons. The lines of the summary of `process`
 are counted as a terminal of 80 columns shows them. sheet_NAME.png holds all figures of a run.
 """
@@ -42,6 +42,7 @@ RUNS = {
     "one_stroke": RigSettings(**SMALL, film="reynolds", tilt=0.0),
     "static": RigSettings(**SMALL, mechanism="static", pictures=8),
     "two_hundred": RigSettings(**SMALL | {"width": 128, "height": 96}, spacing=0.24),
+    "turns": RigSettings(**SMALL, film="reynolds", tilt=0.0, pulses_per_cycle=7.3, cycles=3),
 }
 """The virtual rig of each run but the sample, by its name."""
 

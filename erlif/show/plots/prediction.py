@@ -71,7 +71,7 @@ def film_and_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     angle, label, _ = triggers.choose_abscissa(film)
     artists = _draw_measured(ax, film, angle)
 
-    # no line crosses a dead point, nor leads back from the end of a turn to its start
+    # no line crosses a dead point, nor leads from the last trigger back to the first
     stretches = triggers.in_order(film, angle)
     x, y = (triggers.broken(stretches, each) for each in (angle, film.film_predicted_min.values))
     held = str(film.film_theory.attrs["regime"]).removeprefix("transient Reynolds, ")
@@ -114,7 +114,7 @@ def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes | None = Non
     mean = np.bincount(trigger, turns, minlength=number)[:number] / count
     artists = _draw_measured(ax, film, mean)
     order = np.argsort(turns, kind="stable")
-    stretches = np.split(order, np.flatnonzero(triggers.find_gaps(turns[order])) + 1)
+    stretches = np.split(order, np.flatnonzero(triggers.find_gaps(np.diff(turns[order]))) + 1)
     x, y = (triggers.broken(stretches, each) for each in (turns, frames.film_predicted_min.values))
     artists += style.draw_line(ax, x, y, label="predicted", **_PREDICTED)
     _finish(ax, "turns of the crank [1]")

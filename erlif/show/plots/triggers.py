@@ -191,10 +191,10 @@ def draw_strokes(
 
 
 def in_order(film: xr.Dataset, x: Array) -> list[npt.NDArray[np.intp]]:
-    """Sort the triggers by `x`, and cut them where a line would cross what was not measured.
+    """Cut the triggers, in their order, where a line would join what does not follow.
 
-    A line ends at the end of a stroke, and where a step of `x` is much longer than those beside it.
-    Arguments that are not listed are those of `stroke_looks`.
+    A line ends at the end of a stroke and of a turn, where `x` steps back, and where a step of `x`
+    is much longer than those beside it. No line joins the last trigger to the first. Arguments that are not listed are those of `stroke_looks`.
 
     Parameters
     ----------
@@ -210,26 +210,36 @@ def in_order(film: xr.Dataset, x: Array) -> list[npt.NDArray[np.intp]]:
     --------
     >>> [part.tolist() for part in in_order(xr.Dataset(), np.array([0, 1, 2, 6, 7.0]))]
     [[0, 1, 2], [3, 4]]
+
+    A turn and a half of a disc, by angle:
+
+    >>> angle = np.array([90.0, 180, 270, 0, 90, 180])
+    >>> [part.tolist() for part in in_order(xr.Dataset(), angle)]
+    [[0, 1, 2], [3, 4, 5]]
     """
-    order = np.argsort(x, kind="stable")
-    order = order[np.isfinite(x[order])]
-    cut = find_gaps(x[order])
+    order = np.flatnonzero(np.isfinite(x))
+    steps = np.diff(x[order])
+
+    # a single step against those beside it is that from the end of a turn to the next
+    beside = np.pad(np.sign(steps), 1, mode="edge")
+    back = (beside[1:-1] * beside[:-2] < 0) & (beside[1:-1] * beside[2:] < 0)
+    cut = back | find_gaps(np.where(back, 0.0, steps))
     if "stroke" in film:
         cut |= np.diff(film.stroke.values[order]) != 0
     return np.split(order, np.flatnonzero(cut) + 1)
 
 
-def find_gaps(x: Array) -> Mask:
-    """Find the steps of rising values that are much longer than the steps beside them.
+def find_gaps(steps: Array) -> Mask:
+    """Find the steps that are much longer than the steps beside them.
 
     Examples
     --------
     Steps may change gradually, as those of a crank at even angles of its rocker do:
 
-    >>> find_gaps(np.array([0.0, 1.0, 2.5, 4.5, 9.5, 11.5])).tolist()
+    >>> find_gaps(np.array([1.0, 1.5, 2.0, 5.0, 2.0])).tolist()
     [False, False, False, True, False]
     """
-    steps = np.diff(x)
+    steps = np.abs(steps)
     if steps.size < 2:  # nothing to compare with
         return np.zeros(steps.size, bool)
     before = np.r_[-np.inf, steps[:-1]]

@@ -45,15 +45,32 @@ def test_a_steady_speed_is_recognised():
 def test_a_trigger_left_out_of_a_cycle_breaks_the_line():
     """Even angles of a rocker, which a sine stands for, are uneven angles of the crank."""
     crank = np.degrees(np.arcsin(np.linspace(-0.96, 0.96, 26)))
-    assert not find_gaps(crank).any()
+    assert not find_gaps(np.diff(crank)).any()
     for left_out in (5, 12, 20):
-        assert np.flatnonzero(find_gaps(np.delete(crank, left_out))).tolist() == [left_out - 1]
+        steps = np.diff(np.delete(crank, left_out))
+        assert np.flatnonzero(find_gaps(steps)).tolist() == [left_out - 1]
 
 
 def test_stretches_end_with_their_stroke():
     film = film_of(DISC).assign(stroke=("trigger", [1, 1, -1, -1, -1, 1]))
     parts = in_order(film, np.arange(6.0)[::-1])
-    assert [part.tolist() for part in parts] == [[5], [4, 3, 2], [1, 0]]
+    assert [part.tolist() for part in parts] == [[0, 1], [2, 3, 4], [5]]
     line = broken(parts, np.arange(6))
-    assert line[~np.isnan(line)].tolist() == [5, 4, 3, 2, 1, 0]
-    assert np.flatnonzero(np.isnan(line)).tolist() == [1, 5]
+    assert line[~np.isnan(line)].tolist() == [0, 1, 2, 3, 4, 5]
+    assert np.flatnonzero(np.isnan(line)).tolist() == [2, 6]
+
+
+def test_no_line_joins_the_triggers_of_two_turns():
+    """Two turns and a half, from an angle within the turn; a trigger of the third is left out."""
+    angle = np.delete((200 + 30.0 * np.arange(30)) % 360, 24)
+    parts = in_order(film_of(DISC).drop_vars("stroke"), angle)
+    assert [part[0] for part in parts] == [0, 6, 18, 24]
+    for part in parts:
+        np.testing.assert_allclose(np.diff(angle[part]), 30)
+
+
+def test_no_line_leads_from_the_last_trigger_to_the_first():
+    """Most of a turn: the film has changed when the angle of the first trigger is near again."""
+    angle = (200 + 30.0 * np.arange(11)) % 360
+    parts = in_order(film_of(DISC).drop_vars("stroke"), angle)
+    assert [part.tolist() for part in parts] == [[*range(6)], [*range(6, 11)]]
