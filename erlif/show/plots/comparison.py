@@ -30,6 +30,7 @@ _PREFIXES = {0: "", -3: "m", -6: "µ", -9: "n", -12: "p"}
 _MAP_WIDTH = 0.75  # of a column; the colour bar has the rest
 _LABELS = 0.75  # inch above and below a map
 _TALL = 0.48  # height by width of a figure of two panels
+_SIDE_BY_SIDE = 3  # most pairs whose names stand side by side
 _PAIR = 0.15  # width of a pair, over that of the other panel
 _LEAST_LIMIT = 1e-3  # um, of the colours of a difference
 
@@ -328,13 +329,16 @@ def _draw_differences(ax: Axes, comparison: xr.Dataset, names: npt.NDArray[Any])
     # pairs are named in the order of the difference, turned where they would overlap
     called = dict(zip(comparison.run.values.tolist(), names.tolist(), strict=True))
     pairs = zip(comparison["first"].values, comparison.second.values, strict=True)
-    labels = [f"{called[second]}\nless {called[first]}" for first, second in pairs]
-    ax.set_xticks(place, labels)
+    labels = [f"{called[second]} less {called[first]}" for first, second in pairs]
+    if place.size <= _SIDE_BY_SIDE:
+        ax.set_xticks(place, [label.replace(" less ", "\nless ") for label in labels])
+    else:
+        ax.set_xticks(place, labels, rotation=60, ha="right", rotation_mode="anchor")
     ax.set_xlim(-0.6, place.size - 0.4)
     ax.set_ylabel("difference [µm]")
     title = "* differs, corrected for the number of tests"
-    below: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.2)}
-    ax.legend(ncols=1, title=title, title_fontsize="small", **below)
+    keys = ax.get_legend_handles_labels()[0]
+    style.legend_below(ax, keys, title=title, title_fontsize="small")
 
 
 @styled
