@@ -5,9 +5,10 @@
     python benchmarks/figures_of_runs.py OUT --draw           # films are there; draw again
 
 The runs are the sample, a film that follows a power law, a ball on a disc, one stroke, a static
-film, a cycle of two hundred triggers, and three turns whose triggers do not repeat. Each is processed, and its figures, report and overviews
-are written into OUT/NAME; OUT/compare has the comparisons. The lines of the summary of `process`
-are counted as a terminal of 80 columns shows them. sheet_NAME.png holds all figures of a run.
+film, a cycle of two hundred triggers, and three turns whose triggers do not repeat. Each is
+processed, and its figures and its report are written into OUT/NAME; OUT/compare has comparisons.
+The lines of the summary of `process` are counted as a terminal of 80 columns shows them.
+OUT/sheet_NAME.png holds all figures of a run.
 """
 
 import argparse

@@ -194,7 +194,8 @@ def in_order(film: xr.Dataset, x: Array) -> list[npt.NDArray[np.intp]]:
     """Cut the triggers, in their order, where a line would join what does not follow.
 
     A line ends at the end of a stroke and of a turn, where `x` steps back, and where a step of `x`
-    is much longer than those beside it. No line joins the last trigger to the first. Arguments that are not listed are those of `stroke_looks`.
+    is much longer than those beside it. No line joins the last trigger to the first. Arguments that
+    are not listed are those of `stroke_looks`.
 
     Parameters
     ----------
