@@ -209,7 +209,9 @@ def _title(array: xr.DataArray) -> str:
     parts = []
     if "trigger" in array.coords and array.trigger.ndim == 0:
         parts.append(f"trigger {int(array.trigger)}")
+    turned = array.coords["crank_angle"].attrs if "crank_angle" in array.coords else {}
     for name, label, unit in (
+        ("crank_angle", turned.get("long_name", "crank angle"), "°"),
         ("encoder_angle", "encoder", "°"),
         ("position", "position", " mm"),
         ("time", "time", " s"),

@@ -74,8 +74,8 @@ def test_axes_have_the_long_names_and_units_of_a_film_from_a_file(film):
     with erlif.open_film(film) as opened:
         ax = Figure().subplots()
         opened.thickness.isel(trigger=1).erlif.plot(ax=ax, add_colorbar=False)
-        angle = float(opened.encoder_angle[1])
-        assert ax.get_title() == f"trigger 1, encoder {angle:.4g}°"
+        angle = float(opened.crank_angle[1])
+        assert ax.get_title() == f"trigger 1, crank angle {angle:.4g}°"
         assert (ax.get_xlabel(), ax.get_ylabel()) == ("x (sliding) [mm]", "y [mm]")
         line = Figure().subplots()
         opened.film_min.plot(x="crank_angle", ax=line)
