@@ -34,6 +34,7 @@ _AROUND = 0.95  # inch above and below the maps, for title, labels and legend
 _WITHIN = 99.5  # percentile of the differences at the ends of their colour scale
 _LEAST_REACH = 0.01  # um; equal maps still need a scale
 _LINES = (2.0, 5.0)  # of text below and above the films
+_BARS = f"bars: {style.ONE_STD}"
 _LEAST_SPAN = 0.02  # of the film; a smaller range is noise
 _PREDICTED: dict[str, Any] = {"colour": OUTWARD, "width": 1.0, "zorder": 2}
 
@@ -150,6 +151,8 @@ def film_less_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Ar
     artists.append(ax.axhline(0.0, color=OUTWARD, linewidth=pt(1.0), zorder=2))
     triggers.limit_to_turn(ax)
     ax.set(xlabel=label, ylabel="measured − predicted [µm]")
+    artists[0].set_label(_BARS)
+    style.legend_above(ax, handles=artists[:1])
     return artists
 
 
@@ -167,7 +170,7 @@ def _finish(ax: Axes, label: str) -> None:
     below, above = style.room_for(ax, _LINES[0]), style.room_for(ax, _LINES[1])
     ax.set_ylim(max(low - below * span, 0.0), high + above * span)
     ax.set(xlabel=label, ylabel="minimum film thickness [µm]")
-    style.frame_legend(ax, loc="upper right", title="bars: 1 s.d.")
+    style.frame_legend(ax, loc="upper right", title=_BARS)
 
 
 @styled

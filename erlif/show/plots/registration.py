@@ -24,6 +24,7 @@ _EDGES = {
 }
 _WIDE = 0.36  # of two columns, for one of two images beside their colour bars
 _DRIFT, _AROUND = 1.5, 0.95  # inch for the drift, and for titles and labels
+_MARKER, _MANY = 2.4, 100  # point; frame pairs above which the markers are half as large
 
 
 @styled
@@ -110,7 +111,10 @@ def drift_of_frames(frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artis
         # without any drift, nanstd would warn
         spread = float(np.nanstd(drift)) if np.isfinite(drift).any() else np.nan
         look: dict[str, Any] = {"marker": marker, "markerfacecolor": face, "width": 0.5}
-        look |= {"size": 2.4, "label": f"along {name}, rms {spread:.2f} px"}
+        look |= {
+            "size": _MARKER if number.size <= _MANY else _MARKER / 2,
+            "label": f"along {name}, rms {spread:.2f} px",
+        }
         x, y = broken(stretches, number), broken(stretches, drift)
         artists += style.draw_line(ax, x, y, colour, **look)
 
