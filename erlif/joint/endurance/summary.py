@@ -31,12 +31,12 @@ _COLUMNS = {
     "onset [s]": ("onset", "{.time:.2f}"),
     "earliest [s]": ("onset", "{.earliest:.2f}"),
     "latest [s]": ("onset", "{.latest:.2f}"),
-    "friction before": ("onset", "{.friction_before:.4f}"),
-    "rise": ("onset", "{.rise:.4f}"),
-    "rise std": ("onset", "{.rise_std:.4f}"),
-    "p-value": ("search", "{.p_value:.3g}"),
-    "p-value of temperature": ("temperature", "{.p_value:.3g}"),
-    "p-value of vibration": ("vibration", "{.p_value:.3g}"),
+    "friction before [1]": ("onset", "{.friction_before:.4f}"),
+    "rise [1]": ("onset", "{.rise:.4f}"),
+    "rise std [1]": ("onset", "{.rise_std:.4f}"),
+    "p-value [1]": ("search", "{.p_value:.3g}"),
+    "p-value of temperature [1]": ("temperature", "{.p_value:.3g}"),
+    "p-value of vibration [1]": ("vibration", "{.p_value:.3g}"),
 }
 
 

@@ -96,14 +96,14 @@ def test_frames_are_given_for_the_best_concentrations_too(planned):
     assert max(best) < max(int(row.split()[-2]) for row in rows)
     table = list(csv.DictReader(io.StringIO(table_of_films(planned))))
     for column, values in (
-        ("optimum_frames_needed", planned.optimum_frames_needed),
-        ("std_um", planned.thickness_std),
-        ("signal_camera2_electron", planned.signal.sel(camera=2)),
+        ("optimum_frames_needed [1]", planned.optimum_frames_needed),
+        ("std [um]", planned.thickness_std),
+        ("signal_camera2 [electron]", planned.signal.sel(camera=2)),
     ):
         npt.assert_allclose([float(row[column]) for row in table], values, rtol=1e-5)
     table = list(csv.DictReader(io.StringIO(table_of_tolerances(planned))))
     assert [row["tolerance"] for row in table] == list(planned.tolerance.values)
-    errors = [float(row["film_error"]) for row in table]
+    errors = [float(row["film_error [1]"]) for row in table]
     npt.assert_allclose(errors, planned.tolerance_film, rtol=1e-3)
 
 
