@@ -72,22 +72,22 @@ def map_csv(values: Image, flags: FlagImage, *, x: Array, y: Array, name: str) -
     Returns
     -------
     bytes
-        Columns x_mm, y_mm, the values, which are empty where flagged, and flags.
+        Columns x, y, the values, which are empty where flagged, and flags.
 
     Examples
     --------
     >>> position = np.array([0.0, 0.5])
     >>> flags = np.array([[0, 2]], np.uint8)
     >>> text = map_csv(
-    ...     np.ones((1, 2), np.float32), flags, x=position, y=position[:1], name="thickness_um"
+    ...     np.ones((1, 2), np.float32), flags, x=position, y=position[:1], name="thickness [um]"
     ... )
     >>> print(text.decode(), end="")
-    x_mm,y_mm,thickness_um,flags
+    x [mm],y [mm],thickness [um],flags
     0,0,1,0
     0.5,0,,2
     """
     # rows follow each other along x, as the pixels in memory do
     across, down = np.meshgrid(x, y)
     shown = np.where(flags == 0, values, np.nan)
-    columns = {"x_mm": across.ravel(), "y_mm": down.ravel(), name: shown.ravel()}
+    columns = {"x [mm]": across.ravel(), "y [mm]": down.ravel(), name: shown.ravel()}
     return table_csv({**columns, "flags": flags.ravel()}).encode()

@@ -469,7 +469,7 @@ def _export_map(request: Request, kind: str) -> Export:
     }
     unit, what = layer.unit.replace("µ", "u"), f"{layer.name}_{request.whole('trigger')}"
     if kind == "csv":
-        heading = layer.name if unit == "1" else f"{layer.name}_{unit}"
+        heading = f"{layer.name} [{unit}]"
         return _name_file(request, what, kind, map_csv(values, flags, name=heading, **place))
     title = f"{request.film().name}, {layer.title}, {chosen.text}"
     pitch = (chosen.reader.axis("x")[1], chosen.reader.axis("y")[1])
@@ -478,22 +478,28 @@ def _export_map(request: Request, kind: str) -> Export:
 
 
 def _tabulate_profile(request: Request) -> dict[str, Any]:
-    profile = _find_profile(request)
-    return {"position_mm": profile.pop("position"), **profile}
+    unit = _read_chosen(request).layer.unit.replace("µ", "u")
+    units = {"position": "mm", "value": unit, "std": unit}
+    return {
+        f"{name} [{units.get(name, '1')}]": values
+        for name, values in _find_profile(request).items()
+    }
 
 
 def _tabulate_region(request: Request) -> dict[str, Any]:
     chosen, values = _find_region(request)
     unit = chosen.layer.unit.replace("µ", "u")
     row = {"trigger": request.whole("trigger"), "layer": chosen.layer.name, "unit": unit}
-    names = ("x_low_mm", "x_high_mm", "y_low_mm", "y_high_mm")
+    names = ("x_low [mm]", "x_high [mm]", "y_low [mm]", "y_high [mm]")
     row |= dict(zip(names, request.numbers("region", 4), strict=True)) | values
     return {name: [value] for name, value in row.items()}
 
 
 def _tabulate_cycle(request: Request) -> dict[str, Any]:
-    cycle = send_cycle(request)
-    return {"stroke": cycle["stroke"], **cycle["columns"]}
+    cycle, film = send_cycle(request), request.film().film
+    named = {"stroke": cycle["stroke"], **cycle["columns"]}
+    units = {name: film[name].attrs.get("units", "1") for name in named if name in film}
+    return {f"{name} [{units.get(name, '1')}]": values for name, values in named.items()}
 
 
 # what has no picture is exported as a table

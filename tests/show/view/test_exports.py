@@ -25,8 +25,8 @@ def test_a_tiff_holds_every_value_and_the_scale():
 
 
 def test_a_map_as_text_holds_every_pixel():
-    text = map_csv(VALUES, FLAGS, x=X, y=Y, name="thickness_um").decode()
-    assert text.splitlines()[0] == "x_mm,y_mm,thickness_um,flags"
+    text = map_csv(VALUES, FLAGS, x=X, y=Y, name="thickness [um]").decode()
+    assert text.splitlines()[0] == "x [mm],y [mm],thickness [um],flags"
     table = np.genfromtxt(io.StringIO(text), delimiter=",", skip_header=1)
     npt.assert_allclose(table[:, 2].reshape(10, 20)[FLAGS == 0], VALUES[FLAGS == 0], rtol=1e-6)
     assert np.isnan(table[3 * 20 + 4, 2])

@@ -216,7 +216,8 @@ def test_a_drawn_line_gives_the_profile_in_its_direction(page):
 
     name, content = download(page, "profile", "csv")
     assert name.endswith("_profile.csv")
-    found = np.array([[float(one["position_mm"]), float(one["value"])] for one in rows(content)])
+    names = ("position [mm]", "value [um]")
+    found = np.array([[float(one[name]) for name in names] for one in rows(content)])
     share = found[:, 0] / found[-1, 0]
     npt.assert_allclose(found[-1, 0], 10.0, atol=0.1)  # 8 mm along x, 6 mm along y
     truth = 2.0 + 7 + 8.0 * np.linspace(-1, 1, SHAPE[1]) ** 2  # the parabola below the noise
