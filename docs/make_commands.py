@@ -23,9 +23,10 @@ INTRODUCTION = """\
 
 # Commands and options
 
-`erlif COMMAND --help` prints the same text. A quantity has a unit, `"51 cm"`. `erlif -v COMMAND`
-shows decisions, times and memory, `-vv` details; `erlif --version` prints the version. Bad input
-ends with one message and status 2. [Shell completion](shell_completion.md) completes commands,
+`erlif COMMAND --help` prints the same text. A quantity has a unit, `"51 cm"`. `-o` is the path of
+what a command writes. `-v`, before or behind the name of the command, prints all notes, decisions,
+times and memory, `-vv` details; `erlif --version` prints the version. Bad input ends with one
+message and status 2. [Shell completion](shell_completion.md) completes commands,
 options and file names.
 """
 
