@@ -28,12 +28,12 @@ from erlif.show.plots.style import MINIMUM, OUTWARD, TWO_COLUMNS, AnyFigure, pt,
 from erlif.show.refusals import refusal
 from erlif.show.report.prediction import describe_correlations
 
-_TALL = 0.36  # height by width of the two panels over cycle and run
+_TALL = 0.42  # height by width of the two panels over cycle and run
 _THIRD = 0.26  # of two columns, for each of three maps
 _AROUND = 0.95  # inch above and below the maps, for title, labels and legend
 _WITHIN = 99.5  # percentile of the differences at the ends of their colour scale
 _LEAST_REACH = 0.01  # um; equal maps still need a scale
-_LINES = (2.0, 5.0)  # of text below and above the films
+_FOOT = 2.0  # lines of text below the films
 _BARS = f"bars: {style.ONE_STD}"
 _LEAST_SPAN = 0.02  # of the film; a smaller range is noise
 _PREDICTED: dict[str, Any] = {"colour": OUTWARD, "width": 1.0, "zorder": 2}
@@ -164,13 +164,14 @@ def _draw_measured(ax: Axes, film: xr.Dataset, x: Array) -> list[Artist]:
 
 
 def _finish(ax: Axes, label: str) -> None:
-    """Label the axes, with room for the legend above and for a text below."""
+    """Label the axes, with the legend below them and room for a text at their foot."""
     low, high = ax.get_ylim()
     span = max(high - low, _LEAST_SPAN * high)
-    below, above = style.room_for(ax, _LINES[0]), style.room_for(ax, _LINES[1])
-    ax.set_ylim(max(low - below * span, 0.0), high + above * span)
+    ax.set_ylim(max(low - style.room_for(ax, _FOOT) * span, 0.0), low + span)
     ax.set(xlabel=label, ylabel="minimum film thickness [µm]")
-    style.frame_legend(ax, loc="upper right", title=_BARS)
+    keys = ax.get_legend_handles_labels()[0]
+    style.legend_below(ax, keys, title=_BARS, alignment="left")
+    style.keep_in_place(ax)
 
 
 @styled
