@@ -12,6 +12,7 @@ from types import FrameType
 
 import click
 
+from erlif.commands.lines import wrap
 from erlif.commands.refusals import refusal
 
 # Exit status where the input or the usage is at fault.
@@ -127,6 +128,16 @@ def echo_aside(text: str) -> None:
             click.echo(text, err=True)
     except OSError:
         silence("stderr")
+
+
+def echo_refusal(text: str) -> None:
+    """Write a message to standard error, on a terminal in lines of 80 columns.
+
+    Parameters
+    ----------
+    text : str
+    """
+    echo_aside(wrap(text) if sys.stderr.isatty() else text)
 
 
 def silence(name: str) -> None:

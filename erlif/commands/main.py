@@ -20,6 +20,7 @@ from erlif.commands.ending import (
     INTERRUPTED,
     EndedBySignal,
     echo_aside,
+    echo_refusal,
     open_missing_streams,
     refuse_little_memory,
     signals_interrupt,
@@ -71,7 +72,7 @@ class _Commands(click.Group):
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
         except ErlifError as error:
-            echo_aside(f"erlif: {error}")
+            echo_refusal(f"erlif: {error}")
             ctx.exit(BAD_INPUT)
         except EndedBySignal as error:
             name = signal.Signals(error.number).name

@@ -1,5 +1,6 @@
 """Commands that are ended by a signal, and commands whose standard streams are closed."""
 
+import io
 import os
 import signal
 import subprocess
@@ -8,7 +9,7 @@ import sys
 import pytest
 from scenes.processes import end_command, lose_the_reader_of_messages, signal_at_the_third_trigger
 
-from erlif.commands.ending import EndedBySignal, signals_interrupt
+from erlif.commands.ending import EndedBySignal, echo_refusal, signals_interrupt
 
 ERLIF = (sys.executable, "-m", "erlif")
 
@@ -88,3 +89,22 @@ def test_a_reader_of_the_result_that_is_gone_leaves_no_traceback(own):
     assert "Traceback" not in done.stderr
     assert "Exception ignored" not in done.stderr
     assert own.with_suffix(".csv").is_file()
+
+
+class Stream(io.StringIO):
+    terminal = False
+
+    def isatty(self):
+        return self.terminal
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_a_message_is_broken_for_a_terminal_only(monkeypatch, terminal):
+    stream = Stream()
+    stream.terminal = terminal
+    monkeypatch.setattr(sys, "stderr", stream)
+    text = "erlif: " + "word " * 40 + "end."
+    echo_refusal(text)
+    lines = stream.getvalue().splitlines()
+    assert " ".join(stream.getvalue().split()) == text
+    assert (max(map(len, lines)) <= 80) == terminal
