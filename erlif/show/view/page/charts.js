@@ -119,6 +119,7 @@ const LOOKS = {
 
 // Along these the triggers follow each other, so that a line between them is meant.
 const ALONG = ["encoder_angle", "crank_angle", "time", "position", "trigger"];
+const TIMES = ["time", "trigger"]; // of these, also over several turns of the drive
 const GAP = 1.75; // step over the longer steps of a line above which nothing was measured
 
 // Limits of the film: those of the data with one standard deviation, from zero where they come close.
@@ -145,6 +146,10 @@ function cuts(places) {
   const long = [...steps].sort((a, b) => a - b)[Math.floor(0.95 * (steps.length - 1))];
   return steps.flatMap((step, n) => (step > GAP * long ? [[places[n], places[n + 1]]] : []));
 }
+
+// Whether the triggers are those of several turns, which a line by angle would join.
+const hasTurns = ({ columns }) => (columns.crank_angle ?? [])
+  .filter((place, n, all) => n && place < all[n - 1]).length > 1;
 
 export class CycleChart extends Chart {
   constructor(place, use) {
@@ -217,7 +222,8 @@ export class CycleChart extends Chart {
     const fromZero = this.use.zero();
     const outside = ({ number, film }) => !fromZero
       && !cycles.get(number).columns[film].some((v) => v !== null && v >= least && v <= most);
-    const along = ALONG.includes(name);
+    const turns = numbers.some((number) => hasTurns(cycles.get(number)));
+    const along = ALONG.includes(name) && (!turns || TIMES.includes(name));
     this.make({
       scales: { x: { time: false }, y: { range: (u, low, high) => (fromZero
         ? [Math.min(0, low ?? 0), 1.05 * (high ?? 1)] : [least, most]) } },
