@@ -206,7 +206,7 @@ REGISTRATION_ATTRIBUTES = (
     Attribute("registration_orientation", "Orientation of camera 2 against camera 1."),
     Attribute("registration_window", "Side of the interrogation window. [px]"),
     Attribute("registration_step", "Distance between window centres. [px]"),
-    Attribute("registration_passes", "Number of Gauss-Newton passes at full resolution."),
+    Attribute("registration_passes", "Gauss-Newton passes at full resolution."),
     Attribute("registration_whiten", "1 where spatial frequencies are weighted by coherence."),
     Attribute("registration_search", "Largest offset searched for, as a part of the frame."),
     Attribute("registration_frames_for_map", "Largest number of frame pairs behind the map."),
@@ -222,8 +222,7 @@ BLUR_ATTRIBUTES = (
     Attribute("blur_difference_comment", "The definition of blur_difference."),
     Attribute(
         "ratio_excess",
-        "Excess of the mean logarithm of the ratio by unequal texture, taken out where it exceeds "
-        "three standard deviations. [1]",
+        "Excess of the mean logarithm of the ratio by unequal texture. [1]",
     ),
     Attribute("ratio_excess_std", "Its standard deviation. [1]"),
 )
@@ -344,7 +343,7 @@ def form_of(key: Key) -> str:
         for words, sign in (("above", ">"), ("from", "≥"), (" below", ", <"), (" up to", ", ≤")):
             bounds = bounds.replace(words, sign)
         form += f" {bounds}"
-    shown = key.default not in (None, "", {}) and " or " not in form
+    shown = key.default not in (None, "", {}) and (" or " not in form or form == "true or false")
     return form if shown else f"{form}: `{toml_value(key.example)}`"
 
 
