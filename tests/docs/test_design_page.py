@@ -1,4 +1,4 @@
-"""The two designs on the page: each number follows from its expression, and erlif has it too."""
+"""The two designs by hand: each number follows from its expression, and erlif has it too."""
 
 import math
 import re
@@ -35,9 +35,10 @@ def designed(name):
 def tables():
     page = (DOCS / "design.md").read_text(encoding="utf-8")
     start = page.index("### A joint whose dimensions are given")
+    further = Path(__file__).with_name("bucket_link_by_hand.md").read_text(encoding="utf-8")
     return {
         "boom": ROW.findall(page[:start]),
-        "bucket_link": ROW.findall(page[start:]),
+        "bucket_link": ROW.findall(page[start:] + further),
     }
 
 
