@@ -14,7 +14,9 @@ from erlif.rig import simulate
 
 PAGE = Path(__file__).parents[2] / "docs" / "tribometers.md"
 EXAMPLES = dict(
-    re.findall(r"^### (.*?)\n+```toml\n(.*?)```", PAGE.read_text(encoding="utf-8"), flags=re.S | re.M)
+    re.findall(
+        r"^### (.*?)\n+```toml\n(.*?)```", PAGE.read_text(encoding="utf-8"), flags=re.S | re.M
+    )
 )
 SHARED = EXAMPLES["Pin on disc"].partition("[encoder]")[0]
 MOTIONS = {
