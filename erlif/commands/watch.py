@@ -27,6 +27,7 @@ from erlif.commands.process import process_one
 from erlif.commands.progress import announced_compiling
 from erlif.commands.view import leading_to
 from erlif.core.speed.imports import large_imports
+from erlif.core.units import count_of
 
 if TYPE_CHECKING:
     from erlif.pipeline.watch.setup import Setup
@@ -168,8 +169,9 @@ def _follow_setup(trials: Setup) -> None:
 
 def _follow(watched: Watch, quiet: float | None, on_alarm: str | None) -> None:
     """Print a line each second while pairs come, until the recording ends."""
-    version, printed = -1, 0.0
+    version, printed, line = -1, 0.0, ""
     known: set[str] = set()
+    reported: set[str] = set()
     try:
         while not watched.is_quiet(quiet):
             watched.wait(version, 0.2)
@@ -178,10 +180,13 @@ def _follow(watched: Watch, quiet: float | None, on_alarm: str | None) -> None:
                 echo_aside(f"ALARM {state.alarms[name]}")
                 if on_alarm:
                     _start(on_alarm)
-            known = set(state.alarms)
-            if state.version > version and time.monotonic() - printed > _EVERY:
-                click.echo(_line(state))
-                version, printed = state.version, time.monotonic()
+            for name in state.faults.keys() - reported:
+                echo_aside(state.faults[name])
+            known, reported = set(state.alarms), set(state.faults)
+            if time.monotonic() - printed > _EVERY and _line(state) != line:
+                line, printed = _line(state), time.monotonic()
+                click.echo(line)
+            version = state.version
     except EndedBySignal:
         raise
     except KeyboardInterrupt:  # the end of the recording, not of the command
@@ -197,9 +202,7 @@ def _start(text: str) -> None:
 def _line(state: WatchState) -> str:
     """The state in one line."""
     if state.latest is None:
-        return f"{state.arrived} pairs, none measured yet" + "".join(
-            f"; {fault}" for fault in state.faults[:1]
-        )
+        return f"{count_of(state.arrived, 'pair')}, none measured yet"
     one = state.latest
     return (
         f"pair {one.number}: min {one.film_min:.2f} ± {one.film_min_std:.2f} um, mean "

@@ -220,6 +220,22 @@ class Arrivals:
                     lost[number if lacking == 2 else number + shift] = lacking
         return lost
 
+    def stopped(self) -> tuple[int, int] | None:
+        """The camera that writes no more, and how many frames the other has written since.
+
+        None where both go on, and before `PATIENCE` has passed.
+        """
+        if self._shift is None:
+            return None
+        one, two = self._cameras
+        until = self._clock() - PATIENCE
+        for lacking, own, other, shift in (1, one, two, -self._shift), (2, two, one, self._shift):
+            latest = max(own.pages)
+            later = [n for n in other.pages if n + shift > latest]
+            if later and other.times[min(later)] < until:
+                return lacking, len(later)
+        return None
+
     def unreadable(self) -> list[str]:
         """Files that have been unreadable for longer than `PATIENCE`, with the reason."""
         now = self._clock()

@@ -28,6 +28,8 @@ _SHARE = 0.1
 # Time for which reports of changes are gathered. [ms]
 _GATHER = 10
 
+_STOPPED = "camera {camera} has stopped: the other one has written {frames} more frames"
+
 
 class Follower:
     """A run directory and the pairs that have arrived in it; threads do the rest.
@@ -97,9 +99,9 @@ class Follower:
         """Time since the last pair arrived; 0 before the first. [s]"""
         return time.time() - self._arrived[-1].time if self._arrived else 0.0
 
-    def faults(self) -> list[str]:
-        """What keeps pairs from being used, in words."""
-        return [*self._faults.values(), *_describe_missing(self._missing)]
+    def faults(self) -> dict[str, str]:
+        """What keeps pairs from being used or needs a look: subject to a sentence."""
+        return self._faults | _describe_missing(self._missing)
 
     def _repeat(self, job: Callable[[], None]) -> None:
         while not self._ended.is_set():
@@ -154,10 +156,15 @@ class Follower:
     def _audit(self) -> None:
         """Frames that are missing, and files that cannot be read."""
         missing, broken = self._arrivals.missing(), "; ".join(self._arrivals.unreadable()[:3])
+        behind = self._arrivals.stopped()
+        stopped = "" if behind is None else _STOPPED.format(camera=behind[0], frames=behind[1])
+        found = {"files": broken, "stopped": stopped}
         with self._changed:
-            if (missing, broken) != (self._missing, self._faults.get("files", "")):
+            known = {name: self._faults.get(name, "") for name in found}
+            if (missing, found) != (self._missing, known):
                 self._missing = missing
-                self._note("files", broken)
+                for name, text in found.items():
+                    self._note(name, text)
                 self._notify()
 
     def _note(self, subject: str, fault: ErlifError | str) -> None:
@@ -173,13 +180,13 @@ class Follower:
         self._changed.notify_all()
 
 
-def _describe_missing(missing: dict[int, int]) -> list[str]:
-    """Frames of one camera alone in words."""
-    texts = []
+def _describe_missing(missing: dict[int, int]) -> dict[str, str]:
+    """Frames of one camera alone in words, by the camera that lacks them."""
+    texts = {}
     for camera in (1, 2):
         numbers = sorted(number for number, lacking in missing.items() if lacking == camera)
         if numbers:
             listed = ", ".join(str(number) for number in numbers[:5])
             more = f" and {len(numbers) - 5} more" if len(numbers) > 5 else ""
-            texts.append(f"camera {camera} lacks frame {listed}{more}")
+            texts[f"frames of camera {camera}"] = f"camera {camera} lacks frame {listed}{more}"
     return texts

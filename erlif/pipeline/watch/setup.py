@@ -241,7 +241,7 @@ class Setup(Follower):
                 "best": [None if math.isnan(one) else one for one in self._best],
                 "map": None if self._map is None else self._map._asdict(),
                 "advice": advise(self._cameras, self._map, self._best[: len(self._cameras)]),
-                "faults": self.faults(),
+                "faults": list(self.faults().values()),
                 "alarms": {},
             }
 

@@ -30,6 +30,10 @@ _REFINED = (2, 12)
 # Time between two readings of the log, and between two attempts to register. [s]
 _LOG, _AGAIN = 0.5, 1.0
 
+# Pairs at either end of a run whose brightest are compared, and share of the light from which on a
+# fall is stated: a film that changes with the angle changes the light of single pairs as much.
+_ENDS, _FALLEN = 20, 0.75
+
 # A file of this name in the run directory ends the watch.
 STOP = "stop"
 
@@ -56,8 +60,9 @@ class WatchState:
         Encoder angle by place in the recording, (frame,), as far as the log has it. [degree]
     registered_on : int
         Pairs from which references and camera map were found; 0 before.
-    faults : tuple[str, ...]
-        Frames that are missing, files that cannot be read, and what keeps films from being found.
+    faults : dict[str, str]
+        Frames that are missing, files that cannot be read, light that falls, what keeps films from
+        being found: subject to a sentence.
     alarms : dict[str, str]
         Alarms that are raised now.
     """
@@ -70,7 +75,7 @@ class WatchState:
     newest: LiveMap | None
     angles: Array
     registered_on: int
-    faults: tuple[str, ...]
+    faults: dict[str, str]
     alarms: dict[str, str]
 
 
@@ -139,7 +144,7 @@ class Watch(Follower):
                 self._newest,
                 self._angles,
                 0 if self._film is None else self._film.pairs,
-                tuple(self.faults()),
+                self.faults(),
                 alarms,
             )
 
@@ -173,7 +178,7 @@ class Watch(Follower):
             "shape": None if state.newest is None else state.newest.flags.shape,
             "angles": [round(float(angle), 3) for angle in state.angles[angles:]],
             "registered_on": state.registered_on,
-            "faults": state.faults,
+            "faults": list(state.faults.values()),
             "alarms": state.alarms,
         }
 
@@ -264,11 +269,50 @@ class Watch(Follower):
             if self._latest is None or pair.place > self._latest.place:
                 self._latest, self._newest = pair, shown
             self._keep_alarms([pair])
+            self._note("light", describe_fall(self._measured))
             self._notify()
 
     def _keep_alarms(self, pairs: list[LivePair]) -> None:
         silence = 0.0 if pairs else self.silence
         self.alarmed = self.alarms.raised(pairs, silence=silence) | self.alarmed
+
+
+def describe_fall(pairs: Sequence[LivePair]) -> str:
+    """That the light of a camera has fallen since the start, in words; else empty.
+
+    Parameters
+    ----------
+    pairs : sequence of LivePair
+        In the order in which they were measured.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> zero = (0.0, 0.0)
+    >>> pairs = [
+    ...     LivePair(n, n, 0.0, 2.0, 0.1, 2.0, 0.1, 1.0, (1000.0 - 10 * n, 900.0), zero, zero)
+    ...     for n in range(60)
+    ... ]
+    >>> describe_fall(pairs)
+    'the light of camera 1 falls: at most 600 DN in the last 20 pairs, 1000 DN at the start'
+    >>> describe_fall(pairs[:45])
+    ''
+    """
+    if len(pairs) < 2 * _ENDS:
+        return ""
+    for camera in range(2):
+        first, last = (
+            max(one.light[camera] for one in part) for part in (pairs[:_ENDS], pairs[-_ENDS:])
+        )
+        if last < _FALLEN * first:
+            return (
+                f"the light of camera {camera + 1} falls: at most {last:.0f} DN in the last "
+                f"{_ENDS} pairs, {first:.0f} DN at the start"
+            )
+    return ""
 
 
 def as_row(pair: LivePair) -> dict[str, Any]:

@@ -99,6 +99,22 @@ def test_a_lost_frame_is_missed_by_number_and_camera_and_shifts_no_pair(rig):
     assert rig.arrivals.missing() == {}
 
 
+def test_a_camera_that_stops_is_named_after_a_while(rig):
+    for number in range(6):
+        rig.write(1, number)
+        if number < 3:
+            rig.write(2, number)
+    rig.look()
+    assert rig.arrivals.stopped() is None
+    rig.clock.now += PATIENCE + 0.1
+    assert rig.arrivals.stopped() == (2, 3)
+    assert rig.arrivals.missing() == {}
+    for number in range(3, 6):
+        rig.write(2, number)
+    rig.look()
+    assert rig.arrivals.stopped() is None
+
+
 def test_cameras_may_count_from_different_first_numbers(rig):
     for number in range(4):
         rig.write(1, number)

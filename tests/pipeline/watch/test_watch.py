@@ -45,7 +45,7 @@ def test_every_pair_is_measured_as_it_comes_and_the_angles_follow(empty_run, fil
         state = watch.state()
     assert state.frames == (6, 6)
     assert state.latest.number == state.newest.number == 5
-    assert state.faults == ()
+    assert state.faults == {}
     assert state.registered_on >= 2
     with erlif.open_film(film) as finished:
         for pair in state.measured:
@@ -119,7 +119,7 @@ def test_a_pair_that_cannot_be_used_is_named_and_the_others_go_on(empty_run):
 
         for n in (1, 2):
             tifffile.imwrite(run_dir / f"camera{n}" / "frame_0004.tif", np.ones((8, 8), np.uint16))
-        wait_until(lambda: any("96" in fault for fault in watch.state().faults), watch)
+        wait_until(lambda: any("96" in fault for fault in watch.state().faults.values()), watch)
         write(5)
         wait_until(lambda: watch.state().latest.number == 5, watch)
 
