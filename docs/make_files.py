@@ -130,12 +130,12 @@ VARIABLE_ATTRIBUTES = (
     Attribute("flag_masks", "Of flags: the bits."),
     Attribute("flag_meanings", "Of flags: the names of the bits."),
     Attribute("clearance", "Of displacement and tilt: radial clearance of the joint [um]."),
-    Attribute("load_line", "Of displacement, tilt and attitude: load line along sliding [mm]."),
+    Attribute("load_line", "Of displacement and tilt: load line along sliding [mm]; also of the attitude."),
     Attribute("axial_origin", "Of displacement and tilt: origin of positions along the axis [mm]."),
     Attribute(
         "regime",
-        "Of film_theory: the name of the prediction; of film_regime_map: the "
-        "lubrication regime of most triggers.",
+        "Of film_theory and film_regime_map: the name of the prediction, or the lubrication regime of "
+        "most triggers.",
     ),
     Attribute("reason", "Of film_theory and film_regime_map: why this one was selected."),
     Attribute(
@@ -413,10 +413,20 @@ def attributes_list(
     if same := [one.name for one in attributes if one in known]:
         yield f"As in [film.nc](film_nc.md): {', '.join(f'`{name}`' for name in same)}."
         yield ""
-    for attribute in attributes:
-        if attribute not in known:
+    new = [attribute for attribute in attributes if attribute not in known]
+    for owner, members in groupby(new, key=owner_of):
+        if owner:
+            yield from (f"Of {owner}:", "")
+        for attribute in members:
+            meaning = attribute.meaning.removeprefix(f"Of {owner}: ")
             when = f" Only where {attribute.when}." if attribute.when else ""
-            yield from (f"`{attribute.name}`", f": {attribute.meaning}{when}", "")
+            yield from (f"`{attribute.name}`", f": {meaning[0].upper()}{meaning[1:]}{when}", "")
+
+
+def owner_of(attribute: Attribute) -> str:
+    """What the meaning of an attribute names first, as in "Of an exponent: ..."."""
+    owner, colon, _ = attribute.meaning.partition(": ")
+    return owner.removeprefix("Of ") if colon and owner.startswith("Of ") else ""
 
 
 def columns_table(columns: Sequence[tuple[str, str, str, str]]) -> Iterator[str]:
