@@ -130,12 +130,14 @@ VARIABLE_ATTRIBUTES = (
     Attribute("flag_masks", "Of flags: the bits."),
     Attribute("flag_meanings", "Of flags: the names of the bits."),
     Attribute("clearance", "Of displacement and tilt: radial clearance of the joint [um]."),
-    Attribute("load_line", "Of displacement and tilt: load line along sliding [mm]; also of the attitude."),
+    Attribute(
+        "load_line", "Of displacement and tilt: load line along sliding [mm]; also of the attitude."
+    ),
     Attribute("axial_origin", "Of displacement and tilt: origin of positions along the axis [mm]."),
     Attribute(
         "regime",
-        "Of film_theory and film_regime_map: the name of the prediction, or the lubrication regime of "
-        "most triggers.",
+        "Of film_theory and film_regime_map: the name of the prediction, or the lubrication "
+        "regime of most triggers.",
     ),
     Attribute("reason", "Of film_theory and film_regime_map: why this one was selected."),
     Attribute(
