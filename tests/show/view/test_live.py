@@ -65,6 +65,32 @@ class Source:
         return "pair 2", self.thickness, self.flags
 
 
+class Trial(Source):
+    """The same before the run: the counts of two cameras, of which the second has no darks."""
+
+    def news(self, version, pairs, angles, timeout):
+        one = {
+            "histogram": [10] * 64,
+            "full_scale": 4095,
+            "mean": 1000.0,
+            "dark": 64.2,
+            "highest": 0.5,
+            "saturated": 0.0,
+            "sharpness": 0.3,
+            "measurable": 0.99,
+        }
+        shift = {"shift": [4.0, -3.0], "quality": 0.98, "overlap": 0.97, "poor": 0.0}
+        return super().news(version, pairs, angles, timeout) | {
+            "cameras": [one, one | {"dark": None, "sharpness": None, "measurable": None}],
+            "best": [0.3, None],
+            "map": shift,
+            "advice": ["camera 2 saturates"],
+        }
+
+
+SIZES = [{"width": 1280, "height": 900}, {"width": 390, "height": 800}]
+
+
 def test_news_and_map_are_what_the_source_has():
     reading = readings_of(Source())
     assert reading["run"](Request([], {}))["name"] == "run 7"
@@ -124,3 +150,19 @@ class TestInTheBrowser:
                 source.ended, source.version = True, 5
                 page.wait_for_selector("#status.bad")
                 assert page.inner_text("#status") == "The recording has ended."
+
+    @pytest.mark.parametrize("size", SIZES)
+    def test_both_cameras_and_what_to_turn_are_shown(self, size):
+        source = Trial()
+        with live_page(source, page="setup.html") as address, chromium() as browser:  # noqa: SIM117
+            with pages(browser, own=address) as start:
+                page = start(viewport=size)
+                page.goto(address)
+                page.wait_for_selector("#panel-2 canvas[data-text='pair 2']")
+                assert page.inner_text("#advice") == "camera 2 saturates"
+                assert "64.2 DN" in page.inner_text("#checks")
+                assert "no darks yet" in page.inner_text("#checks")
+                assert "4.0, −3.0 px" in page.inner_text("#checks")
+                page.wait_for_selector("#histogram-1 canvas")
+                wide = page.evaluate("document.documentElement.scrollWidth")
+                assert wide <= size["width"]

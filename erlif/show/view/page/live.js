@@ -7,6 +7,7 @@ const MOST = 2000; // pairs that a chart shows, the latest
 
 let about = null;
 let panel = null;
+let first = Infinity; // time of the first pair
 let state = { window: null, limits: {}, tool: "move" };
 let film = { x: [0, 1], y: [0, 1], width: 1, height: 1, labels: ["x [mm]", "y [mm]"] };
 let news = { version: -1 };
@@ -59,7 +60,7 @@ class RunChart extends Chart {
             stroke: ink(colour), fill: ink(colour) } }))],
         axes: [{ ...axis(across), size: 34 }, { ...axis(this.unit), size: 52 }],
         cursor: { drag: { x: true, y: false }, points: { show: false } },
-        legend: { live: false },
+        legend: { live: false, markers: { fill: (u, k) => u.series[k].stroke(u, k) } },
         hooks: { draw: [(u) => this.drawBars(u)] },
       }, [places, ...columns.map(({ value }) => value)]);
     }
@@ -97,7 +98,8 @@ const charts = {
 function showCharts() {
   const shown = pairs.slice(-MOST).sort((one, two) => one.place - two.place);
   if (!shown.length) return;
-  const begun = pairs[0].time;
+  const begun = Math.min(...shown.map((pair) => pair.time), first);
+  first = begun;
   const byAngle = byId("axis").value === "angle";
   const rows = byAngle
     ? shown.filter((pair) => angles[pair.place] !== undefined)
