@@ -260,8 +260,13 @@ class Watch(Follower):
         try:
             pair, shown = film.measure(pairs, frame, arrival)
         except ErlifError as error:
+            away = not all(page.path.exists() for page in arrival.pages)
+            if away:
+                self._ended.wait(_AGAIN)  # a share that has gone may come back
             with self._changed:
-                self._note(f"pair {arrival.number}", error)
+                if away:
+                    self._waiting.insert(0, frame)
+                self._note("share" if away else f"pair {arrival.number}", error)
                 self._notify()
             return
         with self._changed:
@@ -269,6 +274,7 @@ class Watch(Follower):
             if self._latest is None or pair.place > self._latest.place:
                 self._latest, self._newest = pair, shown
             self._keep_alarms([pair])
+            self._note("share", "")
             self._note("light", describe_fall(self._measured))
             self._notify()
 

@@ -6,6 +6,7 @@ import tifffile
 
 from erlif.io.ingest.arrivals import PATIENCE, Arrivals
 from erlif.io.settings import read_run_settings
+from tests.scenes.camera_files import write_cine, write_mraw
 
 RNG = np.random.default_rng(3)
 
@@ -143,3 +144,26 @@ def test_a_stack_that_grows_gives_its_whole_pages(lab):
         seen += [pair.number for pair in arrivals.look()]
         assert seen == list(range(k + 1))
     assert arrivals.counts() == (5, 5)
+
+
+@pytest.mark.parametrize("kind", ["cine", "mraw"])
+def test_a_recording_that_is_copied_gives_its_frames_as_they_are_complete(lab, tmp_path, kind):
+    names = [f"c{n}.{kind}" for n in (1, 2)]
+    for n, name in enumerate(names, 1):
+        lab.edit("run/run.toml", (f"camera{n}/*.tif", name))
+        writer = {"cine": write_cine, "mraw": write_mraw}[kind]
+        writer(tmp_path / name, RNG.integers(100, 2000, (10, 96, 128)).astype(np.uint16))
+    arrivals = Arrivals(lab.run, read_run_settings(lab.run))
+    size = 96 * 128 * 2
+    seen = []
+    for share in (0.01, 0.3, 0.55, 0.9, 1.0):
+        for path in tmp_path.glob("c?.*"):
+            content = path.read_bytes()
+            part = int(share * len(content)) if path.suffix == f".{kind}" else len(content)
+            (lab.run / path.name).write_bytes(content[:part])
+        seen += [pair.number for pair in arrivals.look()]
+        assert seen == list(range(len(seen)))
+        whole = (lab.run / names[0]).stat().st_size // size
+        assert len(seen) <= whole
+        assert len(seen) >= share * 10 - 2
+    assert len(seen) == 10

@@ -1,5 +1,6 @@
 """A run that is watched while another thread writes it."""
 
+import importlib
 import math
 import shutil
 import threading
@@ -9,8 +10,11 @@ import pytest
 
 import erlif
 from erlif.pipeline.watch.alarms import Alarms
+from erlif.pipeline.watch.live import LiveFilm
 from erlif.pipeline.watch.watch import Watch, as_row
 from tests.pipeline.watch.test_follow import wait_until
+
+module = importlib.import_module("erlif.pipeline.watch.watch")
 
 
 @pytest.fixture
@@ -122,6 +126,29 @@ def test_a_pair_that_cannot_be_used_is_named_and_the_others_go_on(empty_run):
         wait_until(lambda: any("96" in fault for fault in watch.state().faults.values()), watch)
         write(5)
         wait_until(lambda: watch.state().latest.number == 5, watch)
+
+
+def test_pairs_on_a_share_that_goes_away_are_measured_when_it_is_back(empty_run, monkeypatch):
+    run_dir, write = empty_run
+    monkeypatch.setattr(module, "_AGAIN", 0.05)
+    watch = Watch(run_dir, workers=1)
+    measure, away = LiveFilm.measure, run_dir.with_name("away")
+
+    def measure_and_lose(film, pairs, frame, arrival):
+        if frame == 3 and not away.exists() and not lost:
+            lost.append(frame)
+            run_dir.rename(away)
+        return measure(film, pairs, frame, arrival)
+
+    lost: list[int] = []
+    monkeypatch.setattr(LiveFilm, "measure", measure_and_lose)
+    with watch.running():
+        for frame in range(4):
+            write(frame)
+        wait_until(lambda: lost and "share" in watch.state().faults, watch)
+        away.rename(run_dir)
+        wait_until(lambda: len(watch.state().measured) == 4, watch)
+        assert "share" not in watch.state().faults
 
 
 def test_a_row_for_the_page_has_no_value_that_json_lacks(empty_run):
