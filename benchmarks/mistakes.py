@@ -91,8 +91,9 @@ def judge(rig: Path) -> Outcome:
     if "rig_exponent" in truth.attrs and "speed_exponent" in film:
         exponent = abs(float(film.speed_exponent) - float(truth.attrs["rig_exponent"]))
         exponent /= max(float(film.speed_exponent_std), 1e-9)
-    true = np.abs(truth.rocker_speed.values[:count])
-    speed = np.abs(np.abs(film.rocker_speed.values[:count]) - true).max() / true.max()
+    moved = "rocker_speed" if "rocker_speed" in truth else "sliding_speed"
+    true = np.abs(truth[moved].values[:count])
+    speed = np.abs(np.abs(film[moved].values[:count]) - true).max() / true.max()
     return Outcome(False, float(np.nanmax(pull)), exponent, float(speed), warnings)
 
 

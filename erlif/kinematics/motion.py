@@ -20,7 +20,7 @@ from erlif.kinematics.refusals import refusal
 # Turn of a disc from frame to frame above which its sense is not certain. [degree]
 _LARGEST_STEP = 150.0
 
-_OFF_RATE = 0.1  # relative difference of the logged rate from that of the settings that is reported
+_OFF_RATE = 0.05  # relative difference of the logged rate from that of the settings, reported
 
 _TURN = 360.0
 
@@ -263,29 +263,41 @@ def _falls(log: EncoderLog, angle: Array) -> bool:
     """Whether the angle falls: by its rate, else by its steps where they are clearly backwards."""
     if "angle_rate" in log:
         return bool(np.median(log["angle_rate"].values) < 0)
-    step = (np.diff(angle) + _TURN / 2) % _TURN - _TURN / 2
+    step = _wrap(np.diff(angle))
     return bool(step.size and -_LARGEST_STEP < np.median(step) < 0)
 
 
 def _compare_rate(log: EncoderLog, given: float | None, key: str) -> dict[str, str]:
     """A remark as attribute where angle and time of the log contradict the given rate [rad/s]."""
-    if given is None or "angle" not in log or "time" not in log or log.sizes["frame"] < 2:
+    logged = {"sliding_speed", "rotation_speed"} & set(log)
+    if given is None or logged or not {"angle", "time"} <= set(log) or log.sizes["frame"] < 2:
         return {}
 
-    # only steps of less than half a turn can be seen in full
+    # frames that lie more than half a turn apart show the rest of a turn, of either sense
     turn, time = np.diff(log.angle.values), np.diff(log.time.values)
-    step = np.abs((turn + _TURN / 2) % _TURN - _TURN / 2)
-    expected = np.degrees(given) * time
-    if not (expected.min() > 0 and expected.max() < _LARGEST_STEP):
+    expected = abs(math.degrees(given)) * time
+    if expected.min() <= 0:
         return {}
-    ratio = float(np.median(step / expected))
-    if abs(ratio - 1) < _OFF_RATE:
+    rest = np.abs([_wrap(turn - expected), _wrap(turn + expected)])
+    if np.median(rest, axis=1).min() < _OFF_RATE * np.median(expected):
         return {}
+
+    # of the speeds that leave the same readings the log shows the slowest
+    rate = float(np.median(np.abs(_wrap(turn)) / time))
+    found, stated = rate / _TURN, abs(given) / (2 * math.pi)
+    unit, per = ("rpm", 60.0) if key == "speed" else ("Hz", 1.0)
     text = (
-        f"angle and time of the log turn at {ratio:.3g} times the {key} in [mechanism]; the latter "
-        "was used for the sliding speed. Correct it, or the columns of the log"
+        f"{key} is {per * stated:.4g} {unit}, but angle and time of the log give "
+        f"{per * found:.4g} {unit}: the sliding speed is {stated / found:.3g} times theirs"
+        if found
+        else f"{key} is {per * stated:.4g} {unit}, but the angle of the log stands still"
     )
-    return {"contradiction": text}
+    return {"contradiction": f"{text}. Correct it, or the columns of the log"}
+
+
+def _wrap(angle: Array) -> Array:
+    """Angles from -180 to 180. [degree]"""
+    return np.asarray((angle + _TURN / 2) % _TURN - _TURN / 2)
 
 
 def _choose_rate(log: EncoderLog, rotation: Rotation) -> float | Array:
@@ -308,7 +320,7 @@ def _rate_of_frames(log: EncoderLog) -> Array:
     angle, time = log.angle.values, log.time.values
     step = np.diff(angle)
     if np.ptp(angle) <= _TURN:
-        step = (step + _TURN / 2) % _TURN - _TURN / 2
+        step = _wrap(step)
         if np.abs(step).max() > _LARGEST_STEP:
             worst = int(np.argmax(np.abs(step)))
             raise refusal(

@@ -29,6 +29,7 @@ RIGS = {
     "zero fitted": RigSettings(**SMALL, write_zero=False),
     "transient": RigSettings(**SMALL, film="reynolds", tilt=0.0),
     "two cycles": RigSettings(**SMALL, cycles=2, spacing=1.92),
+    "disc": RigSettings(**SMALL, mechanism="rotation", pictures=12, cycles=4),
 }
 """Sound rigs; each is simulated once."""
 
@@ -372,6 +373,15 @@ MISTAKES = [
     ),
     *(
         Mistake(
+            f"speed of the disc of {rpm} rpm for 60",
+            setting(('"60 rpm"', f'"{rpm} rpm"')),
+            "angle and time of the log",
+            "disc",
+        )
+        for rpm in (6, 54, 120, 600)
+    ),
+    *(
+        Mistake(
             f"temperature in {unit} under temperature_C",
             column("temperature_C", change),
             "temperature",
@@ -633,7 +643,7 @@ KINDS = {
     "8 bits scaled to 12, also by way of JPEG": "JPEG|^8 bits",
     "counts halved or scaled, dark subtracted twice": "^counts|^dark",
     "load, temperature or time in another unit": "^load in|^temperature in|^time in",
-    "another speed of the crank in run.toml": "^crank speed",
+    "another speed of the crank or disc in run.toml": "^crank speed|^speed of",
     "single loads 5 to 1000 times too large or small": "^load of row",
     "ten loads of 0.5 N": "^ten loads",
     "single temperatures or times that are off": "^temperature of|^time of",

@@ -130,20 +130,33 @@ def test_a_logged_speed_that_turns_back_has_strokes():
 
 
 @pytest.mark.parametrize(
-    ("step", "rpm", "seen"),
-    [(60, 100, False), (60, 104, False), (60, 50, True), (60, 230, True), (300, 500, False)],
+    ("step", "rpm", "given"),
+    [
+        *((60, 100, None), (60, 104, None), (300, 500, None), (60, 1300, None)),
+        *((60, 50, 100), (60, 230, 100), (30, 500, 50), (300, 50, 100), (0, 50, 0)),
+    ],
 )
-def test_a_speed_that_the_log_contradicts_is_reported(step, rpm, seen):
-    """60 degrees in 0.1 s are 100 rpm, or a slider at 1.667 Hz; 300 degrees look like -60."""
+def test_a_speed_that_the_log_contradicts_is_reported(step, rpm, given):
+    """60 degrees in 0.1 s are 100 rpm or 1.667 Hz, as are 300 degrees the other way.
+
+    1300 rpm turn by 780 degrees in that time, which leave the readings of 60.
+    """
     log = make_log(12, angle=np.arange(12) * float(step) % 360, time=0.1 * np.arange(12))
-    notes = encoder_notes(locate_rotation(log, rotation=Rotation(0.02, rpm * math.pi / 30)))
-    assert [note.level for note in notes] == [Level.WARNING] * seen
-    if seen:
-        assert f"{100 / rpm:.3g} times the speed in [mechanism]" in notes[0].text
-        (note,) = encoder_notes(locate_slider(log, slider=Sinusoid(0.01, rpm / 60)))
-        assert f"{100 / rpm:.3g} times the frequency" in note.text
-    elif step == 60:
-        assert not encoder_notes(locate_slider(log, slider=Sinusoid(0.01, rpm / 60)))
+    disc = encoder_notes(locate_rotation(log, rotation=Rotation(0.02, rpm * math.pi / 30)))
+    slider = encoder_notes(locate_slider(log, slider=Sinusoid(0.01, rpm / 60)))
+    assert [note.level for note in (*disc, *slider)] == [Level.WARNING] * 2 * (given is not None)
+    if given:
+        both = f"speed is {rpm} rpm, but angle and time of the log give {given} rpm"
+        assert both in disc[0].text
+        both = f"frequency is {rpm / 60:.4g} Hz, but angle and time of the log give {given / 60:.4g}"
+        assert both in slider[0].text
+
+
+def test_a_logged_speed_needs_no_other_one():
+    log = make_log(12, angle=30.0 * np.arange(12), time=0.1 * np.arange(12))
+    logged = log.assign(rotation_speed=("frame", np.full(12, 5.2)))
+    assert encoder_notes(locate_rotation(log, rotation=Rotation(0.02, 52.0)))
+    assert not encoder_notes(locate_rotation(logged, rotation=Rotation(0.02, 52.0)))
 
 
 # folding
