@@ -246,6 +246,7 @@ CALIBRATION_ATTRIBUTES = (
         "Temperature of the oil of the fixture. [degree_Celsius]",
         "fixture.toml states it",
     ),
+    Attribute("pixel_pitch_mm", "Pixel pitch of the fixture. [mm]"),
     Attribute("input_hashes", "SHA-256 of every input by its relative name, as JSON."),
     Attribute("notes", "Findings about inputs and fit, one a line, warnings first."),
     Attribute("note_records", "The same with level and subject, as JSON."),

@@ -1,4 +1,4 @@
-from .bands import check_bands, share_bands
+from .bands import check_bands, note_pitch, share_bands
 from .comparison import Comparison, compare_calibrations
 from .curve import DIRECTION, Calibration
 from .fit import DIM_LIGHT, USEFUL, fit_calibration
@@ -30,6 +30,7 @@ __all__ = [
     "check_bands",
     "compare_calibrations",
     "fit_calibration",
+    "note_pitch",
     "open_calibration",
     "read_profile",
     "record_calibration",

@@ -1,14 +1,20 @@
-"""Filter bands of a calibration and of the run that it is used for."""
+"""Filter bands and pixel pitch of a calibration and of the run that it is used for."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Protocol
 
 import numpy as np
 
 from erlif.calibration.refusals import refusal
+from erlif.core.notes import Note, note_writer
+
+_make_note = note_writer("erlif.calibration")
 
 _SAME_BAND = 1.0  # nm: filters of the same name differ by less
+
+_SAME_PITCH = 0.03  # relative difference: two photographs of one scale agree better
 
 
 class Banded(Protocol):
@@ -73,3 +79,26 @@ with the filters of the run.
         return
     key = "exchanged_bands" if share_bands(calibration.bands, bands[::-1]) else "other_bands"
     raise refusal(key, bands=bands, calibrated=calibration.bands)
+
+
+def note_pitch(stated: float | None, pitch: float) -> Iterator[Note]:
+    """Warn of a calibration whose fixture was laid out with another pixel pitch than the run.
+
+    Parameters
+    ----------
+    stated : float or None
+        Of the calibration; None where it is not known. [mm]
+    pitch : float
+        Of the run. [mm]
+
+    Yields
+    ------
+    Note
+
+    Examples
+    --------
+    >>> [note.level.value for note in note_pitch(0.06, 0.0094)], list(note_pitch(0.06, 0.0605))
+    (['warning'], [])
+    """
+    if stated is not None and abs(stated / pitch - 1) > _SAME_PITCH:
+        yield _make_note("other_pitch", fixture=1e3 * stated, run=1e3 * pitch)

@@ -102,6 +102,8 @@ class Calibration:
         R, share of laser and emission that the wall behind the film returns; None likewise. [1]
     temperature : float | None
         Of the oil of the fixture; None where it is not known. [degree_Celsius]
+    pixel_pitch : float | None
+        With which the profile was laid over the image; None where it is not known. [mm]
     later : Calibration | None
         That of the fixture after the run, as `until` takes it; None where there is one fixture.
     passed : float
@@ -128,6 +130,7 @@ class Calibration:
     attenuation_laser: float | None = None
     reflectance: float | None = None
     temperature: float | None = None
+    pixel_pitch: float | None = None
     later: Calibration | None = field(default=None, repr=False)
     passed: float = 0.0
 
@@ -422,6 +425,7 @@ class Calibration:
             "profile_file": self.profile_file,
             "date": self.date,
             **({} if self.temperature is None else {"temperature_degC": self.temperature}),
+            **({} if self.pixel_pitch is None else {"pixel_pitch_mm": self.pixel_pitch}),
             **{
                 name: json.dumps(part.to_record())
                 for name, part in (("pose", self.pose), ("systematics", self.systematics))
@@ -470,6 +474,9 @@ class Calibration:
                 date=str(attrs["date"]),
                 temperature=(
                     float(attrs["temperature_degC"]) if "temperature_degC" in attrs else None
+                ),
+                pixel_pitch=(
+                    float(attrs["pixel_pitch_mm"]) if "pixel_pitch_mm" in attrs else None
                 ),
                 departure=Departure.from_dataset(dataset),
                 pose=pose,

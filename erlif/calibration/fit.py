@@ -191,6 +191,7 @@ def fit_calibration(
         calibration,
         systematics=systematics if systematics.terms else None,
         thickness_range=thickness_range,
+        pixel_pitch=pixel_pitch,
         curve=_describe_curve(calibration, points, kept, moved, fit.thickness_std),
         notes=(*profile.notes, *notes),
     )

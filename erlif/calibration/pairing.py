@@ -26,6 +26,8 @@ Cells = npt.NDArray[np.intp]
 _MINIMUM_PIXELS = 20  # in the cell of one CMM point
 _CELL = 0.51  # of the spacing of the points: half, and 2 % so that cells of even points touch
 _COVERED = 0.995  # share of the usable pixels below which a note reports the rest
+
+_COVERED_LEAST = 0.5  # share below which the pixel pitch is rather wrong
 _SPACING = 1.5  # pixels between the points of a line; closer ones share their pixels
 _OUTLIER = 4.0  # standard deviations of one cell
 _OUTLIER_PASSES = 3
@@ -148,7 +150,8 @@ def _describe_coverage(pixels: _Pixels, used: Mask) -> list[Note]:
         raise refusal("few_points_in_image", least=MINIMUM_POINTS, count=int(used.sum()), used=used)
     notes = []
     if pixels.covered < _COVERED:
-        notes.append(_make_note("covered", share=pixels.covered))
+        key = "covered" if pixels.covered >= _COVERED_LEAST else "covered_less"
+        notes.append(_make_note(key, share=pixels.covered))
     if not used.all():
         notes.append(_make_note("points_outside", count=int((~used).sum()), total=used.size))
     return notes

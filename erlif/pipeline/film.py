@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 import xarray as xr
 
-from erlif.calibration import Calibration, record_calibration
+from erlif.calibration import Calibration, note_pitch, record_calibration
 from erlif.core.arrays import Array
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.format import describe_origin
@@ -342,8 +342,10 @@ def describe_film(
     film = film.assign(describe_exponents(film, results, calibration))
 
     film = film.assign_coords(plane.grid(len(results)).coords)
+    both = filter(None, (calibration, calibration.later))
     own = [
         *audited,
+        *(note for one in both for note in note_pitch(one.pixel_pitch, plane.pitch)),
         *format_notes(run.pairs),
         *notes,
         *note_omissions(settings, film),

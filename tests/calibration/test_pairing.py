@@ -105,7 +105,15 @@ def test_points_outside_the_image_are_left_out_and_reported():
     assert outside > 15
     texts = [note.text for note in notes]
     assert any(f"{outside} of 56 points of the profile lie outside" in text for text in texts)
-    assert any("the profile covers 4" in text for text in texts)  # 9.2 of 19.2 mm
+    (less,) = (note for note in notes if note.text.startswith("the profile covers 4"))
+    assert less.level == "warning"  # 9.2 of 19.2 mm
+
+
+def test_a_profile_of_more_than_half_the_image_is_a_note():
+    """10.8 of 19.2 mm."""
+    _, notes = pair_profile_with_image(still_image(COLUMN), line_profile(7.4, 18.0), GIVEN)
+    (more,) = (note for note in notes if "covers" in note.text)
+    assert more.level == "note"
 
 
 def test_a_profile_beside_the_image_is_refused():

@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 from scenes import film as film_scene
 from scenes.fixture import (
+    PITCH,
     WEDGE,
     calibrate,
     calibrate_wedge,
@@ -58,6 +59,7 @@ def test_file_round_trip_keeps_everything(name, request, tmp_path):
     back = open_calibration(save_calibration(calibration, tmp_path / "calibration.nc"))
     xr.testing.assert_equal(back.to_dataset(), calibration.to_dataset())
     assert back.attributes == calibration.attributes
+    assert back.pixel_pitch == calibration.pixel_pitch == PITCH
     npt.assert_array_equal(back.full_covariance, calibration.full_covariance)
     assert (back.reflectance is None) == (name != "walled")
     npt.assert_array_equal(back.parameters, calibration.parameters)

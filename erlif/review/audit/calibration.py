@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from erlif.calibration import Calibration, check_bands, open_calibration
+from erlif.calibration import Calibration, check_bands, note_pitch, open_calibration
 from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
 from erlif.core.notes import Note, note_writer
@@ -51,6 +51,7 @@ def _note_one(run: Run, cameras: CameraSurvey, name: str, *, allow_outside: bool
 
     calibration = before_wall_of(run, open_calibration(path))
     check_bands(calibration, (settings.camera1.band, settings.camera2.band))
+    yield from note_pitch(calibration.pixel_pitch, 1e3 * settings.optics.pixel_pitch)
     own_map = calibration.camera_map
     stored = None if own_map is None else MapNodes.of(own_map)
     yield from judge_ratios(cameras.chain, calibration, cameras.sample, stored=stored).notes

@@ -34,6 +34,13 @@ def test_a_run_without_ratios_is_a_warning(calibration):
     assert note.level == "warning"
 
 
+def test_another_pitch_than_that_of_the_fixture_is_a_warning_of_check_and_process(lab):
+    lab.edit("run/run.toml", ('pixel_pitch = "150 um"', 'pixel_pitch = "160 um"'))
+    texts = [str(note) for note in erlif.check(lab.run) if note.level == "warning"]
+    texts.append(erlif.process(lab.run, workers=1).attrs["notes"])
+    assert len([text for text in texts if "150 um in fixture.toml" in text]) == 2
+
+
 def test_a_fixture_that_cannot_be_read_is_a_warning(lab, calibration):
     lab.edit("fixture/fixture.toml", ("12", "twelve"))
     (note,) = note_age(calibration, lab.fixture / "calibration.nc", allow_outside=False)
