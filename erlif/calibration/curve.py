@@ -475,9 +475,7 @@ class Calibration:
                 temperature=(
                     float(attrs["temperature_degC"]) if "temperature_degC" in attrs else None
                 ),
-                pixel_pitch=(
-                    float(attrs["pixel_pitch_mm"]) if "pixel_pitch_mm" in attrs else None
-                ),
+                pixel_pitch=(float(attrs["pixel_pitch_mm"]) if "pixel_pitch_mm" in attrs else None),
                 departure=Departure.from_dataset(dataset),
                 pose=pose,
                 systematics=(

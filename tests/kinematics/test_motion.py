@@ -148,7 +148,9 @@ def test_a_speed_that_the_log_contradicts_is_reported(step, rpm, given):
     if given:
         both = f"speed is {rpm} rpm, but angle and time of the log give {given} rpm"
         assert both in disc[0].text
-        both = f"frequency is {rpm / 60:.4g} Hz, but angle and time of the log give {given / 60:.4g}"
+        both = (
+            f"frequency is {rpm / 60:.4g} Hz, but angle and time of the log give {given / 60:.4g}"
+        )
         assert both in slider[0].text
 
 
