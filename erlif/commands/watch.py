@@ -25,11 +25,14 @@ from erlif.commands.options import (
 )
 from erlif.commands.process import process_one
 from erlif.commands.progress import announced_compiling
+from erlif.commands.refusals import refusal
 from erlif.commands.view import leading_to
+from erlif.core.errors import ErlifError
 from erlif.core.speed.imports import large_imports
 from erlif.core.units import count_of
 
 if TYPE_CHECKING:
+    from erlif.pipeline.watch.follow import Follower
     from erlif.pipeline.watch.setup import Setup
     from erlif.pipeline.watch.watch import Watch, WatchState
     from erlif.show.view.live import LiveSource
@@ -111,31 +114,45 @@ def watch(
     show = partial(_show_page, port=port, browser=not no_browser)
     if trial:
         trials = Setup(run_dir, allow_outside=options["allow_outside"])
-        with show(trials, page="setup.html"), trials.running():
+        page = show(trials, page="setup.html")
+        with page, _ending(trials, "The setup has ended."), trials.running():
             _follow_setup(trials)
         return
 
     share = None if saturated_above is None else saturated_above / 100
     output = output or run_dir / "film.nc"
     expect_output(output, ".nc", ".zarr", overwrite=options["overwrite"], holds="thickness")
-    with announced_compiling():
-        watched = Watch(
-            run_dir,
-            calibration=calibration,
-            alarms=Alarms(film_below, share, no_pulse_for),
-            workers=options["workers"],
-            allow_outside=options["allow_outside"],
-        )
-        with show(watched, page="live.html"), watched.running():
+    watched = Watch(
+        run_dir,
+        calibration=calibration,
+        alarms=Alarms(film_below, share, no_pulse_for),
+        workers=options["workers"],
+        allow_outside=options["allow_outside"],
+    )
+    ended = f"The recording has ended; {output.name} is written."
+    with show(watched, page="live.html"), _ending(watched, ended):
+        with announced_compiling(), watched.running():
             _follow(watched, quiet, on_alarm)
-    if not watched.state().arrived:
-        click.echo("No pair has arrived; there is nothing to process.")
-        return
-    process_one(run_dir, calibration, output, options)
+        if not watched.state().arrived:
+            raise refusal("no_pair", run_dir=run_dir)
+        watched.announce("The recording has ended; the run is being processed.")
+        process_one(run_dir, calibration, output, options)
     if watched.alarmed:
         for text in watched.alarmed.values():
             echo_aside(f"alarm: {text}")
         click.get_current_context().exit(ALARMED)
+
+
+@contextmanager
+def _ending(watched: Follower, done: str) -> Iterator[None]:
+    """State on the page how the work ended."""
+    try:
+        yield
+    except BaseException as error:
+        reason = str(error) if isinstance(error, ErlifError) else "erlif watch was ended."
+        watched.announce(f"There is no film: {reason}", closed=True)
+        raise
+    watched.announce(done, closed=True)
 
 
 @contextmanager
@@ -205,7 +222,7 @@ def _line(state: WatchState) -> str:
         return f"{count_of(state.arrived, 'pair')}, none measured yet"
     one = state.latest
     return (
-        f"pair {one.number}: min {one.film_min:.2f} ± {one.film_min_std:.2f} um, mean "
+        f"pair {one.place}: min {one.film_min:.2f} ± {one.film_min_std:.2f} um, mean "
         f"{one.film_mean:.2f} ± {one.film_mean_std:.2f} um, light {one.light[0]:.0f}/"
         f"{one.light[1]:.0f} DN, {len(state.measured)}/{state.arrived} measured"
     )

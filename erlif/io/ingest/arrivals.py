@@ -204,20 +204,20 @@ class Arrivals:
         one, two = self._cameras
         return len(one.pages), len(two.pages)
 
-    def missing(self) -> dict[int, int]:
-        """Frames of one camera alone, by the number of camera 1, with the camera that lacks it.
+    def missing(self) -> dict[str, int]:
+        """Names of frames without a partner, with the camera that lacks it, 1 or 2.
 
         A frame is missed when its camera has a later one and `PATIENCE` has passed.
         """
         if self._shift is None:
             return {}
-        lost: dict[int, int] = {}
+        lost: dict[str, int] = {}
         one, two = self._cameras
         for lacking, own, other, shift in (1, one, two, -self._shift), (2, two, one, self._shift):
             latest, until = max(own.pages), self._clock() - PATIENCE
-            for number in other.pages.keys() - {n - shift for n in own.pages}:
+            for number in sorted(other.pages.keys() - {n - shift for n in own.pages}):
                 if number + shift < latest and other.times[number] < until:
-                    lost[number if lacking == 2 else number + shift] = lacking
+                    lost[other.pages[number].name] = lacking
         return lost
 
     def stopped(self) -> tuple[int, int] | None:

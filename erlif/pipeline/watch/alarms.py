@@ -54,7 +54,7 @@ class Alarms:
             thinnest = min(films, key=lambda one: one.film_min)
             if thinnest.film_min < self.film_below:
                 found["film"] = (
-                    f"minimum film {thinnest.film_min:.2f} um in pair {thinnest.number} "
+                    f"minimum film {thinnest.film_min:.2f} um in pair {thinnest.place} "
                     f"(limit {self.film_below:g} um)"
                 )
         if self.saturated_above is not None and pairs:
@@ -63,7 +63,7 @@ class Alarms:
             if max(worst.saturated) > self.saturated_above:
                 found["saturated"] = (
                     f"camera {camera} saturates in {100 * max(worst.saturated):.1f} % of pair "
-                    f"{worst.number} (limit {100 * self.saturated_above:g} %)"
+                    f"{worst.place} (limit {100 * self.saturated_above:g} %)"
                 )
         if self.no_pulse_for is not None and silence > self.no_pulse_for:
             found["no pulse"] = f"no pulse for {silence:.1f} s (limit {self.no_pulse_for:g} s)"

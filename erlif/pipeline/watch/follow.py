@@ -57,12 +57,16 @@ class Follower:
         self._arrived: list[Arrival] = []
         depths = self.settings.camera1.bit_depth, self.settings.camera2.bit_depth
         self._pairs = FramePairs(run_dir, ((), ()), (0, 0), depths)
-        self._missing: dict[int, int] = {}
+        self._missing: dict[str, int] = {}
         self._faults: dict[str, str] = {}
         self._version = 0
         self._opened = time.time()
         self._changed = threading.Condition()
         self._ended = threading.Event()
+        self.status = ""
+        """What the page states of the end; empty while the run is recorded."""
+        self.closed = False
+        """Whether nothing more follows."""
 
     def jobs(self) -> Sequence[Callable[[], None]]:
         """What the threads beside that of the arrivals do, again and again until the end."""
@@ -87,6 +91,12 @@ class Follower:
                     self._notify()
                 for thread in threads:
                     thread.join()
+
+    def announce(self, status: str, *, closed: bool = False) -> None:
+        """State something of the end on the page; with `closed`, the last thing."""
+        with self._changed:
+            self.status, self.closed = status, closed
+            self._notify()
 
     def wait(self, version: int, timeout: float) -> int:
         """The version, as soon as it is newer than `version`, or after `timeout` seconds."""
@@ -180,13 +190,14 @@ class Follower:
         self._changed.notify_all()
 
 
-def _describe_missing(missing: dict[int, int]) -> dict[str, str]:
+def _describe_missing(missing: dict[str, int]) -> dict[str, str]:
     """Frames of one camera alone in words, by the camera that lacks them."""
     texts = {}
     for camera in (1, 2):
-        numbers = sorted(number for number, lacking in missing.items() if lacking == camera)
-        if numbers:
-            listed = ", ".join(str(number) for number in numbers[:5])
-            more = f" and {len(numbers) - 5} more" if len(numbers) > 5 else ""
-            texts[f"frames of camera {camera}"] = f"camera {camera} lacks frame {listed}{more}"
+        names = [name for name, lacking in missing.items() if lacking == camera]
+        if names:
+            more = f" and of {len(names) - 3} more" if len(names) > 3 else ""
+            listed = ", ".join(names[:3])
+            text = f"camera {camera} lacks the partner of {listed}{more}"
+            texts[f"frames of camera {camera}"] = text
     return texts

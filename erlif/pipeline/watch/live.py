@@ -30,10 +30,10 @@ class LivePair(NamedTuple):
 
     Attributes
     ----------
-    number : int
-        Of its frame, as `Arrival.number`.
     place : int
-        In the recording, counted from 0.
+        Number in the recording, counted from 0, as `erlif process` counts frame pairs.
+    file : str
+        Name of the frame of camera 1.
     time : float
         When its second image was found complete. [s since 1970]
     film_min : float
@@ -54,8 +54,8 @@ class LivePair(NamedTuple):
         Of camera 2 against the map of the cameras, x and y. [px]
     """
 
-    number: int
     place: int
+    file: str
     time: float
     film_min: float
     film_min_std: float
@@ -72,15 +72,15 @@ class LiveMap(NamedTuple):
 
     Attributes
     ----------
-    number : int
-        Of its frame.
+    title : str
+        Which pair it is, for the page.
     thickness : Image
         (y, x). [um]
     flags : FlagImage
         (y, x), bits of `erlif.core.flags.Flag`.
     """
 
-    number: int
+    title: str
     thickness: Image
     flags: FlagImage
 
@@ -148,10 +148,10 @@ class LiveFilm:
         task.__dict__.update(self._tables)
         maps, result = task([frame])
         light, saturated = measure_counts(read.counts, pairs.full_scales)
-        film = result.statistics
+        film, name = result.statistics, arrival.pages[0].name
         return LivePair(
-            arrival.number,
             arrival.place,
+            name,
             arrival.time,
             film.minimum,
             film.minimum_std,
@@ -161,7 +161,7 @@ class LiveFilm:
             light,
             saturated,
             result.frames[0].drift,
-        ), LiveMap(arrival.number, maps["thickness"].copy(), maps["flags"].copy())
+        ), LiveMap(f"pair {arrival.place}, {name}", maps["thickness"].copy(), maps["flags"].copy())
 
     @property
     def _tables(self) -> dict[str, Any]:

@@ -228,14 +228,13 @@ class Setup(Follower):
             newest = self._arrived[self._looked] if self._looked >= 0 else None
             return {
                 "version": self._version,
-                "ended": self._ended.is_set(),
+                "status": self.status,
+                "closed": self.closed,
                 "frames": self._arrivals.counts(),
                 "arrived": len(self._arrived),
                 "pairs": [],
                 "angles": [],
-                "newest": None
-                if newest is None
-                else {"number": newest.number, "time": newest.time},
+                "newest": None if newest is None else {"place": newest.place, "time": newest.time},
                 "shape": self._pairs.shape if self._images else None,
                 "cameras": [_plain(camera) for camera in self._cameras],
                 "best": [None if math.isnan(one) else one for one in self._best],
@@ -251,7 +250,7 @@ class Setup(Follower):
             if not self._images or layer not in ("camera1", "camera2"):
                 return None
             n = int(layer[-1]) - 1
-            title = f"frame {self._arrived[self._looked].number}"
+            title = self._arrived[self._looked].pages[n].name
             return title, self._images[n], self._saturated[n]
 
     # threads

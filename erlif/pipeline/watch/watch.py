@@ -169,7 +169,8 @@ class Watch(Follower):
         state = self.state()
         return {
             "version": state.version,
-            "ended": self._ended.is_set(),
+            "status": self.status,
+            "closed": self.closed,
             "frames": state.frames,
             "arrived": state.arrived,
             "measured": len(state.measured),
@@ -185,7 +186,7 @@ class Watch(Follower):
     def newest(self, layer: str) -> tuple[str, Image, FlagImage] | None:
         """As `erlif.show.view.live.LiveSource`; the film thickness is the only layer."""
         shown = self._newest
-        return None if shown is None else (f"pair {shown.number}", shown.thickness, shown.flags)
+        return None if shown is None else (shown.title, shown.thickness, shown.flags)
 
     # threads
 
@@ -266,7 +267,7 @@ class Watch(Follower):
             with self._changed:
                 if away:
                     self._waiting.insert(0, frame)
-                self._note("share" if away else f"pair {arrival.number}", error)
+                self._note("share" if away else f"pair {arrival.place}", error)
                 self._notify()
             return
         with self._changed:
@@ -299,7 +300,7 @@ def describe_fall(pairs: Sequence[LivePair]) -> str:
     --------
     >>> zero = (0.0, 0.0)
     >>> pairs = [
-    ...     LivePair(n, n, 0.0, 2.0, 0.1, 2.0, 0.1, 1.0, (1000.0 - 10 * n, 900.0), zero, zero)
+    ...     LivePair(n, "", 0.0, 2.0, 0.1, 2.0, 0.1, 1.0, (1000.0 - 10 * n, 900.0), zero, zero)
     ...     for n in range(60)
     ... ]
     >>> describe_fall(pairs)
@@ -327,7 +328,7 @@ def as_row(pair: LivePair) -> dict[str, Any]:
     Examples
     --------
     >>> zero = (0.0, 0.0)
-    >>> pair = LivePair(7, 0, 0.0, 2.0, 0.1, float("nan"), 0.1, 1.0, zero, zero, zero)
+    >>> pair = LivePair(0, "", 0.0, 2.0, 0.1, float("nan"), 0.1, 1.0, zero, zero, zero)
     >>> as_row(pair)["film_min"], as_row(pair)["film_mean"]
     (2.0, None)
     """

@@ -92,7 +92,7 @@ def test_a_lost_frame_is_missed_by_number_and_camera_and_shifts_no_pair(rig):
     assert rig.look() == [0, 1, 2, 4, 5]
     assert rig.arrivals.missing() == {}
     rig.clock.now += PATIENCE + 0.1
-    assert rig.arrivals.missing() == {3: 2}
+    assert rig.arrivals.missing() == {"frame_0003.tif": 2}
     assert rig.arrivals.counts() == (6, 5)
     rig.write(2, 3)
     (late,) = rig.arrivals.look()

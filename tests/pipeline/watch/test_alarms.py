@@ -7,7 +7,7 @@ from erlif.pipeline.watch.live import LivePair
 
 
 def pair(film=3.0, saturated=(0.0, 0.0)):
-    return LivePair(7, 7, 0.0, film, 0.1, film, 0.1, 1.0, (9.0, 9.0), saturated, (0.0, 0.0))
+    return LivePair(7, "", 0.0, film, 0.1, film, 0.1, 1.0, (9.0, 9.0), saturated, (0.0, 0.0))
 
 
 def test_no_limit_raises_no_alarm():

@@ -72,4 +72,9 @@ def test_missing_frames_are_listed_in_words(lab, monkeypatch):
     lab.frames(2)[2].unlink()
     follower = Follower(lab.run)
     with follower.running():
-        wait_until(lambda: list(follower.faults().values()) == ["camera 2 lacks frame 2"], follower)
+        wait_until(
+            lambda: (
+                list(follower.faults().values()) == ["camera 2 lacks the partner of frame_0002.tif"]
+            ),
+            follower,
+        )

@@ -48,7 +48,8 @@ def test_every_pair_is_measured_as_it_comes_and_the_angles_follow(empty_run, fil
         wait_until(lambda: len(watch.state().angles) == 6, watch)
         state = watch.state()
     assert state.frames == (6, 6)
-    assert state.latest.number == state.newest.number == 5
+    assert state.latest.place == 5
+    assert state.newest.title == "pair 5, frame_0005.tif"
     assert state.faults == {}
     assert state.registered_on >= 2
     with erlif.open_film(film) as finished:
@@ -75,11 +76,11 @@ def test_news_hold_what_is_new_and_wait_for_it(empty_run):
             version = news["version"]
             rows += news["pairs"]
         writer.join()
-    assert sorted(row["number"] for row in rows) == list(range(6))
+    assert sorted(row["place"] for row in rows) == list(range(6))
     title, thickness, flags = watch.newest("thickness")
-    assert title == "pair 5"
+    assert title == "pair 5, frame_0005.tif"
     assert thickness.shape == flags.shape == (96, 128)
-    assert watch.news(-1, 0, 0, 0.0)["ended"] is True
+    assert watch.news(-1, 0, 0, 0.0)["closed"] is False
 
 
 def test_an_alarm_is_raised_kept_and_named(empty_run):
@@ -125,7 +126,7 @@ def test_a_pair_that_cannot_be_used_is_named_and_the_others_go_on(empty_run):
             tifffile.imwrite(run_dir / f"camera{n}" / "frame_0004.tif", np.ones((8, 8), np.uint16))
         wait_until(lambda: any("96" in fault for fault in watch.state().faults.values()), watch)
         write(5)
-        wait_until(lambda: watch.state().latest.number == 5, watch)
+        wait_until(lambda: watch.state().latest.place == 5, watch)
 
 
 def test_pairs_on_a_share_that_goes_away_are_measured_when_it_is_back(empty_run, monkeypatch):

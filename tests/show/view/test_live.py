@@ -25,8 +25,8 @@ class Source:
         self.thickness[:8, :8] = np.nan
         self.rows = [
             {
-                "number": n,
                 "place": n,
+                "file": f"frame_{n:04d}.tif",
                 "time": time.time() - 1 + 0.1 * n,
                 "film_min": 2.0 + n,
                 "film_min_std": 0.1,
@@ -49,7 +49,8 @@ class Source:
             time.sleep(0.01)
         return {
             "version": self.version,
-            "ended": self.ended,
+            "status": "film.nc is written" if self.ended else "",
+            "closed": self.ended,
             "frames": [3, 3],
             "arrived": 3,
             "measured": 3,
@@ -95,7 +96,7 @@ def test_news_and_map_are_what_the_source_has():
     reading = readings_of(Source())
     assert reading["run"](Request([], {}))["name"] == "run 7"
     news = reading["news"](Request([], {"version": "-1", "pairs": "2", "angles": "1"}))
-    assert [row["number"] for row in news["pairs"]] == [2]
+    assert [row["place"] for row in news["pairs"]] == [2]
     assert news["angles"] == [20.0, 30.0]
     packed = reading["map"](
         Request([], {"layer": "thickness", "window": "0,0,96,64", "room": "96,64"})
@@ -149,7 +150,7 @@ class TestInTheBrowser:
 
                 source.ended, source.version = True, 5
                 page.wait_for_selector("#status.bad")
-                assert page.inner_text("#status") == "The recording has ended."
+                assert page.inner_text("#status") == "film.nc is written"
 
     @pytest.mark.parametrize("size", SIZES)
     def test_both_cameras_and_what_to_turn_are_shown(self, size):

@@ -173,8 +173,8 @@ function show(found) {
   showFaults(news);
   showAlarms();
   showAge(news);
-  if (news.newest && news.newest.number !== Number(document.body.dataset.asked)) {
-    document.body.dataset.asked = news.newest.number;
+  if (news.newest && news.newest.place !== Number(document.body.dataset.asked)) {
+    document.body.dataset.asked = news.newest.place;
     panel.refresh().catch(() => {});
   }
   requestAnimationFrame(showCharts);

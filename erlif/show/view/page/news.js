@@ -27,10 +27,8 @@ export async function follow(known, show) {
     clock = news.now - Date.now() / 1000;
     version = news.version;
     show(news);
-    if (news.ended) {
-      end("The recording has ended.");
-      return;
-    }
+    if (news.status) end(news.status);
+    if (news.closed) return;
   }
 }
 

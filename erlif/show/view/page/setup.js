@@ -99,8 +99,8 @@ await follow(() => ({ pairs: 0, angles: 0 }), (found) => {
   });
   showChecks();
   news.cameras.forEach((camera, n) => histograms[n].show(camera));
-  if (news.newest.number !== Number(document.body.dataset.asked)) {
-    document.body.dataset.asked = news.newest.number;
+  if (news.newest.place !== Number(document.body.dataset.asked)) {
+    document.body.dataset.asked = news.newest.place;
     panels.forEach((panel) => panel.refresh().catch(() => {}));
   }
 });
