@@ -164,6 +164,10 @@ def _hint(number: str, name: str, unit: str) -> str:
             "; that is a kinematic viscosity: multiply it by the density of the oil (1 cSt at 880 "
             'kg/m3 is "0.88 mPa s")'
         )
+    per = re.fullmatch(r"1\s*/\s*(s|min|h)|(Hz|rpm)", name)
+    if unit == "s" and per and float(number) > 0:
+        seconds = {"min": 60, "rpm": 60, "h": 3600}.get(per[1] or per[2], 1)
+        return f'; that is a number per time: its period is "{seconds / float(number):.6g} s"'
     near = difflib.get_close_matches(name, _USUAL.get(unit, {}), n=2)
     return f"; did you mean {' or '.join(f'{number} {each}' for each in near)}?" if near else ""
 

@@ -87,6 +87,14 @@ def test_quantity_keeps_its_text_and_computes_as_a_float():
     assert (copy, copy.text) == (222.4, "50 lbf")
 
 
+@pytest.mark.parametrize(
+    ("text", "period"), [("12 1/min", "5 s"), ("30 rpm", "2 s"), ("4 Hz", "0.25 s")]
+)
+def test_a_number_per_time_is_refused_with_its_period(text, period):
+    with pytest.raises(ValueError, match=f'its period is "{period}"'):
+        parse_quantity(text, "s")
+
+
 @pytest.mark.parametrize("text", ["100 cSt", "100 mm^2/s"])
 def test_a_kinematic_viscosity_is_refused_with_what_it_lacks(text):
     with pytest.raises(ValueError, match="multiply it by the density"):
