@@ -15,7 +15,7 @@ from erlif.core.speed.imports import large_imports
 @click.argument("source", metavar="JOINT.TOML", type=PATH, required=False)
 @click.option("--example", is_flag=True, help="Print a commented joint that works as it is.")
 @click.option("--materials", is_flag=True, help="Print the table of materials with its sources.")
-@output_option("Page with figures (.html)", "none")
+@output_option("Page with figures (.html), or the table of the steps (.csv)", "none")
 @OVERWRITE
 def design(
     source: Path | None, example: bool, materials: bool, output: Path | None, overwrite: bool
@@ -49,10 +49,11 @@ def design(
             "Expected the name of a joint. Make one with: erlif design --example > joint.toml"
         )
     if output is not None:
-        expect_output(output, ".html", overwrite=overwrite)
+        expect_output(output, ".html", ".csv", overwrite=overwrite)
     designed = size(source)
     click.echo(wrap(summarise_design(designed, brief=not verbosity())))
     if output is not None:
-        from erlif.show.report import write_design_page
+        from erlif.show.report import write_design_page, write_design_table
 
-        click.echo(f"\nwritten: {write_design_page(designed, output, overwrite=overwrite)}")
+        write = write_design_table if output.suffix == ".csv" else write_design_page
+        click.echo(f"\nwritten: {write(designed, output, overwrite=overwrite)}")

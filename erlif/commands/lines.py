@@ -76,13 +76,16 @@ def _broken(line: str, below: int = 0) -> str:
     if gaps and gaps[0].end() <= _HANGING:
         below = gaps[0].end()
     below = below or _margin(line) + 2
-    return textwrap.fill(
+    # a number keeps its per cent
+    line = re.sub(r"(?<=\d) %", "\xa0%", line)
+    filled = textwrap.fill(
         line,
         COLUMNS,
         subsequent_indent=" " * below,
         break_long_words=False,
         break_on_hyphens=False,
     )
+    return filled.replace("\xa0%", " %")
 
 
 def _margin(line: str) -> int:

@@ -153,6 +153,7 @@ class SizingOptions(Settings):
 
     series: Literal["none", "R10", "R20", "R40"] = "none"
     eye_ratio: float = Field(3.0, strict=True, ge=2, le=4)
+    largest_diameter: Length | None = None
 
 
 class DesignSettings(Settings):

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import difflib
+import math
 import tomllib
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cache, cached_property
 from pathlib import Path
@@ -26,7 +27,7 @@ from erlif.io.settings import (
 from erlif.joint.sizing.assessment import Assessment, assess_joint
 from erlif.joint.sizing.joint import DIMENSIONS, Joint, Lock, dimensions_of
 from erlif.joint.sizing.materials import Material, read_materials
-from erlif.joint.sizing.practice import practice_notes
+from erlif.joint.sizing.practice import practice_notes, unchecked
 from erlif.joint.sizing.sensitivity import Sensitivity, Substitute, sensitivities, substitutes
 from erlif.joint.sizing.size import size_joint
 
@@ -51,6 +52,8 @@ class BearingDesign:
         The table of materials.
     assumed : tuple[str, ...]
         Parts whose material was not given and is the default.
+    own : tuple[str, ...]
+        Properties of materials that joint.toml gives, as ``"wear rate of the bushing"``.
     """
 
     name: str
@@ -60,6 +63,7 @@ class BearingDesign:
     settings: str
     materials: tuple[Material, ...]
     assumed: tuple[str, ...] = ()
+    own: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         size, weakest = dimensions_of(self.joint), self.assessment.weakest
@@ -67,7 +71,9 @@ class BearingDesign:
         verdict = "no limit known"
         if weakest is not None:
             failed = len(self.assessment.failed)
-            verdict = "all limits hold" if self.sound else f"limits exceeded: {failed}"
+            verdict = f"limits exceeded: {failed}"
+            if self.sound:
+                verdict = "all limits that are checked hold"
             verdict += f"; weakest {weakest.title}, margin {100 * weakest.margin:+.3g} %"
         return f"<BearingDesign {self.name!r}: {sizes}; {verdict}>"
 
@@ -82,9 +88,24 @@ class BearingDesign:
         return self.assessment.sound
 
     @property
+    def unchecked(self) -> tuple[str, ...]:
+        """Failures without a step, and limits that could not be computed."""
+        limits = (step.title for step in self.assessment.missing if step.kind == "limit")
+        return (*unchecked(self.joint), *limits)
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What the guide does not check, and sizes that are unusual in practice."""
-        return practice_notes(self.joint, chosen=self.chosen)
+        notes = practice_notes(self.joint, chosen=self.chosen)
+        clamped = self.assessment.step("pin_bending").margin
+        if not math.isfinite(clamped):
+            return notes
+        supported = 100 * ((1 + clamped) / 2 - 1)
+        support = (
+            "The pin is taken as clamped in its seats. One that they only support has twice the "
+            f"bending stress, a margin of {supported:+.0f} %."
+        )
+        return (support, *notes)
 
     @cached_property
     def sensitivities(self) -> tuple[Sensitivity, ...]:
@@ -160,6 +181,7 @@ def design(source: Path | str | DesignSettings, *, folder: Path | None = None) -
         assumed=tuple(
             part for part in ("seat", "housing") if part not in settings.model_fields_set
         ),
+        own=tuple(_own_values(settings)),
     )
 
 
@@ -230,8 +252,9 @@ def joint_of(settings: DesignSettings, folder: Path) -> Joint:
         for name, (table, key) in _places().items()
         if (value := getattr(getattr(settings, table), key, None)) is not None
     }
+    _require_known(settings, materials)
     parts = {
-        part: _material(getattr(settings, part), part, materials)
+        part: _material(getattr(settings, part), materials)
         for part in ("pin", "bushing", "seat", "housing")
     }
     lock = None if settings.lock is None else _lock(settings.lock, materials)
@@ -250,14 +273,24 @@ def _materials(settings: DesignSettings, folder: Path) -> Mapping[str, Material]
     return read_materials(None if own is None else folder / own)
 
 
-def _material(part: PartOfJoint, table: str, materials: Mapping[str, Material]) -> Material:
-    """Material of a part, with the values that joint.toml changes."""
-    if part.material and part.material not in materials:
-        near = difflib.get_close_matches(part.material, materials, n=1, cutoff=0.4)
-        hint = f"did you mean {near[0]!r}?" if near else "erlif design --materials lists them."
+def _require_known(settings: DesignSettings, materials: Mapping[str, Material]) -> None:
+    """Refuse materials that are not in the table, all at once."""
+    faults = []
+    for table in ("pin", "bushing", "seat", "housing", "lock"):
+        name = getattr(getattr(settings, table), "material", "")
+        if name and name not in materials:
+            near = difflib.get_close_matches(name, materials, n=3, cutoff=0.4)
+            hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "nothing is near"
+            faults.append(f"[{table}] material = {name!r}: {hint}")
+    if faults:
         raise ConfigError(
-            f"Expected a material of the table as [{table}] material; got {part.material!r}: {hint}"
+            f"Expected materials of the table; got {'; '.join(faults)}. "
+            "Correct the names; erlif design --materials lists them."
         )
+
+
+def _material(part: PartOfJoint, materials: Mapping[str, Material]) -> Material:
+    """Material of a part, with the values that joint.toml changes."""
     known = materials[part.material] if part.material else Material("", source="joint.toml")
     changed: dict[str, Any] = {
         field: float(value)
@@ -272,7 +305,18 @@ def _material(part: PartOfJoint, table: str, materials: Mapping[str, Material]) 
 
 def _lock(lock: LockOfJoint, materials: Mapping[str, Material]) -> Lock:
     known = {field.name: getattr(lock, field.name) for field in fields(Lock)[2:]}
-    return Lock(lock.kind, _material(lock, "lock", materials), **known)
+    return Lock(lock.kind, _material(lock, materials), **known)
+
+
+def _own_values(settings: DesignSettings) -> Iterator[str]:
+    """Names of the properties that joint.toml gives, of the parts with a material of the table."""
+    numbers = read_table("erlif.joint.sizing", "quantities.toml")["material"].values()
+    names = {one["place"]: one.get("name", one["place"]) for one in numbers if "place" in one}
+    for part in ("pin", "bushing", "seat", "housing", "lock"):
+        table = getattr(settings, part)
+        for key, name in names.items():
+            if table is not None and table.material and getattr(table, key, None) is not None:
+                yield f"{name} of the {part}"
 
 
 _LOCK_LENGTHS = ("height", "end_width", "throat", "weld_diameter", "screw_diameter")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from functools import partial
 
+from erlif.joint.sizing.heat import missing_motion, name_missing
 from erlif.joint.sizing.joint import Dimensions, known
 from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result
@@ -129,8 +130,18 @@ def _relative_play(state: JointState) -> Result:
     )
 
 
+# Properties of the parts by which warm parts grow.
+_GROWTH = (
+    ("pin", "conductivity"),
+    ("bushing", "conductivity"),
+    ("pin", "expansion"),
+    ("bushing", "expansion"),
+    ("housing", "expansion"),
+)
+
+
 def _warm_play(state: JointState) -> Result:
-    loss, play, size = state.growth_loss, state.play, state.size
+    joint, loss, play, size = state.joint, state.growth_loss, state.play, state.size
     at_rest = not state.speed > 0
     doubts = _doubt_about_fit(state)
     if math.isnan(loss) and not at_rest and play < 0:
@@ -147,6 +158,15 @@ def _warm_play(state: JointState) -> Result:
         margin=warm / (RECOMMENDED_PLAY[0] * 1e-3 * size.pin),
         valid=not doubts,
         variant="at_rest" if at_rest else "",
+        missing=name_missing(
+            {
+                **missing_motion(joint),
+                **{
+                    f"{key} of [{part}]": getattr(getattr(joint, part), key)
+                    for part, key in _GROWTH
+                },
+            }
+        ),
         values={"doubts": doubts, "least": (size.play - warm) * 1e6, "loss": loss * 1e6},
     )
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
-from erlif.joint.sizing.joint import known
+from erlif.joint.sizing.joint import Joint, known
 from erlif.joint.sizing.state import JointState
 from erlif.joint.sizing.steps import Result, margin_below
 from erlif.models.wear import pressure_velocity, steady_bushing_wear
@@ -16,8 +17,27 @@ FRICTION = (0.1, 0.8)
 LARGEST_ROUGHNESS = 1e-6
 
 
+def missing_motion(joint: Joint) -> dict[str, float | None]:
+    """The motion of a joint by its place in joint.toml."""
+    moves = joint.half_swing is not None and joint.period is not None
+    return {"[motion] half_swing and period": joint.half_swing if moves else None}
+
+
+def name_missing(values: Mapping[str, float | None]) -> str:
+    """List what is not given, by its place in joint.toml.
+
+    Examples
+    --------
+    >>> name_missing({"[life] time": 3.6e6, "wear of [bushing]": None})
+    'wear of [bushing]'
+    """
+    return ", ".join(place for place, value in values.items() if value is None)
+
+
 def _speed(state: JointState) -> Result:
-    return Result(state.speed * 1e3, most=known(state.joint.bushing.speed, math.inf) * 1e3)
+    limit = known(state.joint.bushing.speed, math.inf) * 1e3
+    missing = name_missing(missing_motion(state.joint))
+    return Result(state.speed * 1e3, most=limit, missing=missing)
 
 
 def _pv(state: JointState) -> Result:
@@ -25,7 +45,8 @@ def _pv(state: JointState) -> Result:
     pv = pressure_velocity(
         joint.moving_force, diameter=size.pin, width=size.width, speed=state.speed
     )
-    return Result(pv / 1e6, most=known(joint.bushing.pv, math.inf) / 1e6)
+    limit = known(joint.bushing.pv, math.inf) / 1e6
+    return Result(pv / 1e6, most=limit, missing=name_missing(missing_motion(joint)))
 
 
 def _friction(state: JointState) -> Result:
@@ -57,6 +78,13 @@ def _temperature(state: JointState) -> Result:
         margin=-1.0 if limit < outside else margin_below(rise, limit - outside),
         valid=not doubt,
         variant="hot_outside" if limit <= outside else "",
+        missing=name_missing(
+            {
+                **missing_motion(joint),
+                "conductivity of [pin]": joint.pin.conductivity,
+                "conductivity of [bushing]": joint.bushing.conductivity,
+            }
+        ),
         values={
             "outside": outside,
             "doubt": doubt,
@@ -91,6 +119,13 @@ def _wear(state: JointState) -> Result:
     return Result(
         depth * 1e3,
         most=most * 1e3,
+        missing=name_missing(
+            {
+                **missing_motion(joint),
+                "[life] time": joint.life,
+                "wear of [bushing], from a test of the pair": joint.bushing.wear,
+            }
+        ),
         values={
             "distance": distance / 1e3,
             "volume": float(worn.volume) * 1e9,

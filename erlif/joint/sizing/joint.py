@@ -139,6 +139,8 @@ class Joint:
     eye_ratio : float
         Outer over inner diameter, 2 to 4, of a housing eye that is to be chosen: the bushing is
         wide enough for it. [1]
+    largest_diameter : float | None
+        Largest pin diameter that is chosen. [m]
     lock : Lock | None
         Lock plate; None for none.
     """
@@ -170,6 +172,7 @@ class Joint:
     interference: float = 0.0
     lateral_play: float = 0.0
     eye_ratio: float = 3.0
+    largest_diameter: float | None = None
     lock: Lock | None = None
 
     @property

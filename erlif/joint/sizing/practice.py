@@ -9,7 +9,7 @@ from typing import Literal
 from erlif.joint.sizing.joint import DIMENSIONS, Joint
 from erlif.joint.sizing.state import JointState
 
-# Swings beyond which the missing check of fatigue is stated. [1]
+# Swings forth and back beyond which the missing check of fatigue is stated. [1]
 MANY_SWINGS = 1e5
 
 # Bores of solid bushings of copper alloys, ISO 4379. [m]
@@ -23,6 +23,11 @@ LARGEST_LOAD = 10e6
 
 # Chosen length below which strength does not decide. [m]
 SMALLEST_MADE = 1e-3
+
+# Seat width over the pin diameter below which it hardly clamps the pin as eq. 2 assumes. [1]
+#
+# An assumption; no source was found.
+NARROW_SEAT = 0.25
 
 # Half swing below which fretting is stated: the loaded arc never leaves its contact. [rad]
 #
@@ -52,18 +57,46 @@ def practice_notes(joint: Joint, *, chosen: Collection[str] = ()) -> tuple[str, 
     --------
     >>> from erlif.joint.sizing.design import example_joint
     >>> practice_notes(example_joint())
-    ('Fatigue is not checked at 3e+06 swings: the guide has no step for it.',)
+    ('Fatigue is not checked at 3e+06 cycles: the guide has no step for it.',)
     """
     return tuple(_notes(joint, chosen))
+
+
+def unchecked(joint: Joint) -> tuple[str, ...]:
+    """Name the failures that no step of the guide checks and that this joint does not exclude.
+
+    Parameters
+    ----------
+    joint : Joint
+
+    Returns
+    -------
+    tuple of str
+        ``"fatigue"`` unless the cycles are known to be few, ``"fretting"`` in a small swing.
+
+    Examples
+    --------
+    >>> from erlif.joint.sizing.design import example_joint
+    >>> unchecked(example_joint())
+    ('fatigue',)
+    """
+    few = 0.0 < _cycles(joint) <= MANY_SWINGS
+    fretting = joint.half_swing and joint.half_swing < SMALL_SWING
+    return (*(() if few else ("fatigue",)), *(("fretting",) if fretting else ()))
+
+
+def _cycles(joint: Joint) -> float:
+    """Swings forth and back in the life; NaN where they are not known. [1]"""
+    if joint.life is None or joint.period is None or not joint.half_swing:
+        return math.nan
+    return joint.life / joint.period
 
 
 def _notes(joint: Joint, chosen: Collection[str]) -> Iterator[str]:
     state = JointState(joint)
     size = state.size
-    if joint.life is not None and joint.period is not None and joint.half_swing:
-        swings = joint.life / joint.period
-        if swings > MANY_SWINGS:
-            yield f"Fatigue is not checked at {swings:.2g} swings: the guide has no step for it."
+    if (cycles := _cycles(joint)) > MANY_SWINGS:
+        yield f"Fatigue is not checked at {cycles:.2g} cycles: the guide has no step for it."
 
     if joint.half_swing and joint.half_swing < SMALL_SWING:
         path = 1e3 * joint.half_swing * size.pin
@@ -91,9 +124,11 @@ def _notes(joint: Joint, chosen: Collection[str]) -> Iterator[str]:
 
     play, tolerance = state.play, tolerance_grade_7(size.pin)
     if 0 < play < tolerance and size.pin <= _LARGEST_FACTOR:
+        chosen_least = "play" in chosen
+        why = ", or choose one with [sizing] series, which no play below it has" * chosen_least
         yield (
             f"The play of {play * 1e6:.3g} um is below a tolerance of ISO 286-1, grade 7 "
-            f"({tolerance * 1e6:.2g} um): pair pin and bore."
+            f"({tolerance * 1e6:.2g} um): pair pin and bore{why}."
         )
     for name in DIMENSIONS[:-1]:
         value = getattr(joint, name)
@@ -102,6 +137,11 @@ def _notes(joint: Joint, chosen: Collection[str]) -> Iterator[str]:
                 f"The {name.replace('_', ' ')} of {value * 1e3:.2g} mm is all that strength needs; "
                 "manufacture decides it."
             )
+    if size.seat < NARROW_SEAT * size.pin * (1 - _TOLERANCE):
+        yield (
+            f"A seat of {size.seat * 1e3:.3g} mm is narrower than a quarter of the pin and hardly "
+            "clamps it as eq. 2 assumes."
+        )
     if "seat_width" in chosen and size.seat == SMALLEST_MADE:
         yield f"The seat width of {size.seat * 1e3:g} mm is the least that is made."
 

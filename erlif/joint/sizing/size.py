@@ -14,12 +14,20 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from erlif.core.errors import UnitWarning
 from erlif.joint.refusals import refusal
 from erlif.joint.sizing.assessment import EQUATIONS
-from erlif.joint.sizing.joint import DIMENSIONS, Joint, warn_of_units
+from erlif.joint.sizing.joint import DIMENSIONS, Joint, known, warn_of_units
 from erlif.joint.sizing.lock import size_lock
-from erlif.joint.sizing.practice import SMALLEST_MADE, Series, round_up
+from erlif.joint.sizing.practice import (
+    NARROW_SEAT,
+    SMALLEST_MADE,
+    Series,
+    round_up,
+    tolerance_grade_7,
+)
 from erlif.joint.sizing.state import JointState
 from erlif.models.bearing import (
     LARGEST_HOLE_RATIO,
@@ -97,11 +105,15 @@ def _size(joint: Joint, series: Series) -> Joint:
         if joint.play is not None:
             break
         state = JointState(sized)
-        loss = state.growth_loss / state.size.pin
-        if not loss > relative:
-            sized = replace(sized, play=_round_play(state.least_play, series))
+        pin = state.size.pin
+        # play of a series is no smaller than the tolerances by which it is made
+        least = 0.0 if series == "none" else tolerance_grade_7(pin)
+        play = np.fmax(state.growth_loss, least)
+        if not play > relative * pin * (1 + 1e-9):
+            play = max(state.least_play, least - state.gain)
+            sized = replace(sized, play=_round_play(play, series))
             break
-        relative = loss
+        relative = float(play / pin)
     if sized.lock is not None:
         sized = replace(sized, lock=size_lock(sized, sized.lock, series=series))
     return sized
@@ -122,7 +134,8 @@ def _size_with_play(joint: Joint, relative: float, series: Series) -> Joint:
             least = least_seat_width(
                 joint.force, diameter=d, hardness=hardness, safety=joint.safety
             )
-        seat = round_up(max(least, SMALLEST_MADE), series)
+        practical = SMALLEST_MADE if series == "none" else max(SMALLEST_MADE, NARROW_SEAT * d)
+        seat = round_up(max(least, practical), series)
 
     housing, bore = joint.housing_diameter, d + 2 * wall
     if housing is None:
@@ -160,15 +173,20 @@ def _pin_and_width(joint: Joint, relative: float, series: Series) -> tuple[float
         return least, w if w is not None else _round_width(joint, least, relative, series)
 
     # a rounded width bends the pin more, so the next diameter may be needed
-    candidate = round_up(least, series)
-    tried = []
-    for _ in range(_CANDIDATES):
+    candidate = _round_pin(joint, least, series)
+    tried: list[tuple[float, float]] = []
+    while len(tried) < _CANDIDATES and candidate not in dict(tried):
         width = w if w is not None else _round_width(joint, candidate, relative, series)
         if _is_enough(joint, candidate, width, relative, series, keep_ratio=False):
             return candidate, width
         tried.append((candidate, width))
-        candidate = round_up(candidate * 1.001, series)
+        candidate = _round_pin(joint, candidate * 1.001, series)
     return tried[0]
+
+
+def _round_pin(joint: Joint, diameter: float, series: Series) -> float:
+    """The next preferred diameter, up to the largest one."""
+    return min(round_up(diameter, series), known(joint.largest_diameter, math.inf))
 
 
 def _least_pin(
@@ -179,7 +197,7 @@ def _least_pin(
     def enough(log_diameter: float) -> bool:
         return _is_enough(joint, math.exp(log_diameter), width, relative, series, keep_ratio)
 
-    low, high = math.log(_SMALLEST), math.log(_LARGEST)
+    low, high = math.log(_SMALLEST), math.log(known(joint.largest_diameter, _LARGEST))
     if not enough(high):
         # a given width takes up only so much heat, a given housing only so thick a pin
         if width is None and joint.housing_diameter is None:
@@ -199,8 +217,11 @@ def _least_pin(
 def _round_width(joint: Joint, diameter: float, relative: float, series: Series) -> float:
     """Least width of the bushing on a pin; a usual one where no width is enough."""
     wall = _wall(joint, diameter, series)
-    least = max(_least_width(joint, diameter, wall, relative), RECOMMENDED_WIDTH[0] * diameter)
-    return round_up(least if math.isfinite(least) else WIDTH * diameter, series)
+    low, high = (ratio * diameter for ratio in RECOMMENDED_WIDTH)
+    least = max(_least_width(joint, diameter, wall, relative), low)
+    width = round_up(least if math.isfinite(least) else WIDTH * diameter, series)
+    # rounding does not leave the recommended proportion
+    return round(high, 9) if least <= high < width else width
 
 
 def _fallback(joint: Joint, width: float | None, series: Series) -> tuple[float, float]:
@@ -208,7 +229,7 @@ def _fallback(joint: Joint, width: float | None, series: Series) -> tuple[float,
     d = _SMALLEST
     while not _is_strong(joint, d, width or WIDTH * d) and d < _LARGEST:
         d *= 1.01
-    d = round_up(d, series)
+    d = _round_pin(joint, d, series)
     return d, width if width is not None else round_up(WIDTH * d, series)
 
 

@@ -1,7 +1,7 @@
 from .check_page import write_check_page
 from .comparison import write_comparison_page, write_pair_table
 from .design import list_materials, summarise_design
-from .design_page import make_design_page, write_design_page
+from .design_page import make_design_page, write_design_page, write_design_table
 from .linkage import summarise_linkages
 from .page import write_report
 from .plan import check_plan_output, summarise_plan, write_plan
@@ -33,6 +33,7 @@ __all__ = [
     "write_check_page",
     "write_comparison_page",
     "write_design_page",
+    "write_design_table",
     "write_pair_table",
     "write_plan",
     "write_report",

@@ -12,7 +12,7 @@ from erlif.show.report.layout import TABLES, print_columns, render_text
 
 _ASSUMED = ": assumption"  # as the table of materials writes it
 _SMALL = 0.01
-_DIGITS = 3  # of a margin above 1000 %
+_LARGE = 10.0  # margin beyond which its size has no meaning
 _NOT_VALID = "not valid here"  # the state of a comparison outside of its validity
 
 
@@ -43,7 +43,7 @@ def summarise_design(design: BearingDesign, *, brief: bool = False) -> str:
         From `erlif.design`.
     brief : bool
         Leave out the columns of source and state, so that the table has 80 columns; a step that
-        does not hold has a negative margin.
+        does not hold has a negative margin, a doubtful one a question mark.
 
     Returns
     -------
@@ -60,18 +60,19 @@ def summarise_design(design: BearingDesign, *, brief: bool = False) -> str:
     shown = [step for step in design.assessment.steps if not step.missing]
     sizes = [(title, value, f" {source}") for title, value, source in dimensions(design)]
     steps: list[tuple[str, ...]] = [
-        ("step", "source", "present", "allowed", f"{'margin':>10} ", "state")
+        ("step", "source", "present", "allowed", f"{'margin':>10}  ", "state")
     ]
     apart: list[tuple[str, ...]] = []
     for step in shown:
         # a star marks a margin that is not that of the value beside it
-        marked = f"{margin(step.margin):>10}{'*' if step.basis else ' '}"
+        marks = ("*" if step.basis else "") + ("?" if "doubtful" in outcome(step) else "")
+        marked = f"{margin(step.margin):>10}{marks:2}"
         source = step.equation.replace("section ", "")
         row = (step.title, source, present(step), within(step), marked, outcome(step))
         (apart if step.state == _NOT_VALID else steps).append(row)
-    widths = "<34 <15 >19 >15 <11 <0"
+    widths = "<34 <15 >19 >15 <12 <0"
     if brief:
-        widths = "<34 >18 >13 <11"
+        widths = "<34 >18 >13 <12"
         steps, apart = ([(row[0], *row[2:5]) for row in rows] for rows in (steps, apart))
     return render_text(
         "design.txt",
@@ -96,8 +97,14 @@ def verdict(design: BearingDesign) -> Verdict:
     governing = f"{weakest.title} ({weakest.equation}) with a margin of {margin(weakest.margin)}"
     failed = count_of(len(assessment.failed), "limit")
     verb = "is" if len(assessment.failed) == 1 else "are"
-    exceeding = f"{failed} {verb} exceeded; the worst is"
-    head = f"{'All limits hold; the weakest is' if assessment.sound else exceeding}: {governing}."
+    head = f"{failed} {verb} exceeded; the worst is: {governing}."
+    if assessment.sound:
+        checked = (
+            f"that are checked hold; not checked: {', '.join(design.unchecked)}. The"
+            if design.unchecked
+            else "hold; the"
+        )
+        head = f"All limits {checked} weakest is: {governing}."
     # what to change follows the governing limit, one line for each limit
     exceeded = [] if assessment.sound else assessment.failed
     sentences = []
@@ -109,6 +116,8 @@ def verdict(design: BearingDesign) -> Verdict:
     if assessment.unusual:
         named = ", ".join(step.title for step in assessment.unusual)
         sentences.append(f"Outside of what is recommended: {named}.")
+    if design.own:
+        sentences.append(f"Your own values, not of the table: {', '.join(design.own)}.")
     alternatives = [f"{step.title}: {'; '.join(step.alternatives)}." for step in exceeded]
     return Verdict(head, alternatives, sentences)
 
@@ -153,7 +162,7 @@ def margin(value: float) -> str:
     Examples
     --------
     >>> margin(0.125), margin(-0.5), margin(30.04), margin(float("inf"))
-    ('+12 %', '-50 %', '+3000 %', 'unlimited')
+    ('+12 %', '-50 %', '> 1000 %', 'unlimited')
     """
     if math.isnan(value):
         return "-"
@@ -161,8 +170,8 @@ def margin(value: float) -> str:
         return "unlimited"
     if abs(value) < ROUNDING:
         return "0 %"
-    if value > 10:
-        return f"{float(f'{100 * value:.{_DIGITS}g}'):+.0f} %"
+    if value > _LARGE:
+        return f"> {100 * _LARGE:.0f} %"
     # the sign of a small margin is what matters
     return f"{100 * value:+.0f} %" if abs(value) >= _SMALL else f"{100 * value:+.2g} %"
 

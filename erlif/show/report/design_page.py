@@ -49,6 +49,31 @@ def write_design_page(
     return layout.write_page(lambda: make_design_page(design), out_path, overwrite=overwrite)
 
 
+def write_design_table(
+    design: BearingDesign, out_path: str | Path, *, overwrite: bool = False
+) -> Path:
+    """Write the steps of a design as CSV, as the page saves them.
+
+    Arguments as in `write_design_page`.
+
+    Returns
+    -------
+    Path
+        The table, one row for each step.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from erlif.joint.sizing.design import example_design
+    >>> with TemporaryDirectory() as directory:
+    ...     table = write_design_table(example_design(), f"{directory}/joint.csv")
+    ...     table.read_text("utf-8").split(",")[0]
+    'step'
+    """
+    steps = design.assessment.steps
+    return layout.write_page(lambda: _steps_csv(steps), out_path, overwrite=overwrite)
+
+
 def make_design_page(design: BearingDesign) -> str:
     """Return the page as HTML.
 
@@ -88,15 +113,13 @@ def make_design_page(design: BearingDesign) -> str:
 
 def _result(design: BearingDesign) -> Markup:
     found, joint = words.verdict(design), design.joint
-    given = [("Largest load", f"{joint.force / 1e3:.4g} kN")]
-    if joint.mean_force is not None:
-        given.append(("Mean load in motion", f"{joint.mean_force / 1e3:.4g} kN"))
-    given.append(("Safety factor", f"{joint.safety:g}"))
-    if joint.half_swing is not None and joint.period is not None:
-        swing = f"± {math.degrees(joint.half_swing):.3g}° every {joint.period:.4g} s"
-        given.append(("Swing", swing))
-    if joint.life is not None:
-        given.append(("Life in motion", f"{words.plain(joint.life / 3600)} h"))
+    given: list[tuple[str, str]] = [
+        (one["title"], _signs(f"{words.plain(value * one.get('scale', 1))} {one.get('unit', '')}"))
+        for name, one in layout.TABLES["inputs"].items()
+        if (value := getattr(joint, name)) is not None
+    ]
+    if joint.bushing.wear is not None:
+        given.append(("Wear rate", f"{joint.bushing.wear * 1e9:.3g} mm³/(N m)"))
     given += [(part.capitalize(), name) for part, name in words.name_materials(design).items()]
 
     # signs of print stand on the page; the terminal keeps plain ones

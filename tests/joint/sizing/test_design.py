@@ -1,5 +1,6 @@
 """joint.toml to a design."""
 
+import math
 import tomllib
 
 import pytest
@@ -38,6 +39,13 @@ def test_an_unknown_material_is_refused_with_the_nearest(path):
         design(path)
 
 
+def test_all_unknown_materials_are_refused_at_once(path):
+    text = example_joint_file().replace("CuAl10Ni5Fe4", "CuSn12").replace('"S355"', '"St52"')
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"\[bushing\].*'CuSn12Ni2'.*\[seat\].*\[lock\]"):
+        design(path)
+
+
 def test_a_table_of_the_user_is_found_beside_the_file(path):
     table = path.parent / "own.csv"
     table.write_text("name,yield_MPa,youngs_modulus_GPa\nown bronze,300,105\n", encoding="utf-8")
@@ -62,5 +70,16 @@ def test_sensitivities_and_substitutes_are_those_of_the_joint():
     assert "CuNi15Sn8 hardened" in {one.material.name for one in designed.substitutes}
 
 
+def test_a_pin_that_is_only_supported_has_twice_the_stress():
+    """A beam on two supports with F l / 4, where one with clamped ends has F l / 8."""
+    joint = example_design().joint
+    free, d = joint.bushing_width + joint.lateral_play, joint.pin_diameter
+    stress = joint.force * free / 4 / (math.pi * d**3 / 32)
+    margin = joint.pin.yield_stress / joint.safety / stress - 1
+    assert f"a margin of {100 * margin:+.0f} %." in example_design().notes[0]
+
+
 def test_a_design_is_shown_by_its_sizes_and_its_weakest_limit():
-    assert "pin 31.5 mm, bushing 40 mm; all limits hold; weakest" in repr(example_design())
+    assert "pin 31.5 mm, bushing 40 mm; all limits that are checked hold; weakest" in repr(
+        example_design()
+    )

@@ -43,6 +43,13 @@ def test_wear_is_the_steady_wear_of_colbert():
     assert at_end.margin == pytest.approx(0, abs=1e-9)
 
 
+def test_only_what_is_missing_is_asked_for():
+    step = assessed(bushing={"wear": None}).step("wear")
+    assert step.missing == "wear of [bushing], from a test of the pair"
+    assert assessed(life=None).step("wear").missing == "[life] time"
+    assert assessed(pin={"conductivity": None}).step("temperature").missing.endswith("of [pin]")
+
+
 def test_limits_of_the_bushing_govern_where_they_are_known():
     assessment = assessed(bushing={"speed": 0.01, "pv": 0.05e6})
     assert assessment.step("speed").state == assessment.step("pv").state == "fails"

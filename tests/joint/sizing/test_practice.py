@@ -8,7 +8,7 @@ import pytest
 
 from erlif.joint.sizing import round_up, size_joint
 from erlif.joint.sizing.design import example_joint
-from erlif.joint.sizing.practice import practice_notes, tolerance_grade_7
+from erlif.joint.sizing.practice import practice_notes, tolerance_grade_7, unchecked
 
 
 def notes(*, chosen=(), **changed):
@@ -25,7 +25,14 @@ def test_the_tolerance_is_that_of_the_table(low, high, table):
 def test_fatigue_is_stated_where_there_are_many_swings():
     assert notes() == ()
     (note,) = notes(life=1e4 * 3600, period=2.0)
-    assert "Fatigue is not checked at 1.8e+07 swings" in note
+    assert "Fatigue is not checked at 1.8e+07 cycles" in note
+
+
+@pytest.mark.parametrize(
+    ("life", "names"), [(9e4, ()), (1.1e5, ("fatigue",)), (None, ("fatigue",))]
+)
+def test_fatigue_is_unchecked_unless_the_cycles_are_known_to_be_few(life, names):
+    assert unchecked(replace(example_joint(), period=1.0, life=life)) == names
 
 
 def test_a_small_swing_is_named_as_fretting_and_a_large_one_is_not():
@@ -51,9 +58,11 @@ def test_unusual_sizes_have_a_note_with_a_reason():
     assert "5099 t" in notes(force=50e6)[0]
     (tight,) = notes(pin_diameter=0.036, play=10e-6, interference=0.0)
     assert "10 um is below a tolerance of ISO 286-1, grade 7 (24 um)" in tight
-    (thin,) = notes(seat_width=55e-6, chosen=("seat_width",))
+    thin, narrow = notes(seat_width=55e-6, chosen=("seat_width",))
     assert "seat width of 0.055 mm" in thin
-    assert notes(seat_width=55e-6) == ()
+    assert "narrower than a quarter" in narrow
+    assert notes(seat_width=55e-6) == (narrow,)
+    assert notes(seat_width=0.02) == ()  # a quarter of 80 mm
 
 
 def test_the_series_hold_the_numbers_of_iso_3():

@@ -5,11 +5,11 @@ import re
 import tomllib
 
 import pytest
-from scenes.joints import designed
+from scenes.joints import assessed, designed
 
 from erlif.io.settings import DesignSettings
 from erlif.joint.sizing.design import design, example_design
-from erlif.show.report import design_page, make_design_page
+from erlif.show.report import design_page, layout, make_design_page
 
 
 @pytest.fixture(scope="module")
@@ -53,8 +53,33 @@ def test_the_saved_table_has_the_steps_with_their_margins(page, read_page):
     assert again.assessment.weakest.key == example_design().assessment.weakest.key
 
 
+def test_the_page_lists_every_input_and_states_what_safety_leaves_out(page):
+    for title in layout.TABLES["inputs"].values():
+        assert f'<th scope="row">{title["title"]}</th>' in page
+    assert "5e-08 mm³/(N m)" in page
+    assert "Half swing</th><td>25 °</td>" in page
+    assert "two exceptions: the press fit" in page
+
+
+def test_safety_changes_neither_seizure_nor_the_press_fit():
+    """What the page states beside the table of the steps."""
+    margins = [
+        [assessed(safety=safety).step(key).margin for safety in (1.0, 3.0)]
+        for key in ("seizure", "press_bushing", "pv", "pin_shear")
+    ]
+    assert [low == high for low, high in margins] == [True, True, True, False]
+
+
+def test_folded_reasons_are_printed_and_links_are_not(page):
+    assert page.count("<details") == page.count('class="printed"')
+    assert "details.printed::details-content { content-visibility: visible" in page
+    for link in re.findall(r"<[^<]*><a download", page):
+        assert 'class="screen"' in link
+    assert "Checked by, date" in page
+
+
 def test_an_unsound_joint_is_reported_and_names_are_escaped(unsound_page):
     page = unsound_page
     assert "<h1>&lt;b&gt;boom&lt;/b&gt; &amp; arm</h1>" in page
     assert "limits are exceeded" in page
-    assert '<details id="step-pin_bending" open>' in page
+    assert '<details id="step-pin_bending" class="printed" open>' in page
