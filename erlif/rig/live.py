@@ -28,6 +28,9 @@ _FADING = 0.97
 # Time by which camera 2 writes later than camera 1, at most. [s]
 _LATER = 0.005
 
+# Column of the energy meter in the log.
+_METER = "laser_mJ"
+
 # Names of the folders of both cameras.
 _CAMERAS = ("camera1", "camera2")
 
@@ -116,7 +119,7 @@ def write_live(
                     _write(kept / camera / name, run / camera / name, energy, dark[n])
             if frame < len(rows):
                 with log.open("a", encoding="utf-8") as file:
-                    file.write(rows[frame] + "\n")
+                    file.write(_with_energy(head, rows[frame], energy) + "\n")
             progress("live", frame + 1, len(names))
 
 
@@ -124,6 +127,16 @@ def _energy(faults: Sequence[Fault], frame: int) -> float:
     """Light of a pulse over that without faults. [1]"""
     passed = [frame - one.frame for one in faults if one.kind == "laser-fades"]
     return float(_FADING ** max(passed, default=0)) if max(passed, default=0) > 0 else 1.0
+
+
+def _with_energy(head: str, row: str, energy: float) -> str:
+    """A row of the log with what the energy meter shows of a weaker pulse."""
+    names, values = head.split(","), row.split(",")
+    if _METER not in names or energy == 1.0:
+        return row
+    place = names.index(_METER)
+    values[place] = f"{energy * float(values[place]):.3f}"
+    return ",".join(values)
 
 
 def _dark_level(path: Path) -> float:

@@ -46,8 +46,15 @@ def test_a_camera_stops_and_another_loses_a_frame(lab):
 
 def test_the_light_of_a_fading_laser_falls_and_the_dark_stays(lab):
     before = [tifffile.imread(path).astype(float) for path in lab.frames(1)]
+    log = (lab.run / "encoder.csv").read_text().splitlines()
     write_live(lab.run, rate=100.0, faults=[Fault("laser-fades", 3)])
     after = [tifffile.imread(path).astype(float) for path in lab.frames(1)]
+    meter = [
+        float(new.split(",")[-1]) / float(old.split(",")[-1])
+        for old, new in zip(log, (lab.run / "encoder.csv").read_text().splitlines(), strict=True)
+        if not old.startswith("frame")
+    ]
+    assert meter == pytest.approx([1, 1, 1, 1, 0.97, 0.97**2], abs=1e-4)
     shares = [
         np.median(new - 64) / np.median(old - 64) for old, new in zip(before, after, strict=True)
     ]
