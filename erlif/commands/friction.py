@@ -18,6 +18,10 @@ _SHARE = click.FloatRange(min=0, max=1)
 @click.command()
 @click.argument("log", type=PATH)
 @click.option("--radius", type=LENGTH, help='Radius of the shaft, "5 mm".')
+@click.option("--diameter", type=LENGTH, help='Or its diameter, "10 mm".')
+@click.option(
+    "--load", type=Quantity("N", "LOAD"), help='Constant load, "5 kN"; no cells are read.'
+)
 @click.option("--arm", type=LENGTH, help='Arm of the torque\'s load cell, "30 cm".')
 @click.option("--vector", is_flag=True, help="The load is the vector sum of the cells.")
 @click.option("--speed", type=Quantity("m/s", "SPEED"), help='Sliding speed, "10 mm/s".')
@@ -37,6 +41,8 @@ _SHARE = click.FloatRange(min=0, max=1)
 def friction(
     log: Path,
     radius: float | None,
+    diameter: float | None,
+    load: float | None,
     vector: bool,
     torque_ratio: float,
     columns: dict[str, tuple[str, ...]],
@@ -67,8 +73,11 @@ def friction(
         )
         from erlif.show.plots import write_reversal_figure
 
-    if radius is None:
-        raise click.UsageError('Expected the radius of the shaft. Give it: --radius "5 mm"')
+    if (radius is None) == (diameter is None):
+        raise click.UsageError(
+            'Expected either the radius or the diameter of the shaft. Give it: --radius "5 mm"'
+        )
+    radius = 0.5 * diameter if radius is None else radius  # type: ignore[operator]
     choice = choose_columns(columns, units)
     output = output or log.parent / "friction"
     table, picture = output / f"{log.stem}.csv", output / f"{log.stem}.png"
@@ -79,6 +88,7 @@ def friction(
     read = read_torque_log(
         log,
         choice,
+        load=load,
         vector=vector,
         skip_bad_rows=skip_bad_rows,
         compression_negative=compression_negative,

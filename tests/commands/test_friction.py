@@ -43,10 +43,19 @@ def test_a_log_gives_the_coefficient_its_budget_a_table_and_a_figure(
     assert "exists already" in refused(*words)
 
 
+def test_a_constant_load_and_a_diameter_give_the_same(log, tmp_path, command):
+    """The cells have 240 N and 320 N, 400 N across the shaft."""
+    given = ("--diameter", "10 mm", "--load", "400 N", "-o", tmp_path)
+    shown = command("friction", log, *given).stdout
+    assert float(shown.split("coefficient: ")[1].split()[0]) == pytest.approx(0.12, abs=2e-4)
+    assert "load 400 N as given" in shown
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         (("--vector",), "--radius"),
+        ((*GIVEN, "--diameter", "10 mm"), "either the radius or the diameter"),
         (("--radius", "5"), "number with a unit"),
         ((*GIVEN, "--load-std", "3"), "0<=x<=1"),
     ],

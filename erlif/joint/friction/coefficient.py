@@ -238,12 +238,12 @@ def doubt_friction(
     >>> doubt_friction(0.15, radius=0.03336, arm=0.3)
     []
     >>> doubt_friction(0.013, radius=0.4, arm=0.3)
-    ['warning: the arm of 0.3 m is no longer than the radius of 0.4 m; check both and their units']
+    ['warning: the arm of 300 mm is no longer than the radius of 400 mm; check their units']
     """
     doubts = []
     if not LOWEST <= friction <= HIGHEST:
-        where = "" if radius is None else f" of {radius:g} m"
-        force = "torque" if arm is None else f"arm force, the arm of {arm:g} m"
+        where = "" if radius is None else f" of {1e3 * radius:.6g} mm"
+        force = "torque" if arm is None else f"arm force, the arm of {1e3 * arm:.6g} mm"
         doubts.append(
             f"warning: a friction coefficient of {friction:.2g} is implausible ({LOWEST:g} to "
             f"{HIGHEST:g} expected). Check the radius{where}, the unit of the {force}, and the "
@@ -251,7 +251,7 @@ def doubt_friction(
         )
     if radius is not None and arm is not None and arm <= radius:
         doubts.append(
-            f"warning: the arm of {arm:g} m is no longer than the radius of {radius:g} m; check "
-            "both and their units"
+            f"warning: the arm of {1e3 * arm:.6g} mm is no longer than the radius of "
+            f"{1e3 * radius:.6g} mm; check their units"
         )
     return doubts

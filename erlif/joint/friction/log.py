@@ -100,6 +100,7 @@ def read_torque_log(
     path: Path | str,
     columns: LogColumns | None = None,
     *,
+    load: float | None = None,
     vector: bool = False,
     skip_bad_rows: bool = False,
     compression_negative: bool = False,
@@ -114,6 +115,8 @@ def read_torque_log(
     columns : LogColumns, optional
         Which columns hold what. Columns with plain names, such as time, load, cell 1, torque, arm
         force, temperature and vibration, are found without it.
+    load : float, optional
+        Constant load; columns of cells are then not read. [N]
     vector : bool
         The cells are components across the shaft, of either sign; default: the load is their sum.
     skip_bad_rows : bool
@@ -149,7 +152,7 @@ def read_torque_log(
     """
     path, columns = Path(path), columns or LogColumns()
     table = with_clocks(_read_table(path, columns))
-    used = _find(table, columns)
+    used = _find(table, columns, with_load=load is None)
     members = _taken(used)
     others = [column.name for column in table.columns if column not in members]
     places = {
@@ -169,12 +172,14 @@ def read_torque_log(
             log["cells"] = (("cell", "time"), sign * np.array(values), {"units": "N"})
         else:
             log[quantity] = ("time", np.mean(values, axis=0), {"units": unit})
+    if load is not None:
+        log["cells"] = (("cell", "time"), np.full((1, log.sizes["time"]), load), {"units": "N"})
     _check(log, by_name, table, vector=vector)
     log.attrs["file"] = path.name
     log.attrs["columns"] = ", ".join(
         f"{quantity} from {' and '.join(repr(column.name) for column in members)}"
         for quantity, members in by_name.items()
-    )
+    ) + ("" if load is None else f"; load {load:g} N as given")
     log.attrs["unused"] = ", ".join(repr(name) for name in others if name)
     log.attrs["left_out"] = left_out
     return log
@@ -198,7 +203,7 @@ def _read_table(path: Path, columns: LogColumns) -> LogTable:
 # columns
 
 
-def _find(table: LogTable, columns: LogColumns) -> dict[str, list[LogColumn]]:
+def _find(table: LogTable, columns: LogColumns, *, with_load: bool) -> dict[str, list[LogColumn]]:
     """Columns by quantity: chosen ones first, then those of a known name, then of a similar one."""
     of = {
         quantity: [choose_column(quantity, name, table) for name in columns.chosen(quantity)]
@@ -211,9 +216,11 @@ def _find(table: LogTable, columns: LogColumns) -> dict[str, list[LogColumn]]:
             of[quantity] = _of_known_name(quantity, table, columns, of)
     if not of.get("temperature"):
         of["temperature"] = _any_temperature(table, columns, of)
+    if not with_load:
+        of.pop("cells", None)
     of = {quantity: of[quantity] for quantity in QUANTITIES if of.get(quantity)}
 
-    for quantity in ("time", "cells"):
+    for quantity in ("time", "cells") if with_load else ("time",):
         if quantity not in of:
             missing_column(quantity, table)
     if "torque" not in of and "arm_force" not in of:

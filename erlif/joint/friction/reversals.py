@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from erlif.core.tables import fill_template
 from erlif.io.conversion import table_csv
 from erlif.io.files import write_file
 from erlif.joint.friction.coefficient import doubt_friction, require_option, torque_of
-from erlif.joint.friction.stretches import Stretch, find_stretches
+from erlif.joint.friction.stretches import Stretch, find_stretches, variation_within
 from erlif.joint.refusals import refusal
 from erlif.models.friction import friction_coefficient
 
@@ -30,6 +31,10 @@ _LEVELS = (0.682689, 0.95)
 # not show whether friction wanders: the intervals then hold less than their share.
 FEW_INDEPENDENT, FEW_PAIRS = 4.0, 15
 
+# Variation of the torque within a stretch from which it is stated that there is no level.
+LARGE_VARIATION = 0.2
+
+_MOST_DIGITS = 8  # of a coefficient
 _NORMAL = 1.959964  # standard deviations of 95 %, for the errors that all pairs share
 
 
@@ -151,6 +156,8 @@ class ReversalSeries:
         Interval of 95 % of `trend`. [1]
     independent : float
         Number of independent values among the pairs: less than these where friction wanders. [1]
+    variation : float
+        Range of the torque within a stretch over its mean, beyond what the scatter explains. [1]
     """
 
     pairs: xr.Dataset
@@ -162,6 +169,7 @@ class ReversalSeries:
     friction_interval: tuple[float, float]
     trend_interval: tuple[float, float]
     independent: float
+    variation: float = 0.0
 
 
 def analyse_friction(
@@ -239,7 +247,8 @@ def analyse_friction(
     load = np.sqrt((cells**2).sum(axis=0)) if vector else cells.sum(axis=0)
     time = log["time"].values
     torque = torque_of(log, arm)
-    pairs = _pairs(time, torque, load, shaft_radius).assign_attrs(
+    stretches = find_stretches(torque)
+    pairs = _pairs(time, torque, load, shaft_radius, stretches).assign_attrs(
         file=log.attrs.get("file", ""), shaft_radius=shaft_radius
     )
     if "torque" not in log:
@@ -272,12 +281,15 @@ def analyse_friction(
         friction_interval=(mean - wide, mean + wide),
         trend_interval=(trend - of_trend.wide, trend + of_trend.wide),
         independent=of_mean.independent,
+        variation=variation_within(torque, stretches),
     )
 
 
-def _pairs(time: Array, torque: Array, load: Array, radius: float) -> xr.Dataset:
+def _pairs(
+    time: Array, torque: Array, load: Array, radius: float, found: list[Stretch]
+) -> xr.Dataset:
     """One value for each two neighbouring stretches of opposite direction."""
-    stretches = [_level(time, torque, load, one, radius) for one in find_stretches(torque)]
+    stretches = [_level(time, torque, load, one, radius) for one in found]
     pairs = []
     index = 0
     while index + 1 < len(stretches):
@@ -385,10 +397,16 @@ def describe_friction(found: ReversalSeries, *, torque_ratio: float = 1.0) -> li
     apparent friction coefficient: 0.1500 ± 0.0015 (4 pairs of stretches)
     """
     known = found.pairs.attrs
+    # two digits of the standard deviation
+    digits = 4
+    if found.friction_std > 0:
+        digits = min(max(1 - math.floor(math.log10(found.friction_std)), 4), _MOST_DIGITS)
     text = fill_template(
         "erlif.joint.friction",
         "friction.txt",
         found=found,
+        form=f"%.{digits}f",
+        radius=1e3 * known["shaft_radius"],
         doubts=doubt_friction(
             found.friction, radius=known.get("shaft_radius"), arm=known.get("arm")
         ),
@@ -399,6 +417,7 @@ def describe_friction(found: ReversalSeries, *, torque_ratio: float = 1.0) -> li
         * known["shaft_radius"],
         dwell=float(found.pairs["dwell"].median()) / 2,
         torque_ratio=torque_ratio,
+        no_level=found.variation > LARGE_VARIATION,
         few=found.independent < FEW_INDEPENDENT,
         few_pairs=found.pairs.sizes["time"] < FEW_PAIRS,
     )

@@ -23,6 +23,7 @@ _FEWEST = 4  # samples of a stretch that remain
 _TRIM = 0.1  # of the sliding at each end, where the motor speeds up
 _NOISY = 0.55  # scatter within a direction over half their difference; white noise gives 2.5
 
+_PARTS = 8  # of a stretch, whose means are compared
 _FEWEST_LEVELS = 2  # stretches of a direction whose levels can be compared
 _BLOCKS = 40  # means of a stretch in which the dwell is sought
 _SLIDING = 0.2  # of a stretch: least part that slides
@@ -67,7 +68,7 @@ def find_stretches(torque: Array) -> list[Stretch]:
     Parameters
     ----------
     torque : array, (n,)
-        Torque with its sign. [any unit]
+        Torque with its sign. [N m]
 
     Returns
     -------
@@ -110,6 +111,46 @@ def find_stretches(torque: Array) -> list[Stretch]:
             stretches.append(Stretch(up, first + cut, last - cut, dwell))
     _require_levels(torque, stretches)
     return stretches
+
+
+def variation_within(torque: Array, stretches: list[Stretch]) -> float:
+    """Compute by how much the torque varies within a stretch, in the mean of all of them.
+
+    Parameters
+    ----------
+    torque : array, (n,)
+        Torque with its sign. [any unit]
+    stretches : list of Stretch
+        As `find_stretches` returns them, of both directions.
+
+    Returns
+    -------
+    float
+        Range of the mean course over its mean, 0 where it is not larger than the scatter explains.
+        [1]
+
+    Examples
+    --------
+    A sine has no level, unlike a square wave:
+
+    >>> torque = np.sin(np.arange(0.0, 60.0, 0.1))
+    >>> print(f"{variation_within(torque, find_stretches(torque)):.1f}")
+    0.9
+    >>> variation_within(np.sign(torque), find_stretches(np.sign(torque)))
+    0.0
+    """
+    long = [one for one in stretches if one.last - one.first + 1 >= _PARTS]
+    courses = np.array(
+        [[part.mean() for part in np.array_split(torque[one.samples], _PARTS)] for one in long]
+    ).reshape(-1, _PARTS)
+    forward = np.array([one.forward for one in long], dtype=bool)
+    sides = courses[forward], courses[~forward]
+    if min(map(len, sides)) < _FEWEST_LEVELS:
+        return 0.0
+    course = 0.5 * (sides[0].mean(axis=0) - sides[1].mean(axis=0))
+    varied = float(np.ptp(course))
+    error = 0.5 * float(np.hypot(*(side.std(axis=0).max() / np.sqrt(len(side)) for side in sides)))
+    return varied / float(course.mean()) if varied > _CLEAR * error else 0.0
 
 
 def running_median(values: Array) -> Array:

@@ -60,6 +60,7 @@ def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -
     ax.set_xlabel("sliding distance [m]" if known else "time [min]")
     ax.set_ylabel("apparent friction coefficient")
     ax.margins(y=0.1)
+    ax.locator_params(axis="x", nbins=5)  # their labels do not meet
     style.legend_above(ax)
     return [drawn[0], mean]
 

@@ -43,7 +43,7 @@ def write_design_page(
     >>> from erlif.joint.sizing.design import example_design
     >>> with TemporaryDirectory() as directory:
     ...     page = write_design_page(example_design(), f"{directory}/joint.html").read_text("utf-8")
-    >>> page[:15], "All limits hold" in page
+    >>> page[:15], "All limits that are checked hold" in page
     ('<!DOCTYPE html>', True)
     """
     return layout.write_page(lambda: make_design_page(design), out_path, overwrite=overwrite)

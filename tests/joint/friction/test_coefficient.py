@@ -74,6 +74,6 @@ def test_what_no_bearing_has_is_doubted():
     for friction in (0.0001, 15.36, 120.0, float("nan")):
         (line,) = doubt_friction(friction, radius=0.03336, arm=30.0)
         assert "implausible" in line
-        assert "the arm of 30 m" in line
+        assert "the arm of 30000 mm" in line
     for friction in (0.01, 0.15, 1.0):  # from lubricated to galled
         assert doubt_friction(friction, radius=0.03336, arm=0.3) == []

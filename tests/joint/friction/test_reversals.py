@@ -111,7 +111,31 @@ def test_a_log_too_short_for_its_correlation_says_so():
             any("hardly determines the mean" in line for line in describe_friction(found)) == told
         )
     short = analysed(make_log(np.random.default_rng(3)).sel(time=slice(0, 120)))
-    assert any("so few pairs" in line for line in describe_friction(short))
+    assert any("fewer than 15 pairs" in line for line in describe_friction(short))
+
+
+def test_a_torque_without_a_level_is_warned_of():
+    """The means of eighths of the inner 80 to 86 % of a sine, their range over their mean."""
+    noise = np.random.default_rng(4).normal(size=TIME.size)
+    sine = analysed(torque=0.12 * np.sin(2 * np.pi * TIME / 20) + 0.01 * noise)
+    assert any("the torque varies by" in line for line in describe_friction(sine))
+    bounds = []
+    for cut in (0.1, 0.07):
+        ends = np.pi * np.linspace(cut, 1 - cut, 9)
+        course = -np.diff(np.cos(ends)) / np.diff(ends)
+        bounds.append(np.ptp(course) / course.mean())
+    assert bounds[0] < sine.variation < 1.05 * bounds[1]
+    for scatter in (0.0, 0.01, 0.05):
+        square = analysed(torque=0.12 * np.where(TIME % 20 < 10, 1, -1) + scatter * noise)
+        assert not any("varies by" in line for line in describe_friction(square))
+
+
+def test_the_std_has_two_digits_and_both_sizes_of_the_shaft_are_stated():
+    first, _, shaft, *_ = describe_friction(analysed(noise=0.001))
+    mean, std = first.split(": ")[1].split(" (")[0].split(" ± ")
+    assert len(std.lstrip("0.")) == 2
+    assert len(mean) == len(std)
+    assert shaft == "  shaft: radius 5 mm, diameter 10 mm"
 
 
 @pytest.mark.parametrize("change", [-0.04, 0.04])
