@@ -16,7 +16,13 @@ from .position import (
     find_pin_position,
     pin_covariance,
 )
-from .profile import RigidGap, average_across_sliding, rigid_gap
+from .profile import (
+    RigidGap,
+    average_across_sliding,
+    cut_through_minimum,
+    place_of_minimum,
+    rigid_gap,
+)
 from .region import Region, find_region
 from .rigidity import (
     CLEARANCE_STD,
@@ -71,6 +77,7 @@ __all__ = [
     "average_across_sliding",
     "choose_contact",
     "compare_with_roughness",
+    "cut_through_minimum",
     "estimate_background",
     "estimate_errors",
     "find_gap_minima",
@@ -85,6 +92,7 @@ __all__ = [
     "gap_of_pin",
     "judge_form",
     "pin_covariance",
+    "place_of_minimum",
     "predict_film",
     "rigid_gap",
     "solve_equations",

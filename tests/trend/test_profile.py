@@ -10,7 +10,13 @@ from scenes.film import CLEARANCE, RADIUS, RUN_TOML, K, P, Q, known_calibration,
 
 from erlif.core.flags import Flag
 from erlif.io.settings import RunSettings, to_toml
-from erlif.trend import RigidGap, average_across_sliding, rigid_gap
+from erlif.trend import (
+    RigidGap,
+    average_across_sliding,
+    cut_through_minimum,
+    place_of_minimum,
+    rigid_gap,
+)
 
 ROWS, COLUMNS = 64, 160
 X, Y = 0.1 * np.arange(COLUMNS), 0.2 * np.arange(ROWS)  # mm
@@ -69,6 +75,31 @@ def test_profile_averages_the_axial_extent_of_the_region():
     tilt = np.where(INSIDE, 0.02 * (Y - Y[INSIDE].mean()), 5.0)
     profile = average_across_sliding(make_film(parabola() + tilt[:, None]), trigger=0)
     npt.assert_allclose(profile.thickness, parabola()[0], atol=2e-3)
+
+
+def test_cut_goes_through_the_minimum_of_a_point_contact():
+    """Film 2 + r^2/2R of a ball: the mean of the region is 4.2 um, R = 1.875 mm mm/um, thicker."""
+    radius, row, minimum = 1.875, 29.6, 2.0
+    away = Y - 0.2 * row
+    ball = minimum + ((X - CENTRE) ** 2 + away[:, None] ** 2) / (2 * radius)
+    for turned in (False, True):
+        column, line = (row, CENTRE / 0.1) if turned else (CENTRE / 0.1, row)
+        film = make_film(ball, turned=turned)
+        film = film.assign(film_min_x=("trigger", [column]), film_min_y=("trigger", [line]))
+        place = place_of_minimum(film, trigger=0)
+        npt.assert_allclose(sorted(place.values()), sorted([CENTRE, 0.2 * row]))
+        cut = cut_through_minimum(film, trigger=0)
+        at = int(np.abs(cut.position.values - CENTRE).argmin())
+        # 1 mm of 10 mm: rows within 0.5 mm of the minimum
+        rows = np.abs(away) <= 0.5
+        npt.assert_allclose(
+            cut.thickness[at], minimum + (away[rows] ** 2).mean() / 2 / radius, atol=0.01
+        )
+        assert float(average_across_sliding(film, trigger=0).thickness[at]) > minimum + 1.5
+    unknown = film.assign(film_min_x=("trigger", [np.nan]))
+    assert place_of_minimum(unknown, trigger=0) is None
+    whole = average_across_sliding(unknown, trigger=0).thickness
+    npt.assert_array_equal(cut_through_minimum(unknown, trigger=0).thickness, whole)
 
 
 def test_profile_has_no_bias_where_the_inverse_is_curved():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from numbers import Integral
 from pathlib import Path
 
 import numpy as np
@@ -155,7 +156,7 @@ def check_trigger(film: xr.Dataset, trigger: int) -> None:
     Raises
     ------
     ErlifError
-        If there is no such trigger.
+        If there is no such trigger, or if it is no whole number.
 
     Examples
     --------
@@ -168,6 +169,8 @@ def check_trigger(film: xr.Dataset, trigger: int) -> None:
 Choose one of them.
     """
     count = film.sizes["trigger"]
+    if not isinstance(trigger, Integral):
+        raise refusal("trigger_without_number", most=count - 1, trigger=trigger)
     if not 0 <= trigger < count:
         raise refusal("no_such_trigger", most=count - 1, trigger=trigger)
 

@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from erlif.calibration import Calibration, Profile
 from erlif.core.arrays import Array
 from erlif.show.plots import style
+from erlif.show.plots.naming import write_title
 from erlif.show.plots.style import MUTED, ONE_COLUMN, OUTWARD, RETURN, AnyFigure, pt, styled
 
 # of the calibrated range
@@ -274,7 +275,7 @@ def calibration_figure(calibration: Calibration, *, figure: AnyFigure | None = N
     style.draw_panels(panels, (ratio_against_thickness, ratio_residuals), calibration)
     if not style.is_page():
         panels[0].set_xlabel("")
-    figure.suptitle(f"calibration with {calibration.fixture}", parse_math=False)
+    write_title(figure, f"calibration with {calibration.fixture}")
     return figure
 
 

@@ -23,11 +23,8 @@ from erlif.show.plots import style as looks
 from erlif.show.plots.calibration import calibration_figure, fixture_profile, profile_figure
 from erlif.show.plots.images import band_images_figure, ratio_image
 from erlif.show.plots.kinematics import cycle_figure, speed_against_angle
-from erlif.show.plots.maps import (
-    MAP_WIDTH,
-    image_height,
-    thickness_figure,
-)
+from erlif.show.plots.maps import image_height, thickness_figure
+from erlif.show.plots.naming import run_line, write_title
 from erlif.show.plots.orbit import has_position, pin_figure
 from erlif.show.plots.prediction import has_prediction, prediction_figure, prediction_map_figure
 from erlif.show.plots.registration import registration_figure
@@ -41,7 +38,8 @@ logger = logging.getLogger(__name__)
 
 _KINDS = ("png", "pdf", "svg")
 _DPI = (20, 2400)  # fewest and most pixels per inch
-_LABELS = 0.64  # inch above and below the image of the ratio, for title and labels
+_RATIO_WIDTH = 0.65  # of a column, for the image of the ratio
+_LABELS = 0.75  # inch above and below the image of the ratio, for title and labels
 _LEAST_SPAN = 0.1  # relative range of speed over load below which it shows no trend
 _SAME = 1e-9  # relative difference of parameters that a text file of them may leave
 
@@ -199,16 +197,18 @@ def _draw_fixture(source: FigureSource) -> Figure:
         fixture_profile(profile, calibration=source.calibration, ax=figure.add_subplot())
     else:
         figure = profile_figure(profile, calibration=source.calibration)
-    figure.suptitle(f"fixture {settings.fixture.name}", parse_math=False)
+    name = settings.fixture.name
+    write_title(figure, name if "fixture" in name.lower() else f"fixture {name}")
     return figure
 
 
 @styled
 def _draw_ratio(source: FigureSource) -> AnyFigure:
-    height = image_height(source.film, MAP_WIDTH * ONE_COLUMN) + _LABELS
-    figure = given_figure(None, ONE_COLUMN, height, text=_LABELS, film=source.film)
-    image = ratio_image(source.images, source.film, ax=figure.add_subplot())
-    image.axes.set_title(stored.describe_trigger(source.film, source.trigger))
+    height = image_height(source.film, _RATIO_WIDTH * ONE_COLUMN) + _LABELS
+    figure = given_figure(None, ONE_COLUMN, height, text=_LABELS)
+    ratio_image(source.images, source.film, ax=figure.add_subplot())
+    lines = run_line(source.film), stored.describe_trigger(source.film, source.trigger)
+    write_title(figure, "\n".join(filter(None, lines)))
     return figure
 
 

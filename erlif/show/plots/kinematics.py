@@ -23,12 +23,11 @@ from erlif.show.plots.style import MEAN, MINIMUM, MUTED, ONE_COLUMN, AnyFigure, 
 from erlif.show.refusals import refusal
 
 _CYCLE = np.linspace(0.0, 2 * math.pi, 721)  # crank angle every half degree [rad]
-_PANELS = (1.35, 1)  # heights of film and speed
-_STATISTICS = ("film_mean", "film_min")
-_LOOKS: tuple[tuple[str, Any, str], ...] = (
-    (MEAN, (0, (3, 1.5)), "mean"),
-    (MINIMUM, "-", "minimum"),
-)
+_PANEL = 0.5  # height of a panel by the width of a column
+_LOOKS: dict[str, tuple[str, Any, str]] = {
+    "film_mean": (MEAN, (0, (3, 1.5)), "mean"),
+    "film_min": (MINIMUM, "-", "minimum"),
+}
 
 _MARKER = 2.4  # point
 _LEGEND = 3.2  # lines of text above the films
@@ -203,13 +202,21 @@ def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist
 
 
 @styled
-def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+def film_over_cycle(
+    film: xr.Dataset, *, ax: Axes | None = None, statistic: str | None = None
+) -> list[Artist]:
     """Draw mean and minimum film thickness against crank angle, with bands of one s.d.
 
     The axis ends at the films with their bands, and at zero where they vary by more than their
     smallest value. Without an angle of the drive they are drawn against time or the number of the
-    trigger. The mean is pale at triggers where part of the region of interest is beyond the
-    measurable range: it is that of other pixels there. Arguments as in `speed_against_angle`.
+    trigger. A whole turn of a disc is closed. The mean is pale at triggers where part of the region
+    of interest is beyond the measurable range: it is that of other pixels there. Arguments that are
+    not listed are those of `speed_against_angle`.
+
+    Parameters
+    ----------
+    statistic : str, optional
+        ``"film_min"`` or ``"film_mean"``, for an axis of its own; default: both.
 
     Returns
     -------
@@ -223,36 +230,19 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     >>> band, line, *_ = film_over_cycle(example_film())
     >>> line.get_label(), line.axes.get_ylabel()
     ('mean', 'film thickness [µm]')
+    >>> film_over_cycle(example_film(), statistic="film_min")[0].axes.get_ylabel()
+    'minimum film [µm]'
     """
     ax = style.given_or_new(ax, film)
     along = triggers.choose_abscissa(film)
-    value = np.array([film[name].values for name in _STATISTICS])
-    reach = np.array([film[f"{name}_std"].values for name in _STATISTICS])
-    partial_mean, whole = triggers.have_partial_mean(film), np.zeros(along.values.size, bool)
-    artists: list[Artist] = []
-    for film_of, half, part_of, (colour, dashes, label) in zip(
-        value, reach, (partial_mean, whole), _LOOKS, strict=True
-    ):
-        keys = {False: label, True: f"{label}, part beyond range"}  # one for each
-        for part in _of_one_selection(triggers.in_order(film, along.values), part_of):
-            x, low, high = along.values[part], (film_of - half)[part], (film_of + half)[part]
-            pale = bool(part_of[part[0]])
-            artists.append(style.draw_band(ax, x, low, high, colour))
-            look = {"form": dashes, "width": 0.9, "label": keys.pop(pale, None)}
-            artists += style.draw_line(ax, x, film_of[part], colour, alpha=_alpha(pale), **look)
-        points: dict[str, Any] = {"colour": colour, "markersize": pt(_MARKER)}
-        for pale in (False, True):
-            which = {"which": part_of == pale, "alpha": _alpha(pale)}
-            triggers.draw_strokes(ax, film, along.values, film_of, **points, **which)
-
+    names = [name for name in _LOOKS if statistic in (None, name)]
+    value = np.array([film[name].values for name in names])
+    reach = np.array([film[f"{name}_std"].values for name in names])
+    artists = [artist for name in names for artist in _draw_statistic(ax, film, name, along)]
     triggers.label_abscissa(ax, along)
-    ax.set_ylabel("film thickness [µm]")
-
-    # the legend has room above all curves, because the thinnest films are at the dead points, close
-    # to the lower edge
+    ax.set_ylabel("film thickness [µm]" if len(names) > 1 else f"{_LOOKS[names[0]][2]} film [µm]")
     low, high = triggers.film_limits(np.concatenate([value - reach, value + reach]))
-    lines = _LEGEND + float(partial_mean.any())
-    ax.set_ylim(low, high + style.room_for(ax, lines) * (high - low))
+    ax.set_ylim(low, high)
     if not np.isfinite(value).any():
         triggers.state_no_film(ax, film)
         return artists
@@ -263,9 +253,44 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     # matplotlib lists keys as they are drawn; those of the whole region come first
     found = zip(*ax.get_legend_handles_labels(), strict=True)
     handles = [handle for handle, _ in sorted(found, key=lambda key: "," in key[1])]
-    # up to the end of the axis, so that no end of a dotted line remains above it
+    if statistic is not None:
+        handles[0].set_label(f"{handles[0].get_label()}, {title}")
+        style.legend_above(ax, handles=handles, ncols=2)
+        return artists
+
+    # the legend has room above all curves, because the thinnest films are at the dead points, close
+    # to the lower edge; up to the end of the axis, so that no end of a dotted line is above it
+    lines = _LEGEND + float(len(handles) > len(names))
+    ax.set_ylim(low, high + style.room_for(ax, lines) * (high - low))
     place: dict[str, Any] = {"loc": "upper center", "borderaxespad": 0.0}
     style.frame_legend(ax, handles=handles, ncols=2, title=title, **place)
+    return artists
+
+
+def _draw_statistic(
+    ax: Axes, film: xr.Dataset, name: str, along: triggers.Abscissa
+) -> list[Artist]:
+    """Draw one statistic of all triggers, with its band; pale where it is that of other pixels."""
+    colour, dashes, label = _LOOKS[name]
+    part_of = np.zeros(along.values.size, bool)
+    if name == "film_mean":
+        part_of = triggers.have_partial_mean(film)
+    order, place = triggers.close_turn(film, along)
+    value, half, pale_at = (
+        values[order] for values in (film[name].values, film[f"{name}_std"].values, part_of)
+    )
+    artists: list[Artist] = []
+    keys = {False: label, True: f"{label}, part beyond range"}  # one for each
+    for part in _of_one_selection(triggers.in_order(film.isel(trigger=order), place), pale_at):
+        x, low, high = place[part], (value - half)[part], (value + half)[part]
+        pale = bool(pale_at[part[0]])
+        artists.append(style.draw_band(ax, x, low, high, colour))
+        look = {"form": dashes, "width": 0.9, "label": keys.pop(pale, None)}
+        artists += style.draw_line(ax, x, value[part], colour, alpha=_alpha(pale), **look)
+    points: dict[str, Any] = {"colour": colour, "markersize": pt(_MARKER)}
+    for pale in (False, True):
+        which = {"which": part_of == pale, "alpha": _alpha(pale)}
+        triggers.draw_strokes(ax, film, along.values, film[name].values, **points, **which)
     return artists
 
 
@@ -285,7 +310,7 @@ def _alpha(pale: bool) -> float:
 
 @styled
 def cycle_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigure:
-    """Draw film thickness and speed against crank angle, with dotted lines at the dead points.
+    """Draw minimum and mean film and speed against crank angle, with dotted lines at dead points.
 
     Without a linkage they are drawn against angle or time, and the speed is left out where it is
     not known or the same at all triggers. Arguments as in `erlif.plots`.
@@ -293,36 +318,36 @@ def cycle_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFig
     Returns
     -------
     Figure
-        The film above the speed, one column wide.
+        Minimum above mean above speed, each with its axis; one column wide.
 
     Examples
     --------
     >>> from erlif.show.plots import example_film
     >>> figure = cycle_figure(example_film())
     >>> [ax.get_ylabel() for ax in figure.axes]
-    ['film thickness [µm]', 'joint speed [rad/s]']
+    ['minimum film [µm]', 'mean film [µm]', 'joint speed [rad/s]']
     """
-    if not triggers.has_varying_speed(film):
-        figure = style.given_figure(figure, film=film)
-        film_over_cycle(film, ax=figure.add_subplot())
-        return figure
-
-    figure = style.given_figure(figure, ONE_COLUMN, style.STACK * ONE_COLUMN, film=film)
-    above, below = style.rows_or_columns(figure, 2, sharex=True, ratios=_PANELS)
-    film_over_cycle(film, ax=above)
-    speed_over_cycle(film, ax=below)
+    varies = triggers.has_varying_speed(film)
+    count = 2 + varies
+    figure = style.given_figure(figure, ONE_COLUMN, count * _PANEL * ONE_COLUMN, film=film)
+    panels = style.rows_or_columns(figure, count, sharex=True)
+    for ax, name in zip(panels, ("film_min", "film_mean"), strict=False):
+        film_over_cycle(film, ax=ax, statistic=name)
+    if varies:
+        speed_over_cycle(film, ax=panels[-1])
     if not style.is_page():
-        above.set_xlabel("")
+        for ax in panels[:-1]:
+            ax.set_xlabel("")
 
-    for n, turn in enumerate(dead_points(film)):
-        for ax in (above, below):
+    for n, turn in enumerate(dead_points(film) if varies else []):
+        for ax in panels:
             line = ax.axvline(turn, color=MUTED, linewidth=pt(0.6), linestyle=":", zorder=1)
         line.set_label("_" if n else "dead points")
 
     # the markers of the strokes are those of both panels
-    if "stroke" in film:
-        style.legend_above(below)
-    style.letter_panels(above, below)
+    if varies and "stroke" in film:
+        style.legend_above(panels[-1])
+    style.letter_panels(*panels)
     return figure
 
 

@@ -304,6 +304,10 @@ def thickness_figure(
     below_map = panels["m"].get_legend()
     handles = [each for each in below_map.legend_handles if each is not None]
     handles += panels["p"].get_legend_handles_labels()[0]
+    if "r" in panels:  # a band may be visible about the difference alone
+        named = {str(each.get_label()) for each in handles}
+        bands = panels["r"].get_legend_handles_labels()[0][1:]
+        handles += [each for each in bands if str(each.get_label()) not in named]
     for panel in "mp":
         panels[panel].get_legend().remove()
     style.legend_of_figure(figure, handles)

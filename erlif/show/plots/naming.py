@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import matplotlib
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure, SubFigure
@@ -12,6 +13,7 @@ from erlif.io.files import settings_of
 
 _LONGEST = 36  # letters of a name, so that run, load and oil fit into one column
 _MOST = 3  # flags that are named for an empty map
+_UNNAMED = "run"  # name of a run after its folder, which states nothing
 _EVEN = 0.01  # relative range of a load that is written as one number
 
 
@@ -33,7 +35,8 @@ def run_line(film: xr.Dataset) -> str:
         oil = settings.oil.name or ("" if viscosity is None else f"{viscosity:.3g} Pa s")
 
     # long names lose their ends, not the load
-    parts = [_shorten(settings.name), _describe_load(film, given), _shorten(oil)]
+    name = "" if settings.name.lower() == _UNNAMED else settings.name
+    parts = [_shorten(name), _describe_load(film, given), _shorten(oil)]
     return ", ".join(part for part in parts if part)
 
 
@@ -57,8 +60,12 @@ def _describe_load(film: xr.Dataset, given: float | None) -> str:
 
 def name_film(figure: Figure | SubFigure, film: xr.Dataset, more: str = "") -> None:
     """Write run, load and oil above a figure, and what else belongs to all its panels."""
-    text = "; ".join(part for part in (run_line(film), more) if part)
-    if text:
+    write_title(figure, "; ".join(part for part in (run_line(film), more) if part))
+
+
+def write_title(figure: Figure | SubFigure, text: str) -> None:
+    """Write the title of a figure; none in a style whose titles have no size, as of a journal."""
+    if text and matplotlib.rcParams["figure.titlesize"] != 0:
         figure.suptitle(text, parse_math=False)  # a name may hold a dollar sign
 
 

@@ -10,11 +10,18 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from erlif.core.arrays import Array
-from erlif.io.files import axis_labels
+from erlif.io.files import axis_labels, settings_of
 from erlif.show.plots import style
-from erlif.show.plots.style import MUTED, OUTWARD, RETURN, pt, styled
-from erlif.trend import average_across_sliding, rigid_gap
+from erlif.show.plots.style import MINIMUM, MUTED, OUTWARD, RETURN, pt, styled
+from erlif.trend import (
+    Contact,
+    average_across_sliding,
+    cut_through_minimum,
+    place_of_minimum,
+    rigid_gap,
+)
 
+_LINE = 0.7  # width of a profile [point]
 _ROOM = 0.08  # above a profile, in heights of the profile
 
 
@@ -22,14 +29,16 @@ _ROOM = 0.08  # above a profile, in heights of the profile
 def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> list[Artist]:
     """Draw the profile along sliding with the gap of rigid bodies.
 
-    The profile is the average over the axial extent of the region of interest. Bands are one
-    standard deviation: blue of the random error, grey of the error that all pixels share.
-    Arguments as in `erlif.plots`.
+    The profile is the average over the axial extent of the region of interest; that of a point
+    contact is a cut through the minimum, over a tenth of the extent. A diamond with its bar is the
+    minimum film (``film_min``). Bands and bar are one standard deviation: blue of the random error,
+    grey of the error that all pixels share. Arguments as in `erlif.plots`.
 
     Returns
     -------
     list of Artist
-        Profile, random band, shared band; the rigid gap where it could be fitted.
+        Profile, random band, shared band; the minimum where its place is known; the rigid gap where
+        it could be fitted.
 
     Examples
     --------
@@ -39,9 +48,10 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
     ('x (sliding) [mm]', 'film thickness [µm]')
     """
     ax = style.given_or_new(ax, film)
-    profile = average_across_sliding(film, trigger=trigger)
+    profile = _profile_of(film, trigger)
     x, h = profile.position.values, profile.thickness.values
     artists = _draw_profile(ax, film, profile, np.zeros_like(x))
+    artists += _mark_minimum(ax, film, trigger)
 
     gap = rigid_gap(profile, film)
     if gap is not None:
@@ -52,10 +62,11 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
         look: dict[str, Any] = {"width": 2.5, "alpha": 0.5, "zorder": 1.2, "label": label}
         artists += style.draw_line(ax, x, gap.thickness(x), RETURN, **look)
 
-    # the rigid gap may leave the limits beside the measured profile
+    # the rigid gap may leave the limits beside the measured profile with its bands
     if np.isfinite(h).any():
-        low, high = float(np.nanmin(h)), float(np.nanmax(h))
+        low, high = _ends(film, trigger, profile)
         ax.set_ylim(low - _ROOM * (high - low), high + _ROOM * (high - low))
+        _name_visible(ax, profile, artists)
     else:
         style.state_empty(ax, "no valid pixel in the region of interest")
     ax.set_ylabel("film thickness [µm]")
@@ -85,15 +96,59 @@ def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) 
     True
     """
     ax = style.given_or_new(ax, film)
-    profile = average_across_sliding(film, trigger=trigger)
+    profile = _profile_of(film, trigger)
     gap = rigid_gap(profile, film)
     x = profile.position.values
     base = np.zeros_like(x) if gap is None else gap.thickness(x)
     artists = _draw_profile(ax, film, profile, base)
 
+    _name_visible(ax, profile, artists)
+
     artists.append(ax.axhline(0, color=RETURN, linewidth=pt(1.6), alpha=0.5, zorder=1.2))
     ax.set_ylabel("measured −\nrigid gap [µm]")
     return artists
+
+
+def _profile_of(film: xr.Dataset, trigger: int) -> xr.Dataset:
+    """Profile along sliding: through the minimum of a point contact, else over the whole region."""
+    through = cut_through_minimum if _is_point(film) else average_across_sliding
+    return through(film, trigger=trigger)
+
+
+def _is_point(film: xr.Dataset) -> bool:
+    """Whether the gap of a film is that of a point contact."""
+    return bool(film.attrs.get("contact") == Contact.POINT)
+
+
+def _mark_minimum(ax: Axes, film: xr.Dataset, trigger: int) -> list[Artist]:
+    """Mark the minimum film with its bar, where its place is known."""
+    place = place_of_minimum(film, trigger=trigger)
+    value, std = (float(film[name][trigger]) for name in ("film_min", "film_min_std"))
+    if place is None or not np.isfinite([value, std]).all():
+        return []
+    along = "x" if settings_of(film).optics.x_axis == "sliding" else "y"
+    look: dict[str, Any] = {"fmt": "D", "color": MINIMUM, "markersize": pt(2.6), "zorder": 4}
+    look |= {"elinewidth": pt(0.7), "capsize": pt(1.5)}
+    label = f"film_min {value:.2f} ± {std:.2f} µm"
+    return list(ax.errorbar(place[along], value, std, label=label, **look).lines[:1])
+
+
+def _name_visible(ax: Axes, profile: xr.Dataset, artists: list[Artist]) -> None:
+    """Leave a band that the line hides out of the legend."""
+    for name, band in zip(("thickness_std", "thickness_std_shared"), artists[1:3], strict=True):
+        if not style.is_visible(ax, 2 * profile[name].values, pt(_LINE)):
+            band.set_label(None)
+
+
+def _ends(film: xr.Dataset, trigger: int, profile: xr.Dataset) -> tuple[float, float]:
+    """Lowest and highest film of a profile with its bands and its minimum. [um]"""
+    h = profile.thickness.values
+    half = np.fmax(profile.thickness_std.values, profile.thickness_std_shared.values)
+    ends = [h - half, h + half]
+    if place_of_minimum(film, trigger=trigger) is not None:
+        value, std = film.film_min.values[trigger], film.film_min_std.values[trigger]
+        ends.append(np.array([value - std, value + std]))
+    return float(np.nanmin(np.concatenate(ends))), float(np.nanmax(np.concatenate(ends)))
 
 
 def _draw_profile(ax: Axes, film: xr.Dataset, profile: xr.Dataset, base: Array) -> list[Artist]:
@@ -101,7 +156,8 @@ def _draw_profile(ax: Axes, film: xr.Dataset, profile: xr.Dataset, base: Array) 
     # a profile along y runs to the right as well, so that both directions compare
     x, h = profile.position.values, profile.thickness.values - base
     random, shared = profile.thickness_std.values, profile.thickness_std_shared.values
-    (line,) = style.draw_line(ax, x, h, OUTWARD, width=0.7, label="measured")
+    label = "measured, through the minimum" if _is_point(film) else "measured"
+    (line,) = style.draw_line(ax, x, h, OUTWARD, width=_LINE, label=label)
     band = style.draw_band(ax, x, h - random, h + random, OUTWARD, label=f"random, {style.ONE_STD}")
 
     # about a difference, the shared error lies about zero

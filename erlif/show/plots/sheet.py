@@ -11,7 +11,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.image import AxesImage
 
-from erlif.core.arrays import Mask
+from erlif.core.arrays import Array, Mask
 from erlif.io.files import driven_link, region_of
 from erlif.show.plots import style
 from erlif.show.plots.maps import (
@@ -27,7 +27,7 @@ from erlif.show.plots.maps import (
 from erlif.show.plots.naming import name_film
 from erlif.show.plots.style import TWO_COLUMNS, AnyFigure, pt, styled
 
-_SHEET_COLUMNS = (7, 10)  # fewest and most maps in a row of a sheet
+_SHEET_COLUMNS = (6, 10)  # fewest and most maps in a row of a sheet
 _SHEET_MOST = 60  # maps on one sheet; with more triggers, evenly chosen ones are shown
 _FOOT = 0.35  # inch for the texts above and below a sheet
 _TITLE = 0.17  # inch for the angle above a map of a sheet
@@ -35,6 +35,8 @@ _WITHIN = 95.0  # percentile of the departures from the gap at the ends of their
 _LEAST_REACH = 0.01  # um; a film that is its gap still needs a scale
 _BLOCKS = 24  # along x of such a map
 _SHAPES = 5  # of the gap: constant, and slope and curvature along x and y
+_HUNDREDTH = 0.005  # half of one; degree
+_LESS_GAP = "film less the quadratic surface in x and y that fits its region of interest"
 _BAR = 0.75  # inch beside a sheet for its colour bar
 
 
@@ -76,6 +78,7 @@ def map_sheet_figure(
     panels = figure.subplots(sum(rows), columns, squeeze=False)
 
     chosen = np.sort(np.concatenate([members for _, members in groups]))
+    quantity, titles = _small_titles(film, chosen)
     departures = {k: depart_from_gap(film, k) for k in chosen.tolist()} if less_gap else {}
     if less_gap:
         every = np.concatenate([one.values.ravel() for one in departures.values()])
@@ -91,6 +94,7 @@ def map_sheet_figure(
         first += count
         for ax, trigger in zip(grid.ravel().tolist(), members.tolist(), strict=False):
             image = _draw_small_map(ax, film, trigger, limits, departures.get(trigger))
+            ax.set_title(titles[trigger], fontsize=pt(6), pad=pt(1.5))
 
         # hidden axes are left out of the layout, the longest part of drawing a sheet
         for ax in grid.ravel():
@@ -103,15 +107,16 @@ def map_sheet_figure(
             ax.set_axis_off()
 
     # one row of maps is lower than the label is long
-    quantity, missing = ("film less gap", "hatched") if less_gap else ("film thickness", "grey")
-    label = f"{quantity} [µm]" + ("; " if sum(rows) > 1 else "\n") + f"{missing}: flagged"
+    shown_as, missing = ("film less gap", "hatched") if less_gap else ("film thickness", "grey")
+    label = f"{shown_as} [µm]" + ("; " if sum(rows) > 1 else "\n") + f"{missing}: flagged"
     # beside all panels, the layout would measure it once for each; pad in widths of a column
     place: dict[str, Any] = {"ax": panels[:, -1].tolist(), "pad": 0.01 * columns}
     figure.colorbar(image, label=label, extend="both", aspect=40, shrink=0.9, **place)
     size = f"{right - left:.1f} mm × {bottom - top:.1f} mm, x to the right, y down"
-    foot = f"{_small_title(film, 0)[0]} above each map; each map {size}"
-    if less_gap and (blocks := name_blocks(departures[int(chosen[0])])):
-        foot += f"; {blocks}"
+    foot = f"{quantity} above each map; each map {size}"
+    if less_gap:
+        parts = (_LESS_GAP, name_blocks(departures[int(chosen[0])]))
+        foot += "\n" + "; ".join(part for part in parts if part)
     figure.supxlabel(foot, fontsize=pt(6.5))
     shown = "" if chosen.size == film.sizes["trigger"] else f"{chosen.size} of "
     name_film(figure, film, f"{shown}{film.sizes['trigger']} triggers")
@@ -201,16 +206,24 @@ def _draw_small_map(
         image = ax.imshow(values, cmap=colours, extent=pixel_edges(film), **ends)
     if not np.isfinite(values).any():
         ax.text(0.5, 0.5, "no valid\npixel", transform=ax.transAxes, ha="center", va="center")
-    ax.set_title(_small_title(film, trigger)[1], fontsize=pt(6), pad=pt(1.5))
     style.close_frame(ax)
     return image
 
 
-def _small_title(film: xr.Dataset, trigger: int) -> tuple[str, str]:
-    """What stands above the maps of a sheet, and its value for one of them."""
+def _small_titles(film: xr.Dataset, chosen: npt.NDArray[np.intp]) -> tuple[str, dict[int, str]]:
+    """What stands above the maps of a sheet, and its value for each of them."""
     for name, link in (("crank_angle", driven_link(film)), ("encoder_angle", "encoder")):
         if name in film:
-            return f"{link} angle", f"{float(film[name][trigger]):.2f}°"
+            angles = film[name].values[chosen]
+            # as many decimals as the angles have, up to two
+            digits = next(n for n in range(3) if n == 2 or _are_round(angles, n))
+            texts = [f"{angle:.{digits}f}°" for angle in angles]
+            return f"{link} angle", dict(zip(chosen.tolist(), texts, strict=True))
     if "time" in film:
-        return "time", f"{float(film.time[trigger]):.3g} s"
-    return "trigger", f"{trigger}"
+        return "time", {k: f"{float(film.time[k]):.3g} s" for k in chosen.tolist()}
+    return "trigger", {k: f"{k}" for k in chosen.tolist()}
+
+
+def _are_round(values: Array, digits: int) -> bool:
+    """Whether values have no more decimals, to half a hundredth."""
+    return bool(np.abs(values - values.round(digits)).max() < _HUNDREDTH)

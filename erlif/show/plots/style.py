@@ -676,8 +676,11 @@ def fix_layout(figure: AnyFigure) -> Figure:
 
 
 def _draw_bytes(figure: Figure, kind: str, dpi: float | None) -> bytes:
-    fix_layout(figure)
     dpi = matplotlib.rcParams["savefig.dpi"] if dpi is None else dpi
+    own = figure.get_dpi()
+    figure.set_dpi(min(dpi, own))  # text of few pixels is larger than its size
+    fix_layout(figure)
+    figure.set_dpi(own)
     options: dict[str, Any] = {"format": kind, "dpi": dpi, "metadata": _METADATA.get(kind)}
     if kind == "png":
         options["pil_kwargs"] = {"compress_level": _PNG_COMPRESSION}

@@ -230,6 +230,32 @@ def in_order(film: xr.Dataset, x: Array) -> list[npt.NDArray[np.intp]]:
     return np.split(order, np.flatnonzero(cut) + 1)
 
 
+def close_turn(film: xr.Dataset, along: Abscissa) -> tuple[npt.NDArray[np.intp], Array]:
+    """Order the triggers of a disc over a whole turn, with the last before and the first after it.
+
+    Returns
+    -------
+    (array of int, array)
+        Triggers, and their places; as they are where there is no whole turn of a disc.
+
+    Examples
+    --------
+    A film without settings is that of a crank:
+
+    >>> close_turn(xr.Dataset(), Abscissa(np.array([0.0, 90, 180, 270]), "angle", True))[1].tolist()
+    [0.0, 90.0, 180.0, 270.0]
+    """
+    place = along.values
+    order = np.argsort(place)
+    steps = np.diff(place[order], append=place[order[0]] + 360)
+    gaps = find_gaps(np.concatenate([steps[-1:], steps, steps[:1]]))
+    whole = along.whole_turn and driven_link(film) == "disc" and not gaps.any()
+    if not whole or np.count_nonzero(np.diff(place) < 0) > 1:
+        return np.arange(place.size), place
+    order = np.concatenate([order[-1:], order, order[:1]])
+    return order, place[order] + np.r_[-360.0, np.zeros(place.size), 360.0]
+
+
 def find_gaps(steps: Array) -> Mask:
     """Find the steps that are much longer than the steps beside them.
 

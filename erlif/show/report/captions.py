@@ -74,8 +74,9 @@ def caption_of(name: str, film: xr.Dataset) -> Caption:
             text = caption.text.partition(" Dotted")[0].replace("speed.", "sliding speed.")
             return replace(caption, title="Film thickness and speed", text=text + dotted)
         text = (
-            "Mean and minimum film thickness; bands are one standard deviation, random and shared. "
-            "The mean is pale where more than 2 % of the region are beyond the measurable range."
+            "(a) Minimum and (b) mean film thickness; bands are one standard deviation, random and "
+            "shared. The mean is pale where more than 2 % of the region are beyond the measurable "
+            "range."
         )
         return replace(caption, title="Film thickness over the run", text=text)
     return caption

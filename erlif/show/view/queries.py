@@ -17,7 +17,7 @@ from erlif.core.flags import FLAG_COLOURS, Flag, count_flags
 from erlif.core.statistics import central_range
 from erlif.core.tables import read_table
 from erlif.io.conversion import table_csv
-from erlif.io.files import axis_labels, fastest_trigger
+from erlif.io.files import axis_labels, driven_link, fastest_trigger
 from erlif.show.refusals import refusal
 from erlif.show.view import measures
 from erlif.show.view.exports import map_csv, map_tiff
@@ -578,6 +578,10 @@ def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
         {name: title for name, title in table.items() if name in film}
         for table in (_TABLES["axes"], _TABLES["films"])
     )
+    link = driven_link(film)
+    if "crank_angle" in axes and link != "crank":  # its angle comes first
+        del axes["crank_angle"]
+        axes = {"crank_angle": f"{link} angle [°]"} | axes
     stds = [f"{name}_std" for name in films if f"{name}_std" in film]
     # numbers of triggers count from 0, whatever the film was cut from
     count = film.sizes["trigger"]

@@ -7,7 +7,15 @@ import pytest
 import xarray as xr
 
 import erlif
-from erlif.io.files import fastest_trigger, flag_shares, has_identity, region_of, settings_of
+from erlif.core.errors import ErlifError
+from erlif.io.files import (
+    check_trigger,
+    fastest_trigger,
+    flag_shares,
+    has_identity,
+    region_of,
+    settings_of,
+)
 from erlif.io.settings import read_run_settings, to_toml
 
 
@@ -63,3 +71,11 @@ def test_shares_of_flags_are_those_of_the_maps(opened):
     counted, read = flag_shares(opened), flag_shares(opened.drop_vars(["flagged_pixels", "flag"]))
     np.testing.assert_array_equal(counted, read)
     np.testing.assert_array_equal(counted[:, 0], (opened.flags == 0).mean(("y", "x")))
+
+
+@pytest.mark.parametrize("given", ["90 deg", 1.0, None])
+def test_a_trigger_that_is_no_number_is_refused_with_the_way_from_an_angle(given):
+    film = xr.Dataset({"load": ("trigger", [220.0, 230.0])})
+    check_trigger(film, np.int64(1))
+    with pytest.raises(ErlifError, match=r"from 0 to 1; got .*choose_trigger\(film, crank_angle="):
+        check_trigger(film, given)

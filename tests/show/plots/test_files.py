@@ -20,7 +20,7 @@ from erlif.pipeline import restore_images
 from erlif.show import plots
 from erlif.show.plots import files as plot_files
 from erlif.show.plots.files import DRAWN, FigureSource, find_source, reason_missing
-from erlif.show.plots.style import figure_bytes
+from erlif.show.plots.style import figure_bytes, in_style
 from erlif.show.report.captions import CAPTIONS
 
 NEED_A_DIRECTORY = {"fixture_profile", "processed_images", "ratio_image"}
@@ -249,6 +249,17 @@ def test_chosen_figures_are_written_in_their_style_and_resolution(film_path, tmp
         assert path.name == f"{name}.png"
         assert seen == [("figures", 0, 1), ("figures", 1, 1)]
         assert int.from_bytes(path.read_bytes()[16:20], "big") == width
+
+
+def test_no_legend_is_cut_where_pixels_are_few(film):
+    """Text of seven pixels is taller than its size, and a legend of many lines with it."""
+    with in_style("paper"):
+        for dpi in (50, 72):
+            figure = plots.speed_figure(film)
+            figure_bytes(figure, kind="png", dpi=dpi)
+            figure.set_dpi(dpi)
+            for ax in figure.axes:
+                assert ax.get_legend().get_window_extent().y0 > -1
 
 
 def test_files_do_not_depend_on_settings_of_the_caller(film_path, tmp_path):

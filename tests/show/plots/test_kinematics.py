@@ -4,6 +4,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes import film as scene
+from scenes.motion import DISC, film_of
 from scenes.pictures import labels_of
 
 from erlif.show import plots
@@ -57,6 +58,22 @@ def test_bands_are_one_standard_deviation(film):
         std = 0.02 if line.get_color() == artists[1].get_color() else 0.03
         for x in line.get_xdata():
             npt.assert_allclose(np.ptp(edges[edges[:, 0] == x, 1]), 2 * std)
+
+
+def test_minimum_has_an_axis_of_its_own_and_the_turn_of_a_disc_is_closed():
+    """A mean of 12 um beside a minimum of 1.1 to 2.1 um."""
+    angle = 30.0 + 60.0 * np.arange(6)
+    thin = 1.6 + 0.5 * np.cos(np.radians(angle))
+    names = {"film_min": thin, "film_mean": np.full(6, 12.0)}
+    names |= {"sliding_speed": np.full(6, 0.25)}
+    film = film_of(DISC, without=["rocker_speed", "stroke"], crank_angle=angle, **names)
+    above, below = plots.cycle_figure(film).axes
+    assert above.get_ylabel() == "minimum film [µm]"
+    assert 2.1 < above.get_ylim()[1] < 2.5
+    assert below.get_ylim()[1] > 12
+    line = above.lines[0]
+    npt.assert_allclose(line.get_xdata(), np.r_[-30, angle, 390])
+    npt.assert_allclose(line.get_ydata(), np.r_[thin[-1], thin, thin[0]])
 
 
 def test_film_over_the_cycle_fills_its_axes_unless_it_comes_close_to_contact(film):

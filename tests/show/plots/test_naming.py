@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from erlif.core.flags import Flag
 from erlif.show import plots
 from erlif.show.plots.naming import describe_shares, name_film, reason_empty, run_line
+from erlif.show.plots.style import in_style
 
 
 def test_figure_names_run_load_and_oil(film, with_settings):
@@ -15,6 +16,13 @@ def test_figure_names_run_load_and_oil(film, with_settings):
     varying = film.assign(load=("trigger", np.linspace(100.0, 250.0, film.sizes["trigger"])))
     assert "100 to 250 N" in run_line(varying)
     assert plots.film_over_cycle(film)[0].get_figure().get_suptitle() == run_line(film)
+
+
+def test_a_run_named_after_its_folder_and_the_style_of_a_journal_have_no_title(film, with_settings):
+    assert run_line(with_settings(("a film <known> & small", "run"))) == "222 N, 0.12 Pa s"
+    for style, title in (("paper", ""), ("slides", run_line(film))):
+        with in_style(style):
+            assert plots.cycle_figure(film).get_suptitle() == title
 
 
 def test_what_is_absent_is_left_out(film):

@@ -30,13 +30,14 @@ def test_speed_of_a_slider_is_an_ellipse_over_its_position():
 
 def test_cycle_of_a_slider_turns_back_at_its_ends():
     figure = plots.cycle_figure(slider_film())
-    assert labels(figure)[1] == ("drive angle [°]", "sliding speed [mm/s]")
+    assert labels(figure)[2] == ("drive angle [°]", "sliding speed [mm/s]")
     dotted = [line for line in figure.axes[0].lines if line.get_linestyle() == ":"]
     assert sorted(line.get_xdata()[0] for line in dotted) == [90.0, 270.0]
 
 
 def test_film_at_rest_is_drawn_against_the_trigger_alone():
-    assert labels(plots.cycle_figure(static_film())) == [("trigger", "film thickness [µm]")]
+    found = labels(plots.cycle_figure(static_film()))
+    assert found == [("", "minimum film [µm]"), ("trigger", "mean film [µm]")]
 
     # there is no sliding direction and no rigid gap; triggers are named by number or time
     figure = plots.thickness_figure(static_film(), trigger=0)

@@ -5,7 +5,7 @@ import numpy.testing as npt
 from scenes import film as scene
 
 from erlif.show import plots
-from erlif.trend import average_across_sliding
+from erlif.trend import average_across_sliding, cut_through_minimum
 
 
 def ends_of(band, place):
@@ -46,3 +46,37 @@ def test_curvature_is_written_beside_that_of_the_rigid_gap(film):
     assert abs(value - 0.20525) < 4 * std
     number = float(minimum.removeprefix("minimum ").removesuffix(" µm"))
     npt.assert_allclose(number, gap.get_ydata().min(), atol=0.01)  # between two pixels
+
+
+def test_profile_of_a_point_contact_goes_through_its_minimum_which_is_marked(film):
+    """The minimum lies 2 mm from the middle, in the fifth row from above of 48."""
+    triggers = scene.TRIGGERS
+    marked = film.assign(
+        film_min=("trigger", np.full(triggers, 4.0)),
+        film_min_std=("trigger", np.full(triggers, 0.25)),
+        film_min_x=("trigger", np.full(triggers, 30.5)),
+        film_min_y=("trigger", np.full(triggers, 24.0)),
+    ).assign_attrs(contact="point")
+    line, _, _, point, *_ = plots.sliding_profile(marked, trigger=1)
+    npt.assert_array_equal(line.get_ydata(), cut_through_minimum(marked, trigger=1).thickness)
+    npt.assert_allclose(point.get_xydata(), [[30.5 * scene.PITCH, 4.0]])
+    texts = [text.get_text() for text in line.axes.get_legend().get_texts()]
+    assert "film_min 4.00 ± 0.25 µm" in texts
+    assert line.axes.get_ylim()[0] < 3.75
+
+    # of a line contact the mean over the region, with the same mark
+    line, _, _, point, *_ = plots.sliding_profile(marked.assign_attrs(contact="line"), trigger=1)
+    npt.assert_array_equal(line.get_ydata(), average_across_sliding(film, trigger=1).thickness)
+    npt.assert_allclose(point.get_xydata()[:, 1], [4.0])
+
+
+def test_bands_lie_within_the_axis_and_only_visible_ones_are_named(film):
+    for half, named in ((1.5, True), (1e-4, False)):
+        wide = film.assign(thickness_std_shared=0 * film.thickness_std_shared + half)
+        artists = plots.sliding_profile(wide, trigger=1)
+        low, high = artists[0].axes.get_ylim()
+        edges = np.concatenate([path.vertices[:, 1] for path in artists[2].get_paths()])
+        assert low < edges.min()
+        assert edges.max() < high
+        texts = [text.get_text() for text in artists[0].axes.get_legend().get_texts()]
+        assert ("shared, 1 s.d." in texts) is named

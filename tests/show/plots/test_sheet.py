@@ -6,7 +6,7 @@ from scenes import film as scene
 
 from erlif.show import plots
 from erlif.show.plots.maps import pixel_edges
-from erlif.show.plots.sheet import depart_from_gap
+from erlif.show.plots.sheet import best_columns, depart_from_gap
 
 
 def test_sheet_of_a_cycle_that_begins_within_a_stroke_starts_with_the_stroke(film):
@@ -41,3 +41,19 @@ def test_less_the_gap_a_sheet_shows_what_departs_from_it(changed):
     assert low == -high
     assert high < 1.0
     npt.assert_allclose(first.get_xlim(), pixel_edges(changed)[:2])
+
+
+def test_rows_are_of_equal_length_where_they_can_be_and_angles_have_the_digits_they_need(film):
+    assert [best_columns([count]) for count in (12, 14, 16, 18, 60)] == [6, 7, 8, 9, 10]
+    for step, titles in ((30.0, ["11.1°", "41.1°"]), (30.25, ["11.10°", "41.35°"])):
+        turned = film.assign_coords(crank_angle=("trigger", 11.1 + step * np.arange(6)))
+        shown = [ax.get_title() for ax in plots.map_sheet_figure(turned).axes]
+        assert set(titles) <= set(shown)
+
+
+def test_sheet_less_the_gap_states_what_is_subtracted(film):
+    assert (
+        "film less the quadratic surface"
+        in plots.map_sheet_figure(film, less_gap=True).get_supxlabel()
+    )
+    assert "quadratic" not in plots.map_sheet_figure(film).get_supxlabel()

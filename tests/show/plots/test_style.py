@@ -75,4 +75,4 @@ def test_figure_of_several_panels_shows_itself_and_fits_into_another(film):
     assert plots.cycle_figure(film, figure=left) is left
     assert plots.pin_figure(film, figure=right) is right
     assert figure_bytes(right, kind="png", dpi=50)[:4] == b"\x89PNG"
-    assert len(whole.axes) == 5
+    assert len(whole.axes) == 6

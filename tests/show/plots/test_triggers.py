@@ -6,6 +6,7 @@ from scenes.motion import DISC, SLIDER, film_of
 from erlif.show.plots.triggers import (
     broken,
     choose_abscissa,
+    close_turn,
     find_gaps,
     has_varying_speed,
     in_order,
@@ -74,3 +75,20 @@ def test_no_line_leads_from_the_last_trigger_to_the_first():
     angle = (200 + 30.0 * np.arange(11)) % 360
     parts = in_order(film_of(DISC).drop_vars("stroke"), angle)
     assert [part.tolist() for part in parts] == [[*range(6)], [*range(6, 11)]]
+
+
+def test_a_whole_turn_of_a_disc_is_closed_and_no_other():
+    angles = np.array([191.0, 251, 311, 11, 71, 131])
+    for mechanism, shown, closed in (
+        (DISC, angles, True),
+        (DISC, np.arange(6) * 20.0, False),  # a third of a turn
+        (DISC, (np.arange(6) * 130.0) % 360, False),  # two turns
+        (SLIDER, angles, False),
+    ):
+        film = film_of(mechanism, crank_angle=shown)
+        order, place = close_turn(film, choose_abscissa(film))
+        if closed:
+            assert place.tolist() == [-49, 11, 71, 131, 191, 251, 311, 371]
+            assert order.tolist() == [2, 3, 4, 5, 0, 1, 2, 3]
+        else:
+            assert place.tolist() == shown.tolist()

@@ -340,7 +340,7 @@ def test_unlike_films_are_paired_by_angle_and_stroke_on_one_scale(visit, serve, 
     page = visit(serve(*paths).address)
     high = float(page.input_value("#high"))
     page.check("#two")
-    assert page.inner_text("#paired") == "at the crank angle of the first"
+    assert page.inner_text("#paired") == "at the angle of the first"
     until(page, lambda: float(page.input_value("#high")) > high + 4, True)
     # crank angles 250, 290, 330, 70, 110, 150; the one of 330 has its neighbour at 290 degree
     for trigger, partner in ((0, 3), (1, 4), (2, 4), (3, 0), (5, 2)):

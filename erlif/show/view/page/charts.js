@@ -151,6 +151,37 @@ function cuts(places) {
 const hasTurns = ({ columns }) => (columns.crank_angle ?? [])
   .filter((place, n, all) => n && place < all[n - 1]).length > 1;
 
+// Ends of the horizontal axis with room for whole markers.
+function widen(low, high) {
+  const room = 0.02 * (high - low) || 1;
+  return [low - room, high + room];
+}
+
+// Bars of one standard deviation, behind the markers.
+function drawBars(u, columns, rows, cycles) {
+  const { left, top, width, height } = u.bbox;
+  u.ctx.save();
+  u.ctx.beginPath();
+  u.ctx.rect(left, top, width, height);
+  u.ctx.clip();
+  u.ctx.lineWidth = devicePixelRatio;
+  columns.forEach((one, k) => {
+    const std = cycles.get(one.number).columns[`${one.film}_std`];
+    if (!LOOKS[one.film].mark || !std || !u.series[k + 1].show) return;
+    u.ctx.strokeStyle = u.series[k + 1].stroke(u, k + 1);
+    u.ctx.beginPath();
+    rows.forEach(({ place, trigger }, n) => {
+      const value = u.data[k + 1][n] ?? null;
+      if (value === null || std[trigger] === null) return;
+      const x = u.valToPos(place, "x", true);
+      u.ctx.moveTo(x, u.valToPos(value - std[trigger], "y", true));
+      u.ctx.lineTo(x, u.valToPos(value + std[trigger], "y", true));
+    });
+    u.ctx.stroke();
+  });
+  u.ctx.restore();
+}
+
 export class CycleChart extends Chart {
   constructor(place, use) {
     super(place);
@@ -225,7 +256,7 @@ export class CycleChart extends Chart {
     const turns = numbers.some((number) => hasTurns(cycles.get(number)));
     const along = ALONG.includes(name) && (!turns || TIMES.includes(name));
     this.make({
-      scales: { x: { time: false }, y: { range: (u, low, high) => (fromZero
+      scales: { x: { time: false, range: (u, low, high) => widen(low, high) }, y: { range: (u, low, high) => (fromZero
         ? [Math.min(0, low ?? 0), 1.05 * (high ?? 1)] : [least, most]) } },
       series: [{ label: cycles.get(state.a.film).axes[name] ?? name }, ...columns.map((one) =>
         look({ ...one, along, outside: outside(one) }, rows.length > 600 ? 4 : 7))],
@@ -238,7 +269,8 @@ export class CycleChart extends Chart {
           fill: (u, k) => (LOOKS[columns[k - 1]?.film]?.mark && columns[k - 1].stroke >= 0
             ? u.series[k].stroke(u, k) : "transparent"),
         } },
-      hooks: { draw: [() => this.mark()], setSize: [() => this.mark()] },
+      hooks: { drawAxes: [(u) => drawBars(u, columns, rows, cycles)],
+        draw: [() => this.mark()], setSize: [() => this.mark()] },
     }, data);
     // one entry for the lines of a theory on both strokes
     [...this.plot.root.querySelectorAll(".u-series")].slice(-columns.length).forEach((row, k) => {

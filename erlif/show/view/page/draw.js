@@ -22,9 +22,16 @@ export function triples(text) {
   return found;
 }
 
+const fontOf = (size) => `${size}px system-ui, "DejaVu Sans", sans-serif`;
+
+export function lengthOf(pen, text, size = 12) {
+  pen.font = fontOf(size);
+  return pen.measureText(text).width;
+}
+
 export function write(pen, text, x, y, align, size = 12) {
   pen.fillStyle = css("--ink");
-  pen.font = `${size}px system-ui, "DejaVu Sans", sans-serif`;
+  pen.font = fontOf(size);
   pen.textAlign = align;
   pen.textBaseline = "middle";
   pen.fillText(text, x, y);

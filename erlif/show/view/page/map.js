@@ -1,5 +1,5 @@
 // A map on a canvas: colours, axes, colour bar, and what is drawn over it.
-import { css, drawBar, signed, strokeOver, ticks, triples, write, writeUpwards } from "./draw.js";
+import { css, drawBar, lengthOf, signed, strokeOver, ticks, triples, write, writeUpwards } from "./draw.js";
 
 const EDGE = { left: 50, right: 82, top: 8, bottom: 38 }; // for axes and colour bar
 const LOW_SCREEN = 300; // pixels that a map may always have in height
@@ -259,8 +259,13 @@ export class MapPanel {
     const most = Math.max(2, this.height / 32);
     const place = { left, top: EDGE.top, height: this.height, most };
     drawBar(pen, this.colours[layer.palette], limits, place);
-    const title = this.height > 220 ? `${layer.title} [${layer.unit}]` : `[${layer.unit}]`;
-    writeUpwards(pen, title, left + 63, EDGE.top + this.height / 2);
+    const title = `${layer.title} [${layer.unit}]`;
+    const wide = lengthOf(pen, title);
+    const room = this.height + EDGE.top + EDGE.bottom / 2;
+    // a title longer than the map is smaller, down to 8 pixels
+    const size = Math.max(8, Math.min(12, 12 * room / wide));
+    const text = wide * size <= 12 * room ? title : `[${layer.unit}]`;
+    writeUpwards(pen, text, left + 63, EDGE.top + this.height / 2, size);
   }
 
   // pointer: one finger or the mouse draws or moves, the wheel and two fingers zoom

@@ -288,6 +288,7 @@ const refreshValues = latest(async () => {
     const found = await Promise.all(rows.map(async ([title, query]) =>
       [title, await (await get("region", { ...query, region: state.region.join() })).json()]));
     showStatistics(found);
+    showMinimum();
   }
 });
 
@@ -299,7 +300,9 @@ function axisTitle(name) {
 function showStatistics(rows) {
   const digits = (value) => (value === null ? "–" : Number(value).toPrecision(4));
   const few = (value) => (value === null ? "–" : Number(value).toPrecision(2));
-  const head = ["", "pixels", "valid", "mean", "± random", "± shared", "min", "max", "std"];
+  const head = ["", "pixels", "valid", "mean", "± random", "± shared",
+    ...(stored() === "thickness" ? ["thinnest pixel", "thickest pixel"]
+      : ["lowest pixel", "highest pixel"]), "std"];
   const cells = rows.map(([title, one]) => [
     rows.length > 1 ? `${title} [${one.unit}]` : `[${one.unit}]`, one.count, one.valid,
     digits(one.mean), few(one.mean_std), few(one.mean_std_shared),
@@ -316,6 +319,19 @@ function showStatistics(rows) {
     }));
     return line;
   }));
+}
+
+// The minimum of the run beside the thinnest pixel, which noise chooses.
+function showMinimum() {
+  const texts = which().map((name) => {
+    const { film_min: value, film_min_std: std } = cycles.get(state[name].film)?.columns ?? {};
+    const { trigger } = state[name];
+    if ((value?.[trigger] ?? null) === null || (std?.[trigger] ?? null) === null) return "";
+    return `trigger ${trigger}: film_min ${value[trigger].toFixed(3)} ± ${std[trigger].toFixed(3)} µm`;
+  }).filter(Boolean);
+  byId("minimum").textContent = texts.length && stored() === "thickness"
+    ? `Minimum of the gap in the region of the run, ${texts.join("; ")}. `
+      + "The thinnest pixel is that with the most noise." : "";
 }
 
 const readPixel = latest(async (place) => {
@@ -541,7 +557,7 @@ async function loadCycles() {
     new Option(title, name)));
   if (before in axes) byId("axis").value = before;
   byId("paired").textContent = {
-    crank_angle: "at the crank angle of the first",
+    crank_angle: "at the angle of the first",
     encoder_angle: "at the angle and stroke of the first",
   }[state.a.film === state.b.film ? "" : pairedBy()] ?? "same trigger as the first";
   cycleChart.build();
