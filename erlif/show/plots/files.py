@@ -17,7 +17,7 @@ from erlif.calibration import Calibration, calibration_of, open_calibration, rea
 from erlif.core.errors import ConfigError, ErlifError
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.io import files as stored
-from erlif.io.settings import read_fixture_settings, read_run_settings
+from erlif.io.settings import CrankRockerSettings, read_fixture_settings, read_run_settings
 from erlif.pipeline import restore_images
 from erlif.show.plots import style as looks
 from erlif.show.plots.calibration import calibration_figure, fixture_profile, profile_figure
@@ -253,10 +253,7 @@ def reason_missing(name: str, source: FigureSource) -> str | None:
     if name == "pin_orbit" and not has_position(source.film):
         return "the film has no position of a pin at two triggers; it needs [joint]"
     if name in ("film_and_prediction", "prediction_map") and not has_prediction(source.film):
-        return (
-            "the film has no transient prediction; it needs a crank-rocker, [joint] and [oil], and "
-            "its notes name a prediction that failed"
-        )
+        return _reason_without_prediction(source.film)
     if name == "film_and_prediction" and "elapsed_cycles" not in source.group("frames"):
         return "the film has no turns of the crank at its frames"
     if name == "film_against_speed":
@@ -274,6 +271,17 @@ def reason_missing(name: str, source: FigureSource) -> str | None:
         except ErlifError as error:
             return str(error)
     return None
+
+
+def _reason_without_prediction(film: xr.Dataset) -> str:
+    """Why a film has no transient prediction."""
+    settings = stored.settings_of(film)
+    if not isinstance(settings.mechanism, CrankRockerSettings):
+        return "a transient film is predicted for the joint of a crank-rocker alone"
+    lacking = [f"[{name}]" for name in ("joint", "oil") if getattr(settings, name) is None]
+    if lacking:
+        return f"run.toml has no {' and no '.join(lacking)}, which the prediction needs"
+    return "the prediction failed; a note of the film states the reason (erlif process -v)"
 
 
 def _describe_steady(film: xr.Dataset) -> str:

@@ -16,7 +16,9 @@
     signed: triples(film.palettes.signed),
   };
   const cache = new Map();
-  const place = { column: Math.floor(width / 2), row: Math.floor(height / 2) };
+  // the pointer begins at the minimum film
+  const [column, row] = film.minima[Number(slider.value)] ?? [width / 2, height / 2].map(Math.floor);
+  const place = { column, row };
   let shown = null; // bytes of the map on screen
   let picture = null; // its colours, one canvas pixel per map pixel
 

@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+import numpy as np
 import xarray as xr
 from markupsafe import Markup
 
@@ -98,11 +99,24 @@ def viewer_data(
         "flags": describe_flags(),
         "numbers": list(kept),
         "triggers": [describe_trigger(numbers, k).capitalize() for k in kept],
+        "minima": [_find_minimum(numbers, k, coding, (x.size, y.size)) for k in kept],
     }
 
     # "</script>" in a name must not end the element
     text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))
     return text.replace("<", "\\u003c")
+
+
+def _find_minimum(
+    numbers: xr.Dataset, trigger: int, coding: MapCoding, shape: tuple[int, int]
+) -> list[int] | None:
+    """Column and row of the minimum film among the kept pixels; None where it is not known."""
+    if "film_min_x" not in numbers:
+        return None
+    place = np.array([float(numbers[f"film_min_{axis}"][trigger]) for axis in "xy"])
+    if not np.isfinite(place).all():
+        return None
+    return [int(one) for one in np.clip(np.rint(place / coding.stride), 0, np.array(shape) - 1)]
 
 
 def _layer_limits(film: xr.Dataset, kept: Sequence[int]) -> dict[str, list[float]]:

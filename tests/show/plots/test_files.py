@@ -3,6 +3,7 @@
 import logging
 import re
 import shutil
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,10 +13,12 @@ import numpy.testing as npt
 import pytest
 from scenes import film as scene
 from scenes.fixture import walled
+from scenes.motion import film_of
 from scenes.pictures import picture, without_texts
 
 from erlif.calibration import save_calibration
 from erlif.core.errors import ErlifError, FrameError, OutputError
+from erlif.io.settings import RunSettings, to_toml
 from erlif.pipeline import restore_images
 from erlif.show import plots
 from erlif.show.plots import files as plot_files
@@ -73,6 +76,12 @@ def all_drawn(film_path, tmp_path_factory):
         directories = {"fixture_dir": write_fixture(folder / "fixture")}
         paths = plots.write_figures(film_path, folder, formats=("png",), dpi=50, **directories)
     return figures, paths
+
+
+def without_tables(film, *names):
+    """A film whose settings lack some tables."""
+    raw = {k: v for k, v in tomllib.loads(film.attrs["settings"]).items() if k not in names}
+    return film.assign_attrs(settings=to_toml(RunSettings.model_validate(raw)))
 
 
 def few(monkeypatch, *names):
@@ -158,7 +167,17 @@ def test_missing_figures_have_reasons(alone, film_path, fixture_dir):
     [
         ("film_over_cycle", lambda film: film.isel(trigger=[0]), "a single trigger"),
         ("pin_orbit", lambda film: film.drop_vars("pin_displacement"), "it needs [joint]"),
-        ("prediction_map", lambda film: film.drop_vars("film_predicted_min"), "[joint] and [oil]"),
+        ("prediction_map", lambda film: film.drop_vars("film_predicted_min"), "a note of the film"),
+        (
+            "film_and_prediction",
+            lambda _: film_of(None, without=["film_predicted_min"]),
+            "of a crank-rocker alone",
+        ),
+        (
+            "film_and_prediction",
+            lambda film: without_tables(film.drop_vars("film_predicted_min"), "oil"),
+            "run.toml has no [oil], which",
+        ),
     ],
 )
 def test_figures_without_their_variables_have_reasons(name, change, reason):

@@ -34,6 +34,17 @@ def test_axes_and_scales_are_those_of_the_film(data, film):
     assert "<" not in viewer_data(film, EVERY)
 
 
+def test_the_pointer_begins_at_the_minimum_film(film):
+    """Columns and rows of the kept pixels; a trigger without a minimum begins in the middle."""
+    column = np.r_[np.nan, 30.4 + np.arange(scene.TRIGGERS - 1)]
+    row = np.full(scene.TRIGGERS, 200.0)  # beyond the last row
+    marked = film.assign(film_min_x=("trigger", column), film_min_y=("trigger", row))
+    first, second, third, *_ = json.loads(viewer_data(marked, MapCoding(2, 1e-3)))["minima"]
+    last = scene.ROWS // 2 - 1
+    assert (first, second, third) == (None, [15, last], [16, last])
+    assert set(json.loads(viewer_data(film, EVERY))["minima"]) == {None}
+
+
 def test_viewer_opens_at_the_trigger_of_the_figures(page, film):
     """The fastest of the outward stroke: crank angles of the scene, speed by differences."""
     speed = np.where(scene.rocker_speed(scene.CRANK) > 0, scene.rocker_speed(scene.CRANK), 0)

@@ -271,8 +271,9 @@ def test_a_click_on_the_cycle_selects_the_trigger(page):
     speed = 4 * np.sin(2 * np.pi * np.arange(TRIGGERS) / TRIGGERS)
     for axis, share in (("crank_angle", 0.25), ("rocker_speed", 0.8), ("load", 0.5)):
         page.select_option("#axis", axis)
+        page.locator("#cycle .u-over").scroll_into_view_if_needed()
         box = page.locator("#cycle .u-over").bounding_box()
-        page.mouse.click(box["x"] + share * box["width"], box["y"] + 0.2 * box["height"])
+        page.mouse.click(box["x"] + (share + 0.02) / 1.04 * box["width"], box["y"] + 0.2 * box["height"])
         page.wait_for_timeout(50)
         chosen = int(page.input_value("#trigger"))
         shows(page, chosen)
@@ -286,6 +287,46 @@ def test_a_click_on_the_cycle_selects_the_trigger(page):
     titles = page.locator("#cycle .u-legend").inner_text()
     assert "theory, minimum" in titles
     assert "mean, outward" in titles
+
+
+def test_triggers_have_their_bars_and_lie_within_the_chart(visit, serve, tmp_path):
+    """Bars of 0.5 um add pixels of the colour of the minima above and below their markers."""
+    count = """() => {
+      const canvas = document.querySelector("#cycle canvas");
+      const box = document.querySelector("#cycle .u-over").getBoundingClientRect();
+      const whole = canvas.getBoundingClientRect();
+      const scale = canvas.width / whole.width;
+      const from = (box.left - whole.left) * scale;
+      const pen = canvas.getContext("2d");
+      const columns = new Map();
+      const { data } = pen.getImageData(0, 0, canvas.width, canvas.height);
+      for (let n = 0; n < data.length; n += 4) {
+        if (data[n] > 180 && data[n + 1] < 120 && data[n + 2] < 60) {
+          const column = (n / 4) % canvas.width;
+          columns.set(column, (columns.get(column) ?? 0) + 1);
+        }
+      }
+      const places = [...columns.keys()];
+      return [Math.max(...columns.values()), Math.min(...places) - from,
+        from + box.width * scale - Math.max(...places)];
+    }"""
+    tall = {}
+    for std in (0.001, 0.5):
+        path = tmp_path / f"{std}.nc"
+        film = example_film()
+        write_dataset(film.assign(film_min_std=0 * film.film_min + std), path)
+        page = visit(serve(path).address)
+        tall[std], left, right = page.evaluate(count)
+        assert min(left, right) > 0  # whole markers at both ends
+    assert tall[0.5] > 3 * tall[0.001]
+
+
+def test_the_minimum_stands_beside_the_thinnest_pixel(page):
+    until(page, lambda: "film_min" in page.inner_text("#minimum"), True)
+    titles = page.locator("#statistics th").all_text_contents()
+    assert titles[6:8] == ["thinnest pixel", "thickest pixel"]
+    page.select_option("#layer", "thickness_std")
+    until(page, lambda: page.inner_text("#minimum"), "")
 
 
 def test_two_triggers_stand_side_by_side_with_their_difference(page):

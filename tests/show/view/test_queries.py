@@ -6,6 +6,7 @@ import struct
 import numpy as np
 import numpy.testing as npt
 import pytest
+from scenes.motion import DISC, SLIDER, film_of
 
 from erlif.core.errors import ErlifError
 from erlif.show.plots import example_film
@@ -155,6 +156,15 @@ def test_a_film_at_rest_has_the_number_of_its_triggers():
     assert cycle["axes"] == {"trigger": "trigger"}
     assert cycle["columns"]["trigger"] == [0, 1, 2, 3, 4, 5]
     assert cycle["stroke"] == [0] * 6
+
+
+def test_a_disc_is_drawn_against_its_own_angle():
+    for mechanism, axes in (
+        (DISC, ["disc angle [°]", "encoder angle [°]"]),
+        (SLIDER, ["drive angle [°]", "encoder angle [°]"]),
+    ):
+        assert list(describe_cycle(film_of(mechanism))["axes"].values())[:2] == axes
+    assert next(iter(describe_cycle(example_film())["axes"])) == "encoder_angle"
 
 
 def test_a_theory_that_is_the_transient_prediction_is_drawn_once():

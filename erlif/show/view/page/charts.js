@@ -168,14 +168,17 @@ function drawBars(u, columns, rows, cycles) {
   columns.forEach((one, k) => {
     const std = cycles.get(one.number).columns[`${one.film}_std`];
     if (!LOOKS[one.film].mark || !std || !u.series[k + 1].show) return;
+    const hidden = u.series[k + 1].points.size / 2 * devicePixelRatio; // by the marker
     u.ctx.strokeStyle = u.series[k + 1].stroke(u, k + 1);
     u.ctx.beginPath();
     rows.forEach(({ place, trigger }, n) => {
       const value = u.data[k + 1][n] ?? null;
       if (value === null || std[trigger] === null) return;
-      const x = u.valToPos(place, "x", true);
-      u.ctx.moveTo(x, u.valToPos(value - std[trigger], "y", true));
-      u.ctx.lineTo(x, u.valToPos(value + std[trigger], "y", true));
+      const [x, y] = [u.valToPos(place, "x", true), u.valToPos(value, "y", true)];
+      const half = y - u.valToPos(value + std[trigger], "y", true);
+      if (half < hidden) return;
+      u.ctx.moveTo(x, y - half);
+      u.ctx.lineTo(x, y + half);
     });
     u.ctx.stroke();
   });
