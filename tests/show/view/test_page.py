@@ -273,7 +273,9 @@ def test_a_click_on_the_cycle_selects_the_trigger(page):
         page.select_option("#axis", axis)
         page.locator("#cycle .u-over").scroll_into_view_if_needed()
         box = page.locator("#cycle .u-over").bounding_box()
-        page.mouse.click(box["x"] + (share + 0.02) / 1.04 * box["width"], box["y"] + 0.2 * box["height"])
+        page.mouse.click(
+            box["x"] + (share + 0.02) / 1.04 * box["width"], box["y"] + 0.2 * box["height"]
+        )
         page.wait_for_timeout(50)
         chosen = int(page.input_value("#trigger"))
         shows(page, chosen)
