@@ -19,6 +19,11 @@ from erlif.joint.friction.coefficient import doubt_friction
 
 _NO_CHANCE = 1e-12  # probabilities below it depend on tails that nobody has measured
 
+_OF_STAGES = (
+    "The load that a bearing carries lies between the load survived and that at failure, a step of "
+    "the stages; ± is the calibration of the cells and the scatter of the load alone."
+)
+
 # Columns of the table of tests: the part of a test that each is of, and how it is written.
 _COLUMNS = {
     "test": ("test", "{}"),
@@ -34,6 +39,7 @@ _COLUMNS = {
     "friction before [1]": ("onset", "{.friction_before:.4f}"),
     "rise [1]": ("onset", "{.rise:.4f}"),
     "rise std [1]": ("onset", "{.rise_std:.4f}"),
+    # below 1e-12 they are written as that
     "p-value [1]": ("search", "{.p_value:.3g}"),
     "p-value of temperature [1]": ("temperature", "{.p_value:.3g}"),
     "p-value of vibration [1]": ("vibration", "{.p_value:.3g}"),
@@ -82,7 +88,8 @@ def describe_test(result: EnduranceResult) -> list[str]:
             (stage, FEWEST * sum(part.number == stage.number for part in loaded))
             for stage in left_out
         ],
-        p="p below 1e-12" if search.p_value < _NO_CHANCE else f"p = {search.p_value:.2g}",
+        p=_print_p(search.p_value),
+        print_p=_print_p,
         round_below=_round_below(search.small.rise) if search.small else None,
     )
     return text.splitlines()
@@ -102,31 +109,36 @@ def describe_tests(results: Sequence[EnduranceResult]) -> list[str]:
     Examples
     --------
     >>> from erlif.show.plots.example import example_test
-    >>> for line in describe_tests([example_test()]):
+    >>> for line in describe_tests([example_test()])[:2]:
     ...     print(line)
-    test          galling      onset  rise of friction    load at failure   survived
-    example       stage 6   4379.9 s    0.118 ± 0.006     123.8 ± 0.6 kN   106.6 kN
+    test          galling  onset (95 %)                 load at failure   survived
+    example       stage 6  4379.9 s (4377.7 to 4383.1)   123.8 ± 0.6 kN   106.6 kN
     """
     width = max(12, *(len(one.name) for one in results))
-    row = f"{{:<{width}}}  {{:<9}}{{:>9}}  {{:>15}}  {{:>17}}  {{:>9}}".format
-    lines = [row("test", "galling", "onset", "rise of friction", "load at failure", "survived")]
+    row = f"{{:<{width}}}  {{:<7}}  {{:<27}}  {{:>15}}  {{:>9}}".format
+    lines = [row("test", "galling", "onset (95 %)", "load at failure", "survived")]
     warnings = []
     for one in results:
         failure, onset = one.failure, one.onset
-        cells = ["none" if failure.decided else "unclear", "-", "-", "-"]
+        cells = ["none" if failure.decided else "unclear", "-", "-"]
         if onset is not None:
             load, std = failure.load / 1e3, failure.std / 1e3
             cells = [
                 f"stage {failure.stage}",
-                f"{onset.time:.1f} s",
-                f"{onset.rise:.3f} ± {onset.rise_std:.3f}",
+                f"{onset.time:.1f} s ({onset.earliest:.1f} to {onset.latest:.1f})",
                 f"{load:.1f} ± {std:.1f} kN",
             ]
         survived = failure.survived if failure.failed else failure.load
         lines.append(row(one.name, *cells, f"{survived / 1e3:.1f} kN"))
         doubts = [note for note in one.notes if note.level is not Level.NOTE]
         warnings += [f"{note.level}: {one.name}: {note}" for note in doubts]
-    return lines + warnings
+    stated = [_OF_STAGES] if any(one.failure.failed for one in results) else []
+    return lines + stated + warnings
+
+
+def _print_p(value: float) -> str:
+    """A p-value as it is printed."""
+    return "p below 1e-12" if value < _NO_CHANCE else f"p = {value:.2g}"
 
 
 def _round_below(rise: float) -> float:
@@ -196,7 +208,11 @@ def _row(found: EnduranceResult) -> list[str]:
         "search": found.search,
         **{sensor.name: sensor for sensor in found.other_sensors},
     }
+    cells = {
+        title: "" if parts.get(part) is None else form.format(parts[part])
+        for title, (part, form) in _COLUMNS.items()
+    }
     return [
-        "" if parts.get(part) is None else form.format(parts[part])
-        for part, form in _COLUMNS.values()
+        f"{max(float(cell), _NO_CHANCE):g}" if title.startswith("p-value") and cell else cell
+        for title, cell in cells.items()
     ]

@@ -29,6 +29,8 @@ _LOADS = "#F0F0F0"  # behind the stages
 _TABLE_ROW = 0.19  # inch, height of a row of the table
 _RUN_ROW = 0.16  # inch, height of a run
 
+_FEW_RUNS = 0.01  # least p-value from which it is stated
+
 # File of the comparison of two designs.
 DESIGNS = "designs.png"
 
@@ -61,7 +63,7 @@ def load_profile(result: EnduranceResult, *, ax: Axes | None = None) -> list[Art
         middle = 0.5 * (stage.start + stage.end) / _MINUTE
         above = (middle, stage.load / 1e3)
         style.write_beside(ax, str(stage.number), above, (0, pt(2)), ha="center")
-    ax.margins(y=0.15)
+    ax.margins(y=0.3)  # for the numbers of the stages
     if np.nanmin(load) > -_NOTHING * np.nanmax(load):
         ax.set_ylim(bottom=0.0)
     return artists
@@ -217,7 +219,9 @@ def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) 
         style.draw_line(panels[1], span, (level, level), "black", form="--", width=0.8)
     interval = f"95 %: {onset.earliest:.1f} to {onset.latest:.1f} s"
     panels[0].set_title(interval, loc="right", color=RETURN)
-    panels[1].set(xlabel="time [s]", xlim=(time[near][0], time[-1]))
+    # the first and the last point are whole
+    margin = _MARGIN * (time[-1] - time[near][0])
+    panels[1].set(xlabel="time [s]", xlim=(time[near][0] - margin, time[-1] + margin))
     return figure
 
 
@@ -517,7 +521,10 @@ def table_of_designs(compared: DesignComparison) -> list[list[str]]:
     if known:
         interval = f"{compared.low:.2f} to {compared.high:.2f} ({compared.model})"
         rows.append(["95 % interval", interval])
-    return [*rows, ["log-rank test", f"p = {compared.log_rank:.2g}"]]
+    p_value = f"p = {compared.log_rank:.2g}"
+    if compared.least_p > _FEW_RUNS:
+        p_value += f", at least {compared.least_p:.2g} of so few runs"
+    return [*rows, ["log-rank test", p_value]]
 
 
 def write_designs_figure(

@@ -683,6 +683,8 @@ def _draw_bytes(figure: Figure, kind: str, dpi: float | None) -> bytes:
     figure.set_dpi(own)
     options: dict[str, Any] = {"format": kind, "dpi": dpi, "metadata": _METADATA.get(kind)}
     if kind == "png":
+        if title := figure.get_suptitle():
+            options["metadata"] = {**(options["metadata"] or {}), "Title": title}
         options["pil_kwargs"] = {"compress_level": _PNG_COMPRESSION}
     content = io.BytesIO()
     with _without_text_layout():

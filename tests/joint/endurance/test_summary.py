@@ -16,6 +16,10 @@ def test_a_failure_is_described_with_its_interval_and_a_survivor_with_its_load()
     text = text_of(example_test())
     for part in ("6 stages and 6 idle runs", "galling in stage 6", "±", "0.5 % of the load"):
         assert part in text
+    failure = example_test().failure
+    between = f"between {failure.survived / 1e3:.1f} and {failure.load / 1e3:.1f} kN"
+    assert between in text
+    assert text.count("p below 1e-12") == 3  # of friction and both sensors: one form
     result = example_test(galls=False)
     text = text_of(result, search=replace(result.search, left_out=(5,)))
     for part in ("no galling found", "load survived: 123", "stage 6 has 150 samples and was not"):
@@ -29,6 +33,8 @@ def test_table_has_a_row_for_each_test(tmp_path):
     assert first["failed"] == "1"
     assert float(first["onset [s]"]) == round(found[0].onset.time, 2)
     assert (second["failed"], second["onset [s]"]) == ("0", "")
+    values = [float(first[name]) for name in first if name.startswith("p-value")]
+    assert min(values) == 1e-12
     assert write_test_table([], path).read_text(encoding="utf-8") == ",".join(first) + "\n"
 
 
@@ -68,7 +74,10 @@ def test_several_tests_have_a_row_each_and_their_warnings():
     doubtful = replace(result, name="odd", notes=(Note(Level.WARNING, "", "a doubt"),))
     whole = replace(example_test(galls=False), name="whole")
     lines = describe_tests([result, doubtful, whole])
-    assert len(lines) == 5
-    assert lines[3].split() == ["whole", "none", "-", "-", "-", "123.1", "kN"]
-    assert lines[4] == "warning: odd: a doubt"
-    assert max(map(len, lines)) <= 80
+    assert len(lines) == 6
+    onset = result.onset
+    assert f"({onset.earliest:.1f} to {onset.latest:.1f})" in lines[1]
+    assert lines[3].split() == ["whole", "none", "-", "-", "123.1", "kN"]
+    assert "between the load survived and that at failure" in lines[4]
+    assert lines[5] == "warning: odd: a doubt"
+    assert max(map(len, [*lines[:4], lines[5]])) <= 80

@@ -78,5 +78,6 @@ def test_runs_that_survived_are_drawn_open_and_the_table_states_the_interval():
     written = [text.get_text() for text in cells]
     assert f"{compared.low:.2f} to {compared.high:.2f} (lognormal)" in written
     assert "3 runs, 2 failures" in written
+    assert any("of so few runs" in text for text in written)
     for text, cell in cells.items():  # rows were half as high as the letters in them
         assert text.get_window_extent().height < 0.8 * cell.get_window_extent().height
