@@ -44,8 +44,9 @@ def linkage(
 ) -> None:
     """Find crank-rockers for a wanted swing, speed and time ratio.
 
-    Two links at least are given. Prints every solution, or the nearest linkage. Names and angles
-    are those of [mechanism] in run.toml. Quantities have units: "51 cm", "25 deg", "114 rpm".
+    Two links at least are given, or one with two targets. Prints every solution, or the nearest
+    linkage. Names and angles are those of [mechanism] in run.toml. Quantities have units: "51 cm",
+    "25 deg", "114 rpm".
 
     \b
     Example:

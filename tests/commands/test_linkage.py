@@ -30,7 +30,7 @@ def test_out_of_reach_is_reported_with_status_0(command):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--swing", "26 deg"), "at least must be given, got none"),
+        (("--swing", "26 deg"), "at least must be given, or one with two"),
         (("--crank", "30 cm", "--rocker", "26 cm", "--swing", "9 deg"), "no crank-rocker has"),
         (("--time-ratio", "0.5", *LINKS), "time_ratio must be at least 1"),
         (("-o", "linkage.txt", *LINKS), "a name in .png or .pdf or .svg or .gif"),

@@ -247,7 +247,10 @@ DOORS = {
     ),
     "synthesis": (
         linkage.synthesise_crank_rocker,
-        ({"crank": 0.1, "swing": 1.0}, "rocker and ground at least must be given, got crank"),
+        (
+            {"crank": 0.1, "swing": 1.0},
+            "or one with two of swing, speed ratio and time ratio; got crank",
+        ),
         ({"crank": 0.1, "ground": 1.0}, "two unknown lengths need a target"),
         (RIG | {"swing": 4.0}, "swing must be below half a turn"),
         (RIG | {"time_ratio": 0.9}, "time_ratio must be at least 1"),

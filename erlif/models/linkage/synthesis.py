@@ -27,6 +27,9 @@ from erlif.models.refusals import refusal
 # Places of the search along one unknown length, and along each of two.
 LINE, SQUARE = 257, 49
 
+# Places of the search along the length of a second link, where one is given.
+SCALES = 33
+
 # Relative deviation of a target that counts as none.
 ATTAINED = 1e-9
 
@@ -122,13 +125,14 @@ def synthesise_crank_rocker(
     ground: float | None = None,
     longest_link: float | None = None,
 ) -> Synthesis:
-    """Find the crank-rockers that meet targets with two or more links given.
+    """Find the crank-rockers that meet targets with two or more links given, or one for its scale.
 
     As many targets as unknown links: all solutions. Fewer: the one of a family with the largest
     least transmission angle within the limits, or nearest to them where none keeps them. More, or
     targets out of reach: the nearest linkage by least squares of the relative deviations. Both
     senses of a time ratio are searched, and both strokes for the speed. Mirrored assemblies have
-    the same measures and are not listed twice.
+    the same measures and are not listed twice. With one link and two targets the others follow from
+    the largest least transmission angle of the family.
 
     Parameters
     ----------
@@ -149,7 +153,7 @@ def synthesise_crank_rocker(
         Width of the links, with round ends about their joints; 0 for the space of the joint
         centres. [m]
     crank, coupler, rocker, ground : float, optional
-        Given lengths, two at least. [m]
+        Given lengths, two at least; one with two targets. [m]
     longest_link : float, optional
         Longest link that is considered; default: ten times the longest given one. [m]
 
@@ -161,8 +165,9 @@ def synthesise_crank_rocker(
     Raises
     ------
     ModelError
-        Fewer than two lengths, two unknown lengths without a target, a value out of its range,
-        speeds that contradict the speed ratio, or lengths that no crank-rocker has.
+        Fewer than two lengths, but for one with two targets, two unknown lengths without a target,
+        a value out of its range, speeds that contradict the speed ratio, or lengths that no
+        crank-rocker has.
 
     Examples
     --------
@@ -191,6 +196,19 @@ def synthesise_crank_rocker(
             raise ModelError("crank_speed and rocker_speed fix speed_ratio; give two of the three.")
         targets["speed_ratio"] = rocker_speed / crank_speed
         rocker_speed = None
+    if len(given) == 1 and len(targets) == 2:
+        return _best_scale(
+            given,
+            longest_link=longest_link,
+            swing=swing,
+            speed_ratio=targets.get("speed_ratio"),
+            time_ratio=time_ratio,
+            crank_speed=crank_speed,
+            rocker_speed=rocker_speed,
+            least_transmission_angle=least_transmission_angle,
+            largest_size=largest_size,
+            link_width=link_width,
+        )
     if len(given) < 2:
         raise refusal("few_links", given=", ".join(given) or "none")
     if len(given) == 2 and not targets:
@@ -215,6 +233,36 @@ def synthesise_crank_rocker(
         if not any(_is_same(found, other) for other in designs):
             designs.append(found)
     return _conclude(designs, targets, domain)
+
+
+def _best_scale(given: dict[str, float], *, longest_link: float | None, **wanted: Any) -> Synthesis:
+    """The best transmission angle of the family that one length and two targets leave."""
+    ((name, length),) = given.items()
+    free = "rocker" if name == "ground" else "ground"
+    longest = 10 * length if longest_link is None else longest_link
+
+    def solve(log_length: float) -> Synthesis | None:
+        lengths: dict[str, Any] = {name: length, free: float(np.exp(log_length))}
+        try:
+            return synthesise_crank_rocker(**lengths, longest_link=longest, **wanted)
+        except ModelError:  # no crank-rocker has these lengths
+            return None
+
+    def score(found: Synthesis | None) -> float:
+        if found is None or not found.designs:
+            return -np.pi
+        best = found.designs[0]
+        return best.least_transmission - (np.pi / 2 if best.departures else 0.0)
+
+    axis = np.linspace(np.log(0.1 * length), np.log(longest), SCALES)
+    scores = [score(solve(place)) for place in axis.tolist()]
+    k = int(np.argmax(scores))
+    found = solve(_lowest(lambda place: -score(solve(place)), axis, k))
+    found = max((found, solve(float(axis[k]))), key=score)
+    if found is None or not found.designs:
+        raise refusal("no_family", given=name, free=free)
+    statement = "1 crank-rocker meets the targets; of a family, the one with the best transmission"
+    return replace(found, designs=found.designs[:1], statement=f"{statement} angle.")
 
 
 def _refuse_impossible(targets: dict[str, float], size: tuple[float, float]) -> None:

@@ -97,7 +97,7 @@ def linkage_positions(
     linkage = design.linkage
     places = 1e3 * pin_places(linkage, _TURN)
     middle = places[:, 1:3].mean(axis=1)
-    paths = ((places[:, 1], MUTED, None), (places[:, 2], MUTED, None))
+    paths = ((places[:, 1], MUTED, "paths of the pins"), (places[:, 2], MUTED, None))
     for path, colour, name in (*paths, (middle, MEAN, "path of the coupler's middle")):
         x, y = path.T
         style.draw_line(ax, x, y, colour, form=":", width=0.9, zorder=1, label=name)
@@ -164,6 +164,9 @@ def transmission_over_crank(design: LinkageDesign, *, ax: Axes | None = None) ->
     ax.axhline(90.0, color=MUTED, linewidth=pt(0.6), linestyle=":")
     _over_a_turn(ax, "transmission angle [°]")
     ax.set_ylim(max(low, 0.0), min(high, 180.0))
+    if low < _GOOD or high > 180 - _GOOD:
+        # the bands themselves are named once, and only where they are seen
+        ax.patches[-1].set_label(f"beyond {_GOOD:g}° to {180 - _GOOD:g}°")
     return [*line, *extremes]
 
 
@@ -226,7 +229,9 @@ def linkage_view(design: LinkageDesign, *, figure: AnyFigure | None = None) -> L
     transmission_over_crank(design, ax=panels["t"])
     style.letter_panels(*(panels[name] for name in "pst"))
     look: dict[str, Any] = {"color": RETURN, "linewidth": pt(0.9), "zorder": 3}
-    marks = [panels[panel].axvline(0.0, **look) for panel in "st"]
+    marks = [panels[name].axvline(0.0, **look, label="as drawn in (a)") for name in "st"]
+    for name in "st":
+        style.legend_above(panels[name])
     figure.suptitle(_name(design))
     moving = replace(view, marks=tuple(marks))
     moving.show(_rising(design.linkage))

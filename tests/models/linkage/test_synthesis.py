@@ -193,3 +193,32 @@ def test_without_a_target_one_link_is_chosen_for_transmission():
     found = synthesise_crank_rocker(**without(RIG, "coupler"))
     (design,) = found.designs
     npt.assert_allclose(design.linkage.coupler, np.sqrt(0.055**2 + 0.51**2 - 0.26**2), rtol=1e-6)
+
+
+def test_one_length_and_two_targets_give_the_best_of_their_family():
+    """Any length gives the same shape; no ground on a fine grid has a better one."""
+    targets = {"swing": np.radians(50), "time_ratio": 1.2}
+    shapes = []
+    for name in ("rocker", "ground"):
+        (best,) = synthesise_crank_rocker(**targets, **{name: 0.26}).designs
+        npt.assert_allclose([best.swing, best.time_ratio], [*targets.values()], rtol=1e-8)
+        shapes.append(np.array(lengths_of(best)) / best.linkage.rocker)
+    npt.assert_allclose(shapes[0], shapes[1], rtol=1e-4)
+    others = [
+        design.least_transmission
+        for ratio in np.linspace(1.0, 1.4, 41)
+        for design in synthesise_crank_rocker(**targets, rocker=0.26, ground=0.26 * ratio).designs
+    ]
+    assert max(others) <= best.least_transmission * (1 + 1e-6)
+    assert max(others) > 0.98 * best.least_transmission
+
+
+def test_a_centric_crank_rocker_of_one_length_has_the_crank_of_the_closed_form():
+    """With equal strokes the pin moves by twice the crank: sin(swing / 2) = crank / rocker."""
+    (best,) = synthesise_crank_rocker(swing=np.radians(26), time_ratio=1.0, rocker=0.26).designs
+    assert best.linkage.crank == pytest.approx(0.26 * np.sin(np.radians(13)), rel=1e-6)
+
+
+def test_targets_that_no_scale_meets_are_refused():
+    with pytest.raises(ModelError, match="at any ground"):
+        synthesise_crank_rocker(swing=np.radians(1), time_ratio=30.0, rocker=0.26)
