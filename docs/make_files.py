@@ -133,6 +133,21 @@ VARIABLE_ATTRIBUTES = (
     Attribute(
         "load_line", "Of displacement and tilt: load line along sliding [mm]; also of the attitude."
     ),
+    Attribute(
+        "load_line_std",
+        "Of displacement and tilt: standard deviation of the load line [mm].",
+        "it is known",
+    ),
+    Attribute(
+        "radius",
+        "Of displacement and tilt: radius over which places along sliding are angles [mm].",
+        "the standard deviation of the load line is known",
+    ),
+    Attribute(
+        "load_line_source",
+        'Of displacement and tilt: "given", "fitted" to the orbit, middle of the "swing", or '
+        '"middle" of the image.',
+    ),
     Attribute("axial_origin", "Of displacement and tilt: origin of positions along the axis [mm]."),
     Attribute(
         "regime",

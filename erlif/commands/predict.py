@@ -16,9 +16,7 @@ from erlif.core.speed.imports import large_imports
 @click.command()
 @click.argument("source", metavar="RUN_DIR|FILM", type=PATH)
 @output_option("File", "prediction.nc in RUN_DIR or beside FILM")
-@click.option(
-    "--fit", "fitted", is_flag=True, help="Also find which physics carries the film; minutes."
-)
+@click.option("--fit", "fitted", is_flag=True, help="Find which physics carries the film; minutes.")
 @ALLOW_OUTSIDE
 @OVERWRITE
 def predict(source: Path, output: Path | None, fitted: bool, **options: Any) -> None:
@@ -30,7 +28,8 @@ def predict(source: Path, output: Path | None, fitted: bool, **options: Any) -> 
 
     --fit prints which physics carries the measured film: steady formulas, squeeze, and the
     transient film of a free and of a guided pin are fitted to the positions of the pin and compared
-    by their likelihood, with the viscosity of the best. It needs FILM, or film.nc in RUN_DIR.
+    by their likelihood, with the viscosity of the best. It needs FILM, or film.nc in RUN_DIR, and
+    writes a file only with -o.
 
     \b
     Example:
@@ -42,14 +41,15 @@ def predict(source: Path, output: Path | None, fitted: bool, **options: Any) -> 
         from erlif.pipeline.physics.predict import predict as predict_maps
         from erlif.show.report import summarise_prediction
 
-    place = source.parent if is_film(source) else source
-    output = output or place / "prediction.nc"
-    expect_suffix(output, ".nc")
-    with working() as progress:
-        prediction = predict_maps(source, output=output, progress=progress, **options)
-    with prediction:
-        click.echo(wrap(summarise_prediction(prediction)))
-    click.echo(f"written: {output}")
+    if output is None and not fitted:
+        output = (source.parent if is_film(source) else source) / "prediction.nc"
+    if output is not None:
+        expect_suffix(output, ".nc")
+        with working() as progress:
+            prediction = predict_maps(source, output=output, progress=progress, **options)
+        with prediction:
+            click.echo(wrap(summarise_prediction(prediction)))
+        click.echo(f"written: {output}")
     # the fit takes minutes and is asked for
     if fitted:
         from erlif.pipeline.physics.fit import fit_film

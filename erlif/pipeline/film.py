@@ -44,6 +44,7 @@ from erlif.pipeline.physics.light import (
     find_light,
     kept_lights,
 )
+from erlif.pipeline.physics.load_line import place_positions
 from erlif.pipeline.physics.position import describe_positions, note_form
 from erlif.pipeline.physics.prediction import (
     Prediction,
@@ -260,6 +261,7 @@ def complete_film(
         positions = [one.position for one in results]
         measured = describe_statistics(results, measured_with)
         measured |= describe_positions(positions, measured_with, plane.view)
+        measured, about_line = place_positions(plane, measured, measured_with, of_frames)
         prediction = try_prediction(plane, triggers.assign(measured), of_frames)
     film = describe_film(
         run,
@@ -269,7 +271,7 @@ def complete_film(
         measured=measured,
         prediction=prediction,
         hashes=hashes,
-        notes=[*notes, *notes_on_light],
+        notes=[*notes, *notes_on_light, *about_line],
         audited=audited,
     )
     film = film.assign(light)

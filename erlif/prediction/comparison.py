@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -128,6 +128,8 @@ class Comparison:
     carrier : str or None
         Name of the model that the verdict states; None where no model describes the film, or it is
         constant within its errors.
+    not_fitted : mapping of str to str
+        Models that could not be fitted, and why.
     """
 
     candidates: tuple[Candidate, ...]
@@ -135,6 +137,7 @@ class Comparison:
     fit: MotionFit | None
     independent: float
     carrier: str | None = None
+    not_fitted: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -192,7 +195,8 @@ def compare_models(
     sideways : sequence of str
         Transient films to compare: of "free", "guided" and "spring". "any guided" is the
         largest likelihood that a guided pin can have, with any course along the load at one
-        sideways place; it needs positions, and solves no film with cavities.
+        sideways place; it needs positions, and solves no film with cavities. It also stands in
+        for a guided pin that cannot be fitted.
     progress : callable
         Receives the name of the step, the number of models that are fitted, and of all models.
 
@@ -229,7 +233,7 @@ def compare_models(
     problem = Problem(FreeOrbits(journal, motion.motion), frames, measured, "free")
     fitted: list[_Fitted] = []
     fits: dict[str, MotionFit] = {}
-    failures: list[str] = []
+    failures: dict[str, str] = {}
     transient = [one for one in sideways if one != "any guided"]
     total = len(transient) + 2 + len(steady or {})
 
@@ -248,7 +252,7 @@ def compare_models(
                 profiles=False,
             )
         except ModelError as error:
-            failures.append(str(error))
+            failures[HELD[held]] = str(error)
             continue
         fits[HELD[held]] = fit
         predicted = fit.predicted[frames.measured]
@@ -265,16 +269,17 @@ def compare_models(
         try:
             minimum = least.solve()
         except ModelError as error:
-            failures.append(str(error))
+            failures[name] = str(error)
             continue
         fitted.append(_Fitted.of(name, problem, minimum, minimum.predicted))
     progress("fit", total, total)
 
-    if measured.is_position and "any guided" in sideways:
+    bounded = "any guided" in sideways or HELD["guided"] in failures
+    if measured.is_position and bounded:
         fitted.append(_bound_guided(problem, load_line_std))
     if not fitted:
-        raise refusal("no_model_fitted", failure=failures[0])
-    return _rank(fitted, fits)
+        raise refusal("no_model_fitted", failure=next(iter(failures.values())))
+    return replace(_rank(fitted, fits), not_fitted=failures)
 
 
 def _rank(fitted: Sequence[_Fitted], fits: Mapping[str, MotionFit]) -> Comparison:

@@ -471,7 +471,9 @@ def _widened(
         still = np.zeros(change.value.size)
         ends = list(zip(change.value, change.value, strict=True))
         moved = _estimates(change.problem, unknowns, change.value, still, ends)
-        if isinstance(change.problem.orbits, HeldOrbits):
+        # without a film of the changed number the error is not known
+        known = np.isfinite(change.value).all()
+        if known and isinstance(change.problem.orbits, HeldOrbits):
             film = _first_films(change.problem, unknowns, change.value[np.newaxis])
             moved["start_film"] = replace(moved["start_film"], value=float(film[0]))
         for name, estimate in estimates.items():

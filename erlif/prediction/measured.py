@@ -14,6 +14,7 @@ from erlif.core.products import require
 from erlif.core.statistics import covariance_root, symmetric_root
 from erlif.io.files import settings_of
 from erlif.prediction.refusals import refusal
+from erlif.trend import load_line_covariance
 
 _MICRO, _MILLI = 1e6, 1e-3
 _THINNEST = 0.1  # film with which weights are computed [um]
@@ -82,7 +83,8 @@ def measured_positions(film: xr.Dataset, calibration_cov: Array | None = None) -
     Returns
     -------
     MeasuredMotion
-        Marks of the surfaces repeat from trigger to trigger and are shared like the calibration. In
+        Marks of the surfaces repeat from trigger to trigger and are shared like the calibration;
+        the error of the load line is left out, as the place of the line is an unknown of fits. In
         a film with settings and calibration each trigger shares those that it sees: pixels beyond
         the calibrated range do not count, and which ones these are changes as the thin line moves.
 
@@ -120,7 +122,8 @@ def measured_positions(film: xr.Dataset, calibration_cov: Array | None = None) -
         columns = gradient @ covariance_root(calibration_cov)
 
     # what is left repeats from trigger to trigger: marks of the surfaces
-    left = whole - random - columns @ np.swapaxes(columns, 1, 2)
+    by_line = load_line_covariance(film)[:, :2, :2] / _MICRO**2
+    left = whole - random - by_line - columns @ np.swapaxes(columns, 1, 2)
     seen = _seen_angles(film)
     marks = _roots(left) if seen is None else _share_marks(left, seen)
     by_clearance = None

@@ -14,6 +14,7 @@ from .position import (
     PinView,
     find_pin_in_blocks,
     find_pin_position,
+    load_line_covariance,
     pin_covariance,
 )
 from .profile import (
@@ -91,6 +92,7 @@ __all__ = [
     "fit_trend",
     "gap_of_pin",
     "judge_form",
+    "load_line_covariance",
     "pin_covariance",
     "place_of_minimum",
     "predict_film",

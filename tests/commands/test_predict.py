@@ -35,7 +35,10 @@ def test_a_start_outside_the_clearance_is_refused(lab, film, refused):
 def test_fit_prints_which_physics_carries_the_film(own, command, monkeypatch):
     """The films with cavities of a guided pin, which take half a minute, are left out."""
     monkeypatch.setattr(fit, "compare_models", compare_quickly)
+    before = set(own.parent.iterdir())
     result = command("predict", own, "--fit")
+    assert set(own.parent.iterdir()) == before
+    assert "written" not in result.stdout
     assert "BIC" in result.stdout
     assert "a pin that is free sideways" in result.stdout
     assert "viscosity: " in result.stdout

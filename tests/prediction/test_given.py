@@ -21,6 +21,7 @@ from scenes.orbits import (
 
 from erlif.models.reynolds import crank_motion, solve_journal
 from erlif.prediction import GivenErrors, fit_motion
+from erlif.prediction.given import follow_changes
 from erlif.rig.cavitation import follow_cavitated
 from erlif.rig.orbit import Bearing
 
@@ -85,6 +86,21 @@ def test_changes_are_those_of_another_fit(pin, request):
     heavy = replace(MOVED, motion=replace(MOTION, load=(1 + LOAD_STD) * MOTION.load))
     again = fit(measured, moved=heavy, **options)["viscosity"].value
     npt.assert_allclose(found.parts["load"], abs(again - found.value), rtol=0.1)
+
+
+def test_a_given_number_without_a_film_leaves_an_error_that_is_not_known(guided, monkeypatch):
+    """A guided pin whose film no solution follows when the load changes is still fitted."""
+
+    def lost(*args):
+        changes = follow_changes(*args)
+        nowhere = np.full_like(changes["load"].value, np.nan)
+        return changes | {"load": replace(changes["load"], value=nowhere)}
+
+    monkeypatch.setattr("erlif.prediction.fit.follow_changes", lost)
+    given = GivenErrors(load=0.01, load_line=0.0)
+    found = fit(guided, given, joint=replace(STATED, long=True), sideways="guided")
+    assert np.isinf(found["viscosity"].parts["load"])
+    assert np.isfinite(found["viscosity"].parts["fit"])
 
 
 def test_a_given_load_line_of_a_guided_pin_is_not_fitted(guided):

@@ -240,6 +240,9 @@ def _check_film_attributes(film: xr.Dataset) -> None:
     if "film_theory" in film:
         for name in ("regime", "reason"):
             _expect_text(film.film_theory.attrs, name)
+    if "pin_displacement" in film:
+        for name in ("load_line", "load_line_std", "radius"):
+            _expect_number(film.pin_displacement.attrs, name, "pin_displacement", optional=True)
     if "attitude" in film:
         _expect_number(film.attitude.attrs, "load_line", "attitude")
     if "encoder_angle" in film:

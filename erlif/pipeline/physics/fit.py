@@ -43,6 +43,9 @@ _POSITIONS = (
     "pin_position_cov_random",
     "pin_position_gradient",
 )
+_FAR = 3.0  # standard deviations of a fitted load line from that of the film, from which it counts
+_MILLI = 1e3
+
 # Variables of a film with steady formulas, and their names in the comparison.
 _STEADY = {"film_hamrock_dowson": "film_hamrock_dowson", "film_regime_map": "film_theory"}
 
@@ -91,7 +94,23 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
         return comparison
     found = comparison.fit.estimates
     beside = _beside_sheet(found["viscosity"], source.settings, source.frames)
-    return replace(comparison, fit=replace(comparison.fit, estimates={**found, **beside}))
+    notes = comparison.fit.notes
+    line = found.get("load_line")
+    if line is not None:
+        about = 1e-3 * float(source.film.pin_displacement.attrs["load_line"])
+        beside["load_line"] = _place(line, about)
+        if abs(line.value) > _FAR * line.std and comparison.fit.sideways == "free":
+            place, std = _MILLI * beside["load_line"].value, _MILLI * line.std
+            text = _TEXTS["other_line"].format(about=_MILLI * about, place=place, std=std)
+            notes = (*notes, str(text))
+    fit = replace(comparison.fit, estimates={**found, **beside}, notes=notes)
+    return replace(comparison, fit=fit)
+
+
+def _place(line: Estimate, about: float) -> Estimate:
+    """The place of a load line in the image, from its deviation from another place. [m]"""
+    low, high = line.low + about, line.high + about
+    return replace(line, value=line.value + about, low=low, high=high)
 
 
 def _beside_sheet(

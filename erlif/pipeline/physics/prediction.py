@@ -212,48 +212,6 @@ def film_along_sliding(settings: RunSettings, predicted: xr.Dataset, position: A
     return 1e6 * gap
 
 
-def find_load_line(
-    settings: RunSettings, film: xr.Dataset, motion: FrameMotion, position: Array
-) -> float:
-    """The load line of the settings, else that about which the measured pin swings.
-
-    A free pin keeps its place in the frame that turns with half the bushing angle; one that is held
-    stays on the load line. The mean of the measured directions is that of these, less the line.
-
-    Parameters
-    ----------
-    settings : RunSettings
-    film : xarray.Dataset
-        pin_displacement (trigger, axis) [um], counted from the middle of the image; without it,
-        that middle is the load line.
-    motion : FrameMotion
-    position : array, (pixel,)
-        Positions of the image along sliding. [mm]
-
-    Returns
-    -------
-    float
-        [mm]
-    """
-    given = settings.prediction.load_line
-    if given is not None:
-        return 1e3 * float(given)
-    middle = float(position.mean())
-    if "pin_displacement" not in film:
-        return middle
-    load, side = film["pin_displacement"].values.T
-    measured = np.arctan2(side, load)
-    measured = measured[np.isfinite(measured)]
-    if not measured.size:
-        return middle
-
-    # of the median, so that a trigger without a sound fit does not count
-    free = settings.prediction.sideways == "free"
-    expected = float(np.median(motion.motion.angle[motion.steps])) / 2 if free else 0.0
-    radius = build_journal(settings, motion.viscosity).radius
-    return middle + 1e3 * radius * (float(np.median(measured)) - expected)
-
-
 def predict_run(
     plane: ObjectPlane,
     film: xr.Dataset,
@@ -269,7 +227,7 @@ def predict_run(
         With the settings of the run.
     film : xarray.Dataset
         film_min and film_min_std (trigger) [um], from which the start film is found unless the
-        settings give it, and pin_displacement (trigger, axis) [um] for the load line.
+        settings give it; attribute load_line of pin_displacement, unless the settings give it.
     frames : xarray.Dataset
         As `frames_of_run` returns them.
     cells : (int, int)
@@ -286,7 +244,7 @@ def predict_run(
     """
     settings, options = plane.settings, plane.settings.prediction
     motion = build_motion(settings, frames)
-    line = find_load_line(settings, film, motion, plane.along)
+    line = _load_line(settings, film, plane.along)
     predicted = predict_triggers(
         film,
         build_journal(settings, motion.viscosity),
@@ -306,6 +264,16 @@ def predict_run(
     return Prediction(
         predicted[names], by_frame.assign(elapsed_cycles=predicted.elapsed_cycles), []
     )
+
+
+def _load_line(settings: RunSettings, film: xr.Dataset, position: Array) -> float:
+    """The load line of the settings, else that of the measured positions, else the middle. [mm]"""
+    if settings.prediction.load_line is not None:
+        return 1e3 * float(settings.prediction.load_line)
+    middle = float(position.mean())
+    if "pin_displacement" not in film:
+        return middle
+    return float(film["pin_displacement"].attrs.get("load_line", middle))
 
 
 def try_prediction(plane: ObjectPlane, film: xr.Dataset, frames: xr.Dataset) -> Prediction:

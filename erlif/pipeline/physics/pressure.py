@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -32,7 +33,7 @@ from erlif.prediction.gaps import LARGEST_GAP, MOST_FILLED, fill_gaps
 from erlif.prediction.pin_motion import PinMotion, find_pin_motion
 from erlif.prediction.pressure import CHANGING, CLEAR, find_pressures
 from erlif.prediction.smoothing import FEWEST
-from erlif.trend import PinView, viscosity_at
+from erlif.trend import PinView, load_line_covariance, viscosity_at
 
 _TEXTS = read_table("erlif.pipeline", "words.toml")["pressure"]
 
@@ -109,6 +110,8 @@ def _find(film: xr.Dataset, progress: Progress) -> xr.Dataset:
     viscosity = viscosity_at(conditions, joint.viscosity)[order]
     x, y = _grid(film)
     line = settings.prediction.load_line_std
+    if line is None:
+        line = film.pin_displacement.attrs.get("load_line_std", 0.0) / _MILLI
     along, across = (x, y) if view.sliding_along_x else (y, x)
     pressures = find_pressures(
         build_journal(settings, 1.0),
@@ -117,7 +120,7 @@ def _find(film: xr.Dataset, progress: Progress) -> xr.Dataset:
         place=(along - view.load_line) / _MILLI,
         axial=(across - view.axial_origin) / _MILLI,
         settings_std=_settings_std(settings, viscosity),
-        load_line_std=0.0 if line is None else float(line),
+        load_line_std=float(line),
         fill=partial(_fill, film, settings, positions),
         progress=progress,
     )
@@ -142,7 +145,8 @@ def _view(film: xr.Dataset, settings: RunSettings) -> PinView:
     view = ObjectPlane(settings, (film.sizes["y"], film.sizes["x"])).view
     if view is None or "pin_displacement" not in film:
         raise refusal("no_pin_position")
-    return view
+    line = film.pin_displacement.attrs.get("load_line", view.load_line)
+    return replace(view, load_line=float(line))
 
 
 def _known(film: xr.Dataset) -> Mask:
@@ -261,7 +265,9 @@ def _covariances(film: xr.Dataset, order: npt.NDArray[np.intp]) -> tuple[Array, 
     )
     gradient = film.pin_position_gradient.values[order] * _NUMBER_UNITS[:, None]
     shared = gradient @ calibration_of(film).full_covariance @ np.swapaxes(gradient, 1, 2)
-    return random, whole - random - shared, gradient
+    # the error of the load line turns the position and changes no film
+    by_line = load_line_covariance(film)[order] * units
+    return random, whole - random - shared - by_line, gradient
 
 
 def _grid(film: xr.Dataset) -> tuple[Array, Array]:

@@ -32,11 +32,23 @@ def describe_correlations(film: xr.Dataset) -> str:
 
 
 def describe_difference(film: xr.Dataset) -> str:
-    """Mean and rms of the measured minimum less the predicted one; empty without either."""
+    """Mean and rms of the measured minimum less the predicted one; empty without either.
+
+    The mean with a fitted start film is left out: the fit makes it small.
+    """
     off = _differences(film)
     if not off.size:
         return ""
-    return f"mean {off.mean():+.3g} um, rms {np.sqrt(np.mean(off**2)):.3g} um"
+    rms = f"rms {np.sqrt(np.mean(off**2)):.3g} um"
+    if _start_is_fitted(film):
+        return f"{rms}, start film fitted"
+    return f"mean {off.mean():+.3g} um, {rms}"
+
+
+def _start_is_fitted(film: xr.Dataset) -> bool:
+    """Whether the start film was fitted to the measured minima."""
+    attrs = {**film.attrs, **film["film_predicted_min"].attrs}
+    return bool(attrs.get("start_film_fitted", 0))
 
 
 def carrying_sentences(film: xr.Dataset) -> list[str]:
@@ -51,7 +63,8 @@ def carrying_sentences(film: xr.Dataset) -> list[str]:
     off = _differences(film)
     if off.size:
         mean, rms = f"{off.mean():+.2g}".replace("-", "−"), np.sqrt(np.mean(off**2))
-        lines.append(f"Measured less predicted minimum film: mean {mean} µm, rms {rms:.2g} µm.")
+        level = "with a fitted start film" if _start_is_fitted(film) else f"mean {mean} µm"
+        lines.append(f"Measured less predicted minimum film: {level}, rms {rms:.2g} µm.")
     lines.append(
         "erlif predict FILM --fit compares a free with a guided pin by the measured positions and "
         "fits the viscosity."
@@ -120,14 +133,16 @@ def summarise_comparison(found: Comparison) -> str:
     >>> one = Candidate("a guided pin", 0.0, 4, 1.0, 4e-8)
     >>> print(summarise_comparison(Comparison((one,), "It swings.", None, 1.0)))
     It swings.
-      model          BIC  residual [nm]
-      a guided pin   0    40
+      model          BIC  residual [um]
+      a guided pin   0    0.04
     """
-    width = max(len(one.name) for one in found.candidates) + 3
-    lines = [found.verdict, f"  {'model':{width}s}{'BIC':5s}residual [nm]"]
+    names = [*[one.name for one in found.candidates], *found.not_fitted]
+    width = max(map(len, names)) + 3
+    lines = [found.verdict, f"  {'model':{width}s}{'BIC':5s}residual [um]"]
     lines += [
-        f"  {one.name:{width}s}{one.bic:<4.0f} {one.residual * 1e9:.3g}" for one in found.candidates
+        f"  {one.name:{width}s}{one.bic:<4.0f} {one.residual * 1e6:.3g}" for one in found.candidates
     ]
+    lines += [f"  {name:{width}s}not fitted: {why}" for name, why in found.not_fitted.items()]
     if found.fit is not None:
         # the scatter about a wrong model is not an error of its parameters
         described = found.fit.inflation <= DESCRIBED

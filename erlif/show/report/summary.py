@@ -241,6 +241,14 @@ def summarise_in_a_line(film: xr.Dataset) -> str:
     )
 
 
+_LOAD_LINES = {
+    "given": ", as given",
+    "fitted": ", fitted to the orbit",
+    "swing": ", the middle of the swing",
+    "middle": ", the middle of the image",
+}
+
+
 def _describe_pin(film: xr.Dataset) -> str:
     """Range of the displacement of the pin, with the largest standard deviation of each."""
     if "pin_displacement" not in film or not np.isfinite(film.pin_displacement.values).any():
@@ -251,6 +259,12 @@ def _describe_pin(film: xr.Dataset) -> str:
         place, error = film.pin_displacement.values[:, k], np.nanmax(std[:, k])
         low, high = np.nanmin(place), np.nanmax(place)
         texts.append(f"{low:.2f} to {high:.2f} ± {error:.2f} um {where}")
+    attrs = film.pin_displacement.attrs
+    if "load_line" in attrs:
+        std = attrs.get("load_line_std")
+        error = "" if std is None else f" ± {std:.2f}"
+        source = _LOAD_LINES.get(str(attrs.get("load_line_source")), "")
+        texts.append(f"about the load line at {attrs['load_line']:.2f}{error} mm{source}")
     return ", ".join(texts)
 
 

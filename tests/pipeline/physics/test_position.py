@@ -27,10 +27,14 @@ def opened(film):
 
 
 def test_position_follows_the_true_film(opened, truth):
-    """Marks included, so that noise and calibration remain; the region is that of the run."""
+    """Marks included, so that noise and calibration remain; the region is that of the run.
+
+    The load line of this film is that which it states: the middle of its swing.
+    """
     x, y = opened.x.values, opened.y.values
     inside_x, inside_y = (x >= 4) & (x <= 15), (y >= 2) & (y <= 13)
-    place = (x - x.mean())[inside_x], (y - y.mean())[inside_y]
+    line = opened.pin_displacement.attrs["load_line"]
+    place = (x - line)[inside_x], (y - y.mean())[inside_y]
     pulls = []
     for k in range(6):
         true = fit_true_film(truth.film.values[k][np.ix_(inside_y, inside_x)], *place)

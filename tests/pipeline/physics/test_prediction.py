@@ -17,7 +17,6 @@ from erlif.pipeline.physics.prediction import (
     build_motion,
     choose_theory,
     film_along_sliding,
-    find_load_line,
     note_correlation,
     note_difference,
     predict_run,
@@ -82,28 +81,17 @@ def test_a_joint_swings_with_a_crank_rocker_and_an_oil():
         build_motion(slider, frames())
 
 
-def displaced(attitude):
-    """The film of a pin that is displaced by 220 um in these directions. [degree]"""
-    angle = np.radians(attitude)
-    both = 220 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return film().assign(pin_displacement=(("trigger", "axis"), both))
-
-
-def test_the_load_line_is_that_of_the_settings_or_the_middle_of_the_swing():
-    """A free pin swings with half the bushing; 1 degree is 0.5843 mm of a radius of 33.4748 mm."""
-    free, guided = settings(), settings(sideways="guided")
-    motion = build_motion(free, frames())
-    half = np.degrees(motion.motion.angle[motion.steps]) / 2
-    assert find_load_line(free, film(), motion, PLACE) == pytest.approx(8.97)
-    given = settings(load_line="9.6 mm")
-    assert find_load_line(given, displaced(half + 2), motion, PLACE) == pytest.approx(9.6)
-
-    found = find_load_line(free, displaced(half + 2), motion, PLACE)
-    assert found == pytest.approx(8.97 + 2 * 0.58425, abs=1e-3)
-    found = find_load_line(guided, displaced(np.full(CRANK.size, -1.5)), motion, PLACE)
-    assert found == pytest.approx(8.97 - 1.5 * 0.58425, abs=1e-3)
-    lost = displaced(half * np.nan)
-    assert find_load_line(free, lost, motion, PLACE) == pytest.approx(8.97)
+def test_the_load_line_is_that_of_the_settings_else_that_of_the_positions():
+    place = ("trigger", "axis"), np.zeros((CRANK.size, 2)), {"load_line": 9.2}
+    about = film().assign(pin_displacement=place)
+    for expected, options, measured in [
+        (9.6, {"load_line": "9.6 mm"}, about),
+        (9.2, {}, about),
+        (8.97, {}, film()),
+    ]:
+        one = plane(settings(start_film="20 um", **options))
+        attrs = predict_run(one, measured, frames()).triggers.attitude.attrs
+        assert attrs["load_line"] == pytest.approx(expected)
 
 
 def test_the_predicted_map_is_thinnest_at_its_attitude_from_the_load_line():

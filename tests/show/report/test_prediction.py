@@ -44,19 +44,23 @@ def held(sideways):
 
 def test_what_carries_the_film_is_stated_as_an_assumption():
     film = films(film_min=[3.0, np.nan, 1.0], film_predicted_min=[2.0, 2.0, 4.0])
-    assert describe_difference(film) == "mean -1 um, rms 2.24 um"
+    assert describe_difference(film) == "rms 2.24 um, start film fitted"
+    given = film.assign_attrs(start_film_fitted=0)
+    assert describe_difference(given) == "mean -1 um, rms 2.24 um"
     assert describe_difference(film.drop_vars("film_min")) == ""
     for sideways, assumed, words in (
         ('"free"', "pin free sideways", "squeeze carries the film, and the pin sinks"),
         ('"guided"', "pin guided", "cavities form in the widening part of the gap"),
         ('"12 N/mm"', "pin held sideways by 12 N/mm", "between that of a free pin"),
     ):
-        sentences = carrying_sentences(film.assign_attrs(settings=held(sideways)))
+        sentences = carrying_sentences(given.assign_attrs(settings=held(sideways)))
         assert sentences[0] == f"Assumed: {assumed} ([prediction])."
         assert words in sentences[1]
         # +1 and -3 um: sqrt((1 + 9)/2) = 2.24
         assert sentences[2].endswith("mean −1 µm, rms 2.2 µm.")
         assert "erlif predict FILM --fit" in sentences[3]
+    fitted = carrying_sentences(film.assign_attrs(settings=held('"free"')))
+    assert fitted[2].endswith("with a fitted start film, rms 2.2 µm.")
     assert carrying_sentences(film.drop_vars("film_predicted_min")) == []
 
 
@@ -100,11 +104,19 @@ def test_the_verdict_stands_first_then_models_then_values_with_their_errors():
         text = summarise_comparison(comparison(Estimate(*viscosity, "Pa s"), inflation))
         lines = text.splitlines()
         assert lines[0] == "Squeeze carries the film."
-        assert lines[2].split() == ["a", "pin", "that", "is", "free", "sideways", "0", "37.6"]
-        assert lines[3].split() == ["a", "guided", "pin", "1021", "9.67e+03"]
+        assert lines[2].split() == ["a", "pin", "that", "is", "free", "sideways", "0", "0.0376"]
+        assert lines[3].split() == ["a", "guided", "pin", "1021", "9.67"]
         assert words in text
         assert ("film at the first frame: 6.268 ± 0.014 um" in text) == (inflation == 1.0)
         assert ("±" in text) == (inflation == 1.0)
+
+
+def test_models_that_could_not_be_fitted_are_listed_with_the_reason():
+    found = comparison(Estimate(0.12, 0.001, 0.118, 0.122, "Pa s"))
+    why = {"a pin on a sideways spring": "no film carries the load"}
+    lines = summarise_comparison(replace(found, not_fitted=why)).splitlines()
+    assert lines[4].endswith("not fitted: no film carries the load")
+    assert lines[4].split("  ")[1] == "a pin on a sideways spring"
 
 
 def test_errors_of_given_numbers_stand_beside_that_of_the_fit():

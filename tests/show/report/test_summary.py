@@ -54,7 +54,8 @@ def test_displacement_of_the_pin_is_given_over_the_cycle(film):
     side = 0.2 / np.sqrt(33.36 * 33.59) * load
     assert line_of(summarise(film), "displacement of the pin") == (
         f"{load.min():.2f} to {load.max():.2f} ± 0.02 um towards the load, "
-        f"{side.min():.2f} to {side.max():.2f} ± 0.05 um sideways"
+        f"{side.min():.2f} to {side.max():.2f} ± 0.05 um sideways, "
+        "about the load line at 7.90 mm"
     )
     assert "displacement of the pin" not in summarise(film.drop_vars("pin_displacement"))
     assert "displacement of the pin" not in summarise(scene.without_valid_pixels(film))
