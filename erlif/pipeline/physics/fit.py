@@ -11,6 +11,7 @@ import xarray as xr
 
 from erlif.calibration import calibration_of
 from erlif.core.errors import ErlifError
+from erlif.core.notes import note_writer
 from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.core.tables import read_table
 from erlif.io.files import open_film, takes
@@ -34,6 +35,8 @@ from erlif.prediction import (
 from erlif.prediction.comparison import ANY_GUIDED, STEADY
 from erlif.prediction.fit import FEWEST_TRIGGERS, LOAD_LINE_STD
 from erlif.trend import VogelLaw, viscosity_at
+
+_note = note_writer("erlif.pipeline")
 
 _TEXTS = read_table("erlif.pipeline", "words.toml")["fit"]
 
@@ -100,9 +103,9 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
         about = 1e-3 * float(source.film.pin_displacement.attrs["load_line"])
         beside["load_line"] = _place(line, about)
         if abs(line.value) > _FAR * line.std and comparison.fit.sideways == "free":
-            place, std = _MILLI * beside["load_line"].value, _MILLI * line.std
-            text = _TEXTS["other_line"].format(about=_MILLI * about, place=place, std=std)
-            notes = (*notes, str(text))
+            values = {"about": about, "place": about + line.value, "std": line.std}
+            in_mm = {name: _MILLI * value for name, value in values.items()}
+            notes = (*notes, _note("other_line", **in_mm))
     fit = replace(comparison.fit, estimates={**found, **beside}, notes=notes)
     return replace(comparison, fit=fit)
 

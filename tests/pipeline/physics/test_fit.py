@@ -138,3 +138,26 @@ def test_a_film_that_rises_under_its_load_is_carried_by_no_model(sinking, tmp_pa
     assert found.carrier is None
     assert found.verdict.startswith("None of the models describes this film")
     assert asked == [["free", "guided"], ["free", "guided", "spring"]]
+
+
+def test_a_film_about_another_load_line_than_that_of_its_orbit_is_reported(sinking, tmp_path):
+    """The rig states its line, from which the positions of this film are turned by 1 mm."""
+    place, radius = tmp_path / "film.nc", np.sqrt(33.36 * 33.59)
+    with erlif.open_film(sinking / "film.nc") as film:
+        off = film.load()
+    line = off.pin_displacement.attrs["load_line"]
+    turn = np.array(
+        [[np.cos(1 / radius), np.sin(1 / radius)], [-np.sin(1 / radius), np.cos(1 / radius)]]
+    )
+    off["pin_displacement"] = off.pin_displacement.copy(data=off.pin_displacement.values @ turn.T)
+    off["pin_displacement"].attrs["load_line"] = line + 1.0
+    off.to_netcdf(place)
+    with erlif.open_film(sinking / "film.nc", group="frames") as group:
+        group.load().to_netcdf(place, group="frames", mode="a")
+
+    assert "load_line" not in " ".join(map(str, fit_film(sinking).fit.notes))
+    found = fit_film(place).fit
+    estimate = found.estimates["load_line"]
+    npt.assert_allclose(estimate.value, 1e-3 * line, atol=3 * estimate.std)
+    assert f"are about {line + 1:.2f} mm" in str(found.notes[-1])
+    assert 'set load_line = "' in str(found.notes[-1])
