@@ -4,7 +4,7 @@ from .blocks import BLOCK, BlockSums, sum_blocks
 from .cells import LightRecord
 from .course import Change, find_ratio_change, find_shift
 from .curve import FilmCurve
-from .exponent import LARGEST_BEYOND, SLOWEST, Exponent, fit_exponent
+from .exponent import LARGEST_BEYOND, LEAST_TRIGGERS, SLOWEST, Exponent, fit_exponent
 from .form import SCALE_STD, SIGNIFICANT, Cause, GapForm, judge_form
 from .gap import Contact, GapMinimum, choose_contact, find_gap_minima, find_gap_minimum
 from .position import (
@@ -48,6 +48,7 @@ __all__ = [
     "BLOCK",
     "CLEARANCE_STD",
     "LARGEST_BEYOND",
+    "LEAST_TRIGGERS",
     "PARAMETERS",
     "SCALE_STD",
     "SIGNIFICANT",

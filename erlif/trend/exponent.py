@@ -18,7 +18,7 @@ LARGEST_BEYOND = 0.02
 
 _LEAST_RANGE = 0.1  # range of the logarithm of speed over load below which there is no power to fit
 
-_LEAST_TRIGGERS = 5  # triggers of a fit of two parameters and a scatter, at least
+LEAST_TRIGGERS = 5  # triggers of a fit of two parameters and a scatter, at least
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ def fit_exponent(
     """
     fast = np.abs(speed) >= SLOWEST * np.abs(speed).max()
     use = fast & (film > 0) & np.isfinite(film) & np.isfinite(random_std)
-    if use.sum() < _LEAST_TRIGGERS:
+    if use.sum() < LEAST_TRIGGERS:
         return Exponent(math.nan, math.nan, math.nan, int(use.sum()))
 
     x = np.log(np.abs(speed[use]) / load[use])

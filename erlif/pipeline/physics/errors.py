@@ -88,7 +88,8 @@ def name_largest_error(
     source = _source_of(term, key, settings, before, after)
     return str(
         _TEXTS["largest"].format(
-            what=f"{what}, {source}" if source else what,
+            what=what,
+            source=source,
             error=1e3 * errors.max(),
             film=float(film.film_mean[trigger]),
             cure=cure,

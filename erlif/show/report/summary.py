@@ -16,6 +16,7 @@ from erlif.core.units import count_of
 from erlif.io.files import flag_shares, takes
 from erlif.show.report.layout import TABLES, print_columns, print_rows
 from erlif.show.report.prediction import describe_correlations, describe_difference
+from erlif.trend import LEAST_TRIGGERS
 
 _CALIBRATION_TITLE = 34  # columns of the titles of a calibration
 _TERM, _QUANTITY = 31, 8  # columns of a budget
@@ -85,7 +86,7 @@ def summarise_briefly(film: xr.Dataset) -> str:
     >>> from erlif.show.plots import example_film
     >>> print(*summarise_briefly(example_film()).splitlines()[:2], sep="\\n")
     example: 6 triggers from 6 frame pairs of 64 x 24 pixels
-      film      min 2.51 to 3.49 ± 0.03, mean 3.27 to 4.54 ± 0.02 um
+      film      min 2.51 ± 0.03 to 3.49 ± 0.03, mean 3.27 ± 0.02 to 4.54 ± 0.02 um
     """
     shares = flag_shares(film)
     rows = describe_film(film, shares)
@@ -163,13 +164,13 @@ def _describe_films(film: xr.Dataset) -> str:
 
 
 def _range(film: xr.Dataset, variable: str) -> str:
-    """Least and largest value of a statistic over the cycle, with the larger of their errors."""
+    """Least and largest value of a statistic over the cycle, each with its error."""
     values, std = film[variable].values, film[f"{variable}_std"].values
     if not np.isfinite(values).any():
         return "none"
     ends = sorted({int(np.nanargmin(values)), int(np.nanargmax(values))}, key=values.item)
-    largest = max(std[k] for k in ends)
-    return f"{' to '.join(f'{values[k]:.2f}' for k in ends)} ± {largest:.2f}"
+    digits = 2 if values[ends[-1]] < 10 else 1  # four numbers fit a line
+    return " to ".join(f"{values[k]:.{digits}f} ± {std[k]:.{digits}f}" for k in ends)
 
 
 def _at_speed(film: xr.Dataset) -> str:
@@ -299,7 +300,9 @@ def _describe_trend(film: xr.Dataset) -> str:
     exponent = film.speed_exponent
     if not np.isfinite(float(exponent)):
         used, all_of = int(exponent.attrs.get("triggers_used", 0)), film.sizes["trigger"]
-        return f"not determined: {used} of {all_of} triggers usable; five of different speed needed"
+        if used >= LEAST_TRIGGERS:
+            return "not determined: speed over load is constant"
+        return f"not determined: {used} of {all_of} triggers usable, {LEAST_TRIGGERS} needed"
     minimum, mean = _power(film, "speed_exponent"), _power(film, "speed_exponent_mean")
     used = exponent.attrs["triggers_used"]
     return f"minimum: {minimum}, mean: {mean}; {used} triggers"

@@ -63,8 +63,8 @@ def test_sources_of_error_add_up_and_the_largest_is_named():
 @pytest.mark.parametrize(
     ("term", "text", "source"),
     [
-        ("wall", "", ", not stated in [systematics]"),
-        ("wall", '\n[systematics]\nwall = "2 %"\n', ", as stated in [systematics]"),
+        ("wall", "", "Not stated in [systematics]. "),
+        ("wall", '\n[systematics]\nwall = "2 %"\n', "As stated in [systematics]. "),
         ("position", "", ""),  # fixture.toml states it, which the run does not know
     ],
 )
@@ -75,4 +75,4 @@ def test_largest_error_is_named_with_its_source(term, text, source):
     )
     run = with_systematics(text)
     named = name_largest_error(film, settings_with(text), run, run)
-    assert re.match(rf"[a-z ]+{re.escape(source)}: 100 nm at 5 um\.", named)
+    assert re.match(rf"100 nm at 5 um: [a-z ]+\. {re.escape(source)}Make ", named)

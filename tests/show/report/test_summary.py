@@ -1,6 +1,10 @@
 """The lines for the terminal: numbers of the film in plain words."""
 
+import re
+import textwrap
+import tomllib
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +12,7 @@ import xarray as xr
 from scenes import film as scene
 from scenes.fixture import walled
 
+import erlif
 from erlif.calibration.departure import Departure
 from erlif.show import plots
 from erlif.show.report import (
@@ -92,7 +97,6 @@ def test_film_without_valid_pixels_is_described(film):
     none = "none: no trigger has enough valid pixels in the region of interest"
     assert line_of(text, "minimum film thickness") == none
     assert line_of(text, "valid pixels") == "0.0%"
-    assert "triggers usable; five of different speed needed" in text
     empty = film.assign(film_min=film.film_min * np.nan, speed_exponent=np.nan)
     none = "none: no smooth gap describes the maps, or too few of their pixels are valid"
     assert line_of(summarise(empty), "minimum film thickness") == none
@@ -199,7 +203,32 @@ def test_a_short_summary_has_ten_lines_of_80_columns(film):
     assert line_of(text, "more").startswith("1 warning and 1 note:")
     assert line_of(text, "error") == "wall: 9 nm"
     assert "Cure" not in text
+
+
+def test_each_end_of_a_range_has_its_own_error(film):
     minimum = scene.minimum_film()
-    assert line_of(text, "film").startswith(
-        f"min {minimum.min():.2f} to {minimum.max():.2f} ± 0.03"
+    widened = film.assign(film_min_std=0.05 + 0.1 * (film.film_min == film.film_min.max()))
+    assert line_of(summarise_briefly(widened), "film").startswith(
+        f"min {minimum.min():.2f} ± 0.05 to {minimum.max():.2f} ± 0.15, mean"
     )
+
+
+@pytest.mark.parametrize(
+    ("used", "reason"), [(6, "speed over load is constant"), (2, "2 of 6 triggers usable, 5 needed")]
+)
+def test_an_unknown_power_has_its_reason(film, used, reason):
+    """Five triggers are enough for a power, unless their speed is the same."""
+    unknown = film.speed_exponent.copy(data=np.nan).assign_attrs(triggers_used=used)
+    text = summarise_briefly(film.assign(speed_exponent=unknown))
+    assert line_of(text, "exponent") == f"not determined: {reason}"
+
+
+@pytest.mark.parametrize("path", sorted(Path(erlif.__file__).parent.glob("*/**/notes.toml")))
+def test_what_a_warning_of_process_begins_with_fits_two_lines(path):
+    """A number takes five characters; 68 of 80 columns are left beside the title."""
+    if path.parent.name in ("endurance", "prediction") or "review" in path.parts:
+        return  # not in a film
+    for key, note in tomllib.loads(path.read_text(encoding="utf-8")).items():
+        if note.get("level") == "warning" or "cure" in note:
+            text = f"{note.get('subject', 'camera1')}: {note['text']}".partition(". ")[0]
+            assert len(textwrap.wrap(re.sub(r"\{[^}]*\}", "+1.23", text), 68)) <= 2, key
