@@ -256,7 +256,21 @@ def _describe(
         per_cycle = triggers_per_cycle or log.sizes["frame"]
         fold = fold_by_number(log, angle if triggers_per_cycle else None, per_cycle)
     located = describe_frames(fold, columns, cycle="number of the cycle")
-    return located.assign_attrs({"grouping": fold.remark} if fold.remark else {})
+    remark = fold.remark or _compare_cycle(angle, triggers_per_cycle)
+    return located.assign_attrs({"grouping": remark} if remark else {})
+
+
+def _compare_cycle(angle: Array | None, triggers: int | None) -> str:
+    """A remark where the triggers of a cycle span several turns; empty elsewhere."""
+    if angle is None or triggers is None or angle.size < 2:
+        return ""
+    turns = round(triggers * abs(float(np.median(_wrap(np.diff(angle))))) / _TURN)
+    if turns < 2:
+        return ""
+    return (
+        f"triggers_per_cycle = {triggers} spans {turns} turns, so that frames of one place lie in "
+        f"{turns} triggers; {triggers / turns:.4g} would average them"
+    )
 
 
 def _falls(log: EncoderLog, angle: Array) -> bool:

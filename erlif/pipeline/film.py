@@ -115,7 +115,9 @@ def group_frames(cycle: xr.Dataset, pairs: FramePairs) -> list[list[int]]:
 def describe_cycle(cycle: xr.Dataset) -> str:
     """Triggers, cycles and highest speed of a run in words; `cycle` as `locate_run` returns it."""
     triggers, cycles = int(cycle.trigger.max()) + 1, int(cycle.cycle.max()) + 1
-    text = f"{count_of(triggers, 'trigger')} in {count_of(cycles, 'cycle')}"
+    text = count_of(triggers, "trigger")
+    if cycles > 1 or "encoder_angle" in cycle:  # without angles one cycle is a convention
+        text += f" in {count_of(cycles, 'cycle')}"
     if "rocker_speed" in cycle:
         return f"{text}, joint speed up to {float(np.abs(cycle.rocker_speed).max()):.3f} rad/s"
     if "sliding_speed" in cycle:

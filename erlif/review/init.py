@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from erlif.calibration import open_calibration, read_profile
 from erlif.core.arrays import Array
@@ -33,6 +34,7 @@ from erlif.io.settings import (
     read_fixture_settings,
     write_template,
 )
+from erlif.pipeline.audit.log import signed_steps
 from erlif.pipeline.recording.log_cycle import WHOLE_TURN, Cycle, find_cycle
 from erlif.pipeline.recording.pulses import ENERGY_COLUMNS
 from erlif.review.refusals import refusal
@@ -43,6 +45,8 @@ _write_note = note_writer("erlif.review", "init.toml")
 MOST_CALIBRATIONS = 5
 
 _LISTED = 3  # files that a note names
+
+_REPEATS = 0.1  # of the step from frame to frame by which angles of one trigger may differ
 
 
 # Tribometers for which run.toml is written; a static film has no mechanism.
@@ -303,7 +307,7 @@ def _draft_motion(draft: _Draft, survey: Survey, kind: str) -> None:
     draft.leave_out += ["joint", "oil", "prediction"]
     if kind == "static":
         draft.leave_out.append("mechanism")
-    logged = _draft_optional_log(draft, survey)
+    logged = _draft_optional_log(draft, survey, kind)
     if kind == "rotation" and not {"angle", "time"} <= logged and "speed" not in logged:
         draft.set("mechanism.speed", GAP, "No log has columns of angle and time.")
     if kind == "sinusoidal" and "angle" not in logged:
@@ -313,17 +317,23 @@ def _draft_motion(draft: _Draft, survey: Survey, kind: str) -> None:
         draft.remarks["mechanism.load"] = "No log has a column of the load."
 
 
-def _draft_optional_log(draft: _Draft, survey: Survey) -> set[str]:
+def _draft_optional_log(draft: _Draft, survey: Survey, kind: str) -> set[str]:
     """The log of a run that can do without one; returns the quantities that it holds."""
     table = _find_table(survey, ("frame",))
     if table is not None:
         log = _read_own_log(draft, survey, table, needs_angle=False)
+        if log is not None:
+            _draft_repeats(draft, log)
         # a speed of sliding and one of rotation serve alike
         names = set() if log is None else set(map(str, log))
         return names | {"speed"} if {"sliding_speed", "rotation_speed"} & names else names
-    proposal = propose_log(survey.logs, survey.cameras[0].frames.pages)
+    proposal = propose_log(survey.logs, survey.cameras[0].frames.pages, unnamed=kind != "static")
     if proposal is not None:
         _draft_proposal(draft, survey, proposal)
+        if kind != "static":
+            _ask_for_columns(draft, proposal)
+        if not proposal.in_time:
+            _draft_repeats(draft, proposal.values)
         return {*proposal.columns, *map(str, proposal.values)}
     _report_missing_table(draft, survey, "encoder log", "frame", needed=False)
     draft.leave_out.append("encoder")
@@ -397,7 +407,11 @@ def _draft_proposal(draft: _Draft, survey: Survey, proposal: LogProposal) -> Non
     draft.set("encoder.file", os.path.relpath(proposal.path, survey.directory), listed)
     draft.note("log", name=proposal.path.name, rows=rows, columns=", ".join(names))
     for quantity, name in proposal.columns.items():
-        draft.set(f"encoder.{quantity}", name, "By its name; check that it is this quantity.")
+        mark = "unit" if quantity in proposal.by_unit else "name"
+        draft.set(f"encoder.{quantity}", name, f"By its {mark}; check that it is this quantity.")
+    if proposal.by_unit:
+        listed = (f"{one} from {proposal.columns[one]!r}" for one in proposal.by_unit)
+        draft.note("by_unit", columns=", ".join(listed))
     for quantity in proposal.without_unit:
         draft.note("no_unit", column=proposal.columns[quantity], quantity=quantity)
     used = [*proposal.columns.values(), *CONTRACT, *([proposal.pulse] if proposal.pulse else [])]
@@ -438,10 +452,7 @@ def _draft_cycle(draft: _Draft, cycle: Cycle, time: Array | None) -> None:
     if cycle.triggers is None:
         draft.note("no_cycle")
         return
-    cycles = "1 cycle" if cycle.count == 1 else f"{cycle.count:g} cycles"
-    draft.note("cycle", triggers=cycle.triggers, cycles=cycles)
-    remark = f"From the angles of the log: {draft.notes[-1].text}."
-    draft.set("encoder.triggers_per_cycle", cycle.triggers, remark)
+    _draft_triggers(draft, cycle.triggers, cycle.count)
 
     # the time of a cycle is known where the log holds the beginning of the next one
     if time is not None and time.size > cycle.triggers:
@@ -451,6 +462,26 @@ def _draft_cycle(draft: _Draft, cycle: Cycle, time: Array | None) -> None:
             draft.remarks["mechanism.crank_speed"] = (
                 f"The times of the log give {60 / period:.4g} rpm."
             )
+
+
+def _draft_repeats(draft: _Draft, log: xr.Dataset) -> None:
+    """Triggers per cycle of a motion without a linkage, where the angles repeat."""
+    if "angle" not in log or log.angle.size < 2:
+        return
+    angle = np.asarray(log.angle.values)
+    triggers = find_cycle(angle).triggers
+    if triggers is None or triggers >= angle.size:
+        return
+    apart = np.abs((angle[triggers:] - angle[:-triggers] + 180.0) % 360.0 - 180.0)
+    if apart.max() < _REPEATS * np.median(np.abs(signed_steps(angle))):
+        _draft_triggers(draft, triggers, angle.size / triggers)
+
+
+def _draft_triggers(draft: _Draft, triggers: int, count: float) -> None:
+    """Triggers per cycle, as the angles of the log show them."""
+    draft.note("cycle", triggers=triggers, cycles="1 cycle" if count == 1 else f"{count:.4g} cycles")
+    remark = f"From the angles of the log: {draft.notes[-1].text}."
+    draft.set("encoder.triggers_per_cycle", triggers, remark)
 
 
 def _draft_mount(draft: _Draft, on_crank: bool) -> None:

@@ -171,6 +171,16 @@ def test_turns_of_a_disc_fold_onto_one():
     assert found.cycle.values.tolist() == [0] * 4 + [1] * 4 + [2] * 4
 
 
+@pytest.mark.parametrize(("triggers", "turns"), [(12, 1), (24, 2), (36, 3)])
+def test_triggers_that_span_several_turns_have_a_note(triggers, turns):
+    """12 frames a turn of 30 degrees each."""
+    log = make_log(72, angle=np.arange(72) * 30.0 % 360)
+    found = locate_rotation(log, rotation=Rotation(0.02, 6.0), triggers_per_cycle=triggers)
+    notes = [note for note in encoder_notes(found) if "triggers_per_cycle" in note.text]
+    assert [note.level for note in notes] == [Level.NOTE] * (turns > 1)
+    assert all(f"spans {turns} turns" in note.text and "12 would" in note.text for note in notes)
+
+
 @pytest.mark.parametrize("sense", [1, -1])
 def test_cycles_are_counted_in_either_sense(sense):
     """30 degrees from frame to frame: 24 frames are two turns, whichever way the disc turns."""

@@ -424,6 +424,27 @@ def test_columns_of_a_logger_serve_a_disc(folder):
     assert not {"joint", "oil"} & set(settings)
 
 
+def test_a_log_of_other_names_serves_a_disc_by_its_units(folder):
+    """Two pictures a turn, over two turns."""
+    rows = [f"{k / 10};{180 * k % 360 + 11};20".replace(".", ",") for k in range(4)]
+    path = folder / "logger.csv"
+    path.write_text("Zeit [s];Winkel [deg];Kraft [N]\n" + "\n".join(rows) + "\n")
+    text = warnings(erlif.init(folder, kind="rotation"))
+    assert "chosen by the unit alone: angle from 'Winkel [deg]', time from 'Zeit [s]'" in text
+    found = read(folder)["encoder"]
+    chosen = {"angle": "Winkel [deg]", "time": "Zeit [s]", "load": "Kraft [N]"}
+    assert found == {"file": "logger.csv", "triggers_per_cycle": 2, **chosen}
+
+    # angles that do not repeat, and two columns that may hold them
+    path.write_text(path.read_text().replace("191;", "221;", 1))
+    erlif.init(folder, kind="rotation", overwrite=True)
+    assert "triggers_per_cycle" not in read(folder)["encoder"]
+    path.write_text(path.read_text().replace("Zeit [s]", "Tisch [deg]"))
+    text = warnings(erlif.init(folder, kind="rotation", overwrite=True))
+    assert "choose from 'Tisch [deg]', 'Winkel [deg]', 'Kraft [N]'" in text
+    assert read(folder)["encoder"]["angle"].startswith("??")
+
+
 def test_a_disc_without_a_log_needs_its_speed_and_a_slider_its_zero(folder):
     text = " ".join(map(str, erlif.init(folder, kind="rotation")))
     assert "none was found; each frame is a trigger" in text

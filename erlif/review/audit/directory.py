@@ -276,7 +276,10 @@ class _Parts:
         located = locate_run(run)
         yield from encoder_notes(located)
         triggers = describe_triggers(run, located)
-        yield _note("cycle", cycle=describe_cycle(located))
+        encoder = run.settings.encoder
+        logged = encoder is not None and encoder.file is not None
+        subject = "encoder log" if logged else "no encoder log"
+        yield _note("cycle", subject=subject, cycle=describe_cycle(located))
         yield from note_motion(run.log, located, run.settings)
         yield from note_conditions(run.log, run.settings)
         numbers = [one.frame for one in self.cameras.frames]

@@ -1,14 +1,18 @@
 """The audit of a directory: findings in order, warnings where a result suffers, the first error."""
 
+import re
 import shutil
+from dataclasses import replace
 
 import pytest
 from scenes.tiff_pages import rewrite
 
 import erlif
+from conftest import SMALL, Laboratory
 from erlif.core.notes import Level
 from erlif.io.ingest import frames
 from erlif.review.audit import audit
+from erlif.rig import simulate
 
 content_of = frames.read_content
 
@@ -37,6 +41,18 @@ def test_highest_counts_and_saturation_of_each_camera_are_reported(lab):
     assert one.level is Level.NOTE
     assert two.level is Level.WARNING
     assert "highest count 4095 of 4095, at most 2.08% of a frame saturated. Shorten" in two.text
+
+
+def test_the_triggers_of_a_run_without_a_log_are_not_those_of_a_log(tmp_path):
+    """Without angles no cycle is known."""
+    rig = replace(SMALL, mechanism="rotation", pictures=4, fixture_frames=1)
+    lab = Laboratory(tmp_path)
+    simulate(tmp_path, seed=3, rig=rig)
+    text = (lab.run / "run.toml").read_text()
+    (lab.run / "run.toml").write_text(re.sub(r"\[encoder\]\n(.+\n)+", "", text))
+    about_triggers = [note for note in erlif.check(lab.run) if "4 triggers" in note.text]
+    assert [note.subject for note in about_triggers] == ["no encoder log"]
+    assert "cycle" not in about_triggers[0].text
 
 
 @pytest.mark.parametrize("line", ["", 'calibration = "nowhere/calibration.nc"\n'])

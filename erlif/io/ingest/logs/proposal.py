@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,9 +11,16 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.errors import EncoderError
-from erlif.io.ingest.logs.columns import CONTRACT, ColumnChoice, convert_column, find_columns
+from erlif.io.ingest.logs.columns import (
+    CONTRACT,
+    ColumnChoice,
+    convert_column,
+    find_columns,
+    find_unit,
+)
 from erlif.io.ingest.logs.table import LogColumn, LogTable
 from erlif.io.ingest.logs.text import read_log_table
+from erlif.io.ingest.logs.units import find_scale
 
 # Endings of the files that loggers write.
 LOG_SUFFIXES = frozenset(
@@ -22,6 +29,9 @@ LOG_SUFFIXES = frozenset(
 
 # Columns of the profile of a fixture, which is no log.
 _PROFILE = {"x_mm", "thickness_um"}
+
+# Quantities that a unit alone shows where one column has it, and the units they become.
+_BY_UNIT = {"angle": "degree", "time": "s", "load": "N", "temperature": "degree_Celsius"}
 
 _TRIGGER = re.compile(r"trigger|pulse|ttl|camera|strobe|q-?switch", re.IGNORECASE)
 
@@ -46,6 +56,8 @@ class LogProposal:
         time and angle, as far as their units are known, on dim row.
     known : tuple[str, ...]
         Quantities whose column is recognised.
+    by_unit : tuple[str, ...]
+        Those of them that no name shows, but the unit of one column.
     """
 
     path: Path
@@ -56,10 +68,11 @@ class LogProposal:
     pulse: str | None
     values: xr.Dataset
     known: tuple[str, ...]
+    by_unit: tuple[str, ...] = ()
 
 
 def propose_log(paths: Iterable[Path], frames: int, *, unnamed: bool = False) -> LogProposal | None:
-    """Find the log of an encoder among files, by the names of its columns.
+    """Find the log of an encoder among files, by the names and units of its columns.
 
     Parameters
     ----------
@@ -87,22 +100,46 @@ def propose_log(paths: Iterable[Path], frames: int, *, unnamed: bool = False) ->
     for path in paths:
         try:
             table = read_log_table(path, ())
-            columns, _ = find_columns(table, ColumnChoice())
         except EncoderError:
-            continue  # a picture, a report, or columns that may mean two things
+            continue  # a picture or a report
+        try:
+            named, _ = find_columns(table, ColumnChoice())
+            columns = named | dict(_find_by_unit(table, named))
+        except EncoderError:  # columns that may mean two things
+            named = columns = {}
         by_frame = "frame" in columns or len(table.rows) == frames
         if "angle" in columns and (by_frame or "time" in columns):
-            return _describe(path, table, columns, by_frame=by_frame)
+            return _describe(path, table, columns, named, by_frame=by_frame)
 
         # a log in another language; the profile of a fixture is known by its columns
         long = len(table.rows) >= frames and not _PROFILE & set(table.names)
         if unnamed and other is None and long:
-            other = _describe(path, table, columns, by_frame=by_frame)
+            other = _describe(path, table, columns, named, by_frame=by_frame)
     return other
 
 
+def _find_by_unit(
+    table: LogTable, named: dict[str, LogColumn]
+) -> Iterator[tuple[str, LogColumn]]:
+    """Columns of quantities that no name shows, where one column alone has such a unit."""
+    for quantity, result in _BY_UNIT.items():
+        scales = (
+            (column, find_scale(quantity, find_unit(column, quantity, {})))
+            for column in table.columns
+            if column not in named.values()
+        )
+        fitting = [column for column, scale in scales if scale and scale.unit == result]
+        if quantity not in named and len(fitting) == 1 and not fitting[0].texts:
+            yield quantity, fitting[0]
+
+
 def _describe(
-    path: Path, table: LogTable, columns: dict[str, LogColumn], *, by_frame: bool
+    path: Path,
+    table: LogTable,
+    columns: dict[str, LogColumn],
+    named: dict[str, LogColumn],
+    *,
+    by_frame: bool,
 ) -> LogProposal:
     """What the recognised columns of a log hold."""
     values, without_unit = xr.Dataset(), []
@@ -120,7 +157,15 @@ def _describe(
     }
     pulse = None if by_frame else _find_pulse(table)
     return LogProposal(
-        path, table, foreign, tuple(without_unit), not by_frame, pulse, values, tuple(columns)
+        path,
+        table,
+        foreign,
+        tuple(without_unit),
+        not by_frame,
+        pulse,
+        values,
+        known=tuple(columns),
+        by_unit=tuple(quantity for quantity in columns if quantity not in named),
     )
 
 

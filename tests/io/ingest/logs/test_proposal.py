@@ -40,3 +40,26 @@ def test_files_without_an_angle_are_no_log(folder):
     assert propose_log(sorted(folder.iterdir()), 2) is None
     (folder / "a.csv").write_text("angle [deg],F\n1,2\n2,3\n")
     assert propose_log(sorted(folder.iterdir()), 7) is None  # neither rows of frames nor times
+
+
+GERMAN = "Index;Zeit [s];Winkel Scheibe [deg];Normalkraft [N];T oil [degree C]\n"
+
+
+def test_a_unit_shows_the_quantity_where_one_column_alone_has_it(folder):
+    """No name of the first three is known; a row for each frame needs no column of numbers."""
+    rows = [f"{k};0,{k};1{k},5;22{k},8;25,{k}\n" for k in range(4)]
+    (folder / "rig.csv").write_text(GERMAN + "".join(rows))
+    found = propose_log(sorted(folder.iterdir()), 4)
+    assert found.by_unit == ("angle", "time", "load")
+    assert found.columns["angle"] == "Winkel Scheibe [deg]"
+    assert found.columns["load"] == "Normalkraft [N]"
+    assert found.columns["temperature"] == "T oil [degree C]"
+    assert found.values.angle.values.tolist() == [10.5, 11.5, 12.5, 13.5]
+
+
+def test_two_columns_of_one_unit_are_no_proposal(folder):
+    """Which of both angles is that of the disc, their unit does not show."""
+    rows = [f"{k};1{k},5;2{k},5\n" for k in range(4)]
+    (folder / "rig.csv").write_text("Index;Winkel A [deg];Winkel B [deg]\n" + "".join(rows))
+    assert propose_log(sorted(folder.iterdir()), 4) is None
+    assert propose_log(sorted(folder.iterdir()), 4, unnamed=True).columns == {}
