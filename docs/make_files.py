@@ -297,6 +297,10 @@ ENCODER = (
     ("temperature_C", "degree Celsius", "optional", "Temperature of the oil, for a Vogel law."),
 )
 
+PROFILE_TEXT = """\
+At least eight points of the fixture, in the order of these columns; commas between them, or
+semicolons or tabs, with which decimal commas are read."""
+
 PROFILE = (
     ("x_mm", "mm", "required", "Position along the profile."),
     ("y_mm", "mm", "optional", "Position across the profile, where a surface was measured."),
@@ -614,7 +618,7 @@ def render_others() -> str:
     lines = [MADE, "", OTHER_TEXT, FRAMES_TEXT, "## encoder.csv", "", ENCODER_TEXT, ""]
     lines += columns_table(ENCODER)
     lines += [FURTHER_COLUMNS_TEXT, "", "## profile.csv", ""]
-    lines += ["At least eight points of the fixture, in the order of these columns.", ""]
+    lines += [PROFILE_TEXT, ""]
     lines += columns_table(PROFILE)
 
     lines += ["## calibration.nc", "", "netCDF-4, written by `erlif calibrate`.", ""]

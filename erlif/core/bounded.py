@@ -6,8 +6,12 @@ import csv
 import errno
 import io
 import os
+import re
 import stat
 from pathlib import Path
+
+# A number with a decimal comma, in two parts.
+_DECIMAL_COMMA = re.compile(r"^([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)$")
 
 _KINDS = {
     stat.S_IFDIR: "a directory",
@@ -71,6 +75,9 @@ def read_bounded(path: Path, *, largest: int) -> bytes:
 def read_rows(path: Path, *, largest: int) -> list[tuple[int, list[str]]]:
     """Read the rows of a CSV file in UTF-8.
 
+    Semicolons or tabs separate the columns where the first row has no comma; numbers may then have
+    decimal commas, which become points.
+
     Parameters
     ----------
     path : Path
@@ -102,8 +109,13 @@ def read_rows(path: Path, *, largest: int) -> list[tuple[int, list[str]]]:
     text = read_bounded(path, largest=largest).decode("utf-8-sig")
     if "\0" in text:
         raise ValueError("it holds a null byte")
+    first = text.lstrip().partition("\n")[0]
+    separator = next((one for one in ",;\t" if one in first), ",")
+    lines = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
     try:
-        rows = [[cell.strip() for cell in row] for row in csv.reader(io.StringIO(text, newline=""))]
+        rows = [[cell.strip() for cell in row] for row in lines]
     except csv.Error as error:
         raise ValueError(str(error)) from error
+    if separator != ",":
+        rows = [[_DECIMAL_COMMA.sub(r"\1.\2", cell) for cell in row] for row in rows]
     return [(number, row) for number, row in enumerate(rows, 1) if any(row)]

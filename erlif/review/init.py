@@ -410,8 +410,8 @@ def _draft_proposal(draft: _Draft, survey: Survey, proposal: LogProposal) -> Non
         mark = "unit" if quantity in proposal.by_unit else "name"
         draft.set(f"encoder.{quantity}", name, f"By its {mark}; check that it is this quantity.")
     if proposal.by_unit:
-        listed = (f"{one} from {proposal.columns[one]!r}" for one in proposal.by_unit)
-        draft.note("by_unit", columns=", ".join(listed))
+        chosen = (f"{one} from {proposal.columns[one]!r}" for one in proposal.by_unit)
+        draft.note("by_unit", columns=", ".join(chosen))
     for quantity in proposal.without_unit:
         draft.note("no_unit", column=proposal.columns[quantity], quantity=quantity)
     used = [*proposal.columns.values(), *CONTRACT, *([proposal.pulse] if proposal.pulse else [])]
@@ -479,7 +479,9 @@ def _draft_repeats(draft: _Draft, log: xr.Dataset) -> None:
 
 def _draft_triggers(draft: _Draft, triggers: int, count: float) -> None:
     """Triggers per cycle, as the angles of the log show them."""
-    draft.note("cycle", triggers=triggers, cycles="1 cycle" if count == 1 else f"{count:.4g} cycles")
+    draft.note(
+        "cycle", triggers=triggers, cycles="1 cycle" if count == 1 else f"{count:.4g} cycles"
+    )
     remark = f"From the angles of the log: {draft.notes[-1].text}."
     draft.set("encoder.triggers_per_cycle", triggers, remark)
 

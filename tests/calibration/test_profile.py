@@ -28,6 +28,16 @@ def test_columns_are_read_and_spaces_and_blank_lines_ignored(tmp_path):
     assert profile.notes == ()
 
 
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_semicolons_tabs_and_decimal_commas_are_read(tmp_path, separator):
+    rows = [f"{x}{separator}{x / 2:.1f}{separator}1,5e-1".replace(".", ",") for x in range(9)]
+    header = f"x_mm{separator}thickness_um{separator}uncertainty_um"
+    profile = read_profile(write_profile(tmp_path / "p.csv", rows, header))
+    npt.assert_array_equal(profile.position, np.arange(9))
+    npt.assert_array_equal(profile.thickness, np.arange(9) / 2)
+    npt.assert_array_equal(profile.uncertainty, 0.15)
+
+
 def test_missing_uncertainty_stays_unknown(tmp_path):
     rows = [f"{x},{x}" for x in range(9)]
     assert (

@@ -95,7 +95,7 @@ FAULTS = {
     # the outer of eight blocks are 1/16 of the width from the edge
     "tilted flat": (
         lambda b: {"flat": pages(b.rng, 2000 * np.linspace(0.75, 1.25, 128) * b.response[0], 6)},
-        "camera1 and camera2: the light of their flats differs by -",
+        "camera1 and camera2: the ratio is wrong by -",
     ),
 }
 

@@ -95,7 +95,7 @@ PROFILES = [
     _profile("too short", lambda rows: rows[:7], "at least 8 points"),
     _profile("other header", lambda rows: ["x,thickness", *rows[1:]], "x_mm,thickness_um"),
     _profile("no header", lambda rows: rows[1:], "x_mm,thickness_um"),
-    _profile("semicolons", lambda rows: [row.replace(",", ";") for row in rows], "x_mm;thick"),
+    _profile("bars", lambda rows: [row.replace(",", "|") for row in rows], "x_mm|thick"),
     _profile("decimal commas", lambda rows: [rows[0], *('0,1,"0,2",0,1',) * 9], "row 2"),
     _profile("all at one place", lambda rows: [rows[0], *("1,2,0.1",) * 20], "x_mm to change"),
     _profile("of one thickness", lambda rows: [rows[0], *_flat(rows)], "thick at all points"),

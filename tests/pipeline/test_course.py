@@ -79,7 +79,7 @@ def dark_film(dark_lab):
 
 def test_wrong_dark_is_named_before_everything_else_that_it_causes(dark_film):
     warnings = [line for line in dark_film.attrs["notes"].splitlines() if "warning" in line]
-    assert "camera2: pixels that no light reaches read +4" in warnings[0]
+    assert "by the dark: pixels that no light reaches read +4" in warnings[0]
     level = float(warnings[0].split("read ")[1].split(" ±")[0])
     assert level == pytest.approx(40, abs=1)
 

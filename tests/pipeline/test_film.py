@@ -219,9 +219,9 @@ def test_warnings_come_first_and_gains_once(cycles, calibration):
 
 
 def test_share_beyond_the_range_has_a_note_from_one_per_cent_on(cycles, calibration):
-    assert "too thin or too thick" not in make_film(cycles, calibration).attrs["notes"]
+    assert "film_mean lacks" not in make_film(cycles, calibration).attrs["notes"]
     notes = make_film(cycles, calibration, beyond_range=0.12).attrs["notes"]
-    assert "up to 12% of the region of interest (trigger 0)" in notes
+    assert "film_mean lacks up to 12% of the region (trigger 0)" in notes
 
 
 @pytest.mark.parametrize("mounted", [{"mounted_on": "crank"}, {}])

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from erlif.core.arrays import Counts
 from erlif.core.errors import ErlifError, FrameError
+from erlif.core.notes import list_some
 from erlif.io.ingest.counts import STORED_TYPES, find_stamp
 from erlif.io.ingest.frames import FramePairs
 from erlif.io.ingest.images import (
@@ -210,7 +211,11 @@ def _check_pairs(
         return
 
     camera, page = unmatched
-    if is_one_file(one) or is_one_file(two):
+    files = Counter(page.path for page in (one, two)[camera - 1])
+    if len(files) > 1 and min(files.values()) > 1:
+        names = list_some((f"{path.name} ({count})" for path, count in files.items()), most=3)
+        cure = f"camera{camera} has the frames of {names}: name one recording alone as files."
+    elif is_one_file(one) or is_one_file(two):
         cure = (
             "Export the same frames of both recordings with the camera's software"
             f"{', and take the rows of frames that are left out from the encoder log' * has_log}."

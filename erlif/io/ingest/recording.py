@@ -11,11 +11,12 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.notes import Note
+from erlif.core.notes import Note, list_some
 from erlif.core.products import EncoderLog
 from erlif.io.ingest.containment import named_files, refuse_outside
 from erlif.io.ingest.encoder_log import check_rows, read_log
 from erlif.io.ingest.frames import FramePairs
+from erlif.io.ingest.images import match_files
 from erlif.io.ingest.logs.columns import MEANINGS, ColumnChoice
 from erlif.io.ingest.logs.resample import ContinuousLog, find_pulses, sample_log
 from erlif.io.ingest.pairing import pair_cameras
@@ -29,6 +30,10 @@ from erlif.io.settings import (
     read_fixture_settings,
     read_run_settings,
 )
+
+# Difference of rows and frames, over the frames, up to which a row was meant for each frame, and
+# the step of the time over the median one at which a row is missing.
+_NEARLY, _PAUSE = 0.05, 1.5
 
 
 @dataclass(frozen=True)
@@ -209,6 +214,7 @@ def _open_log(
         return sampled, [*notes, started.note]
     if encoder.start is None:
         first, last = log.span
+        _refuse_missing_row(log, len(pairs.pages[0]))
         raise refusal("no_start", log=log, first=first, last=last)
     return sample_log(log, since + encoder.start), notes
 
@@ -240,12 +246,32 @@ def _times_after_first(encoder: EncoderSettings, pairs: FramePairs, log: Continu
         return np.asarray(np.arange(len(pairs.pages[0])) / encoder.frame_rate)
     if pairs.times is None:
         rows, frames = log.samples.sizes["sample"], len(pairs.pages[0])
+        _refuse_missing_row(log, frames)
         raise refusal("no_times", log=log, rows=rows, frames=frames)
     if not (np.isfinite(pairs.times).all() and (np.diff(pairs.times) > 0).all()):
         k = int(np.argmin(np.append(np.diff(pairs.times), np.inf) > 0))
         later = pairs.times[min(k + 1, pairs.times.size - 1)]
         raise refusal("times_fall", frame=k + 1, found=later, before=pairs.times[k])
     return pairs.times
+
+
+def _refuse_missing_row(log: ContinuousLog, frames: int) -> None:
+    """Refuse a log whose rows are nearly as many as the frames: one for each was meant."""
+    time = np.asarray(log.samples["time"].values)
+    if not 0 < abs(time.size - frames) <= max(2, _NEARLY * frames):
+        return
+    step = np.diff(time)
+    longest = int(np.argmax(step)) if step.size else 0
+    paused = step.size and time.size < frames and step[longest] > _PAUSE * np.median(step)
+    raise refusal(
+        "nearly_by_frame",
+        log=log,
+        rows=time.size,
+        frames=frames,
+        fault="missing" if time.size < frames else "too many",
+        where=f", perhaps after the one at {time[longest]:.6g} s" if paused else "",
+        start=time[0],
+    )
 
 
 def open_fixture(
@@ -284,6 +310,8 @@ def _open_pairs(
     one, two = settings.camera1, settings.camera2
     if one.band >= two.band:
         raise refusal("bands_exchanged", one=one, two=two)
+    for number, camera in enumerate((one, two), 1):
+        _refuse_references(directory, number, camera)
     encoder = settings.encoder if isinstance(settings, RunSettings) else None
     return pair_cameras(
         directory,
@@ -293,3 +321,29 @@ def _open_pairs(
         skip_bad_frames=skip_bad_frames,
         has_log=encoder is not None and encoder.file is not None,
     )
+
+
+def _refuse_references(directory: Path, number: int, camera: CameraSettings) -> None:
+    """Refuse a pattern of the frames that matches the darks or flats of the camera as well."""
+    frames = match_files(directory, camera.files)
+    stated = {
+        "dark": camera.dark if camera.dark_dataset is None else None,
+        "flat": camera.flat if camera.flat_dataset is None else None,
+        "background": camera.background if camera.background_dataset is None else None,
+    }
+    among = {
+        path: key
+        for key, pattern in stated.items()
+        if pattern is not None and pattern != camera.files
+        for path in match_files(directory, pattern)
+        if path in frames
+    }
+    if among and len(among) < len(frames):
+        raise refusal(
+            "references_among_frames",
+            number=number,
+            pattern=camera.files,
+            count=len(frames),
+            among=list_some((f"{path.name} ({key})" for path, key in among.items()), most=3),
+            rest=list_some((path.name for path in frames if path not in among), most=3),
+        )

@@ -232,6 +232,13 @@ def test_frames_of_recordings_in_one_file_each_are_not_dropped_by_empty_files(tm
     assert "empty file" not in message
 
 
+def test_two_recordings_under_one_pattern_are_named_with_their_frames(tmp_path):
+    for name, count in {"run_1": 4, "wedge_1": 2, "run_2": 4}.items():
+        write_pages(tmp_path / f"{name}.tif", [GREY] * count)
+    message = refusal(tmp_path, patterns=("*_1.tif", "run_2.tif"))
+    assert "camera1 has the frames of run_1.tif (4), wedge_1.tif (2)" in message
+
+
 @pytest.mark.parametrize("padded", [0, 2])
 @pytest.mark.parametrize("parts", [(None, None), ("left", "right")])
 def test_the_time_that_a_pco_camera_writes_over_pixels_is_warned_of(tmp_path, parts, padded):

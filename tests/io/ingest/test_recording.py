@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import tifffile
 
-from erlif.core.errors import FrameError
+from erlif.core.errors import EncoderError, FrameError
 from erlif.io.ingest import open_run, read_frames
 
 
@@ -42,3 +42,22 @@ def test_a_run_without_an_encoder_opens(lab):
     run = open_run(lab.run)
     assert set(run.log) == {"number"}
     assert run.log_notes == []
+
+
+def test_a_log_that_lacks_a_row_is_not_taken_for_one_in_time(lab):
+    """Six frames, and five rows without numbers of frames."""
+    header, *rows = (lab.run / "encoder.csv").read_text(encoding="utf-8").splitlines()
+    rows = [row.split(",", 1)[1] for row in (header, *rows[:3], *rows[4:])]
+    (lab.run / "encoder.csv").write_text("\n".join(rows), encoding="utf-8")
+    before = float(rows[3].split(",")[rows[0].split(",").index("time_s")])
+    with pytest.raises(EncoderError) as refused:
+        open_run(lab.run)
+    found = f"5 rows for 6 frames: a row is missing, perhaps after the one at {before:.6g} s"
+    assert found in str(refused.value)
+
+
+def test_darks_and_flats_under_the_pattern_of_the_frames_are_named(lab):
+    lab.edit("run/run.toml", ('"camera1/*.tif"', '"**/*1*.tif"'))
+    with pytest.raises(FrameError) as refused:
+        open_run(lab.run)
+    assert "among them camera1_dark.tif (dark), camera1_flat.tif (flat)" in str(refused.value)

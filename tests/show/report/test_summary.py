@@ -214,7 +214,8 @@ def test_each_end_of_a_range_has_its_own_error(film):
 
 
 @pytest.mark.parametrize(
-    ("used", "reason"), [(6, "speed over load is constant"), (2, "2 of 6 triggers usable, 5 needed")]
+    ("used", "reason"),
+    [(6, "speed over load is constant"), (2, "2 of 6 triggers usable, 5 needed")],
 )
 def test_an_unknown_power_has_its_reason(film, used, reason):
     """Five triggers are enough for a power, unless their speed is the same."""

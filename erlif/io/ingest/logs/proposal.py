@@ -118,9 +118,7 @@ def propose_log(paths: Iterable[Path], frames: int, *, unnamed: bool = False) ->
     return other
 
 
-def _find_by_unit(
-    table: LogTable, named: dict[str, LogColumn]
-) -> Iterator[tuple[str, LogColumn]]:
+def _find_by_unit(table: LogTable, named: dict[str, LogColumn]) -> Iterator[tuple[str, LogColumn]]:
     """Columns of quantities that no name shows, where one column alone has such a unit."""
     for quantity, result in _BY_UNIT.items():
         scales = (
