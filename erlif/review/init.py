@@ -24,7 +24,14 @@ from erlif.io.ingest import read_encoder_log
 from erlif.io.ingest.logs.columns import CONTRACT, ColumnChoice, find_columns
 from erlif.io.ingest.logs.proposal import LogProposal, propose_log
 from erlif.io.ingest.logs.text import read_log_table
-from erlif.io.ingest.survey import CameraSurvey, CountsSample, Survey, TextTable, survey_directory
+from erlif.io.ingest.survey import (
+    CameraSurvey,
+    CountsSample,
+    Survey,
+    TextTable,
+    names_fixture,
+    survey_directory,
+)
 from erlif.io.settings import (
     GAP,
     FixtureSettings,
@@ -137,13 +144,17 @@ def init(
     if output.exists() and not overwrite:
         raise OutputError(f"{output} exists already; use --overwrite to replace it.")
 
-    survey = survey_directory(directory)
+    survey = survey_directory(directory, fixture=fixture)
     if not survey.cameras:
         key = "only_jpeg" if survey.lossy else "no_images"
         raise refusal(key, directory=directory, count=len(survey.lossy))
 
     draft = _Draft()
     _draft_cameras(draft, survey)
+    recordings = [one for camera in survey.cameras[:2] for one in camera.recordings]
+    of_fixture = [one.pattern for one in recordings if names_fixture(one)]
+    if of_fixture and not fixture:
+        draft.note("of_fixture", names=", ".join(map(str, of_fixture)))
     draft.set("optics.x_axis", "sliding", "Check the direction: the files do not show it.")
     if fixture:
         _draft_profile(draft, survey)
@@ -192,9 +203,12 @@ def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurv
     """Table of one camera."""
     table, frames = f"camera{number}", camera.frames
     kind = _first(frames.kinds)
-    draft.set(f"{table}.files", frames.pattern, f"{frames.pages} frames of {kind}.")
     pattern = frames.pattern or camera.label
-    draft.note("frames", table, pages=frames.pages, kind=kind, pattern=pattern)
+    if camera.chosen:
+        draft.set(f"{table}.files", frames.pattern, f"{frames.pages} frames of {kind}.")
+        draft.note("frames", table, pages=frames.pages, kind=kind, pattern=pattern)
+    if camera.recordings:
+        _draft_recordings(draft, table, camera)
     if frames.pattern is None:
         draft.note("no_pattern", table)
     if len(frames.kinds) > 1:
@@ -221,6 +235,15 @@ def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurv
             draft.note("no_pattern_of_images", table, which=key)
     if camera.darks is None:
         _ask_for_darks(draft, survey, table)
+
+
+def _draft_recordings(draft: _Draft, table: str, camera: CameraSurvey) -> None:
+    """Several recordings of a camera: the one that was taken, or a gap that lists them."""
+    names = list_some(f"{one.pattern} ({one.pages})" for one in camera.recordings)
+    if not camera.chosen:
+        draft.set(f"{table}.files", GAP, f"One of {names}.")
+    key, count = "recording_taken" if camera.chosen else "recordings", len(camera.recordings)
+    draft.note(key, table, count=count, names=names, taken=camera.frames.pattern)
 
 
 def _ask_for_darks(draft: _Draft, survey: Survey, table: str) -> None:
@@ -545,8 +568,12 @@ def _draft_calibration(draft: _Draft, survey: Survey) -> None:
     made = "exists" if calibrations[0].exists() else "is made from its fixture by erlif process"
     remark = f"This file {made}."
     if len(names) > 1:
-        remark += f" Others near: {', '.join(names[1:])}."
-        draft.note("many_calibrations", count=len(names), names=", ".join(names))
+        listed = [
+            name if path.exists() else f"{name} (not made yet, from its fixture.toml)"
+            for name, path in zip(names, calibrations, strict=True)
+        ]
+        remark += f" Others near: {', '.join(listed[1:])}."
+        draft.note("many_calibrations", count=len(names), names=", ".join(listed))
     draft.set("calibration", name, remark)
     draft.note("calibration", name=name, made=made)
 

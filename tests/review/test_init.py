@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import tifffile
 import xarray as xr
-from scenes.camera_files import random_frames, write_im7, write_mraw
+from scenes.camera_files import random_frames, write_cine, write_im7, write_mraw
 
 import erlif
 from conftest import SMALL
@@ -282,6 +282,30 @@ def test_the_fixture_beside_the_run_is_named_as_its_calibration(lab):
 
 
 # what is missing or does not fit
+
+
+def test_all_recordings_in_one_folder_are_offered_one_by_one(tmp_path):
+    for band in (580, 610):
+        for name, pages in (("run03", 5), ("run04", 6), ("wedge", 2)):
+            write_cine(
+                tmp_path / f"Cam_{band}nm_{name}.cine",
+                random_frames(np.random.default_rng(1), frames=pages),
+            )
+    notes = erlif.init(tmp_path, kind="static")
+    assert "camera1: 3 recordings look like frames: Cam_580nm_run03.cine (5)" in warnings(notes)
+    assert any(note.subject == "fixture" and "init --fixture" in note.text for note in notes)
+    assert read(tmp_path)["camera1"]["files"] == "??"
+    erlif.init(tmp_path, fixture=True)
+    assert read(tmp_path, "fixture.toml")["camera2"]["files"] == "Cam_610nm_wedge.cine"
+
+
+def test_a_fixture_that_was_not_calibrated_is_no_calibration_yet(folder):
+    for name in ("a", "b"):
+        (folder.parent / name).mkdir()
+        (folder.parent / name / "fixture.toml").touch()
+    text = warnings(erlif.init(folder))
+    assert "calibrations or fixtures lie near" in text
+    assert "../b/calibration.nc (not made yet, from its fixture.toml)" in text
 
 
 def test_an_empty_folder_is_refused(tmp_path, refused):

@@ -68,6 +68,12 @@ _PURPOSES = {
     "backgrounds": re.compile(r"(?<![a-z])(background|bg|dry)(?![a-z])"),
 }
 
+# Formats of which a file is a whole recording; parts of others may differ in their number alone.
+_MOVIES = frozenset({".avi", ".cine", ".cin", ".mraw", ".seq", ".spe"})
+
+# Words in the names of recordings of a fixture.
+_FIXTURE = re.compile(r"(?<![a-z])(wedge|keil|calib|kalib|fixture)")
+
 _CAMERA = re.compile(
     r"(?<![a-z])(?:camera|kamera|cam|channel|ch|c)[ _-]?0?([0-9])(?!\d)"
     r"|(?<![a-z])(?:camera|kamera|cam)[ _-]?([ab])(?![a-z\d])"
@@ -158,6 +164,10 @@ class CameraSurvey:
         Part of the files that belongs to this camera where one file holds both.
     shared : SharedFile | None
         How the two are separated, and what shows it; None where each has its own files.
+    recordings : tuple[ImageSet, ...]
+        Where each file is a recording: all of them, of which frames is one; else empty.
+    chosen : bool
+        Whether the names of the recordings show which of them is meant.
     """
 
     label: str
@@ -169,6 +179,8 @@ class CameraSurvey:
     counts: CountsSample | None
     selection: Selection = WHOLE
     shared: SharedFile | None = None
+    recordings: tuple[ImageSet, ...] = ()
+    chosen: bool = True
 
 
 @dataclass(frozen=True)
@@ -228,13 +240,15 @@ class Survey:
         return tuple(path for path, name in names.items() if _purpose(name) == "darks")
 
 
-def survey_directory(directory: Path) -> Survey:
+def survey_directory(directory: Path, *, fixture: bool = False) -> Survey:
     """Find the frames, darks, flats and CSV tables in a directory.
 
     Parameters
     ----------
     directory : Path
         Folder of a run or of a fixture; the folders in it are searched too.
+    fixture : bool
+        Whether recordings of a fixture are meant, where their names show them, or all others.
 
     Returns
     -------
@@ -264,7 +278,10 @@ def survey_directory(directory: Path) -> Survey:
     images = sorted((path for path in files if _is_image(path)), key=natural_key)
     groups, unassigned = _group_by_camera(images, directory)
     in_order = _assign_in_order(groups, unassigned, directory)
-    cameras = [_describe_camera(label, group, directory) for label, group in groups.items()]
+    cameras = [
+        _choose_recording(_describe_camera(label, group, directory), directory, fixture=fixture)
+        for label, group in groups.items()
+    ]
     cameras = _drop_common_wavelength(cameras)
     cameras.sort(key=lambda camera: (camera.wavelength or 0, natural_key(Path(camera.label))))
     if len(groups) == 1:
@@ -497,6 +514,42 @@ def _describe_camera(
         counts=_sample_counts([*_spread(pages), *bright], directory, frames.bits),
         selection=selection,
     )
+
+
+def _choose_recording(camera: CameraSurvey, directory: Path, *, fixture: bool) -> CameraSurvey:
+    """One of several recordings of a camera, by the words in their names, else the longest."""
+    files = camera.frames.files
+    parts: dict[str, list[Path]] = defaultdict(list)
+    for path in files:
+        name = path.stem if path.suffix.lower() in _MOVIES else re.sub(r"\d+", "#", path.stem)
+        parts[name].append(path)
+    if len(parts) < 2:
+        return camera
+
+    # a file of a single image is no recording
+    described = [_describe_set(part, directory) for part in parts.values()]
+    if any(one.pages < 2 * len(one.files) for one, _ in described):
+        return camera
+    wanted = [pair for pair in described if names_fixture(pair[0]) == fixture] or described
+    frames, pages = max(wanted, key=lambda pair: pair[0].pages)
+    return replace(
+        camera,
+        frames=frames,
+        counts=_sample_counts(_spread(pages), directory, frames.bits) or camera.counts,
+        recordings=tuple(one for one, _ in described),
+        chosen=len(wanted) == 1,
+    )
+
+
+def names_fixture(images: ImageSet) -> bool:
+    """Whether the name of a recording is that of a fixture.
+
+    Examples
+    --------
+    >>> names_fixture(ImageSet((Path("Cam_580nm_wedge.cine"),), None, 6, (), ()))
+    True
+    """
+    return bool(_FIXTURE.search(_plain_name(images.files[0], images.files[0].parent)))
 
 
 def _describe_set(

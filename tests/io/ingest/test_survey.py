@@ -178,6 +178,42 @@ def test_recordings_of_cameras_are_found_with_the_depth_of_their_headers(tmp_pat
         assert camera.counts.stated
 
 
+@pytest.mark.parametrize(("fixture", "taken"), [(False, ["run03", 5]), (True, ["wedge", 2])])
+def test_a_recording_is_chosen_by_its_name(tmp_path, fixture, taken):
+    """Movies of a run and of its fixture in one folder."""
+    for band in (580, 610):
+        for name, pages in (("run03", 5), ("wedge", 2), ("dark", 3)):
+            write_cine(
+                tmp_path / f"Cam_{band}nm_{name}.cine",
+                random_frames(np.random.default_rng(1), frames=pages),
+            )
+    cameras = survey_directory(tmp_path, fixture=fixture).cameras
+    for band, camera in zip((580, 610), cameras, strict=True):
+        found = [camera.frames.pattern, camera.frames.pages]
+        assert found == [f"Cam_{band}nm_{taken[0]}.cine", taken[1]]
+        assert camera.chosen
+        assert [one.pages for one in camera.recordings] == [5, 2]
+
+
+def test_recordings_whose_names_do_not_show_the_one_that_is_meant_are_offered(tmp_path):
+    for band in (580, 610):
+        for name, pages in (("run03", 5), ("run04", 6)):
+            write_cine(
+                tmp_path / f"Cam_{band}nm_{name}.cine",
+                random_frames(np.random.default_rng(1), frames=pages),
+            )
+    for camera in survey_directory(tmp_path).cameras:
+        assert not camera.chosen
+        assert [one.pages for one in camera.recordings] == [5, 6]
+
+
+def test_numbered_parts_of_a_recording_are_one(tmp_path):
+    """TIFF files of many pages, as cameras split them; movies are never parts."""
+    photograph(tmp_path, *numbered("left/rec_{}.tif", 3), *numbered("right/rec_{}.tif"), pages=4)
+    cameras = survey_directory(tmp_path).cameras
+    assert [(camera.frames.pages, camera.recordings) for camera in cameras] == [(12, ())] * 2
+
+
 def test_counts_above_the_depth_of_the_header_overrule_it(tmp_path):
     frames = random_frames(np.random.default_rng(1), bits=14)
     write_mraw(tmp_path / "camera1.mraw", frames, stored=16, depth=12)
