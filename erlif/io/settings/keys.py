@@ -216,9 +216,9 @@ def _describe(kind: type[Settings], name: str, field: FieldInfo) -> Key:
     default = None if field.is_required() else field.default
     if default is not None and form is not None and form.unit and not isinstance(default, str):
         # "0 deg" as a user writes it, rather than "0 rad" as it is kept
-        written = own if isinstance(own, str) else form.example
-        same = parse_quantity(written, form.unit) == default
-        default = written if same else f"{default:g} {form.unit}"
+        written = [text for text in (own, form.example) if isinstance(text, str)]
+        same = (text for text in written if parse_quantity(text, form.unit) == default)
+        default = next(same, f"{default:g} {form.unit}")
     elif isinstance(default, tuple):
         default = list(default)
 

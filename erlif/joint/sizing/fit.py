@@ -48,11 +48,17 @@ def _ratio(state: JointState) -> Result:
 def _press_fit(state: JointState) -> Result:
     size, pressure = state.size, state.fit_pressure
     push_out = PUSH_OUT_FRICTION * pressure * math.pi * size.fit * size.width
+
+    # bushing and housing are as warm as the outside, and expand unlike
+    joint = state.joint
+    change = joint.outside_temperature - joint.assembly_temperature
+    unlike = known(joint.bushing.expansion) - known(joint.housing.expansion)
     return Result(
         abs(2e6 * state.displacement),
         missing=_missing_for_fit(state),
         values={
             "play": state.play * 1e6,
+            "warm": (joint.interference + size.fit * unlike * change) * 1e6,
             "pressure": pressure / 1e6,
             "push_out": push_out / 1e3,
             "friction": PUSH_OUT_FRICTION,

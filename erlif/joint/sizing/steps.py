@@ -311,6 +311,7 @@ def make_step(key: str, result: Result) -> Step:
         numbers=tuple(
             (name.format(**values), float(values[number]), unit)
             for name, number, unit in text.get("numbers", ())
+            if not math.isnan(float(values[number]))
         ),
         basis=text.get("basis", ""),
     )

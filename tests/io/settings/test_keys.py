@@ -27,3 +27,13 @@ def test_every_key_and_table_has_a_meaning_and_an_example():
     # and keys.toml describes no key that there is not
     for name, keys in read_table("erlif.io.settings", "keys.toml").items():
         assert set(keys) <= described[name], name
+
+
+def test_a_default_is_written_as_a_user_writes_it():
+    keys = {
+        (table.title, key.name): key
+        for table in tables_of(DesignSettings)
+        for key in keys_of(table.kind)
+    }
+    shown = {name: key.default for (_, name), key in keys.items()}
+    assert (shown["thickness"], shown["interference"]) == ("10 mm", "0 mm")

@@ -103,3 +103,14 @@ def test_a_load_that_no_eye_carries_and_an_eye_without_room_are_reported():
     assert "the bushing of 100 mm does not fit" in eye.alternatives[0]
     assert "inf" not in "".join(eye.alternatives)
     assert small.step("press_fit").missing == "a housing larger than the bushing"
+
+
+def test_the_press_fit_loosens_in_the_cold_where_bronze_shrinks_more():
+    """Diameter of the fit, 100 mm, times the difference of the expansions and of temperature."""
+    parts = {"bushing": {"expansion": 18e-6}, "housing": {"expansion": 12e-6}}
+    name = "interference at the outside temperature"
+    for outside, expected in ((0.0, 60 - 100e3 * 6e-6 * 20), (50.0, 60 + 100e3 * 6e-6 * 30)):
+        step = assessed(outside_temperature=outside, **parts).step("press_fit")
+        assert step.number(name) == pytest.approx(expected)
+    unknown = assessed(bushing={"expansion": None}).step("press_fit")
+    assert name not in {title for title, *_ in unknown.numbers}
