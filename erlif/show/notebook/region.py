@@ -26,7 +26,8 @@ def summarise_region(
 
     As `erlif.process` does it for the region of interest, from the maps in place of the frames.
     Pixels that are flagged do not count; those at the ends of the measurable range are among
-    them, so that a region with many of them has a mean that is too near to its middle.
+    them, so that a region with many of them has a mean that is too near to its middle. The error of
+    the registration, a few nanometres of a pixel, is left out.
 
     Parameters
     ----------
@@ -58,7 +59,7 @@ def summarise_region(
     region = _find_region(film, x, y)
     along_x = settings_of(film).optics.x_axis == "sliding"
     contact = Contact(film.attrs.get("contact", Contact.LINE))
-    names = ["thickness", "thickness_std", "thickness_std_shared", "flags"]
+    names = ["thickness", "thickness_std", "flags"]
     maps = film[names].isel(y=region.rows, x=region.columns)
 
     # one map in memory at a time
@@ -104,15 +105,12 @@ def _summarise(
     slope = calibration.slope(film)
     own = np.square(slope * np.where(valid, maps.thickness_std.values, 0.0))
 
-    # the shared error of a pixel is that of calibration and registration; the first enters the
-    # statistics by the covariance of the calibration
-    both = np.where(valid, maps.thickness_std_shared.values, 0.0)
-    displaced = np.square(slope) * np.maximum(
-        np.square(both) - np.square(calibration.thickness_std(film)), 0.0
-    )
+    # the error of the calibration enters by its covariance after the run; that of the maps is the
+    # one before it, rounded to 3 %, in which the error of the registration is lost
     log_ratio = calibration.predict_log(film)
     images = {"log_ratio": log_ratio, "log_ratio_near": np.where(valid, log_ratio, np.nan)}
-    images |= {"log_ratio_var": own, "log_ratio_var_shared": displaced, "flags": maps.flags.values}
+    images |= {"log_ratio_var": own, "log_ratio_var_shared": np.zeros_like(own)}
+    images |= {"flags": maps.flags.values}
     # ratio and map in one dataset: the statistics take from each what it has
     combined = xr.Dataset({name: (("y", "x"), image) for name, image in images.items()})
     pair = RatioImages(combined), ThicknessMaps(combined)

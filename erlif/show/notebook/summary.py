@@ -12,7 +12,7 @@ from erlif.core.html import captioned, card, colour_picture, findings_list, pict
 from erlif.core.notes import Level, split_notes
 from erlif.core.statistics import central_range
 from erlif.core.units import count_of
-from erlif.io.files import describe_trigger, flag_shares, settings_of
+from erlif.io.files import describe_trigger, driven_link, flag_shares, settings_of
 
 _PICTURES = 4  # maps that are shown
 _SIDE = 160  # px, width of a picture
@@ -95,8 +95,9 @@ def _rows(film: xr.Dataset) -> list[tuple[str, str]]:
     valid = flag_shares(film)[:, 0].mean() if whole else float((film.flags == 0).sum()) / pixels
     rows.append(("valid pixels", f"{valid:.1%}"))
 
-    shown = ((title, how) for title, how in _QUANTITIES.items() if how[0] in film)
-    rows += [(title, _range(film, *how)) for title, how in shown]
+    shown = [(title, how) for title, how in _QUANTITIES.items() if how[0] in film]
+    link = driven_link(film)
+    rows += [(title.replace("crank", link), _range(film, *how)) for title, how in shown]
     with suppress(ErlifError):
         oil = settings_of(film).oil
         rows += [("oil", oil.name)] if oil is not None and oil.name else []

@@ -275,6 +275,11 @@ def calibration_figure(calibration: Calibration, *, figure: AnyFigure | None = N
     style.draw_panels(panels, (ratio_against_thickness, ratio_residuals), calibration)
     if not style.is_page():
         panels[0].set_xlabel("")
+
+    # what both panels show is named once
+    named = panels[0].get_legend_handles_labels()[1]
+    found = zip(*panels[1].get_legend_handles_labels(), strict=True)
+    style.legend_above(panels[1], handles=[key for key, label in found if label not in named])
     write_title(figure, f"calibration with {calibration.fixture}")
     return figure
 

@@ -59,3 +59,13 @@ def test_both_parts_of_the_error_make_the_whole(opened):
     one = summarise_region(opened.isel(trigger=2))
     assert one.film_mean.ndim == 0
     assert 0 < float(one.share_valid) <= 1
+
+
+def test_random_part_is_the_noise_whatever_the_shared_error_of_the_maps_is(opened):
+    """The maps hold the shared error as it was before the run, which may have reduced it."""
+    roi = erlif.files.region_of(opened)
+    wider = opened.assign(thickness_std_shared=opened.thickness_std_shared + 0.5)
+    found = summarise_region(wider, x=roi.x, y=roi.y)
+    for name in ("film_mean", "film_min"):
+        noise = opened[f"{name}_error"].sel(error_term="noise")
+        np.testing.assert_allclose(found[f"{name}_std_random"], noise, rtol=0.15)

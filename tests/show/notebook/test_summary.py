@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scenes.motion import DISC, SLIDER, film_of
 
 from erlif.show.notebook.summary import describe_in_html, describe_in_text
 from erlif.show.plots import example_film
@@ -39,3 +40,10 @@ def test_a_film_without_values_or_theory_is_shown(film):
     # the name is that of the title where there are no settings
     del film.attrs["settings"]
     assert "oil-film thickness, example" in describe_in_text(film)
+
+
+def test_the_angle_is_named_after_what_turns():
+    for mechanism, title in ((DISC, "disc angle"), (SLIDER, "drive angle")):
+        lines = describe_in_text(film_of(mechanism)).splitlines()
+        assert any(line.strip().startswith(title) for line in lines)
+        assert not any("crank angle" in line for line in lines)

@@ -89,3 +89,10 @@ def test_fixture_profile(calibration):
     profile = Profile(wedge / 0.8, wedge, 0.02 * wedge)
     points, *_ = plots.fixture_profile(profile, calibration=calibration)
     return without_texts(points.axes.get_figure())
+
+
+def test_a_band_is_named_once_where_both_panels_show_it(calibration):
+    for covariance, above in ((np.diag([0.03, 0.03, 0.03]) ** 2, 1), (np.diag([1e-6] * 3) ** 2, 0)):
+        figure = plots.calibration_figure(replace(calibration, covariance=covariance))
+        counts = [labels_of(ax).count("fit, 1 s.d.") for ax in figure.axes]
+        assert counts == [above, 1 - above]
