@@ -114,12 +114,13 @@ def make_design_page(design: BearingDesign) -> str:
 def _result(design: BearingDesign) -> Markup:
     found, joint = words.verdict(design), design.joint
     given: list[tuple[str, str]] = [
-        (one["title"], _signs(f"{words.plain(value * one.get('scale', 1))} {one.get('unit', '')}"))
+        (one["title"], _signs(f"{words.plain(value * one.get('scale', 1))}{one.get('unit', '')}"))
         for name, one in layout.TABLES["inputs"].items()
         if (value := getattr(joint, name)) is not None
     ]
     if joint.bushing.wear is not None:
-        given.append(("Wear rate", f"{joint.bushing.wear * 1e9:.3g} mm³/(N m)"))
+        own = ", your own" if "wear rate of the bushing" in design.own else ""
+        given.append(("Wear rate", f"{joint.bushing.wear * 1e9:.3g} mm³/(N m){own}"))
     given += [(part.capitalize(), name) for part, name in words.name_materials(design).items()]
 
     # signs of print stand on the page; the terminal keeps plain ones
