@@ -402,9 +402,11 @@ def describe_statistics(
     values: dict[str, Any] = {
         "film_mean": [one.mean for one in statistics],
         "film_mean_std": [one.mean_std for one in statistics],
+        "film_mean_std_random": [one.mean_random_std for one in statistics],
         "share_beyond_range": [one.beyond_range for one in statistics],
         "film_min": [one.minimum for one in statistics],
         "film_min_std": [one.minimum_std for one in statistics],
+        "film_min_std_random": [one.minimum_random_std for one in statistics],
         "film_min_x": places[:, 0],
         "film_min_y": places[:, 1],
     }

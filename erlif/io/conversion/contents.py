@@ -22,7 +22,8 @@ MAPS = ("thickness", "thickness_std", "thickness_std_shared", "flags")
 # Columns that stand first; the start of a table recognises it as one of erlif.
 _FIRST = (
     *("trigger", "frames_used", "crank_angle", "encoder_angle", "stroke", "time"),
-    *("film_min", "film_min_std", "film_mean", "film_mean_std"),
+    *("film_min", "film_min_std", "film_min_std_random"),
+    *("film_mean", "film_mean_std", "film_mean_std_random"),
 )
 
 _FULL_TURN = 360.0  # degree

@@ -364,15 +364,16 @@ def note_correlation(film: xr.Dataset) -> list[Note]:
 
 
 def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:
-    """A warning where the measured minimum leaves the predicted one beyond its error.
+    """Warnings where the measured minimum leaves the predicted one beyond its error.
 
-    The mean difference is left out: the calibration shifts all triggers alike, and the start film
-    may be given.
+    The course over the run is judged by the random error of the minimum, as calibration and other
+    shared errors shift all triggers nearly alike; the level by the whole error.
 
     Parameters
     ----------
     film : xarray.Dataset
-        With film_min, film_min_std and film_predicted_min (trigger). [um]
+        With film_min, film_min_std, film_predicted_min and, where it is known,
+        film_min_std_random (trigger). [um]
     options : PredictionOptions
         How the pin was taken to be held.
 
@@ -383,19 +384,23 @@ def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:
     """
     if not {"film_min", "film_min_std", "film_predicted_min"} <= set(film):
         return []
-    measured, std, predicted = (
-        film[name].values for name in ("film_min", "film_min_std", "film_predicted_min")
+    random = "film_min_std_random" if "film_min_std_random" in film else "film_min_std"
+    measured, whole, own, predicted = (
+        film[name].values for name in ("film_min", "film_min_std", random, "film_predicted_min")
     )
-    known = np.isfinite(measured) & np.isfinite(std) & np.isfinite(predicted)
+    known = np.isfinite(measured) & np.isfinite(whole) & np.isfinite(predicted)
     if known.sum() < _FEWEST:
         return []
     off = (measured - predicted)[known]
-    spread, error = float(off.std()), float(np.sqrt(np.mean(std[known] ** 2)))
-    if spread < max(_ERRORS * error, _SHARE * float(np.mean(measured[known]))):
-        return []
-
+    marked = _SHARE * float(np.mean(measured[known]))
+    errors = (float(np.sqrt(np.mean(std[known] ** 2))) for std in (own, whole))
     pin = describe_sideways(options)
-    return [_note("prediction_differs", pin=pin, spread=spread, error=error)]
+
+    notes = []
+    for key, size, error in zip(("course", "level"), (off.std(), off.mean()), errors, strict=True):
+        if abs(size) >= max(_ERRORS * error, marked):
+            notes.append(_note(f"{key}_differs", pin=pin, size=float(size), error=error))
+    return notes
 
 
 def describe_sideways(options: PredictionOptions) -> str:

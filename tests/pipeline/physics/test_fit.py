@@ -159,5 +159,6 @@ def test_a_film_about_another_load_line_than_that_of_its_orbit_is_reported(sinki
     found = fit_film(place).fit
     estimate = found.estimates["load_line"]
     npt.assert_allclose(estimate.value, 1e-3 * line, atol=3 * estimate.std)
-    assert f"are about {line + 1:.2f} mm" in str(found.notes[-1])
-    assert 'set load_line = "' in str(found.notes[-1])
+    notes = " ".join(map(str, found.notes))
+    assert f"are about {line + 1:.2f} mm" in notes
+    assert 'set load_line = "' in notes

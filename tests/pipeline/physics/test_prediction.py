@@ -235,20 +235,30 @@ def test_a_pin_that_is_held_otherwise_is_a_warning(rig_films, true, taken, other
 
 
 def test_a_difference_is_a_warning_beyond_error_and_share_of_the_film():
-    """Up and down by a size is an rms of that size; a shift of all triggers is none."""
+    """Up and down by a size is an rms of that size, which a shared error does not hide; a shift of
+    all triggers is one of the level.
+    """
     up = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
     predicted = xr.Dataset({"film_predicted_min": ("trigger", np.full(6, 10.0))})
 
-    def warned(course, std):
-        columns = {"film_min": 10.0 + course, "film_min_std": np.full(6, std)}
+    def warned(course, random, shared=0.0):
+        whole = np.full(6, np.hypot(random, shared))
+        columns = {
+            "film_min": 10.0 + course,
+            "film_min_std": whole,
+            "film_min_std_random": np.full(6, random),
+        }
         films = predicted.assign({name: ("trigger", one) for name, one in columns.items()})
-        return bool(note_difference(films, settings().prediction))
+        found = " ".join(map(str, note_difference(films, settings().prediction)))
+        return [word for word in ("course", "in the mean") if word in found]
 
-    assert warned(0.5 * up, 0.04)
-    assert warned(3.0 + 0.5 * up, 0.04)
+    assert warned(0.5 * up, 0.04) == ["course"]
+    assert warned(0.5 * up, 0.04, shared=1.0) == ["course"]
+    assert warned(3.0 + 0.5 * up, 0.04) == ["course", "in the mean"]
+    assert warned(3.0 + 0.5 * up, 0.04, shared=1.0) == ["course"]
+    assert warned(np.full(6, -3.0), 0.01) == ["in the mean"]
     assert not warned(0.5 * up, 0.2)  # within the error
     assert not warned(0.1 * up, 0.001)  # 1 % of the film
-    assert not warned(np.full(6, 3.0), 0.01)
     assert not warned(np.where(up > 0, [0.0, 0, 1, 0, 2, 0], np.nan), 0.01)  # too few triggers
     assert note_difference(predicted, settings().prediction) == []
 
