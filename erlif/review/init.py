@@ -21,6 +21,7 @@ from erlif.core.products import EncoderLog
 from erlif.core.units import count_of
 from erlif.io.files import takes, write_file
 from erlif.io.ingest import read_encoder_log
+from erlif.io.ingest.logs.checks import is_nearly_by_frame
 from erlif.io.ingest.logs.columns import CONTRACT, ColumnChoice, find_columns
 from erlif.io.ingest.logs.proposal import LogProposal, propose_log
 from erlif.io.ingest.logs.text import read_log_table
@@ -444,6 +445,8 @@ def _draft_proposal(draft: _Draft, survey: Survey, proposal: LogProposal) -> Non
         return
     if proposal.pulse is not None:
         draft.set("encoder.pulse", proposal.pulse, "By its name: it must rise at each frame.")
+    elif is_nearly_by_frame(rows, frames):
+        draft.note("rows", rows=rows, frames=frames)
     else:
         draft.note("log_in_time", rows=rows, frames=frames)
 

@@ -459,6 +459,13 @@ def test_a_log_of_other_names_serves_a_disc_by_its_units(folder):
     chosen = {"angle": "Winkel [deg]", "time": "Zeit [s]", "load": "Kraft [N]"}
     assert found == {"file": "logger.csv", "triggers_per_cycle": 2, **chosen}
 
+    # a row that is missing is no log in time
+    whole = path.read_text()
+    path.write_text(whole.rpartition("\n0,2")[0] + "\n")
+    text = warnings(erlif.init(folder, kind="rotation", overwrite=True))
+    assert "2 rows for 4 frames: one row per frame pair" in text
+    path.write_text(whole)
+
     # angles that do not repeat, and two columns that may hold them
     path.write_text(path.read_text().replace("191;", "221;", 1))
     erlif.init(folder, kind="rotation", overwrite=True)

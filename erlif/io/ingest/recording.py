@@ -17,6 +17,7 @@ from erlif.io.ingest.containment import named_files, refuse_outside
 from erlif.io.ingest.encoder_log import check_rows, read_log
 from erlif.io.ingest.frames import FramePairs
 from erlif.io.ingest.images import match_files
+from erlif.io.ingest.logs.checks import is_nearly_by_frame
 from erlif.io.ingest.logs.columns import MEANINGS, ColumnChoice
 from erlif.io.ingest.logs.resample import ContinuousLog, find_pulses, sample_log
 from erlif.io.ingest.pairing import pair_cameras
@@ -31,9 +32,7 @@ from erlif.io.settings import (
     read_run_settings,
 )
 
-# Difference of rows and frames, over the frames, up to which a row was meant for each frame, and
-# the step of the time over the median one at which a row is missing.
-_NEARLY, _PAUSE = 0.05, 1.5
+_PAUSE = 1.5  # step of the time over the median one at which a row is missing
 
 
 @dataclass(frozen=True)
@@ -258,7 +257,7 @@ def _times_after_first(encoder: EncoderSettings, pairs: FramePairs, log: Continu
 def _refuse_missing_row(log: ContinuousLog, frames: int) -> None:
     """Refuse a log whose rows are nearly as many as the frames: one for each was meant."""
     time = np.asarray(log.samples["time"].values)
-    if not 0 < abs(time.size - frames) <= max(2, _NEARLY * frames):
+    if not is_nearly_by_frame(time.size, frames):
         return
     step = np.diff(time)
     longest = int(np.argmax(step)) if step.size else 0

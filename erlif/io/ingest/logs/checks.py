@@ -21,7 +21,21 @@ HOTTEST = 1000.0
 
 _SHOWN = 5  # rows that a message names
 
+# Rows more or less than frames up to which a row was meant for each, and the same over the frames.
+_FEW_ROWS, _NEARLY = 2, 0.05
+
 _COMMA = re.compile(r"[+-]?\d+,\d+")
+
+
+def is_nearly_by_frame(rows: int, frames: int) -> bool:
+    """Whether a log has one row for each frame but for a few that are missing or too many.
+
+    Examples
+    --------
+    >>> is_nearly_by_frame(47, 48), is_nearly_by_frame(48, 48), is_nearly_by_frame(4800, 48)
+    (True, False, False)
+    """
+    return 0 < abs(rows - frames) <= max(_FEW_ROWS, _NEARLY * frames)
 
 
 def check_values(log: xr.Dataset, columns: Mapping[str, LogColumn], table: LogTable) -> None:
