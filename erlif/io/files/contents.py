@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from numbers import Integral
 from pathlib import Path
 
 import numpy as np
@@ -169,7 +168,8 @@ def check_trigger(film: xr.Dataset, trigger: int) -> None:
 Choose one of them.
     """
     count = film.sizes["trigger"]
-    if not isinstance(trigger, Integral):
+    number = np.asarray(trigger)  # that of a coordinate, too
+    if number.ndim or not np.issubdtype(number.dtype, np.integer):
         raise refusal("trigger_without_number", most=count - 1, trigger=trigger)
     if not 0 <= trigger < count:
         raise refusal("no_such_trigger", most=count - 1, trigger=trigger)
