@@ -162,7 +162,9 @@ def _draw_profile(ax: Axes, film: xr.Dataset, profile: xr.Dataset, base: Array) 
 
     # about a difference, the shared error lies about zero
     centre = np.where(np.isfinite(h), 0.0, np.nan) if base.any() else h
-    look: dict[str, Any] = {"label": f"shared, {style.ONE_STD}", "alpha": 0.4, "zorder": 3}
+    wider = np.nansum(shared) > np.nansum(random)  # the wider band lies behind
+    look: dict[str, Any] = {"label": f"shared, {style.ONE_STD}", "alpha": 0.4}
+    look["zorder"] = 0.9 if wider else 3
     common = style.draw_band(ax, x, centre - shared, centre + shared, MUTED, **look)
 
     x_label, y_label = axis_labels(film)

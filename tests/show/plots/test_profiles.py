@@ -80,3 +80,4 @@ def test_bands_lie_within_the_axis_and_only_visible_ones_are_named(film):
         assert edges.max() < high
         texts = [text.get_text() for text in artists[0].axes.get_legend().get_texts()]
         assert ("shared, 1 s.d." in texts) is named
+        assert (artists[2].get_zorder() < artists[1].get_zorder()) is named  # the wider one behind
