@@ -199,6 +199,12 @@ VARIABLE_ATTRIBUTES = (
     ),
     Attribute("start_std", "Its standard deviation [s].", "start was fitted"),
     Attribute("log_scale", "Of an exponent: logarithm of the factor of the fitted power law."),
+    Attribute(
+        "geometry",
+        "Of the exponent of the mean: that of the moving place of the minimum alone.",
+        "it excludes an exponent",
+    ),
+    Attribute("fitted", "Of the same: the exponent that was fitted.", "it is excluded"),
     Attribute("triggers_used", "Of an exponent: number of triggers in the fit."),
     Attribute("speed", "Of an exponent: variable whose power the film follows."),
     Attribute(

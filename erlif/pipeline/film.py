@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -65,6 +66,7 @@ from erlif.trend import (
     LARGEST_BEYOND,
     compare_with_roughness,
     fit_exponent,
+    mean_at_constant_minimum,
     predict_film,
 )
 
@@ -76,6 +78,10 @@ _TEXTS = read_table("erlif.pipeline", "words.toml")["film"]
 
 # Share of the region outside the measurable range from which a note reports it.
 _CENSORED = 0.01
+
+# Standard deviations of the exponent of the mean film that the moving place of the minimum may
+# change, and the change that never counts.
+_MOVED, _UNMOVED = 3.0, 0.01
 
 # What the motion gives for each frame, and a mean for each trigger.
 _MOTION = ("encoder_angle", "position", "rocker_speed", "sliding_speed")
@@ -343,7 +349,7 @@ def describe_film(
     settings, plane = run.settings, ObjectPlane(run.settings, run.pairs.shape)
     theory = choose_theory(settings, predict_theory(settings, film), prediction.triggers)
     film = film.merge(theory, combine_attrs="drop_conflicts")
-    film = film.assign(describe_exponents(film, results, calibration))
+    film = film.assign(describe_exponents(film, results, calibration, plane=plane))
 
     film = film.assign_coords(plane.grid(len(results)).coords)
     both = filter(None, (calibration, calibration.later))
@@ -353,6 +359,7 @@ def describe_film(
         *format_notes(run.pairs),
         *notes,
         *note_omissions(settings, film),
+        *_note_moved_mean(film),
         *prediction.notes,
         *note_difference(film, settings.prediction),
         *note_correlation(film),
@@ -443,11 +450,17 @@ def predict_theory(settings: RunSettings, film: xr.Dataset) -> xr.Dataset:
 
 
 def describe_exponents(
-    film: xr.Dataset, results: Sequence[TriggerResult], calibration: Calibration
+    film: xr.Dataset,
+    results: Sequence[TriggerResult],
+    calibration: Calibration,
+    *,
+    plane: ObjectPlane | None = None,
 ) -> dict[str, Any]:
     """Speed exponents of the minimum and of the mean film, as variables of the film.
 
-    Empty where the film has no speed or no load.
+    Empty where the film has no speed or no load. With a plane and positions of the pin, the mean
+    film has no exponent where the place of the minimum moves so far that this alone gives one
+    beyond the error.
     """
     name = _speed_of_trend(film)
     if name not in film or "load" not in film:
@@ -464,6 +477,7 @@ def describe_exponents(
     shared = scipy.linalg.block_diag(calibration.full_covariance, np.eye(1))
 
     exponents: dict[str, Any] = {}
+    moved = np.array([]) if plane is None else _moved_mean(film, plane)
     for variable, kind in (("speed_exponent", "minimum"), ("speed_exponent_mean", "mean")):
         # marks of the surfaces are the same at every trigger; the mean film includes them as
         # they are
@@ -478,8 +492,21 @@ def describe_exponents(
             ),
             covariance=shared,
         )
+        alone: dict[str, float] = {}
+        if kind == "mean" and moved.size:
+            counted = np.where(np.isfinite(films[kind]), moved, np.nan)
+            geometry = fit_exponent(
+                counted,
+                np.array([one.mean_random_std for one in statistics]),
+                speed=speed,
+                load=load,
+            ).value
+            if abs(geometry) > max(_MOVED * exponent.std, _UNMOVED):
+                alone = {"geometry": geometry, "fitted": exponent.value}
+                exponent = replace(exponent, value=math.nan, std=math.nan, log_scale=math.nan)
         exponents[variable] = FILM[variable].fill(
             exponent.value,
+            **alone,
             long_name=f"power of |{name}|/load that {_FILM_OF[kind]} follows",
             speed=name,
             log_scale=exponent.log_scale,
@@ -487,6 +514,24 @@ def describe_exponents(
         )
         exponents[f"{variable}_std"] = FILM[f"{variable}_std"].fill(exponent.std)
     return exponents
+
+
+def _moved_mean(film: xr.Dataset, plane: ObjectPlane) -> Array:
+    """Mean films of the pin at a constant minimum; empty without its positions. [um]"""
+    view = plane.view
+    if view is None or "pin_displacement" not in film:
+        return np.array([])
+    line = float(film["pin_displacement"].attrs["load_line"])
+    angle = (plane.along[plane.within] - line) / view.radius
+    return mean_at_constant_minimum(film["pin_displacement"].values, view.clearance, angle)
+
+
+def _note_moved_mean(film: xr.Dataset) -> list[Note]:
+    """A note where the exponent of the mean film would be that of the place of the minimum."""
+    attrs = film["speed_exponent_mean"].attrs if "speed_exponent_mean" in film else {}
+    if "geometry" not in attrs:
+        return []
+    return [_note("moved_mean", fitted=attrs["fitted"], geometry=attrs["geometry"])]
 
 
 def describe_frames(

@@ -4,7 +4,14 @@ from .blocks import BLOCK, BlockSums, sum_blocks
 from .cells import LightRecord
 from .course import Change, find_ratio_change, find_shift
 from .curve import FilmCurve
-from .exponent import LARGEST_BEYOND, LEAST_TRIGGERS, SLOWEST, Exponent, fit_exponent
+from .exponent import (
+    LARGEST_BEYOND,
+    LEAST_TRIGGERS,
+    SLOWEST,
+    Exponent,
+    fit_exponent,
+    mean_at_constant_minimum,
+)
 from .form import SCALE_STD, SIGNIFICANT, Cause, GapForm, judge_form
 from .gap import Contact, GapMinimum, choose_contact, find_gap_minima, find_gap_minimum
 from .position import (
@@ -94,6 +101,7 @@ __all__ = [
     "gap_of_pin",
     "judge_form",
     "load_line_covariance",
+    "mean_at_constant_minimum",
     "pin_covariance",
     "place_of_minimum",
     "predict_film",

@@ -18,6 +18,7 @@ from erlif.io.ingest.images import Page
 from erlif.io.settings import RunSettings
 from erlif.pipeline.film import (
     _mean_column,
+    _note_moved_mean,
     describe_exponents,
     describe_film,
     describe_frames,
@@ -27,6 +28,7 @@ from erlif.pipeline.film import (
 )
 from erlif.pipeline.physics.joint import locate_run
 from erlif.pipeline.physics.prediction import NO_PREDICTION
+from erlif.pipeline.plane import ObjectPlane
 
 SETTINGS = RunSettings.model_validate(tomllib.loads(RUN_TOML))
 
@@ -171,6 +173,32 @@ def test_a_mean_of_a_part_of_the_region_has_no_exponent(
     else:
         npt.assert_allclose(found.speed_exponent_mean, power, rtol=1e-6)
         assert found.speed_exponent_mean.attrs["triggers_used"] == (whole or 12)
+
+
+@pytest.mark.parametrize(("swing", "moves"), [(0.02, False), (4.0, True)])
+def test_a_mean_that_follows_the_place_of_the_minimum_has_no_exponent(calibration, swing, moves):
+    """A minimum of 5 um at every speed, which moves by a swing [mm] as the speed rises."""
+    speed = np.linspace(0.4, 2.5, 12)
+    side = swing * (speed / 2.5) / np.sqrt(33.36 * 33.59)
+    raw = tomllib.loads(RUN_TOML)
+    plane = ObjectPlane(RunSettings.model_validate(raw), (64, 80))
+    line = plane.view.load_line
+    angle = (plane.along[plane.within] - line) / plane.view.radius
+    films = 230 - 225 * np.cos(angle - side[:, np.newaxis]).mean(axis=1)
+    nothing = {"mean_gradient": np.zeros(3), "minimum_gradient": np.zeros(3)}
+    results = [make_result(mean=one, mean_random_std=0.005, **nothing) for one in films]
+    place = 225 * np.stack([np.cos(side), np.sin(side)], axis=1)
+    columns = {"rocker_speed": speed, "load": np.full(12, 222.0)}
+    film = xr.Dataset({name: ("trigger", one) for name, one in columns.items()})
+    film["pin_displacement"] = ("trigger", "axis"), place, {"load_line": line}
+
+    found = xr.Dataset(describe_exponents(film, results, calibration, plane=plane))
+    assert np.isnan(found.speed_exponent_mean) == moves
+    assert ("geometry" in found.speed_exponent_mean.attrs) == moves
+    assert [note.subject for note in _note_moved_mean(found)] == ["film_mean"] * moves
+    if moves:  # the minimum is constant: all of the exponent is that of its place
+        attrs = found.speed_exponent_mean.attrs
+        npt.assert_allclose(attrs["geometry"], attrs["fitted"], rtol=1e-3)
 
 
 def test_marks_of_the_surfaces_widen_the_exponent_of_the_minimum_alone(power_law, calibration):

@@ -5,7 +5,7 @@ import numpy.testing as npt
 import pytest
 from scenes.fixture import assert_covers
 
-from erlif.trend import SLOWEST, fit_exponent
+from erlif.trend import SLOWEST, fit_exponent, mean_at_constant_minimum
 
 SPEED = np.linspace(0.3, 2.5, 40)
 LOAD = np.full(40, 222.0)
@@ -102,3 +102,17 @@ def test_a_steady_speed_over_load_and_four_triggers_have_no_exponent(swing, fitt
     found = fit_exponent(few, np.full(40, 0.01), speed=SPEED, load=LOAD)
     assert np.isnan([found.value, found.std, found.log_scale]).all()
     assert found.triggers == 4
+
+
+def test_the_mean_at_a_constant_minimum_is_that_of_a_parabola():
+    """Over a width w with the minimum a beside the middle: h + (w^2/12 + a^2)/(2 R), R = 4.872 m.
+
+    The region is 10 mm wide, 10 mm is 0.3 rad: a circle deviates from its parabola by 1 %.
+    """
+    radius, clearance = np.sqrt(33.36 * 33.59), 230.0
+    angle = np.linspace(-5, 5, 401) / radius
+    beside, minimum = np.linspace(-5, 5, 11), np.linspace(4, 8, 11)
+    e = clearance - minimum
+    place = np.stack([e * np.cos(beside / radius), e * np.sin(beside / radius)], axis=1)
+    found = mean_at_constant_minimum(place, clearance, angle)
+    npt.assert_allclose(found - 6.0, (100 / 12 + beside**2) / (2 * 4.872), rtol=0.03)

@@ -161,4 +161,4 @@ def test_a_film_about_another_load_line_than_that_of_its_orbit_is_reported(sinki
     npt.assert_allclose(estimate.value, 1e-3 * line, atol=3 * estimate.std)
     notes = " ".join(map(str, found.notes))
     assert f"are about {line + 1:.2f} mm" in notes
-    assert 'set load_line = "' in notes
+    assert 'Set load_line = "' in notes
