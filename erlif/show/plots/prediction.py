@@ -34,7 +34,6 @@ _AROUND = 0.95  # inch above and below the maps, for title, labels and legend
 _WITHIN = 99.5  # percentile of the differences at the ends of their colour scale
 _LEAST_REACH = 0.01  # um; equal maps still need a scale
 _FOOT = 2.0  # lines of text below the films
-_BARS = f"bars: {style.ONE_STD}"
 _LEAST_SPAN = 0.02  # of the film; a smaller range is noise
 _PREDICTED: dict[str, Any] = {"colour": OUTWARD, "width": 1.0, "zorder": 2}
 
@@ -79,7 +78,7 @@ def film_and_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     artists += style.draw_line(ax, x, y, label=f"predicted, {held}", **_PREDICTED)
 
     triggers.limit_to_turn(ax)
-    _finish(ax, label)
+    _finish(ax, film, label)
     return artists
 
 
@@ -118,7 +117,7 @@ def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes | None = Non
     stretches = np.split(order, np.flatnonzero(triggers.find_gaps(np.diff(turns[order]))) + 1)
     x, y = (triggers.broken(stretches, each) for each in (turns, frames.film_predicted_min.values))
     artists += style.draw_line(ax, x, y, label="predicted", **_PREDICTED)
-    _finish(ax, "turns of the crank [1]")
+    _finish(ax, film, "turns of the crank [1]")
     return artists
 
 
@@ -143,34 +142,33 @@ def film_less_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Ar
     _require_prediction(film)
     ax = style.given_or_new(ax, film)
     angle, label, _ = triggers.choose_abscissa(film)
+    bars = triggers.bars_of(film)
     difference = film.film_min.values - film.film_predicted_min.values
     look: dict[str, Any] = {"elinewidth": pt(0.7), "zorder": 3}
-    artists = triggers.draw_strokes(
-        ax, film, angle, difference, film.film_min_std.values, colour=MINIMUM, **look
-    )
+    artists = triggers.draw_strokes(ax, film, angle, difference, bars.std, colour=MINIMUM, **look)
     artists.append(ax.axhline(0.0, color=OUTWARD, linewidth=pt(1.0), zorder=2))
     triggers.limit_to_turn(ax)
     ax.set(xlabel=label, ylabel="measured − predicted [µm]")
-    artists[0].set_label(_BARS)
+    artists[0].set_label(bars.title)
     style.legend_above(ax, handles=artists[:1])
     return artists
 
 
 def _draw_measured(ax: Axes, film: xr.Dataset, x: Array) -> list[Artist]:
     """Draw the measured minima with their standard deviations, by stroke."""
-    value, std = film.film_min.values, film.film_min_std.values
+    value, std = film.film_min.values, triggers.bars_of(film).std
     look: dict[str, Any] = {"elinewidth": pt(0.7), "zorder": 3}
     return triggers.draw_strokes(ax, film, x, value, std, colour=MINIMUM, label="measured", **look)
 
 
-def _finish(ax: Axes, label: str) -> None:
+def _finish(ax: Axes, film: xr.Dataset, label: str) -> None:
     """Label the axes, with the legend below them and room for a text at their foot."""
     low, high = ax.get_ylim()
     span = max(high - low, _LEAST_SPAN * high)
     ax.set_ylim(max(low - style.room_for(ax, _FOOT) * span, 0.0), low + span)
     ax.set(xlabel=label, ylabel="minimum film thickness [µm]")
     keys = ax.get_legend_handles_labels()[0]
-    style.legend_below(ax, keys, title=_BARS, alignment="left")
+    style.legend_below(ax, keys, title=triggers.bars_of(film).title, alignment="left")
     style.keep_in_place(ax)
 
 

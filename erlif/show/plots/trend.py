@@ -16,7 +16,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from erlif.core.arrays import Array, Mask
 from erlif.show.plots import style
 from erlif.show.plots.style import MEAN, MINIMUM, MUTED, OUTWARD, RETURN, AnyFigure, pt, styled
-from erlif.show.plots.triggers import draw_strokes, have_partial_mean, state_no_film
+from erlif.show.plots.triggers import bars_of, draw_strokes, have_partial_mean, state_no_film
 from erlif.trend import SLOWEST
 
 # labels of the axis by the speed: that of the joint in a linkage, else the sliding speed
@@ -27,7 +27,6 @@ _LABELS = {
 
 _TALL = 0.52  # height by width
 _MILLI = 1e3  # speed over load is drawn in thousandths
-_BARS = f"bars: {style.ONE_STD}"
 _LEFT_OUT = "not in the fit"
 _DASHES = (0, (3, 1.5))
 _DASH_DOT = (0, (4, 1.5, 1, 1.5))
@@ -98,7 +97,7 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
     plain_ticks(ax)
     # a statistic that no trigger has is not named
     if drawn:
-        _key_below(ax, [*drawn, *_stroke_keys(film)])
+        _key_below(ax, film, [*drawn, *_stroke_keys(film)])
     else:
         state_no_film(ax, film)
     return [*artists, *lines]
@@ -115,7 +114,7 @@ def _draw_points(ax: Axes, film: xr.Dataset, name: str, colour: str) -> list[Art
     x, fitted = _MILLI * speed_over_load(film), _used_in_fit(film)
     if name == "film_mean":
         fitted = fitted & ~have_partial_mean(film)
-    value, std = film[name].values, film[f"{name}_std"].values
+    value, std = film[name].values, bars_of(film, name).std
     drawable = np.isfinite(value) & (value > 0)  # the scale is logarithmic
     artists: list[Artist] = []
     for used, paint in ((fitted, colour), (~fitted, MUTED)):
@@ -180,7 +179,7 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     x = _MILLI * speed_over_load(film)
     value = film.film_min.values
     look: dict[str, Any] = {"colour": MINIMUM, "label": "measured minimum", "elinewidth": pt(0.7)}
-    artists = draw_strokes(ax, film, x, value, film.film_min_std.values, which=value > 0, **look)
+    artists = draw_strokes(ax, film, x, value, bars_of(film).std, which=value > 0, **look)
     if "film_predicted_min" in film:
         # the points within stay visible
         look = {"label": "transient film over the cycle", "zorder": 1.5, "size": _AROUND_POINTS}
@@ -203,19 +202,19 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     ax.set(xlabel=_LABELS[_speed_name(film)], ylabel="film thickness [µm]")
     ax.set_ylim(low, high)
     plain_ticks(ax)
-    _key_below(ax, ax.get_legend_handles_labels()[0])
+    _key_below(ax, film, ax.get_legend_handles_labels()[0])
     return artists
 
 
-def _key_below(ax: Axes, handles: Sequence[Any]) -> None:
+def _key_below(ax: Axes, film: xr.Dataset, handles: Sequence[Any]) -> None:
     """Add the legend below the axes: a line of theory may be anywhere within them."""
-    style.legend_below(ax, handles, title=_BARS, alignment="left")
+    style.legend_below(ax, handles, title=bars_of(film).title, alignment="left")
     style.keep_in_place(ax)
 
 
 def _range_of_film(film: xr.Dataset, theories: Sequence[str]) -> tuple[float, float]:
     """Ends of an axis for the film with its bars, and for theory that is near it. [um]"""
-    value, std = film.film_min.values, film.film_min_std.values
+    value, std = film.film_min.values, bars_of(film).std
     known = [value, value - std, value + std]
     if "film_predicted_min" in film:
         known.append(film.film_predicted_min.values)

@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from erlif.core.arrays import Array, Mask
 from erlif.io.files import driven_link, flag_shares, motion_of
 from erlif.show.plots.naming import describe_shares
-from erlif.show.plots.style import OUTWARD, STROKES, is_page, state_empty
+from erlif.show.plots.style import ONE_STD, OUTWARD, STROKES, is_page, state_empty
 from erlif.trend import LARGEST_BEYOND
 
 _STEADY = 0.01  # relative range of a speed that is not drawn: that of a steady disc and its log
@@ -66,6 +66,53 @@ def choose_abscissa(film: xr.Dataset) -> Abscissa:
         if name in film and np.ptp(film[name].values) > 0:
             return Abscissa(film[name].values, label, False)
     return Abscissa(np.arange(film.sizes["trigger"], dtype=float), "trigger", False)
+
+
+class Bars(NamedTuple):
+    """Error bars of the triggers of a film, and the title of their legend.
+
+    Attributes
+    ----------
+    std : Array
+        Standard deviation that is drawn, (trigger,): the random part where it is known. [um]
+    title : str
+        What the bars are, with the median of the part that all triggers share.
+    """
+
+    std: Array
+    title: str
+
+
+def bars_of(film: xr.Dataset, name: str = "film_min") -> Bars:
+    """Choose the bars by which the triggers of one film can be compared.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As in `erlif.plots`.
+    name : str
+        "film_min" or "film_mean".
+
+    Returns
+    -------
+    Bars
+
+    Examples
+    --------
+    >>> film = xr.Dataset({
+    ...     "film_min_std": ("trigger", [0.5, 0.5]), "film_min_std_random": ("trigger", [0.3, 0.3])
+    ... })
+    >>> bars_of(film)
+    Bars(std=array([0.3, 0.3]), title='bars: 1 s.d., random part; all share ± 0.4 µm')
+    """
+    whole, title = film[f"{name}_std"].values, f"bars: {ONE_STD}"
+    if f"{name}_std_random" not in film:
+        return Bars(whole, title)
+    random = film[f"{name}_std_random"].values
+    shared = np.sqrt(np.maximum(whole**2 - random**2, 0.0))
+    if not np.isfinite(shared).any():
+        return Bars(random, title)
+    return Bars(random, f"{title}, random part; all share ± {np.nanmedian(shared):.2g} µm")
 
 
 def limit_to_turn(ax: Axes) -> None:
