@@ -367,7 +367,8 @@ def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:
     """Warnings where the measured minimum leaves the predicted one beyond its error.
 
     The course over the run is judged by the random error of the minimum, as calibration and other
-    shared errors shift all triggers nearly alike; the level by the whole error.
+    shared errors shift all triggers nearly alike; the level by the whole error, unless the start
+    film was fitted to it.
 
     Parameters
     ----------
@@ -396,8 +397,10 @@ def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:
     errors = (float(np.sqrt(np.mean(std[known] ** 2))) for std in (own, whole))
     pin = describe_sideways(options)
 
+    fitted = bool(film["film_predicted_min"].attrs.get("start_film_fitted", 0))
+    sizes = off.std(), 0.0 if fitted else off.mean()
     notes = []
-    for key, size, error in zip(("course", "level"), (off.std(), off.mean()), errors, strict=True):
+    for key, size, error in zip(("course", "level"), sizes, errors, strict=True):
         if abs(size) >= max(_ERRORS * error, marked):
             notes.append(_note(f"{key}_differs", pin=pin, size=float(size), error=error))
     return notes

@@ -46,7 +46,7 @@ def test_the_catalogue_is_large_and_each_mistake_has_a_name_of_its_own():
     assert set(CHOSEN) <= set(names)
 
 
-USUAL = "the course of the minimum film over the run is not that of a"
+USUAL = "the course of the minimum film is not that of a"
 """A warning of rigs whose film is a formula."""
 
 

@@ -257,6 +257,8 @@ def test_a_difference_is_a_warning_beyond_error_and_share_of_the_film():
     assert warned(3.0 + 0.5 * up, 0.04) == ["course", "in the mean"]
     assert warned(3.0 + 0.5 * up, 0.04, shared=1.0) == ["course"]
     assert warned(np.full(6, -3.0), 0.01) == ["in the mean"]
+    predicted["film_predicted_min"].attrs["start_film_fitted"] = 1
+    assert not warned(np.full(6, -3.0), 0.01)
     assert not warned(0.5 * up, 0.2)  # within the error
     assert not warned(0.1 * up, 0.001)  # 1 % of the film
     assert not warned(np.where(up > 0, [0.0, 0, 1, 0, 2, 0], np.nan), 0.01)  # too few triggers
