@@ -98,9 +98,9 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
     found = comparison.fit.estimates
     beside = _beside_sheet(found["viscosity"], source.settings, source.frames)
     notes = comparison.fit.notes
-    line = found.get("load_line")
-    if line is not None:
-        about = 1e-3 * float(source.film.pin_displacement.attrs["load_line"])
+    line, seen = found.get("load_line"), source.film.get("pin_displacement", xr.DataArray())
+    if line is not None and "load_line" in seen.attrs:
+        about = 1e-3 * float(seen.attrs["load_line"])
         beside["load_line"] = _place(line, about)
         if abs(line.value) > _FAR * line.std and comparison.fit.sideways == "free":
             values = {"about": about, "place": about + line.value, "std": line.std}

@@ -141,16 +141,16 @@ def test_a_film_that_rises_under_its_load_is_carried_by_no_model(sinking, tmp_pa
 
 
 def test_a_film_about_another_load_line_than_that_of_its_orbit_is_reported(sinking, tmp_path):
-    """The rig states its line, from which the positions of this film are turned by 1 mm."""
+    """The rig states its line, from which the positions of this film are turned by 3 mm."""
     place, radius = tmp_path / "film.nc", np.sqrt(33.36 * 33.59)
     with erlif.open_film(sinking / "film.nc") as film:
         off = film.load()
     line = off.pin_displacement.attrs["load_line"]
-    turn = np.array(
-        [[np.cos(1 / radius), np.sin(1 / radius)], [-np.sin(1 / radius), np.cos(1 / radius)]]
-    )
+    cosine, sine = np.cos(3 / radius), np.sin(3 / radius)
+    turn = np.array([[cosine, sine], [-sine, cosine]])
     off["pin_displacement"] = off.pin_displacement.copy(data=off.pin_displacement.values @ turn.T)
-    off["pin_displacement"].attrs["load_line"] = line + 1.0
+    off["pin_displacement"].attrs["load_line"] = line + 3.0
+    off.attrs["settings"] = re.sub(r"(?m)^load_line = .*$", "", off.attrs["settings"])
     off.to_netcdf(place)
     with erlif.open_film(sinking / "film.nc", group="frames") as group:
         group.load().to_netcdf(place, group="frames", mode="a")
@@ -160,5 +160,5 @@ def test_a_film_about_another_load_line_than_that_of_its_orbit_is_reported(sinki
     estimate = found.estimates["load_line"]
     npt.assert_allclose(estimate.value, 1e-3 * line, atol=3 * estimate.std)
     notes = " ".join(map(str, found.notes))
-    assert f"are about {line + 1:.2f} mm" in notes
+    assert f"are about {line + 3:.2f} mm" in notes
     assert 'Set load_line = "' in notes
